@@ -1,0 +1,3 @@
+//! Event-exact integration of dry-friction (Filippov) systems, and the replication of one paper with it.
+
+pub mod math;

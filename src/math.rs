@@ -1,0 +1,75 @@
+//! Elementary functions with the same bits on every platform.
+//!
+//! `+ - * /` and `sqrt` are exact to the last bit by IEEE 754 and rustc never contracts them, but the
+//! standard library's `sin`, `exp`, … call whatever C library the platform has. Everything in this
+//! project that needs one calls it here; the lint `disallowed-methods` bans the others.
+
+/// Sine of `x` in radians.
+pub fn sin(x: f64) -> f64 {
+    libm::sin(x)
+}
+
+/// Cosine of `x` in radians.
+pub fn cos(x: f64) -> f64 {
+    libm::cos(x)
+}
+
+/// Tangent of `x` in radians.
+pub fn tan(x: f64) -> f64 {
+    libm::tan(x)
+}
+
+/// Arc cosine in `[0, π]`; NaN outside `[-1, 1]`.
+pub fn acos(x: f64) -> f64 {
+    libm::acos(x)
+}
+
+/// Angle of the point `(x, y)` in `(-π, π]`.
+pub fn atan2(y: f64, x: f64) -> f64 {
+    libm::atan2(y, x)
+}
+
+/// `e^x`.
+pub fn exp(x: f64) -> f64 {
+    libm::exp(x)
+}
+
+/// Natural logarithm.
+pub fn ln(x: f64) -> f64 {
+    libm::log(x)
+}
+
+/// Decimal logarithm.
+pub fn log10(x: f64) -> f64 {
+    libm::log10(x)
+}
+
+/// `x^y` for real `y`.
+pub fn pow(x: f64, y: f64) -> f64 {
+    libm::pow(x, y)
+}
+
+/// Cube root.
+pub fn cbrt(x: f64) -> f64 {
+    libm::cbrt(x)
+}
+
+/// `√(x² + y²)` without overflow.
+pub fn hypot(x: f64, y: f64) -> f64 {
+    libm::hypot(x, y)
+}
+
+/// `x^n` by repeated squaring: only multiplications (and one division for `n < 0`), in a fixed order.
+pub fn powi(x: f64, n: i32) -> f64 {
+    let mut base = x;
+    let mut left = n.unsigned_abs();
+    let mut product = 1.0;
+    while left > 0 {
+        if left & 1 == 1 {
+            product *= base;
+        }
+        base *= base;
+        left >>= 1;
+    }
+    if n < 0 { 1.0 / product } else { product }
+}
