@@ -1,3 +1,20 @@
 //! Event-exact integration of dry-friction (Filippov) systems, and the replication of one paper with it.
 
+pub mod analysis;
+pub mod error;
+pub mod filippov;
 pub mod math;
+pub mod models;
+pub mod ode;
+pub mod orbit;
+pub mod scalar;
+pub mod system;
+
+pub use error::Error;
+pub use filippov::{
+    AtRepelling, Failure, Fate, Locator, Method, Observer, Options, Phase, StepRecord, Summary,
+    Transition, TransitionKind, fate, run, solve,
+};
+pub use orbit::{Counters, Ending, Orbit};
+pub use scalar::Scalar;
+pub use system::{Filippov, Mode, Side, State};

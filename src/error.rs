@@ -1,0 +1,151 @@
+//! What can go wrong, each case with the values that explain it.
+
+use std::fmt;
+
+/// A state as it appears in a message.
+#[derive(Clone, PartialEq)]
+pub struct Point(pub Vec<f64>);
+
+impl fmt::Debug for Point {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:?}", self.0)
+    }
+}
+
+impl fmt::Display for Point {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "(")?;
+        for (i, v) in self.0.iter().enumerate() {
+            write!(f, "{}{v}", if i == 0 { "" } else { ", " })?;
+        }
+        write!(f, ")")
+    }
+}
+
+impl<const N: usize> From<&crate::system::State<f64, N>> for Point {
+    fn from(x: &crate::system::State<f64, N>) -> Self {
+        Point(x.iter().copied().collect())
+    }
+}
+
+/// Every failure of the library's computations.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A model parameter is not allowed.
+    #[error("parameter {name} = {value} is not allowed: it must be {bound}")]
+    Parameter {
+        /// Name as in the model's struct.
+        name: &'static str,
+        /// Value given.
+        value: f64,
+        /// What is allowed, in words.
+        bound: &'static str,
+    },
+    /// A setting of the solver is not allowed.
+    #[error("option {name} = {value} is not allowed: it must be {bound}")]
+    Option {
+        /// Name as in [`crate::Options`].
+        name: &'static str,
+        /// Value given.
+        value: f64,
+        /// What is allowed, in words.
+        bound: &'static str,
+    },
+    /// The end time does not lie after the start, or one of them is not a number.
+    #[error("cannot integrate from t = {t0} to t = {t_end}: both must be finite and the end later than the start")]
+    Interval {
+        /// Start time.
+        t0: f64,
+        /// End time.
+        t_end: f64,
+    },
+    /// The start lies where the system is not defined.
+    #[error("the start t = {t}, x = {x} lies outside the system's domain: {what} is not finite there; start where field and boundary are finite")]
+    StartOutsideDomain {
+        /// Start time.
+        t: f64,
+        /// Start state.
+        x: Point,
+        /// Which function, in words.
+        what: &'static str,
+    },
+    /// The state became infinite or not a number.
+    #[error("the state stopped being finite after t = {t}, x = {x}; the field may have a pole there, or the fixed step {step} may be too long")]
+    NonFinite {
+        /// Last good time.
+        t: f64,
+        /// Last good state.
+        x: Point,
+        /// Step tried.
+        step: f64,
+    },
+    /// The adaptive step shrank to rounding: the solution cannot be continued to the tolerance.
+    #[error("the step collapsed to {step} at t = {t}, x = {x}: the solution has a singularity there or rtol = {rtol}, atol = {atol} cannot be met; loosen them or set an escape bound")]
+    StepCollapse {
+        /// Time reached.
+        t: f64,
+        /// State reached.
+        x: Point,
+        /// Step length that was too small.
+        step: f64,
+        /// Relative tolerance.
+        rtol: f64,
+        /// Absolute tolerance.
+        atol: f64,
+    },
+    /// Transitions pile up (Zeno): ever more of them within no time.
+    #[error("{count} transitions within {span} before t = {t}, x = {x}: they pile up (Zeno); the orbit cannot be followed past the accumulation point")]
+    EventPileUp {
+        /// Transitions counted.
+        count: usize,
+        /// Time within which they happened.
+        span: f64,
+        /// Time reached.
+        t: f64,
+        /// State reached.
+        x: Point,
+    },
+    /// A component of the state passed the bound set in the options.
+    #[error("the orbit escaped: |x| > {bound} at t = {t}, x = {x}; raise the escape bound to follow it further")]
+    Escaped {
+        /// Time.
+        t: f64,
+        /// State.
+        x: Point,
+        /// The bound.
+        bound: f64,
+    },
+    /// The orbit does not cover the time asked for.
+    #[error("t = {t} lies outside the orbit, which covers {from} to {to}")]
+    OutsideOrbit {
+        /// Time asked for.
+        t: f64,
+        /// First time of the orbit.
+        from: f64,
+        /// Last time of the orbit.
+        to: f64,
+    },
+    /// An iteration did not converge.
+    #[error("{what} did not converge in {iterations} iterations: residual {residual}, wanted {wanted}; start nearer to the solution")]
+    NotConverged {
+        /// What was sought.
+        what: &'static str,
+        /// Iterations made.
+        iterations: usize,
+        /// Residual left.
+        residual: f64,
+        /// Residual asked for.
+        wanted: f64,
+    },
+    /// Something that the computation relies on was not found.
+    #[error("{what} was not found within {span} time units after t = {t}")]
+    NotFound {
+        /// What was sought.
+        what: &'static str,
+        /// Where the search began.
+        t: f64,
+        /// How far it went.
+        span: f64,
+    },
+}

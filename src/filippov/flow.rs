@@ -1,0 +1,192 @@
+//! The smooth flow of one mode, and the guards that end it.
+
+use num_dual::{Dual, Dual3};
+
+use crate::ode::{Linear, Timed};
+use crate::scalar::Differentiable;
+use crate::system::{Filippov, Side, State};
+
+/// Rate of the boundary function along the vector `f` at `(t, x)`: `∂h/∂t + ∇h·f`, the normal component of the
+/// field relative to a moving Σ (the first Lie derivative where `f` is a field of the system).
+#[inline(always)]
+pub fn normal_component<S: Filippov<N>, T: Differentiable, const N: usize>(
+    system: &S,
+    t: T,
+    x: &State<T, N>,
+    f: &State<T, N>,
+) -> T {
+    let along = State::<Dual<T>, N>::from_fn(|i, _| Dual::new(x[i], f[i]));
+    system
+        .boundary(Dual::new(t, T::constant(1.0)), &along)
+        .eps
+}
+
+/// Filippov's sliding field on Σ: the convex combination of the two fields that is tangent to Σ,
+/// `f₁ + λ (f₂ − f₁)` with `λ = a₁/(a₁ − a₂)` and `a₁`, `a₂` the fields' normal components (Filippov 1988, Sect. 4).
+///
+/// Components that both fields share come out exactly as they are.
+#[inline(always)]
+pub fn sliding_field<S: Filippov<N>, T: Differentiable, const N: usize>(
+    system: &S,
+    t: T,
+    x: &State<T, N>,
+) -> State<T, N> {
+    let below = system.field(Side::Below, t, x);
+    let above = system.field(Side::Above, t, x);
+    let a1 = normal_component(system, t, x, &below);
+    let a2 = normal_component(system, t, x, &above);
+    let weight = a1 / (a1 - a2);
+    State::from_fn(|i, _| below[i] + weight * (above[i] - below[i]))
+}
+
+/// A smooth flow that goes on while all its guards are positive.
+pub(crate) trait Flow<const N: usize> {
+    /// How many guards there are.
+    const GUARDS: usize;
+    /// How many of the user's field calls one evaluation takes.
+    const FIELD_CALLS: u64;
+    /// dx/dt.
+    fn field<T: Differentiable>(&self, t: T, x: &State<T, N>) -> State<T, N>;
+    /// Guard `i`: positive while the mode holds, zero where it ends.
+    fn guard<T: Differentiable>(&self, i: usize, t: T, x: &State<T, N>) -> T;
+    /// Takes out the rounding by which `x` has drifted off the set that the flow lives on.
+    fn settle(&self, t: f64, x: State<f64, N>) -> State<f64, N>;
+
+    /// Rate of guard `i` along the vector `f`.
+    #[inline(always)]
+    fn rate<T: Differentiable>(&self, i: usize, t: T, x: &State<T, N>, f: &State<T, N>) -> T {
+        let along = State::<Dual<T>, N>::from_fn(|j, _| Dual::new(x[j], f[j]));
+        self.guard(i, Dual::new(t, T::constant(1.0)), &along).eps
+    }
+
+    /// Slope of time and state with guard `i` as independent variable: `(1, f)/rate`.
+    #[inline(always)]
+    fn swapped(&self, i: usize, at: &Timed<f64, N>) -> Timed<f64, N> {
+        let f = self.field(at.t, &at.x);
+        let per_guard = 1.0 / self.rate(i, at.t, &at.x, &f);
+        Timed {
+            t: per_guard,
+            x: <State<f64, N> as Linear<f64>>::zero().add_scaled(per_guard, &f),
+        }
+    }
+
+    /// Value and first three time derivatives of guard `i` along the flow.
+    fn jet<T: Differentiable>(&self, i: usize, t: T, x: &State<T, N>) -> [T; 4] {
+        let path = flow_path(t, x, |t, x| self.field(t, x));
+        let g = self.guard(i, path.0, &path.1);
+        [g.re, g.v1, g.v2, g.v3]
+    }
+}
+
+/// The solution through `(t, x)` as third-order dual numbers in time: `x`, `ẋ`, `ẍ`, `x⃛`. Each pass through the field
+/// makes one more derivative right.
+pub(crate) fn flow_path<T: Differentiable, const N: usize>(
+    t: T,
+    x: &State<T, N>,
+    field: impl Fn(Dual3<T>, &State<Dual3<T>, N>) -> State<Dual3<T>, N>,
+) -> (Dual3<T>, State<Dual3<T>, N>) {
+    let zero = T::constant(0.0);
+    let time = Dual3::new(t, T::constant(1.0), zero, zero);
+    let mut path = x.map(|v| Dual3::new(v, zero, zero, zero));
+    for _ in 0..3 {
+        let slope = field(time, &path);
+        path = State::from_fn(|i, _| {
+            Dual3::new(x[i], slope[i].re, slope[i].v1, slope[i].v2)
+        });
+    }
+    (time, path)
+}
+
+/// Slip on one side of Σ: ends where the boundary function reaches zero.
+pub(crate) struct Slip<'a, S> {
+    pub system: &'a S,
+    pub side: Side,
+}
+
+impl<S: Filippov<N>, const N: usize> Flow<N> for Slip<'_, S> {
+    const GUARDS: usize = 1;
+    const FIELD_CALLS: u64 = 1;
+
+    #[inline(always)]
+    fn field<T: Differentiable>(&self, t: T, x: &State<T, N>) -> State<T, N> {
+        self.system.field(self.side, t, x)
+    }
+
+    #[inline(always)]
+    fn guard<T: Differentiable>(&self, _i: usize, t: T, x: &State<T, N>) -> T {
+        self.system.boundary(t, x) * self.side.sign()
+    }
+
+    fn settle(&self, _t: f64, x: State<f64, N>) -> State<f64, N> {
+        x
+    }
+}
+
+/// Stick (sliding on Σ): ends where either field stops pushing towards Σ. Guard 0 is the normal component
+/// of the field below, guard 1 minus that of the field above.
+pub(crate) struct Stick<'a, S> {
+    pub system: &'a S,
+}
+
+impl<S> Stick<'_, S> {
+    /// The side that the body is released to when guard `i` fails.
+    pub(crate) fn side_of_guard(i: usize) -> Side {
+        if i == 0 { Side::Below } else { Side::Above }
+    }
+}
+
+impl<S: Filippov<N>, const N: usize> Flow<N> for Stick<'_, S> {
+    const GUARDS: usize = 2;
+    const FIELD_CALLS: u64 = 2;
+
+    #[inline(always)]
+    fn field<T: Differentiable>(&self, t: T, x: &State<T, N>) -> State<T, N> {
+        sliding_field(self.system, t, x)
+    }
+
+    #[inline(always)]
+    fn guard<T: Differentiable>(&self, i: usize, t: T, x: &State<T, N>) -> T {
+        let side = Self::side_of_guard(i);
+        let f = self.system.field(side, t, x);
+        normal_component(self.system, t, x, &f) * -side.sign()
+    }
+
+    fn settle(&self, t: f64, x: State<f64, N>) -> State<f64, N> {
+        project(self.system, t, x)
+    }
+}
+
+/// Gradient of the boundary function in the state, and its time derivative.
+pub fn boundary_gradient<S: Filippov<N>, const N: usize>(
+    system: &S,
+    t: f64,
+    x: &State<f64, N>,
+) -> (State<f64, N>, f64) {
+    let frozen = Dual::new(t, 0.0);
+    let gradient = State::from_fn(|i, _| {
+        let seeded =
+            State::<Dual<f64>, N>::from_fn(|j, _| Dual::new(x[j], f64::from(u8::from(i == j))));
+        system.boundary(frozen, &seeded).eps
+    });
+    let constant = x.map(|v| Dual::new(v, 0.0));
+    (gradient, system.boundary(Dual::new(t, 1.0), &constant).eps)
+}
+
+/// One Newton step from `x` onto Σ along the gradient of the boundary function.
+pub(crate) fn project<S: Filippov<N>, const N: usize>(
+    system: &S,
+    t: f64,
+    x: State<f64, N>,
+) -> State<f64, N> {
+    let h = system.boundary(t, &x);
+    if h == 0.0 {
+        return x;
+    }
+    let (gradient, _) = boundary_gradient(system, t, &x);
+    let length: f64 = gradient.norm_squared();
+    if length > 0.0 && h.is_finite() {
+        x.add_scaled(-h / length, &gradient)
+    } else {
+        x
+    }
+}

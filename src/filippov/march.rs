@@ -1,0 +1,363 @@
+//! Integration through one phase: steps, and the search of each for the first event.
+
+use super::flow::Flow;
+use super::locate::{Located, Origin, Uncertainty, uncertainty, zero_on_dense};
+use super::observer::{Observer, StepRecord, Transition, TransitionKind};
+use super::options::Options;
+use super::scan::first_zero;
+use crate::error::{Error, Point};
+use crate::ode::control::{error_norm, first_step, step_factor};
+use crate::ode::{Dense, RungeKutta, Stages, Timed, dense_slopes, stages};
+use crate::orbit::Counters;
+use crate::system::{Mode, State};
+
+/// What lasts from phase to phase.
+pub(crate) struct Run<'a, O> {
+    pub options: &'a Options,
+    pub observer: &'a mut O,
+    pub counters: Counters,
+    pub t_end: f64,
+    /// Next step to try; 0 until the first is chosen. It is kept over events: the new field is usually as fast as the
+    /// old, and error control corrects it where it is not.
+    pub h: f64,
+}
+
+/// How a phase ended.
+pub(crate) enum PhaseEnd<const N: usize> {
+    /// The end time was reached.
+    Time(Timed<f64, N>),
+    /// Guard `guard` reached zero.
+    Exit {
+        at: Timed<f64, N>,
+        guard: usize,
+        residual: f64,
+    },
+    /// The observer asked to stop.
+    Stopped(Timed<f64, N>),
+}
+
+/// An event found in a step.
+struct Event<const N: usize> {
+    guard: usize,
+    located: Located<N>,
+}
+
+/// A guard over one step, with the zero that it starts from (if it does) divided out: `(g − g₀ − …)/s^order` has the
+/// guard's other zeros and none at the start.
+struct Deflated {
+    order: usize,
+    /// Taylor coefficients of the guard in `s` at the start of the step.
+    start: [f64; 4],
+}
+
+impl Deflated {
+    #[inline(always)]
+    fn value(&self, s: f64, guard: impl FnOnce() -> f64) -> f64 {
+        if self.order == 0 {
+            return guard();
+        }
+        if s == 0.0 {
+            return self.start[self.order];
+        }
+        let mut rest = guard();
+        let mut power = 1.0;
+        for coefficient in &self.start[..self.order] {
+            rest -= coefficient * power;
+            power *= s;
+        }
+        rest / power
+    }
+}
+
+impl<O> Run<'_, O> {
+    /// Integrates `flow` from `start` until a guard fails. `orders` says how many derivatives of each guard vanish
+    /// at the start.
+    pub(crate) fn march<M, F, const N: usize>(
+        &mut self,
+        flow: &F,
+        mode: Mode,
+        start: Timed<f64, N>,
+        mut orders: [usize; 2],
+    ) -> Result<PhaseEnd<N>, Error>
+    where
+        M: RungeKutta,
+        F: Flow<N>,
+        O: Observer<N>,
+    {
+        let field = &mut |t: f64, x: &State<f64, N>| flow.field(t, x);
+        let Timed { mut t, mut x } = start;
+        let mut slope = field(t, &x);
+        self.counters.field_calls += F::FIELD_CALLS;
+        if self.h == 0.0 {
+            self.h = self.choose_first_step(field, t, &x, &slope);
+            self.counters.field_calls += F::FIELD_CALLS;
+        }
+        loop {
+            if t >= self.t_end {
+                return Ok(PhaseEnd::Time(Timed { t, x }));
+            }
+            let (h, is_last, mut step) = self.accepted_step::<M, F, N>(flow, t, &x, slope)?;
+            let t_next = if is_last { self.t_end } else { t + h };
+            step.end = flow.settle(t_next, step.end);
+            dense_slopes::<M, f64, _>(field, t, &x, h, &mut step);
+            self.counters.field_calls +=
+                F::FIELD_CALLS * (1 + M::COEFFICIENTS.dense_stages as u64);
+            let dense = Dense::new::<M>(t, &x, h, &step);
+            let origin = Origin { flow, t, x, slope, h };
+            let event = self.first_event::<M, F, N>(&origin, &dense, &orders);
+            let (at, next_slope) = match &event {
+                Some(Event { located: Located::Exit { at, .. } | Located::Touch { at, .. }, .. }) => {
+                    (*at, None)
+                }
+                _ => (
+                    Timed { t: t_next, x: step.end },
+                    Some(step.k[M::COEFFICIENTS.stages]),
+                ),
+            };
+            self.counters.steps += 1;
+            let record = StepRecord {
+                mode,
+                t_start: t,
+                t_end: at.t,
+                x_start: x,
+                x_end: at.x,
+                dense,
+            };
+            self.check_bounds(&at, t, &x, h)?;
+            if self.observer.step(&record).is_break() {
+                return Ok(PhaseEnd::Stopped(at));
+            }
+            match event {
+                Some(Event { guard, located: Located::Exit { at, residual } }) => {
+                    return Ok(PhaseEnd::Exit { at, guard, residual });
+                }
+                Some(Event { guard, located: Located::Touch { at, residual } }) => {
+                    self.counters.events += 1;
+                    let touch = Transition {
+                        t: at.t,
+                        x: at.x,
+                        kind: TransitionKind::Touch,
+                        from: mode,
+                        to: mode,
+                        residual,
+                    };
+                    if self.observer.transition(&touch).is_break() {
+                        return Ok(PhaseEnd::Stopped(at));
+                    }
+                    orders[guard] = 2;
+                }
+                _ => {
+                    for (i, order) in orders.iter_mut().enumerate().take(F::GUARDS) {
+                        if *order > 0 && has_left::<F, N>(flow, i, &at, self.options) {
+                            *order = 0;
+                        }
+                    }
+                }
+            }
+            Timed { t, x } = at;
+            slope = match next_slope {
+                Some(slope) => slope,
+                None => {
+                    self.counters.field_calls += F::FIELD_CALLS;
+                    field(t, &x)
+                }
+            };
+        }
+    }
+
+    fn choose_first_step<const N: usize>(
+        &self,
+        field: &mut impl FnMut(f64, &State<f64, N>) -> State<f64, N>,
+        t: f64,
+        x: &State<f64, N>,
+        slope: &State<f64, N>,
+    ) -> f64 {
+        let longest = self.options.longest_step.min(self.t_end - t);
+        if let Some(step) = self.options.fixed_step().or(self.options.first_step) {
+            return step.min(longest);
+        }
+        first_step(field, t, x, slope, &self.options.tolerance(), longest)
+    }
+
+    /// The next step within the tolerance: its length, whether it ends at the end time, its slopes and end.
+    #[inline(always)]
+    fn accepted_step<M: RungeKutta, F: Flow<N>, const N: usize>(
+        &mut self,
+        flow: &F,
+        t: f64,
+        x: &State<f64, N>,
+        slope: State<f64, N>,
+    ) -> Result<(f64, bool, Stages<State<f64, N>>), Error> {
+        let field = &mut |t: f64, x: &State<f64, N>| flow.field(t, x);
+        let tolerance = self.options.tolerance();
+        let mut rejected = false;
+        loop {
+            let mut h = self.h.min(self.options.longest_step);
+            // A last step is stretched a little rather than followed by one of rounding's length.
+            let is_last = t + 1.01 * h >= self.t_end;
+            if is_last {
+                h = self.t_end - t;
+            }
+            let step = stages::<M, f64, _>(field, t, x, slope, h);
+            self.counters.field_calls += F::FIELD_CALLS * (M::COEFFICIENTS.stages as u64 - 1);
+            let error = error_norm::<M, N>(&step, x, h, &tolerance);
+            if self.options.fixed_step().is_some() {
+                if error.is_finite() {
+                    return Ok((h, is_last, step));
+                }
+                return Err(Error::NonFinite { t, x: Point::from(x), step: h });
+            }
+            if error <= 1.0 {
+                let factor = step_factor(error);
+                // After a rejection the step does not grow at once, and a last step cut short by the end time says
+                // nothing against the one that was planned.
+                let next = h * if rejected { factor.min(1.0) } else { factor };
+                self.h = if is_last { next.max(self.h) } else { next };
+                return Ok((h, is_last, step));
+            }
+            self.counters.rejected += 1;
+            rejected = true;
+            self.h = h * if error.is_finite() { step_factor(error) } else { 0.1 };
+            if self.h <= 16.0 * f64::EPSILON * t.abs().max(f64::MIN_POSITIVE) || t + 0.01 * self.h == t {
+                if slope.iter().any(|v| !v.is_finite()) {
+                    return Err(Error::NonFinite { t, x: Point::from(x), step: h });
+                }
+                return Err(Error::StepCollapse {
+                    t,
+                    x: Point::from(x),
+                    step: self.h,
+                    rtol: tolerance.rtol,
+                    atol: tolerance.atol,
+                });
+            }
+        }
+    }
+
+    fn check_bounds<const N: usize>(
+        &self,
+        at: &Timed<f64, N>,
+        t: f64,
+        x: &State<f64, N>,
+        h: f64,
+    ) -> Result<(), Error> {
+        for v in at.x.iter() {
+            if !v.is_finite() {
+                return Err(Error::NonFinite { t, x: Point::from(x), step: h });
+            }
+            if v.abs() > self.options.escape {
+                return Err(Error::Escaped {
+                    t: at.t,
+                    x: Point::from(&at.x),
+                    bound: self.options.escape,
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// The first guard that fails in the step, and where.
+    #[inline(always)]
+    fn first_event<M: RungeKutta, F: Flow<N>, const N: usize>(
+        &mut self,
+        origin: &Origin<'_, F, N>,
+        dense: &Dense<N>,
+        orders: &[usize; 2],
+    ) -> Option<Event<N>> {
+        let mut first: Option<(f64, Event<N>)> = None;
+        for guard in 0..F::GUARDS {
+            let found = self.first_failure::<M, F, N>(guard, origin, dense, orders[guard]);
+            if let Some((t, located)) = found
+                && first.as_ref().is_none_or(|(earlier, _)| t < *earlier)
+            {
+                first = Some((t, Event { guard, located }));
+            }
+        }
+        first.map(|(_, event)| event)
+    }
+
+    #[inline(always)]
+    fn first_failure<M: RungeKutta, F: Flow<N>, const N: usize>(
+        &mut self,
+        i: usize,
+        origin: &Origin<'_, F, N>,
+        dense: &Dense<N>,
+        order: usize,
+    ) -> Option<(f64, Located<N>)> {
+        let flow = origin.flow;
+        let on_dense = |s: f64| flow.guard(i, origin.t + s * origin.h, &dense.at(s));
+        let deflated = if order == 0 {
+            Deflated { order, start: [0.0; 4] }
+        } else {
+            leaving(flow, i, origin, order)
+        };
+        if order > 0 && !self.resolves_departure(i, origin, dense, &deflated) {
+            return None;
+        }
+        let value = &mut |s: f64| deflated.value(s, || on_dense(s));
+        let mut from = 0.0;
+        while let Some(bracket) = first_zero(value, from, 1.0) {
+            let estimate = zero_on_dense(value, bracket);
+            let blur = self.uncertainty(flow, i, origin);
+            let touch = (self.options.touch * blur.by_tolerance).max(blur.by_rounding);
+            let located = origin.locate::<M>(i, bracket, estimate, self.options.locator, touch);
+            // Location re-integrates: two probes of a step and a Hénon step, or some twenty in a search.
+            self.counters.locations += 1;
+            match located {
+                Located::Exit { at, .. } | Located::Touch { at, .. } => return Some((at.t, located)),
+                Located::Nothing if bracket.b > from && bracket.b < 1.0 => from = bracket.b,
+                Located::Nothing => return None,
+            }
+        }
+        None
+    }
+
+    fn uncertainty<F: Flow<N>, const N: usize>(
+        &self,
+        flow: &F,
+        i: usize,
+        origin: &Origin<'_, F, N>,
+    ) -> Uncertainty {
+        let at = Timed { t: origin.t, x: origin.x };
+        uncertainty(flow, i, &at, &self.options.tolerance())
+    }
+
+    /// Whether the step is long enough for the guard to rise out of rounding; a shorter one cannot hold an event that
+    /// means anything.
+    fn resolves_departure<F: Flow<N>, const N: usize>(
+        &self,
+        i: usize,
+        origin: &Origin<'_, F, N>,
+        dense: &Dense<N>,
+        deflated: &Deflated,
+    ) -> bool {
+        let floor = self.uncertainty(origin.flow, i, origin).by_rounding;
+        [0.25, 0.5, 1.0].iter().any(|&s: &f64| {
+            let guard = origin.flow.guard(i, origin.t + s * origin.h, &dense.at(s));
+            (deflated.value(s, || guard) * s * s).abs() > floor
+        })
+    }
+}
+
+/// The guard's Taylor coefficients (in parts of the step) at a start from its own zero.
+fn leaving<F: Flow<N>, const N: usize>(
+    flow: &F,
+    i: usize,
+    origin: &Origin<'_, F, N>,
+    order: usize,
+) -> Deflated {
+    let [g, rate, bend, third] = flow.jet(i, origin.t, &origin.x);
+    let h = origin.h;
+    let start = [g, rate * h, 0.5 * bend * h * h, third * h * h * h / 6.0];
+    Deflated { order: order.min(3), start }
+}
+
+/// Whether a guard that was zero at the start of the phase now stands clear of zero.
+fn has_left<F: Flow<N>, const N: usize>(
+    flow: &F,
+    i: usize,
+    at: &Timed<f64, N>,
+    options: &Options,
+) -> bool {
+    let floor = uncertainty(flow, i, at, &options.tolerance()).by_rounding;
+    flow.guard(i, at.t, &at.x) > 4.0 * floor
+}

@@ -1,0 +1,17 @@
+//! Filippov systems: the switching rules on Σ, event location, and the driver that yields phases and transitions.
+
+mod driver;
+mod flow;
+mod locate;
+mod march;
+mod observer;
+mod options;
+mod rules;
+mod scan;
+
+pub use driver::{Failure, Summary, run, solve};
+pub use flow::{boundary_gradient, normal_component, sliding_field};
+pub use observer::{Observer, Phase, StepRecord, Transition, TransitionKind};
+pub use options::{AtRepelling, Locator, Method, Options};
+pub(crate) use rules::LieDerivatives;
+pub use rules::{Fate, fate};

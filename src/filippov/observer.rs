@@ -1,0 +1,120 @@
+//! What a run tells while it goes: steps, transitions, phases.
+
+use std::ops::ControlFlow;
+
+use crate::ode::Dense;
+use crate::system::{Mode, State};
+
+/// A part of an orbit in one mode, between two transitions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Phase<const N: usize> {
+    /// Slip below, slip above, or stick.
+    pub mode: Mode,
+    /// Time at the start.
+    pub t_start: f64,
+    /// Time at the end.
+    pub t_end: f64,
+    /// State at the start.
+    pub x_start: State<f64, N>,
+    /// State at the end.
+    pub x_end: State<f64, N>,
+}
+
+impl<const N: usize> Phase<N> {
+    /// Length in time.
+    pub fn duration(&self) -> f64 {
+        self.t_end - self.t_start
+    }
+
+    /// Change of the state over the phase. For a body on a belt of speed `vp` the position's change in
+    /// a stick phase is `vp · duration`.
+    pub fn displacement(&self) -> State<f64, N> {
+        self.x_end - self.x_start
+    }
+}
+
+/// What happened at a transition.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum TransitionKind {
+    /// From slip on one side through Σ to slip on the other: the orbit kinks.
+    Crossing,
+    /// From slip to stick.
+    StickEntry,
+    /// From stick to slip, at a tangent point.
+    StickExit,
+    /// A contact that changes nothing: slip touches Σ, or a guard of the stick phase touches zero.
+    Touch,
+}
+
+/// A transition on Σ.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Transition<const N: usize> {
+    /// Time.
+    pub t: f64,
+    /// State, on Σ.
+    pub x: State<f64, N>,
+    /// What happened.
+    pub kind: TransitionKind,
+    /// Mode before.
+    pub from: Mode,
+    /// Mode after.
+    pub to: Mode,
+    /// What is left at `(t, x)` of the function whose zero was sought: of the boundary function at the end of a slip, of
+    /// the normal component at the end of a stick.
+    pub residual: f64,
+}
+
+/// An accepted step, or the part of one up to an event.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepRecord<const N: usize> {
+    /// Mode during the step.
+    pub mode: Mode,
+    /// Time at the start.
+    pub t_start: f64,
+    /// Time at the end.
+    pub t_end: f64,
+    /// State at the start.
+    pub x_start: State<f64, N>,
+    /// State at the end.
+    pub x_end: State<f64, N>,
+    /// The solution in between; good from `t_start` to `t_end`.
+    pub dense: Dense<N>,
+}
+
+/// Told of everything as it happens, in order of time; memory need not grow with the length of the run.
+///
+/// Each method may end the run by returning [`ControlFlow::Break`].
+///
+/// ```
+/// use std::ops::ControlFlow;
+/// use stickslip::{models::BeltOscillator, run, Observer, Options, State, Transition};
+///
+/// struct Count(usize);
+/// impl Observer<2> for Count {
+///     fn transition(&mut self, _: &Transition<2>) -> ControlFlow<()> {
+///         self.0 += 1;
+///         if self.0 < 5 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+///     }
+/// }
+/// let mut count = Count(0);
+/// run(&BeltOscillator::default(), 0.0, State::from([0.5, 1.5]), 1e9, &Options::default(), &mut count)?;
+/// assert_eq!(count.0, 5);
+/// # Ok::<(), stickslip::Error>(())
+/// ```
+pub trait Observer<const N: usize> {
+    /// After every accepted step (cut short at an event).
+    fn step(&mut self, _step: &StepRecord<N>) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+    /// At every transition, after the steps up to it.
+    fn transition(&mut self, _transition: &Transition<N>) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+    /// After every phase, before the transition that ends it.
+    fn phase(&mut self, _phase: &Phase<N>) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+}
+
+/// Watches nothing.
+impl<const N: usize> Observer<N> for () {}

@@ -1,0 +1,208 @@
+//! Settings of the solver.
+
+use crate::error::Error;
+use crate::ode::Tolerance;
+
+/// Which integrator makes the steps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Method {
+    /// Order 8 with adaptive steps ([`crate::ode::Dop853`]); the default.
+    Dop853,
+    /// Order 8 with a fixed step (between events), for convergence studies.
+    Dop853Fixed {
+        /// Step length.
+        step: f64,
+    },
+    /// The paper's classical method of order 4 with a fixed step ([`crate::ode::Rk4`]).
+    Rk4 {
+        /// Step length.
+        step: f64,
+    },
+}
+
+/// How an event inside a step is located.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Locator {
+    /// A step to where the dense output has the event, then one Hénon step over the small rest; near grazing, where
+    /// the swapped slope is nearly singular, [`Locator::RootSearch`]. Accurate to the order of the method, lands on
+    /// Σ to a few units in the last place.
+    #[default]
+    Auto,
+    /// The paper's way: one Hénon step from the start of the integration step that crosses; where that fails
+    /// (slope nearly singular), [`Locator::RootSearch`].
+    Henon,
+    /// A safeguarded root search (Newton within a bracket) on re-integrated steps.
+    RootSearch,
+}
+
+/// What to do where Σ repels (both fields lead away) and the future is not unique.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum AtRepelling {
+    /// Stop there; the orbit's ending says so.
+    #[default]
+    Stop,
+    /// Go on below Σ.
+    GoBelow,
+    /// Go on above Σ.
+    GoAbove,
+}
+
+/// Settings of the solver; `Options::default()` suits most systems.
+///
+/// ```
+/// use stickslip::{Method, Options};
+/// let strict = Options::tol(1e-13).escape(1e3);
+/// let as_in_the_paper = Options::default().method(Method::Rk4 { step: 1e-3 });
+/// assert_eq!(strict.rtol, 1e-13);
+/// assert_eq!(as_in_the_paper.rtol, Options::default().rtol);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options {
+    /// Relative error allowed per step; default 1e-10.
+    pub rtol: f64,
+    /// Absolute error allowed per step, in the units of the state; default 1e-10.
+    pub atol: f64,
+    /// Integrator; default [`Method::Dop853`].
+    pub method: Method,
+    /// Event location; default [`Locator::Auto`].
+    pub locator: Locator,
+    /// Longest step; default unbounded.
+    pub longest_step: f64,
+    /// First step; default chosen from the field.
+    pub first_step: Option<f64>,
+    /// Largest component (by size) that the state may have; beyond it the run ends with [`Error::Escaped`].
+    /// Default unbounded.
+    pub escape: f64,
+    /// What to do where Σ repels; default stop.
+    pub at_repelling: AtRepelling,
+    /// A contact with Σ that reaches no deeper than this many tolerances is a touch, not a pair of crossings: the
+    /// solution itself is known no better. Default 10.
+    pub touch: f64,
+    /// So many consecutive transitions within `pile_up_span · max(1, |t|)` are a pile-up; default 100.
+    pub pile_up_count: usize,
+    /// See `pile_up_count`; default 1e-7.
+    pub pile_up_span: f64,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Options {
+            rtol: 1e-10,
+            atol: 1e-10,
+            method: Method::Dop853,
+            locator: Locator::Auto,
+            longest_step: f64::INFINITY,
+            first_step: None,
+            escape: f64::INFINITY,
+            at_repelling: AtRepelling::Stop,
+            touch: 10.0,
+            pile_up_count: 100,
+            pile_up_span: 1e-7,
+        }
+    }
+}
+
+/// Tolerances below this cannot be met in double precision.
+const TIGHTEST: f64 = 1e-15;
+/// Tolerances above this make no sense for a method of order 8.
+const LOOSEST: f64 = 0.1;
+
+impl Options {
+    /// The defaults with both tolerances set to `tolerance`.
+    pub fn tol(tolerance: f64) -> Self {
+        Options {
+            rtol: tolerance,
+            atol: tolerance,
+            ..Options::default()
+        }
+    }
+
+    /// With this integrator.
+    #[must_use]
+    pub fn method(self, method: Method) -> Self {
+        Options { method, ..self }
+    }
+
+    /// With this way to locate events.
+    #[must_use]
+    pub fn locator(self, locator: Locator) -> Self {
+        Options { locator, ..self }
+    }
+
+    /// With this bound on the components of the state.
+    #[must_use]
+    pub fn escape(self, bound: f64) -> Self {
+        Options {
+            escape: bound,
+            ..self
+        }
+    }
+
+    /// With steps no longer than this.
+    #[must_use]
+    pub fn longest_step(self, step: f64) -> Self {
+        Options {
+            longest_step: step,
+            ..self
+        }
+    }
+
+    /// With this choice where Σ repels.
+    #[must_use]
+    pub fn at_repelling(self, choice: AtRepelling) -> Self {
+        Options {
+            at_repelling: choice,
+            ..self
+        }
+    }
+
+    /// The tolerances as the step-size control takes them.
+    pub(crate) fn tolerance(&self) -> Tolerance {
+        Tolerance {
+            rtol: self.rtol,
+            atol: self.atol,
+        }
+    }
+
+    /// The fixed step, if there is one.
+    pub(crate) fn fixed_step(&self) -> Option<f64> {
+        match self.method {
+            Method::Dop853 => None,
+            Method::Dop853Fixed { step } | Method::Rk4 { step } => Some(step),
+        }
+    }
+
+    /// Checks every setting.
+    ///
+    /// # Errors
+    /// [`Error::Option`] with name, value and bound of the first that is not allowed.
+    pub fn check(&self) -> Result<(), Error> {
+        let require = |good: bool, name, value, bound| {
+            if good {
+                Ok(())
+            } else {
+                Err(Error::Option { name, value, bound })
+            }
+        };
+        let tolerances = "between 1e-15 and 0.1";
+        let allowed = |tol: f64| (TIGHTEST..=LOOSEST).contains(&tol);
+        require(allowed(self.rtol), "rtol", self.rtol, tolerances)?;
+        require(allowed(self.atol), "atol", self.atol, tolerances)?;
+        if let Some(step) = self.fixed_step() {
+            let good = step > 0.0 && step.is_finite();
+            require(good, "method.step", step, "positive and finite")?;
+        }
+        if let Some(step) = self.first_step {
+            let good = step > 0.0 && step.is_finite();
+            require(good, "first_step", step, "positive and finite")?;
+        }
+        require(self.longest_step > 0.0, "longest_step", self.longest_step, "positive")?;
+        require(self.escape > 0.0, "escape", self.escape, "positive")?;
+        let touch = self.touch >= 0.0 && self.touch.is_finite();
+        require(touch, "touch", self.touch, "finite and at least 0")?;
+        let count = self.pile_up_count as f64;
+        require(self.pile_up_count >= 2, "pile_up_count", count, "at least 2")?;
+        let span = self.pile_up_span > 0.0 && self.pile_up_span.is_finite();
+        require(span, "pile_up_span", self.pile_up_span, "positive and finite")
+    }
+}

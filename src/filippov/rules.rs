@@ -1,0 +1,125 @@
+//! What happens on Σ: the switching rules.
+//!
+//! At a point of Σ each field either leaves into its own side or pushes towards Σ. The sign that decides is that of
+//! the first Lie derivative of the boundary function along the field that does not vanish: the normal component
+//! almost everywhere, the second derivative at a tangent point (visible: the field's orbit stays on its own
+//! side; invisible: it does not), the third at a cusp. Four cases follow, one of them with no
+//! unique continuation, which is reported and never chosen silently.
+
+use num_dual::Dual;
+
+use super::flow::{Flow, Slip};
+use crate::system::{Filippov, Side, State};
+
+/// What a point of Σ leads to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fate {
+    /// Both fields point to this side, or the field of this side is tangent and visible: slip on it.
+    Slip(Side),
+    /// Both fields push towards Σ: stick.
+    Stick,
+    /// Both fields lead away from Σ (escaping, repelling sliding): no unique future.
+    Repelling,
+}
+
+/// Fate of a point of Σ, with the order to which the motion that follows touches what ends it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Departure {
+    pub fate: Fate,
+    /// For every guard of the mode that follows, how many of its derivatives (from the value itself on)
+    /// vanish at the start: 0 away from zero, 1 on leaving Σ across, 2 on leaving from a tangent point.
+    pub orders: [usize; 2],
+}
+
+/// Lie derivatives 0 to 3 of the boundary function along one field, with the size below which each is rounding.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LieDerivatives {
+    pub values: [f64; 4],
+    pub floors: [f64; 4],
+}
+
+/// Units in the last place by which state and time are taken to be uncertain when a derivative is
+/// judged to vanish.
+const ULPS: f64 = 64.0;
+
+impl LieDerivatives {
+    /// Of `side`'s field at `(t, x)`. The floors follow from the derivatives' own sensitivity to a
+    /// relative change of state and time by a few units in the last place.
+    pub(crate) fn new<S: Filippov<N>, const N: usize>(
+        system: &S,
+        side: Side,
+        t: f64,
+        x: &State<f64, N>,
+    ) -> Self {
+        let slip = Slip { system, side };
+        let mut values = [0.0; 4];
+        let mut spread = [0.0; 4];
+        // Direction N is time.
+        for direction in 0..=N {
+            let seed = |at: usize| f64::from(u8::from(at == direction));
+            let seeded = State::<Dual<f64>, N>::from_fn(|i, _| Dual::new(x[i], seed(i)));
+            let jet = slip.jet(0, Dual::new(t, seed(N)), &seeded);
+            let size = if direction < N { x[direction].abs() } else { t.abs() };
+            for k in 0..4 {
+                values[k] = side.sign() * jet[k].re;
+                spread[k] += jet[k].eps.abs() * size;
+            }
+        }
+        let floors =
+            std::array::from_fn(|k| ULPS * f64::EPSILON * (spread[k] + values[k].abs()));
+        LieDerivatives { values, floors }
+    }
+
+    /// Index and sign of the first derivative (from the first on) that does not vanish; index 4 when none is left.
+    fn leading(&self, tangent: bool) -> (usize, f64) {
+        let first = if tangent { 2 } else { 1 };
+        (first..4)
+            .find(|&k| self.values[k].abs() > self.floors[k])
+            .map_or((4, 0.0), |k| (k, self.values[k].signum()))
+    }
+
+    /// Whether the point lies on Σ to rounding.
+    pub(crate) fn on_boundary(&self) -> bool {
+        self.values[0].abs() <= self.floors[0]
+    }
+}
+
+/// Applies the rules at a point of Σ. `tangent` names the side whose normal component is known to vanish (a stick
+/// phase has just ended there), whatever rounding says of it.
+pub(crate) fn departure(
+    below: &LieDerivatives,
+    above: &LieDerivatives,
+    tangent: Option<Side>,
+) -> Departure {
+    let (order_below, sign_below) = below.leading(tangent == Some(Side::Below));
+    let (order_above, sign_above) = above.leading(tangent == Some(Side::Above));
+    let fate = match (sign_below < 0.0, sign_above > 0.0) {
+        (true, true) => Fate::Repelling,
+        (true, false) => Fate::Slip(Side::Below),
+        (false, true) => Fate::Slip(Side::Above),
+        (false, false) => Fate::Stick,
+    };
+    let orders = match fate {
+        Fate::Slip(Side::Below) => [order_below, 0],
+        Fate::Slip(Side::Above) => [order_above, 0],
+        // A guard of the stick phase is the first derivative, so its order is one less.
+        Fate::Stick | Fate::Repelling => [order_below - 1, order_above - 1],
+    };
+    Departure { fate, orders }
+}
+
+/// What the point `(t, x)` of Σ leads to by the two fields there (Filippov 1988, Sect. 4 and 19; Kuznetsov,
+/// Rinaldi & Gragnani 2003 for tangent points).
+///
+/// ```
+/// use stickslip::{Fate, Side, State, fate, models::BeltOscillator};
+///
+/// let belt = BeltOscillator::default(); // μ0 = 1/(3√3), vp = 1
+/// assert_eq!(fate(&belt, 0.0, &State::from([0.0, 1.0])), Fate::Stick);
+/// assert_eq!(fate(&belt, 0.0, &State::from([1.5, 1.0])), Fate::Slip(Side::Below));
+/// ```
+pub fn fate<S: Filippov<N>, const N: usize>(system: &S, t: f64, x: &State<f64, N>) -> Fate {
+    let below = LieDerivatives::new(system, Side::Below, t, x);
+    let above = LieDerivatives::new(system, Side::Above, t, x);
+    departure(&below, &above, None).fate
+}

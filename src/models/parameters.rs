@@ -1,0 +1,23 @@
+//! Checks of model parameters.
+
+use crate::error::Error;
+
+fn require(good: bool, name: &'static str, value: f64, bound: &'static str) -> Result<(), Error> {
+    if good {
+        Ok(())
+    } else {
+        Err(Error::Parameter { name, value, bound })
+    }
+}
+
+pub(super) fn finite(name: &'static str, value: f64) -> Result<(), Error> {
+    require(value.is_finite(), name, value, "finite")
+}
+
+pub(super) fn positive(name: &'static str, value: f64) -> Result<(), Error> {
+    require(value > 0.0 && value.is_finite(), name, value, "positive and finite")
+}
+
+pub(super) fn not_negative(name: &'static str, value: f64) -> Result<(), Error> {
+    require(value >= 0.0 && value.is_finite(), name, value, "finite and at least 0")
+}

@@ -1,0 +1,112 @@
+//! Error norm and step-size control of the adaptive method.
+
+use super::linear::Linear;
+use super::step::{Stages, weigh};
+use super::tableau::RungeKutta;
+use crate::math;
+use crate::system::State;
+
+/// Error allowed per step: `atol + rtol · |x|` in every component.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tolerance {
+    /// Relative part.
+    pub rtol: f64,
+    /// Absolute part, in the units of the state.
+    pub atol: f64,
+}
+
+impl Tolerance {
+    #[inline(always)]
+    fn scale(&self, magnitude: f64) -> f64 {
+        self.atol + self.rtol * magnitude
+    }
+}
+
+/// Smallest and largest change of the step from one to the next, and the safety factor on the ideal one
+/// (the values of `dop853.f`).
+const SHRINK_MOST: f64 = 0.333;
+const GROW_MOST: f64 = 6.0;
+const SAFETY: f64 = 0.9;
+
+/// Error of a step in units of the tolerance: at most 1 is good. Not finite where the step is not.
+///
+/// DOP853's combination of its estimates of orders 5 and 3 (Hairer, Nørsett & Wanner, Eq. II.10.17).
+#[inline(always)]
+pub(crate) fn error_norm<M: RungeKutta, const N: usize>(
+    step: &Stages<State<f64, N>>,
+    x0: &State<f64, N>,
+    h: f64,
+    tolerance: &Tolerance,
+) -> f64 {
+    let Some(embedded) = &M::EMBEDDED else {
+        // A method without an estimate takes every finite step.
+        return if step.end.iter().all(|v| v.is_finite()) { 0.0 } else { f64::NAN };
+    };
+    let fifth: State<f64, N> = weigh(&step.k, &embedded.e5);
+    let eighth: State<f64, N> = weigh(&step.k, &M::COEFFICIENTS.b);
+    let third: State<f64, N> =
+        eighth.add_scaled(-1.0, &weigh(&step.k, &embedded.third_order));
+    let (mut sum5, mut sum3) = (0.0, 0.0);
+    for i in 0..N {
+        let scale = tolerance.scale(x0[i].abs().max(step.end[i].abs()));
+        let (e5, e3) = (fifth[i] / scale, third[i] / scale);
+        sum5 += e5 * e5;
+        sum3 += e3 * e3;
+    }
+    let denominator = sum5 + 0.01 * sum3;
+    if denominator == 0.0 {
+        return if step.end.iter().all(|v| v.is_finite()) { 0.0 } else { f64::NAN };
+    }
+    h.abs() * sum5 / (denominator * N as f64).sqrt()
+}
+
+/// Factor by which the step changes after an error of `error` tolerances: `0.9 · error^(-1/8)` within bounds.
+///
+/// Every adaptive method here is of order 8; three square roots give that root the same bits on every
+/// machine and faster than a general power.
+#[inline(always)]
+pub(crate) fn step_factor(error: f64) -> f64 {
+    let root = error.sqrt().sqrt().sqrt();
+    if root * GROW_MOST <= SAFETY {
+        GROW_MOST
+    } else {
+        (SAFETY / root).max(SHRINK_MOST)
+    }
+}
+
+/// A first step such that an explicit Euler step and the change of slope over it stay near 1 % (Hairer,
+/// Nørsett & Wanner, Sect. II.4). Calls `f` once.
+pub(crate) fn first_step<const N: usize>(
+    f: &mut impl FnMut(f64, &State<f64, N>) -> State<f64, N>,
+    t: f64,
+    x: &State<f64, N>,
+    slope: &State<f64, N>,
+    tolerance: &Tolerance,
+    longest: f64,
+) -> f64 {
+    let norm = |v: &State<f64, N>| {
+        let mut sum = 0.0;
+        for i in 0..N {
+            let q = v[i] / tolerance.scale(x[i].abs());
+            sum += q * q;
+        }
+        (sum / N as f64).sqrt()
+    };
+    let (size, speed) = (norm(x), norm(slope));
+    let guess = if size < 1e-5 || speed < 1e-5 {
+        1e-6
+    } else {
+        0.01 * size / speed
+    }
+    .min(longest);
+    let ahead = f(t + guess, &x.add_scaled(guess, slope));
+    let bend = norm(&ahead.add_scaled(-1.0, slope)) / guess;
+    let steepest = speed.max(bend);
+    let by_slope = if steepest <= 1e-15 {
+        (guess * 1e-3).max(1e-6)
+    } else {
+        math::pow(0.01 / steepest, 1.0 / 8.0)
+    };
+    let step = (100.0 * guess).min(by_slope).min(longest);
+    if step.is_finite() && step > 0.0 { step } else { 1e-6_f64.min(longest) }
+}

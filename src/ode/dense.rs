@@ -1,0 +1,76 @@
+//! Dense output: the solution inside a step as a polynomial.
+
+use super::linear::Linear;
+use super::step::{Stages, weigh};
+use super::tableau::RungeKutta;
+use crate::system::State;
+
+/// The solution over one step as a polynomial in `s = (t − t0)/h`, `0 ≤ s ≤ 1`.
+///
+/// `u(s) = c0 + s (c1 + r (c2 + s (c3 + r (c4 + s (c5 + r (c6 + s c7))))))` with `r = 1 − s` (Hairer, Nørsett &
+/// Wanner, Sect. II.6). The first four coefficients are the cubic Hermite interpolant; RK4 has only those
+/// (order 3), DOP853 all eight (order 7).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dense<const N: usize> {
+    /// Time at the start of the step.
+    pub t0: f64,
+    /// Length of the step.
+    pub h: f64,
+    coefficients: [State<f64, N>; 8],
+}
+
+impl<const N: usize> Dense<N> {
+    /// The polynomial of a finished step (slopes filled in by `dense_slopes`).
+    #[inline(always)]
+    pub(crate) fn new<M: RungeKutta>(
+        t0: f64,
+        x0: &State<f64, N>,
+        h: f64,
+        step: &Stages<State<f64, N>>,
+    ) -> Self {
+        let zero = <State<f64, N> as Linear<f64>>::zero();
+        let mut c = [zero; 8];
+        let slope_at_end = &step.k[M::COEFFICIENTS.stages];
+        for i in 0..N {
+            let rise = step.end[i] - x0[i];
+            let bend = h * step.k[0][i] - rise;
+            c[0][i] = x0[i];
+            c[1][i] = rise;
+            c[2][i] = bend;
+            c[3][i] = rise - h * slope_at_end[i] - bend;
+        }
+        if M::COEFFICIENTS.dense_stages > 0 {
+            for (coefficient, weights) in c[4..].iter_mut().zip(&M::COEFFICIENTS.d) {
+                *coefficient = zero.add_scaled(h, &weigh(&step.k, weights));
+            }
+        }
+        Dense {
+            t0,
+            h,
+            coefficients: c,
+        }
+    }
+
+    /// The state at `t0 + s h`.
+    #[inline(always)]
+    pub fn at(&self, s: f64) -> State<f64, N> {
+        let c = &self.coefficients;
+        let r = 1.0 - s;
+        let mut x = c[7];
+        for i in 0..N {
+            x[i] = c[6][i] + s * x[i];
+            x[i] = c[5][i] + r * x[i];
+            x[i] = c[4][i] + s * x[i];
+            x[i] = c[3][i] + r * x[i];
+            x[i] = c[2][i] + s * x[i];
+            x[i] = c[1][i] + r * x[i];
+            x[i] = c[0][i] + s * x[i];
+        }
+        x
+    }
+
+    /// The state at time `t`.
+    pub fn at_time(&self, t: f64) -> State<f64, N> {
+        self.at((t - self.t0) / self.h)
+    }
+}

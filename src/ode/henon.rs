@@ -1,0 +1,24 @@
+//! The Hénon step: the independent variable is swapped so that one integration step ends on a surface.
+//!
+//! M. Hénon, *On the numerical computation of Poincaré maps*, Physica D 5 (1982) 412; Eq. (14) of the paper.
+
+use super::linear::Timed;
+use super::step::stages;
+use super::tableau::RungeKutta;
+use crate::scalar::Scalar;
+
+/// One step of method `M` with the value η of a function `η(t, x)` as the independent variable, over `change`
+/// in η: time and state where η has changed by that much.
+///
+/// `slope` gives `(dt/dη, dx/dη) = (1, f)/η̇`, where `η̇ = ∂η/∂t + ∇η·f` is the rate of η along the field. The step has
+/// the order of `M`; where η is a coordinate of the state, its value is met to rounding.
+#[inline]
+pub fn henon_step<M: RungeKutta, T: Scalar, const N: usize>(
+    slope: &mut impl FnMut(&Timed<T, N>) -> Timed<T, N>,
+    from: &Timed<T, N>,
+    change: T,
+) -> Timed<T, N> {
+    let first = slope(from);
+    let autonomous = &mut |_: T, at: &Timed<T, N>| slope(at);
+    stages::<M, T, Timed<T, N>>(autonomous, T::constant(0.0), from, first, change).end
+}

@@ -1,0 +1,20 @@
+//! Explicit Runge–Kutta integration: methods as data under one generic step, step-size control, dense output, and
+//! the Hénon step. Knows nothing of discontinuities.
+
+pub(crate) mod control;
+mod dense;
+mod dop853;
+mod henon;
+mod linear;
+mod rk4;
+mod step;
+mod tableau;
+
+pub use control::Tolerance;
+pub use dense::Dense;
+pub use dop853::Dop853;
+pub use henon::henon_step;
+pub use linear::{Linear, Timed};
+pub use rk4::Rk4;
+pub use step::{Stages, dense_slopes, stages};
+pub use tableau::{Coefficients, Embedded, MAX_STAGES, RungeKutta};

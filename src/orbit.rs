@@ -1,0 +1,87 @@
+//! The result of a run: phases, transitions, the solution on any grid.
+
+use crate::error::Error;
+use crate::filippov::{Phase, StepRecord, Transition};
+use crate::system::{Mode, State};
+
+/// How much work a run took.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counters {
+    /// Steps accepted (an event cuts one short and counts as one).
+    pub steps: u64,
+    /// Steps rejected by error control.
+    pub rejected: u64,
+    /// Calls of the user's field by the steps; those of event location come on top, see `locations`.
+    pub field_calls: u64,
+    /// Transitions.
+    pub events: u64,
+    /// Searches for the exact place of an event.
+    pub locations: u64,
+}
+
+/// Why a run ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ending {
+    /// The end time was reached.
+    EndTime,
+    /// Σ repels at the last state: both fields lead away and the future is not unique
+    /// (see [`crate::AtRepelling`]).
+    Repelling,
+    /// The observer asked to stop.
+    Stopped,
+}
+
+/// An orbit: phases and the transitions between them, with the solution of every step.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Orbit<const N: usize> {
+    /// Phases in order of time; a phase ends where the next begins.
+    pub phases: Vec<Phase<N>>,
+    /// Transitions in order of time. Every change of phase has one; touches come on top.
+    pub transitions: Vec<Transition<N>>,
+    /// The steps in order of time.
+    pub steps: Vec<StepRecord<N>>,
+    /// Work done.
+    pub counters: Counters,
+    /// Why the run ended.
+    pub ending: Ending,
+    /// First time.
+    pub t_start: f64,
+    /// Last time.
+    pub t_end: f64,
+    /// State at the start.
+    pub x_start: State<f64, N>,
+    /// State at the end.
+    pub x_end: State<f64, N>,
+}
+
+impl<const N: usize> Orbit<N> {
+    /// The state at time `t`, from the dense output (accurate to about the tolerance of the run).
+    ///
+    /// # Errors
+    /// [`Error::OutsideOrbit`] when the orbit does not cover `t`.
+    pub fn at(&self, t: f64) -> Result<State<f64, N>, Error> {
+        if !(self.t_start..=self.t_end).contains(&t) {
+            let (from, to) = (self.t_start, self.t_end);
+            return Err(Error::OutsideOrbit { t, from, to });
+        }
+        let index = self.steps.partition_point(|step| step.t_end < t);
+        Ok(match self.steps.get(index) {
+            Some(step) if t == step.t_end => step.x_end,
+            Some(step) => step.dense.at_time(t),
+            None => self.x_end,
+        })
+    }
+
+    /// The states at `times`, in any order.
+    ///
+    /// # Errors
+    /// [`Error::OutsideOrbit`] for the first time that the orbit does not cover.
+    pub fn sample(&self, times: impl IntoIterator<Item = f64>) -> Result<Vec<State<f64, N>>, Error> {
+        times.into_iter().map(|t| self.at(t)).collect()
+    }
+
+    /// The stick phases.
+    pub fn sticks(&self) -> impl Iterator<Item = &Phase<N>> {
+        self.phases.iter().filter(|phase| phase.mode == Mode::Stick)
+    }
+}

@@ -1,0 +1,87 @@
+//! What a user writes: a smooth field on either side of a discontinuity boundary.
+
+use nalgebra::SVector;
+
+use crate::scalar::Scalar;
+
+/// State vector with `N` components of type `T`, on the stack.
+pub type State<T, const N: usize> = SVector<T, N>;
+
+/// Side of the discontinuity boundary Σ = {h = 0}.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Side {
+    /// h < 0; the paper's S1, the body slower than the belt.
+    Below,
+    /// h > 0; the paper's S2, the body faster than the belt.
+    Above,
+}
+
+impl Side {
+    /// The other side.
+    pub fn opposite(self) -> Side {
+        match self {
+            Side::Below => Side::Above,
+            Side::Above => Side::Below,
+        }
+    }
+
+    /// Sign of the boundary function on this side: −1 below, +1 above.
+    pub fn sign(self) -> f64 {
+        match self {
+            Side::Below => -1.0,
+            Side::Above => 1.0,
+        }
+    }
+}
+
+/// What the system does: slip through one of the smooth fields, or stick to Σ.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Mode {
+    /// Motion through the smooth field of one side.
+    Slip(Side),
+    /// Sliding along Σ by Filippov's convex combination of the two fields: the body sticks to the belt.
+    Stick,
+}
+
+/// A Filippov system of dimension `N`: two smooth fields and the boundary between them.
+///
+/// The two functions are all that is needed. The sliding field, where sliding starts and ends, tangent
+/// points and their visibility, Jacobians and saltation matrices are derived from them by running them
+/// on dual numbers, so they must be written for any [`Scalar`].
+///
+/// `field` is also evaluated a little beyond Σ (by a step that has not yet noticed the crossing), so each
+/// side's formula should extend smoothly across it: write friction by `side`, not by the sign of a velocity.
+///
+/// ```
+/// use stickslip::{Filippov, Scalar, Side, State};
+///
+/// /// x'' = -x - 0.4 sgn x': a block on a floor.
+/// struct Block;
+/// impl Filippov<2> for Block {
+///     fn field<T: Scalar>(&self, side: Side, _t: T, x: &State<T, 2>) -> State<T, 2> {
+///         State::from([x[1], -x[0] - 0.4 * side.sign()])
+///     }
+///     fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 2>) -> T {
+///         x[1]
+///     }
+/// }
+/// ```
+pub trait Filippov<const N: usize> {
+    /// The vector field of `side` at time `t` and state `x`: dx/dt.
+    fn field<T: Scalar>(&self, side: Side, t: T, x: &State<T, N>) -> State<T, N>;
+
+    /// The boundary function h: negative on [`Side::Below`], positive on [`Side::Above`], zero on Σ.
+    /// It may depend on time: Σ then moves.
+    fn boundary<T: Scalar>(&self, t: T, x: &State<T, N>) -> T;
+}
+
+impl<const N: usize, S: Filippov<N>> Filippov<N> for &S {
+    #[inline(always)]
+    fn field<T: Scalar>(&self, side: Side, t: T, x: &State<T, N>) -> State<T, N> {
+        (**self).field(side, t, x)
+    }
+    #[inline(always)]
+    fn boundary<T: Scalar>(&self, t: T, x: &State<T, N>) -> T {
+        (**self).boundary(t, x)
+    }
+}
