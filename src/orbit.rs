@@ -11,7 +11,7 @@ pub struct Counters {
     pub steps: u64,
     /// Steps rejected by error control.
     pub rejected: u64,
-    /// Calls of the user's field by the steps; those of event location come on top, see `locations`.
+    /// Calls of the user's field, on whatever scalar: by steps, event location and the switching rules.
     pub field_calls: u64,
     /// Transitions.
     pub events: u64,

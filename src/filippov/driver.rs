@@ -254,6 +254,7 @@ impl<O> Run<'_, O> {
             self.counters.events += 1;
             pile_up.note(&at, self.options)?;
             let tangent = (mode == Mode::Stick).then(|| Stick::<S>::side_of_guard(guard));
+            self.counters.field_calls += 2 * LieDerivatives::field_calls(N);
             let (next, next_orders) = match self.course(self.departure(system, &at, tangent)) {
                 Course::On(next, orders) => (next, orders),
                 Course::Repelled => return Ok(self.summary(Ending::Repelling, at)),

@@ -1,5 +1,7 @@
 //! Where exactly, inside a step, a guard reaches zero.
 
+use std::cell::Cell;
+
 use num_dual::Dual;
 
 use super::flow::Flow;
@@ -15,6 +17,8 @@ pub(crate) struct Origin<'a, F, const N: usize> {
     pub x: State<f64, N>,
     pub slope: State<f64, N>,
     pub h: f64,
+    /// Calls of the user's field by location.
+    pub field_calls: Cell<u64>,
 }
 
 /// An event, or what only looked like one.
@@ -49,6 +53,7 @@ impl<F: Flow<N>, const N: usize> Origin<'_, F, N> {
     fn reach<M: RungeKutta>(&self, s: f64) -> Timed<f64, N> {
         let field = &mut |t: f64, x: &State<f64, N>| self.flow.field(t, x);
         let part = s * self.h;
+        self.count(M::COEFFICIENTS.stages as u64 - 1);
         let x = stages::<M, f64, _>(field, self.t, &self.x, self.slope, part).end;
         let t = self.t + part;
         Timed { t, x: self.flow.settle(t, x) }
@@ -59,7 +64,19 @@ impl<F: Flow<N>, const N: usize> Origin<'_, F, N> {
         self.look(i, at)
     }
 
+    fn count(&self, evaluations: u64) {
+        let calls = self.field_calls.get() + F::FIELD_CALLS * evaluations;
+        self.field_calls.set(calls);
+    }
+
+    fn henon<M: RungeKutta>(&self, i: usize, from: &Timed<f64, N>, change: f64) -> Timed<f64, N> {
+        self.count(M::COEFFICIENTS.stages as u64);
+        henon_step::<M, f64, N>(&mut |at| self.flow.swapped(i, at), from, change)
+    }
+
     fn look(&self, i: usize, at: Timed<f64, N>) -> Probe<N> {
+        // Three passes through the field on dual numbers.
+        self.count(3);
         let [guard, rate, bend, _] = self.flow.jet(i, at.t, &at.x);
         Probe { at, guard, rate, bend }
     }
@@ -112,8 +129,7 @@ impl<F: Flow<N>, const N: usize> Origin<'_, F, N> {
             if !steady(&best) {
                 return None;
             }
-            let slope = &mut |at: &Timed<f64, N>| self.flow.swapped(i, at);
-            let to = henon_step::<M, f64, N>(slope, &best.at, -best.guard);
+            let to = self.henon::<M>(i, &best.at, -best.guard);
             let to = self.look(i, Timed { t: to.t, x: self.flow.settle(to.t, to.x) });
             if to.guard.abs() >= best.guard.abs() {
                 break;
@@ -129,8 +145,7 @@ impl<F: Flow<N>, const N: usize> Origin<'_, F, N> {
         if start.rate >= 0.0 || start.guard <= 0.0 {
             return None;
         }
-        let slope = &mut |at: &Timed<f64, N>| self.flow.swapped(i, at);
-        let to = henon_step::<M, f64, N>(slope, &start.at, -start.guard);
+        let to = self.henon::<M>(i, &start.at, -start.guard);
         let within = to.t >= self.t && to.t <= self.t + 1.5 * self.h;
         if !within || to.x.iter().any(|v| !v.is_finite()) {
             return None;

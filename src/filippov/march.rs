@@ -1,10 +1,12 @@
 //! Integration through one phase: steps, and the search of each for the first event.
 
+use std::cell::Cell;
+
 use super::flow::Flow;
 use super::locate::{Located, Origin, Uncertainty, uncertainty, zero_on_dense};
 use super::observer::{Observer, StepRecord, Transition, TransitionKind};
 use super::options::Options;
-use super::scan::first_zero;
+use super::scan::{Samples, first_zero};
 use crate::error::{Error, Point};
 use crate::ode::control::{error_norm, first_step, step_factor};
 use crate::ode::{Dense, RungeKutta, Stages, Timed, dense_slopes, stages};
@@ -42,30 +44,33 @@ struct Event<const N: usize> {
     located: Located<N>,
 }
 
-/// A guard over one step, with the zero that it starts from (if it does) divided out: `(g − g₀ − …)/s^order` has the
-/// guard's other zeros and none at the start.
-struct Deflated {
+/// A guard that is zero at the start of the step, where it has just been left. Its zero there is divided out:
+/// `(g − g₀ − …)/s^order` has the guard's other zeros and none at the start.
+struct Leaving {
+    /// How many derivatives, from the value on, vanish at the start.
     order: usize,
     /// Taylor coefficients of the guard in `s` at the start of the step.
     start: [f64; 4],
 }
 
-impl Deflated {
-    #[inline(always)]
-    fn value(&self, s: f64, guard: impl FnOnce() -> f64) -> f64 {
-        if self.order == 0 {
-            return guard();
-        }
-        if s == 0.0 {
-            return self.start[self.order];
-        }
-        let mut rest = guard();
+impl Leaving {
+    /// The guard without what rounding has left of it at the start.
+    fn risen(&self, s: f64, guard: f64) -> f64 {
+        let mut rest = guard;
         let mut power = 1.0;
         for coefficient in &self.start[..self.order] {
             rest -= coefficient * power;
             power *= s;
         }
-        rest / power
+        rest
+    }
+
+    fn value(&self, s: f64, guard: impl FnOnce() -> f64) -> f64 {
+        if s == 0.0 {
+            return self.start[self.order];
+        }
+        let power = (0..self.order).fold(1.0, |power, _| power * s);
+        self.risen(s, guard()) / power
     }
 }
 
@@ -103,8 +108,9 @@ impl<O> Run<'_, O> {
             self.counters.field_calls +=
                 F::FIELD_CALLS * (1 + M::COEFFICIENTS.dense_stages as u64);
             let dense = Dense::new::<M>(t, &x, h, &step);
-            let origin = Origin { flow, t, x, slope, h };
+            let origin = Origin { flow, t, x, slope, h, field_calls: Cell::new(0) };
             let event = self.first_event::<M, F, N>(&origin, &dense, &orders);
+            self.counters.field_calls += origin.field_calls.get();
             let (at, next_slope) = match &event {
                 Some(Event { located: Located::Exit { at, .. } | Located::Touch { at, .. }, .. }) => {
                     (*at, None)
@@ -283,24 +289,40 @@ impl<O> Run<'_, O> {
         dense: &Dense<N>,
         order: usize,
     ) -> Option<(f64, Located<N>)> {
-        let flow = origin.flow;
-        let on_dense = |s: f64| flow.guard(i, origin.t + s * origin.h, &dense.at(s));
-        let deflated = if order == 0 {
-            Deflated { order, start: [0.0; 4] }
-        } else {
-            leaving(flow, i, origin, order)
-        };
-        if order > 0 && !self.resolves_departure(i, origin, dense, &deflated) {
+        let on_dense =
+            |s: f64| origin.flow.guard(i, origin.t + s * origin.h, &dense.at(s));
+        if order == 0 {
+            // Nearly every step ends here: sampled, and far from any event.
+            let samples = Samples::take(&mut { on_dense }, 0.0, 1.0);
+            return if samples.far_from_zero() {
+                None
+            } else {
+                self.near_failure::<M, F, N>(i, origin, on_dense)
+            };
+        }
+        let start = leaving(origin, i, order);
+        if !self.resolves_departure(i, origin, &start, on_dense) {
             return None;
         }
-        let value = &mut |s: f64| deflated.value(s, || on_dense(s));
+        self.near_failure::<M, F, N>(i, origin, |s| start.value(s, || on_dense(s)))
+    }
+
+    /// The first zero of guard `i`, known to be worth a closer look; `value` is the guard over the step, its zero at the
+    /// start divided out.
+    #[cold]
+    #[inline(never)]
+    fn near_failure<M: RungeKutta, F: Flow<N>, const N: usize>(
+        &mut self,
+        i: usize,
+        origin: &Origin<'_, F, N>,
+        mut value: impl FnMut(f64) -> f64,
+    ) -> Option<(f64, Located<N>)> {
         let mut from = 0.0;
-        while let Some(bracket) = first_zero(value, from, 1.0) {
-            let estimate = zero_on_dense(value, bracket);
-            let blur = self.uncertainty(flow, i, origin);
+        while let Some(bracket) = first_zero(&mut value, from, 1.0) {
+            let estimate = zero_on_dense(&mut value, bracket);
+            let blur = self.uncertainty(i, origin);
             let touch = (self.options.touch * blur.by_tolerance).max(blur.by_rounding);
             let located = origin.locate::<M>(i, bracket, estimate, self.options.locator, touch);
-            // Location re-integrates: two probes of a step and a Hénon step, or some twenty in a search.
             self.counters.locations += 1;
             match located {
                 Located::Exit { at, .. } | Located::Touch { at, .. } => return Some((at.t, located)),
@@ -313,12 +335,11 @@ impl<O> Run<'_, O> {
 
     fn uncertainty<F: Flow<N>, const N: usize>(
         &self,
-        flow: &F,
         i: usize,
         origin: &Origin<'_, F, N>,
     ) -> Uncertainty {
         let at = Timed { t: origin.t, x: origin.x };
-        uncertainty(flow, i, &at, &self.options.tolerance())
+        uncertainty(origin.flow, i, &at, &self.options.tolerance())
     }
 
     /// Whether the step is long enough for the guard to rise out of rounding; a shorter one cannot hold an event that
@@ -327,28 +348,26 @@ impl<O> Run<'_, O> {
         &self,
         i: usize,
         origin: &Origin<'_, F, N>,
-        dense: &Dense<N>,
-        deflated: &Deflated,
+        start: &Leaving,
+        on_dense: impl Fn(f64) -> f64,
     ) -> bool {
-        let floor = self.uncertainty(origin.flow, i, origin).by_rounding;
-        [0.25, 0.5, 1.0].iter().any(|&s: &f64| {
-            let guard = origin.flow.guard(i, origin.t + s * origin.h, &dense.at(s));
-            (deflated.value(s, || guard) * s * s).abs() > floor
-        })
+        let floor = self.uncertainty(i, origin).by_rounding;
+        [0.25, 0.5, 1.0]
+            .iter()
+            .any(|&s| start.risen(s, on_dense(s)).abs() > floor)
     }
 }
 
 /// The guard's Taylor coefficients (in parts of the step) at a start from its own zero.
 fn leaving<F: Flow<N>, const N: usize>(
-    flow: &F,
-    i: usize,
     origin: &Origin<'_, F, N>,
+    i: usize,
     order: usize,
-) -> Deflated {
-    let [g, rate, bend, third] = flow.jet(i, origin.t, &origin.x);
+) -> Leaving {
+    let [g, rate, bend, third] = origin.flow.jet(i, origin.t, &origin.x);
     let h = origin.h;
     let start = [g, rate * h, 0.5 * bend * h * h, third * h * h * h / 6.0];
-    Deflated { order: order.min(3), start }
+    Leaving { order: order.min(3), start }
 }
 
 /// Whether a guard that was zero at the start of the phase now stands clear of zero.

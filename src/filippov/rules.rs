@@ -43,6 +43,11 @@ pub(crate) struct LieDerivatives {
 const ULPS: f64 = 64.0;
 
 impl LieDerivatives {
+    /// Field calls that the derivatives of one side take in `n` dimensions.
+    pub(crate) const fn field_calls(n: usize) -> u64 {
+        3 * (n as u64 + 1)
+    }
+
     /// Of `side`'s field at `(t, x)`. The floors follow from the derivatives' own sensitivity to a
     /// relative change of state and time by a few units in the last place.
     pub(crate) fn new<S: Filippov<N>, const N: usize>(

@@ -30,79 +30,103 @@ const COS: [f64; 16] = {
 /// Intervals narrower than this part of the step are not halved again: a parabola bends by 1e-16 over it.
 const NARROWEST: f64 = 1.5e-8;
 
-/// Zeros of `value` in `[lo, hi]`: a bracket of the first, or `None` when there is none.
+/// A bracket of the first zero of `value` in `[lo, hi]`, or `None` when there is none. Halves intervals until each is
+/// clear or holds a bracket: depth first, the left half first.
 pub(crate) fn first_zero(
     value: &mut impl FnMut(f64) -> f64,
     lo: f64,
     hi: f64,
 ) -> Option<Bracket> {
-    // Depth-first, left half first; the depth is bounded by NARROWEST.
-    let mut pending = [(0.0, 0.0); 64];
-    pending[0] = (lo, hi);
-    let mut count = 1;
-    while count > 0 {
-        count -= 1;
-        let (lo, hi) = pending[count];
-        match look(value, lo, hi) {
-            Look::Clear => {}
-            Look::Zero(bracket) => return Some(bracket),
-            Look::Unresolved(nodes, values) => {
+    // Each halving leaves one interval waiting, and NARROWEST allows 26 of them.
+    let mut waiting = [(0.0, 0.0); 32];
+    let mut count = 0;
+    let mut samples = Samples::take(value, lo, hi);
+    loop {
+        match samples.verdict() {
+            Verdict::Clear => {}
+            Verdict::Zero(bracket) => return Some(bracket),
+            Verdict::Unresolved => {
+                let (lo, hi) = (samples.nodes[0], samples.nodes[NODES - 1]);
                 if hi - lo <= NARROWEST {
-                    if let Some(j) = (0..NODES).find(|&j| values[j] <= 0.0) {
-                        let a = nodes[j.saturating_sub(1)];
-                        return Some(Bracket { a, b: nodes[j] });
+                    if let Some(bracket) = samples.first_sign_change() {
+                        return Some(bracket);
                     }
                 } else {
-                    let middle = nodes[NODES / 2];
-                    pending[count] = (middle, hi);
-                    pending[count + 1] = (lo, middle);
-                    count += 2;
+                    let middle = samples.nodes[NODES / 2];
+                    waiting[count] = (middle, hi);
+                    count += 1;
+                    samples = Samples::take(value, lo, middle);
+                    continue;
                 }
             }
         }
+        if count == 0 {
+            return None;
+        }
+        count -= 1;
+        samples = Samples::take(value, waiting[count].0, waiting[count].1);
     }
-    None
 }
 
-enum Look {
+enum Verdict {
     Clear,
     Zero(Bracket),
-    Unresolved([f64; NODES], [f64; NODES]),
+    Unresolved,
 }
 
-#[inline(always)]
-fn look(value: &mut impl FnMut(f64) -> f64, lo: f64, hi: f64) -> Look {
-    let half = 0.5 * (hi - lo);
-    let mut nodes = [lo; NODES];
-    let mut values = [0.0; NODES];
-    let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
-    for j in 0..NODES {
-        nodes[j] = if j == NODES - 1 { hi } else { lo + half * (1.0 - COS[j]) };
-        values[j] = value(nodes[j]);
-        least = if values[j] < least { values[j] } else { least };
-        most = if values[j] > most { values[j] } else { most };
+/// The function at the nine points of an interval.
+#[derive(Clone, Copy)]
+pub(crate) struct Samples {
+    nodes: [f64; NODES],
+    values: [f64; NODES],
+}
+
+impl Samples {
+    #[inline(always)]
+    pub(crate) fn take(value: &mut impl FnMut(f64) -> f64, lo: f64, hi: f64) -> Self {
+        let half = 0.5 * (hi - lo);
+        let mut nodes: [f64; NODES] = std::array::from_fn(|j| lo + half * (1.0 - COS[j]));
+        nodes[NODES - 1] = hi;
+        Samples { nodes, values: nodes.map(value) }
     }
-    // Far from zero: between nine Chebyshev points a polynomial leaves the range of its values by at most
-    // 1.2 times its half-width (Lebesgue constant 2.4); four times is asked for.
-    if least + most > 4.0 * (most - least) {
-        return Look::Clear;
+
+    /// Between nine Chebyshev points a polynomial leaves the range of its values by at most 1.2 times its half-width
+    /// (Lebesgue constant 2.4); four times is asked for.
+    #[inline(always)]
+    pub(crate) fn far_from_zero(&self) -> bool {
+        let (mut least, mut most) = (self.values[0], self.values[0]);
+        for &v in &self.values[1..] {
+            least = if v < least { v } else { least };
+            most = if v > most { v } else { most };
+        }
+        least + most > 4.0 * (most - least)
     }
-    if values[0] <= 0.0 {
-        return Look::Zero(Bracket { a: lo, b: lo });
+
+    fn verdict(&self) -> Verdict {
+        let (first, last) = (0, NODES - 1);
+        if self.values[first] <= 0.0 {
+            let a = self.nodes[first];
+            return Verdict::Zero(Bracket { a, b: a });
+        }
+        let c = coefficients(&self.values);
+        let tail = c[NODES - 2].abs() + c[NODES - 1].abs();
+        if c[0] > c[1..].iter().map(|c| c.abs()).sum::<f64>() + tail {
+            return Verdict::Clear;
+        }
+        if is_monotone(&c, tail) {
+            return if self.values[last] > 0.0 {
+                Verdict::Clear
+            } else {
+                Verdict::Zero(Bracket { a: self.nodes[first], b: self.nodes[last] })
+            };
+        }
+        Verdict::Unresolved
     }
-    let c = coefficients(&values);
-    let tail = c[NODES - 2].abs() + c[NODES - 1].abs();
-    if c[0] > c[1..].iter().map(|c| c.abs()).sum::<f64>() + tail {
-        return Look::Clear;
+
+    fn first_sign_change(&self) -> Option<Bracket> {
+        let j = (1..NODES).find(|&j| self.values[j] <= 0.0)?;
+        Some(Bracket { a: self.nodes[j - 1], b: self.nodes[j] })
     }
-    if is_monotone(&c, tail) {
-        return if values[NODES - 1] > 0.0 {
-            Look::Clear
-        } else {
-            Look::Zero(Bracket { a: lo, b: hi })
-        };
-    }
-    Look::Unresolved(nodes, values)
 }
 
 /// Chebyshev coefficients of the interpolant through the values (argument running downwards: odd ones
