@@ -18,6 +18,10 @@
 //! record of the step that is assigned in every branch and never read, and the unused `r = 4`. The lines
 //! that save a state and count `i` up are missing in print; both are taken to happen once per pass.
 //!
+//! A literal transcription into Python agrees with this module in every bit of all 633 001 steps if both
+//! take sine, cosine and power from the same library; with those of [`crate::math`] the states differ by
+//! less than 1e-15, and the four settled numbers not at all.
+//!
 //! ```
 //! use stickslip::paper::listing::{run, Setup};
 //!
