@@ -7,6 +7,7 @@ pub mod math;
 pub mod models;
 pub mod ode;
 pub mod orbit;
+pub mod paper;
 pub mod scalar;
 pub mod system;
 

@@ -1,0 +1,38 @@
+# Every recipe uses the versions in Cargo.lock and nothing newer.
+CARGO ?= cargo
+FIGURES := fig04 fig06 fig07 fig08
+
+.PHONY: help figures test golden bench check clean $(FIGURES)
+.DEFAULT_GOAL := help
+
+help: ## Show the targets
+	@grep -E '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 10
+
+figures: $(FIGURES) ## Compute and draw all figures into figures/
+
+# One build for all binaries; the runs then only start them, one after the other even under make -j.
+build-figures:
+	$(CARGO) build --locked --release --bins
+.PHONY: build-figures
+.NOTPARALLEL:
+
+$(FIGURES): build-figures
+	$(CARGO) run --locked --release --quiet --bin $@ -- --out-dir figures
+
+test: ## Run all tests; the test profile is optimised, see Cargo.toml
+	$(CARGO) test --locked
+
+golden: ## Rewrite golden/ on purpose; look at the diff before committing it
+	INSTA_UPDATE=always $(CARGO) test --locked
+
+bench: ## Run the benchmarks
+	$(CARGO) bench --locked
+
+check: ## Formatting, lints and documentation, every warning an error
+	$(CARGO) fmt --check
+	$(CARGO) clippy --locked --all-targets -- -D warnings
+	$(CARGO) clippy --locked --all-targets --all-features -- -D warnings
+	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --locked --no-deps
+
+clean: ## Remove what was built; figures/ and golden/ are part of the repository and stay
+	$(CARGO) clean

@@ -1,0 +1,219 @@
+//! What a run leaves behind.
+
+use super::regime::{self, Strobe};
+use super::step::{Event, Machine};
+use super::{End, Motion, Setup, Zone};
+
+/// How much a pattern is shortened, in forcing periods, so as not to count its first phase twice.
+const PATTERN_MARGIN: f64 = 0.01;
+
+/// What the body does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Mode {
+    /// It rides the belt.
+    Stick,
+    /// It slips, slower than the belt (region S1; the listing's `aft == -1`).
+    Below,
+    /// It slips, faster than the belt (region S2; any other `aft`).
+    Above,
+}
+
+/// The way through the belt's speed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Direction {
+    /// From slower than the belt to faster.
+    Up,
+    /// From faster than the belt to slower.
+    Down,
+}
+
+/// The state after one pass of the loop.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sample {
+    /// The listing's `i`.
+    pub step: u64,
+    /// Time in seconds. Not `(step + 1)·h`: steps that cross the belt's speed have a length of their own.
+    pub t: f64,
+    /// Displacement in metres.
+    pub x1: f64,
+    /// Velocity in metres per second.
+    pub x2: f64,
+    /// What the body does from here on.
+    pub mode: Mode,
+    /// Whether the step is in the window the paper plots.
+    pub in_window: bool,
+}
+
+/// A moment on the line `x2 = vp`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Instant {
+    /// Time in seconds.
+    pub t: f64,
+    /// Displacement in metres.
+    pub x1: f64,
+}
+
+/// One stick phase, from its entry to its exit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StickPhase {
+    /// Where it began.
+    pub entry: Instant,
+    /// Where it ended.
+    pub exit: Instant,
+    /// The stick zone, or none where rounding put the entry just outside.
+    pub zone: Option<Zone>,
+    /// The end of the zone it left through.
+    pub end: End,
+}
+
+impl StickPhase {
+    /// Length `|Σu|` in metres.
+    pub fn length(&self) -> f64 {
+        self.exit.x1 - self.entry.x1
+    }
+
+    /// Duration in seconds.
+    pub fn duration(&self) -> f64 {
+        self.exit.t - self.entry.t
+    }
+}
+
+/// A passage through the belt's speed without sticking (the paper's Σc).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Crossing {
+    /// Where.
+    pub at: Instant,
+    /// Which way.
+    pub direction: Direction,
+    /// Whether it is the first step after a stick phase: no crossing of the motion, but the wrong side of
+    /// [`Defect::ReversedExitSide`](super::Defect::ReversedExitSide) put right.
+    pub after_exit: bool,
+}
+
+/// The outcome of a run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Run {
+    /// The complete stick phases, in order.
+    pub phases: Vec<StickPhase>,
+    /// The stick phase the run ended in, if it did: entry and zone.
+    pub unfinished: Option<(Instant, Option<Zone>)>,
+    /// The crossings without stick, in order.
+    pub crossings: Vec<Crossing>,
+    /// The motion the run settled on.
+    pub motion: Motion,
+    /// Forcing period in seconds.
+    pub forcing_period: f64,
+}
+
+impl Run {
+    /// The stick phases of the last complete pattern, in order of time; none unless the motion is
+    /// [`Motion::StickSlip`].
+    pub fn settled_phases(&self) -> &[StickPhase] {
+        let Motion::StickSlip { period, .. } = self.motion else {
+            return &[];
+        };
+        self.phases_in_last(period)
+    }
+
+    /// The settled regime in the four numbers of Sect. 4.2: the lengths in metres of its two longest stick
+    /// phases, the longer first, then their durations in seconds.
+    ///
+    /// They are looked for over one pattern or, where it is shorter, the two forcing periods the paper
+    /// speaks of. None unless the motion is [`Motion::StickSlip`] with two phases there.
+    pub fn four_numbers(&self) -> Option<[f64; 4]> {
+        let Motion::StickSlip { period, .. } = self.motion else {
+            return None;
+        };
+        let mut phases = self.phases_in_last(period.max(2)).to_vec();
+        phases.sort_by(|a, b| b.length().total_cmp(&a.length()));
+        match phases.as_slice() {
+            [first, second, ..] => Some([
+                first.length(),
+                second.length(),
+                first.duration(),
+                second.duration(),
+            ]),
+            _ => None,
+        }
+    }
+
+    /// The complete phases that ended within so many forcing periods before the last one's end.
+    pub(super) fn phases_in_last(&self, periods: usize) -> &[StickPhase] {
+        let Some(last) = self.phases.last() else {
+            return &[];
+        };
+        // The phase exactly that long ago begins the pattern before; the clock may jitter around it.
+        let from = last.exit.t - (periods as f64 - PATTERN_MARGIN) * self.forcing_period;
+        let before = self.phases.iter().rposition(|phase| phase.exit.t <= from);
+        self.phases
+            .get(before.map_or(0, |index| index + 1)..)
+            .unwrap_or_default()
+    }
+}
+
+/// Builds a [`Run`] from the passes of the loop, keeping events and one sample per forcing period.
+pub(super) struct Recorder {
+    phases: Vec<StickPhase>,
+    open: Option<(Instant, Option<Zone>)>,
+    crossings: Vec<Crossing>,
+    strobe: Strobe,
+    after_exit: bool,
+    setup: Setup,
+}
+
+impl Recorder {
+    pub(super) fn new(setup: &Setup, machine: &Machine) -> Self {
+        let open = (machine.mode() == Mode::Stick).then(|| (machine.instant(), machine.zone()));
+        Recorder {
+            phases: Vec::new(),
+            open,
+            crossings: Vec::new(),
+            strobe: Strobe::new(setup),
+            after_exit: false,
+            setup: *setup,
+        }
+    }
+
+    pub(super) fn take(&mut self, sample: &Sample, event: Option<Event>) {
+        let at = Instant {
+            t: sample.t,
+            x1: sample.x1,
+        };
+        match event {
+            Some(Event::Entry(zone)) => self.open = Some((at, zone)),
+            Some(Event::Exit(end)) => {
+                if let Some((entry, zone)) = self.open.take() {
+                    self.phases.push(StickPhase {
+                        entry,
+                        exit: at,
+                        zone,
+                        end,
+                    });
+                }
+            }
+            Some(Event::Crossing(direction)) => self.crossings.push(Crossing {
+                at,
+                direction,
+                after_exit: self.after_exit,
+            }),
+            None => {}
+        }
+        self.after_exit = matches!(event, Some(Event::Exit(_)));
+        self.strobe.take(sample);
+    }
+
+    /// The outcome; `end` is how the run broke off, if it did.
+    pub(super) fn finish(self, end: Option<Motion>) -> Run {
+        let mut run = Run {
+            phases: self.phases,
+            unfinished: self.open,
+            crossings: self.crossings,
+            motion: end.unwrap_or(Motion::NotSettled),
+            forcing_period: self.setup.params.period(),
+        };
+        if end.is_none() {
+            run.motion = regime::classify(&run, &self.strobe);
+        }
+        run
+    }
+}

@@ -1,0 +1,284 @@
+//! One pass of the listing's loop (lines 28–79).
+
+use super::stages::{Field, State, TimeStep, VelocityStep};
+use super::zones::ends;
+use super::{Direction, End, Instant, Mode, Motion, Sample, Setup, Zone};
+
+/// A body further out than this many times the outermost tangent point has left for good: the spring pushes
+/// outward there with a thousand times the force it has at that point.
+const ESCAPE_FACTOR: f64 = 10.0;
+
+/// What a pass did besides moving the state.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Event {
+    /// The body came to stick.
+    Entry(Option<Zone>),
+    /// It left the stick zone through an end.
+    Exit(End),
+    /// It went through the belt's speed without sticking.
+    Crossing(Direction),
+}
+
+/// The loop's variables.
+pub(super) struct Machine<'a> {
+    setup: &'a Setup,
+    below: Field,
+    above: Field,
+    step: TimeStep,
+    /// `x` of the listing.
+    x: State,
+    /// `xso`: the forcing at the clock of `x`.
+    xs: f64,
+    /// `slip` and `aft` in one: `slip == 1` is sticking, else `aft` has the side.
+    mode: Mode,
+    /// `k`: the zone last entered.
+    zone: Option<Zone>,
+}
+
+impl<'a> Machine<'a> {
+    /// The state at the start (lines 9–27).
+    pub(super) fn start(setup: &'a Setup) -> Self {
+        let params = &setup.params;
+        let x = [params.t0, params.x1, params.x2];
+        let xs = params.harmonic(x[0]);
+        let mut machine = Machine {
+            setup,
+            below: Field::below(params),
+            above: Field::above(params),
+            step: TimeStep {
+                h: setup.h,
+                half: setup.h / 2.0,
+                sixth: setup.h / 6.0,
+            },
+            x,
+            xs,
+            mode: Mode::Above,
+            zone: Zone::holding(x[1], &params.tangent_points, xs),
+        };
+        machine.mode = machine.starting_mode();
+        machine
+    }
+
+    fn starting_mode(&self) -> Mode {
+        let [_, x1, x2] = self.x;
+        let speed = self.setup.params.belt_speed;
+        if x2 != speed {
+            return if x2 < speed { Mode::Below } else { Mode::Above };
+        }
+        if self.setup.defects.start_up_test {
+            let [t1, t2, t3, t4, ..] = self.setup.params.tangent_points;
+            let inside = (x1 >= t2 && x1 <= t1) || (x1 >= t4 && x1 <= t3);
+            return if inside { Mode::Stick } else { Mode::Above };
+        }
+        match self.zone {
+            Some(_) => Mode::Stick,
+            None => self.side_of_spring(x1, self.xs),
+        }
+    }
+
+    /// The side both fields point to outside a zone, and the tangent one at its end.
+    fn side_of_spring(&self, x1: f64, xs: f64) -> Mode {
+        if self.setup.params.spring(x1 - xs) > 0.0 {
+            Mode::Above
+        } else {
+            Mode::Below
+        }
+    }
+
+    pub(super) fn mode(&self) -> Mode {
+        self.mode
+    }
+
+    pub(super) fn zone(&self) -> Option<Zone> {
+        self.zone
+    }
+
+    pub(super) fn instant(&self) -> Instant {
+        Instant {
+            t: self.x[0],
+            x1: self.x[1],
+        }
+    }
+
+    pub(super) fn sample(&self, step: u64, in_window: bool) -> Sample {
+        let [t, x1, x2] = self.x;
+        Sample {
+            step,
+            t,
+            x1,
+            x2,
+            mode: self.mode,
+            in_window,
+        }
+    }
+
+    /// How the run ended, if the state can no longer be a motion of the oscillator; `t` is the time before the
+    /// last pass.
+    pub(super) fn breakdown(&self, t: f64) -> Option<Motion> {
+        let outermost = self.setup.params.tangent_points[0];
+        if self.x.iter().any(|v| !v.is_finite()) {
+            Some(Motion::BrokenDown { t })
+        } else if (self.x[1] - self.xs).abs() > ESCAPE_FACTOR * outermost {
+            Some(Motion::Escaped { t })
+        } else {
+            None
+        }
+    }
+
+    /// One pass: moves the state and says what happened.
+    pub(super) fn advance(&mut self) -> Option<Event> {
+        match self.mode {
+            Mode::Stick => self.stick(),
+            Mode::Below | Mode::Above => self.slip(),
+        }
+    }
+
+    fn move_to(&mut self, x: State) {
+        self.x = x;
+        self.xs = self.setup.params.harmonic(x[0]);
+    }
+
+    /// Lines 30–45.
+    fn stick(&mut self) -> Option<Event> {
+        let setup = self.setup;
+        let start = self.x;
+        let moved = [start[0] + setup.h, start[1] + setup.h * start[2], start[2]];
+        let xs = setup.params.harmonic(moved[0]);
+        let (upper, lower) = ends(self.zone, &setup.params.tangent_points);
+        let through_lower = !setup.defects.one_sided_exit && moved[1] <= lower + xs;
+        // Tested so that a state that is no number leaves, as in the listing.
+        let stays = moved[1] < upper + xs && !through_lower;
+        if stays {
+            self.move_to(moved);
+            return None;
+        }
+        let (end, rest) = if through_lower {
+            (End::Lower, lower)
+        } else {
+            (End::Upper, upper)
+        };
+        self.move_to(self.stick_exit(start, moved, rest, xs));
+        self.mode = if setup.defects.reversed_exit_side {
+            if self.zone == Some(Zone::Middle) {
+                Mode::Above
+            } else {
+                Mode::Below
+            }
+        } else {
+            self.side_of_spring(self.x[1], self.xs)
+        };
+        Some(Event::Exit(end))
+    }
+
+    /// The state where a stick phase ends at the zone's end with resting position `rest` (lines 37–38).
+    fn stick_exit(&self, start: State, moved: State, rest: f64, xs: f64) -> State {
+        let defects = &self.setup.defects;
+        if defects.in_place_stages {
+            // Line 37 has overwritten x[1] before it subtracts it, so line 38 adds nothing to the clock.
+            return [moved[0], rest + xs, moved[2]];
+        }
+        if defects.frozen_forcing {
+            let x1 = rest + xs;
+            return [start[0] + (x1 - start[1]) / start[2], x1, start[2]];
+        }
+        let gap_start = start[1] - rest - self.xs;
+        let gap_end = moved[1] - rest - xs;
+        // The gaps have the same sign only if the phase began outside its zone: then it ends at once.
+        let fraction = if gap_start * gap_end < 0.0 {
+            gap_start / (gap_start - gap_end)
+        } else {
+            0.0
+        };
+        let wait = fraction * self.setup.h;
+        [start[0] + wait, start[1] + wait * start[2], start[2]]
+    }
+
+    /// Lines 47–78.
+    fn slip(&mut self) -> Option<Event> {
+        let setup = self.setup;
+        let speed = setup.params.belt_speed;
+        let start = self.x;
+        let moved = self.slip_step(start);
+        let crossed = match self.mode {
+            Mode::Below => moved[2] >= speed,
+            _ => moved[2] <= speed,
+        };
+        if !crossed {
+            self.move_to([start[0] + setup.h, moved[1], moved[2]]);
+            return None;
+        }
+        // As printed the state before the step is gone.
+        let origin = if setup.defects.in_place_stages {
+            moved
+        } else {
+            start
+        };
+        let landed = self.henon_step(origin);
+        self.move_to([landed[0], landed[1], speed]);
+        Some(self.arrive())
+    }
+
+    fn field(&self) -> &Field {
+        if self.mode == Mode::Below {
+            &self.below
+        } else {
+            &self.above
+        }
+    }
+
+    fn slip_step(&self, start: State) -> State {
+        let params = &self.setup.params;
+        let field = self.field();
+        match (
+            self.setup.defects.in_place_stages,
+            self.setup.defects.frozen_forcing,
+        ) {
+            (true, true) => self.step.in_place(field, start, |_| self.xs),
+            (true, false) => self.step.in_place(field, start, |t| params.harmonic(t)),
+            (false, true) => self.step.classical(field, start, |_| self.xs),
+            (false, false) => self.step.classical(field, start, |t| params.harmonic(t)),
+        }
+    }
+
+    fn henon_step(&self, origin: State) -> State {
+        let params = &self.setup.params;
+        let defects = &self.setup.defects;
+        let field = self.field();
+        let h = if self.mode == Mode::Above && defects.s2_step_sign {
+            origin[2] - params.belt_speed
+        } else {
+            params.belt_speed - origin[2]
+        };
+        let sixth = if defects.sixth_rounded {
+            h * 0.166666
+        } else {
+            h / 6.0
+        };
+        let step = VelocityStep { h, sixth };
+        match (defects.in_place_stages, defects.frozen_forcing) {
+            (true, true) => step.in_place(field, origin, |_| self.xs),
+            (true, false) => step.in_place(field, origin, |t| params.harmonic(t)),
+            (false, true) => step.classical(field, origin, |_| self.xs),
+            (false, false) => step.classical(field, origin, |t| params.harmonic(t)),
+        }
+    }
+
+    /// Stick or cross, by the transition function of Eq. (19) (lines 53–58).
+    fn arrive(&mut self) -> Event {
+        let params = &self.setup.params;
+        let inverse_mass = 1.0 / params.mass;
+        let s = params.spring(self.x[1] - self.xs);
+        let sigma = 1.0 / (inverse_mass * inverse_mass) * (s * s - params.mu0 * params.mu0);
+        if sigma <= 0.0 {
+            self.zone = Zone::holding(self.x[1], &params.tangent_points, self.xs);
+            self.mode = Mode::Stick;
+            Event::Entry(self.zone)
+        } else if self.mode == Mode::Below {
+            self.mode = Mode::Above;
+            Event::Crossing(Direction::Up)
+        } else {
+            self.mode = Mode::Below;
+            Event::Crossing(Direction::Down)
+        }
+    }
+}
