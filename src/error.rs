@@ -53,7 +53,9 @@ pub enum Error {
         bound: &'static str,
     },
     /// The end time does not lie after the start, or one of them is not a number.
-    #[error("cannot integrate from t = {t0} to t = {t_end}: both must be finite and the end later than the start")]
+    #[error(
+        "cannot integrate from t = {t0} to t = {t_end}: both must be finite and the end later than the start"
+    )]
     Interval {
         /// Start time.
         t0: f64,
@@ -61,7 +63,9 @@ pub enum Error {
         t_end: f64,
     },
     /// The start lies where the system is not defined.
-    #[error("the start t = {t}, x = {x} lies outside the system's domain: {what} is not finite there; start where field and boundary are finite")]
+    #[error(
+        "the start t = {t}, x = {x} lies outside the system's domain: {what} is not finite there; start where field and boundary are finite"
+    )]
     StartOutsideDomain {
         /// Start time.
         t: f64,
@@ -71,7 +75,9 @@ pub enum Error {
         what: &'static str,
     },
     /// The state became infinite or not a number.
-    #[error("the state stopped being finite after t = {t}, x = {x}; the field may have a pole there, or the fixed step {step} may be too long")]
+    #[error(
+        "the state stopped being finite after t = {t}, x = {x}; the field may have a pole there, or the fixed step {step} may be too long"
+    )]
     NonFinite {
         /// Last good time.
         t: f64,
@@ -81,7 +87,9 @@ pub enum Error {
         step: f64,
     },
     /// The adaptive step shrank to rounding: the solution cannot be continued to the tolerance.
-    #[error("the step collapsed to {step} at t = {t}, x = {x}: the solution has a singularity there or rtol = {rtol}, atol = {atol} cannot be met; loosen them or set an escape bound")]
+    #[error(
+        "the step collapsed to {step} at t = {t}, x = {x}: the solution has a singularity there or rtol = {rtol}, atol = {atol} cannot be met; loosen them or set an escape bound"
+    )]
     StepCollapse {
         /// Time reached.
         t: f64,
@@ -95,7 +103,9 @@ pub enum Error {
         atol: f64,
     },
     /// Transitions pile up (Zeno): ever more of them within no time.
-    #[error("{count} transitions within {span} before t = {t}, x = {x}: they pile up (Zeno); the orbit cannot be followed past the accumulation point")]
+    #[error(
+        "{count} transitions within {span} before t = {t}, x = {x}: they pile up (Zeno); the orbit cannot be followed past the accumulation point"
+    )]
     EventPileUp {
         /// Transitions counted.
         count: usize,
@@ -107,7 +117,9 @@ pub enum Error {
         x: Point,
     },
     /// A component of the state passed the bound set in the options.
-    #[error("the orbit escaped: |x| > {bound} at t = {t}, x = {x}; raise the escape bound to follow it further")]
+    #[error(
+        "the orbit escaped: |x| > {bound} at t = {t}, x = {x}; raise the escape bound to follow it further"
+    )]
     Escaped {
         /// Time.
         t: f64,
@@ -127,7 +139,9 @@ pub enum Error {
         to: f64,
     },
     /// An iteration did not converge.
-    #[error("{what} did not converge in {iterations} iterations: residual {residual}, wanted {wanted}; start nearer to the solution")]
+    #[error(
+        "{what} did not converge in {iterations} iterations: residual {residual}, wanted {wanted}; start nearer to the solution"
+    )]
     NotConverged {
         /// What was sought.
         what: &'static str,

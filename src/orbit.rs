@@ -76,7 +76,10 @@ impl<const N: usize> Orbit<N> {
     ///
     /// # Errors
     /// [`Error::OutsideOrbit`] for the first time that the orbit does not cover.
-    pub fn sample(&self, times: impl IntoIterator<Item = f64>) -> Result<Vec<State<f64, N>>, Error> {
+    pub fn sample(
+        &self,
+        times: impl IntoIterator<Item = f64>,
+    ) -> Result<Vec<State<f64, N>>, Error> {
         times.into_iter().map(|t| self.at(t)).collect()
     }
 

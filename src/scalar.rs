@@ -232,7 +232,11 @@ mod tests {
         approx::assert_relative_eq!(third.v2, nested.re.eps.eps, max_relative = 1e-13);
         approx::assert_relative_eq!(third.v3, nested.eps.eps.eps, max_relative = 1e-13);
         let h = 1e-4;
-        approx::assert_relative_eq!(third.v1, (f(t + h) - f(t - h)) / (2.0 * h), max_relative = 1e-7);
+        approx::assert_relative_eq!(
+            third.v1,
+            (f(t + h) - f(t - h)) / (2.0 * h),
+            max_relative = 1e-7
+        );
     }
 
     #[test]

@@ -131,7 +131,10 @@ impl<M: RungeKutta, S: Filippov<N>, const N: usize> Observer<N> for Tangent<'_, 
     }
 
     fn transition(&mut self, at: &Transition<N>) -> ControlFlow<()> {
-        if matches!(at.kind, TransitionKind::Crossing | TransitionKind::StickEntry) {
+        if matches!(
+            at.kind,
+            TransitionKind::Crossing | TransitionKind::StickEntry
+        ) {
             let before = self.vector(at.from, at.t, &at.x);
             let after = self.vector(at.to, at.t, &at.x);
             let jump = saltation(self.system, at.t, &at.x, &before, &after);

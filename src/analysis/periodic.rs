@@ -49,7 +49,7 @@ pub fn periodic_orbit_forced<S: Filippov<N>, const N: usize>(
 /// ```
 /// use stickslip::{analysis::{periodic_orbit, planar_multipliers}, models::BeltOscillator, Options, State};
 /// let belt = BeltOscillator::default();
-/// let cycle = periodic_orbit(&belt, State::from([1.2, 0.0]), 7.7, &Options::tol(1e-12))?;
+/// let cycle = periodic_orbit(&belt, State::from([1.4, 0.0]), 7.7, &Options::tol(1e-12))?;
 /// let [trivial, other] = planar_multipliers(&cycle.monodromy);
 /// assert!((trivial.re - 1.0).abs() < 1e-9 && other.re.abs() < 1.0); // stable
 /// # Ok::<(), stickslip::Error>(())
@@ -60,13 +60,23 @@ pub fn periodic_orbit<S: Filippov<N>, const N: usize>(
     period: f64,
     options: &Options,
 ) -> Result<PeriodicOrbit<N>, Error> {
-    let h = system.boundary(0.0, &x);
-    let slope = if h == 0.0 {
-        sliding_field(system, 0.0, &x)
-    } else {
-        system.field(if h < 0.0 { Side::Below } else { Side::Above }, 0.0, &x)
-    };
+    let slope = slope_at(system, 0.0, &x);
     shoot(system, 0.0, x, period, Some(slope), options)
+}
+
+/// The vector that moves a state: of its side's field, or on Σ the sliding one.
+fn slope_at<S: Filippov<N>, const N: usize>(
+    system: &S,
+    t: f64,
+    x: &State<f64, N>,
+) -> State<f64, N> {
+    let h = system.boundary(t, x);
+    if h == 0.0 {
+        sliding_field(system, t, x)
+    } else {
+        let side = if h < 0.0 { Side::Below } else { Side::Above };
+        system.field(side, t, x)
+    }
 }
 
 /// Newton's iteration; with `phase` (the flow's direction at the guess, along which no correction is made) the period
@@ -87,9 +97,19 @@ fn shoot<S: Filippov<N>, const N: usize>(
         let size = gap.amax();
         // The last halvings of the residual are rounding: stop at the first iterate that is no better.
         if size <= wanted && size >= 0.5 * residual || size == 0.0 {
-            return Ok(PeriodicOrbit { t, x, period, monodromy: turn.matrix, residual: size });
+            return Ok(PeriodicOrbit {
+                t,
+                x,
+                period,
+                monodromy: turn.matrix,
+                residual: size,
+            });
         }
         residual = size;
+        // An equilibrium repeats itself after any time; the iteration may fall into one.
+        if phase.is_some() && slope_at(system, t, &x).amax() * period < 1e-3 * x.amax().max(1e-3) {
+            break;
+        }
         let Some((dx, change)) = correction(system, t + period, &turn, &gap, phase.as_ref()) else {
             break;
         };
@@ -125,9 +145,7 @@ fn correction<S: Filippov<N>, const N: usize>(
         right[i] = -gap[i];
     }
     if let Some(direction) = phase {
-        let end = &turn.summary.x;
-        let side = if system.boundary(t_end, end) < 0.0 { Side::Below } else { Side::Above };
-        let slope = system.field(side, t_end, end);
+        let slope = slope_at(system, t_end, &turn.summary.x);
         for i in 0..N {
             matrix[(i, N)] = slope[i];
             matrix[(N, i)] = direction[i];
@@ -146,11 +164,18 @@ pub fn planar_multipliers(matrix: &SMatrix<f64, 2, 2>) -> [Complex<f64>; 2] {
     let discriminant = half_trace * half_trace - determinant;
     if discriminant < 0.0 {
         let imaginary = (-discriminant).sqrt();
-        return [Complex::new(half_trace, imaginary), Complex::new(half_trace, -imaginary)];
+        return [
+            Complex::new(half_trace, imaginary),
+            Complex::new(half_trace, -imaginary),
+        ];
     }
     // The larger by size without cancellation, the other from the product.
     let larger = half_trace + discriminant.sqrt() * half_trace.signum();
-    let smaller = if larger == 0.0 { 0.0 } else { determinant / larger };
+    let smaller = if larger == 0.0 {
+        0.0
+    } else {
+        determinant / larger
+    };
     let pair = [Complex::new(larger, 0.0), Complex::new(smaller, 0.0)];
     if (larger - 1.0).abs() <= (smaller - 1.0).abs() {
         pair

@@ -20,9 +20,11 @@ pub enum Visibility {
 /// ```
 /// use stickslip::{analysis::{tangency, Visibility}, models::BeltOscillator, Side, State};
 /// let belt = BeltOscillator::default();
-/// let third = 2.0 / 3f64.sqrt() * stickslip::math::sin(std::f64::consts::PI / 18.0);
-/// let x = State::from([third, 1.0]);
-/// assert_eq!(tangency(&belt, Side::Above, 0.0, &x), Some(Visibility::Invisible));
+/// // Eq. (16): the first of the six tangent points, where the field below touches Σ.
+/// let first = 2.0 / 3f64.sqrt() * stickslip::math::cos(std::f64::consts::PI / 9.0);
+/// let x = State::from([first, 1.0]);
+/// assert_eq!(tangency(&belt, Side::Below, 0.0, &x), Some(Visibility::Visible));
+/// assert_eq!(tangency(&belt, Side::Above, 0.0, &x), None);
 /// ```
 pub fn tangency<S: Filippov<N>, const N: usize>(
     system: &S,

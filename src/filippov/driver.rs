@@ -82,7 +82,9 @@ pub fn solve<S: Filippov<N>, const N: usize>(
     {
         recorder.phases.push(open);
     }
-    let ending = result.as_ref().map_or(Ending::Stopped, |summary| summary.ending);
+    let ending = result
+        .as_ref()
+        .map_or(Ending::Stopped, |summary| summary.ending);
     let orbit = Orbit {
         phases: recorder.phases,
         transitions: recorder.transitions,
@@ -96,7 +98,10 @@ pub fn solve<S: Filippov<N>, const N: usize>(
     };
     match result {
         Ok(_) => Ok(orbit),
-        Err(error) => Err(Failure { error, orbit: Box::new(orbit) }),
+        Err(error) => Err(Failure {
+            error,
+            orbit: Box::new(orbit),
+        }),
     }
 }
 
@@ -152,7 +157,11 @@ fn check<S: Filippov<N>, const N: usize>(
     if !(t.is_finite() && t_end.is_finite() && t < t_end) {
         return Err(Error::Interval { t0: t, t_end });
     }
-    let outside = |what| Error::StartOutsideDomain { t, x: Point::from(&x), what };
+    let outside = |what| Error::StartOutsideDomain {
+        t,
+        x: Point::from(&x),
+        what,
+    };
     if x.iter().any(|v| !v.is_finite()) {
         return Err(outside("the start itself"));
     }
@@ -215,7 +224,10 @@ impl<O> Run<'_, O> {
         O: Observer<N>,
     {
         let mut at = start;
-        let mut pile_up = PileUp { since: f64::NEG_INFINITY, count: 0 };
+        let mut pile_up = PileUp {
+            since: f64::NEG_INFINITY,
+            count: 0,
+        };
         let (mut mode, mut orders) = match self.first_course(system, &at) {
             Course::On(mode, orders) => (mode, orders),
             Course::Repelled => return Ok(self.summary(Ending::Repelling, at)),
@@ -248,7 +260,10 @@ impl<O> Run<'_, O> {
             if let Some(ending) = ending {
                 return Ok(self.summary(ending, at));
             }
-            let PhaseEnd::Exit { guard, residual, .. } = end else {
+            let PhaseEnd::Exit {
+                guard, residual, ..
+            } = end
+            else {
                 return Ok(self.summary(Ending::EndTime, at));
             };
             self.counters.events += 1;
@@ -275,7 +290,12 @@ impl<O> Run<'_, O> {
     }
 
     fn summary<const N: usize>(&self, ending: Ending, at: Timed<f64, N>) -> Summary<N> {
-        Summary { ending, t: at.t, x: at.x, counters: self.counters }
+        Summary {
+            ending,
+            t: at.t,
+            x: at.x,
+            counters: self.counters,
+        }
     }
 
     /// Off Σ the side decides; on it, to rounding, the rules.

@@ -16,9 +16,7 @@ pub fn normal_component<S: Filippov<N>, T: Differentiable, const N: usize>(
     f: &State<T, N>,
 ) -> T {
     let along = State::<Dual<T>, N>::from_fn(|i, _| Dual::new(x[i], f[i]));
-    system
-        .boundary(Dual::new(t, T::constant(1.0)), &along)
-        .eps
+    system.boundary(Dual::new(t, T::constant(1.0)), &along).eps
 }
 
 /// Filippov's sliding field on Σ: the convex combination of the two fields that is tangent to Σ,
@@ -90,9 +88,7 @@ pub(crate) fn flow_path<T: Differentiable, const N: usize>(
     let mut path = x.map(|v| Dual3::new(v, zero, zero, zero));
     for _ in 0..3 {
         let slope = field(time, &path);
-        path = State::from_fn(|i, _| {
-            Dual3::new(x[i], slope[i].re, slope[i].v1, slope[i].v2)
-        });
+        path = State::from_fn(|i, _| Dual3::new(x[i], slope[i].re, slope[i].v1, slope[i].v2));
     }
     (time, path)
 }

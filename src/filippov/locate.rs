@@ -31,10 +31,7 @@ pub(crate) enum Located<const N: usize> {
         residual: f64,
     },
     /// The guard reaches zero and turns back, to within the touch tolerance; the state at the turning point.
-    Touch {
-        at: Timed<f64, N>,
-        residual: f64,
-    },
+    Touch { at: Timed<f64, N>, residual: f64 },
     /// Re-integrated, the guard does not reach zero in the bracket.
     Nothing,
 }
@@ -56,7 +53,10 @@ impl<F: Flow<N>, const N: usize> Origin<'_, F, N> {
         self.count(M::COEFFICIENTS.stages as u64 - 1);
         let x = stages::<M, f64, _>(field, self.t, &self.x, self.slope, part).end;
         let t = self.t + part;
-        Timed { t, x: self.flow.settle(t, x) }
+        Timed {
+            t,
+            x: self.flow.settle(t, x),
+        }
     }
 
     fn probe<M: RungeKutta>(&self, i: usize, s: f64) -> Probe<N> {
@@ -78,7 +78,12 @@ impl<F: Flow<N>, const N: usize> Origin<'_, F, N> {
         // Three passes through the field on dual numbers.
         self.count(3);
         let [guard, rate, bend, _] = self.flow.jet(i, at.t, &at.x);
-        Probe { at, guard, rate, bend }
+        Probe {
+            at,
+            guard,
+            rate,
+            bend,
+        }
     }
 
     /// Locates the zero of guard `i` within `bracket` (parts of the step); `estimate` is where the dense output has it.
@@ -94,7 +99,10 @@ impl<F: Flow<N>, const N: usize> Origin<'_, F, N> {
         let found = match locator {
             Locator::Auto => self.polish::<M>(i, self.probe::<M>(i, estimate)),
             Locator::Henon => {
-                let start = Timed { t: self.t, x: self.x };
+                let start = Timed {
+                    t: self.t,
+                    x: self.x,
+                };
                 self.whole_henon_step::<M>(i, self.look(i, start))
             }
             Locator::RootSearch => None,
@@ -104,7 +112,10 @@ impl<F: Flow<N>, const N: usize> Origin<'_, F, N> {
             None => match self.search::<M>(i, bracket, estimate) {
                 Search::Zero(probe) => probe,
                 Search::Turn(probe) if probe.guard <= touch => {
-                    return Located::Touch { at: probe.at, residual: probe.guard.abs() };
+                    return Located::Touch {
+                        at: probe.at,
+                        residual: probe.guard.abs(),
+                    };
                 }
                 Search::Turn(_) => return Located::Nothing,
             },
@@ -113,9 +124,15 @@ impl<F: Flow<N>, const N: usize> Origin<'_, F, N> {
         if found.bend > 0.0 && found.rate * found.rate <= 2.0 * touch * found.bend {
             let s = (found.at.t - self.t) / self.h;
             let turn = self.turning_point::<M>(i, s);
-            return Located::Touch { at: turn.at, residual: turn.guard.abs() };
+            return Located::Touch {
+                at: turn.at,
+                residual: turn.guard.abs(),
+            };
         }
-        Located::Exit { at: found.at, residual: found.guard.abs() }
+        Located::Exit {
+            at: found.at,
+            residual: found.guard.abs(),
+        }
     }
 
     /// From a state hardly off the zero, one Hénon step onto it (again where the guard is curved and the first has left
@@ -130,7 +147,13 @@ impl<F: Flow<N>, const N: usize> Origin<'_, F, N> {
                 return None;
             }
             let to = self.henon::<M>(i, &best.at, -best.guard);
-            let to = self.look(i, Timed { t: to.t, x: self.flow.settle(to.t, to.x) });
+            let to = self.look(
+                i,
+                Timed {
+                    t: to.t,
+                    x: self.flow.settle(to.t, to.x),
+                },
+            );
             if to.guard.abs() >= best.guard.abs() {
                 break;
             }
@@ -181,7 +204,11 @@ impl<F: Flow<N>, const N: usize> Origin<'_, F, N> {
                 b = s;
             }
             let newton = s - here.guard / (here.rate * self.h);
-            let next = if newton > a && newton < b { newton } else { 0.5 * (a + b) };
+            let next = if newton > a && newton < b {
+                newton
+            } else {
+                0.5 * (a + b)
+            };
             if next == s || next <= a || next >= b {
                 break;
             }
@@ -297,5 +324,8 @@ pub(crate) fn uncertainty<F: Flow<N>, const N: usize>(
         }
     }
     by_rounding *= ULPS * f64::EPSILON;
-    Uncertainty { by_tolerance, by_rounding }
+    Uncertainty {
+        by_tolerance,
+        by_rounding,
+    }
 }

@@ -13,6 +13,9 @@ use crate::ode::{Dense, RungeKutta, Stages, Timed, dense_slopes, stages};
 use crate::orbit::Counters;
 use crate::system::{Mode, State};
 
+/// Steps shorter than this part of the time no longer move it.
+const SHORTEST: f64 = 4.0 * f64::EPSILON;
+
 /// What lasts from phase to phase.
 pub(crate) struct Run<'a, O> {
     pub options: &'a Options,
@@ -105,18 +108,28 @@ impl<O> Run<'_, O> {
             let t_next = if is_last { self.t_end } else { t + h };
             step.end = flow.settle(t_next, step.end);
             dense_slopes::<M, f64, _>(field, t, &x, h, &mut step);
-            self.counters.field_calls +=
-                F::FIELD_CALLS * (1 + M::COEFFICIENTS.dense_stages as u64);
+            self.counters.field_calls += F::FIELD_CALLS * (1 + M::COEFFICIENTS.dense_stages as u64);
             let dense = Dense::new::<M>(t, &x, h, &step);
-            let origin = Origin { flow, t, x, slope, h, field_calls: Cell::new(0) };
+            let origin = Origin {
+                flow,
+                t,
+                x,
+                slope,
+                h,
+                field_calls: Cell::new(0),
+            };
             let event = self.first_event::<M, F, N>(&origin, &dense, &orders);
             self.counters.field_calls += origin.field_calls.get();
             let (at, next_slope) = match &event {
-                Some(Event { located: Located::Exit { at, .. } | Located::Touch { at, .. }, .. }) => {
-                    (*at, None)
-                }
+                Some(Event {
+                    located: Located::Exit { at, .. } | Located::Touch { at, .. },
+                    ..
+                }) => (*at, None),
                 _ => (
-                    Timed { t: t_next, x: step.end },
+                    Timed {
+                        t: t_next,
+                        x: step.end,
+                    },
                     Some(step.k[M::COEFFICIENTS.stages]),
                 ),
             };
@@ -134,10 +147,20 @@ impl<O> Run<'_, O> {
                 return Ok(PhaseEnd::Stopped(at));
             }
             match event {
-                Some(Event { guard, located: Located::Exit { at, residual } }) => {
-                    return Ok(PhaseEnd::Exit { at, guard, residual });
+                Some(Event {
+                    guard,
+                    located: Located::Exit { at, residual },
+                }) => {
+                    return Ok(PhaseEnd::Exit {
+                        at,
+                        guard,
+                        residual,
+                    });
                 }
-                Some(Event { guard, located: Located::Touch { at, residual } }) => {
+                Some(Event {
+                    guard,
+                    located: Located::Touch { at, residual },
+                }) => {
                     self.counters.events += 1;
                     let touch = Transition {
                         t: at.t,
@@ -204,6 +227,9 @@ impl<O> Run<'_, O> {
             if is_last {
                 h = self.t_end - t;
             }
+            if !is_last && h <= SHORTEST * t.abs() || h < f64::MIN_POSITIVE {
+                return Err(self.collapse(t, x, &slope, h));
+            }
             let step = stages::<M, f64, _>(field, t, x, slope, h);
             self.counters.field_calls += F::FIELD_CALLS * (M::COEFFICIENTS.stages as u64 - 1);
             let error = error_norm::<M, N>(&step, x, h, &tolerance);
@@ -211,7 +237,11 @@ impl<O> Run<'_, O> {
                 if error.is_finite() {
                     return Ok((h, is_last, step));
                 }
-                return Err(Error::NonFinite { t, x: Point::from(x), step: h });
+                return Err(Error::NonFinite {
+                    t,
+                    x: Point::from(x),
+                    step: h,
+                });
             }
             if error <= 1.0 {
                 let factor = step_factor(error);
@@ -223,19 +253,32 @@ impl<O> Run<'_, O> {
             }
             self.counters.rejected += 1;
             rejected = true;
-            self.h = h * if error.is_finite() { step_factor(error) } else { 0.1 };
-            if self.h <= 16.0 * f64::EPSILON * t.abs().max(f64::MIN_POSITIVE) || t + 0.01 * self.h == t {
-                if slope.iter().any(|v| !v.is_finite()) {
-                    return Err(Error::NonFinite { t, x: Point::from(x), step: h });
-                }
-                return Err(Error::StepCollapse {
-                    t,
-                    x: Point::from(x),
-                    step: self.h,
-                    rtol: tolerance.rtol,
-                    atol: tolerance.atol,
-                });
-            }
+            self.h = h * if error.is_finite() {
+                step_factor(error)
+            } else {
+                0.1
+            };
+        }
+    }
+
+    /// The step shrank until time no longer moves.
+    fn collapse<const N: usize>(
+        &self,
+        t: f64,
+        x: &State<f64, N>,
+        slope: &State<f64, N>,
+        step: f64,
+    ) -> Error {
+        let x = Point::from(x);
+        if slope.iter().any(|v| !v.is_finite()) {
+            return Error::NonFinite { t, x, step };
+        }
+        Error::StepCollapse {
+            t,
+            x,
+            step,
+            rtol: self.options.rtol,
+            atol: self.options.atol,
         }
     }
 
@@ -248,7 +291,11 @@ impl<O> Run<'_, O> {
     ) -> Result<(), Error> {
         for v in at.x.iter() {
             if !v.is_finite() {
-                return Err(Error::NonFinite { t, x: Point::from(x), step: h });
+                return Err(Error::NonFinite {
+                    t,
+                    x: Point::from(x),
+                    step: h,
+                });
             }
             if v.abs() > self.options.escape {
                 return Err(Error::Escaped {
@@ -270,8 +317,8 @@ impl<O> Run<'_, O> {
         orders: &[usize; 2],
     ) -> Option<Event<N>> {
         let mut first: Option<(f64, Event<N>)> = None;
-        for guard in 0..F::GUARDS {
-            let found = self.first_failure::<M, F, N>(guard, origin, dense, orders[guard]);
+        for (guard, &order) in orders.iter().enumerate().take(F::GUARDS) {
+            let found = self.first_failure::<M, F, N>(guard, origin, dense, order);
             if let Some((t, located)) = found
                 && first.as_ref().is_none_or(|(earlier, _)| t < *earlier)
             {
@@ -289,8 +336,7 @@ impl<O> Run<'_, O> {
         dense: &Dense<N>,
         order: usize,
     ) -> Option<(f64, Located<N>)> {
-        let on_dense =
-            |s: f64| origin.flow.guard(i, origin.t + s * origin.h, &dense.at(s));
+        let on_dense = |s: f64| origin.flow.guard(i, origin.t + s * origin.h, &dense.at(s));
         if order == 0 {
             // Nearly every step ends here: sampled, and far from any event.
             let samples = Samples::take(&mut { on_dense }, 0.0, 1.0);
@@ -325,7 +371,9 @@ impl<O> Run<'_, O> {
             let located = origin.locate::<M>(i, bracket, estimate, self.options.locator, touch);
             self.counters.locations += 1;
             match located {
-                Located::Exit { at, .. } | Located::Touch { at, .. } => return Some((at.t, located)),
+                Located::Exit { at, .. } | Located::Touch { at, .. } => {
+                    return Some((at.t, located));
+                }
                 Located::Nothing if bracket.b > from && bracket.b < 1.0 => from = bracket.b,
                 Located::Nothing => return None,
             }
@@ -338,7 +386,10 @@ impl<O> Run<'_, O> {
         i: usize,
         origin: &Origin<'_, F, N>,
     ) -> Uncertainty {
-        let at = Timed { t: origin.t, x: origin.x };
+        let at = Timed {
+            t: origin.t,
+            x: origin.x,
+        };
         uncertainty(origin.flow, i, &at, &self.options.tolerance())
     }
 
@@ -367,7 +418,10 @@ fn leaving<F: Flow<N>, const N: usize>(
     let [g, rate, bend, third] = origin.flow.jet(i, origin.t, &origin.x);
     let h = origin.h;
     let start = [g, rate * h, 0.5 * bend * h * h, third * h * h * h / 6.0];
-    Leaving { order: order.min(3), start }
+    Leaving {
+        order: order.min(3),
+        start,
+    }
 }
 
 /// Whether a guard that was zero at the start of the phase now stands clear of zero.

@@ -196,13 +196,28 @@ impl Options {
             let good = step > 0.0 && step.is_finite();
             require(good, "first_step", step, "positive and finite")?;
         }
-        require(self.longest_step > 0.0, "longest_step", self.longest_step, "positive")?;
+        require(
+            self.longest_step > 0.0,
+            "longest_step",
+            self.longest_step,
+            "positive",
+        )?;
         require(self.escape > 0.0, "escape", self.escape, "positive")?;
         let touch = self.touch >= 0.0 && self.touch.is_finite();
         require(touch, "touch", self.touch, "finite and at least 0")?;
         let count = self.pile_up_count as f64;
-        require(self.pile_up_count >= 2, "pile_up_count", count, "at least 2")?;
+        require(
+            self.pile_up_count >= 2,
+            "pile_up_count",
+            count,
+            "at least 2",
+        )?;
         let span = self.pile_up_span > 0.0 && self.pile_up_span.is_finite();
-        require(span, "pile_up_span", self.pile_up_span, "positive and finite")
+        require(
+            span,
+            "pile_up_span",
+            self.pile_up_span,
+            "positive and finite",
+        )
     }
 }

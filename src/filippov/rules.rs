@@ -64,14 +64,17 @@ impl LieDerivatives {
             let seed = |at: usize| f64::from(u8::from(at == direction));
             let seeded = State::<Dual<f64>, N>::from_fn(|i, _| Dual::new(x[i], seed(i)));
             let jet = slip.jet(0, Dual::new(t, seed(N)), &seeded);
-            let size = if direction < N { x[direction].abs() } else { t.abs() };
+            let size = if direction < N {
+                x[direction].abs()
+            } else {
+                t.abs()
+            };
             for k in 0..4 {
                 values[k] = side.sign() * jet[k].re;
                 spread[k] += jet[k].eps.abs() * size;
             }
         }
-        let floors =
-            std::array::from_fn(|k| ULPS * f64::EPSILON * (spread[k] + values[k].abs()));
+        let floors = std::array::from_fn(|k| ULPS * f64::EPSILON * (spread[k] + values[k].abs()));
         LieDerivatives { values, floors }
     }
 

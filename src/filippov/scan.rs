@@ -32,11 +32,7 @@ const NARROWEST: f64 = 1.5e-8;
 
 /// A bracket of the first zero of `value` in `[lo, hi]`, or `None` when there is none. Halves intervals until each is
 /// clear or holds a bracket: depth first, the left half first.
-pub(crate) fn first_zero(
-    value: &mut impl FnMut(f64) -> f64,
-    lo: f64,
-    hi: f64,
-) -> Option<Bracket> {
+pub(crate) fn first_zero(value: &mut impl FnMut(f64) -> f64, lo: f64, hi: f64) -> Option<Bracket> {
     // Each halving leaves one interval waiting, and NARROWEST allows 26 of them.
     let mut waiting = [(0.0, 0.0); 32];
     let mut count = 0;
@@ -87,7 +83,10 @@ impl Samples {
         let half = 0.5 * (hi - lo);
         let mut nodes: [f64; NODES] = std::array::from_fn(|j| lo + half * (1.0 - COS[j]));
         nodes[NODES - 1] = hi;
-        Samples { nodes, values: nodes.map(value) }
+        Samples {
+            nodes,
+            values: nodes.map(value),
+        }
     }
 
     /// Between nine Chebyshev points a polynomial leaves the range of its values by at most 1.2 times its half-width
@@ -117,7 +116,10 @@ impl Samples {
             return if self.values[last] > 0.0 {
                 Verdict::Clear
             } else {
-                Verdict::Zero(Bracket { a: self.nodes[first], b: self.nodes[last] })
+                Verdict::Zero(Bracket {
+                    a: self.nodes[first],
+                    b: self.nodes[last],
+                })
             };
         }
         Verdict::Unresolved
@@ -125,7 +127,10 @@ impl Samples {
 
     fn first_sign_change(&self) -> Option<Bracket> {
         let j = (1..NODES).find(|&j| self.values[j] <= 0.0)?;
-        Some(Bracket { a: self.nodes[j - 1], b: self.nodes[j] })
+        Some(Bracket {
+            a: self.nodes[j - 1],
+            b: self.nodes[j],
+        })
     }
 }
 
@@ -170,7 +175,10 @@ mod tests {
                 let parabola = |g: f64| move |s: f64| (s - centre) * (s - centre) - g;
                 let bracket = zero_of(parabola(gap)).expect("two crossings");
                 let first = centre - gap.sqrt();
-                assert!(bracket.a <= first && first <= bracket.b + 1e-15, "{gap} {centre}");
+                assert!(
+                    bracket.a <= first && first <= bracket.b + 1e-15,
+                    "{gap} {centre}"
+                );
                 assert!(bracket.b < centre + gap.sqrt());
                 assert_eq!(zero_of(parabola(-gap)), None);
             }

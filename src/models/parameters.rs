@@ -15,9 +15,19 @@ pub(super) fn finite(name: &'static str, value: f64) -> Result<(), Error> {
 }
 
 pub(super) fn positive(name: &'static str, value: f64) -> Result<(), Error> {
-    require(value > 0.0 && value.is_finite(), name, value, "positive and finite")
+    require(
+        value > 0.0 && value.is_finite(),
+        name,
+        value,
+        "positive and finite",
+    )
 }
 
 pub(super) fn not_negative(name: &'static str, value: f64) -> Result<(), Error> {
-    require(value >= 0.0 && value.is_finite(), name, value, "finite and at least 0")
+    require(
+        value >= 0.0 && value.is_finite(),
+        name,
+        value,
+        "finite and at least 0",
+    )
 }

@@ -40,12 +40,15 @@ pub(crate) fn error_norm<M: RungeKutta, const N: usize>(
 ) -> f64 {
     let Some(embedded) = &M::EMBEDDED else {
         // A method without an estimate takes every finite step.
-        return if step.end.iter().all(|v| v.is_finite()) { 0.0 } else { f64::NAN };
+        return if step.end.iter().all(|v| v.is_finite()) {
+            0.0
+        } else {
+            f64::NAN
+        };
     };
     let fifth: State<f64, N> = weigh(&step.k, &embedded.e5);
     let eighth: State<f64, N> = weigh(&step.k, &M::COEFFICIENTS.b);
-    let third: State<f64, N> =
-        eighth.add_scaled(-1.0, &weigh(&step.k, &embedded.third_order));
+    let third: State<f64, N> = eighth.add_scaled(-1.0, &weigh(&step.k, &embedded.third_order));
     let (mut sum5, mut sum3) = (0.0, 0.0);
     for i in 0..N {
         let scale = tolerance.scale(x0[i].abs().max(step.end[i].abs()));
@@ -55,7 +58,11 @@ pub(crate) fn error_norm<M: RungeKutta, const N: usize>(
     }
     let denominator = sum5 + 0.01 * sum3;
     if denominator == 0.0 {
-        return if step.end.iter().all(|v| v.is_finite()) { 0.0 } else { f64::NAN };
+        return if step.end.iter().all(|v| v.is_finite()) {
+            0.0
+        } else {
+            f64::NAN
+        };
     }
     h.abs() * sum5 / (denominator * N as f64).sqrt()
 }
@@ -108,5 +115,9 @@ pub(crate) fn first_step<const N: usize>(
         math::pow(0.01 / steepest, 1.0 / 8.0)
     };
     let step = (100.0 * guess).min(by_slope).min(longest);
-    if step.is_finite() && step > 0.0 { step } else { 1e-6_f64.min(longest) }
+    if step.is_finite() && step > 0.0 {
+        step
+    } else {
+        1e-6_f64.min(longest)
+    }
 }
