@@ -49,7 +49,7 @@ pub fn periodic_orbit_forced<S: Filippov<N>, const N: usize>(
 /// ```
 /// use stickslip::{analysis::{periodic_orbit, planar_multipliers}, models::BeltOscillator, Options, State};
 /// let belt = BeltOscillator::default();
-/// let cycle = periodic_orbit(&belt, State::from([1.4, 0.0]), 7.7, &Options::tol(1e-12))?;
+/// let cycle = periodic_orbit(&belt, State::from([-0.27, -0.73]), 7.7, &Options::tol(1e-12))?;
 /// let [trivial, other] = planar_multipliers(&cycle.monodromy);
 /// assert!((trivial.re - 1.0).abs() < 1e-9 && other.re.abs() < 1.0); // stable
 /// # Ok::<(), stickslip::Error>(())
