@@ -33,15 +33,26 @@ pub fn tangency<S: Filippov<N>, const N: usize>(
     x: &State<f64, N>,
 ) -> Option<Visibility> {
     let lie = LieDerivatives::new(system, side, t, x);
-    let vanishes = |k: usize| lie.values[k].abs() <= lie.floors[k];
-    if !vanishes(1) {
-        return None;
-    }
-    Some(if vanishes(2) {
+    let is_tangent = lie.values[1].abs() <= lie.floors[1];
+    is_tangent.then(|| of_tangent(&lie, side))
+}
+
+/// How the field of `side` lies at a point where it is known to be tangent.
+pub(crate) fn visibility<S: Filippov<N>, const N: usize>(
+    system: &S,
+    side: Side,
+    t: f64,
+    x: &State<f64, N>,
+) -> Visibility {
+    of_tangent(&LieDerivatives::new(system, side, t, x), side)
+}
+
+fn of_tangent(lie: &LieDerivatives, side: Side) -> Visibility {
+    if lie.values[2].abs() <= lie.floors[2] {
         Visibility::Degenerate
     } else if lie.values[2] * side.sign() > 0.0 {
         Visibility::Visible
     } else {
         Visibility::Invisible
-    })
+    }
 }

@@ -11,7 +11,9 @@ mod scan;
 
 pub use driver::{Failure, Summary, run, solve};
 pub use flow::{boundary_gradient, normal_component, sliding_field};
+pub(crate) use locate::zero_on_dense;
 pub use observer::{Observer, Phase, StepRecord, Transition, TransitionKind};
 pub use options::{AtRepelling, Locator, Method, Options};
 pub(crate) use rules::LieDerivatives;
 pub use rules::{Fate, fate};
+pub(crate) use scan::first_zero;

@@ -9,3 +9,4 @@
 
 pub mod listing;
 pub mod published;
+pub mod slip_times_three;

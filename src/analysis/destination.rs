@@ -1,0 +1,118 @@
+//! Where an orbit of a periodically forced system ends up.
+
+use std::ops::ControlFlow;
+
+use crate::error::Error;
+use crate::filippov::{Observer, Options, Phase, StepRecord, run};
+use crate::system::{Filippov, Mode, State};
+
+/// What a start leads to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Destination<const N: usize> {
+    /// A component passed the escape bound of the options.
+    Escapes {
+        /// When.
+        t: f64,
+    },
+    /// The states at whole forcing periods repeat.
+    Periodic {
+        /// After how many forcing periods, the fewest.
+        period: usize,
+        /// Stick phases that end within one such pattern.
+        sticks: usize,
+        /// The last state at a whole forcing period.
+        x: State<f64, N>,
+    },
+    /// Nothing repeats within eight forcing periods.
+    Unsettled,
+}
+
+/// Patterns longer than this many forcing periods are not looked for.
+const LONGEST_PATTERN: usize = 8;
+
+/// Follows the orbit from `(t0, x0)` over `periods` forcing periods of length `period` and says where it has ended up: two
+/// states a pattern apart that differ by at most `closeness` in every component count as equal.
+///
+/// The escape bound in `options` decides what counts as escaping.
+///
+/// # Errors
+/// Those of [`run`] except [`Error::Escaped`].
+pub fn destination<S: Filippov<N>, const N: usize>(
+    system: &S,
+    (t0, x0): (f64, State<f64, N>),
+    period: f64,
+    periods: usize,
+    closeness: f64,
+    options: &Options,
+) -> Result<Destination<N>, Error> {
+    let mut strobe = Strobe {
+        t0,
+        period,
+        states: Vec::with_capacity(periods + 1),
+        stick_ends: Vec::new(),
+    };
+    strobe.states.push(x0);
+    // A little beyond the last whole period, so that rounding cannot leave it out.
+    let t_end = t0 + (periods as f64 + 1e-6) * period;
+    match run(system, t0, x0, t_end, options, &mut strobe) {
+        Ok(_) => Ok(strobe.verdict(closeness)),
+        Err(Error::Escaped { t, .. }) => Ok(Destination::Escapes { t }),
+        Err(error) => Err(error),
+    }
+}
+
+/// States at whole forcing periods, and when stick phases ended.
+struct Strobe<const N: usize> {
+    t0: f64,
+    period: f64,
+    states: Vec<State<f64, N>>,
+    stick_ends: Vec<f64>,
+}
+
+impl<const N: usize> Strobe<N> {
+    fn due(&self) -> f64 {
+        self.t0 + self.states.len() as f64 * self.period
+    }
+
+    fn verdict(&self, closeness: f64) -> Destination<N> {
+        let states = &self.states;
+        let repeats = |&p: &usize| {
+            // Twice over, so that a chance passage does not count.
+            states.len() > 2 * p
+                && (0..p).all(|k| {
+                    let last = states.len() - 1 - k;
+                    (states[last] - states[last - p]).amax() <= closeness
+                })
+        };
+        match (1..=LONGEST_PATTERN).find(repeats) {
+            None => Destination::Unsettled,
+            Some(period) => {
+                let end = self.t0 + (states.len() - 1) as f64 * self.period;
+                let from = end - period as f64 * self.period;
+                let within = |t: &&f64| **t > from && **t <= end;
+                Destination::Periodic {
+                    period,
+                    sticks: self.stick_ends.iter().filter(within).count(),
+                    x: states[states.len() - 1],
+                }
+            }
+        }
+    }
+}
+
+impl<const N: usize> Observer<N> for Strobe<N> {
+    fn step(&mut self, step: &StepRecord<N>) -> ControlFlow<()> {
+        while self.due() <= step.t_end {
+            let state = step.dense.at_time(self.due());
+            self.states.push(state);
+        }
+        ControlFlow::Continue(())
+    }
+
+    fn phase(&mut self, phase: &Phase<N>) -> ControlFlow<()> {
+        if phase.mode == Mode::Stick {
+            self.stick_ends.push(phase.t_end);
+        }
+        ControlFlow::Continue(())
+    }
+}
