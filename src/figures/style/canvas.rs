@@ -1,8 +1,8 @@
 //! The plotters backend that writes the SVG.
 //!
 //! plotters' own SVG backend has no dashes and sets text in one font; this one keeps text as `<text>` with
-//! italics and subscripts. One backend unit is a tenth of a px: plotters rounds coordinates to whole units, and
-//! a curve rounded to whole px is a staircase.
+//! italics and subscripts. One backend unit is a hundredth of a px: plotters rounds coordinates to whole
+//! units, and a curve rounded to whole px is a staircase; rounded to tenths it still shows kinks when enlarged.
 
 use std::fmt::{self, Write};
 
@@ -18,10 +18,10 @@ use super::pen::Pen;
 use super::rich;
 
 /// Backend units per px.
-const UNITS: f64 = 10.0;
+const UNITS: f64 = 100.0;
 
 /// Whole backend units nearest to a length in px.
-pub(super) fn tenths(px: f64) -> i32 {
+pub(super) fn units(px: f64) -> i32 {
     (px * UNITS).round() as i32
 }
 
@@ -57,12 +57,13 @@ impl<'a> Canvas<'a> {
         height: f64,
         naming: &Naming<'_>,
     ) -> Result<Self, fmt::Error> {
-        let size = (tenths(width).unsigned_abs(), tenths(height).unsigned_abs());
+        let size = (units(width).unsigned_abs(), units(height).unsigned_abs());
         let id = escape(naming.id);
+        // Without `xml:space` some viewers drop the space at the beginning of a tspan, as in "x₁ = 0".
         writeln!(
             out,
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
-             viewBox=\"0 0 {} {}\" role=\"img\" aria-labelledby=\"{id}-title {id}-desc\" font-family=\"{}\">",
+             viewBox=\"0 0 {} {}\" role=\"img\" xml:space=\"preserve\" aria-labelledby=\"{id}-title {id}-desc\" font-family=\"{}\">",
             size.0,
             size.1,
             metrics::CSS_FAMILY
@@ -95,13 +96,13 @@ impl<'a> Canvas<'a> {
             self.out,
             "\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" stroke-linejoin=\"round\"",
             pen.color.hex(),
-            tenths(pen.width)
+            units(pen.width)
         )?;
         let pattern = pen.pattern();
         if !pattern.is_empty() {
             let lengths: Vec<String> = pattern
                 .iter()
-                .map(|length| tenths(*length).to_string())
+                .map(|length| units(*length).to_string())
                 .collect();
             write!(self.out, " stroke-dasharray=\"{}\"", lengths.join(" "))?;
         }
@@ -111,7 +112,7 @@ impl<'a> Canvas<'a> {
 
     /// A marker.
     pub(super) fn symbol(&mut self, (x, y): BackendCoord, symbol: &Symbol) -> fmt::Result {
-        let r = tenths(symbol.size / 2.0);
+        let r = units(symbol.size / 2.0);
         let polygon = match symbol.shape {
             Shape::Circle => {
                 write!(self.out, "<circle cx=\"{x}\" cy=\"{y}\" r=\"{r}\"")?;
@@ -119,15 +120,15 @@ impl<'a> Canvas<'a> {
             }
             // Sides and heights are chosen so that the areas look equal to the circle's.
             Shape::Square => {
-                let h = tenths(symbol.size * 0.45);
+                let h = units(symbol.size * 0.45);
                 Some(vec![(-h, -h), (h, -h), (h, h), (-h, h)])
             }
             Shape::Diamond => {
-                let h = tenths(symbol.size * 0.62);
+                let h = units(symbol.size * 0.62);
                 Some(vec![(0, -h), (h, 0), (0, h), (-h, 0)])
             }
             Shape::Up | Shape::Down => {
-                let (w, tall) = (tenths(symbol.size * 0.58), tenths(symbol.size * 0.67));
+                let (w, tall) = (units(symbol.size * 0.58), units(symbol.size * 0.67));
                 let sign = if symbol.shape == Shape::Up { 1 } else { -1 };
                 Some(vec![
                     (0, -sign * tall),
@@ -136,7 +137,7 @@ impl<'a> Canvas<'a> {
                 ])
             }
             Shape::Cross => {
-                let h = tenths(symbol.size * 0.42);
+                let h = units(symbol.size * 0.42);
                 write!(
                     self.out,
                     "<path d=\"M{} {}l{d} {d}m0 -{d}l-{d} {d}\"",
@@ -163,7 +164,7 @@ impl<'a> Canvas<'a> {
             self.out,
             " fill=\"{fill}\" stroke=\"{}\" stroke-width=\"{}\"/>",
             symbol.edge.hex(),
-            tenths(symbol.edge_width)
+            units(symbol.edge_width)
         )?;
         Ok(())
     }
@@ -176,7 +177,7 @@ impl<'a> Canvas<'a> {
             VPos::Center => metrics::CAP_HEIGHT / 2.0,
             VPos::Bottom => 0.0,
         };
-        let drop = tenths(drop * words.size);
+        let drop = units(drop * words.size);
         let (x, y) = if words.upwards {
             (at.0 + drop, at.1)
         } else {
@@ -190,7 +191,7 @@ impl<'a> Canvas<'a> {
         write!(
             self.out,
             "<text x=\"{x}\" y=\"{y}\" font-size=\"{}\" text-anchor=\"{anchor}\" fill=\"{}\"",
-            tenths(words.size),
+            units(words.size),
             words.color.hex()
         )?;
         if words.upwards {
@@ -200,14 +201,14 @@ impl<'a> Canvas<'a> {
             write!(
                 self.out,
                 " stroke=\"#ffffff\" stroke-width=\"{}\" stroke-linejoin=\"round\" paint-order=\"stroke\"",
-                tenths(2.6)
+                units(2.6)
             )?;
         }
         self.out.push('>');
         // `dy` moves everything after it, so each run states the difference to the run before it.
         let mut drop_before = 0;
         for run in rich::parse(&words.markup) {
-            let drop = tenths(words.size * run.level.drop());
+            let drop = units(words.size * run.level.drop());
             let mut attributes = String::new();
             if run.italic {
                 attributes.push_str(" font-style=\"italic\"");
@@ -219,7 +220,7 @@ impl<'a> Canvas<'a> {
                 write!(
                     attributes,
                     " font-size=\"{}\"",
-                    tenths(words.size * run.level.scale())
+                    units(words.size * run.level.scale())
                 )?;
             }
             if drop != drop_before {
@@ -425,7 +426,7 @@ mod tests {
         let document = roxmltree::Document::parse(&svg).unwrap();
         let root = document.root_element();
         assert_eq!(root.attribute("role"), Some("img"));
-        assert_eq!(root.attribute("viewBox"), Some("0 0 200 100"));
+        assert_eq!(root.attribute("viewBox"), Some("0 0 2000 1000"));
         assert!(svg.contains("<title id=\"f-title\">A &amp; B</title>"));
         assert!(svg.contains("x &lt; 1"));
     }
@@ -434,7 +435,7 @@ mod tests {
     fn subscripts_return_to_the_line() {
         let svg = document(|canvas| drawn(canvas.words((50, 50), &Words::new("*x*_1 + 2", 10.0))));
         assert!(svg.contains(
-            "<tspan font-style=\"italic\">x</tspan><tspan font-size=\"72\" dy=\"24\">1</tspan><tspan dy=\"-24\"> + 2</tspan>"
+            "<tspan font-style=\"italic\">x</tspan><tspan font-size=\"720\" dy=\"240\">1</tspan><tspan dy=\"-240\"> + 2</tspan>"
         ));
     }
 

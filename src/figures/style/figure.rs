@@ -18,14 +18,14 @@ const SMALLEST: f64 = 24.0;
 /// What stands in a cell of the page.
 pub enum Cell {
     /// Axes and curves.
-    Panel(Panel),
+    Panel(Box<Panel>),
     /// Text.
     Table(Table),
 }
 
 impl From<Panel> for Cell {
     fn from(panel: Panel) -> Self {
-        Cell::Panel(panel)
+        Cell::Panel(Box::new(panel))
     }
 }
 
@@ -207,5 +207,171 @@ fn line_up(rows: &mut [Vec<Placed<'_>>]) {
                 place.margins.right = place.margins.right.max(margins.right);
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::figures::style::*;
+
+    fn unit() -> Panel {
+        Panel::new(Axis::new("*x*", 0.0, 1.0), Axis::new("*y*", 0.0, 1.0))
+    }
+
+    fn figure() -> Figure {
+        Figure::new("test", (400.0, 300.0), "A title", "A description")
+    }
+
+    /// Path data of the plot frames: the only paths here with more than a few points.
+    fn frames(svg: &str) -> Vec<String> {
+        let document = roxmltree::Document::parse(svg).unwrap();
+        let is_frame = |d: &&str| d.matches(['-', ' ']).count() > 6 && d.starts_with('M');
+        document
+            .descendants()
+            .filter_map(|node| node.attribute("d"))
+            .filter(is_frame)
+            .map(str::to_owned)
+            .collect()
+    }
+
+    #[test]
+    fn every_layer_draws_something_well_formed() {
+        let line = [(0.1, 0.1), (0.9, 0.8)];
+        let layers: Vec<(AnyLayer, &str)> = vec![
+            (Band::x(0.2, 0.3).into(), "<rect"),
+            (Band::y(0.2, 0.3).into(), "<rect"),
+            (Band::bar((0.2, 0.3), 0.5, 6.0).into(), "<rect"),
+            (
+                Band::rect((0.2, 0.3), (0.2, 0.3)).outline(BLUE, 1.0).into(),
+                "#0072b2",
+            ),
+            (
+                Curve::new(line).color(BLUE).dash(Dash::Dotted).into(),
+                "stroke-dasharray",
+            ),
+            (
+                Region::between(line, [(0.1, 0.0), (0.9, 0.0)])
+                    .fill(SKY)
+                    .into(),
+                "#56b4e9",
+            ),
+            (Guide::vertical(0.5).label("*t*_0", 0.5).into(), "t</tspan>"),
+            (Guide::horizontal(0.5).color(ORANGE).into(), "#e69f00"),
+            (
+                Markers::new(line)
+                    .shape(Shape::Up)
+                    .color(GREEN)
+                    .label(1, "end", (5.0, 5.0))
+                    .into(),
+                ">end<",
+            ),
+            (
+                Note::new((0.5, 0.5), "here").arrow((0.9, 0.9)).into(),
+                ">here<",
+            ),
+            (
+                Note::new(Place::Fraction(0.5, 0.5), "there")
+                    .leader((0.9, 0.9))
+                    .into(),
+                "#737373",
+            ),
+            (
+                Dimension::new((0.2, 0.2), (0.8, 0.2), "0.6 m")
+                    .shift(9.0)
+                    .into(),
+                ">0.6 m<",
+            ),
+            (
+                Inset::new((0.5, 0.5), (0.9, 0.9), unit().title("detail")).into(),
+                ">detail<",
+            ),
+        ];
+        for (layer, trace) in layers {
+            let mut panel = unit();
+            panel.add(layer);
+            let svg = figure().row(1.0, panel).render().unwrap();
+            roxmltree::Document::parse(&svg).unwrap();
+            let rects = if trace == "<rect" { 1 } else { 0 };
+            assert!(svg.matches(trace).count() > rects, "no {trace} in {svg}");
+        }
+    }
+
+    #[test]
+    fn what_lies_outside_the_axes_is_not_drawn() {
+        let empty = figure().row(1.0, unit()).render().unwrap();
+        let far = [(2.0, 2.0), (1e6, 3.0)];
+        let panel = unit()
+            .with(Curve::new(far))
+            .with(Markers::new(far).label(0, "far", (5.0, 5.0)))
+            .with(Band::rect((2.0, 3.0), (0.0, 1.0)))
+            .with(Region::between(far, [(2.0, 4.0), (1e6, 5.0)]));
+        assert_eq!(figure().row(1.0, panel).render().unwrap(), empty);
+    }
+
+    #[test]
+    fn legends_list_what_has_a_legend() {
+        for place in [
+            Legend::UpperLeft,
+            Legend::UpperMiddle,
+            Legend::UpperRight,
+            Legend::LowerLeft,
+            Legend::LowerMiddle,
+            Legend::LowerRight,
+            Legend::Below,
+        ] {
+            let panel = unit()
+                .legend(place)
+                .with(Curve::new([(0.0, 0.0), (1.0, 1.0)]).legend("line"))
+                .with(Guide::horizontal(0.5))
+                .with(Markers::new([(0.5, 0.5)]).legend("point"))
+                .with(Band::x(0.1, 0.2).legend("area"));
+            let svg = figure().row(1.0, panel).render().unwrap();
+            for text in ["line", "point", "area"] {
+                assert_eq!(svg.matches(&format!(">{text}<")).count(), 1, "{place:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn panels_under_one_another_line_up() {
+        let wide = Panel::new(Axis::new("", 0.0, 1.0), Axis::new("", 0.0, 1e6));
+        let narrow = Panel::new(Axis::new("", 0.0, 1.0), Axis::new("", 0.0, 1.0).bare());
+        let svg = figure().row(1.0, wide).row(1.0, narrow).render().unwrap();
+        let left_ends: Vec<String> = frames(&svg)
+            .iter()
+            .filter_map(|d| d.split(' ').next().map(str::to_owned))
+            .collect();
+        assert_eq!(left_ends.len(), 2);
+        assert_eq!(left_ends[0], left_ends[1]);
+    }
+
+    #[test]
+    fn tables_stand_beside_panels() {
+        let table = Table::new(["quantity", "value"])
+            .title("**Stick**")
+            .row(["*ℓ*_1", "0.4697"]);
+        let svg = figure()
+            .columns(1.0, vec![(1.0, unit().into()), (1.0, table.into())])
+            .render()
+            .unwrap();
+        assert!(svg.contains(">0.4697<"));
+    }
+
+    #[test]
+    fn a_page_without_room_is_refused() {
+        let error = Figure::new("tiny", (60.0, 60.0), "t", "d")
+            .row(1.0, unit())
+            .render()
+            .unwrap_err();
+        assert!(matches!(error, FigureError::NoRoom { .. }));
+        assert!(error.to_string().contains("tiny"));
+    }
+
+    #[test]
+    fn an_axis_without_an_interval_is_refused() {
+        let panel = Panel::new(Axis::new("*t*", 1.0, f64::NAN), Axis::new("", 0.0, 1.0));
+        let error = figure().row(1.0, panel).render().unwrap_err();
+        assert!(matches!(error, FigureError::Axis { .. }));
     }
 }

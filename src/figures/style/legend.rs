@@ -17,10 +17,14 @@ pub enum Legend {
     Hidden,
     /// Inside, upper left corner.
     UpperLeft,
+    /// Inside, at the upper border.
+    UpperMiddle,
     /// Inside, upper right corner.
     UpperRight,
     /// Inside, lower left corner.
     LowerLeft,
+    /// Inside, at the lower border.
+    LowerMiddle,
     /// Inside, lower right corner.
     LowerRight,
     /// Under the panel, in as many columns as fit.
@@ -110,12 +114,12 @@ pub(super) fn draw_below(
     Ok(())
 }
 
-/// Draws the legend in a corner of the plot rectangle.
+/// Draws the legend inside the plot rectangle.
 pub(super) fn draw_inside(
     sheet: &Sheet<'_, '_>,
     entries: &[Entry],
     plot: &Frame,
-    corner: Legend,
+    place: Legend,
 ) -> Drawn {
     if entries.is_empty() {
         return Ok(());
@@ -126,12 +130,13 @@ pub(super) fn draw_inside(
     }
     let width = KEY + KEY_GAP + widest + 2.0 * PADDING;
     let height = entries.len() as f64 * LINE + PADDING;
-    let left = match corner {
+    let left = match place {
         Legend::UpperLeft | Legend::LowerLeft => plot.left + INSET,
+        Legend::UpperMiddle | Legend::LowerMiddle => (plot.left + plot.right - width) / 2.0,
         _ => plot.right - INSET - width,
     };
-    let top = match corner {
-        Legend::UpperLeft | Legend::UpperRight => plot.top + INSET,
+    let top = match place {
+        Legend::UpperLeft | Legend::UpperMiddle | Legend::UpperRight => plot.top + INSET,
         _ => plot.bottom - INSET - height,
     };
     let frame = Frame {

@@ -117,11 +117,9 @@ impl Panel {
             left += LABEL_GAP + AXIS_TEXT + DESCENT - 2.0;
         }
         let mut right: f64 = 3.0;
-        if self.x.numbered {
-            if let Some((v, text)) = self.x.major().last() {
-                let from_border = (self.x.max - v) / (self.x.max - self.x.min) * cell_width;
-                right = right.max(metrics::width(text, TICK_TEXT)? / 2.0 - from_border + 1.0);
-            }
+        if let (true, Some((v, text))) = (self.x.numbered, self.x.major().last()) {
+            let from_border = (self.x.max - v) / (self.x.max - self.x.min) * cell_width;
+            right = right.max(metrics::width(text, TICK_TEXT)? / 2.0 - from_border + 1.0);
         }
         let top = if self.heading().is_empty() {
             TICK_TEXT / 2.0

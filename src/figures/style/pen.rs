@@ -74,6 +74,6 @@ impl BackendStyle for Pen {
     }
 
     fn stroke_width(&self) -> u32 {
-        super::canvas::tenths(self.width).unsigned_abs()
+        super::canvas::units(self.width).unsigned_abs()
     }
 }

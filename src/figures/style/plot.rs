@@ -10,15 +10,15 @@ use plotters::element::{Polygon, Rectangle};
 use plotters::style::{RGBColor, ShapeStyle};
 
 use super::axis::Axis;
-use super::canvas::{Canvas, tenths};
+use super::canvas::{Canvas, units};
 use super::color::Color;
 use super::elements::{Label, Mark, Stroke, Symbol, Words};
 use super::pen::Pen;
 use super::polyline::{self, Bounds, Point};
 use crate::figures::error::FigureError;
 
-/// Nobody sees a curve move by less than this, px.
-const TOLERANCE: f64 = 0.04;
+/// Nobody sees a curve move by less than this, px, even enlarged a few times.
+const TOLERANCE: f64 = 0.02;
 
 pub(super) type Drawn = Result<(), FigureError>;
 pub(super) type Page<'a> = DrawingArea<Canvas<'a>, Shift>;
@@ -125,8 +125,8 @@ impl<'p, 'a> Plot<'p, 'a> {
             x.min..x.max,
             y.min..y.max,
             (
-                tenths(frame.left)..tenths(frame.right),
-                tenths(frame.bottom)..tenths(frame.top),
+                units(frame.left)..units(frame.right),
+                units(frame.bottom)..units(frame.top),
             ),
         );
         Self {
@@ -189,7 +189,7 @@ impl<'p, 'a> Plot<'p, 'a> {
 }
 
 fn backend(p: &Point) -> (i32, i32) {
-    (tenths(p.0), tenths(p.1))
+    (units(p.0), units(p.1))
 }
 
 fn solid(color: Color) -> ShapeStyle {

@@ -78,10 +78,10 @@ pub(super) fn parse(markup: &str) -> Vec<Run> {
                     if let Some(next) = chars.next() {
                         parser.push(next);
                     }
-                    parser.to_line();
+                    parser.return_to_line();
                 }
             }
-            '}' if parser.in_group => parser.to_line(),
+            '}' if parser.in_group => parser.return_to_line(),
             _ => parser.push(c),
         }
     }
@@ -120,7 +120,7 @@ impl Parser {
         }
     }
 
-    fn to_line(&mut self) {
+    fn return_to_line(&mut self) {
         self.flush();
         self.level = Level::Base;
         self.in_group = false;
