@@ -86,8 +86,8 @@ impl FigureSpec for Fig07 {
     const ABOUT: &'static str = "Draws (a) the transition function sigma(z) of Eq. (19) for mu0 = 0 and \
         mu0 = 2 sqrt(3)/9, (b) the six tangent points z_k + A sin(omega t) over two forcing periods with the \
         parameters of Fig. 8, (c) the tangent points against mu0 from 0 to 4 sqrt(3)/9. Reports the critical \
-        points of Eq. (22), the critical friction of Eq. (23), and the tangent points of Eq. (16) and (24), \
-        each computed independently of the formula it is compared with.";
+        points of Eq. (22) and the critical friction of Eq. (23), found by a root search and held against the \
+        printed formulas, and the tangent points of Eq. (16) and (24), roots of the cubic after Newton steps.";
     type Data = Data;
 
     fn compute() -> Result<Data, FigureError> {
