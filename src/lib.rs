@@ -2,6 +2,7 @@
 
 pub mod analysis;
 pub mod error;
+pub mod figures;
 pub mod filippov;
 pub mod math;
 pub mod models;

@@ -73,3 +73,13 @@ pub fn powi(x: f64, n: i32) -> f64 {
     }
     if n < 0 { 1.0 / product } else { product }
 }
+
+/// Hyperbolic cosine.
+pub fn cosh(x: f64) -> f64 {
+    libm::cosh(x)
+}
+
+/// Inverse hyperbolic cosine in `[0, ∞)`; NaN below 1.
+pub fn acosh(x: f64) -> f64 {
+    libm::acosh(x)
+}

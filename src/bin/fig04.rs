@@ -1,0 +1,10 @@
+//! Orbits and limit cycle of the belt oscillator, Fig. 4 of the paper.
+
+use std::process::ExitCode;
+
+use stickslip::figures::cli;
+use stickslip::figures::fig04::Fig04;
+
+fn main() -> ExitCode {
+    cli::main::<Fig04>()
+}

@@ -1,0 +1,10 @@
+//! The friction law, Fig. 6 of the paper.
+
+use std::process::ExitCode;
+
+use stickslip::figures::cli;
+use stickslip::figures::fig06::Fig06;
+
+fn main() -> ExitCode {
+    cli::main::<Fig06>()
+}

@@ -1,0 +1,10 @@
+//! Tangent points, Fig. 7 of the paper.
+
+use std::process::ExitCode;
+
+use stickslip::figures::cli;
+use stickslip::figures::fig07::Fig07;
+
+fn main() -> ExitCode {
+    cli::main::<Fig07>()
+}

@@ -1,0 +1,119 @@
+//! The command line all figure programs share. The only part of the library that prints.
+
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Duration;
+
+use clap::{CommandFactory, FromArgMatches, Parser};
+use indicatif::ProgressBar;
+
+use super::error::FigureError;
+use super::output::{self, Artifact};
+use super::spec::FigureSpec;
+use super::{png, rows};
+
+/// Arguments of a figure program.
+#[derive(Debug, Parser)]
+#[command(version)]
+pub struct Arguments {
+    /// Folder for the files; made if it does not exist
+    #[arg(long, value_name = "DIR", default_value = "figures")]
+    pub out_dir: PathBuf,
+
+    /// Also write a PNG, at twice the nominal size (needs a build with `--features png`)
+    #[arg(long)]
+    pub png: bool,
+}
+
+/// Everything a figure program does: parses the command line, computes, draws, writes, prints the numbers.
+///
+/// Exit code 0 on success, 1 if something failed (`error: …` on standard error), 2 for a wrong command line.
+pub fn main<F: FigureSpec>() -> ExitCode {
+    let matches = command::<F>().get_matches();
+    let arguments = match Arguments::from_arg_matches(&matches) {
+        Ok(arguments) => arguments,
+        Err(error) => error.exit(),
+    };
+    // Drawn on a terminal only, and gone before anything is printed.
+    let progress = ProgressBar::new_spinner().with_message(format!("computing {}", F::NAME));
+    progress.enable_steady_tick(Duration::from_millis(120));
+    let outcome = run::<F>(&arguments);
+    progress.finish_and_clear();
+    match outcome.map(|report| print(&report)) {
+        Ok(Ok(())) => ExitCode::SUCCESS,
+        // Whoever reads the table may stop reading; the files are written all the same.
+        Ok(Err(error)) if error.kind() == io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
+        Ok(Err(error)) => {
+            eprintln!("error: cannot print the table: {error}");
+            ExitCode::FAILURE
+        }
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// The figure's command: name, help, examples.
+fn command<F: FigureSpec>() -> clap::Command {
+    let name = F::NAME;
+    Arguments::command()
+        .name(name)
+        .about(F::TITLE)
+        .long_about(format!("{}\n\n{}", F::TITLE, F::ABOUT))
+        .after_help(format!(
+            "Files written:\n  \
+             {name}.svg  the figure\n  \
+             {name}.csv  the numbers behind it: id,reading,value,published,unit,agrees\n  \
+             {name}.png  the figure again, with --png\n\n\
+             Examples:\n  \
+             {name}\n  \
+             {name} --out-dir build/figures --png"
+        ))
+}
+
+/// Computes, draws and writes a figure; returns the text for the terminal.
+///
+/// # Errors
+/// Whatever computing, drawing and writing run into. Files are written last, so an error leaves none behind.
+pub fn run<F: FigureSpec>(arguments: &Arguments) -> Result<String, FigureError> {
+    if arguments.png && !cfg!(feature = "png") {
+        // Said before a long computation, not after it.
+        return Err(FigureError::PngNotBuilt);
+    }
+    let data = F::compute()?;
+    let rows = F::numbers(&data);
+    let svg = F::draw(&data)?;
+    let rendered = arguments.png.then(|| png::from_svg(&svg)).transpose()?;
+    let mut artifacts = vec![
+        artifact::<F>("svg", svg.into_bytes()),
+        artifact::<F>("csv", rows::csv(&rows)?.into_bytes()),
+    ];
+    artifacts.extend(rendered.map(|bytes| artifact::<F>("png", bytes)));
+    let paths = output::write_all(&arguments.out_dir, &artifacts)?;
+    Ok(format!(
+        "{}\n\n{}\n{}",
+        F::TITLE,
+        rows::table(&rows),
+        listing(&paths)
+    ))
+}
+
+fn artifact<F: FigureSpec>(extension: &str, bytes: Vec<u8>) -> Artifact {
+    Artifact {
+        name: format!("{}.{extension}", F::NAME),
+        bytes,
+    }
+}
+
+fn listing(paths: &[PathBuf]) -> String {
+    let line = |path: &PathBuf| format!("wrote {}\n", Path::display(path));
+    paths.iter().map(line).collect()
+}
+
+fn print(report: &str) -> io::Result<()> {
+    let mut out = io::stdout().lock();
+    out.write_all(report.as_bytes())?;
+    out.flush()
+}

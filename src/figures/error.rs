@@ -1,0 +1,75 @@
+//! What can go wrong between a figure's data and its files.
+
+use std::path::PathBuf;
+
+/// Failure of computing, drawing or writing a figure. Every variant says what was being done, with
+/// which values, and what to do about it.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum FigureError {
+    /// The computation behind the figure failed.
+    #[error("cannot compute {figure}: {source}")]
+    Compute {
+        /// Name of the figure, as in `fig06`.
+        figure: &'static str,
+        /// The computation's own error.
+        source: Box<dyn std::error::Error + Send + Sync>,
+    },
+    /// An axis whose ends do not make an interval.
+    #[error("axis '{label}' runs from {min} to {max}: both ends must be finite and min < max")]
+    Axis {
+        /// The axis label.
+        label: String,
+        /// Lower end, in the unit of the axis.
+        min: f64,
+        /// Upper end, in the unit of the axis.
+        max: f64,
+    },
+    /// The panels' own labels leave no room for what they are to show.
+    #[error(
+        "a panel of {figure} is only {width:.0} x {height:.0} px large once its labels are placed; \
+         enlarge the figure"
+    )]
+    NoRoom {
+        /// Name of the figure.
+        figure: String,
+        /// Width left for the plot rectangle, px.
+        width: f64,
+        /// Height left for the plot rectangle, px.
+        height: f64,
+    },
+    /// The drawing library refused.
+    #[error("cannot draw: {0}")]
+    Draw(String),
+    /// The folder for the output cannot be made.
+    #[error("cannot create folder {}: {source}; choose another with --out-dir", path.display())]
+    CreateDir {
+        /// The folder.
+        path: PathBuf,
+        /// What the operating system said.
+        source: std::io::Error,
+    },
+    /// A file cannot be written.
+    #[error(
+        "cannot write {}: {source}; check that the folder is writable and the disk not full, or choose another \
+         with --out-dir",
+        path.display()
+    )]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// What the operating system said.
+        source: std::io::Error,
+    },
+    /// The rows do not fit into a CSV file.
+    #[error("cannot put the rows into CSV: {0}")]
+    Csv(#[from] csv::Error),
+    /// `--png` was asked of a program built without it.
+    #[error(
+        "this program was built without PNG output; rebuild it with `cargo build --release --features png`"
+    )]
+    PngNotBuilt,
+    /// The SVG cannot be turned into a PNG.
+    #[error("cannot render the SVG as PNG: {0}")]
+    Png(String),
+}

@@ -1,0 +1,162 @@
+//! The orbits, the tangent points and the cycle.
+
+use crate::analysis::{PeriodicOrbit, Visibility, periodic_orbit, planar_multipliers};
+use crate::error::Error;
+use crate::figures::trace;
+use crate::filippov::{Options, TransitionKind, solve};
+use crate::models::BeltOscillator;
+use crate::orbit::Orbit;
+use crate::system::{Mode, Side, State};
+
+/// A tangent point on Σ.
+#[derive(Clone, Copy, Debug)]
+pub struct Tangent {
+    /// Position (m).
+    pub x1: f64,
+    /// Side whose field is tangent.
+    pub side: Side,
+    /// How it lies.
+    pub visibility: Visibility,
+}
+
+/// The limit cycle.
+#[derive(Clone, Debug)]
+pub struct Cycle {
+    /// Period (s).
+    pub period: f64,
+    /// Nontrivial Floquet multiplier.
+    pub multiplier: f64,
+    /// What is left of the trivial multiplier's distance from 1.
+    pub trivial_error: f64,
+    /// Position of the upward crossing of Σ (m).
+    pub left: f64,
+    /// Position of the downward crossing of Σ (m).
+    pub right: f64,
+    /// Accelerations on either side of Σ at the upward crossing: below, above (m/s²).
+    pub kink: [f64; 2],
+    /// Stick phases in one period.
+    pub sticks: usize,
+    /// The cycle as a curve `(x1, x2)`.
+    pub curve: Vec<(f64, f64)>,
+}
+
+/// What the figure shows.
+#[derive(Clone, Debug)]
+pub struct Data {
+    /// The model.
+    pub model: BeltOscillator,
+    /// Six tangent points, largest first.
+    pub tangents: Vec<Tangent>,
+    /// Stick zones as intervals of x1.
+    pub zones: Vec<(f64, f64)>,
+    /// Starts of the orbits: the tangent points, then the further ones.
+    pub starts: Vec<(f64, f64)>,
+    /// Their orbits as curves.
+    pub orbits: Vec<Vec<(f64, f64)>>,
+    /// The cycle.
+    pub cycle: Cycle,
+}
+
+const TOLERANCE: f64 = 1e-13;
+/// Length of the drawn orbits (s): about two turns, after which they cannot be told from the cycle.
+const DRAWN: f64 = 16.0;
+/// Time after which an orbit is near enough to the cycle for Newton's iteration (s).
+const SETTLED: f64 = 60.0;
+/// Starts besides the tangent points: inside the cycle below the belt's speed, and outside it above.
+const FURTHER: [(f64, f64); 2] = [(-0.4, 0.4), (-0.6, 1.5)];
+
+pub(super) fn compute() -> Result<Data, Error> {
+    let model = BeltOscillator::default().checked()?;
+    let options = Options::tol(TOLERANCE);
+    let points = model.tangent_points()?;
+    let tangents: Vec<Tangent> = points
+        .iter()
+        .map(|point| Tangent {
+            x1: point.position,
+            side: point.side,
+            visibility: point.visibility,
+        })
+        .collect();
+    let on_belt = tangents
+        .iter()
+        .map(|tangent| (tangent.x1, model.belt_speed));
+    let starts: Vec<(f64, f64)> = on_belt.chain(FURTHER).collect();
+    let orbits = starts
+        .iter()
+        .map(|&(x1, x2)| {
+            let orbit = solve(&model, 0.0, State::from([x1, x2]), DRAWN, &options)?;
+            Ok(trace::phase_plane(&orbit))
+        })
+        .collect::<Result<_, Error>>()?;
+    let cycle = cycle(&model, &options)?;
+    Ok(Data {
+        model,
+        tangents,
+        zones: model.stick_zones()?,
+        starts,
+        orbits,
+        cycle,
+    })
+}
+
+fn cycle(model: &BeltOscillator, options: &Options) -> Result<Cycle, Error> {
+    let settled = solve(
+        model,
+        0.0,
+        State::from([0.0, model.belt_speed]),
+        SETTLED,
+        options,
+    )?;
+    let crossings: Vec<f64> = settled
+        .transitions
+        .iter()
+        .filter(|at| at.to == Mode::Slip(Side::Above))
+        .map(|at| at.t)
+        .collect();
+    let [.., before, last] = crossings[..] else {
+        let (t, span) = (0.0, SETTLED);
+        return Err(Error::NotFound {
+            what: "two upward crossings of Σ",
+            t,
+            span,
+        });
+    };
+    // Off Σ, a tenth of a turn before the crossing.
+    let guess = settled.at(last - 0.1 * (last - before))?;
+    let found = periodic_orbit(model, guess, last - before, options)?;
+    let turn = solve(model, 0.0, found.x, found.period, options)?;
+    describe(model, &found, &turn)
+}
+
+fn describe(
+    model: &BeltOscillator,
+    found: &PeriodicOrbit<2>,
+    turn: &Orbit<2>,
+) -> Result<Cycle, Error> {
+    let crossing = |to: Side| {
+        turn.transitions
+            .iter()
+            .find(|at| at.kind == TransitionKind::Crossing && at.to == Mode::Slip(to))
+            .ok_or(Error::NotFound {
+                what: "a crossing of Σ",
+                t: 0.0,
+                span: found.period,
+            })
+    };
+    let (up, down) = (crossing(Side::Above)?, crossing(Side::Below)?);
+    let [trivial, multiplier] = planar_multipliers(&found.monodromy);
+    let acceleration = |side| {
+        use crate::system::Filippov;
+        model.field(side, up.t, &up.x)[1]
+    };
+    Ok(Cycle {
+        period: found.period,
+        multiplier: multiplier.re,
+        trivial_error: trivial.re - 1.0,
+        left: up.x[0],
+        right: down.x[0],
+        kink: [acceleration(Side::Below), acceleration(Side::Above)],
+        sticks: turn.sticks().count(),
+        curve: trace::phase_plane(turn),
+    })
+}

@@ -1,0 +1,144 @@
+//! The picture of Fig. 4.
+
+use super::compute::Data;
+use crate::analysis::Visibility;
+use crate::figures::error::FigureError;
+use crate::figures::style::*;
+
+const DESCRIPTION: &str = "Phase plane of a block on a belt, position against velocity. Orbits from six numbered \
+    tangent points on the line of belt speed and from two further starts wind onto one limit cycle, which crosses that \
+    line without sticking. Tangent points 1, 3 and 5 are visible, 2, 4 and 6 invisible. An enlargement shows the \
+    cycle's kink where it crosses the line near the third tangent point.";
+
+pub(super) fn draw(data: &Data) -> Result<String, FigureError> {
+    Figure::new(
+        "fig04",
+        (658.0, 640.0),
+        "Fig. 4: orbits of the belt oscillator and its limit cycle",
+        DESCRIPTION,
+    )
+    .row(0.64, whole(data))
+    .row(0.36, kink(data))
+    .render()
+}
+
+const ZONE_THICKNESS: f64 = 9.0;
+
+/// Stick zones as grey bars, tangent points on them.
+fn boundary(panel: &mut Panel, data: &Data, numbered: bool) {
+    let belt = data.model.belt_speed;
+    panel.add(
+        Guide::horizontal(belt)
+            .color(GREY)
+            .width(0.7)
+            .dash(Dash::Dashed),
+    );
+    for (i, &zone) in data.zones.iter().enumerate() {
+        let bar = Band::bar(zone, belt, ZONE_THICKNESS).fill(MID_GREY);
+        panel.add(if i == 0 {
+            bar.legend("stick zones")
+        } else {
+            bar
+        });
+    }
+    for (wanted, legend) in [
+        (Visibility::Visible, "visible tangent point"),
+        (Visibility::Invisible, "invisible tangent point"),
+    ] {
+        let chosen: Vec<(usize, f64)> = data
+            .tangents
+            .iter()
+            .enumerate()
+            .filter(|(_, tangent)| tangent.visibility == wanted)
+            .map(|(k, tangent)| (k + 1, tangent.x1))
+            .collect();
+        let mut markers = Markers::new(chosen.iter().map(|&(_, x1)| (x1, belt)))
+            .color(BLACK)
+            .legend(legend);
+        if wanted == Visibility::Invisible {
+            markers = markers.open();
+        }
+        if numbered {
+            for (index, (number, _)) in chosen.iter().enumerate() {
+                markers = markers.label(index, &number.to_string(), beside(*number));
+            }
+        }
+        panel.add(markers);
+    }
+}
+
+/// Where a tangent point's number stands, clear of the cycle: it runs above the line at 1 and 2, below it elsewhere.
+fn beside(number: usize) -> (f64, f64) {
+    (0.0, if number <= 2 { -9.0 } else { 9.0 })
+}
+
+fn whole(data: &Data) -> Panel {
+    let mut panel = Panel::new(
+        Axis::new("*x*_1, m", -2.0, 2.0).step(0.5).minor(5),
+        Axis::new("*x*_2, m/s", -1.6, 1.8).step(0.5).minor(5),
+    )
+    .label("(a)")
+    .legend(Legend::Below);
+    for tangent in &data.tangents {
+        panel.add(
+            Guide::vertical(tangent.x1)
+                .color(GREY)
+                .width(0.5)
+                .dash(Dash::Dashed),
+        );
+    }
+    let further = data.tangents.len();
+    for (i, orbit) in data.orbits.iter().enumerate() {
+        let curve = Curve::new(orbit.iter().copied()).width(0.8);
+        let from_tangent = curve.clone().color(SKY);
+        let from_further = curve.color(ORANGE).dash(Dash::Dashed);
+        panel.add(match i {
+            0 => from_tangent.legend("orbits from the tangent points"),
+            _ if i < further => from_tangent,
+            _ if i == further => from_further.legend("orbits from two further starts"),
+            _ => from_further,
+        });
+    }
+    panel.add(
+        Curve::new(data.cycle.curve.iter().copied())
+            .color(VERMILLION)
+            .width(2.0)
+            .legend("limit cycle"),
+    );
+    boundary(&mut panel, data, true);
+    panel.add(
+        Markers::new(data.starts[further..].iter().copied())
+            .shape(Shape::Square)
+            .size(6.0)
+            .color(ORANGE)
+            .legend("further starts"),
+    );
+    panel
+}
+
+fn kink(data: &Data) -> Panel {
+    let belt = data.model.belt_speed;
+    let cycle = &data.cycle;
+    let mut panel = Panel::new(
+        Axis::new("*x*_1, m", 0.15, 0.41).step(0.05).minor(5),
+        Axis::new("*x*_2, m/s", belt - 0.06, belt + 0.06)
+            .step(0.02)
+            .minor(2),
+    )
+    .label("(b)");
+    boundary(&mut panel, data, true);
+    for orbit in &data.orbits[..data.tangents.len()] {
+        panel.add(Curve::new(orbit.iter().copied()).color(SKY).width(0.8));
+    }
+    panel.add(
+        Curve::new(cycle.curve.iter().copied())
+            .color(VERMILLION)
+            .width(2.0),
+    );
+    // On Σ the slope in the plane is the acceleration over the belt's speed.
+    let [before, after] = cycle.kink.map(|acceleration| acceleration / belt);
+    let at = (cycle.left, belt);
+    let text = format!("kink: slope {before:.3} below Σ, {after:.3} above");
+    panel.add(Note::new(at, &text).offset(26.0, -52.0).arrow(at));
+    panel
+}

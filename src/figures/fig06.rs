@@ -1,0 +1,196 @@
+//! Fig. 6: the friction law of Eq. (2).
+
+use super::error::FigureError;
+use super::rows::Row;
+use super::spec::FigureSpec;
+use super::style::{
+    Axis, BLACK, BLUE, Color, Curve, Dash, Figure, GREY, Guide, Legend, Note, Panel, Place,
+    VERMILLION,
+};
+use crate::models::friction::{Force, Friction};
+
+/// Fig. 6.
+pub struct Fig06;
+
+/// One friction law and its graph.
+#[derive(Clone, Debug)]
+pub struct Graph {
+    /// The law.
+    pub law: Friction,
+    /// How `μ₀` is written, in markup.
+    pub mu0: &'static str,
+    /// `(v, T)` in m/s and N, through the vertical part at `v = 0`.
+    pub points: Vec<(f64, f64)>,
+}
+
+/// The laws in the figure.
+#[derive(Clone, Debug)]
+pub struct Data {
+    /// `δ = 1` as in the paper, three friction coefficients; the middle one is the paper's.
+    pub by_mu0: Vec<Graph>,
+    /// The paper's friction coefficient, three values of `δ`; the middle one is the paper's.
+    pub by_delta: Vec<Graph>,
+}
+
+/// Largest relative velocity shown, m/s.
+const V_MAX: f64 = 3.0;
+/// Points of a branch.
+const SAMPLES: u32 = 300;
+
+impl FigureSpec for Fig06 {
+    const NAME: &'static str = "fig06";
+    const TITLE: &'static str = "Fig. 6: friction force against relative velocity, Eq. (2)";
+    const ABOUT: &'static str = "Draws T(v) = sgn(v) mu0/(1 + delta |v|) with its vertical part |T| <= mu0 at v = 0: \
+        (a) for delta = 1 and three friction coefficients, (b) for mu0 = sqrt(3)/9 and three values of delta. \
+        Bold lines are the paper's parameters. Reports whether both branches decrease, and T at 1 m/s.";
+    type Data = Data;
+
+    fn compute() -> Result<Data, FigureError> {
+        let root = 3f64.sqrt();
+        let graph = |mu0, text, delta| -> Result<Graph, FigureError> {
+            let law = Friction::new(mu0, delta).map_err(Self::failed)?;
+            Ok(Graph {
+                law,
+                mu0: text,
+                points: sample(&law),
+            })
+        };
+        Ok(Data {
+            by_mu0: vec![
+                graph(root / 18.0, "√3/18", 1.0)?,
+                graph(root / 9.0, "√3/9", 1.0)?,
+                graph(2.0 * root / 9.0, "2√3/9", 1.0)?,
+            ],
+            by_delta: vec![
+                graph(root / 9.0, "√3/9", 0.5)?,
+                graph(root / 9.0, "√3/9", 1.0)?,
+                graph(root / 9.0, "√3/9", 3.0)?,
+            ],
+        })
+    }
+
+    fn numbers(data: &Data) -> Vec<Row> {
+        let graphs = || data.by_mu0.iter().chain(&data.by_delta);
+        let decreasing = graphs().all(|graph| decreases(&graph.points));
+        let word = if decreasing {
+            "both branches decrease"
+        } else {
+            "a branch does not decrease"
+        };
+        let mut rows = vec![
+            Row::word("fig06.friction_law", "exact", word)
+                .published("monotonically decreasing branches", decreasing),
+        ];
+        for (panel, graphs) in [("a", &data.by_mu0), ("b", &data.by_delta)] {
+            for (i, graph) in graphs.iter().enumerate() {
+                let id = format!("fig06{panel}.force_at_1.{}", i + 1);
+                rows.push(Row::number(&id, "exact", graph.law.coefficient(1.0), "N"));
+            }
+        }
+        rows
+    }
+
+    fn draw(data: &Data) -> Result<String, FigureError> {
+        let mut a = panel("(a)", "*δ* = 1 s/m");
+        for (graph, (color, dash)) in data.by_mu0.iter().zip(LINES) {
+            a.add(curve(graph, color, dash).legend(&format!("*μ*_0 = {}", graph.mu0)));
+        }
+        let [_, paper, _] = &data.by_mu0[..] else {
+            return Err(FigureError::Draw(
+                "three friction coefficients are needed".into(),
+            ));
+        };
+        a.add(
+            Note::new(Place::Fraction(0.76, 0.2), "sticking: |*T*| ≤ *μ*_0")
+                .arrow((0.0, -0.4 * paper.law.mu0())),
+        );
+        let mut b = panel("(b)", &format!("*μ*_0 = {}", paper.mu0));
+        for (graph, (color, dash)) in data.by_delta.iter().zip(LINES) {
+            b.add(curve(graph, color, dash).legend(&format!("*δ* = {} s/m", graph.law.delta())));
+        }
+        for panel in [&mut a, &mut b] {
+            // Once more on top: all graphs share the vertical part, and dashes of others would show on it.
+            panel.add(curve(paper, LINES[1].0, LINES[1].1));
+        }
+        Figure::new(
+            Self::NAME,
+            (680.0, 310.0),
+            "Friction force against relative velocity",
+            "Two panels with the friction force T between −0.5 and 0.5 N against the relative velocity v between −3 \
+             and 3 m/s. Every curve is odd: it rises vertically from −μ0 to μ0 at v = 0, and its magnitude \
+             falls as the speed grows. Panel a: δ = 1 and three values of μ0; larger μ0 stretches the curve. \
+             Panel b: μ0 = √3/9 and δ = 0.5, 1, 3; larger δ makes it fall faster. Bold: the paper's parameters.",
+        )
+        .columns(1.0, vec![(1.0, a.into()), (1.0, b.into())])
+        .render()
+    }
+}
+
+/// The paper's parameters are the bold solid line in the middle.
+const LINES: [(Color, Dash); 3] = [
+    (BLUE, Dash::Dashed),
+    (BLACK, Dash::Solid),
+    (VERMILLION, Dash::DashDot),
+];
+
+fn panel(label: &str, title: &str) -> Panel {
+    Panel::new(
+        Axis::new("*v*, m/s", -V_MAX, V_MAX).step(1.0).minor(2),
+        Axis::new("*T*(*v*), N", -0.5, 0.5).step(0.25).minor(5),
+    )
+    .label(label)
+    .title(title)
+    .legend(Legend::UpperLeft)
+    .with(Guide::horizontal(0.0).color(GREY).dash(Dash::Dotted))
+}
+
+fn curve(graph: &Graph, color: Color, dash: Dash) -> Curve {
+    let width = if dash == Dash::Solid { 2.4 } else { 1.4 };
+    Curve::new(graph.points.iter().copied())
+        .color(color)
+        .dash(dash)
+        .width(width)
+}
+
+/// The graph from left to right; at `v = 0` both ends of the vertical part.
+fn sample(law: &Friction) -> Vec<(f64, f64)> {
+    let speed = |i: u32| V_MAX * f64::from(i) / f64::from(SAMPLES);
+    let left = (1..=SAMPLES).rev().map(|i| -speed(i));
+    let right = (1..=SAMPLES).map(speed);
+    let mut points = Vec::new();
+    for v in left.chain([0.0]).chain(right) {
+        match law.force(v) {
+            Force::Kinetic(force) => points.push((v, force)),
+            Force::Static { limit } => points.extend([(v, -limit), (v, limit)]),
+        }
+    }
+    points
+}
+
+/// Whether the force decreases with the velocity on either side of the vertical part.
+fn decreases(points: &[(f64, f64)]) -> bool {
+    points
+        .windows(2)
+        .filter(|pair| pair[0].0 < pair[1].0)
+        .all(|pair| pair[1].1 < pair[0].1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_vertical_part_spans_both_signs() {
+        let law = Friction::new(0.2, 1.0).unwrap();
+        let points = sample(&law);
+        let at_rest: Vec<f64> = points.iter().filter(|p| p.0 == 0.0).map(|p| p.1).collect();
+        assert_eq!(at_rest, [-0.2, 0.2]);
+        assert!(points.windows(2).all(|pair| pair[0].0 <= pair[1].0));
+    }
+
+    #[test]
+    fn constant_friction_does_not_count_as_decreasing() {
+        assert!(!decreases(&sample(&Friction::new(0.2, 0.0).unwrap())));
+        assert!(decreases(&sample(&Friction::new(0.2, 0.1).unwrap())));
+    }
+}

@@ -1,0 +1,234 @@
+//! Fig. 7: the transition function `σ`, its oscillating zeros, and their bifurcation with `μ₀`.
+
+mod draw;
+mod numbers;
+
+use std::f64::consts::PI;
+
+use super::error::FigureError;
+use super::rows::Row;
+use super::spec::FigureSpec;
+use crate::error::Error;
+use crate::math;
+use crate::models::cubic::{Cubic, TangentPoint};
+
+/// Fig. 7.
+pub struct Fig07;
+
+/// Everything in the figure. All of it for `k₁ = 1 N/m`, `k₂ = 1 N/m³`, as in the paper.
+#[derive(Clone, Debug)]
+pub struct Data {
+    /// The spring.
+    pub spring: Cubic,
+    /// Critical `μ₀` for the spring, Eq. (23), N.
+    pub critical: f64,
+    /// (a) `σ(z)` without friction.
+    pub without: Transition,
+    /// (a) `σ(z)` with critical friction.
+    pub with_critical: Transition,
+    /// (b) The zones over time.
+    pub oscillation: Oscillation,
+    /// (c) Tangent points against `μ₀`.
+    pub branches: Branches,
+    /// Zeros of `∂σ/∂z` found by a scan and bisection, m, ascending: what Eq. (22) is held against.
+    pub stationary: Vec<f64>,
+}
+
+/// A graph of `σ` and its zeros.
+#[derive(Clone, Debug)]
+pub struct Transition {
+    /// Friction coefficient.
+    pub mu0: f64,
+    /// `(z, σ)`, m and m²/s⁴, for `m = 1 kg`.
+    pub graph: Vec<(f64, f64)>,
+    /// The zeros.
+    pub zeros: Vec<TangentPoint>,
+    /// Intervals where `σ < 0`, m.
+    pub zones: Vec<(f64, f64)>,
+}
+
+/// The tangent points as they move with the end of the spring.
+#[derive(Clone, Debug)]
+pub struct Oscillation {
+    /// Amplitude of the forcing, m.
+    pub amplitude: f64,
+    /// Its angular frequency, 1/s.
+    pub omega: f64,
+    /// Friction coefficient.
+    pub mu0: f64,
+    /// The six tangent points at rest, m.
+    pub points: Vec<f64>,
+    /// Times, s.
+    pub times: Vec<f64>,
+    /// Positions `zₖ + A sin(ωt)` at these times, m, in the order of the points.
+    pub positions: Vec<Vec<f64>>,
+}
+
+/// Tangent points against friction.
+#[derive(Clone, Debug)]
+pub struct Branches {
+    /// The six branches up to the critical friction, `(μ₀, z)`, in the paper's numbering.
+    pub below: Vec<Vec<(f64, f64)>>,
+    /// The two branches from there on.
+    pub above: Vec<Vec<(f64, f64)>>,
+    /// Number of tangent points at `μ₀ = 0`, below, at, and above the critical value.
+    pub counts: [usize; 4],
+}
+
+/// Range of `z` shown in (a), m.
+const Z_MAX: f64 = 1.35;
+/// Forcing periods shown in (b).
+const PERIODS: f64 = 2.0;
+
+impl FigureSpec for Fig07 {
+    const NAME: &'static str = "fig07";
+    const TITLE: &'static str = "Fig. 7: tangent points, their oscillation and bifurcation";
+    const ABOUT: &'static str = "Draws (a) the transition function sigma(z) of Eq. (19) for mu0 = 0 and \
+        mu0 = 2 sqrt(3)/9, (b) the six tangent points z_k + A sin(omega t) over two forcing periods with the \
+        parameters of Fig. 8, (c) the tangent points against mu0 from 0 to 4 sqrt(3)/9. Reports the critical \
+        points of Eq. (22) and the critical friction of Eq. (23), found by a root search and held against the \
+        printed formulas, and the tangent points of Eq. (16) and (24), roots of the cubic after Newton steps.";
+    type Data = Data;
+
+    fn compute() -> Result<Data, FigureError> {
+        compute().map_err(Self::failed)
+    }
+
+    fn numbers(data: &Data) -> Vec<Row> {
+        numbers::rows(data)
+    }
+
+    fn draw(data: &Data) -> Result<String, FigureError> {
+        draw::svg(data)
+    }
+}
+
+fn compute() -> Result<Data, Error> {
+    let spring = Cubic::new(1.0, 1.0)?;
+    let critical = spring.critical_mu0()[1];
+    Ok(Data {
+        spring,
+        critical,
+        without: transition(&spring, 0.0)?,
+        with_critical: transition(&spring, critical)?,
+        oscillation: oscillation(&spring)?,
+        branches: branches(&spring, critical)?,
+        stationary: stationary(&spring),
+    })
+}
+
+fn transition(spring: &Cubic, mu0: f64) -> Result<Transition, Error> {
+    Ok(Transition {
+        mu0,
+        graph: grid(-Z_MAX, Z_MAX, 1000)
+            .map(|z| (z, spring.sigma(z, mu0, 1.0)))
+            .collect(),
+        zeros: spring.tangent_points(mu0)?,
+        zones: spring.stick_zones(mu0)?,
+    })
+}
+
+/// The parameters of Fig. 8.
+fn oscillation(spring: &Cubic) -> Result<Oscillation, Error> {
+    let mu0 = 3f64.sqrt() / 9.0;
+    let amplitude = 4.0 * 3f64.sqrt() / 3.0 * math::sin(PI / 18.0);
+    let omega = 3.0 * PI / 2.4728;
+    let points: Vec<f64> = spring.tangent_points(mu0)?.iter().map(|p| p.z).collect();
+    let times: Vec<f64> = grid(0.0, PERIODS * 2.0 * PI / omega, 600).collect();
+    let positions = points
+        .iter()
+        .map(|z| {
+            times
+                .iter()
+                .map(|t| z + amplitude * math::sin(omega * t))
+                .collect()
+        })
+        .collect();
+    Ok(Oscillation {
+        amplitude,
+        omega,
+        mu0,
+        points,
+        times,
+        positions,
+    })
+}
+
+fn branches(spring: &Cubic, critical: f64) -> Result<Branches, Error> {
+    let mut below = vec![Vec::new(); 6];
+    // Two branches meet at the critical value like a square root; equal steps of that root sample them evenly.
+    for s in grid(0.0, 1.0, 400) {
+        let mu0 = critical * s * (2.0 - s);
+        let mut branch = below.iter_mut();
+        for point in spring.tangent_points(mu0)? {
+            for _ in 0..point.multiplicity {
+                if let Some(branch) = branch.next() {
+                    branch.push((mu0, point.z));
+                }
+            }
+        }
+    }
+    let mut above = vec![Vec::new(); 2];
+    for mu0 in grid(critical, 2.0 * critical, 200) {
+        let points = spring.tangent_points(mu0)?;
+        let outer = points.first().into_iter().chain(points.last());
+        for (branch, point) in above.iter_mut().zip(outer) {
+            branch.push((mu0, point.z));
+        }
+    }
+    let count = |mu0| spring.tangent_points(mu0).map(|points| points.len());
+    let counts = [
+        count(0.0)?,
+        count(0.5 * critical)?,
+        count(critical)?,
+        count(1.5 * critical)?,
+    ];
+    Ok(Branches {
+        below,
+        above,
+        counts,
+    })
+}
+
+/// Zeros of `∂σ/∂z` in `[-2, 2]`: grid points where it vanishes, and sign changes between grid points refined to
+/// neighbouring numbers.
+fn stationary(spring: &Cubic) -> Vec<f64> {
+    let slope = |z| spring.sigma_slope(z, 1.0);
+    let points: Vec<f64> = grid(-2.0, 2.0, 400).collect();
+    let mut zeros = Vec::new();
+    for pair in points.windows(2) {
+        let (left, right) = (slope(pair[0]), slope(pair[1]));
+        if left == 0.0 {
+            zeros.push(pair[0]);
+        } else if left * right < 0.0 {
+            zeros.push(bisect(pair[0], pair[1], |z| slope(z) * right > 0.0));
+        }
+    }
+    zeros
+}
+
+/// The smallest number in `(low, high]` for which `after` holds, if it holds from some number on.
+fn bisect(mut low: f64, mut high: f64, after: impl Fn(f64) -> bool) -> f64 {
+    while let Some(middle) = between(low, high) {
+        if after(middle) {
+            high = middle;
+        } else {
+            low = middle;
+        }
+    }
+    high
+}
+
+/// A number strictly between two others, if there is one.
+fn between(low: f64, high: f64) -> Option<f64> {
+    let middle = 0.5 * (low + high);
+    (low < middle && middle < high).then_some(middle)
+}
+
+/// `intervals + 1` numbers from `from` to `to`.
+fn grid(from: f64, to: f64, intervals: u32) -> impl Iterator<Item = f64> {
+    (0..=intervals).map(move |i| {
+        let s = f64::from(i) / f64::from(intervals);
+        from * (1.0 - s) + to * s
+    })
+}

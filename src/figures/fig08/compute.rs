@@ -1,0 +1,276 @@
+//! The listing's run, its limit, the exact orbit and the fate of a grid of starts.
+
+use rayon::prelude::*;
+
+use super::Fig08;
+use crate::analysis::{
+    Destination, Visibility, destination, periodic_orbit_forced, planar_multipliers, tangency,
+};
+use crate::error::Error;
+use crate::figures::error::FigureError;
+use crate::figures::spec::FigureSpec;
+use crate::figures::trace;
+use crate::filippov::{Options, TransitionKind, solve};
+use crate::models::ForcedOscillator;
+use crate::paper::listing::{self, Crossing, Motion, Params, Sample, Setup, StickPhase};
+use crate::paper::slip_times_three;
+use crate::system::{Mode, Side, State};
+
+/// The listing's settled motion.
+#[derive(Clone, Debug)]
+pub struct AsPrinted {
+    /// Lengths of the two stick phases (m), then their durations (s).
+    pub four_numbers: Option<[f64; 4]>,
+    /// Class of the motion.
+    pub motion: Motion,
+    /// The stick phases of one pattern.
+    pub sticks: Vec<StickPhase>,
+    /// The crossings of Σ without stick in one pattern (those that only mend the exit's side left out).
+    pub deflections: Vec<Crossing>,
+    /// How the tangent point lies at which each of the stick phases ends, by the stated model's fields.
+    pub exits: Vec<Option<Visibility>>,
+    /// Where the body sticks in the plotted window: time and position at the start and at the end of each stretch.
+    pub stuck: Vec<[(f64, f64); 2]>,
+    /// Part of the time in stick phases, in the plotted window, in which the body is in no stick zone.
+    pub outside_zones: f64,
+    /// The plotted window: time, position, velocity.
+    pub trajectory: Vec<(f64, f64, f64)>,
+}
+
+/// The stated model's attractor.
+#[derive(Clone, Debug)]
+pub struct Exact {
+    /// Stick phases in one period.
+    pub sticks: usize,
+    /// Position of the upward crossing (m).
+    pub left: f64,
+    /// Position of the downward crossing (m).
+    pub right: f64,
+    /// Time spent below the belt's speed in one period (s).
+    pub below: f64,
+    /// Time spent above it (s).
+    pub above: f64,
+    /// Moduli of the Floquet multipliers, the larger first.
+    pub multipliers: [f64; 2],
+    /// Two periods of it: time, position, velocity.
+    pub trajectory: Vec<(f64, f64, f64)>,
+}
+
+/// Where a grid of starts ends up, in parts of all.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Shares {
+    /// Starts in the grid.
+    pub starts: usize,
+    /// The slip-only orbit of one period.
+    pub slip_only: f64,
+    /// Any periodic motion with stick.
+    pub stick_slip: f64,
+    /// Any other periodic motion without stick.
+    pub other: f64,
+    /// Escape.
+    pub escapes: f64,
+    /// No periodic motion found.
+    pub unsettled: f64,
+}
+
+/// What the figure shows.
+#[derive(Clone, Debug)]
+pub struct Data {
+    /// The model.
+    pub model: ForcedOscillator,
+    /// Stick zones (lower end, upper end) in z (m).
+    pub zones: Vec<(f64, f64)>,
+    /// The listing.
+    pub as_printed: AsPrinted,
+    /// The listing's limit: lengths (m), then durations (s).
+    pub slip_times_three: Option<[f64; 4]>,
+    /// The stated model.
+    pub exact: Exact,
+    /// Where its starts end up.
+    pub shares: Shares,
+}
+
+const TOLERANCE: f64 = 1e-13;
+/// End of the runs that let the motion settle (s), the listing's own.
+const SETTLED: f64 = 63.3;
+/// Forcing periods in the picture.
+const SHOWN: f64 = 2.0;
+
+pub(super) fn compute() -> Result<Data, FigureError> {
+    let model = ForcedOscillator::default()
+        .checked()
+        .map_err(Fig08::failed)?;
+    let zones = model.stick_zones().map_err(Fig08::failed)?;
+    let start = State::from([Params::default().x1, model.belt_speed]);
+    let options = Options::tol(TOLERANCE);
+    let limit = slip_times_three::run(&model, &zones, start, SETTLED, &options)
+        .map_err(Fig08::failed)?
+        .four_numbers(model.period());
+    Ok(Data {
+        as_printed: as_printed(&model, &zones)?,
+        slip_times_three: limit,
+        exact: exact(&model, &options).map_err(Fig08::failed)?,
+        shares: shares(&model).map_err(Fig08::failed)?,
+        model,
+        zones,
+    })
+}
+
+fn as_printed(model: &ForcedOscillator, zones: &[(f64, f64)]) -> Result<AsPrinted, FigureError> {
+    let mut trajectory = Vec::new();
+    let mut stuck: Vec<[(f64, f64); 2]> = Vec::new();
+    let mut sticking = false;
+    let (mut steps_stuck, mut steps_outside) = (0_u32, 0_u32);
+    let keep = |sample: &Sample| {
+        if !sample.in_window {
+            return;
+        }
+        trajectory.push((sample.t, sample.x1, sample.x2));
+        let here = (sample.t, sample.x1);
+        let sticks = sample.mode == listing::Mode::Stick;
+        if sticks {
+            let z = sample.x1 - model.support(sample.t);
+            steps_stuck += 1;
+            steps_outside +=
+                u32::from(!zones.iter().any(|&(lower, upper)| lower <= z && z <= upper));
+        }
+        match stuck.last_mut() {
+            Some(stretch) if sticking => stretch[1] = here,
+            _ if sticks => stuck.push([here, here]),
+            _ => {}
+        }
+        sticking = sticks;
+    };
+    let run = listing::run_with(&Setup::default(), keep).map_err(Fig08::failed)?;
+    let sticks = run.settled_phases().to_vec();
+    let exits = sticks
+        .iter()
+        .map(|stick| {
+            let x = State::from([stick.exit.x1, model.belt_speed]);
+            [Side::Below, Side::Above]
+                .into_iter()
+                .find_map(|side| tangency(model, side, stick.exit.t, &x))
+        })
+        .collect();
+    // One pattern back from the end of its last stick phase.
+    let pattern = match run.motion {
+        Motion::StickSlip { period, .. } => period as f64 * run.forcing_period,
+        _ => 0.0,
+    };
+    let end = sticks.last().map_or(0.0, |stick| stick.exit.t);
+    let within = |t: f64| t > end - pattern && t <= end;
+    let deflections = run
+        .crossings
+        .iter()
+        .filter(|crossing| !crossing.after_exit && within(crossing.at.t))
+        .copied()
+        .collect();
+    Ok(AsPrinted {
+        four_numbers: run.four_numbers(),
+        motion: run.motion,
+        sticks,
+        deflections,
+        exits,
+        stuck,
+        outside_zones: f64::from(steps_outside) / f64::from(steps_stuck.max(1)),
+        trajectory,
+    })
+}
+
+fn exact(model: &ForcedOscillator, options: &Options) -> Result<Exact, Error> {
+    let period = model.period();
+    let start = State::from([Params::default().x1, model.belt_speed]);
+    let whole = (SETTLED / period).floor() * period;
+    let settled = solve(model, 0.0, start, whole, options)?;
+    let orbit = periodic_orbit_forced(model, 0.0, settled.x_end, period, options)?;
+    let turns = solve(model, 0.0, orbit.x, SHOWN * period, options)?;
+    let first_turn = |t: f64| t < period;
+    let crossing = |to: Side| {
+        turns
+            .transitions
+            .iter()
+            .find(|at| at.kind == TransitionKind::Crossing && at.to == Mode::Slip(to))
+            .ok_or(Error::NotFound {
+                what: "a crossing of Σ",
+                t: 0.0,
+                span: SHOWN * period,
+            })
+    };
+    let (up, down) = (crossing(Side::Above)?, crossing(Side::Below)?);
+    let mut multipliers =
+        planar_multipliers(&orbit.monodromy).map(|m| crate::math::hypot(m.re, m.im));
+    multipliers.sort_by(|one, other| other.total_cmp(one));
+    let above = (down.t - up.t).rem_euclid(period);
+    Ok(Exact {
+        sticks: turns
+            .sticks()
+            .filter(|stick| first_turn(stick.t_start))
+            .count(),
+        left: up.x[0],
+        right: down.x[0],
+        below: period - above,
+        above,
+        multipliers,
+        trajectory: trace::curve3(&turns),
+    })
+}
+
+/// Starts from −1.2 to 1.2 m and −2 to 2 m/s.
+const GRID: (u32, u32) = (61, 41);
+/// Forcing periods that a start is followed over.
+const FOLLOWED: usize = 40;
+/// States a pattern apart that are this near count as equal.
+const CLOSENESS: f64 = 1e-4;
+/// Beyond 10 m or 10 m/s the softening spring drives the body away for good.
+const ESCAPE: f64 = 10.0;
+
+fn shares(model: &ForcedOscillator) -> Result<Shares, Error> {
+    let (columns, rows) = GRID;
+    let options = Options::tol(1e-9).escape(ESCAPE);
+    let starts: Vec<State<f64, 2>> = (0..columns)
+        .flat_map(|i| {
+            (0..rows).map(move |j| {
+                let part = |k: u32, of: u32| f64::from(k) / f64::from(of - 1);
+                State::from([-1.2 + 2.4 * part(i, columns), -2.0 + 4.0 * part(j, rows)])
+            })
+        })
+        .collect();
+    let ends: Vec<Destination<2>> = starts
+        .par_iter()
+        .map(|&x| {
+            destination(
+                model,
+                (0.0, x),
+                model.period(),
+                FOLLOWED,
+                CLOSENESS,
+                &options,
+            )
+        })
+        .collect::<Result<_, Error>>()?;
+    let each = 1.0 / starts.len() as f64;
+    let mut shares = Shares {
+        starts: starts.len(),
+        ..Shares::default()
+    };
+    let mut counts = [0_u32; 5];
+    for end in &ends {
+        let class = match end {
+            Destination::Periodic {
+                period: 1,
+                sticks: 0,
+                ..
+            } => 0,
+            Destination::Periodic { sticks: 0, .. } => 1,
+            Destination::Periodic { .. } => 2,
+            Destination::Escapes { .. } => 3,
+            Destination::Unsettled => 4,
+        };
+        counts[class] += 1;
+    }
+    let [slip_only, other, stick_slip, escapes, unsettled] =
+        counts.map(|count| f64::from(count) * each);
+    (shares.slip_only, shares.other, shares.stick_slip) = (slip_only, other, stick_slip);
+    (shares.escapes, shares.unsettled) = (escapes, unsettled);
+    Ok(shares)
+}

@@ -1,0 +1,19 @@
+//! The paper's figures: `compute() -> data`, `numbers(&data)`, `draw(&data)`.
+
+mod claims;
+pub mod cli;
+mod error;
+pub mod fig04;
+pub mod fig06;
+pub mod fig07;
+pub mod fig08;
+
+pub mod output;
+pub mod png;
+pub mod rows;
+mod spec;
+pub mod style;
+mod trace;
+
+pub use error::FigureError;
+pub use spec::FigureSpec;

@@ -1,0 +1,473 @@
+//! The plotters backend that writes the SVG.
+//!
+//! plotters' own SVG backend has no dashes and sets text in one font; this one keeps text as `<text>` with
+//! italics and subscripts. One backend unit is a hundredth of a px: plotters rounds coordinates to whole
+//! units, and a curve rounded to whole px is a staircase; rounded to tenths it still shows kinks when enlarged.
+
+use std::fmt::{self, Write};
+
+use plotters_backend::text_anchor::{HPos, VPos};
+use plotters_backend::{
+    BackendColor, BackendCoord, BackendStyle, BackendTextStyle, DrawingBackend, DrawingErrorKind,
+};
+
+use super::color::Color;
+use super::elements::{Shape, Symbol, Words};
+use super::metrics;
+use super::pen::Pen;
+use super::rich;
+
+/// Backend units per px.
+const UNITS: f64 = 100.0;
+
+/// Whole backend units nearest to a length in px.
+pub(super) fn units(px: f64) -> i32 {
+    (px * UNITS).round() as i32
+}
+
+/// What plotters' elements return.
+pub(super) type Drawn = Result<(), DrawingErrorKind<fmt::Error>>;
+
+/// Writing to a string as drawing on a backend.
+pub(super) fn drawn(written: fmt::Result) -> Drawn {
+    written.map_err(DrawingErrorKind::DrawingError)
+}
+
+/// What a figure is called, for readers who cannot see it.
+pub(super) struct Naming<'a> {
+    /// Prefix of the ids in the file, unique among figures on one page.
+    pub(super) id: &'a str,
+    /// Short title.
+    pub(super) title: &'a str,
+    /// What the picture shows, in words.
+    pub(super) description: &'a str,
+}
+
+/// Collects SVG elements in a string.
+pub(super) struct Canvas<'a> {
+    size: (u32, u32),
+    out: &'a mut String,
+}
+
+impl<'a> Canvas<'a> {
+    /// Opens an SVG of `width` × `height` px on white paper.
+    pub(super) fn new(
+        out: &'a mut String,
+        width: f64,
+        height: f64,
+        naming: &Naming<'_>,
+    ) -> Result<Self, fmt::Error> {
+        let size = (units(width).unsigned_abs(), units(height).unsigned_abs());
+        let id = escape(naming.id);
+        // Without `xml:space` some viewers drop the space at the beginning of a tspan, as in "x₁ = 0".
+        writeln!(
+            out,
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
+             viewBox=\"0 0 {} {}\" role=\"img\" xml:space=\"preserve\" aria-labelledby=\"{id}-title {id}-desc\" font-family=\"{}\">",
+            size.0,
+            size.1,
+            metrics::CSS_FAMILY
+        )?;
+        writeln!(
+            out,
+            "<title id=\"{id}-title\">{}</title>",
+            escape(&rich::plain(naming.title))
+        )?;
+        writeln!(
+            out,
+            "<desc id=\"{id}-desc\">{}</desc>",
+            escape(&rich::plain(naming.description))
+        )?;
+        writeln!(
+            out,
+            "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>"
+        )?;
+        Ok(Self { size, out })
+    }
+
+    /// A polyline.
+    pub(super) fn stroke(&mut self, points: &[BackendCoord], pen: &Pen) -> fmt::Result {
+        if points.len() < 2 {
+            return Ok(());
+        }
+        self.out.push_str("<path d=\"");
+        self.trace(points)?;
+        write!(
+            self.out,
+            "\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" stroke-linejoin=\"round\"",
+            pen.color.hex(),
+            units(pen.width)
+        )?;
+        let pattern = pen.pattern();
+        if !pattern.is_empty() {
+            let lengths: Vec<String> = pattern
+                .iter()
+                .map(|length| units(*length).to_string())
+                .collect();
+            write!(self.out, " stroke-dasharray=\"{}\"", lengths.join(" "))?;
+        }
+        self.out.push_str("/>\n");
+        Ok(())
+    }
+
+    /// A marker.
+    pub(super) fn symbol(&mut self, (x, y): BackendCoord, symbol: &Symbol) -> fmt::Result {
+        let r = units(symbol.size / 2.0);
+        let polygon = match symbol.shape {
+            Shape::Circle => {
+                write!(self.out, "<circle cx=\"{x}\" cy=\"{y}\" r=\"{r}\"")?;
+                None
+            }
+            // Sides and heights are chosen so that the areas look equal to the circle's.
+            Shape::Square => {
+                let h = units(symbol.size * 0.45);
+                Some(vec![(-h, -h), (h, -h), (h, h), (-h, h)])
+            }
+            Shape::Diamond => {
+                let h = units(symbol.size * 0.62);
+                Some(vec![(0, -h), (h, 0), (0, h), (-h, 0)])
+            }
+            Shape::Up | Shape::Down => {
+                let (w, tall) = (units(symbol.size * 0.58), units(symbol.size * 0.67));
+                let sign = if symbol.shape == Shape::Up { 1 } else { -1 };
+                Some(vec![
+                    (0, -sign * tall),
+                    (w, sign * tall / 2),
+                    (-w, sign * tall / 2),
+                ])
+            }
+            Shape::Cross => {
+                let h = units(symbol.size * 0.42);
+                write!(
+                    self.out,
+                    "<path d=\"M{} {}l{d} {d}m0 -{d}l-{d} {d}\"",
+                    x - h,
+                    y - h,
+                    d = 2 * h
+                )?;
+                None
+            }
+        };
+        if let Some(corners) = polygon {
+            let corners: Vec<BackendCoord> =
+                corners.iter().map(|(dx, dy)| (x + dx, y + dy)).collect();
+            self.out.push_str("<path d=\"");
+            self.trace(&corners)?;
+            self.out.push_str("z\"");
+        }
+        let fill = if symbol.shape == Shape::Cross {
+            "none".to_owned()
+        } else {
+            symbol.fill.hex()
+        };
+        writeln!(
+            self.out,
+            " fill=\"{fill}\" stroke=\"{}\" stroke-width=\"{}\"/>",
+            symbol.edge.hex(),
+            units(symbol.edge_width)
+        )?;
+        Ok(())
+    }
+
+    /// A text with markup, at `at`.
+    pub(super) fn words(&mut self, at: BackendCoord, words: &Words) -> fmt::Result {
+        // Vertical placement is by baseline: viewers disagree about `dominant-baseline`.
+        let drop = match words.v {
+            VPos::Top => metrics::CAP_HEIGHT,
+            VPos::Center => metrics::CAP_HEIGHT / 2.0,
+            VPos::Bottom => 0.0,
+        };
+        let drop = units(drop * words.size);
+        let (x, y) = if words.upwards {
+            (at.0 + drop, at.1)
+        } else {
+            (at.0, at.1 + drop)
+        };
+        let anchor = match words.h {
+            HPos::Left => "start",
+            HPos::Center => "middle",
+            HPos::Right => "end",
+        };
+        write!(
+            self.out,
+            "<text x=\"{x}\" y=\"{y}\" font-size=\"{}\" text-anchor=\"{anchor}\" fill=\"{}\"",
+            units(words.size),
+            words.color.hex()
+        )?;
+        if words.upwards {
+            write!(self.out, " transform=\"rotate(-90 {x} {y})\"")?;
+        }
+        if words.halo {
+            write!(
+                self.out,
+                " stroke=\"#ffffff\" stroke-width=\"{}\" stroke-linejoin=\"round\" paint-order=\"stroke\"",
+                units(2.6)
+            )?;
+        }
+        self.out.push('>');
+        // `dy` moves everything after it, so each run states the difference to the run before it.
+        let mut drop_before = 0;
+        for run in rich::parse(&words.markup) {
+            let drop = units(words.size * run.level.drop());
+            let mut attributes = String::new();
+            if run.italic {
+                attributes.push_str(" font-style=\"italic\"");
+            }
+            if run.bold {
+                attributes.push_str(" font-weight=\"bold\"");
+            }
+            if run.level != rich::Level::Base {
+                write!(
+                    attributes,
+                    " font-size=\"{}\"",
+                    units(words.size * run.level.scale())
+                )?;
+            }
+            if drop != drop_before {
+                write!(attributes, " dy=\"{}\"", drop - drop_before)?;
+            }
+            drop_before = drop;
+            let text = escape(&run.text);
+            if attributes.is_empty() {
+                self.out.push_str(&text);
+            } else {
+                write!(self.out, "<tspan{attributes}>{text}</tspan>")?;
+            }
+        }
+        self.out.push_str("</text>\n");
+        Ok(())
+    }
+
+    /// A filled polygon.
+    fn area(&mut self, corners: &[BackendCoord], color: Color) -> fmt::Result {
+        if corners.len() < 3 {
+            return Ok(());
+        }
+        self.out.push_str("<path d=\"");
+        self.trace(corners)?;
+        writeln!(self.out, "z\" fill=\"{}\"/>", color.hex())
+    }
+
+    /// A rectangle: filled, or with an edge of this many backend units. The corners come in any order, because
+    /// a data axis points up and the page's down.
+    fn rect(
+        &mut self,
+        (left, top): BackendCoord,
+        (right, bottom): BackendCoord,
+        color: Color,
+        edge: Option<u32>,
+    ) -> fmt::Result {
+        let (x, y) = (left.min(right), top.min(bottom));
+        let (w, h) = (left.abs_diff(right), top.abs_diff(bottom));
+        let color = color.hex();
+        write!(
+            self.out,
+            "<rect x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\""
+        )?;
+        match edge {
+            None => writeln!(self.out, " fill=\"{color}\"/>"),
+            Some(width) => writeln!(
+                self.out,
+                " fill=\"none\" stroke=\"{color}\" stroke-width=\"{width}\"/>"
+            ),
+        }
+    }
+
+    /// Path data: one absolute point, then differences, which are shorter.
+    fn trace(&mut self, points: &[BackendCoord]) -> fmt::Result {
+        let mut before: Option<BackendCoord> = None;
+        for &(x, y) in points {
+            match before {
+                None => write!(self.out, "M{x} {y}l")?,
+                Some((x0, y0)) if (x, y) != (x0, y0) => {
+                    // A minus sign separates by itself.
+                    let (dx, dy) = (x - x0, y - y0);
+                    let first = if self.out.ends_with('l') || dx < 0 {
+                        ""
+                    } else {
+                        " "
+                    };
+                    let second = if dy < 0 { "" } else { " " };
+                    write!(self.out, "{first}{dx}{second}{dy}")?;
+                }
+                Some(_) => {}
+            }
+            before = Some((x, y));
+        }
+        // All points in one place: a line of no length keeps the path valid.
+        if self.out.ends_with('l') {
+            self.out.push_str("0 0");
+        }
+        Ok(())
+    }
+}
+
+/// Text as XML character data or attribute value.
+fn escape(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => escaped.push_str("&amp;"),
+            '<' => escaped.push_str("&lt;"),
+            '>' => escaped.push_str("&gt;"),
+            '"' => escaped.push_str("&quot;"),
+            _ => escaped.push(c),
+        }
+    }
+    escaped
+}
+
+impl DrawingBackend for Canvas<'_> {
+    type ErrorType = fmt::Error;
+
+    fn get_size(&self) -> (u32, u32) {
+        self.size
+    }
+
+    fn ensure_prepared(&mut self) -> Drawn {
+        Ok(())
+    }
+
+    /// Closes the document; nothing may be drawn afterwards.
+    fn present(&mut self) -> Drawn {
+        drawn(self.out.write_str("</svg>\n"))
+    }
+
+    fn draw_pixel(&mut self, (x, y): BackendCoord, color: BackendColor) -> Drawn {
+        self.draw_rect((x, y), (x + 1, y + 1), &color, true)
+    }
+
+    fn draw_line<S: BackendStyle>(
+        &mut self,
+        from: BackendCoord,
+        to: BackendCoord,
+        style: &S,
+    ) -> Drawn {
+        self.draw_path([from, to], style)
+    }
+
+    fn draw_rect<S: BackendStyle>(
+        &mut self,
+        one: BackendCoord,
+        opposite: BackendCoord,
+        style: &S,
+        fill: bool,
+    ) -> Drawn {
+        let edge = (!fill).then(|| style.stroke_width());
+        drawn(self.rect(one, opposite, style.color().into(), edge))
+    }
+
+    fn draw_path<S: BackendStyle, I: IntoIterator<Item = BackendCoord>>(
+        &mut self,
+        path: I,
+        style: &S,
+    ) -> Drawn {
+        let points: Vec<BackendCoord> = path.into_iter().collect();
+        let width = f64::from(style.stroke_width()) / UNITS;
+        drawn(self.stroke(&points, &Pen::new(style.color().into(), width)))
+    }
+
+    fn draw_circle<S: BackendStyle>(
+        &mut self,
+        center: BackendCoord,
+        radius: u32,
+        style: &S,
+        fill: bool,
+    ) -> Drawn {
+        let color = Color::from(style.color());
+        let symbol = Symbol {
+            shape: Shape::Circle,
+            size: 2.0 * f64::from(radius) / UNITS,
+            fill: if fill { color } else { super::color::WHITE },
+            edge: color,
+            edge_width: f64::from(style.stroke_width()) / UNITS,
+        };
+        drawn(self.symbol(center, &symbol))
+    }
+
+    fn fill_polygon<S: BackendStyle, I: IntoIterator<Item = BackendCoord>>(
+        &mut self,
+        vert: I,
+        style: &S,
+    ) -> Drawn {
+        let corners: Vec<BackendCoord> = vert.into_iter().collect();
+        drawn(self.area(&corners, style.color().into()))
+    }
+
+    fn draw_text<S: BackendTextStyle>(&mut self, text: &str, style: &S, at: BackendCoord) -> Drawn {
+        let anchor = style.anchor();
+        let words = Words::new(text, style.size() / UNITS)
+            .color(style.color().into())
+            .anchor(anchor.h_pos, anchor.v_pos);
+        drawn(self.words(at, &words))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn document(draw: impl FnOnce(&mut Canvas<'_>) -> Drawn) -> String {
+        let mut out = String::new();
+        let naming = Naming {
+            id: "f",
+            title: "A & B",
+            description: "*x* < 1",
+        };
+        let mut canvas = Canvas::new(&mut out, 20.0, 10.0, &naming).unwrap();
+        draw(&mut canvas).unwrap();
+        canvas.present().unwrap();
+        out
+    }
+
+    #[test]
+    fn the_document_is_named_and_escaped() {
+        let svg = document(|_| Ok(()));
+        let document = roxmltree::Document::parse(&svg).unwrap();
+        let root = document.root_element();
+        assert_eq!(root.attribute("role"), Some("img"));
+        assert_eq!(root.attribute("viewBox"), Some("0 0 2000 1000"));
+        assert!(svg.contains("<title id=\"f-title\">A &amp; B</title>"));
+        assert!(svg.contains("x &lt; 1"));
+    }
+
+    #[test]
+    fn subscripts_return_to_the_line() {
+        let svg = document(|canvas| drawn(canvas.words((50, 50), &Words::new("*x*_1 + 2", 10.0))));
+        assert!(svg.contains(
+            "<tspan font-style=\"italic\">x</tspan><tspan font-size=\"720\" dy=\"240\">1</tspan><tspan dy=\"-240\"> + 2</tspan>"
+        ));
+    }
+
+    #[test]
+    fn paths_use_differences() {
+        let svg = document(|canvas| {
+            drawn(canvas.stroke(&[(10, 10), (15, 8), (15, 8), (12, 9)], &Pen::default()))
+        });
+        assert!(svg.contains("d=\"M10 10l5-2-3 1\""));
+    }
+
+    #[test]
+    fn everything_plotters_may_ask_for_is_well_formed() {
+        let svg = document(|canvas| {
+            let pen = Pen::default();
+            canvas.draw_pixel((1, 1), pen.color())?;
+            canvas.draw_line((0, 0), (5, 5), &pen)?;
+            canvas.draw_rect((9, 9), (2, 2), &pen, false)?;
+            canvas.draw_circle((5, 5), 3, &pen, false)?;
+            canvas.fill_polygon([(0, 0), (5, 0), (0, 5)], &pen)?;
+            let style = plotters::style::TextStyle::from(("sans-serif", 100.0));
+            canvas.draw_text("a < *b*", &style, (3, 3))
+        });
+        let document = roxmltree::Document::parse(&svg).unwrap();
+        assert_eq!(
+            document
+                .root_element()
+                .children()
+                .filter(|n| n.is_element())
+                .count(),
+            9
+        );
+        assert!(svg.contains("<rect x=\"2\" y=\"2\" width=\"7\" height=\"7\" fill=\"none\""));
+    }
+}

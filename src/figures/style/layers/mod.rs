@@ -1,0 +1,91 @@
+//! What a panel can show. Layers are drawn in the order they are added; their texts come last, above all
+//! lines.
+
+mod band;
+mod curve;
+mod dimension;
+mod guide;
+mod inset;
+mod markers;
+mod note;
+mod region;
+
+pub use band::Band;
+pub use curve::Curve;
+pub use dimension::Dimension;
+pub use guide::Guide;
+pub use inset::Inset;
+pub use markers::Markers;
+pub use note::Note;
+pub use region::Region;
+
+use super::legend::Entry;
+use super::plot::{Drawn, Frame, Plot};
+use super::polyline::Point;
+
+/// Font size of texts inside a panel, px.
+pub(super) const TEXT: f64 = 11.5;
+
+/// One thing in a panel.
+pub(super) trait Layer {
+    /// Lines and areas.
+    fn draw(&self, plot: &Plot<'_, '_>) -> Drawn;
+
+    /// Texts; drawn after the lines and areas of all layers.
+    fn annotate(&self, _plot: &Plot<'_, '_>) -> Drawn {
+        Ok(())
+    }
+
+    /// The line this layer wants in the legend.
+    fn legend(&self) -> Option<Entry> {
+        None
+    }
+}
+
+/// Anything that can be added to a panel.
+pub struct AnyLayer(pub(super) Box<dyn Layer>);
+
+macro_rules! any_layer {
+    ($($layer:ty),*) => {$(
+        impl From<$layer> for AnyLayer {
+            fn from(layer: $layer) -> Self {
+                Self(Box::new(layer))
+            }
+        }
+    )*};
+}
+any_layer!(Band, Curve, Dimension, Guide, Inset, Markers, Note, Region);
+
+/// A place in a panel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Place {
+    /// In data units.
+    Data(f64, f64),
+    /// In fractions of the plot rectangle: (0, 0) is its lower left corner, (1, 1) its upper right one.
+    Fraction(f64, f64),
+}
+
+impl From<(f64, f64)> for Place {
+    fn from((x, y): (f64, f64)) -> Self {
+        Place::Data(x, y)
+    }
+}
+
+impl Place {
+    fn px(self, plot: &Plot<'_, '_>) -> Point {
+        match self {
+            Place::Data(x, y) => plot.px((x, y)),
+            Place::Fraction(fx, fy) => plot.frame.at(fx, fy),
+        }
+    }
+}
+
+/// The frame between two corners given as places.
+fn frame_between(a: Point, b: Point) -> Frame {
+    Frame {
+        left: a.0.min(b.0),
+        top: a.1.min(b.1),
+        right: a.0.max(b.0),
+        bottom: a.1.max(b.1),
+    }
+}

@@ -1,0 +1,79 @@
+//! How a line is drawn.
+
+use plotters_backend::{BackendColor, BackendStyle};
+
+use super::color::{BLACK, Color};
+
+/// Line style; told apart without colour.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Dash {
+    /// ————
+    #[default]
+    Solid,
+    /// – – –
+    Dashed,
+    /// · · ·
+    Dotted,
+    /// – · –
+    DashDot,
+}
+
+/// Colour, width (px) and line style of a line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pen {
+    /// Colour.
+    pub color: Color,
+    /// Width, px at the figure's nominal size.
+    pub width: f64,
+    /// Line style.
+    pub dash: Dash,
+}
+
+impl Default for Pen {
+    fn default() -> Self {
+        Self {
+            color: BLACK,
+            width: 1.4,
+            dash: Dash::Solid,
+        }
+    }
+}
+
+impl Pen {
+    /// A solid pen.
+    pub fn new(color: Color, width: f64) -> Self {
+        Self {
+            color,
+            width,
+            dash: Dash::Solid,
+        }
+    }
+
+    /// The same pen with another line style.
+    pub fn dash(mut self, dash: Dash) -> Self {
+        self.dash = dash;
+        self
+    }
+
+    /// Lengths of strokes and gaps, px; empty for a solid line. They grow with the width, so that a bold dotted
+    /// line is still dotted.
+    pub(super) fn pattern(&self) -> Vec<f64> {
+        let w = self.width.max(1.0);
+        match self.dash {
+            Dash::Solid => vec![],
+            Dash::Dashed => vec![4.5 * w, 2.6 * w],
+            Dash::Dotted => vec![1.1 * w, 1.7 * w],
+            Dash::DashDot => vec![5.5 * w, 1.9 * w, 1.1 * w, 1.9 * w],
+        }
+    }
+}
+
+impl BackendStyle for Pen {
+    fn color(&self) -> BackendColor {
+        self.color.backend()
+    }
+
+    fn stroke_width(&self) -> u32 {
+        super::canvas::units(self.width).unsigned_abs()
+    }
+}

@@ -1,0 +1,115 @@
+//! Tangent points of the two one-degree-of-freedom models, in closed form and each classified by computation.
+
+use super::cubic::{Balance, Cubic, TangentPoint};
+use super::{BeltOscillator, ForcedOscillator};
+use crate::analysis::{Visibility, visibility};
+use crate::error::Error;
+use crate::system::{Filippov, Side, State};
+
+/// A tangent point of Σ.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BeltTangency {
+    /// Position x₁ (m) at the time asked for.
+    pub position: f64,
+    /// Side whose field is tangent.
+    pub side: Side,
+    /// How its orbit lies. In an oscillating zone this changes with time.
+    pub visibility: Visibility,
+}
+
+impl BeltOscillator {
+    /// The tangent points (Eq. 16 for the defaults), the largest position first: six below the critical μ0 of Eq. (13), two
+    /// above. A point at which both fields are tangent (μ0 = 0) stands once for either side.
+    ///
+    /// ```
+    /// use stickslip::{analysis::Visibility, models::BeltOscillator};
+    /// let points = BeltOscillator::default().tangent_points()?;
+    /// let visible = points.iter().filter(|point| point.visibility == Visibility::Visible);
+    /// assert_eq!((points.len(), visible.count()), (6, 3));
+    /// # Ok::<(), stickslip::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] where a parameter is not allowed; k1 and k2 must be positive here.
+    pub fn tangent_points(&self) -> Result<Vec<BeltTangency>, Error> {
+        let model = self.checked()?;
+        let points = Cubic::new(self.k1, self.k2)?.tangent_points(self.mu0)?;
+        // The acceleration below is (k1 z − k2 z³ + μ0)/m: it vanishes where k2 z³ − k1 z = +μ0.
+        Ok(classified(
+            &model,
+            self.belt_speed,
+            &points,
+            Side::Below,
+            0.0,
+            0.0,
+        ))
+    }
+
+    /// The stick zones as intervals (lower end, upper end) of x₁, the largest first.
+    ///
+    /// # Errors
+    /// As [`BeltOscillator::tangent_points`].
+    pub fn stick_zones(&self) -> Result<Vec<(f64, f64)>, Error> {
+        self.checked()?;
+        Cubic::new(self.k1, self.k2)?.stick_zones(self.mu0)
+    }
+}
+
+impl ForcedOscillator {
+    /// The tangent points at time `t` (Eq. 24 moved by the support, `z_k + A sin(ωt)`), the largest position first.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] where a parameter is not allowed; k1 and k2 must be positive here.
+    pub fn tangent_points(&self, t: f64) -> Result<Vec<BeltTangency>, Error> {
+        let model = self.checked()?;
+        let points = Cubic::new(self.k1, self.k2)?.tangent_points(self.mu0)?;
+        // The acceleration below is (k2 z³ − k1 z + μ0)/m: it vanishes where k2 z³ − k1 z = −μ0.
+        let offset = self.support(t);
+        Ok(classified(
+            &model,
+            self.belt_speed,
+            &points,
+            Side::Above,
+            t,
+            offset,
+        ))
+    }
+
+    /// The stick zones as intervals (lower end, upper end) of `z = x₁ − A sin(ωt)`, the largest first.
+    ///
+    /// # Errors
+    /// As [`ForcedOscillator::tangent_points`].
+    pub fn stick_zones(&self) -> Result<Vec<(f64, f64)>, Error> {
+        self.checked()?;
+        Cubic::new(self.k1, self.k2)?.stick_zones(self.mu0)
+    }
+}
+
+/// The points at time `t`, moved by `offset`; `plus` is the side that is tangent where the cubic equals +μ0.
+fn classified<S: Filippov<2>>(
+    model: &S,
+    belt_speed: f64,
+    points: &[TangentPoint],
+    plus: Side,
+    t: f64,
+    offset: f64,
+) -> Vec<BeltTangency> {
+    let mut tangencies = Vec::new();
+    for point in points {
+        let sides: &[Side] = match point.balance {
+            Balance::Plus => &[plus],
+            Balance::Minus => &[plus.opposite()],
+            Balance::Both => &[Side::Below, Side::Above],
+        };
+        let position = point.z + offset;
+        let x = State::from([position, belt_speed]);
+        for &side in sides {
+            tangencies.push(BeltTangency {
+                position,
+                side,
+                visibility: visibility(model, side, t, &x),
+            });
+        }
+    }
+    tangencies
+}

@@ -1,0 +1,57 @@
+//! How goldens are compared.
+
+use insta::Comparator;
+use insta::Snapshot;
+use insta::internals::SnapshotContents;
+
+/// Line by line and word by word: numbers up to a relative difference, everything else to the letter.
+#[derive(Clone, Copy, Debug)]
+pub struct Numerically {
+    /// Largest relative difference.
+    pub tolerance: f64,
+}
+
+impl Numerically {
+    /// Whether two texts state the same.
+    pub fn same(&self, golden: &str, found: &str) -> bool {
+        let (golden, found) = (golden.trim_end(), found.trim_end());
+        golden.lines().count() == found.lines().count()
+            && golden.lines().zip(found.lines()).all(|(golden, found)| {
+                let words = (golden.split_whitespace(), found.split_whitespace());
+                words.0.clone().count() == words.1.clone().count()
+                    && words
+                        .0
+                        .zip(words.1)
+                        .all(|(golden, found)| self.same_word(golden, found))
+            })
+    }
+
+    fn same_word(&self, golden: &str, found: &str) -> bool {
+        if golden == found {
+            return true;
+        }
+        match (golden.parse::<f64>(), found.parse::<f64>()) {
+            (Ok(golden), Ok(found)) => {
+                // Infinities would be within any share of themselves.
+                let size = golden.abs().max(found.abs());
+                size.is_finite() && (golden - found).abs() <= self.tolerance * size
+            }
+            _ => false,
+        }
+    }
+}
+
+impl Comparator for Numerically {
+    fn matches(&self, reference: &Snapshot, test: &Snapshot) -> bool {
+        match (reference.contents(), test.contents()) {
+            (SnapshotContents::Text(golden), SnapshotContents::Text(found)) => {
+                self.same(&golden.to_string(), &found.to_string())
+            }
+            _ => false,
+        }
+    }
+
+    fn dyn_clone(&self) -> Box<dyn Comparator> {
+        Box::new(*self)
+    }
+}
