@@ -20,3 +20,8 @@ pub use filippov::{
 pub use orbit::{Counters, Ending, Orbit};
 pub use scalar::Scalar;
 pub use system::{Filippov, Mode, Side, State};
+
+/// The README's example is compiled and run with the documentation's.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
