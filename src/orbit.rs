@@ -29,6 +29,8 @@ pub enum Ending {
     Repelling,
     /// The observer asked to stop.
     Stopped,
+    /// The run failed; the orbit is what it computed before (see [`crate::Failure`]).
+    Failed,
 }
 
 /// An orbit: phases and the transitions between them, with the solution of every step.

@@ -6,6 +6,7 @@ use super::flow::{Slip, Stick, project};
 use super::march::{PhaseEnd, Run};
 use super::observer::{Observer, Phase, StepRecord, Transition, TransitionKind};
 use super::options::{AtRepelling, Method, Options};
+use super::pile_up::PileUp;
 use super::rules::{Departure, Fate, LieDerivatives, departure};
 use crate::error::{Error, Point};
 use crate::ode::{Dop853, Rk4, RungeKutta, Timed};
@@ -32,7 +33,7 @@ pub struct Failure<const N: usize> {
     /// What went wrong.
     #[source]
     pub error: Error,
-    /// What was computed before (its ending means nothing).
+    /// What was computed before; its ending is [`Ending::Failed`].
     pub orbit: Box<Orbit<N>>,
 }
 
@@ -84,7 +85,7 @@ pub fn solve<S: Filippov<N>, const N: usize>(
     }
     let ending = result
         .as_ref()
-        .map_or(Ending::Stopped, |summary| summary.ending);
+        .map_or(Ending::Failed, |summary| summary.ending);
     let orbit = Orbit {
         phases: recorder.phases,
         transitions: recorder.transitions,
@@ -135,6 +136,7 @@ fn run_counted<S: Filippov<N>, O: Observer<N>, const N: usize>(
         options,
         observer,
         counters: Counters::default(),
+        pile_up: PileUp::new(),
         t_end,
         h: 0.0,
     };
@@ -183,31 +185,6 @@ fn check<S: Filippov<N>, const N: usize>(
     Ok(())
 }
 
-/// The last so many transition times, to notice a pile-up.
-struct PileUp {
-    since: f64,
-    count: usize,
-}
-
-impl PileUp {
-    fn note<const N: usize>(&mut self, at: &Timed<f64, N>, options: &Options) -> Result<(), Error> {
-        let span = options.pile_up_span * at.t.abs().max(1.0);
-        if at.t - self.since > span {
-            (self.since, self.count) = (at.t, 0);
-        }
-        self.count += 1;
-        if self.count >= options.pile_up_count {
-            return Err(Error::EventPileUp {
-                count: self.count,
-                span: at.t - self.since,
-                t: at.t,
-                x: Point::from(&at.x),
-            });
-        }
-        Ok(())
-    }
-}
-
 /// Where the run goes from a point of Σ.
 enum Course {
     On(Mode, [usize; 2]),
@@ -224,10 +201,6 @@ impl<O> Run<'_, O> {
         O: Observer<N>,
     {
         let mut at = start;
-        let mut pile_up = PileUp {
-            since: f64::NEG_INFINITY,
-            count: 0,
-        };
         let (mut mode, mut orders) = match self.first_course(system, &at) {
             Course::On(mode, orders) => (mode, orders),
             Course::Repelled => return Ok(self.summary(Ending::Repelling, at)),
@@ -266,8 +239,7 @@ impl<O> Run<'_, O> {
             else {
                 return Ok(self.summary(Ending::EndTime, at));
             };
-            self.counters.events += 1;
-            pile_up.note(&at, self.options)?;
+            self.note_event(&at)?;
             let tangent = (mode == Mode::Stick).then(|| Stick::<S>::side_of_guard(guard));
             self.counters.field_calls += 2 * LieDerivatives::field_calls(N);
             let (next, next_orders) = match self.course(self.departure(system, &at, tangent)) {

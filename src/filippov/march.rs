@@ -5,8 +5,9 @@ use std::cell::Cell;
 use super::flow::Flow;
 use super::locate::{Located, Origin, Uncertainty, uncertainty, zero_on_dense};
 use super::observer::{Observer, StepRecord, Transition, TransitionKind};
-use super::options::Options;
-use super::scan::{Samples, first_zero};
+use super::options::{Locator, Options};
+use super::pile_up::PileUp;
+use super::scan::{Bracket, NARROWEST, Samples, first_zero};
 use crate::error::{Error, Point};
 use crate::ode::control::{error_norm, first_step, step_factor};
 use crate::ode::{Dense, RungeKutta, Stages, Timed, dense_slopes, stages};
@@ -21,6 +22,7 @@ pub(crate) struct Run<'a, O> {
     pub options: &'a Options,
     pub observer: &'a mut O,
     pub counters: Counters,
+    pub pile_up: PileUp,
     pub t_end: f64,
     /// Next step to try; 0 until the first is chosen. It is kept over events: the new field is usually as fast as the
     /// old, and error control corrects it where it is not.
@@ -161,7 +163,7 @@ impl<O> Run<'_, O> {
                     guard,
                     located: Located::Touch { at, residual },
                 }) => {
-                    self.counters.events += 1;
+                    self.note_event(&at)?;
                     let touch = Transition {
                         t: at.t,
                         x: at.x,
@@ -192,6 +194,12 @@ impl<O> Run<'_, O> {
                 }
             };
         }
+    }
+
+    /// Counts a transition; too many within no time are a pile-up.
+    pub(crate) fn note_event<const N: usize>(&mut self, at: &Timed<f64, N>) -> Result<(), Error> {
+        self.counters.events += 1;
+        self.pile_up.note(at, self.options)
     }
 
     fn choose_first_step<const N: usize>(
@@ -363,20 +371,33 @@ impl<O> Run<'_, O> {
         origin: &Origin<'_, F, N>,
         mut value: impl FnMut(f64) -> f64,
     ) -> Option<(f64, Located<N>)> {
+        let blur = self.uncertainty(i, origin);
+        let touch = (self.options.touch * blur.by_tolerance).max(blur.by_rounding);
+        let mut locate = |bracket: Bracket, estimate: f64, locator: Locator| {
+            self.counters.locations += 1;
+            match origin.locate::<M>(i, bracket, estimate, locator, touch) {
+                Located::Nothing => None,
+                found @ (Located::Exit { at, .. } | Located::Touch { at, .. }) => {
+                    Some((at.t, found))
+                }
+            }
+        };
         let mut from = 0.0;
         while let Some(bracket) = first_zero(&mut value, from, 1.0) {
             let estimate = zero_on_dense(&mut value, bracket);
-            let blur = self.uncertainty(i, origin);
-            let touch = (self.options.touch * blur.by_tolerance).max(blur.by_rounding);
-            let located = origin.locate::<M>(i, bracket, estimate, self.options.locator, touch);
-            self.counters.locations += 1;
-            match located {
-                Located::Exit { at, .. } | Located::Touch { at, .. } => {
-                    return Some((at.t, located));
-                }
-                Located::Nothing if bracket.b > from && bracket.b < 1.0 => from = bracket.b,
-                Located::Nothing => return None,
+            if let Some(found) = locate(bracket, estimate, self.options.locator) {
+                return Some(found);
             }
+            // A dip of the dense output that the re-integrated step does not have. The search goes on where the
+            // dense output is positive again; if it nowhere is, the step's end, where both agree, closes the bracket.
+            let Some(back) = first_zero(&mut |s| -value(s), bracket.b, 1.0) else {
+                let rest = Bracket {
+                    a: bracket.b,
+                    b: 1.0,
+                };
+                return locate(rest, 1.0, Locator::RootSearch);
+            };
+            from = back.b.max(from + NARROWEST);
         }
         None
     }

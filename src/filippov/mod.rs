@@ -6,6 +6,7 @@ mod locate;
 mod march;
 mod observer;
 mod options;
+mod pile_up;
 mod rules;
 mod scan;
 

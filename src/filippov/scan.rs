@@ -28,7 +28,7 @@ const COS: [f64; 16] = {
 };
 
 /// Intervals narrower than this part of the step are not halved again: a parabola bends by 1e-16 over it.
-const NARROWEST: f64 = 1.5e-8;
+pub(crate) const NARROWEST: f64 = 1.5e-8;
 
 /// A bracket of the first zero of `value` in `[lo, hi]`, or `None` when there is none. Halves intervals until each is
 /// clear or holds a bracket: depth first, the left half first.
