@@ -28,7 +28,8 @@ impl Row {
         let (Some(member), Value::Number(value)) = (member, &self.value) else {
             return self;
         };
-        let agrees = (value - member).abs() <= 1e-12 * member.abs().max(f64::MIN_POSITIVE);
+        let scale = if member == 0.0 { 1.0 } else { member.abs() };
+        let agrees = (value - member).abs() <= 1e-12 * scale;
         self.published(&format!("{member:?}"), agrees)
     }
 

@@ -1,12 +1,15 @@
 //! The orbits, the tangent points and the cycle.
 
+use num_dual::Dual;
+
 use crate::analysis::{PeriodicOrbit, Visibility, periodic_orbit, planar_multipliers};
 use crate::error::Error;
 use crate::figures::trace;
-use crate::filippov::{Options, TransitionKind, solve};
+use crate::filippov::{Options, TransitionKind, normal_component, solve};
 use crate::models::BeltOscillator;
 use crate::orbit::Orbit;
-use crate::system::{Mode, Side, State};
+use crate::scalar::Differentiable;
+use crate::system::{Filippov, Mode, Side, State};
 
 /// A tangent point on Σ.
 #[derive(Clone, Copy, Debug)]
@@ -45,6 +48,10 @@ pub struct Cycle {
 pub struct Data {
     /// The model.
     pub model: BeltOscillator,
+    /// Where σ, the product of the two fields' normal components on Σ, is stationary (m), largest first.
+    pub stationary: Vec<f64>,
+    /// The friction amplitudes at which σ vanishes there (N): the accelerations of the spring.
+    pub critical_mu0: Vec<f64>,
     /// Six tangent points, largest first.
     pub tangents: Vec<Tangent>,
     /// Stick zones as intervals of x1.
@@ -89,7 +96,15 @@ pub(super) fn compute() -> Result<Data, Error> {
         })
         .collect::<Result<_, Error>>()?;
     let cycle = cycle(&model, &options)?;
+    let stationary = stationary(&model);
+    // At rest friction adds the same to either side, so the mean of the two normal components is the spring's.
+    let spring = |x1: f64| {
+        let on_belt = State::from([x1, model.belt_speed]);
+        0.5 * (normal(&model, Side::Below, &on_belt) + normal(&model, Side::Above, &on_belt))
+    };
     Ok(Data {
+        critical_mu0: stationary.iter().map(|&x1| spring(x1)).collect(),
+        stationary,
         model,
         tangents,
         zones: model.stick_zones()?,
@@ -97,6 +112,38 @@ pub(super) fn compute() -> Result<Data, Error> {
         orbits,
         cycle,
     })
+}
+
+/// The normal component of a side's field on Σ.
+fn normal<T: Differentiable>(model: &BeltOscillator, side: Side, x: &State<T, 2>) -> T {
+    let t = T::constant(0.0);
+    normal_component(model, t, x, &model.field(side, t, x))
+}
+
+/// The zeros of ∂σ/∂x₁ (Eq. 11) on Σ: bracketed on a grid that holds none of them, then bisected to the last bit.
+fn stationary(model: &BeltOscillator) -> Vec<f64> {
+    let slope = |x1: f64| {
+        let x = State::from([Dual::new(x1, 1.0), Dual::new(model.belt_speed, 0.0)]);
+        (normal(model, Side::Below, &x) * normal(model, Side::Above, &x)).eps
+    };
+    let grid: Vec<f64> = (0..=300).map(|k| 1.507 - 0.01 * f64::from(k)).collect();
+    grid.windows(2)
+        .filter(|pair| (slope(pair[0]) < 0.0) != (slope(pair[1]) < 0.0))
+        .map(|pair| {
+            let (mut a, mut b) = (pair[0], pair[1]);
+            let below_at_a = slope(a) < 0.0;
+            // 60 halvings leave nothing of an interval of 0.01.
+            for _ in 0..60 {
+                let middle = 0.5 * (a + b);
+                if (slope(middle) < 0.0) == below_at_a {
+                    a = middle;
+                } else {
+                    b = middle;
+                }
+            }
+            0.5 * (a + b)
+        })
+        .collect()
 }
 
 fn cycle(model: &BeltOscillator, options: &Options) -> Result<Cycle, Error> {
@@ -145,10 +192,7 @@ fn describe(
     };
     let (up, down) = (crossing(Side::Above)?, crossing(Side::Below)?);
     let [trivial, multiplier] = planar_multipliers(&found.monodromy);
-    let acceleration = |side| {
-        use crate::system::Filippov;
-        model.field(side, up.t, &up.x)[1]
-    };
+    let acceleration = |side| model.field(side, up.t, &up.x)[1];
     Ok(Cycle {
         period: found.period,
         multiplier: multiplier.re,

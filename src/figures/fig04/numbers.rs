@@ -3,14 +3,34 @@
 use super::compute::Data;
 use crate::analysis::Visibility;
 use crate::figures::rows::Row;
+use crate::paper::published::published;
 
 const READING: &str = "exact";
 
 pub(super) fn numbers(data: &Data) -> Vec<Row> {
-    let mut rows = tangent_points(data);
+    let mut rows = set("eq12.critical_points", &data.stationary, "m");
+    rows.extend(set("eq13.mu0_critical", &data.critical_mu0, "N"));
+    rows.extend(tangent_points(data));
     rows.extend(limit_cycle(data));
     rows.extend(statements(data));
     rows
+}
+
+/// The members of a published set, each with the computed value nearest to it.
+fn set(id: &str, found: &[f64], unit: &str) -> Vec<Row> {
+    let members = published(id)
+        .map(|claim| claim.values())
+        .unwrap_or_default();
+    (1..)
+        .zip(members)
+        .filter_map(|(k, member)| {
+            let distance = |value: &f64| (value - member).abs();
+            let nearest = found
+                .iter()
+                .min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+            Some(Row::number(&format!("{id}.{k}"), READING, *nearest, unit).member_of(id, k))
+        })
+        .collect()
 }
 
 /// The name of a kind, as the caption has it.
