@@ -73,6 +73,15 @@ pub trait Filippov<const N: usize> {
     /// The boundary function h: negative on [`Side::Below`], positive on [`Side::Above`], zero on Σ.
     /// It may depend on time: Σ then moves.
     fn boundary<T: Scalar>(&self, t: T, x: &State<T, N>) -> T;
+
+    /// A function whose sign is that of the normal force (in any unit), for systems that can lose contact. Its zeros are
+    /// located like all events and recorded as [`crate::TransitionKind::ContactLoss`] and
+    /// [`crate::TransitionKind::ContactGain`], so that a field that is clipped there is never stepped across its kink.
+    /// The default, `None`, never loses contact.
+    #[inline(always)]
+    fn contact<T: Scalar>(&self, _t: T, _x: &State<T, N>) -> Option<T> {
+        None
+    }
 }
 
 impl<const N: usize, S: Filippov<N>> Filippov<N> for &S {
@@ -83,5 +92,9 @@ impl<const N: usize, S: Filippov<N>> Filippov<N> for &S {
     #[inline(always)]
     fn boundary<T: Scalar>(&self, t: T, x: &State<T, N>) -> T {
         (**self).boundary(t, x)
+    }
+    #[inline(always)]
+    fn contact<T: Scalar>(&self, t: T, x: &State<T, N>) -> Option<T> {
+        (**self).contact(t, x)
     }
 }

@@ -2,7 +2,9 @@
 
 use std::ops::ControlFlow;
 
-use super::flow::{Slip, Stick, project};
+use num_dual::Dual;
+
+use super::flow::{CONTACT, MOST_GUARDS, Slip, Stick, project};
 use super::march::{PhaseEnd, Run};
 use super::observer::{Observer, Phase, StepRecord, Transition, TransitionKind};
 use super::options::{AtRepelling, Method, Options};
@@ -187,7 +189,7 @@ fn check<S: Filippov<N>, const N: usize>(
 
 /// Where the run goes from a point of Σ.
 enum Course {
-    On(Mode, [usize; 2]),
+    On(Mode, [usize; MOST_GUARDS]),
     Repelled,
 }
 
@@ -205,15 +207,22 @@ impl<O> Run<'_, O> {
             Course::On(mode, orders) => (mode, orders),
             Course::Repelled => return Ok(self.summary(Ending::Repelling, at)),
         };
+        let mut contact = contact_sign(system, &at);
+        let mut from = at;
         loop {
-            let from = at;
             let end = match mode {
-                Mode::Slip(side) => {
-                    self.march::<M, _, N>(&Slip { system, side }, mode, at, orders)?
+                Mode::Slip(Side::Below) => {
+                    let flow = Slip::<S, false> { system, contact };
+                    self.march::<M, _, N>(&flow, mode, at, orders)?
+                }
+                Mode::Slip(Side::Above) => {
+                    let flow = Slip::<S, true> { system, contact };
+                    self.march::<M, _, N>(&flow, mode, at, orders)?
                 }
                 Mode::Stick => {
                     at.x = project(system, at.t, at.x);
-                    self.march::<M, _, N>(&Stick { system }, mode, at, orders)?
+                    let flow = Stick { system, contact };
+                    self.march::<M, _, N>(&flow, mode, at, orders)?
                 }
             };
             let (reached, ending) = match &end {
@@ -222,6 +231,32 @@ impl<O> Run<'_, O> {
                 PhaseEnd::Exit { at, .. } => (*at, None),
             };
             at = reached;
+            if let PhaseEnd::Exit {
+                guard: CONTACT,
+                residual,
+                ..
+            } = end
+            {
+                self.note_event(&at)?;
+                let change = Transition {
+                    t: at.t,
+                    x: at.x,
+                    kind: if contact > 0.0 {
+                        TransitionKind::ContactLoss
+                    } else {
+                        TransitionKind::ContactGain
+                    },
+                    from: mode,
+                    to: mode,
+                    residual,
+                };
+                if self.observer.transition(&change).is_break() {
+                    return Ok(self.summary(Ending::Stopped, at));
+                }
+                contact = -contact;
+                orders = [0, 0, 1];
+                continue;
+            }
             let phase = Phase {
                 mode,
                 t_start: from.t,
@@ -257,7 +292,7 @@ impl<O> Run<'_, O> {
             if self.observer.transition(&transition).is_break() || told.is_break() {
                 return Ok(self.summary(Ending::Stopped, at));
             }
-            (mode, orders) = (next, next_orders);
+            (mode, orders, from) = (next, next_orders, at);
         }
     }
 
@@ -279,7 +314,7 @@ impl<O> Run<'_, O> {
         let h = system.boundary(at.t, &at.x);
         let side = if h < 0.0 { Side::Below } else { Side::Above };
         if !LieDerivatives::new(system, side, at.t, &at.x).on_boundary() {
-            return Course::On(Mode::Slip(side), [0, 0]);
+            return Course::On(Mode::Slip(side), [0; MOST_GUARDS]);
         }
         let departure = self.departure(system, at, None);
         self.course(departure)
@@ -303,12 +338,24 @@ impl<O> Run<'_, O> {
             (Fate::Stick, _) => Course::On(Mode::Stick, orders),
             (Fate::Repelling, AtRepelling::Stop) => Course::Repelled,
             (Fate::Repelling, AtRepelling::GoBelow) => {
-                Course::On(Mode::Slip(Side::Below), [orders[0] + 1, 0])
+                Course::On(Mode::Slip(Side::Below), [orders[0] + 1, 0, 0])
             }
             (Fate::Repelling, AtRepelling::GoAbove) => {
-                Course::On(Mode::Slip(Side::Above), [orders[1] + 1, 0])
+                Course::On(Mode::Slip(Side::Above), [orders[1] + 1, 0, 0])
             }
         }
+    }
+}
+
+/// Sign of the contact function; where it is zero, of its rate along the mean of the two fields.
+fn contact_sign<S: Filippov<N>, const N: usize>(system: &S, at: &Timed<f64, N>) -> f64 {
+    let below = system.field(Side::Below, at.t, &at.x);
+    let above = system.field(Side::Above, at.t, &at.x);
+    let path =
+        State::<Dual<f64>, N>::from_fn(|i, _| Dual::new(at.x[i], 0.5 * (below[i] + above[i])));
+    match system.contact(Dual::new(at.t, 1.0), &path) {
+        Some(contact) if contact.re < 0.0 || contact.re == 0.0 && contact.eps < 0.0 => -1.0,
+        _ => 1.0,
     }
 }
 

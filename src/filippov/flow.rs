@@ -37,10 +37,30 @@ pub fn sliding_field<S: Filippov<N>, T: Differentiable, const N: usize>(
     State::from_fn(|i, _| below[i] + weight * (above[i] - below[i]))
 }
 
+/// Room for the guards of a mode: its own, and the one that all modes share.
+pub(crate) const MOST_GUARDS: usize = 3;
+
+/// The guard that all modes share: the contact function, with the sign that it has now.
+pub(crate) const CONTACT: usize = 2;
+
+/// The contact function with its present sign; a constant, which no search is made for, where there is none.
+#[inline(always)]
+fn contact_guard<S: Filippov<N>, T: Differentiable, const N: usize>(
+    system: &S,
+    t: T,
+    x: &State<T, N>,
+    sign: f64,
+) -> T {
+    match system.contact(t, x) {
+        Some(contact) => contact * sign,
+        None => T::constant(1.0),
+    }
+}
+
 /// A smooth flow that goes on while all its guards are positive.
 pub(crate) trait Flow<const N: usize> {
-    /// How many guards there are.
-    const GUARDS: usize;
+    /// The guards there are, [`CONTACT`] among them.
+    const GUARDS: &'static [usize];
     /// How many of the user's field calls one evaluation takes.
     const FIELD_CALLS: u64;
     /// dx/dt.
@@ -94,23 +114,32 @@ pub(crate) fn flow_path<T: Differentiable, const N: usize>(
 }
 
 /// Slip on one side of Σ: ends where the boundary function reaches zero.
-pub(crate) struct Slip<'a, S> {
+pub(crate) struct Slip<'a, S, const ABOVE: bool> {
     pub system: &'a S,
-    pub side: Side,
+    /// Sign of the contact function.
+    pub contact: f64,
 }
 
-impl<S: Filippov<N>, const N: usize> Flow<N> for Slip<'_, S> {
-    const GUARDS: usize = 1;
+impl<S, const ABOVE: bool> Slip<'_, S, ABOVE> {
+    const SIDE: Side = if ABOVE { Side::Above } else { Side::Below };
+}
+
+impl<S: Filippov<N>, const ABOVE: bool, const N: usize> Flow<N> for Slip<'_, S, ABOVE> {
+    const GUARDS: &'static [usize] = &[0, CONTACT];
     const FIELD_CALLS: u64 = 1;
 
     #[inline(always)]
     fn field<T: Differentiable>(&self, t: T, x: &State<T, N>) -> State<T, N> {
-        self.system.field(self.side, t, x)
+        self.system.field(Self::SIDE, t, x)
     }
 
     #[inline(always)]
-    fn guard<T: Differentiable>(&self, _i: usize, t: T, x: &State<T, N>) -> T {
-        self.system.boundary(t, x) * self.side.sign()
+    fn guard<T: Differentiable>(&self, i: usize, t: T, x: &State<T, N>) -> T {
+        if i == CONTACT {
+            contact_guard(self.system, t, x, self.contact)
+        } else {
+            self.system.boundary(t, x) * Self::SIDE.sign()
+        }
     }
 
     fn settle(&self, _t: f64, x: State<f64, N>) -> State<f64, N> {
@@ -122,6 +151,8 @@ impl<S: Filippov<N>, const N: usize> Flow<N> for Slip<'_, S> {
 /// of the field below, guard 1 minus that of the field above.
 pub(crate) struct Stick<'a, S> {
     pub system: &'a S,
+    /// Sign of the contact function.
+    pub contact: f64,
 }
 
 impl<S> Stick<'_, S> {
@@ -132,7 +163,7 @@ impl<S> Stick<'_, S> {
 }
 
 impl<S: Filippov<N>, const N: usize> Flow<N> for Stick<'_, S> {
-    const GUARDS: usize = 2;
+    const GUARDS: &'static [usize] = &[0, 1, CONTACT];
     const FIELD_CALLS: u64 = 2;
 
     #[inline(always)]
@@ -142,6 +173,9 @@ impl<S: Filippov<N>, const N: usize> Flow<N> for Stick<'_, S> {
 
     #[inline(always)]
     fn guard<T: Differentiable>(&self, i: usize, t: T, x: &State<T, N>) -> T {
+        if i == CONTACT {
+            return contact_guard(self.system, t, x, self.contact);
+        }
         let side = Self::side_of_guard(i);
         let f = self.system.field(side, t, x);
         normal_component(self.system, t, x, &f) * -side.sign()

@@ -2,12 +2,12 @@
 
 use std::cell::Cell;
 
-use super::flow::Flow;
+use super::flow::{CONTACT, Flow, MOST_GUARDS};
 use super::locate::{Located, Origin, Uncertainty, uncertainty, zero_on_dense};
 use super::observer::{Observer, StepRecord, Transition, TransitionKind};
 use super::options::{Locator, Options};
 use super::pile_up::PileUp;
-use super::scan::{Bracket, NARROWEST, Samples, first_zero};
+use super::scan::{Bracket, NARROWEST, far_from_zero, first_zero};
 use crate::error::{Error, Point};
 use crate::ode::control::{error_norm, first_step, step_factor};
 use crate::ode::{Dense, RungeKutta, Stages, Timed, dense_slopes, stages};
@@ -87,7 +87,7 @@ impl<O> Run<'_, O> {
         flow: &F,
         mode: Mode,
         start: Timed<f64, N>,
-        mut orders: [usize; 2],
+        mut orders: [usize; MOST_GUARDS],
     ) -> Result<PhaseEnd<N>, Error>
     where
         M: RungeKutta,
@@ -178,9 +178,10 @@ impl<O> Run<'_, O> {
                     orders[guard] = 2;
                 }
                 _ => {
-                    for (i, order) in orders.iter_mut().enumerate().take(F::GUARDS) {
-                        if *order > 0 && has_left::<F, N>(flow, i, &at, self.options) {
-                            *order = 0;
+                    for &guard in F::GUARDS {
+                        let departs = orders[guard] > 0;
+                        if departs && has_left::<F, N>(flow, guard, &at, self.options) {
+                            orders[guard] = 0;
                         }
                     }
                 }
@@ -322,17 +323,26 @@ impl<O> Run<'_, O> {
         &mut self,
         origin: &Origin<'_, F, N>,
         dense: &Dense<N>,
-        orders: &[usize; 2],
+        orders: &[usize; MOST_GUARDS],
     ) -> Option<Event<N>> {
         let mut first: Option<(f64, Event<N>)> = None;
-        for (guard, &order) in orders.iter().enumerate().take(F::GUARDS) {
-            let found = self.first_failure::<M, F, N>(guard, origin, dense, order);
-            if let Some((t, located)) = found
-                && first.as_ref().is_none_or(|(earlier, _)| t < *earlier)
-            {
-                first = Some((t, Event { guard, located }));
-            }
+        // Written out rather than looped over, so that each guard's code is the guard's own.
+        macro_rules! consider {
+            ($guard:expr) => {
+                let found = self.first_failure::<M, F, N>($guard, origin, dense, orders[$guard]);
+                if let Some((t, located)) = found
+                    && first.as_ref().is_none_or(|(earlier, _)| t < *earlier)
+                {
+                    let guard = $guard;
+                    first = Some((t, Event { guard, located }));
+                }
+            };
         }
+        consider!(0);
+        if F::GUARDS.contains(&1) {
+            consider!(1);
+        }
+        consider!(CONTACT);
         first.map(|(_, event)| event)
     }
 
@@ -347,8 +357,7 @@ impl<O> Run<'_, O> {
         let on_dense = |s: f64| origin.flow.guard(i, origin.t + s * origin.h, &dense.at(s));
         if order == 0 {
             // Nearly every step ends here: sampled, and far from any event.
-            let samples = Samples::take(&mut { on_dense }, 0.0, 1.0);
-            return if samples.far_from_zero() {
+            return if far_from_zero(on_dense) {
                 None
             } else {
                 self.near_failure::<M, F, N>(i, origin, on_dense)

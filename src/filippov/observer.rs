@@ -44,6 +44,10 @@ pub enum TransitionKind {
     StickExit,
     /// A contact that changes nothing: slip touches Σ, or a guard of the stick phase touches zero.
     Touch,
+    /// The contact function ([`crate::Filippov::contact`]) falls below zero; the mode goes on.
+    ContactLoss,
+    /// The contact function rises above zero again; the mode goes on.
+    ContactGain,
 }
 
 /// A transition on Σ.

@@ -8,7 +8,7 @@
 
 use num_dual::Dual;
 
-use super::flow::{Flow, Slip};
+use super::flow::{MOST_GUARDS, flow_path};
 use crate::system::{Filippov, Side, State};
 
 /// What a point of Σ leads to.
@@ -28,7 +28,7 @@ pub(crate) struct Departure {
     pub fate: Fate,
     /// For every guard of the mode that follows, how many of its derivatives (from the value itself on)
     /// vanish at the start: 0 away from zero, 1 on leaving Σ across, 2 on leaving from a tangent point.
-    pub orders: [usize; 2],
+    pub orders: [usize; MOST_GUARDS],
 }
 
 /// Lie derivatives 0 to 3 of the boundary function along one field, with the size below which each is rounding.
@@ -56,21 +56,24 @@ impl LieDerivatives {
         t: f64,
         x: &State<f64, N>,
     ) -> Self {
-        let slip = Slip { system, side };
         let mut values = [0.0; 4];
         let mut spread = [0.0; 4];
         // Direction N is time.
         for direction in 0..=N {
             let seed = |at: usize| f64::from(u8::from(at == direction));
             let seeded = State::<Dual<f64>, N>::from_fn(|i, _| Dual::new(x[i], seed(i)));
-            let jet = slip.jet(0, Dual::new(t, seed(N)), &seeded);
+            let path = flow_path(Dual::new(t, seed(N)), &seeded, |t, x| {
+                system.field(side, t, x)
+            });
+            let h = system.boundary(path.0, &path.1);
+            let jet = [h.re, h.v1, h.v2, h.v3];
             let size = if direction < N {
                 x[direction].abs()
             } else {
                 t.abs()
             };
             for k in 0..4 {
-                values[k] = side.sign() * jet[k].re;
+                values[k] = jet[k].re;
                 spread[k] += jet[k].eps.abs() * size;
             }
         }
@@ -108,10 +111,10 @@ pub(crate) fn departure(
         (false, false) => Fate::Stick,
     };
     let orders = match fate {
-        Fate::Slip(Side::Below) => [order_below, 0],
-        Fate::Slip(Side::Above) => [order_above, 0],
+        Fate::Slip(Side::Below) => [order_below, 0, 0],
+        Fate::Slip(Side::Above) => [order_above, 0, 0],
         // A guard of the stick phase is the first derivative, so its order is one less.
-        Fate::Stick | Fate::Repelling => [order_below - 1, order_above - 1],
+        Fate::Stick | Fate::Repelling => [order_below - 1, order_above - 1, 0],
     };
     Departure { fate, orders }
 }

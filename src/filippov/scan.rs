@@ -30,6 +30,33 @@ const COS: [f64; 16] = {
 /// Intervals narrower than this part of the step are not halved again: a parabola bends by 1e-16 over it.
 pub(crate) const NARROWEST: f64 = 1.5e-8;
 
+/// The nine points of the unit interval.
+const UNIT: [f64; NODES] = {
+    let mut nodes = [1.0; NODES];
+    let mut j = 0;
+    while j < NODES - 1 {
+        nodes[j] = 0.5 * (1.0 - COS[j]);
+        j += 1;
+    }
+    nodes
+};
+
+/// Whether `value` stays far from zero over the whole step: the cheap test that nearly every step passes.
+///
+/// Between nine Chebyshev points a polynomial leaves the range of its values by at most 1.2 times its half-width
+/// (Lebesgue constant 2.4); four times is asked for.
+#[inline(always)]
+pub(crate) fn far_from_zero(value: impl Fn(f64) -> f64) -> bool {
+    let first = value(UNIT[0]);
+    let (mut least, mut most) = (first, first);
+    for &s in &UNIT[1..] {
+        let v = value(s);
+        least = if v < least { v } else { least };
+        most = if v > most { v } else { most };
+    }
+    least + most > 4.0 * (most - least)
+}
+
 /// A bracket of the first zero of `value` in `[lo, hi]`, or `None` when there is none. Halves intervals until each is
 /// clear or holds a bracket: depth first, the left half first.
 pub(crate) fn first_zero(value: &mut impl FnMut(f64) -> f64, lo: f64, hi: f64) -> Option<Bracket> {
@@ -72,33 +99,23 @@ enum Verdict {
 
 /// The function at the nine points of an interval.
 #[derive(Clone, Copy)]
-pub(crate) struct Samples {
+struct Samples {
     nodes: [f64; NODES],
     values: [f64; NODES],
 }
 
 impl Samples {
     #[inline(always)]
-    pub(crate) fn take(value: &mut impl FnMut(f64) -> f64, lo: f64, hi: f64) -> Self {
+    fn take(value: &mut impl FnMut(f64) -> f64, lo: f64, hi: f64) -> Self {
         let half = 0.5 * (hi - lo);
-        let mut nodes: [f64; NODES] = std::array::from_fn(|j| lo + half * (1.0 - COS[j]));
-        nodes[NODES - 1] = hi;
-        Samples {
-            nodes,
-            values: nodes.map(value),
+        let (mut nodes, mut values) = ([hi; NODES], [0.0; NODES]);
+        for j in 0..NODES {
+            if j < NODES - 1 {
+                nodes[j] = lo + half * (1.0 - COS[j]);
+            }
+            values[j] = value(nodes[j]);
         }
-    }
-
-    /// Between nine Chebyshev points a polynomial leaves the range of its values by at most 1.2 times its half-width
-    /// (Lebesgue constant 2.4); four times is asked for.
-    #[inline(always)]
-    pub(crate) fn far_from_zero(&self) -> bool {
-        let (mut least, mut most) = (self.values[0], self.values[0]);
-        for &v in &self.values[1..] {
-            least = if v < least { v } else { least };
-            most = if v > most { v } else { most };
-        }
-        least + most > 4.0 * (most - least)
+        Samples { nodes, values }
     }
 
     fn verdict(&self) -> Verdict {
