@@ -3,19 +3,16 @@
 use std::cell::Cell;
 
 use super::flow::{CONTACT, Flow, MOST_GUARDS};
+use super::leaving::{Leaving, has_left, leaving};
 use super::locate::{Located, Origin, Uncertainty, uncertainty, zero_on_dense};
 use super::observer::{Observer, StepRecord, Transition, TransitionKind};
 use super::options::{Locator, Options};
 use super::pile_up::PileUp;
 use super::scan::{Bracket, NARROWEST, far_from_zero, first_zero};
-use crate::error::{Error, Point};
-use crate::ode::control::{error_norm, first_step, step_factor};
-use crate::ode::{Dense, RungeKutta, Stages, Timed, dense_slopes, stages};
+use crate::error::Error;
+use crate::ode::{Dense, RungeKutta, Timed, dense_slopes};
 use crate::orbit::Counters;
 use crate::system::{Mode, State};
-
-/// Steps shorter than this part of the time no longer move it.
-const SHORTEST: f64 = 4.0 * f64::EPSILON;
 
 /// What lasts from phase to phase.
 pub(crate) struct Run<'a, O> {
@@ -47,36 +44,6 @@ pub(crate) enum PhaseEnd<const N: usize> {
 struct Event<const N: usize> {
     guard: usize,
     located: Located<N>,
-}
-
-/// A guard that is zero at the start of the step, where it has just been left. Its zero there is divided out:
-/// `(g − g₀ − …)/s^order` has the guard's other zeros and none at the start.
-struct Leaving {
-    /// How many derivatives, from the value on, vanish at the start.
-    order: usize,
-    /// Taylor coefficients of the guard in `s` at the start of the step.
-    start: [f64; 4],
-}
-
-impl Leaving {
-    /// The guard without what rounding has left of it at the start.
-    fn risen(&self, s: f64, guard: f64) -> f64 {
-        let mut rest = guard;
-        let mut power = 1.0;
-        for coefficient in &self.start[..self.order] {
-            rest -= coefficient * power;
-            power *= s;
-        }
-        rest
-    }
-
-    fn value(&self, s: f64, guard: impl FnOnce() -> f64) -> f64 {
-        if s == 0.0 {
-            return self.start[self.order];
-        }
-        let power = (0..self.order).fold(1.0, |power, _| power * s);
-        self.risen(s, guard()) / power
-    }
 }
 
 impl<O> Run<'_, O> {
@@ -203,120 +170,6 @@ impl<O> Run<'_, O> {
         self.pile_up.note(at, self.options)
     }
 
-    fn choose_first_step<const N: usize>(
-        &self,
-        field: &mut impl FnMut(f64, &State<f64, N>) -> State<f64, N>,
-        t: f64,
-        x: &State<f64, N>,
-        slope: &State<f64, N>,
-    ) -> f64 {
-        let longest = self.options.longest_step.min(self.t_end - t);
-        if let Some(step) = self.options.fixed_step().or(self.options.first_step) {
-            return step.min(longest);
-        }
-        first_step(field, t, x, slope, &self.options.tolerance(), longest)
-    }
-
-    /// The next step within the tolerance: its length, whether it ends at the end time, its slopes and end.
-    #[inline(always)]
-    fn accepted_step<M: RungeKutta, F: Flow<N>, const N: usize>(
-        &mut self,
-        flow: &F,
-        t: f64,
-        x: &State<f64, N>,
-        slope: State<f64, N>,
-    ) -> Result<(f64, bool, Stages<State<f64, N>>), Error> {
-        let field = &mut |t: f64, x: &State<f64, N>| flow.field(t, x);
-        let tolerance = self.options.tolerance();
-        let mut rejected = false;
-        loop {
-            let mut h = self.h.min(self.options.longest_step);
-            // A last step is stretched a little rather than followed by one of rounding's length.
-            let is_last = t + 1.01 * h >= self.t_end;
-            if is_last {
-                h = self.t_end - t;
-            }
-            if !is_last && h <= SHORTEST * t.abs() || h < f64::MIN_POSITIVE {
-                return Err(self.collapse(t, x, &slope, h));
-            }
-            let step = stages::<M, f64, _>(field, t, x, slope, h);
-            self.counters.field_calls += F::FIELD_CALLS * (M::COEFFICIENTS.stages as u64 - 1);
-            let error = error_norm::<M, N>(&step, x, h, &tolerance);
-            if self.options.fixed_step().is_some() {
-                if error.is_finite() {
-                    return Ok((h, is_last, step));
-                }
-                return Err(Error::NonFinite {
-                    t,
-                    x: Point::from(x),
-                    step: h,
-                });
-            }
-            if error <= 1.0 {
-                let factor = step_factor(error);
-                // After a rejection the step does not grow at once, and a last step cut short by the end time says
-                // nothing against the one that was planned.
-                let next = h * if rejected { factor.min(1.0) } else { factor };
-                self.h = if is_last { next.max(self.h) } else { next };
-                return Ok((h, is_last, step));
-            }
-            self.counters.rejected += 1;
-            rejected = true;
-            self.h = h * if error.is_finite() {
-                step_factor(error)
-            } else {
-                0.1
-            };
-        }
-    }
-
-    /// The step shrank until time no longer moves.
-    fn collapse<const N: usize>(
-        &self,
-        t: f64,
-        x: &State<f64, N>,
-        slope: &State<f64, N>,
-        step: f64,
-    ) -> Error {
-        let x = Point::from(x);
-        if slope.iter().any(|v| !v.is_finite()) {
-            return Error::NonFinite { t, x, step };
-        }
-        Error::StepCollapse {
-            t,
-            x,
-            step,
-            rtol: self.options.rtol,
-            atol: self.options.atol,
-        }
-    }
-
-    fn check_bounds<const N: usize>(
-        &self,
-        at: &Timed<f64, N>,
-        t: f64,
-        x: &State<f64, N>,
-        h: f64,
-    ) -> Result<(), Error> {
-        for v in at.x.iter() {
-            if !v.is_finite() {
-                return Err(Error::NonFinite {
-                    t,
-                    x: Point::from(x),
-                    step: h,
-                });
-            }
-            if v.abs() > self.options.escape {
-                return Err(Error::Escaped {
-                    t: at.t,
-                    x: Point::from(&at.x),
-                    bound: self.options.escape,
-                });
-            }
-        }
-        Ok(())
-    }
-
     /// The first guard that fails in the step, and where.
     #[inline(always)]
     fn first_event<M: RungeKutta, F: Flow<N>, const N: usize>(
@@ -437,30 +290,4 @@ impl<O> Run<'_, O> {
             .iter()
             .any(|&s| start.risen(s, on_dense(s)).abs() > floor)
     }
-}
-
-/// The guard's Taylor coefficients (in parts of the step) at a start from its own zero.
-fn leaving<F: Flow<N>, const N: usize>(
-    origin: &Origin<'_, F, N>,
-    i: usize,
-    order: usize,
-) -> Leaving {
-    let [g, rate, bend, third] = origin.flow.jet(i, origin.t, &origin.x);
-    let h = origin.h;
-    let start = [g, rate * h, 0.5 * bend * h * h, third * h * h * h / 6.0];
-    Leaving {
-        order: order.min(3),
-        start,
-    }
-}
-
-/// Whether a guard that was zero at the start of the phase now stands clear of zero.
-fn has_left<F: Flow<N>, const N: usize>(
-    flow: &F,
-    i: usize,
-    at: &Timed<f64, N>,
-    options: &Options,
-) -> bool {
-    let floor = uncertainty(flow, i, at, &options.tolerance()).by_rounding;
-    flow.guard(i, at.t, &at.x) > 4.0 * floor
 }

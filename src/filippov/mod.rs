@@ -2,6 +2,7 @@
 
 mod driver;
 mod flow;
+mod leaving;
 mod locate;
 mod march;
 mod observer;
@@ -9,6 +10,7 @@ mod options;
 mod pile_up;
 mod rules;
 mod scan;
+mod stepper;
 
 pub use driver::{Failure, Summary, run, solve};
 pub use flow::{boundary_gradient, normal_component, sliding_field};

@@ -1,0 +1,62 @@
+//! Leaving a zero of a guard: how a phase that starts on Σ, or at a tangent point, does not end at once.
+
+use super::flow::Flow;
+use super::locate::{Origin, uncertainty};
+use super::options::Options;
+use crate::ode::Timed;
+
+/// A guard that is zero at the start of the step, where it has just been left. Its zero there is divided out:
+/// `(g − g₀ − …)/s^order` has the guard's other zeros and none at the start.
+pub(crate) struct Leaving {
+    /// How many derivatives, from the value on, vanish at the start.
+    order: usize,
+    /// Taylor coefficients of the guard in `s` at the start of the step.
+    start: [f64; 4],
+}
+
+impl Leaving {
+    /// The guard without what rounding has left of it at the start.
+    pub(crate) fn risen(&self, s: f64, guard: f64) -> f64 {
+        let mut rest = guard;
+        let mut power = 1.0;
+        for coefficient in &self.start[..self.order] {
+            rest -= coefficient * power;
+            power *= s;
+        }
+        rest
+    }
+
+    pub(crate) fn value(&self, s: f64, guard: impl FnOnce() -> f64) -> f64 {
+        if s == 0.0 {
+            return self.start[self.order];
+        }
+        let power = (0..self.order).fold(1.0, |power, _| power * s);
+        self.risen(s, guard()) / power
+    }
+}
+
+/// The guard's Taylor coefficients (in parts of the step) at a start from its own zero.
+pub(crate) fn leaving<F: Flow<N>, const N: usize>(
+    origin: &Origin<'_, F, N>,
+    i: usize,
+    order: usize,
+) -> Leaving {
+    let [g, rate, bend, third] = origin.flow.jet(i, origin.t, &origin.x);
+    let h = origin.h;
+    let start = [g, rate * h, 0.5 * bend * h * h, third * h * h * h / 6.0];
+    Leaving {
+        order: order.min(3),
+        start,
+    }
+}
+
+/// Whether a guard that was zero at the start of the phase now stands clear of zero.
+pub(crate) fn has_left<F: Flow<N>, const N: usize>(
+    flow: &F,
+    i: usize,
+    at: &Timed<f64, N>,
+    options: &Options,
+) -> bool {
+    let floor = uncertainty(flow, i, at, &options.tolerance()).by_rounding;
+    flow.guard(i, at.t, &at.x) > 4.0 * floor
+}
