@@ -155,3 +155,72 @@ impl Filippov<2> for Zeno {
         x[0]
     }
 }
+
+/// `x' = x cos t`, of which `exp(sin t)` is a solution; Σ is out of its reach.
+pub struct Breathing;
+
+impl Filippov<1> for Breathing {
+    fn field<T: Scalar>(&self, _side: Side, t: T, x: &State<T, 1>) -> State<T, 1> {
+        State::from([x[0] * t.cos()])
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 1>) -> T {
+        x[0] - 10.0
+    }
+}
+
+/// `x₁' = 1` on both sides and `x₂' = below · x₁`, `x₂' = above · x₁`: both fields are tangent to Σ at the origin.
+pub struct TwoFold {
+    pub below: f64,
+    pub above: f64,
+}
+
+impl Filippov<2> for TwoFold {
+    fn field<T: Scalar>(&self, side: Side, _t: T, x: &State<T, 2>) -> State<T, 2> {
+        let slope = match side {
+            Side::Below => self.below,
+            Side::Above => self.above,
+        };
+        State::from([T::constant(1.0), x[0] * slope])
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 2>) -> T {
+        x[1]
+    }
+}
+
+/// `x' = ±cos t` relative to Σ, which moves as `speed · t²/2`: attracts until π/2, then repels.
+pub struct TurningLine {
+    pub speed: f64,
+}
+
+impl Filippov<1> for TurningLine {
+    fn field<T: Scalar>(&self, side: Side, t: T, _x: &State<T, 1>) -> State<T, 1> {
+        State::from([t.cos() * -side.sign() + t * self.speed])
+    }
+    fn boundary<T: Scalar>(&self, t: T, x: &State<T, 1>) -> T {
+        x[0] - t * t * (0.5 * self.speed)
+    }
+}
+
+/// `x' = 1 + √(1 - x)`: reaches 1 with speed 1 and has no field beyond.
+pub struct Wall;
+
+impl Filippov<1> for Wall {
+    fn field<T: Scalar>(&self, _side: Side, _t: T, x: &State<T, 1>) -> State<T, 1> {
+        State::from([Scalar::sqrt(-x[0] + 1.0) + 1.0])
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 1>) -> T {
+        x[0] + 100.0
+    }
+}
+
+/// `x' = x²`: infinite at time `1/x0`.
+pub struct BlowUp;
+
+impl Filippov<1> for BlowUp {
+    fn field<T: Scalar>(&self, _side: Side, _t: T, x: &State<T, 1>) -> State<T, 1> {
+        State::from([x[0] * x[0]])
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 1>) -> T {
+        x[0] + 100.0
+    }
+}

@@ -20,7 +20,11 @@ struct Event {
 /// Angle run through clockwise from `(x0, v0)` to `(x1, v1)` about `(centre, 0)`; unit stiffness and mass make it the time.
 fn turn(centre: f64, (x0, v0): (f64, f64), (x1, v1): (f64, f64)) -> f64 {
     let angle = math::atan2(v0, x0 - centre) - math::atan2(v1, x1 - centre);
-    if angle <= 0.0 { angle + 2.0 * PI } else { angle }
+    if angle <= 0.0 {
+        angle + 2.0 * PI
+    } else {
+        angle
+    }
 }
 
 /// Events from a start below Σ up to the exit from the first stick; empty when Σ is never met.
@@ -39,11 +43,25 @@ fn trigonometry(mu0: f64, vp: f64, x0: f64, v0: f64) -> Vec<Event> {
         t += turn(centre, from, (x, vp));
         from = (x, vp);
         let sticks = x.abs() <= mu0;
-        let to = if sticks { Mode::Stick } else { Mode::Slip(side.opposite()) };
-        events.push(Event { t, x, to, rate: reach });
+        let to = if sticks {
+            Mode::Stick
+        } else {
+            Mode::Slip(side.opposite())
+        };
+        events.push(Event {
+            t,
+            x,
+            to,
+            rate: reach,
+        });
         if sticks {
             let exit = t + (mu0 - x) / vp;
-            events.push(Event { t: exit, x: mu0, to: Mode::Slip(Side::Below), rate: 1.0 });
+            events.push(Event {
+                t: exit,
+                x: mu0,
+                to: Mode::Slip(Side::Below),
+                rate: 1.0,
+            });
             return events;
         }
         side = side.opposite();
@@ -51,7 +69,12 @@ fn trigonometry(mu0: f64, vp: f64, x0: f64, v0: f64) -> Vec<Event> {
 }
 
 fn seeded(cases: u32) -> Config {
-    Config { cases, rng_seed: RngSeed::Fixed(20_131), failure_persistence: None, ..Config::default() }
+    Config {
+        cases,
+        rng_seed: RngSeed::Fixed(20_131),
+        failure_persistence: None,
+        ..Config::default()
+    }
 }
 
 proptest! {
@@ -81,7 +104,6 @@ proptest! {
             prop_assert_eq!(event.to, exact.to);
             prop_assert!((event.t - exact.t).abs() < allowed, "t {} {}", event.t, exact.t);
             prop_assert!((event.x[0] - exact.x).abs() < allowed, "x {} {}", event.x[0], exact.x);
-            if std::env::var("SHOW").is_ok() { println!("{:e}", (event.t - exact.t).abs()/allowed); }
         }
         if let Some(stick) = orbit.sticks().next() {
             let end = if exact.is_empty() { stick.x_end[0] } else { mu0 };
@@ -119,7 +141,14 @@ proptest! {
 #[test]
 fn the_exact_circle_starts_at_the_tangent_point_without_a_stick() {
     let belt = coulomb_friction(0.4, 0.25);
-    let orbit = solve(&belt, 0.0, State::from([0.4, 0.25]), 63.0, &Options::tol(TIGHT)).expect("runs");
+    let orbit = solve(
+        &belt,
+        0.0,
+        State::from([0.4, 0.25]),
+        63.0,
+        &Options::tol(TIGHT),
+    )
+    .expect("runs");
     assert_consistent(&belt, &orbit);
     assert_eq!(orbit.phases.len(), 1);
     assert_eq!(orbit.phases[0].mode, Mode::Slip(Side::Below));

@@ -7,18 +7,27 @@ use crate::check::{EXACT_LOCATORS, TIGHT, assert_consistent, kinds};
 use crate::systems::Dip;
 
 fn release(width: f64, centre: f64, amplitude: f64, options: &Options) {
-    let dip = Dip { centre, width, amplitude };
+    let dip = Dip {
+        centre,
+        width,
+        amplitude,
+    };
     let end = centre + 1.7;
     let orbit = solve(&dip, 0.0, State::from([0.0, 0.0]), end, options).expect("runs");
     assert_consistent(&dip, &orbit);
     let what = format!("width {width}, centre {centre}, amplitude {amplitude}, {options:?}");
     assert_eq!(kinds(&orbit), [StickExit, StickEntry], "{what}");
     let (exit, entry) = (orbit.transitions[0].t, orbit.transitions[1].t);
-    let e = ((exit - (centre - width)).abs(), (entry - (centre + 2.0 * width)).abs());
-    if std::env::var("SHOW").is_ok() { println!("dip {width:e} {centre} {amplitude} {e:?}"); }
+    let e = (
+        (exit - (centre - width)).abs(),
+        (entry - (centre + 2.0 * width)).abs(),
+    );
     // The released push has slope 2 width: a few units in the last place of q², which are those of the
     // time (near the centre) times 2 width, move the exit by a few of the time's.
-    assert!(e.0 < 16.0 * f64::EPSILON * (1.0 + centre), "exit {what}: {e:?}");
+    assert!(
+        e.0 < 16.0 * f64::EPSILON * (1.0 + centre),
+        "exit {what}: {e:?}"
+    );
     assert!(e.1 < 1e-3 * width, "entry {what}: {e:?}");
 }
 

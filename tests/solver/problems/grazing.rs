@@ -19,7 +19,12 @@ fn parabola(level: f64, x0: f64, t_end: f64, options: &Options) -> Orbit<2> {
 }
 
 fn assert_two_crossings(orbit: &Orbit<2>, x0: f64, gap: f64, locator: Locator) {
-    assert_eq!(kinds(orbit), [Crossing, Crossing], "gap {gap} from {x0}: {:?}", orbit.transitions);
+    assert_eq!(
+        kinds(orbit),
+        [Crossing, Crossing],
+        "gap {gap} from {x0}: {:?}",
+        orbit.transitions
+    );
     // Each step leaves a few units in the last place of y <= x0² + (end)²; the slope there, 2 √gap, divides them.
     if locator == Locator::Henon {
         return;
@@ -28,12 +33,20 @@ fn assert_two_crossings(orbit: &Orbit<2>, x0: f64, gap: f64, locator: Locator) {
     let allowed = 40.0 * f64::EPSILON * reach * reach / gap.sqrt() + 1e-14;
     for (crossing, exact) in orbit.transitions.iter().zip([-gap.sqrt(), gap.sqrt()]) {
         let error = (crossing.x[0] - exact).abs();
-        assert!(error < allowed, "gap {gap} from {x0}: off by {error}, allowed {allowed}");
+        assert!(
+            error < allowed,
+            "gap {gap} from {x0}: off by {error}, allowed {allowed}"
+        );
     }
 }
 
 fn seeded(cases: u32) -> Config {
-    Config { cases, rng_seed: RngSeed::Fixed(1982), failure_persistence: None, ..Config::default() }
+    Config {
+        cases,
+        rng_seed: RngSeed::Fixed(1982),
+        failure_persistence: None,
+        ..Config::default()
+    }
 }
 
 proptest! {
@@ -63,12 +76,20 @@ fn grazes_and_crossings_exactly_at_the_end_of_a_step_are_seen_once() {
             for locator in LOCATORS {
                 let options = Options::tol(TIGHT).method(method).locator(locator);
                 let at_rest = kinds(&parabola(0.0, -1.0, 3.0, &options));
-                assert!(at_rest.is_empty() || at_rest == [Touch], "{method:?} {locator:?}: {at_rest:?}");
+                assert!(
+                    at_rest.is_empty() || at_rest == [Touch],
+                    "{method:?} {locator:?}: {at_rest:?}"
+                );
                 assert_eq!(kinds(&parabola(-1e-10, -1.0, 3.0, &options)), []);
                 assert_two_crossings(&parabola(1e-10, -1.0, 3.0, &options), -1.0, 1e-10, locator);
                 // Crossings at the ends of steps: x = ±0.5 and, with the shorter steps, ±0.0625.
                 assert_two_crossings(&parabola(0.25, -1.0, 3.0, &options), -1.0, 0.25, locator);
-                assert_two_crossings(&parabola(1.0 / 256.0, -1.0, 3.0, &options), -1.0, 1.0 / 256.0, locator);
+                assert_two_crossings(
+                    &parabola(1.0 / 256.0, -1.0, 3.0, &options),
+                    -1.0,
+                    1.0 / 256.0,
+                    locator,
+                );
             }
         }
     }
@@ -86,14 +107,21 @@ fn a_circle_pokes_through_the_ceiling_twice_each_turn() {
             let t_end = 2.0 * std::f64::consts::PI * f64::from(turns);
             let orbit = solve(&system, 0.0, start, t_end, &options).expect("runs");
             assert_consistent(&system, &orbit);
-            assert_eq!(kinds(&orbit), vec![Crossing; 2 * turns as usize], "gap {gap}, phase {phase}");
+            assert_eq!(
+                kinds(&orbit),
+                vec![Crossing; 2 * turns as usize],
+                "gap {gap}, phase {phase}"
+            );
             let half_width = math::acos(1.0 - gap);
             let mut worst = 0.0f64;
-            for above in orbit.phases.iter().filter(|p| p.mode == Mode::Slip(Side::Above)) {
+            for above in orbit
+                .phases
+                .iter()
+                .filter(|p| p.mode == Mode::Slip(Side::Above))
+            {
                 worst = worst.max((above.duration() / (2.0 * half_width) - 1.0).abs());
             }
             // The radius drifts by a few 1e-13 over the turns, a part of the gap that the root halves.
-            if std::env::var("SHOW").is_ok() { println!("ceil {gap} {worst:e} rel*gap {:e}", worst*gap*2.0); }
             if options.locator == Locator::Henon {
                 continue;
             }

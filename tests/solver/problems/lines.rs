@@ -1,9 +1,9 @@
 //! Systems in closed form: a spiral that is crossed, a line that is slid on, and one that moves.
 
 use stickslip::TransitionKind::{Crossing, StickEntry};
-use stickslip::{Locator, Options, Side, Mode, State, math, solve};
+use stickslip::{Locator, Mode, Options, Side, State, math, solve};
 
-use crate::check::{TIGHT, assert_consistent, every_locator, kinds};
+use crate::check::{TIGHT, assert_consistent, assert_lands_on_boundary, every_locator, kinds};
 use crate::systems::{Line, MovingLine, Spiral};
 
 #[test]
@@ -15,14 +15,16 @@ fn the_spiral_crosses_the_circle_at_time_one() {
         assert_consistent(&Spiral, &orbit);
         let crossing = orbit.transitions[0];
         // One turn in forty steps of error 1e-13, at a radius that grows as fast as the error.
-        if std::env::var("SHOW").is_ok() { println!("spiral {:e}", crossing.t - 1.0); }
         assert!((crossing.t - 1.0).abs() < 1e-12, "{}", crossing.t);
-        assert!((crossing.x - State::from([1.0, 0.0])).amax() < 1e-11, "{}", crossing.x);
+        assert!(
+            (crossing.x - State::from([1.0, 0.0])).amax() < 1e-11,
+            "{}",
+            crossing.x
+        );
         for t in [1.1, 1.7, 2.3] {
             let angle = 2.0 * std::f64::consts::PI * (t - 1.0);
             let exact = State::from([math::cos(angle), -math::sin(angle)]) * math::exp(t - 1.0);
             let error = (orbit.at(t).expect("inside") - exact).amax();
-            if std::env::var("SHOW").is_ok() { println!("spiral at {t}: {error:e}"); }
             assert!(error < 1e-11, "t = {t}: {error}");
         }
     }
@@ -31,7 +33,10 @@ fn the_spiral_crosses_the_circle_at_time_one() {
 #[test]
 fn a_line_that_attracts_is_reached_and_kept() {
     for options in every_locator() {
-        let system = Line { below: 3.0, above: -1.0 };
+        let system = Line {
+            below: 3.0,
+            above: -1.0,
+        };
         let orbit = solve(&system, 0.0, State::from([-1.0]), 50.0, &options).expect("runs");
         assert_eq!(kinds(&orbit), [StickEntry]);
         assert!((orbit.transitions[0].t - 1.0 / 3.0).abs() < 1e-15);
@@ -53,16 +58,19 @@ fn reference(a: f64, t_end: f64) -> Vec<(f64, Mode)> {
             half_turns += 1.0;
         }
         t = half_turns * pi + pi - lift;
-        let mut side = if half_turns as i64 % 2 == 0 { Side::Above } else { Side::Below };
+        let mut side = if half_turns as i64 % 2 == 0 {
+            Side::Above
+        } else {
+            Side::Below
+        };
         if t > t_end {
             return events;
         }
         events.push((t, Mode::Slip(side)));
         loop {
             let (from, height) = (t, math::sin(t));
-            let clearance = |t: f64| {
-                side.sign() * (height - side.sign() * a * (t - from) - math::sin(t))
-            };
+            let clearance =
+                |t: f64| side.sign() * (height - side.sign() * a * (t - from) - math::sin(t));
             let mut ahead = from + 1e-3;
             while clearance(ahead) > 0.0 {
                 ahead += 1e-3;
@@ -70,7 +78,11 @@ fn reference(a: f64, t_end: f64) -> Vec<(f64, Mode)> {
             let (mut low, mut high) = (ahead - 1e-3, ahead);
             while high - low > 4.0 * f64::EPSILON * high {
                 let middle = 0.5 * (low + high);
-                if clearance(middle) > 0.0 { low = middle } else { high = middle }
+                if clearance(middle) > 0.0 {
+                    low = middle
+                } else {
+                    high = middle
+                }
             }
             t = low;
             if t > t_end {
@@ -96,20 +108,27 @@ fn a_moving_line_is_left_met_and_crossed_as_in_closed_form() {
             let start = std::f64::consts::FRAC_PI_2;
             let orbit = solve(&system, start, State::from([1.0]), 40.0, &options).expect("runs");
             assert_consistent(&system, &orbit);
+            assert_lands_on_boundary(&system, &orbit);
             let found: Vec<_> = orbit.transitions.iter().map(|e| (e.t, e.to)).collect();
-            assert_eq!(found.len(), expected.len(), "a = {a}: {found:?} {expected:?}");
+            assert_eq!(
+                found.len(),
+                expected.len(),
+                "a = {a}: {found:?} {expected:?}"
+            );
             // Rounding of the time (up to 40) enters the line's height; the rate across Σ divides it.
             for (event, exact) in found.iter().zip(&expected) {
                 let rate = (math::cos(exact.0).abs() - a).abs().max(1e-3);
                 let error = (event.0 - exact.0).abs();
-                if std::env::var("SHOW").is_ok() && error > 1e-13 { println!("moving {a} {} {rate} {error:e}", exact.0); }
                 assert_eq!(event.1, exact.1, "a = {a}, t = {}", exact.0);
                 assert!(error < 1e-12 / rate, "a = {a}, t = {}: {error}", exact.0);
             }
             crossings += kinds(&orbit).iter().filter(|k| **k == Crossing).count();
         }
     }
-    assert!(crossings > 20, "some of the meetings must be crossings, or half the rule goes untried");
+    assert!(
+        crossings > 20,
+        "some of the meetings must be crossings, or half the rule goes untried"
+    );
 }
 
 #[test]
@@ -122,7 +141,11 @@ fn nothing_depends_on_how_long_the_steps_are() {
             let options = Options::tol(TIGHT).locator(locator).longest_step(longest);
             let orbit = solve(&system, start, State::from([1.0]), 30.0, &options).expect("runs");
             let found: Vec<_> = orbit.transitions.iter().map(|e| e.to).collect();
-            assert_eq!(found, exact.iter().map(|e| e.1).collect::<Vec<_>>(), "{longest} {locator:?}");
+            assert_eq!(
+                found,
+                exact.iter().map(|e| e.1).collect::<Vec<_>>(),
+                "{longest} {locator:?}"
+            );
         }
     }
 }
