@@ -2,6 +2,7 @@
 
 mod check;
 mod errors;
+mod hard_cases;
 mod monodromy;
 mod orders;
 mod problems;
