@@ -1,0 +1,226 @@
+//! The systems that the tests run, each with the property that makes its orbit known beforehand.
+
+use std::f64::consts::PI;
+
+use stickslip::models::BeltOscillator;
+use stickslip::{Filippov, Scalar, Side, State};
+
+/// `x'' = -x - 0.4 sgn x'`: a block on a floor at rest. Each swing is half a turn of a circle about ±0.4.
+pub struct Floor;
+
+impl Filippov<2> for Floor {
+    fn field<T: Scalar>(&self, side: Side, _t: T, x: &State<T, 2>) -> State<T, 2> {
+        State::from([x[1], -x[0] - 0.4 * side.sign()])
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 2>) -> T {
+        x[1]
+    }
+}
+
+/// A linear spring and friction that decays with slip speed: `x'' = -x ± 1/(1 + |x' - 0.2|)`.
+pub fn decaying_friction() -> BeltOscillator {
+    BeltOscillator {
+        k1: -1.0,
+        k2: 0.0,
+        mu0: 1.0,
+        belt_speed: 0.2,
+        ..BeltOscillator::default()
+    }
+}
+
+/// A linear spring and friction that does not: circles about ±μ0 in the plane of position and velocity.
+pub fn coulomb_friction(mu0: f64, belt_speed: f64) -> BeltOscillator {
+    BeltOscillator {
+        k1: -1.0,
+        k2: 0.0,
+        mu0,
+        delta: 0.0,
+        belt_speed,
+        ..BeltOscillator::default()
+    }
+}
+
+/// An unstable focus that turns one way inside the unit circle and the other way outside.
+pub struct Spiral;
+
+impl Filippov<2> for Spiral {
+    fn field<T: Scalar>(&self, side: Side, _t: T, x: &State<T, 2>) -> State<T, 2> {
+        let w = 2.0 * PI * side.sign();
+        State::from([x[0] + x[1] * w, x[1] - x[0] * w])
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 2>) -> T {
+        x[0] * x[0] + x[1] * x[1] - 1.0
+    }
+}
+
+/// `x' = below` for `x < 0`, `x' = above` for `x > 0`: attracting, crossed or repelling by the signs.
+pub struct Line {
+    pub below: f64,
+    pub above: f64,
+}
+
+impl Filippov<1> for Line {
+    fn field<T: Scalar>(&self, side: Side, _t: T, _x: &State<T, 1>) -> State<T, 1> {
+        State::from([T::constant(match side {
+            Side::Below => self.below,
+            Side::Above => self.above,
+        })])
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 1>) -> T {
+        x[0]
+    }
+}
+
+/// `x' = a` below and `-a` above a boundary that moves as `sin t`: slides while `|cos t| < a`. With `a < 0` it repels
+/// where it would slide.
+pub struct MovingLine {
+    pub a: f64,
+}
+
+impl Filippov<1> for MovingLine {
+    fn field<T: Scalar>(&self, side: Side, _t: T, _x: &State<T, 1>) -> State<T, 1> {
+        State::from([T::constant(-self.a * side.sign())])
+    }
+    fn boundary<T: Scalar>(&self, t: T, x: &State<T, 1>) -> T {
+        x[0] - t.sin()
+    }
+}
+
+/// `x' = 1, y' = 2x` on both sides: the parabola `y = x² + y0` against the line `y = level`.
+pub struct Parabola {
+    pub level: f64,
+}
+
+impl Filippov<2> for Parabola {
+    fn field<T: Scalar>(&self, _side: Side, _t: T, x: &State<T, 2>) -> State<T, 2> {
+        State::from([T::constant(1.0), x[0] * 2.0])
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 2>) -> T {
+        x[1] - self.level
+    }
+}
+
+/// `x'' = -x` on both sides of `x = 1 - gap`: circles, of which the unit one sticks out by `gap`.
+pub struct Ceiling {
+    pub gap: f64,
+}
+
+impl Filippov<2> for Ceiling {
+    fn field<T: Scalar>(&self, _side: Side, _t: T, x: &State<T, 2>) -> State<T, 2> {
+        State::from([x[1], -x[0]])
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 2>) -> T {
+        x[0] - (1.0 - self.gap)
+    }
+}
+
+/// Stick that is released for a moment: relative to Σ, which moves as `amplitude · sin t`, the field below pushes with
+/// `q² - width²` and the one above with `-1`; `q = x₁ - centre`, and `x₁` is the time.
+///
+/// Released at `q = -width`, the body is back on Σ at `q = 2 width`: in between its distance is
+/// `(q + width)² (q - 2 width)/3`.
+pub struct Dip {
+    pub centre: f64,
+    pub width: f64,
+    pub amplitude: f64,
+}
+
+impl Filippov<2> for Dip {
+    fn field<T: Scalar>(&self, side: Side, t: T, x: &State<T, 2>) -> State<T, 2> {
+        let q = x[0] - self.centre;
+        let push = match side {
+            Side::Below => q * q - self.width * self.width,
+            Side::Above => T::constant(-1.0),
+        };
+        State::from([T::constant(1.0), push + t.cos() * self.amplitude])
+    }
+    fn boundary<T: Scalar>(&self, t: T, x: &State<T, 2>) -> T {
+        x[1] - t.sin() * self.amplitude
+    }
+}
+
+/// A body pulled towards Σ from both sides by a force of size 1 and braked by one that depends on
+/// `x₂/|x₁|^½` alone: the equations do not change when time, `x₂` and `x₁` are scaled by `k`, `k` and `k²`. So each
+/// excursion is the one before, scaled by the same ratio, and infinitely many of them end in finite time.
+pub struct Zeno {
+    pub brake: f64,
+}
+
+impl Filippov<2> for Zeno {
+    fn field<T: Scalar>(&self, side: Side, _t: T, x: &State<T, 2>) -> State<T, 2> {
+        let size = Scalar::sqrt(Scalar::sqrt(x[1] * x[1] * x[1] * x[1] + x[0] * x[0]));
+        State::from([x[1], x[1] / size * -self.brake - side.sign()])
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 2>) -> T {
+        x[0]
+    }
+}
+
+/// `x' = x cos t`, of which `exp(sin t)` is a solution; Σ is out of its reach.
+pub struct Breathing;
+
+impl Filippov<1> for Breathing {
+    fn field<T: Scalar>(&self, _side: Side, t: T, x: &State<T, 1>) -> State<T, 1> {
+        State::from([x[0] * t.cos()])
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 1>) -> T {
+        x[0] - 10.0
+    }
+}
+
+/// `x₁' = 1` on both sides and `x₂' = below · x₁`, `x₂' = above · x₁`: both fields are tangent to Σ at the origin.
+pub struct TwoFold {
+    pub below: f64,
+    pub above: f64,
+}
+
+impl Filippov<2> for TwoFold {
+    fn field<T: Scalar>(&self, side: Side, _t: T, x: &State<T, 2>) -> State<T, 2> {
+        let slope = match side {
+            Side::Below => self.below,
+            Side::Above => self.above,
+        };
+        State::from([T::constant(1.0), x[0] * slope])
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 2>) -> T {
+        x[1]
+    }
+}
+
+/// `x' = ±cos t` relative to Σ, which moves as `speed · t²/2`: attracts until π/2, then repels.
+pub struct TurningLine {
+    pub speed: f64,
+}
+
+impl Filippov<1> for TurningLine {
+    fn field<T: Scalar>(&self, side: Side, t: T, _x: &State<T, 1>) -> State<T, 1> {
+        State::from([t.cos() * -side.sign() + t * self.speed])
+    }
+    fn boundary<T: Scalar>(&self, t: T, x: &State<T, 1>) -> T {
+        x[0] - t * t * (0.5 * self.speed)
+    }
+}
+
+/// `x' = 1 + √(1 - x)`: reaches 1 with speed 1 and has no field beyond.
+pub struct Wall;
+
+impl Filippov<1> for Wall {
+    fn field<T: Scalar>(&self, _side: Side, _t: T, x: &State<T, 1>) -> State<T, 1> {
+        State::from([Scalar::sqrt(-x[0] + 1.0) + 1.0])
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 1>) -> T {
+        x[0] + 100.0
+    }
+}
+
+/// `x' = x²`: infinite at time `1/x0`.
+pub struct BlowUp;
+
+impl Filippov<1> for BlowUp {
+    fn field<T: Scalar>(&self, _side: Side, _t: T, x: &State<T, 1>) -> State<T, 1> {
+        State::from([x[0] * x[0]])
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 1>) -> T {
+        x[0] + 100.0
+    }
+}
