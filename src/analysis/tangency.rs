@@ -32,7 +32,7 @@ pub fn tangency<S: Filippov<N>, const N: usize>(
     t: f64,
     x: &State<f64, N>,
 ) -> Option<Visibility> {
-    let lie = LieDerivatives::new(system, side, t, x);
+    let lie = LieDerivatives::new(system, side, t, x, 0.0);
     let is_tangent = lie.values[1].abs() <= lie.floors[1];
     is_tangent.then(|| of_tangent(&lie, side))
 }
@@ -44,7 +44,7 @@ pub(crate) fn visibility<S: Filippov<N>, const N: usize>(
     t: f64,
     x: &State<f64, N>,
 ) -> Visibility {
-    of_tangent(&LieDerivatives::new(system, side, t, x), side)
+    of_tangent(&LieDerivatives::new(system, side, t, x, 0.0), side)
 }
 
 fn of_tangent(lie: &LieDerivatives, side: Side) -> Visibility {

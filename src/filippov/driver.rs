@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use num_dual::Dual;
 
-use super::flow::{CONTACT, MOST_GUARDS, Slip, Stick, project};
+use super::flow::{CONTACT, MOST_GUARDS, Slip, Stick, project, sliding_field};
 use super::march::{PhaseEnd, Run};
 use super::observer::{Observer, Phase, StepRecord, Transition, TransitionKind};
 use super::options::{AtRepelling, Method, Options};
@@ -237,7 +237,7 @@ impl<O> Run<'_, O> {
                 ..
             } = end
             {
-                self.note_event(&at)?;
+                self.note_event(&at, &velocity(system, mode, &at))?;
                 let change = Transition {
                     t: at.t,
                     x: at.x,
@@ -274,7 +274,7 @@ impl<O> Run<'_, O> {
             else {
                 return Ok(self.summary(Ending::EndTime, at));
             };
-            self.note_event(&at)?;
+            self.note_event(&at, &velocity(system, mode, &at))?;
             let tangent = (mode == Mode::Stick).then(|| Stick::<S>::side_of_guard(guard));
             self.counters.field_calls += 2 * LieDerivatives::field_calls(N);
             let (next, next_orders) = match self.course(self.departure(system, &at, tangent)) {
@@ -313,11 +313,16 @@ impl<O> Run<'_, O> {
     ) -> Course {
         let h = system.boundary(at.t, &at.x);
         let side = if h < 0.0 { Side::Below } else { Side::Above };
-        if !LieDerivatives::new(system, side, at.t, &at.x).on_boundary() {
+        if !LieDerivatives::new(system, side, at.t, &at.x, self.slack()).on_boundary() {
             return Course::On(Mode::Slip(side), [0; MOST_GUARDS]);
         }
         let departure = self.departure(system, at, None);
         self.course(departure)
+    }
+
+    /// A state this near to where it should be is there: a thousandth of what error control lets pass.
+    fn slack(&self) -> f64 {
+        1e-3 * self.options.atol
     }
 
     fn departure<S: Filippov<N>, const N: usize>(
@@ -326,8 +331,8 @@ impl<O> Run<'_, O> {
         at: &Timed<f64, N>,
         tangent: Option<Side>,
     ) -> Departure {
-        let below = LieDerivatives::new(system, Side::Below, at.t, &at.x);
-        let above = LieDerivatives::new(system, Side::Above, at.t, &at.x);
+        let below = LieDerivatives::new(system, Side::Below, at.t, &at.x, self.slack());
+        let above = LieDerivatives::new(system, Side::Above, at.t, &at.x, self.slack());
         departure(&below, &above, tangent)
     }
 
@@ -356,6 +361,18 @@ fn contact_sign<S: Filippov<N>, const N: usize>(system: &S, at: &Timed<f64, N>) 
     match system.contact(Dual::new(at.t, 1.0), &path) {
         Some(contact) if contact.re < 0.0 || contact.re == 0.0 && contact.eps < 0.0 => -1.0,
         _ => 1.0,
+    }
+}
+
+/// The vector that moves the state in a mode.
+fn velocity<S: Filippov<N>, const N: usize>(
+    system: &S,
+    mode: Mode,
+    at: &Timed<f64, N>,
+) -> State<f64, N> {
+    match mode {
+        Mode::Slip(side) => system.field(side, at.t, &at.x),
+        Mode::Stick => sliding_field(system, at.t, &at.x),
     }
 }
 

@@ -22,7 +22,8 @@ pub fn normal_component<S: Filippov<N>, T: Differentiable, const N: usize>(
 /// Filippov's sliding field on Σ: the convex combination of the two fields that is tangent to Σ,
 /// `f₁ + λ (f₂ − f₁)` with `λ = a₁/(a₁ − a₂)` and `a₁`, `a₂` the fields' normal components (Filippov 1988, Sect. 4).
 ///
-/// Components that both fields share come out exactly as they are.
+/// Components that both fields share come out exactly as they are. Where both normal components vanish (a two-fold) or
+/// agree, every combination is as tangent as any other; the mean is taken.
 #[inline(always)]
 pub fn sliding_field<S: Filippov<N>, T: Differentiable, const N: usize>(
     system: &S,
@@ -33,7 +34,12 @@ pub fn sliding_field<S: Filippov<N>, T: Differentiable, const N: usize>(
     let above = system.field(Side::Above, t, x);
     let a1 = normal_component(system, t, x, &below);
     let a2 = normal_component(system, t, x, &above);
-    let weight = a1 / (a1 - a2);
+    let gap = a1 - a2;
+    let weight = if gap.value() == 0.0 {
+        T::constant(0.5)
+    } else {
+        a1 / gap
+    };
     State::from_fn(|i, _| below[i] + weight * (above[i] - below[i]))
 }
 

@@ -36,6 +36,15 @@ pub(crate) enum Located<const N: usize> {
     Nothing,
 }
 
+/// What location is held to.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Limits {
+    /// Contacts no deeper than this are touches.
+    pub touch: f64,
+    /// A Hénon step over a whole step and an ordinary one may differ by this much in the guard.
+    pub mismatch: f64,
+}
+
 /// A state on the re-integrated step with what decides there.
 #[derive(Clone, Copy)]
 struct Probe<const N: usize> {
@@ -87,15 +96,15 @@ impl<F: Flow<N>, const N: usize> Origin<'_, F, N> {
     }
 
     /// Locates the zero of guard `i` within `bracket` (parts of the step); `estimate` is where the dense output has it.
-    /// Contacts no deeper than `touch` are touches.
     pub(crate) fn locate<M: RungeKutta>(
         &self,
         i: usize,
         bracket: Bracket,
         estimate: f64,
         locator: Locator,
-        touch: f64,
+        limits: Limits,
     ) -> Located<N> {
+        let touch = limits.touch;
         let found = match locator {
             Locator::Auto => self.polish::<M>(i, self.probe::<M>(i, estimate)),
             Locator::Henon => {
@@ -103,7 +112,7 @@ impl<F: Flow<N>, const N: usize> Origin<'_, F, N> {
                     t: self.t,
                     x: self.x,
                 };
-                self.whole_henon_step::<M>(i, self.look(i, start))
+                self.whole_henon_step::<M>(i, self.look(i, start), limits.mismatch)
             }
             Locator::RootSearch => None,
         };
@@ -163,8 +172,15 @@ impl<F: Flow<N>, const N: usize> Origin<'_, F, N> {
     }
 
     /// The paper's Hénon step from the start of the integration step, then the same from where it ends while more than
-    /// rounding is left. `None` where the swapped slope is or comes near to being singular on the way.
-    fn whole_henon_step<M: RungeKutta>(&self, i: usize, start: Probe<N>) -> Option<Probe<N>> {
+    /// rounding is left. `None` where the swapped slope is or comes near to being singular on the way, and where an
+    /// ordinary step of that length misses Σ by more than `mismatch`: a step chosen for the one independent variable may be
+    /// too long for the other.
+    fn whole_henon_step<M: RungeKutta>(
+        &self,
+        i: usize,
+        start: Probe<N>,
+        mismatch: f64,
+    ) -> Option<Probe<N>> {
         if start.rate >= 0.0 || start.guard <= 0.0 {
             return None;
         }
@@ -178,7 +194,15 @@ impl<F: Flow<N>, const N: usize> Origin<'_, F, N> {
         if to.rate >= 0.5 * start.rate || to.guard.abs() > 0.1 * start.guard {
             return None;
         }
-        self.polish::<M>(i, to)
+        let landed = self.polish::<M>(i, to)?;
+        if mismatch.is_finite() {
+            let ordinary = self.reach::<M>((landed.at.t - self.t) / self.h);
+            let miss: f64 = self.flow.guard(i, ordinary.t, &ordinary.x);
+            if miss.abs() > mismatch {
+                return None;
+            }
+        }
+        Some(landed)
     }
 
     /// Newton's iteration on re-integrated steps, held in a bracket by bisection.

@@ -4,12 +4,12 @@ use std::cell::Cell;
 
 use super::flow::{CONTACT, Flow, MOST_GUARDS};
 use super::leaving::{Leaving, has_left, leaving};
-use super::locate::{Located, Origin, Uncertainty, uncertainty, zero_on_dense};
+use super::locate::{Limits, Located, Origin, uncertainty, zero_on_dense};
 use super::observer::{Observer, StepRecord, Transition, TransitionKind};
 use super::options::{Locator, Options};
 use super::pile_up::PileUp;
 use super::scan::{Bracket, NARROWEST, far_from_zero, first_zero};
-use crate::error::Error;
+use crate::error::{Error, Point};
 use crate::ode::{Dense, RungeKutta, Timed, dense_slopes};
 use crate::orbit::Counters;
 use crate::system::{Mode, State};
@@ -79,6 +79,11 @@ impl<O> Run<'_, O> {
             dense_slopes::<M, f64, _>(field, t, &x, h, &mut step);
             self.counters.field_calls += F::FIELD_CALLS * (1 + M::COEFFICIENTS.dense_stages as u64);
             let dense = Dense::new::<M>(t, &x, h, &step);
+            if !dense.is_finite() {
+                // The solution comes to the edge of where the field is defined: a shorter step may stay inside.
+                self.reject_undefined(t, &x, h)?;
+                continue;
+            }
             let origin = Origin {
                 flow,
                 t,
@@ -111,8 +116,13 @@ impl<O> Run<'_, O> {
                 x_end: at.x,
                 dense,
             };
-            self.check_bounds(&at, t, &x, h)?;
-            if self.observer.step(&record).is_break() {
+            if at.x.iter().any(|v| !v.is_finite()) {
+                let x = Point::from(&x);
+                return Err(Error::NonFinite { t, x, step: h });
+            }
+            let told = self.observer.step(&record);
+            self.check_escape(&at)?;
+            if told.is_break() {
                 return Ok(PhaseEnd::Stopped(at));
             }
             match event {
@@ -130,7 +140,7 @@ impl<O> Run<'_, O> {
                     guard,
                     located: Located::Touch { at, residual },
                 }) => {
-                    self.note_event(&at)?;
+                    self.note_event(&at, &field(at.t, &at.x))?;
                     let touch = Transition {
                         t: at.t,
                         x: at.x,
@@ -165,9 +175,13 @@ impl<O> Run<'_, O> {
     }
 
     /// Counts a transition; too many within no time are a pile-up.
-    pub(crate) fn note_event<const N: usize>(&mut self, at: &Timed<f64, N>) -> Result<(), Error> {
+    pub(crate) fn note_event<const N: usize>(
+        &mut self,
+        at: &Timed<f64, N>,
+        velocity: &State<f64, N>,
+    ) -> Result<(), Error> {
         self.counters.events += 1;
-        self.pile_up.note(at, self.options)
+        self.pile_up.note(at, velocity, self.options)
     }
 
     /// The first guard that fails in the step, and where.
@@ -213,14 +227,14 @@ impl<O> Run<'_, O> {
             return if far_from_zero(on_dense) {
                 None
             } else {
-                self.near_failure::<M, F, N>(i, origin, on_dense)
+                self.near_failure::<M, F, N>(i, origin, dense, on_dense)
             };
         }
         let start = leaving(origin, i, order);
         if !self.resolves_departure(i, origin, &start, on_dense) {
             return None;
         }
-        self.near_failure::<M, F, N>(i, origin, |s| start.value(s, || on_dense(s)))
+        self.near_failure::<M, F, N>(i, origin, dense, |s| start.value(s, || on_dense(s)))
     }
 
     /// The first zero of guard `i`, known to be worth a closer look; `value` is the guard over the step, its zero at the
@@ -231,13 +245,18 @@ impl<O> Run<'_, O> {
         &mut self,
         i: usize,
         origin: &Origin<'_, F, N>,
+        dense: &Dense<N>,
         mut value: impl FnMut(f64) -> f64,
     ) -> Option<(f64, Located<N>)> {
-        let blur = self.uncertainty(i, origin);
-        let touch = (self.options.touch * blur.by_tolerance).max(blur.by_rounding);
+        let chosen = self.options.locator;
         let mut locate = |bracket: Bracket, estimate: f64, locator: Locator| {
             self.counters.locations += 1;
-            match origin.locate::<M>(i, bracket, estimate, locator, touch) {
+            let near = Timed {
+                t: origin.t + estimate * origin.h,
+                x: dense.at(estimate),
+            };
+            let limits = self.limits(i, origin.flow, &near);
+            match origin.locate::<M>(i, bracket, estimate, locator, limits) {
                 Located::Nothing => None,
                 found @ (Located::Exit { at, .. } | Located::Touch { at, .. }) => {
                     Some((at.t, found))
@@ -247,7 +266,7 @@ impl<O> Run<'_, O> {
         let mut from = 0.0;
         while let Some(bracket) = first_zero(&mut value, from, 1.0) {
             let estimate = zero_on_dense(&mut value, bracket);
-            if let Some(found) = locate(bracket, estimate, self.options.locator) {
+            if let Some(found) = locate(bracket, estimate, chosen) {
                 return Some(found);
             }
             // A dip of the dense output that the re-integrated step does not have. The search goes on where the
@@ -264,16 +283,24 @@ impl<O> Run<'_, O> {
         None
     }
 
-    fn uncertainty<F: Flow<N>, const N: usize>(
+    /// What an event of guard `i` near a state is held to. A step of fixed length is taken as it is: only error control
+    /// gives a Hénon step something to be compared with.
+    fn limits<F: Flow<N>, const N: usize>(
         &self,
         i: usize,
-        origin: &Origin<'_, F, N>,
-    ) -> Uncertainty {
-        let at = Timed {
-            t: origin.t,
-            x: origin.x,
-        };
-        uncertainty(origin.flow, i, &at, &self.options.tolerance())
+        flow: &F,
+        near: &Timed<f64, N>,
+    ) -> Limits {
+        let blur = uncertainty(flow, i, near, &self.options.tolerance());
+        let adaptive = self.options.fixed_step().is_none();
+        Limits {
+            touch: (self.options.touch * blur.by_tolerance).max(blur.by_rounding),
+            mismatch: if adaptive {
+                blur.by_tolerance.max(blur.by_rounding)
+            } else {
+                f64::INFINITY
+            },
+        }
     }
 
     /// Whether the step is long enough for the guard to rise out of rounding; a shorter one cannot hold an event that
@@ -285,7 +312,12 @@ impl<O> Run<'_, O> {
         start: &Leaving,
         on_dense: impl Fn(f64) -> f64,
     ) -> bool {
-        let floor = self.uncertainty(i, origin).by_rounding;
+        let at = Timed {
+            t: origin.t,
+            x: origin.x,
+        };
+        let tolerance = self.options.tolerance();
+        let floor = uncertainty(origin.flow, i, &at, &tolerance).by_rounding;
         [0.25, 0.5, 1.0]
             .iter()
             .any(|&s| start.risen(s, on_dense(s)).abs() > floor)

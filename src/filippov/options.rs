@@ -78,7 +78,8 @@ pub struct Options {
     /// A contact with Σ that reaches no deeper than this many tolerances is a touch, not a pair of crossings: the
     /// solution itself is known no better. Default 10.
     pub touch: f64,
-    /// So many consecutive transitions within `pile_up_span · max(1, |t|)` are a pile-up; default 100.
+    /// So many consecutive transitions are a pile-up when they happen within `pile_up_span · max(1, |t|)`, or when no component
+    /// moves by more than 100 tolerances between any of them; default 100.
     pub pile_up_count: usize,
     /// See `pile_up_count`; default 1e-7.
     pub pile_up_span: f64,

@@ -1,13 +1,20 @@
-//! Notices when transitions pile up within no time (Zeno).
+//! Notices when transitions pile up (Zeno).
 
 use super::options::Options;
 use crate::error::{Error, Point};
 use crate::ode::Timed;
+use crate::system::State;
 
-/// Transitions since a moment that lies no further back than the span of the options.
+/// A phase over which no component moves by more than so many tolerances is not resolved.
+const UNRESOLVED: f64 = 100.0;
+
+/// Transitions pile up when many of them happen within no time, or when many phases in a row are too short for error control
+/// to tell their ends apart: then a loose tolerance has stopped the orbit short of the accumulation point.
 pub(crate) struct PileUp {
     since: f64,
     count: usize,
+    last: f64,
+    unresolved: usize,
 }
 
 impl PileUp {
@@ -15,28 +22,38 @@ impl PileUp {
         PileUp {
             since: f64::NEG_INFINITY,
             count: 0,
+            last: f64::NEG_INFINITY,
+            unresolved: 0,
         }
     }
 
-    /// Counts a transition.
+    /// Counts a transition, where the state moves with `velocity`.
     pub(crate) fn note<const N: usize>(
         &mut self,
         at: &Timed<f64, N>,
+        velocity: &State<f64, N>,
         options: &Options,
     ) -> Result<(), Error> {
-        let span = options.pile_up_span * at.t.abs().max(1.0);
-        if at.t - self.since > span {
+        if at.t - self.since > options.pile_up_span * at.t.abs().max(1.0) {
             (self.since, self.count) = (at.t, 0);
         }
         self.count += 1;
-        if self.count >= options.pile_up_count {
-            return Err(Error::EventPileUp {
-                count: self.count,
-                span: at.t - self.since,
-                t: at.t,
-                x: Point::from(&at.x),
-            });
+        let time = at.t - self.last;
+        let resolved = (0..N).any(|i| {
+            let tolerance = options.atol + options.rtol * at.x[i].abs();
+            time * velocity[i].abs() > UNRESOLVED * tolerance
+        });
+        self.unresolved = if resolved { 0 } else { self.unresolved + 1 };
+        self.last = at.t;
+        let most = options.pile_up_count;
+        if self.count < most && self.unresolved < most {
+            return Ok(());
         }
-        Ok(())
+        Err(Error::EventPileUp {
+            count: self.count.max(self.unresolved),
+            span: at.t - self.since,
+            t: at.t,
+            x: Point::from(&at.x),
+        })
     }
 }

@@ -48,16 +48,18 @@ impl LieDerivatives {
         3 * (n as u64 + 1)
     }
 
-    /// Of `side`'s field at `(t, x)`. The floors follow from the derivatives' own sensitivity to a
-    /// relative change of state and time by a few units in the last place.
+    /// Of `side`'s field at `(t, x)`. The floors follow from how far the derivatives move when state and time change by a
+    /// few units in the last place, the state along the field in that time, and by `slack` in every component: a state
+    /// that should be zero is so to that much only.
     pub(crate) fn new<S: Filippov<N>, const N: usize>(
         system: &S,
         side: Side,
         t: f64,
         x: &State<f64, N>,
+        slack: f64,
     ) -> Self {
         let mut values = [0.0; 4];
-        let mut spread = [0.0; 4];
+        let (mut spread, mut shift) = ([0.0; 4], [0.0; 4]);
         // Direction N is time.
         for direction in 0..=N {
             let seed = |at: usize| f64::from(u8::from(at == direction));
@@ -75,9 +77,14 @@ impl LieDerivatives {
             for k in 0..4 {
                 values[k] = jet[k].re;
                 spread[k] += jet[k].eps.abs() * size;
+                shift[k] += jet[k].eps.abs() * if direction < N { slack } else { 0.0 };
             }
         }
-        let floors = std::array::from_fn(|k| ULPS * f64::EPSILON * (spread[k] + values[k].abs()));
+        let floors = std::array::from_fn(|k| {
+            // Each derivative is the rate of the one before; the last one's own rate is not known.
+            let drift = values.get(k + 1).map_or(0.0, |rate| rate.abs() * t.abs());
+            ULPS * f64::EPSILON * (spread[k] + values[k].abs() + drift) + shift[k]
+        });
         LieDerivatives { values, floors }
     }
 
@@ -130,7 +137,7 @@ pub(crate) fn departure(
 /// assert_eq!(fate(&belt, 0.0, &State::from([1.5, 1.0])), Fate::Slip(Side::Below));
 /// ```
 pub fn fate<S: Filippov<N>, const N: usize>(system: &S, t: f64, x: &State<f64, N>) -> Fate {
-    let below = LieDerivatives::new(system, Side::Below, t, x);
-    let above = LieDerivatives::new(system, Side::Above, t, x);
+    let below = LieDerivatives::new(system, Side::Below, t, x, 0.0);
+    let above = LieDerivatives::new(system, Side::Above, t, x, 0.0);
     departure(&below, &above, None).fate
 }

@@ -125,6 +125,10 @@ impl Samples {
             return Verdict::Zero(Bracket { a, b: a });
         }
         let c = coefficients(&self.values);
+        if !c[0].is_finite() {
+            // Somewhere here the function is not defined; halving would find that out for ever.
+            return Verdict::Clear;
+        }
         let tail = c[NODES - 2].abs() + c[NODES - 1].abs();
         if c[0] > c[1..].iter().map(|c| c.abs()).sum::<f64>() + tail {
             return Verdict::Clear;

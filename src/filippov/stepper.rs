@@ -99,29 +99,31 @@ impl<O> Run<'_, O> {
         }
     }
 
-    pub(crate) fn check_bounds<const N: usize>(
-        &self,
-        at: &Timed<f64, N>,
+    /// Shortens the next step after one on which the field was not defined throughout.
+    pub(crate) fn reject_undefined<const N: usize>(
+        &mut self,
         t: f64,
         x: &State<f64, N>,
-        h: f64,
+        step: f64,
     ) -> Result<(), Error> {
-        for v in at.x.iter() {
-            if !v.is_finite() {
-                return Err(Error::NonFinite {
-                    t,
-                    x: Point::from(x),
-                    step: h,
-                });
-            }
-            if v.abs() > self.options.escape {
-                return Err(Error::Escaped {
-                    t: at.t,
-                    x: Point::from(&at.x),
-                    bound: self.options.escape,
-                });
-            }
+        if self.options.fixed_step().is_some() {
+            let x = Point::from(x);
+            return Err(Error::NonFinite { t, x, step });
         }
+        self.counters.rejected += 1;
+        self.h = 0.1 * step;
         Ok(())
+    }
+
+    pub(crate) fn check_escape<const N: usize>(&self, at: &Timed<f64, N>) -> Result<(), Error> {
+        let bound = self.options.escape;
+        if at.x.iter().all(|v| v.abs() <= bound) {
+            return Ok(());
+        }
+        Err(Error::Escaped {
+            t: at.t,
+            x: Point::from(&at.x),
+            bound,
+        })
     }
 }

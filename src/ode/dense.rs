@@ -51,6 +51,19 @@ impl<const N: usize> Dense<N> {
         }
     }
 
+    /// Whether every coefficient is a number.
+    #[inline(always)]
+    pub(crate) fn is_finite(&self) -> bool {
+        // Not a number and infinity both survive being multiplied by zero and added up, as not a number.
+        let mut sum = 0.0;
+        for coefficient in &self.coefficients {
+            for i in 0..N {
+                sum += 0.0 * coefficient[i];
+            }
+        }
+        sum == 0.0
+    }
+
     /// The state at `t0 + s h`.
     #[inline(always)]
     pub fn at(&self, s: f64) -> State<f64, N> {
