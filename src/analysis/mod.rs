@@ -4,9 +4,11 @@ mod destination;
 mod monodromy;
 mod periodic;
 mod tangency;
+mod tangent;
 
 pub use destination::{Destination, destination};
-pub use monodromy::{Monodromy, monodromy, saltation};
+pub use monodromy::{Monodromy, monodromy};
 pub use periodic::{PeriodicOrbit, periodic_orbit, periodic_orbit_forced, planar_multipliers};
 pub(crate) use tangency::visibility;
 pub use tangency::{Visibility, tangency};
+pub use tangent::saltation;
