@@ -162,4 +162,24 @@ pub enum Error {
         /// How far it went.
         span: f64,
     },
+    /// The orbit came to a part of Σ that repels, so what should be measured along it has no continuation.
+    #[error(
+        "the orbit has no unique future after t = {t}, x = {x}: both fields lead away from the boundary; choose one with `at_repelling`, or start elsewhere"
+    )]
+    NoUniqueFuture {
+        /// Time.
+        t: f64,
+        /// State.
+        x: Point,
+    },
+    /// Tangent vectors have no finite image, or one of them none but zero.
+    #[error(
+        "the derivative of the flow is singular at t = {t}, x = {x}: the orbit grazes the boundary there, or the field has no derivative; change the start or a parameter a little"
+    )]
+    TangentSingular {
+        /// Time.
+        t: f64,
+        /// State.
+        x: Point,
+    },
 }

@@ -1,12 +1,18 @@
-//! Analyses of systems and orbits: tangent points, monodromy by saltation, periodic orbits, attractors.
+//! Analyses of systems and orbits: tangent points, monodromy by saltation, periodic orbits, attractors, Lyapunov spectra.
 
 mod destination;
+mod lyapunov;
 mod monodromy;
 mod periodic;
 mod tangency;
+mod tangent;
 
 pub use destination::{Destination, destination};
-pub use monodromy::{Monodromy, monodromy, saltation};
+pub use lyapunov::{
+    Exponent, Running, Spectrum, SpectrumOptions, lyapunov_spectrum, lyapunov_spectrum_watched,
+};
+pub use monodromy::{Monodromy, monodromy};
 pub use periodic::{PeriodicOrbit, periodic_orbit, periodic_orbit_forced, planar_multipliers};
 pub(crate) use tangency::visibility;
 pub use tangency::{Visibility, tangency};
+pub use tangent::saltation;

@@ -1,6 +1,7 @@
 //! The paper's systems and their parts.
 
 mod belt;
+mod block_and_bracket;
 pub mod cubic;
 mod forced;
 pub mod friction;
@@ -8,5 +9,8 @@ mod parameters;
 mod tangent_points;
 
 pub use belt::BeltOscillator;
+pub use block_and_bracket::{
+    Amplitude, BlockAndBracket, Caption, CaptionOrder, Reading, Rig, Unloading,
+};
 pub use forced::ForcedOscillator;
 pub use tangent_points::BeltTangency;

@@ -1,0 +1,212 @@
+//! The observer that carries the frame.
+
+use std::ops::ControlFlow;
+
+use super::super::tangent::{Jump, Tangent, flatten};
+use super::averages::Growth;
+use super::frame::Frame;
+use super::settings::SpectrumOptions;
+use super::spectrum::Spectrum;
+use super::volume::growth;
+use crate::error::{Error, Point};
+use crate::filippov::{
+    Observer, StepRecord, Summary, Transition, TransitionKind, boundary_gradient,
+};
+use crate::math;
+use crate::system::{Filippov, Mode, State};
+
+pub(super) struct Carrier<'a, S, const N: usize> {
+    tangent: Tangent<'a, S>,
+    settings: &'a SpectrumOptions,
+    frame: Frame<N>,
+    growth: Growth<N>,
+    /// Logarithm of the volume that the vectors alive span, by Liouville's formula.
+    log_volume: f64,
+    /// Integral of the divergence.
+    divergence: f64,
+    stick_time: f64,
+    stick_entries: usize,
+    /// Whether no step has been seen since the run began.
+    is_fresh: bool,
+    /// Whether this is still the transient.
+    is_settling: bool,
+    pub(super) failure: Option<Error>,
+}
+
+impl<'a, S, const N: usize> Carrier<'a, S, N> {
+    pub(super) fn new(system: &'a S, settings: &'a SpectrumOptions) -> Self {
+        Carrier {
+            tangent: Tangent::new(system, &settings.solver),
+            settings,
+            frame: Frame::generic(),
+            growth: Growth::new(0.0, settings),
+            log_volume: 0.0,
+            divergence: 0.0,
+            stick_time: 0.0,
+            stick_entries: 0,
+            is_fresh: true,
+            is_settling: true,
+            failure: None,
+        }
+    }
+
+    /// Forgets what has been summed up so far and keeps the frame.
+    pub(super) fn begin_measuring(&mut self, t: f64) {
+        self.frame.revive();
+        self.growth = Growth::new(t, self.settings);
+        self.log_volume = 0.0;
+        self.divergence = 0.0;
+        self.stick_time = 0.0;
+        self.stick_entries = 0;
+        self.is_fresh = true;
+        self.is_settling = false;
+    }
+
+    pub(super) fn finish(self, summary: Summary<N>) -> Spectrum<N> {
+        let (duration, exponents, convergence) = self.growth.finish(summary.t);
+        Spectrum {
+            exponents,
+            convergence,
+            volume_rate: self.log_volume / duration,
+            mean_divergence: self.divergence / duration,
+            stick_entries: self.stick_entries,
+            stick_fraction: self.stick_time / duration,
+            duration,
+            summary,
+        }
+    }
+
+    /// Makes the frame orthonormal and books the lengths. `log_determinant` is that of the map just applied to all of
+    /// it: what the dead vectors have of it is not the others'.
+    fn book(&mut self, log_determinant: f64) -> Option<()> {
+        let lengths = self.frame.orthonormalise()?;
+        self.log_volume += log_determinant;
+        for (j, length) in lengths.iter().enumerate() {
+            let log = math::ln(*length);
+            if self.frame.is_alive(j) {
+                self.growth.logs[j] += log;
+            } else {
+                self.log_volume -= log;
+            }
+        }
+        Some(())
+    }
+
+    /// Takes out the direction that a projection along the unit vector `kernel` annihilates, if the frame spans it. The
+    /// volume of the others is that of all, less the height over it.
+    fn collapse(&mut self, kernel: &State<f64, N>) {
+        if let Some(j) = self.frame.collapse(kernel) {
+            self.log_volume -= self.growth.logs[j];
+            self.growth.logs[j] = f64::NEG_INFINITY;
+        }
+    }
+
+    /// Projects the vectors alive along the unit vector `kernel` by `map`, which leads into the space across `gradient`.
+    ///
+    /// Volumes of the parallelepipeds that the vectors span together with `kernel` do not change under such a map, so
+    /// the vectors' own volume changes as their distance to the tip of `kernel` before and after.
+    fn project(
+        &mut self,
+        kernel: &State<f64, N>,
+        gradient: &State<f64, N>,
+        mut map: impl FnMut(&State<f64, N>) -> State<f64, N>,
+    ) -> Option<()> {
+        self.collapse(kernel);
+        let before = self.frame.height(kernel);
+        self.frame.apply(|q| {
+            let mut image = map(q);
+            flatten(gradient, &mut image);
+            image
+        });
+        let lengths = self.frame.orthonormalise_living()?;
+        for (j, length) in lengths.iter().enumerate() {
+            if self.frame.is_alive(j) {
+                self.growth.logs[j] += math::ln(*length);
+            }
+        }
+        self.log_volume += math::ln(before / self.frame.height(kernel));
+        Some(())
+    }
+
+    fn enter_stick(&mut self, jump: &Jump<N>) -> Option<()> {
+        let size = jump.kick.norm();
+        if !(size > 0.0 && size.is_finite()) {
+            return None;
+        }
+        let kernel = jump.kick / size;
+        self.project(&kernel, &jump.gradient, |q| jump.matrix * q)
+    }
+}
+
+impl<S: Filippov<N>, const N: usize> Carrier<'_, S, N> {
+    fn fail(&mut self, t: f64, x: &State<f64, N>) -> ControlFlow<()> {
+        let x = Point::from(x);
+        self.failure = Some(Error::TangentSingular { t, x });
+        ControlFlow::Break(())
+    }
+
+    /// A run that begins in stick was on Σ before: nothing across it survives. (From where it came decides along which
+    /// direction it was projected, and no exponent depends on that.)
+    fn begin_on_boundary(&mut self, step: &StepRecord<N>) -> Option<()> {
+        let (gradient, _) = boundary_gradient(self.tangent.system, step.t_start, &step.x_start);
+        let kernel = gradient / gradient.norm();
+        self.project(&kernel, &gradient, |q| *q)?;
+        for j in 0..N {
+            if self.frame.is_alive(j) {
+                self.growth.logs[j] = 0.0;
+            }
+        }
+        self.log_volume = 0.0;
+        Some(())
+    }
+
+    fn take(&mut self, step: &StepRecord<N>) -> Option<()> {
+        let is_stick = step.mode == Mode::Stick;
+        if std::mem::take(&mut self.is_fresh) && is_stick {
+            self.begin_on_boundary(step)?;
+        }
+        self.frame.apply(|q| self.tangent.carried(step, q));
+        let growth = if self.is_settling {
+            0.0
+        } else {
+            growth(self.tangent.system, step)
+        };
+        self.divergence += growth;
+        if is_stick {
+            self.stick_time += step.t_end - step.t_start;
+        }
+        self.book(growth)
+    }
+
+    fn jump(&mut self, at: &Transition<N>) -> Option<()> {
+        let Some(jump) = self.tangent.jump(at) else {
+            return Some(());
+        };
+        if at.kind == TransitionKind::StickEntry {
+            self.stick_entries += 1;
+            return self.enter_stick(&jump);
+        }
+        self.frame.apply(|q| jump.matrix * q);
+        // det(I + u vᵀ) = 1 + v·u.
+        self.book(math::ln((jump.rate_after / jump.rate_before).abs()))
+    }
+}
+
+impl<S: Filippov<N>, const N: usize> Observer<N> for Carrier<'_, S, N> {
+    fn step(&mut self, step: &StepRecord<N>) -> ControlFlow<()> {
+        if self.take(step).is_none() {
+            return self.fail(step.t_end, &step.x_end);
+        }
+        if !self.is_settling {
+            self.growth.tick(step.t_end);
+        }
+        ControlFlow::Continue(())
+    }
+
+    fn transition(&mut self, at: &Transition<N>) -> ControlFlow<()> {
+        if self.jump(at).is_none() {
+            return self.fail(at.t, &at.x);
+        }
+        ControlFlow::Continue(())
+    }
+}

@@ -1,0 +1,208 @@
+//! The orthonormal frame.
+
+use crate::math;
+use crate::system::State;
+
+/// Sines of the angle between a unit vector and a space below this are rounding: the vector lies in the space. Frames are
+/// orthonormal to a few units of 1e-16; an angle as small by chance comes once in 1e12 entries into stick.
+const IN_SPAN: f64 = 1e-12;
+
+/// `N` orthonormal vectors, of which some may have been annihilated. Those that have not are in the order of
+/// their exponents; those that have complete the basis and carry nothing but the normal of the space of the others.
+#[derive(Clone, Debug)]
+pub(super) struct Frame<const N: usize> {
+    columns: [State<f64, N>; N],
+    alive: [bool; N],
+}
+
+impl<const N: usize> Frame<N> {
+    /// A frame in general position, the same every time. Along the axes it could lie in invariant subspaces of a system whose
+    /// equations decouple, and never find the largest exponent.
+    pub(super) fn generic() -> Self {
+        let entry = |i: usize, j: usize| {
+            let k = (1 + i + N * j) as f64;
+            math::sin(k * k)
+        };
+        let mut frame = Frame {
+            columns: std::array::from_fn(|j| State::from_fn(|i, _| entry(i, j))),
+            alive: [true; N],
+        };
+        if frame.orthonormalise().is_none() {
+            frame.columns = std::array::from_fn(axis);
+        }
+        frame
+    }
+
+    pub(super) fn is_alive(&self, j: usize) -> bool {
+        self.alive[j]
+    }
+
+    /// Every direction counts again.
+    pub(super) fn revive(&mut self) {
+        self.alive = [true; N];
+    }
+
+    /// Indices of the vectors: those alive in order, then the others.
+    fn order(&self) -> impl Iterator<Item = usize> + Clone + use<N> {
+        let alive = self.alive;
+        let first = (0..N).filter(move |&j| alive[j]);
+        first.chain((0..N).filter(move |&j| !alive[j]))
+    }
+
+    fn living(&self) -> impl Iterator<Item = usize> + Clone + use<N> {
+        let alive = self.alive;
+        (0..N).filter(move |&j| alive[j])
+    }
+
+    /// Applies a linear map to all vectors.
+    pub(super) fn apply(&mut self, mut map: impl FnMut(&State<f64, N>) -> State<f64, N>) {
+        for column in &mut self.columns {
+            *column = map(column);
+        }
+    }
+
+    /// Modified Gram–Schmidt; returns the length of what is left of each vector after those before it are
+    /// taken out, or `None` if one of them is zero or not finite.
+    pub(super) fn orthonormalise(&mut self) -> Option<[f64; N]> {
+        self.gram_schmidt(N)
+    }
+
+    /// The same for the vectors alive; the others become whatever completes the basis.
+    pub(super) fn orthonormalise_living(&mut self) -> Option<[f64; N]> {
+        let lengths = self.gram_schmidt(self.living().count())?;
+        self.complete();
+        Some(lengths)
+    }
+
+    fn gram_schmidt(&mut self, count: usize) -> Option<[f64; N]> {
+        let mut lengths = [0.0; N];
+        let order = self.order();
+        for (place, j) in order.clone().take(count).enumerate() {
+            let mut column = self.columns[j];
+            for i in order.clone().take(place) {
+                column -= self.columns[i] * self.columns[i].dot(&column);
+            }
+            let length = column.norm();
+            if !(length > 0.0 && length.is_finite()) {
+                return None;
+            }
+            self.columns[j] = column / length;
+            lengths[j] = length;
+        }
+        Some(lengths)
+    }
+
+    /// What of `vector` lies outside the span of the vectors alive: its length.
+    pub(super) fn height(&self, vector: &State<f64, N>) -> f64 {
+        let mut rest = *vector;
+        for j in self.living() {
+            rest -= self.columns[j] * self.columns[j].dot(&rest);
+        }
+        rest.norm()
+    }
+
+    /// Declares dead the vector that a projection along the unit vector `kernel` annihilates: the first that together
+    /// with those before it has `kernel` in its span. `None` if the span of all does not hold it.
+    pub(super) fn collapse(&mut self, kernel: &State<f64, N>) -> Option<usize> {
+        let mut rest = *kernel;
+        for j in self.living() {
+            rest -= self.columns[j] * self.columns[j].dot(&rest);
+            if rest.norm() <= IN_SPAN {
+                self.alive[j] = false;
+                return Some(j);
+            }
+        }
+        None
+    }
+
+    /// Replaces the dead vectors by ones that complete those alive to an orthonormal basis.
+    fn complete(&mut self) {
+        let dead = self.order().skip(self.living().count());
+        let mut known: Vec<State<f64, N>> = self.living().map(|j| self.columns[j]).collect();
+        for j in dead {
+            // The axis that stands out most: by at least 1/√N.
+            let rest = |i: usize| {
+                known
+                    .iter()
+                    .fold(axis(i), |rest, q| rest - q * q.dot(&rest))
+            };
+            let longest = (0..N)
+                .map(rest)
+                .fold(State::zeros(), |best: State<f64, N>, rest| {
+                    if rest.norm() > best.norm() {
+                        rest
+                    } else {
+                        best
+                    }
+                });
+            self.columns[j] = longest / longest.norm();
+            known.push(self.columns[j]);
+        }
+    }
+}
+
+fn axis<const N: usize>(i: usize) -> State<f64, N> {
+    State::from_fn(|k, _| f64::from(u8::from(k == i)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn unit(x: [f64; 3]) -> State<f64, 3> {
+        let x = State::from(x);
+        x / x.norm()
+    }
+
+    #[test]
+    fn gram_schmidt_finds_lengths_and_leaves_an_orthonormal_frame() {
+        let mut frame = Frame::<3>::generic();
+        frame.apply(|q| State::from([2.0 * q[0] + q[2], 3.0 * q[1], 0.5 * q[2]]));
+        let lengths = frame.orthonormalise().unwrap();
+        // The map's determinant.
+        approx::assert_relative_eq!(lengths.iter().product::<f64>(), 3.0, max_relative = 1e-14);
+        for i in 0..3 {
+            for j in 0..3 {
+                let product = frame.columns[i].dot(&frame.columns[j]);
+                approx::assert_abs_diff_eq!(product, f64::from(u8::from(i == j)), epsilon = 1e-15);
+            }
+        }
+    }
+
+    #[test]
+    fn a_full_frame_loses_its_last_vector_and_then_none() {
+        let mut frame = Frame::<3>::generic();
+        let kernel = unit([0.2, -1.0, 0.4]);
+        assert_eq!(frame.collapse(&kernel), Some(2));
+        frame.orthonormalise_living().unwrap();
+        assert_eq!(frame.collapse(&unit([0.3, 0.1, 0.7])), None);
+    }
+
+    #[test]
+    fn a_kernel_within_the_span_of_the_first_vectors_takes_one_of_them() {
+        let mut frame = Frame::<3>::generic();
+        let kernel = frame.columns[0] * 0.6 - frame.columns[1] * 0.8;
+        assert_eq!(frame.collapse(&kernel), Some(1));
+        assert!(frame.is_alive(0) && frame.is_alive(2));
+    }
+
+    #[test]
+    fn dead_vectors_are_completed_to_a_basis() {
+        let mut frame = Frame::<3>::generic();
+        frame.alive = [true, false, false];
+        frame.columns[1] = frame.columns[0];
+        frame.columns[2] = State::zeros();
+        frame.orthonormalise_living().unwrap();
+        let lengths = frame.orthonormalise().unwrap();
+        for length in lengths {
+            approx::assert_relative_eq!(length, 1.0, max_relative = 1e-14);
+        }
+    }
+
+    #[test]
+    fn a_vanished_vector_is_reported() {
+        let mut frame = Frame::<3>::generic();
+        frame.apply(|_| State::zeros());
+        assert_eq!(frame.orthonormalise(), None);
+    }
+}

@@ -1,0 +1,92 @@
+//! How long to measure, and how to report.
+
+use crate::error::Error;
+use crate::filippov::Options;
+
+/// Settings of [`super::lyapunov_spectrum`]. Times are in the system's own unit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpectrumOptions {
+    /// Time run before measuring, with the frame on the orbit; default 200.
+    pub transient: f64,
+    /// Time measured; default 2000.
+    pub duration: f64,
+    /// Blocks of equal length whose means give the standard errors; default 20. They should be long compared with the time
+    /// over which the orbit forgets itself.
+    pub blocks: usize,
+    /// About how many points of the running exponents to keep; default 200.
+    pub samples: usize,
+    /// Settings of the solver.
+    pub solver: Options,
+}
+
+impl Default for SpectrumOptions {
+    fn default() -> Self {
+        SpectrumOptions {
+            transient: 200.0,
+            duration: 2000.0,
+            blocks: 20,
+            samples: 200,
+            solver: Options::default(),
+        }
+    }
+}
+
+impl SpectrumOptions {
+    /// The defaults with these times.
+    pub fn over(transient: f64, duration: f64) -> Self {
+        SpectrumOptions {
+            transient,
+            duration,
+            ..SpectrumOptions::default()
+        }
+    }
+
+    /// With these settings of the solver.
+    #[must_use]
+    pub fn solver(self, solver: Options) -> Self {
+        SpectrumOptions { solver, ..self }
+    }
+
+    /// With so many blocks.
+    #[must_use]
+    pub fn blocks(self, blocks: usize) -> Self {
+        SpectrumOptions { blocks, ..self }
+    }
+
+    /// With so many points of the running exponents.
+    #[must_use]
+    pub fn samples(self, samples: usize) -> Self {
+        SpectrumOptions { samples, ..self }
+    }
+
+    /// Checks every setting.
+    ///
+    /// # Errors
+    /// [`Error::Option`] with name, value and bound of the first that is not allowed.
+    pub fn check(&self) -> Result<(), Error> {
+        let require = |good: bool, name, value, bound| {
+            if good {
+                Ok(())
+            } else {
+                Err(Error::Option { name, value, bound })
+            }
+        };
+        let transient = self.transient >= 0.0 && self.transient.is_finite();
+        require(
+            transient,
+            "transient",
+            self.transient,
+            "finite and at least 0",
+        )?;
+        let duration = self.duration > 0.0 && self.duration.is_finite();
+        require(duration, "duration", self.duration, "positive and finite")?;
+        require(self.blocks >= 2, "blocks", self.blocks as f64, "at least 2")?;
+        require(
+            self.samples >= 1,
+            "samples",
+            self.samples as f64,
+            "at least 1",
+        )?;
+        self.solver.check()
+    }
+}

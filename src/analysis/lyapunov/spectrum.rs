@@ -1,0 +1,83 @@
+//! The result.
+
+use crate::filippov::Summary;
+
+/// One Lyapunov exponent.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Exponent {
+    /// A rate of growth.
+    Finite {
+        /// The exponent, per unit of time.
+        value: f64,
+        /// Standard error from the means of the blocks; infinite when fewer than two were completed. It speaks of the
+        /// fluctuation along a chaotic orbit, not of the end effects that a periodic one has over a broken number of periods.
+        std_error: f64,
+    },
+    /// Stick takes the direction to zero in finite time: the exponent is −∞.
+    Annihilated,
+}
+
+impl Exponent {
+    /// The exponent, −∞ for an annihilated direction.
+    pub fn value(&self) -> f64 {
+        match *self {
+            Exponent::Finite { value, .. } => value,
+            Exponent::Annihilated => f64::NEG_INFINITY,
+        }
+    }
+
+    /// Standard error, if the exponent is finite.
+    pub fn std_error(&self) -> Option<f64> {
+        match *self {
+            Exponent::Finite { std_error, .. } => Some(std_error),
+            Exponent::Annihilated => None,
+        }
+    }
+}
+
+/// The exponents as they stood at one time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Running<const N: usize> {
+    /// Time since measuring began.
+    pub elapsed: f64,
+    /// Means over that time, in the order of the final exponents; −∞ from the entry into stick that annihilated the
+    /// direction.
+    pub exponents: [f64; N],
+}
+
+/// A Lyapunov spectrum.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Spectrum<const N: usize> {
+    /// The exponents in descending order, annihilated ones last.
+    pub exponents: [Exponent; N],
+    /// The running exponents, equally spaced in time as far as steps allow; the last entry is the result.
+    pub convergence: Vec<Running<N>>,
+    /// Rate at which the volume spanned by the surviving directions grows, from divergence and saltation instead of the frame's
+    /// lengths; see [`Spectrum::defect`].
+    pub volume_rate: f64,
+    /// Mean divergence of the fields along the orbit, stick included. Without stick,
+    /// `volume_rate` is this plus the mean of `ln|det S|` over the crossings.
+    pub mean_divergence: f64,
+    /// Entries into stick while measuring: how many times a direction was projected out.
+    pub stick_entries: usize,
+    /// Part of the measured time spent in stick.
+    pub stick_fraction: f64,
+    /// Time measured.
+    pub duration: f64,
+    /// How the measured run ended, where, and the work it took.
+    pub summary: Summary<N>,
+}
+
+impl<const N: usize> Spectrum<N> {
+    /// Sum of the finite exponents.
+    pub fn sum(&self) -> f64 {
+        let finite = self.exponents.iter().map(Exponent::value);
+        finite.filter(|value| value.is_finite()).sum()
+    }
+
+    /// What the sum of the finite exponents differs from the rate of volume found without them: the error of integration and
+    /// rounding, in the unit of an exponent. A large value says that tolerance or fixed step are too coarse.
+    pub fn defect(&self) -> f64 {
+        self.sum() - self.volume_rate
+    }
+}

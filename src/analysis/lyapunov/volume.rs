@@ -1,0 +1,46 @@
+//! Growth of volumes by Liouville's formula.
+
+use num_dual::Dual;
+
+use super::super::tangent::field_in;
+use crate::filippov::StepRecord;
+use crate::system::{Filippov, Mode, State};
+
+/// Nodes in `[0, 1]` and weights of Gauss and Legendre's rule of five points: exact to degree 9.
+const GAUSS: [(f64, f64); 5] = [
+    (0.046_910_077_030_668_004, 0.118_463_442_528_094_54),
+    (0.230_765_344_947_158_45, 0.239_314_335_249_683_24),
+    (0.5, 0.284_444_444_444_444_45),
+    (0.769_234_655_052_841_5, 0.239_314_335_249_683_24),
+    (0.953_089_922_969_332, 0.118_463_442_528_094_54),
+];
+
+/// Divergence of the field that rules in `mode`.
+fn divergence<S: Filippov<N>, const N: usize>(
+    system: &S,
+    mode: Mode,
+    t: f64,
+    x: &State<f64, N>,
+) -> f64 {
+    let frozen = Dual::new(t, 0.0);
+    (0..N)
+        .map(|i| {
+            let seed = |j: usize| f64::from(u8::from(i == j));
+            let seeded = State::<Dual<f64>, N>::from_fn(|j, _| Dual::new(x[j], seed(j)));
+            field_in(system, mode, frozen, &seeded)[i].eps
+        })
+        .sum()
+}
+
+/// Integral of the divergence over a step: the logarithm of the factor by which it changes volumes.
+pub(super) fn growth<S: Filippov<N>, const N: usize>(system: &S, step: &StepRecord<N>) -> f64 {
+    let length = step.t_end - step.t_start;
+    let mean: f64 = GAUSS
+        .iter()
+        .map(|&(node, weight)| {
+            let t = step.t_start + node * length;
+            weight * divergence(system, step.mode, t, &step.dense.at_time(t))
+        })
+        .sum();
+    mean * length
+}

@@ -1,0 +1,148 @@
+//! How the captions of Figs. 10–12 become a system.
+
+use super::BlockAndBracket;
+use crate::error::Error;
+
+/// Nine numbers and a start, as a caption gives them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Caption {
+    /// The column headed `ξ1,…,7, δ, vp`.
+    pub numbers: [f64; 9],
+    /// Start `(x₁, x₂, x₃, x₄)` at `t = 0`.
+    pub start: [f64; 4],
+}
+
+impl Caption {
+    /// Fig. 10, "two-periodic".
+    pub const FIG10: Caption = Caption {
+        numbers: [0.237, 0.0, 0.613, 1.888, 0.0, 1.300, 1.115, 0.330, 0.930],
+        start: [0.0, -0.1, 0.0, -0.1],
+    };
+    /// Fig. 11, quasi-periodic.
+    pub const FIG11: Caption = Caption {
+        numbers: [0.413, 0.0, 1.069, 1.980, 0.0, 0.707, 0.693, 0.101, 0.707],
+        start: [0.0, 0.0, 0.0, -0.1],
+    };
+    /// Fig. 12, chaotic.
+    pub const FIG12: Caption = Caption {
+        numbers: [0.222, 0.0, 0.575, 3.333, 0.0, 2.900, 6.766, 0.976, 0.689],
+        start: [0.0, -0.1, 0.0, -0.1],
+    };
+}
+
+/// What the nine numbers are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum CaptionOrder {
+    /// ξ1 … ξ5, μ0, ξ6, δ, vp, with ξ7 = 0. The heading does not say so, the numbers do: ξ2 = ξ5 = 0 means no dampers and so
+    /// ξ7 = 0, and the seventh number over the sixth is ξ4 − 1 = k3/k2 in Figs. 11 and 12 to all digits, as ξ6/μ0 must be
+    /// (in Fig. 10 it is 0.858 for 0.888).
+    Mu0BeforeXi6,
+    /// ξ1 … ξ7, δ, vp as the heading has it; μ0 is then given nowhere and has to be supplied.
+    Heading {
+        /// Static friction.
+        mu0: f64,
+    },
+}
+
+/// Amplitude of the friction force.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Amplitude {
+    /// μ0, with lengths in units of `mg/k2`.
+    Mu0,
+    /// 1, with lengths in units of `μ0 mg/k2`: there ξ6 and ξ7 as defined are what the displacement takes from the
+    /// normal force.
+    One,
+}
+
+/// How ξ6 and ξ7 enter the normal force.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unloading {
+    /// `N/mg = 1 − (ξ6 x₃ + ξ7 x₄)/μ0`, because `ξ6 = μ0 k3/k2` and `ξ7 = μ0 ω c2/k2` hold a factor μ0 already.
+    OverMu0,
+    /// `N/mg = 1 − ξ6 x₃ − ξ7 x₄`, the `y` of Eq. (28) as printed.
+    Plain,
+}
+
+/// A way to understand Eq. (27)–(28) and the captions of Figs. 10–12: data, so that all ways run through the same code.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reading {
+    /// Sign of `x₃` in the second row of Eq. (27), 1 or −1.
+    pub displacement_sign: f64,
+    /// Sign of `T` there, 1 or −1.
+    pub friction_sign: f64,
+    /// Amplitude of friction.
+    pub amplitude: Amplitude,
+    /// How the bracket unloads the contact.
+    pub unloading: Unloading,
+    /// Whether the normal force is clipped at zero.
+    pub clipped: bool,
+    /// What the nine numbers are.
+    pub order: CaptionOrder,
+}
+
+impl Reading {
+    /// What the mechanics of Fig. 9 demand: see [`BlockAndBracket`].
+    pub fn exact() -> Self {
+        Reading {
+            displacement_sign: 1.0,
+            friction_sign: 1.0,
+            amplitude: Amplitude::Mu0,
+            unloading: Unloading::OverMu0,
+            clipped: true,
+            order: CaptionOrder::Mu0BeforeXi6,
+        }
+    }
+
+    /// Eq. (27) and (28) to the letter: `−x₃ − T` in the second row, `T = sgn(v) y μₖ` with
+    /// `y = 1 − ξ6 x₃ − ξ7 x₄`, nothing clipped. For want of a μ0 in the captions' heading their numbers are taken
+    /// as in [`Reading::exact`].
+    pub fn as_printed() -> Self {
+        Reading {
+            displacement_sign: -1.0,
+            friction_sign: -1.0,
+            unloading: Unloading::Plain,
+            clipped: false,
+            ..Reading::exact()
+        }
+    }
+
+    /// The corrected equations with lengths in units of `μ0 mg/k2`.
+    pub fn scaled_by_friction() -> Self {
+        Reading {
+            amplitude: Amplitude::One,
+            unloading: Unloading::Plain,
+            ..Reading::exact()
+        }
+    }
+
+    pub(super) fn apply(&self, caption: &Caption) -> Result<BlockAndBracket, Error> {
+        let [xi1, xi2, xi3, xi4, xi5, sixth, seventh, delta, belt_speed] = caption.numbers;
+        let (mu0, xi6, xi7) = match self.order {
+            CaptionOrder::Mu0BeforeXi6 => (sixth, seventh, 0.0),
+            CaptionOrder::Heading { mu0 } => (mu0, sixth, seventh),
+        };
+        let over = match self.unloading {
+            Unloading::OverMu0 => super::positive("mu0", mu0)?,
+            Unloading::Plain => 1.0,
+        };
+        BlockAndBracket {
+            coupling: xi1,
+            coupling_damping: xi2,
+            mobility: xi3,
+            bracket_stiffness: xi4,
+            bracket_damping: xi5,
+            mu0: match self.amplitude {
+                Amplitude::Mu0 => mu0,
+                Amplitude::One => 1.0,
+            },
+            unloading: xi6 / over,
+            unloading_rate: xi7 / over,
+            delta,
+            belt_speed,
+            displacement_sign: self.displacement_sign,
+            friction_sign: self.friction_sign,
+            clipped: self.clipped,
+        }
+        .checked()
+    }
+}

@@ -1,0 +1,321 @@
+//! Model 3: its derivation, its stick condition, the published classes and its spectra.
+
+use std::ops::ControlFlow;
+
+use proptest::prelude::*;
+use stickslip::analysis::{
+    Exponent, Spectrum, SpectrumOptions, lyapunov_spectrum_watched, periodic_orbit,
+};
+use stickslip::models::{
+    Amplitude, BlockAndBracket, Caption, CaptionOrder, Reading, Rig, Unloading,
+};
+use stickslip::{
+    Error, Fate, Filippov, Observer, Options, Side, State, StepRecord, Transition, TransitionKind,
+    fate, math, run, solve,
+};
+
+fn rig() -> Rig {
+    Rig {
+        mass: 1.7,
+        inertia: 0.31,
+        arm: 0.4,
+        k1: 120.0,
+        k2: 45.0,
+        k3: 60.0,
+        c1: 0.4,
+        c2: 0.7,
+        gravity: 9.81,
+        mu0: 0.6,
+        delta: 2.3,
+        belt_speed: 0.8,
+    }
+    .checked()
+    .unwrap()
+}
+
+fn exact(caption: &Caption) -> BlockAndBracket {
+    BlockAndBracket::from_caption(caption, &Reading::exact()).unwrap()
+}
+
+/// From the nondimensional state to metres and metres per second.
+fn in_metres(rig: &Rig, x: &State<f64, 4>) -> State<f64, 4> {
+    let (length, speed) = (rig.length_unit(), rig.length_unit() / rig.time_unit());
+    State::from([x[0] * length, x[1] * speed, x[2] * length, x[3] * speed])
+}
+
+proptest! {
+    #[test]
+    fn both_forms_have_the_same_field(x in prop::array::uniform4(-3.0..3.0)) {
+        let rig = rig();
+        let scaled = rig.nondimensional().checked().unwrap();
+        let x = State::from(x);
+        for side in [Side::Below, Side::Above] {
+            // Beyond Σ the friction law has a pole at |v| = 1/δ; only the own side is asked for.
+            if scaled.boundary(0.0, &x) * side.sign() < 0.0 {
+                continue;
+            }
+            let wanted = scaled.field(side, 0.0, &x);
+            let slope = rig.field(side, 0.0, &in_metres(&rig, &x)) * rig.time_unit();
+            let unit = in_metres(&rig, &State::from([1.0; 4]));
+            for i in 0..4 {
+                // A handful of roundings on terms of size 30.
+                prop_assert!((slope[i] / unit[i] - wanted[i]).abs() < 1e-13 * 30.0);
+            }
+        }
+    }
+
+    #[test]
+    fn it_sticks_while_friction_can_hold_it(
+        x1 in -6.0..6.0, x3 in -2.0..2.0, x4 in -2.0..2.0, set in 0usize..3,
+    ) {
+        let caption = [Caption::FIG10, Caption::FIG11, Caption::FIG12][set];
+        let model = BlockAndBracket {
+            coupling_damping: 0.2,
+            ..exact(&caption)
+        };
+        let x = State::from([x1, model.belt_speed, x3, x4]);
+        // T that makes x2' vanish, and the most that static friction gives.
+        let needed = -x1 / model.coupling - 0.2 * (x[1] + x4) - x3;
+        let most = model.mu0 * model.normal_force(&x);
+        prop_assume!((needed.abs() - most).abs() > 1e-9);
+        let wanted = if needed.abs() < most {
+            Fate::Stick
+        } else if needed > 0.0 {
+            // More than friction can brake with: the springs pull it ahead of the belt.
+            Fate::Slip(Side::Above)
+        } else {
+            Fate::Slip(Side::Below)
+        };
+        prop_assert_eq!(fate(&model, 0.0, &x), wanted);
+    }
+}
+
+#[test]
+fn both_forms_have_the_same_orbit() {
+    let rig = rig();
+    let start = State::from([0.4, -0.3, 0.2, 0.1]);
+    let options = Options::tol(1e-13);
+    let scaled = solve(&rig.nondimensional(), 0.0, start, 60.0, &options).unwrap();
+    let t_end = 60.0 * rig.time_unit();
+    let metres = solve(&rig, 0.0, in_metres(&rig, &start), t_end, &options).unwrap();
+    let modes = |phases: &[stickslip::Phase<4>]| phases.iter().map(|p| p.mode).collect::<Vec<_>>();
+    assert_eq!(modes(&scaled.phases), modes(&metres.phases));
+    assert!(scaled.sticks().count() >= 5);
+    for t in [5.0, 20.0, 40.0, 60.0] {
+        let wanted = in_metres(&rig, &scaled.at(t).unwrap());
+        let found = metres.at((t * rig.time_unit()).min(t_end)).unwrap();
+        // A damped system forgets errors: what is left is a few steps' worth.
+        assert!((found - wanted).amax() < 1e-11, "{t}: {found} {wanted}");
+    }
+}
+
+#[test]
+fn the_unloading_follows_from_the_stiffness() {
+    // ξ6/μ0 and ξ4 - 1 are both k3/k2; ξ3/ξ1 is m r²/J in all three.
+    for (caption, digits) in [(Caption::FIG11, 1e-3), (Caption::FIG12, 1e-3)] {
+        let model = exact(&caption);
+        assert!((model.unloading - (model.bracket_stiffness - 1.0)).abs() < digits);
+    }
+    for caption in [Caption::FIG10, Caption::FIG11, Caption::FIG12] {
+        let model = exact(&caption);
+        assert!((model.mobility / model.coupling - 2.588).abs() < 0.003);
+        assert_eq!(model.unloading_rate, 0.0);
+    }
+}
+
+#[test]
+fn readings_are_data() {
+    let [.., delta, speed] = Caption::FIG12.numbers;
+    let literal = BlockAndBracket::from_caption(&Caption::FIG12, &Reading::as_printed()).unwrap();
+    assert_eq!(
+        (literal.displacement_sign, literal.friction_sign),
+        (-1.0, -1.0)
+    );
+    assert_eq!(
+        (literal.mu0, literal.unloading, literal.clipped),
+        (2.9, 6.766, false)
+    );
+    assert_eq!((literal.delta, literal.belt_speed), (delta, speed));
+    let scaled =
+        BlockAndBracket::from_caption(&Caption::FIG12, &Reading::scaled_by_friction()).unwrap();
+    assert_eq!((scaled.mu0, scaled.unloading), (1.0, 6.766));
+    let heading = Reading {
+        order: CaptionOrder::Heading { mu0: 0.5 },
+        unloading: Unloading::OverMu0,
+        amplitude: Amplitude::Mu0,
+        ..Reading::exact()
+    };
+    let heading = BlockAndBracket::from_caption(&Caption::FIG12, &heading).unwrap();
+    assert_eq!((heading.unloading, heading.unloading_rate), (5.8, 13.532));
+    // Clipping acts on friction, not on the contact that is reported.
+    let x = State::from([0.0, 0.0, 1.0, 0.0]);
+    let model = exact(&Caption::FIG12);
+    assert!(model.contact(0.0, &x) < -1.0);
+    assert_eq!(model.normal_force(&x), 0.0);
+}
+
+#[test]
+fn bad_parameters_are_named() {
+    let name = |error| match error {
+        Error::Parameter { name, .. } => name,
+        other => panic!("{other}"),
+    };
+    let mut caption = Caption::FIG10;
+    caption.numbers[7] = -0.1;
+    let error = BlockAndBracket::from_caption(&caption, &Reading::exact()).unwrap_err();
+    assert_eq!(name(error), "delta");
+    caption = Caption::FIG10;
+    caption.numbers[5] = 0.0;
+    let error = BlockAndBracket::from_caption(&caption, &Reading::exact()).unwrap_err();
+    assert_eq!(name(error), "mu0");
+    let half = Reading {
+        friction_sign: 0.5,
+        ..Reading::exact()
+    };
+    let error = BlockAndBracket::from_caption(&Caption::FIG10, &half).unwrap_err();
+    assert_eq!(name(error), "friction_sign");
+    assert_eq!(name(Rig { k2: 0.0, ..rig() }.checked().unwrap_err()), "k2");
+}
+
+#[test]
+fn run_to_the_letter_the_first_two_sets_diverge() {
+    let options = Options::default().escape(1e3);
+    for caption in [Caption::FIG10, Caption::FIG11] {
+        for unloading in [Unloading::Plain, Unloading::OverMu0] {
+            let reading = Reading {
+                unloading,
+                ..Reading::as_printed()
+            };
+            let model = BlockAndBracket::from_caption(&caption, &reading).unwrap();
+            let start = State::from(caption.start);
+            let error = run(&model, 0.0, start, 1e3, &options, &mut ()).unwrap_err();
+            assert!(
+                matches!(error, Error::Escaped { t, .. } if t < 60.0),
+                "{error}"
+            );
+        }
+    }
+}
+
+/// Where stick phases end, and the least contact force seen.
+struct Watch<'a> {
+    model: &'a BlockAndBracket,
+    exits: Vec<(f64, State<f64, 4>)>,
+    least_contact: f64,
+}
+
+impl Observer<4> for Watch<'_> {
+    fn step(&mut self, step: &StepRecord<4>) -> ControlFlow<()> {
+        let contact = self.model.contact(step.t_end, &step.x_end);
+        self.least_contact = self.least_contact.min(contact);
+        ControlFlow::Continue(())
+    }
+    fn transition(&mut self, at: &Transition<4>) -> ControlFlow<()> {
+        if at.kind == TransitionKind::StickExit {
+            self.exits.push((at.t, at.x));
+        }
+        ControlFlow::Continue(())
+    }
+}
+
+/// As in the paper: what comes after t = 3000, for 9000 time units.
+fn measured(caption: &Caption) -> (BlockAndBracket, Spectrum<4>, Vec<(f64, State<f64, 4>)>, f64) {
+    let model = exact(caption);
+    let settings = SpectrumOptions::over(3000.0, 9000.0);
+    let mut watch = Watch {
+        model: &model,
+        exits: Vec::new(),
+        least_contact: f64::INFINITY,
+    };
+    let start = (0.0, State::from(caption.start));
+    let spectrum = lyapunov_spectrum_watched(&model, start, &settings, &mut watch).unwrap();
+    let (exits, least) = (watch.exits, watch.least_contact);
+    assert_eq!(spectrum.exponents[3], Exponent::Annihilated);
+    // The clip at N = 0 is a kink in the field that steps run over at their tolerance of 1e-10.
+    assert!(spectrum.defect().abs() < 1e-7, "{}", spectrum.defect());
+    (model, spectrum, exits, least)
+}
+
+#[track_caller]
+fn close(found: f64, wanted: f64, tolerance: f64) {
+    let off = (found - wanted).abs();
+    assert!(
+        off <= tolerance,
+        "{found} is {off:e} off {wanted}, allowed {tolerance:e}"
+    );
+}
+
+#[test]
+fn set_1_is_periodic() {
+    let (model, spectrum, exits, _) = measured(&Caption::FIG10);
+    let [.., (t0, _), (t1, x)] = exits[..] else {
+        panic!("no stick");
+    };
+    let period = t1 - t0;
+    close(period, 8.51, 5e-3);
+    // One exit per period, all at the same state.
+    assert_eq!(exits.len(), (9000.0 / period) as usize);
+    for (_, other) in &exits {
+        assert!((other - x).amax() < 1e-7);
+    }
+    assert!((0.0015..0.0025).contains(&spectrum.stick_fraction));
+    // Floquet: from a point off Σ, half a period later.
+    let solver = Options::tol(1e-12);
+    let x = run(&model, 0.0, x, 0.5 * period, &solver, &mut ())
+        .unwrap()
+        .x;
+    let cycle = periodic_orbit(&model, x, period, &solver).unwrap();
+    let mut multipliers: Vec<f64> =
+        nalgebra::DMatrix::from_column_slice(4, 4, cycle.monodromy.as_slice())
+            .complex_eigenvalues()
+            .iter()
+            .map(|m| math::hypot(m.re, m.im))
+            .collect();
+    multipliers.sort_by(|a, b| b.total_cmp(a));
+    close(multipliers[0], 1.0, 1e-8);
+    // A pair of one size (complex), and the direction that stick annihilates.
+    close(multipliers[1], multipliers[2], 1e-8);
+    assert!(multipliers[3] < 1e-8);
+    let pair = math::ln(multipliers[1]) / cycle.period;
+    close(pair, -0.0115, 5e-5);
+    // End effects of 9000 time units: a vector's growth over a broken period, and the turning of the pair's plane,
+    // both factors of less than 30.
+    let bound = math::ln(30.0) / 9000.0;
+    close(spectrum.exponents[0].value(), 0.0, bound);
+    close(spectrum.exponents[1].value(), pair, bound);
+    close(spectrum.exponents[2].value(), pair, bound);
+}
+
+#[test]
+fn set_2_is_quasi_periodic() {
+    let (_, spectrum, exits, least) = measured(&Caption::FIG11);
+    assert!(least > 0.2, "{least}");
+    assert!((0.05..0.065).contains(&spectrum.stick_fraction));
+    // Exits fill a curve: hardly two of them share a cell of 1e-4.
+    let mut cells: Vec<i64> = exits.iter().map(|(_, x)| (x[0] * 1e4) as i64).collect();
+    cells.sort_unstable();
+    cells.dedup();
+    assert!(
+        cells.len() > exits.len() / 2,
+        "{} of {}",
+        cells.len(),
+        exits.len()
+    );
+    let bound = math::ln(30.0) / 9000.0;
+    close(spectrum.exponents[0].value(), 0.0, bound);
+    close(spectrum.exponents[1].value(), 0.0, bound);
+    close(spectrum.exponents[2].value(), -0.0079, bound);
+}
+
+#[test]
+fn set_3_is_chaotic_and_lifts_off() {
+    let (_, spectrum, _, least) = measured(&Caption::FIG12);
+    assert!(least < -1.0, "{least}");
+    let [first, second, third, _] = spectrum.exponents;
+    // Sixteen standard errors from zero; eight are asked for.
+    let error = first.std_error().unwrap();
+    assert!(first.value() > 8.0 * error);
+    close(first.value(), 0.015, 4.0 * error);
+    close(second.value(), 0.0, 1e-3);
+    close(third.value(), -0.038, 4.0 * third.std_error().unwrap());
+}
