@@ -165,13 +165,18 @@ impl<'a, S> Tangent<'a, S> {
         self.advanced::<M, N>(&second, &between, halvings - 1)
     }
 
-    /// What the transition does, or `None` where it changes no vector: on leaving stick and at a touch.
+    /// What the transition does, or `None` where it changes no vector: on leaving stick, at a touch, and
+    /// where contact is lost or gained.
     pub(crate) fn jump<const N: usize>(&self, at: &Transition<N>) -> Option<Jump<N>>
     where
         S: Filippov<N>,
     {
         match at.kind {
-            TransitionKind::StickExit | TransitionKind::Touch => return None,
+            // At a loss of contact the fields are continuous: they kink, they do not jump.
+            TransitionKind::StickExit
+            | TransitionKind::Touch
+            | TransitionKind::ContactLoss
+            | TransitionKind::ContactGain => return None,
             TransitionKind::Crossing | TransitionKind::StickEntry => {}
         }
         let before = field_in(self.system, at.from, at.t, &at.x);

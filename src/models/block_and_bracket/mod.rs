@@ -122,17 +122,16 @@ impl BlockAndBracket {
         Ok(self)
     }
 
-    /// The normal force in units of its value `mg` at rest, unclipped: where it is negative the block would lift off. The
-    /// time is there for systems whose contact depends on it; this one's does not.
+    /// The normal force in units of its value `mg` at rest, unclipped: where it is negative the block would lift off.
     #[inline(always)]
-    pub fn contact<T: Scalar>(&self, _t: T, x: &State<T, 4>) -> T {
+    pub fn unclipped_normal_force<T: Scalar>(&self, x: &State<T, 4>) -> T {
         -(x[2] * self.unloading + x[3] * self.unloading_rate) + 1.0
     }
 
     /// The normal force that friction is reckoned with, in units of `mg`: clipped at zero if the system says so.
     #[inline(always)]
     pub fn normal_force<T: Scalar>(&self, x: &State<T, 4>) -> T {
-        let contact = self.contact(T::constant(0.0), x);
+        let contact = self.unclipped_normal_force(x);
         if self.clipped {
             contact.max(T::constant(0.0))
         } else {
@@ -161,5 +160,10 @@ impl Filippov<4> for BlockAndBracket {
     #[inline(always)]
     fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 4>) -> T {
         x[1] - self.belt_speed
+    }
+
+    #[inline(always)]
+    fn contact<T: Scalar>(&self, _t: T, x: &State<T, 4>) -> Option<T> {
+        Some(self.unclipped_normal_force(x))
     }
 }
