@@ -1,7 +1,7 @@
 //! The product of the local maps, taken along the series.
 
 use super::fit::LocalMap;
-use super::svd::{Square, product};
+use super::svd::{Square, product, svd};
 
 /// What one map did to the tangent vectors.
 #[derive(Clone, Copy, Debug)]
@@ -34,6 +34,9 @@ pub(super) fn advance<const N: usize>(
         // Nothing is known here; the vectors wait for the next map.
         return stretch;
     }
+    if width < N && determined == width {
+        align(basis, &map.domain, width);
+    }
     let mut next = [[0.0; N]; N];
     let mut kept = 0;
     for vector in basis.iter().take(width) {
@@ -54,6 +57,36 @@ pub(super) fn advance<const N: usize>(
     }
     *basis = next;
     stretch
+}
+
+/// Turns the vectors into the space that the map is determined in, without shortening them.
+///
+/// The images of the last neighbourhood and the points of this one span the same tangent space, but for the error of either;
+/// a projection from the one onto the other would lose the cosine of the angle at every step, which adds up to a
+/// negative contribution that grows with the sampling rate. The rotation nearest to the projection (its orthogonal polar factor)
+/// loses nothing.
+fn align<const N: usize>(basis: &mut Square<N>, domain: &Square<N>, width: usize) {
+    let mut projection = [[0.0; N]; N];
+    for (row, direction) in projection.iter_mut().zip(domain).take(width) {
+        for (cell, vector) in row.iter_mut().zip(basis.iter()).take(width) {
+            *cell = product(direction, vector);
+        }
+    }
+    let parts = svd(&projection);
+    let mut turned = *basis;
+    for (c, vector) in turned.iter_mut().enumerate().take(width) {
+        *vector = [0.0; N];
+        for (r, direction) in domain.iter().enumerate().take(width) {
+            let mut factor = 0.0;
+            for i in 0..width {
+                factor += parts.u[i][r] * parts.v[i][c];
+            }
+            for (v, d) in vector.iter_mut().zip(direction) {
+                *v += factor * d;
+            }
+        }
+    }
+    *basis = turned;
 }
 
 /// Subtracts the components along orthonormal vectors, twice, so that what is left is orthogonal to rounding (Giraud,
@@ -92,6 +125,7 @@ mod tests {
         LocalMap {
             matrix,
             rank,
+            domain: identity(),
             nothing: 1e-12,
         }
     }

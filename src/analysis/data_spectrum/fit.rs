@@ -23,6 +23,8 @@ pub(super) struct LocalMap<const N: usize> {
     pub(super) matrix: Square<N>,
     /// How many directions the neighbourhood determines it in; it is zero in the others.
     pub(super) rank: usize,
+    /// The directions it is determined in, the widest first, and then the others.
+    pub(super) domain: Square<N>,
     /// A stretching below this is nothing: the map's own uncertainty from the rounding of the data, or the tolerance.
     pub(super) nothing: f64,
 }
@@ -145,19 +147,19 @@ impl<const N: usize> Decomposed<N> {
         let rank = s.iter().take(limit).filter(|&&s| s > self.zero).count();
         let mut matrix = [[0.0; N]; N];
         let ridge = rule.ridge * s[0];
-        for i in 0..rank {
+        for (i, &s) in s.iter().enumerate().take(rank) {
             let inverse = if ridge > 0.0 {
-                s[i] / (s[i] * s[i] + ridge * ridge)
+                s / (s * s + ridge * ridge)
             } else {
-                1.0 / s[i]
+                1.0 / s
             };
-            for out in 0..N {
+            for (out, row) in matrix.iter_mut().enumerate() {
                 let mut image = 0.0;
-                for k in 0..N {
-                    image += self.images[k][out] * self.svd.u[i][k];
+                for (images, u) in self.images.iter().zip(&self.svd.u[i]) {
+                    image += images[out] * u;
                 }
-                for from in 0..N {
-                    matrix[out][from] += image * inverse * self.svd.v[i][from];
+                for (cell, v) in row.iter_mut().zip(&self.svd.v[i]) {
+                    *cell += image * inverse * v;
                 }
             }
         }
@@ -173,6 +175,7 @@ impl<const N: usize> Decomposed<N> {
         LocalMap {
             matrix,
             rank,
+            domain: self.svd.v,
             nothing: uncertainty.max(rule.rank_tolerance * norm),
         }
     }

@@ -33,7 +33,7 @@ impl Series {
                 bound: "finite and > 0",
             });
         }
-        if values.len() % columns != 0 {
+        if !values.len().is_multiple_of(columns) {
             return Err(DataError::Incomplete {
                 values: values.len(),
                 columns,

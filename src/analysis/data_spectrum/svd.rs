@@ -127,10 +127,11 @@ fn rotate<const N: usize>(w: &mut Square<N>, v: &mut Square<N>, p: usize, q: usi
     let cosine = 1.0 / (1.0 + t * t).sqrt();
     let sine = cosine * t;
     for matrix in [w, v] {
-        for k in 0..N {
-            let (x, y) = (matrix[p][k], matrix[q][k]);
-            matrix[p][k] = cosine * x - sine * y;
-            matrix[q][k] = sine * x + cosine * y;
+        let (upper, lower) = matrix.split_at_mut(q);
+        for (a, b) in upper[p].iter_mut().zip(&mut lower[0]) {
+            let (x, y) = (*a, *b);
+            *a = cosine * x - sine * y;
+            *b = sine * x + cosine * y;
         }
     }
     true
