@@ -35,12 +35,17 @@ pub fn draw(spectrum: &DataSpectrum, name: &str) -> Result<String, FigureError> 
 fn convergence(spectrum: &DataSpectrum) -> Panel {
     let end = spectrum.convergence.last().map_or(1.0, |row| row.t);
     let shown = |i: usize| spectrum.exponents[i].status != Status::Annihilated;
+    // An unidentified exponent may be anywhere; the axis is for those that mean something, if there are any.
+    let scales = |i: usize| match spectrum.dimension {
+        0 => shown(i),
+        _ => spectrum.exponents[i].status == Status::Ok,
+    };
     let settled = spectrum
         .convergence
         .iter()
         .filter(|row| row.t >= SETTLED * end)
         .flat_map(|row| row.exponents.iter().enumerate())
-        .filter(|(i, _)| shown(*i))
+        .filter(|(i, _)| scales(*i))
         .map(|(_, v)| *v);
     let (low, high) = range(settled.chain([0.0]));
     let mut panel = Panel::new(

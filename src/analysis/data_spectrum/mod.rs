@@ -21,6 +21,9 @@
 //! is zero. It is [`Status::Unidentified`] if its direction is not tangent, or undetermined at more than 1 % of the
 //! reference points. After a collapse the lost vector is replaced by one orthogonal to the others, in the last position.
 //!
+//! A collapse is seen where the images do not differ in some direction at all, as velocities in stick. Images on a curved
+//! line lose a dimension, too, but a linear fit to them keeps the curvature and reports a strong contraction.
+//!
 //! An attractor that passes through stick phases regularly has fewer dimensions afterwards, too, and then the direction is not
 //! tangent anywhere: the usual verdict for such data is `unidentified`, not `annihilated`. The spectrum from the equations
 //! can tell, the data cannot.
