@@ -69,7 +69,7 @@ pub fn parse(
         .delimiter(delimiter(bytes))
         .from_reader(bytes);
     let mut record = StringRecord::new();
-    if !advance(&mut reader, &mut record, &input)? {
+    if !advance(&mut reader, bytes, &mut record, &input)? {
         return Err(SpectrumError::Empty { input });
     }
     // A header is a first line in which nothing is a number.
@@ -77,28 +77,28 @@ pub fn parse(
         .iter()
         .all(|cell| cell.parse::<f64>().is_err())
         .then(|| record.clone());
-    let layout = Layout::new(&input, record.len(), header.as_ref(), wanted)?;
+    let layout = Layout::new(&input, bytes, record.len(), header.as_ref(), wanted)?;
     let mut values = Vec::new();
     let mut last_time = None;
-    let mut more = header.is_none() || advance(&mut reader, &mut record, &input)?;
+    let mut more = header.is_none() || advance(&mut reader, bytes, &mut record, &input)?;
     while more {
-        let line = record.position().map_or(0, csv::Position::line);
-        layout.width(&input, line, &record)?;
+        layout.width(&record)?;
         for &column in &layout.columns {
-            values.push(layout.number(&input, line, &record, column)?);
+            values.push(layout.number(&record, column)?);
         }
         if let Some(column) = layout.time {
-            let time = layout.number(&input, line, &record, column)?;
-            layout.even(&input, line, column, last_time.replace(time), time, dt)?;
+            let time = layout.number(&record, column)?;
+            layout.even(&record, column, last_time.replace(time), time, dt)?;
         }
-        more = advance(&mut reader, &mut record, &input)?;
+        more = advance(&mut reader, bytes, &mut record, &input)?;
     }
     if values.is_empty() {
         return Err(SpectrumError::Empty { input });
     }
+    let names = layout.columns.iter().map(|&c| layout.name(c)).collect();
     Ok(Table {
         input,
-        names: layout.columns.iter().map(|&c| layout.name(c)).collect(),
+        names,
         values,
     })
 }
@@ -106,6 +106,7 @@ pub fn parse(
 /// The next record, or false at the end.
 fn advance(
     reader: &mut csv::Reader<&[u8]>,
+    bytes: &[u8],
     record: &mut StringRecord,
     input: &str,
 ) -> Result<bool, SpectrumError> {
@@ -118,7 +119,7 @@ fn advance(
         };
         SpectrumError::Csv {
             input: input.to_owned(),
-            line: error.position().map(csv::Position::line),
+            line: error.position().map(|at| line_of(bytes, at.byte())),
             cause,
         }
     })
@@ -136,17 +137,33 @@ fn delimiter(bytes: &[u8]) -> u8 {
         .unwrap_or(b',')
 }
 
+/// The line, counted from 1, of the record that the reader met when it went on from `byte`. It goes over empty lines and
+/// comments on the way, which its own count leaves out.
+fn line_of(bytes: &[u8], byte: u64) -> u64 {
+    let start = usize::try_from(byte).unwrap_or(usize::MAX).min(bytes.len());
+    let (before, after) = bytes.split_at(start);
+    let skipped = after
+        .split_inclusive(|&b| b == b'\n')
+        .take_while(|line| line.starts_with(b"#") || line.iter().all(|b| b"\r\n".contains(b)))
+        .count();
+    let ends = before.iter().filter(|&&b| b == b'\n').count();
+    (1 + ends + skipped) as u64
+}
+
 /// Which columns are read.
-struct Layout {
+struct Layout<'a> {
+    input: &'a str,
+    bytes: &'a [u8],
     count: usize,
     names: Option<Vec<String>>,
     columns: Vec<usize>,
     time: Option<usize>,
 }
 
-impl Layout {
+impl<'a> Layout<'a> {
     fn new(
-        input: &str,
+        input: &'a str,
+        bytes: &'a [u8],
         count: usize,
         header: Option<&StringRecord>,
         wanted: &[String],
@@ -158,6 +175,8 @@ impl Layout {
             .as_ref()
             .and_then(|names| names.iter().position(is_time));
         let mut layout = Self {
+            input,
+            bytes,
             count,
             names,
             columns: Vec::new(),
@@ -214,11 +233,11 @@ impl Layout {
         }
     }
 
-    fn cell(&self, input: &str, line: u64, column: usize, cause: String) -> SpectrumError {
+    fn cell(&self, record: &StringRecord, column: usize, cause: String) -> SpectrumError {
         let name = self.names.as_ref().and_then(|names| names.get(column));
         SpectrumError::Cell {
-            input: input.to_owned(),
-            line,
+            input: self.input.to_owned(),
+            line: line_of(self.bytes, record.position().map_or(0, csv::Position::byte)),
             column: match name {
                 Some(name) => format!("{} ({name})", column + 1),
                 None => (column + 1).to_string(),
@@ -227,7 +246,7 @@ impl Layout {
         }
     }
 
-    fn width(&self, input: &str, line: u64, record: &StringRecord) -> Result<(), SpectrumError> {
+    fn width(&self, record: &StringRecord) -> Result<(), SpectrumError> {
         if record.len() == self.count {
             return Ok(());
         }
@@ -237,16 +256,10 @@ impl Layout {
             self.count
         );
         let first_wrong = record.len().min(self.count);
-        Err(self.cell(input, line, first_wrong, cause))
+        Err(self.cell(record, first_wrong, cause))
     }
 
-    fn number(
-        &self,
-        input: &str,
-        line: u64,
-        record: &StringRecord,
-        column: usize,
-    ) -> Result<f64, SpectrumError> {
+    fn number(&self, record: &StringRecord, column: usize) -> Result<f64, SpectrumError> {
         const GAP: &str = "a series must have no gaps: cut the file there or fill the gap";
         let text = record.get(column).unwrap_or("");
         let cause = match text.parse::<f64>() {
@@ -257,13 +270,12 @@ impl Layout {
                 "'{text}' is not a number; choose other columns with --columns or correct the file"
             ),
         };
-        Err(self.cell(input, line, column, cause))
+        Err(self.cell(record, column, cause))
     }
 
     fn even(
         &self,
-        input: &str,
-        line: u64,
+        record: &StringRecord,
         column: usize,
         last: Option<f64>,
         time: f64,
@@ -279,7 +291,7 @@ impl Layout {
             "the time goes from {last} to {time}, not on by dt = {dt}; correct --dt, cut the file at the gap, or choose columns \
              with --columns if this is not the time"
         );
-        Err(self.cell(input, line, column, cause))
+        Err(self.cell(record, column, cause))
     }
 }
 
@@ -343,7 +355,10 @@ mod tests {
                 "x,y\n1,2\n3,oops\n",
                 "f, line 3, column 2 (y): 'oops' is not a number",
             ),
-            ("1,2\n\n3,\n", "f, line 3, column 2: the cell is empty"),
+            (
+                "#\n1,2\n\n# gap\r\n3,\n",
+                "f, line 5, column 2: the cell is empty",
+            ),
             ("1,2\n3,nan\n", "f, line 2, column 2: 'nan' is not finite"),
             ("1,2\n3\n", "f, line 2, column 2: the line has 1 columns"),
             (
