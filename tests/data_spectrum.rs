@@ -144,8 +144,8 @@ fn the_bias_of_the_second_exponent_shrinks_with_the_neighbourhood() {
     );
 }
 
-/// λ = (0.9056, 0, −14.57). Over 900 time units the block error of the first is about 0.019, and the finite neighbourhoods (0.037
-/// of the spread) bias it down by about 0.03: three errors are allowed. The second is biased by the same. The
+/// λ = (0.9056, 0, −14.57). Over 900 time units the block error of the first is about 0.019, and the finite neighbourhoods (0.028
+/// of the spread) bias it down by about 0.02: three errors are allowed. The second is biased by the same. The
 /// third direction is 10⁻⁴ thin, far below the neighbourhoods: the sheet's curvature is all that the data show.
 #[test]
 fn lorenz_has_two_exponents_and_a_third_that_the_data_do_not_tell() {

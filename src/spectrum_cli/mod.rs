@@ -69,7 +69,7 @@ pub struct Arguments {
     pub eps: Option<f64>,
 
     /// Fewest and most neighbours taken from the ball, as MIN-MAX, or the number of nearest neighbours
-    /// [default: 20-40]
+    /// [default: 12-40]
     #[arg(long, value_name = "MIN-MAX|K")]
     pub neighbours: Option<Count>,
 

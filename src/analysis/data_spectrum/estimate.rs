@@ -94,8 +94,7 @@ fn estimate<const N: usize>(
         rank_tolerance: settings.rank_tolerance,
         ridge: settings.ridge,
     };
-    let smallest = settings.neighbours.fewest().min(SMALLEST_LEVEL.max(2 * N));
-    let directions = directions::measure(&cloud, &finder, &rule, smallest);
+    let directions = directions::measure(&cloud, &finder, &rule, SMALLEST_LEVEL.max(2 * N));
     let dimension = directions
         .iter()
         .take_while(|direction| direction.kind == Kind::Tangent)
@@ -181,7 +180,7 @@ fn estimate<const N: usize>(
     })
 }
 
-/// The smallest neighbourhood in which directions are measured has about so many points, fewer if the fit uses fewer.
+/// The smallest neighbourhood in which directions are measured has so many points, or twice as many as there are columns.
 const SMALLEST_LEVEL: usize = 20;
 
 /// # Errors

@@ -10,6 +10,14 @@
 //!    looks like any other, depends on eps and on how small singular values are treated. These are
 //!    [`Status::Unidentified`].
 //!
+//! # What "ok" does not promise
+//! Neighbourhoods are finite, and the second-order terms that a linear map leaves out act like a perturbation of it. They
+//! bias exponents by an amount that shrinks with the radius and that the standard error does not contain: for the
+//! Lorenz system at 45001 points 0.9056 and 0 come out as about 0.88 and 0.03. They hide contractions: over `d` steps nothing shrinks
+//! below about the relative radius, and a strongly negative exponent rises with `d` (Hénon's second from −1.6 to −0.4 at
+//! `d = 5`). The fit of fixed rank is unbiased for directions on a curve or a torus; on a fractal it counts what it
+//! cuts off as loss.
+//!
 //! # When an exponent is minus infinity, and when unidentified
 //! In a stick phase the velocity is the belt's, exactly. Neighbours in such a phase do not differ in it: the neighbour
 //! matrix has a singular value at rounding, the map is undetermined in that direction, and the pseudo-inverse's zero

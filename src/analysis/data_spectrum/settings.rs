@@ -28,7 +28,8 @@ impl Neighbourhood {
     }
 }
 
-/// Settings of [`super::data_spectrum`]. The defaults suit noise-free series of some ten thousand points.
+/// Settings of [`super::data_spectrum`]. The defaults suit noise-free series of some ten thousand points;
+/// noise wants more neighbours and a larger radius.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DataSettings {
     /// Which points are neighbours.
@@ -60,7 +61,7 @@ impl Default for DataSettings {
         Self {
             neighbours: Neighbourhood::Ball {
                 eps: 0.02,
-                min: 20,
+                min: 12,
                 max: 40,
             },
             theiler: None,
