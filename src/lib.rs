@@ -10,6 +10,7 @@ pub mod ode;
 pub mod orbit;
 pub mod paper;
 pub mod scalar;
+pub mod spectrum_cli;
 pub mod system;
 
 pub use error::Error;

@@ -1,5 +1,6 @@
 //! Analyses of systems and orbits: tangent points, monodromy by saltation, periodic orbits, attractors, Lyapunov spectra.
 
+pub mod data_spectrum;
 mod destination;
 mod lyapunov;
 mod monodromy;

@@ -1,0 +1,209 @@
+//! Which directions a series has points in.
+//!
+//! Around a point of a smooth manifold of dimension m the neighbours within r lie in m directions at distances of the order of
+//! r, in further ones at r² or less, where the manifold curves, and in noise at distances that do not depend on r. The
+//! slope of `log s_i` over `log r`, with `s_i` the singular values of the neighbour matrix, tells the three apart.
+
+use rayon::prelude::*;
+
+use super::cloud::Cloud;
+use super::fit::{Rule, Scratch};
+use super::neighbours::{Finder, Neighbour};
+use crate::math;
+
+/// Neighbourhoods of so many sizes are compared.
+pub const LEVELS: usize = 4;
+/// Points looked at, spread evenly over the series.
+const SAMPLES: usize = 512;
+/// The largest neighbourhood has so many times the points of the smallest,
+const RANGE: usize = 16;
+/// but not more than this part of the series.
+const LARGEST_PART: usize = 20;
+/// Slopes below are noise,
+const NOISE: f64 = 0.5;
+/// slopes above are curvature.
+const CURVATURE: f64 = 1.5;
+/// Neighbourhoods must differ in size by this factor in all for a slope to mean something.
+const SMALLEST_SPAN: f64 = 1.2;
+
+/// What the neighbours do in a direction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// They spread in proportion to the size of the neighbourhood: the manifold extends there.
+    Tangent,
+    /// They leave with a higher power of the size: the manifold curves into it, and no neighbour tells what a
+    /// perturbation in that direction does.
+    Curvature,
+    /// They spread to the same extent at all sizes.
+    Noise,
+    /// They do not spread beyond rounding.
+    Flat,
+}
+
+impl Kind {
+    /// A word for tables.
+    pub fn word(self) -> &'static str {
+        match self {
+            Kind::Tangent => "tangent",
+            Kind::Curvature => "curvature",
+            Kind::Noise => "noise",
+            Kind::Flat => "flat",
+        }
+    }
+}
+
+/// One direction of the neighbourhoods, the widest first.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Direction {
+    /// What the neighbours do there.
+    pub kind: Kind,
+    /// Median slope of the singular value over the radius, both logarithmic; NaN where it is flat.
+    pub slope: f64,
+    /// Median radius and median singular value per root of the number of neighbours, in the unit of the data, at sizes from
+    /// small to large.
+    pub sizes: Vec<(f64, f64)>,
+}
+
+/// What one point says.
+struct Vote<const N: usize> {
+    radius: [f64; LEVELS],
+    sizes: [[f64; N]; LEVELS],
+    /// NaN where a singular value is zero at some size.
+    slopes: [f64; N],
+}
+
+/// Measures the directions. `smallest` is the number of neighbours in the smallest neighbourhood.
+pub(super) fn measure<const N: usize>(
+    cloud: &Cloud<N>,
+    finder: &Finder<'_, N>,
+    rule: &Rule,
+    smallest: usize,
+) -> Vec<Direction> {
+    let points = cloud.points.len() - rule.step;
+    let counts = counts(smallest, points);
+    let every = points.div_ceil(SAMPLES).max(1);
+    let votes: Vec<Option<Vote<N>>> = (0..points.div_ceil(every))
+        .into_par_iter()
+        .map_init(
+            || (Scratch::default(), Vec::new()),
+            |(scratch, found), i| vote(cloud, finder, rule, &counts, i * every, scratch, found),
+        )
+        .collect();
+    let votes: Vec<Vote<N>> = votes.into_iter().flatten().collect();
+    (0..N).map(|i| direction(&votes, i, cloud.unit)).collect()
+}
+
+/// Numbers of neighbours, in geometric progression.
+fn counts(smallest: usize, points: usize) -> [usize; LEVELS] {
+    let largest = (RANGE * smallest).min((points / LARGEST_PART).max(4 * smallest));
+    let ratio = largest as f64 / smallest as f64;
+    std::array::from_fn(|level| {
+        let part = level as f64 / (LEVELS - 1) as f64;
+        (smallest as f64 * math::pow(ratio, part)).round() as usize
+    })
+}
+
+fn vote<const N: usize>(
+    cloud: &Cloud<N>,
+    finder: &Finder<'_, N>,
+    rule: &Rule,
+    counts: &[usize; LEVELS],
+    j: usize,
+    scratch: &mut Scratch,
+    found: &mut Vec<Neighbour>,
+) -> Option<Vote<N>> {
+    finder.nearest(j, counts[LEVELS - 1], f64::INFINITY, found);
+    let mut vote = Vote {
+        radius: [0.0; LEVELS],
+        sizes: [[0.0; N]; LEVELS],
+        slopes: [0.0; N],
+    };
+    let mut zero = [0.0; LEVELS];
+    for (level, &count) in counts.iter().enumerate() {
+        let neighbours = found.get(..count)?;
+        vote.radius[level] = neighbours.last()?.0.sqrt();
+        (vote.sizes[level], zero[level]) = scratch.singular_values(cloud, j, neighbours, rule);
+    }
+    if vote.radius[LEVELS - 1] < SMALLEST_SPAN * vote.radius[0] {
+        return None;
+    }
+    for i in 0..N {
+        let resolved = (0..LEVELS).all(|level| vote.sizes[level][i] > zero[level]);
+        vote.slopes[i] = if resolved {
+            slope(
+                &vote.radius,
+                &std::array::from_fn(|level| vote.sizes[level][i]),
+            )
+        } else {
+            f64::NAN
+        };
+    }
+    Some(vote)
+}
+
+/// Slope of the regression line of `ln y` on `ln x`.
+fn slope(x: &[f64; LEVELS], y: &[f64; LEVELS]) -> f64 {
+    let (x, y) = (x.map(math::ln), y.map(math::ln));
+    let mean = |v: &[f64; LEVELS]| v.iter().sum::<f64>() / LEVELS as f64;
+    let (mx, my) = (mean(&x), mean(&y));
+    let mut sums = (0.0, 0.0);
+    for (x, y) in x.iter().zip(&y) {
+        sums.0 += (x - mx) * (y - my);
+        sums.1 += (x - mx) * (x - mx);
+    }
+    sums.0 / sums.1
+}
+
+fn direction<const N: usize>(votes: &[Vote<N>], i: usize, unit: f64) -> Direction {
+    let slopes: Vec<f64> = votes
+        .iter()
+        .map(|vote| vote.slopes[i])
+        .filter(|slope| !slope.is_nan())
+        .collect();
+    let sizes = (0..LEVELS)
+        .map(|level| {
+            let radius = median(votes.iter().map(|vote| vote.radius[level]).collect());
+            let size = median(votes.iter().map(|vote| vote.sizes[level][i]).collect());
+            (unit * radius, unit * size)
+        })
+        .collect();
+    // Flat where most points say so, and where no point has anything to say.
+    let (kind, slope) = if 2 * slopes.len() <= votes.len() {
+        (Kind::Flat, f64::NAN)
+    } else {
+        let slope = median(slopes);
+        let kind = if slope < NOISE {
+            Kind::Noise
+        } else if slope <= CURVATURE {
+            Kind::Tangent
+        } else {
+            Kind::Curvature
+        };
+        (kind, slope)
+    };
+    Direction { kind, slope, sizes }
+}
+
+/// The middle value (the upper of two), NaN of none.
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counts_grow_geometrically_and_stay_a_small_part() {
+        assert_eq!(counts(20, 45_000), [20, 50, 127, 320]);
+        assert_eq!(counts(20, 500), [20, 32, 50, 80]);
+    }
+
+    #[test]
+    fn slopes_are_powers() {
+        let x = [1.0, 2.0, 3.0, 5.0];
+        assert!((slope(&x, &x.map(|x| 0.3 * x * x)) - 2.0).abs() < 1e-14);
+        assert!(slope(&x, &[0.7; LEVELS]).abs() < 1e-14);
+    }
+}

@@ -1,0 +1,199 @@
+//! Neighbours of a point.
+
+use std::num::NonZero;
+
+use kiddo::{ImmutableKdTree, SquaredEuclidean};
+
+use super::cloud::{Cloud, distance2};
+use super::error::DataError;
+use super::settings::Neighbourhood;
+
+/// Points nearer than this fraction of the spread are the same point met again. Their difference is rounding or the
+/// tolerance of an integrator, and tells nothing of the dynamics.
+const REPEAT: f64 = 1e-9;
+/// How many repeats a search reads over before it gives up.
+const PATIENCE: usize = 1000;
+/// Slack of the tree's own arithmetic against ours.
+const SLACK: f64 = 1.0 + 1e-9;
+
+/// A neighbour: squared distance and index.
+pub(super) type Neighbour = (f64, u32);
+
+/// Finds neighbours among the points that have an image.
+pub(super) struct Finder<'c, const N: usize> {
+    tree: ImmutableKdTree<f64, N>,
+    points: &'c [[f64; N]],
+    theiler: usize,
+    repeat2: f64,
+}
+
+impl<'c, const N: usize> Finder<'c, N> {
+    /// # Errors
+    /// [`DataError::TooMany`], [`DataError::Tree`].
+    pub(super) fn new(cloud: &'c Cloud<N>, step: usize, theiler: usize) -> Result<Self, DataError> {
+        let rows = cloud.points.len();
+        if u32::try_from(rows).is_err() {
+            return Err(DataError::TooMany {
+                rows,
+                max: u32::MAX as usize,
+            });
+        }
+        let with_image = &cloud.points[..rows.saturating_sub(step)];
+        let tree =
+            ImmutableKdTree::new_from_slice(with_image).map_err(|error| DataError::Tree {
+                rows,
+                cause: format!("{error:?}"),
+            })?;
+        let repeat = (REPEAT * cloud.spread).max(4.0 * cloud.rounding);
+        Ok(Self {
+            tree,
+            points: &cloud.points,
+            theiler,
+            repeat2: repeat * repeat,
+        })
+    }
+
+    /// The neighbours of point `j`, nearest first, and whether the ball held too few.
+    pub(super) fn select(
+        &self,
+        j: usize,
+        neighbours: &Neighbourhood,
+        spread: f64,
+        found: &mut Vec<Neighbour>,
+    ) -> bool {
+        match *neighbours {
+            Neighbourhood::Nearest(k) => {
+                self.nearest(j, k, f64::INFINITY, found);
+                found.len() < k
+            }
+            Neighbourhood::Ball { eps, min, max } => {
+                self.nearest(j, max, eps * spread, found);
+                let starved = found.len() < min;
+                if starved {
+                    self.nearest(j, min, f64::INFINITY, found);
+                }
+                starved
+            }
+        }
+    }
+
+    /// The `wanted` nearest admissible points within `radius`, nearest first, equally distant ones by index. Fewer if there
+    /// are no more, or if too many repeats lie in between.
+    ///
+    /// The tree proposes, distances computed here decide: the outcome then does not depend on how its crate sums squares or
+    /// breaks ties.
+    pub(super) fn nearest(&self, j: usize, wanted: usize, radius: f64, found: &mut Vec<Neighbour>) {
+        let centre = &self.points[j];
+        let radius2 = radius * radius;
+        let size = self.tree.size();
+        let window = 2 * self.theiler + 1;
+        let limit = wanted.saturating_add(window + PATIENCE).min(size);
+        let mut ask = wanted.saturating_add(2 + window.min(32)).min(size);
+        loop {
+            found.clear();
+            let Some(count) = NonZero::new(ask) else {
+                return;
+            };
+            let query = self.tree.query(centre);
+            let query = query.nearest_n::<SquaredEuclidean<f64>>(count);
+            let proposed = if radius.is_finite() {
+                query.within(radius2 * SLACK).execute()
+            } else {
+                query.execute()
+            };
+            let reach = proposed.last().map_or(0.0, |item| item.distance);
+            let all = proposed.len() < ask || ask == size;
+            found.extend(proposed.iter().filter_map(|item| {
+                let k = item.item as usize;
+                let d2 = distance2(&self.points[k], centre);
+                let admissible = k.abs_diff(j) > self.theiler && d2 > self.repeat2 && d2 <= radius2;
+                admissible.then_some((d2, item.item))
+            }));
+            found.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+            // A tie at the edge of what was proposed may hide an equally distant point of lower index.
+            let settled = wanted
+                .checked_sub(1)
+                .and_then(|last| found.get(last))
+                .is_some_and(|furthest| furthest.0 * SLACK < reach);
+            if all || settled || ask == limit {
+                found.truncate(wanted);
+                return;
+            }
+            ask = ask.saturating_mul(2).min(limit);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::series::Series;
+    use super::*;
+    use crate::math;
+
+    /// As [`Finder::nearest`], by looking at every point.
+    fn brute<const N: usize>(
+        cloud: &Cloud<N>,
+        finder: &Finder<'_, N>,
+        step: usize,
+        j: usize,
+        wanted: usize,
+        radius: f64,
+    ) -> Vec<Neighbour> {
+        let last = cloud.points.len() - step;
+        let mut all: Vec<Neighbour> = (0..last)
+            .filter(|k| k.abs_diff(j) > finder.theiler)
+            .map(|k| (distance2(&cloud.points[k], &cloud.points[j]), k as u32))
+            .filter(|n| n.0 > finder.repeat2 && n.0 <= radius * radius)
+            .collect();
+        all.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        all.truncate(wanted);
+        all
+    }
+
+    fn agrees_with_brute_force<const N: usize>(rows: impl Iterator<Item = [f64; N]>) {
+        let series = Series::from_rows(rows, 1.0).unwrap();
+        let cloud = Cloud::<N>::new(&series).unwrap();
+        let mut found = Vec::new();
+        for (step, theiler) in [(1, 0), (3, 40)] {
+            let finder = Finder::new(&cloud, step, theiler).unwrap();
+            for j in (0..cloud.points.len()).step_by(17) {
+                for (wanted, radius) in [(30, f64::INFINITY), (30, 0.05), (500, 0.3), (1, 1.0)] {
+                    finder.nearest(j, wanted, radius, &mut found);
+                    let expected = brute(&cloud, &finder, step, j, wanted, radius);
+                    assert_eq!(found, expected, "{j} {wanted} {radius}");
+                }
+            }
+        }
+    }
+
+    /// Stick data: one coordinate is the belt's speed, exactly, for a good part of the time; one is constant; and the other two
+    /// are rounded to a grid, so that coordinates and distances repeat.
+    #[test]
+    fn the_tree_finds_what_brute_force_finds_on_stick_data() {
+        agrees_with_brute_force((0..3000).map(|i| {
+            let t = f64::from(i) * 0.137;
+            let grid = |v: f64| (v * 64.0).round() / 64.0;
+            [
+                grid(math::sin(t)),
+                math::cos(t).min(0.5),
+                0.25,
+                grid(math::cos(0.7 * t)),
+            ]
+        }));
+    }
+
+    #[test]
+    fn the_tree_finds_what_brute_force_finds_on_a_grid() {
+        agrees_with_brute_force((0..2500).map(|i| [f64::from(i % 50), f64::from(i / 50)]));
+    }
+
+    #[test]
+    fn only_repeats_end_the_search_with_nothing() {
+        let rows = (0..6000).map(|i| [f64::from(i % 2)]);
+        let cloud = Cloud::<1>::new(&Series::from_rows(rows, 1.0).unwrap()).unwrap();
+        let finder = Finder::new(&cloud, 1, 1).unwrap();
+        let mut found = vec![(0.0, 0)];
+        finder.nearest(10, 20, f64::INFINITY, &mut found);
+        assert!(found.is_empty());
+    }
+}

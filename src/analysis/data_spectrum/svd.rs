@@ -1,0 +1,220 @@
+//! Small dense least squares: Householder triangle and one-sided Jacobi.
+//!
+//! Own code, because the sizes are tiny and the bits must be the same everywhere: only `+ − × ÷ √`, in a fixed order. The
+//! triangle is found from the neighbour matrix itself and never from `Σ y yᵀ`, whose condition number is the square.
+
+/// Sweeps after which Jacobi's rotations stop; ten are more than ever needed.
+const SWEEPS: usize = 40;
+/// Cosine of two columns that counts as orthogonal.
+const ORTHOGONAL: f64 = 1e-15;
+
+/// A square matrix, `[row][column]`.
+pub(super) type Square<const N: usize> = [[f64; N]; N];
+
+/// Turns `left` (`rows` × N, column after column) into an upper triangle by reflections, and applies them to `right`
+/// (also `rows` × N). Returns the triangle and the upper N rows of the other. `rows` must be at least N.
+pub(super) fn triangle<const N: usize>(
+    left: &mut [f64],
+    right: &mut [f64],
+    rows: usize,
+) -> (Square<N>, Square<N>) {
+    let mut r = [[0.0; N]; N];
+    let mut c = [[0.0; N]; N];
+    for i in 0..N {
+        let (done, rest) = left.split_at_mut((i + 1) * rows);
+        let mirror = &mut done[i * rows + i..];
+        let norm = dot(mirror, mirror).sqrt();
+        if norm > 0.0 {
+            let corner = if mirror[0] > 0.0 { -norm } else { norm };
+            mirror[0] -= corner;
+            let square = dot(mirror, mirror);
+            for column in rest.chunks_exact_mut(rows) {
+                reflect(mirror, square, &mut column[i..]);
+            }
+            for column in right.chunks_exact_mut(rows) {
+                reflect(mirror, square, &mut column[i..]);
+            }
+            r[i][i] = corner;
+        }
+        for (k, column) in rest.chunks_exact(rows).enumerate() {
+            r[i][i + 1 + k] = column[i];
+        }
+    }
+    for (k, column) in right.chunks_exact(rows).take(N).enumerate() {
+        for i in 0..N {
+            c[i][k] = column[i];
+        }
+    }
+    (r, c)
+}
+
+fn reflect(mirror: &[f64], square: f64, column: &mut [f64]) {
+    let factor = 2.0 * dot(mirror, column) / square;
+    for (v, m) in column.iter_mut().zip(mirror) {
+        *v -= factor * m;
+    }
+}
+
+/// Four partial sums, in a fixed order: independent additions, so that they need not wait for one another.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let (a_fours, a_rest) = a.as_chunks::<4>();
+    let (b_fours, b_rest) = b.as_chunks::<4>();
+    let mut sums = [0.0; 4];
+    for (x, y) in a_fours.iter().zip(b_fours) {
+        for i in 0..4 {
+            sums[i] += x[i] * y[i];
+        }
+    }
+    let rest: f64 = a_rest.iter().zip(b_rest).map(|(x, y)| x * y).sum();
+    ((sums[0] + sums[1]) + (sums[2] + sums[3])) + rest
+}
+
+/// `m = u diag(s) vᵀ`, singular values in descending order.
+pub(super) struct Svd<const N: usize> {
+    /// Left singular vectors, `u[i]` the `i`th; zero where the singular value is.
+    pub(super) u: Square<N>,
+    /// Singular values.
+    pub(super) s: [f64; N],
+    /// Right singular vectors, `v[i]` the `i`th.
+    pub(super) v: Square<N>,
+}
+
+/// Singular value decomposition by rotations of the columns (Hestenes), which finds small singular values to high relative
+/// accuracy.
+pub(super) fn svd<const N: usize>(m: &Square<N>) -> Svd<N> {
+    // Columns as rows: w[i] becomes u_i s_i.
+    let mut w = [[0.0; N]; N];
+    let mut v = [[0.0; N]; N];
+    for i in 0..N {
+        for k in 0..N {
+            w[i][k] = m[k][i];
+        }
+        v[i][i] = 1.0;
+    }
+    for _ in 0..SWEEPS {
+        let mut rotated = false;
+        for p in 0..N {
+            for q in p + 1..N {
+                rotated |= rotate(&mut w, &mut v, p, q);
+            }
+        }
+        if !rotated {
+            break;
+        }
+    }
+    let norms = w.map(|column| product(&column, &column).sqrt());
+    let mut order: [usize; N] = std::array::from_fn(|i| i);
+    order.sort_by(|&a, &b| norms[b].total_cmp(&norms[a]));
+    Svd {
+        u: order.map(|i| w[i].map(|x| if norms[i] > 0.0 { x / norms[i] } else { 0.0 })),
+        s: order.map(|i| norms[i]),
+        v: order.map(|i| v[i]),
+    }
+}
+
+/// Makes columns `p` and `q` orthogonal; false if they were.
+fn rotate<const N: usize>(w: &mut Square<N>, v: &mut Square<N>, p: usize, q: usize) -> bool {
+    let (pp, qq, pq) = (
+        product(&w[p], &w[p]),
+        product(&w[q], &w[q]),
+        product(&w[p], &w[q]),
+    );
+    if pq == 0.0 || pq.abs() <= ORTHOGONAL * pp.sqrt() * qq.sqrt() {
+        return false;
+    }
+    let zeta = (qq - pp) / (2.0 * pq);
+    let t = zeta.signum() / (zeta.abs() + (1.0 + zeta * zeta).sqrt());
+    let cosine = 1.0 / (1.0 + t * t).sqrt();
+    let sine = cosine * t;
+    for matrix in [w, v] {
+        let (upper, lower) = matrix.split_at_mut(q);
+        for (a, b) in upper[p].iter_mut().zip(&mut lower[0]) {
+            let (x, y) = (*a, *b);
+            *a = cosine * x - sine * y;
+            *b = sine * x + cosine * y;
+        }
+    }
+    true
+}
+
+/// Scalar product.
+pub(super) fn product<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
+    let mut sum = 0.0;
+    for i in 0..N {
+        sum += a[i] * b[i];
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn multiply<const N: usize>(d: &Svd<N>) -> Square<N> {
+        let mut m = [[0.0; N]; N];
+        for i in 0..N {
+            for (r, row) in m.iter_mut().enumerate() {
+                for (c, cell) in row.iter_mut().enumerate() {
+                    *cell += d.u[i][r] * d.s[i] * d.v[i][c];
+                }
+            }
+        }
+        m
+    }
+
+    #[test]
+    fn the_decomposition_multiplies_back() {
+        let m = [[1.0, 2.0, -3.0], [0.0, 1e-6, 4.0], [0.0, 0.0, 1e-9]];
+        let d = svd(&m);
+        for (row, back) in m.iter().zip(multiply(&d)) {
+            for (x, y) in row.iter().zip(back) {
+                assert!((x - y).abs() < 1e-14, "{x} {y}");
+            }
+        }
+        assert!(d.s[0] > d.s[1] && d.s[1] > d.s[2]);
+        for (i, a) in d.v.iter().enumerate() {
+            for (k, b) in d.v.iter().enumerate() {
+                assert!((product(a, b) - f64::from(u8::from(i == k))).abs() < 1e-14);
+            }
+        }
+    }
+
+    #[test]
+    fn zero_and_deficient_matrices_have_zero_singular_values() {
+        assert_eq!(svd(&[[0.0; 3]; 3]).s, [0.0; 3]);
+        let d = svd(&[[0.0, 3.0], [0.0, 4.0]]);
+        assert_eq!(d.s, [5.0, 0.0]);
+        assert_eq!(d.v[0].map(f64::abs), [0.0, 1.0]);
+    }
+
+    /// A map with a condition number of 1e10 is recovered to 1e-5 (rounding times condition); normal equations, whose
+    /// condition would be 1e20, would recover nothing.
+    #[test]
+    fn ill_conditioned_least_squares() {
+        const ROWS: usize = 9;
+        let map = [[0.3, 0.7], [-1.1, 0.4]];
+        let mut left = vec![0.0; 2 * ROWS];
+        let mut right = vec![0.0; 2 * ROWS];
+        for k in 0..ROWS {
+            let a = k as f64 - 3.7;
+            let y = [a, a + 1e-10 * (a * a - 5.0)];
+            for c in 0..2 {
+                left[c * ROWS + k] = y[c];
+                right[c * ROWS + k] = map[c][0] * y[0] + map[c][1] * y[1];
+            }
+        }
+        let (r, c) = triangle::<2>(&mut left, &mut right, ROWS);
+        let d = svd(&r);
+        for (out, row) in map.iter().enumerate() {
+            for (from, expected) in row.iter().enumerate() {
+                let fitted: f64 = (0..2)
+                    .map(|i| {
+                        let image: f64 = (0..2).map(|k| d.u[i][k] * c[k][out]).sum();
+                        d.v[i][from] * image / d.s[i]
+                    })
+                    .sum();
+                assert!((fitted - expected).abs() < 1e-5, "{fitted} {expected}");
+            }
+        }
+    }
+}

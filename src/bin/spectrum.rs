@@ -1,0 +1,7 @@
+//! Lyapunov spectrum of a time series in a CSV file.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    stickslip::spectrum_cli::main()
+}

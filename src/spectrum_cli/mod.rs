@@ -1,0 +1,258 @@
+//! The program `spectrum`: the Lyapunov spectrum of anyone's time series. This module and those of the figures' command
+//! line are the only parts of the library that print.
+
+mod draw;
+mod error;
+mod read;
+mod report;
+
+use std::cell::OnceCell;
+use std::io::{self, Write};
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::str::FromStr;
+use std::time::{Duration, Instant};
+
+use clap::Parser;
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::analysis::data_spectrum::{DataSettings, Neighbourhood, Series, data_spectrum_with};
+use crate::figures::output::{self, Artifact};
+
+pub use draw::draw;
+pub use error::SpectrumError;
+pub use read::{Table, parse, read};
+pub use report::{csv, json, table};
+
+/// Only computations longer than this show how far they are.
+const PATIENCE: Duration = Duration::from_secs(2);
+
+const ABOUT: &str = "Lyapunov exponents of a time series of states, by Sano and Sawada's method: local linear maps fitted to \
+    neighbours, chained along the series. Tells which of the exponents the data determine.";
+
+const AFTER: &str = "\
+Status of an exponent:
+  ok            the series has points in its direction
+  unidentified  it has not: the value, in brackets in the table, comes from curvature, noise or rounding
+  annihilated   minus infinity: maps that the data determine take the direction to nothing
+
+Output for machines:
+  --csv   index,exponent,stderr,status; -inf if annihilated, an empty cell where there is no value
+  --json  an object with settings and exponents, a list of {index, exponent, stderr, status, …}; null for -inf and where
+          there is no value
+
+A column named t or time is not used, but its steps are held against --dt. Lines that start with # are skipped.
+
+Examples:
+  spectrum lorenz.csv --dt 0.02
+  spectrum run.csv --dt 0.2 --columns x1,x2,x3,x4 --step 3 --out pictures
+  spectrum henon.csv --dt 1 --neighbours 30 --json
+  generate | spectrum - --dt 0.01 --csv";
+
+/// Arguments of the program.
+#[derive(Debug, Parser)]
+#[command(name = "spectrum", version, about = ABOUT, after_help = AFTER)]
+pub struct Arguments {
+    /// CSV file with one state per line, with or without names in the first; - for standard input
+    pub file: PathBuf,
+
+    /// Time between two lines; 1 for a map
+    #[arg(long, value_name = "TIME", allow_negative_numbers = true)]
+    pub dt: f64,
+
+    /// Columns to use, by number (from 1) or name [default: all]
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    pub columns: Vec<String>,
+
+    /// Radius of the neighbourhoods, as a fraction of the signal's spread √Σvar [default: 0.02]
+    #[arg(long, value_name = "FRACTION", allow_negative_numbers = true)]
+    pub eps: Option<f64>,
+
+    /// Fewest and most neighbours taken from the ball, as MIN-MAX, or the number of nearest neighbours
+    /// [default: 12-40]
+    #[arg(long, value_name = "MIN-MAX|K")]
+    pub neighbours: Option<Count>,
+
+    /// Points that a map goes ahead
+    #[arg(long, value_name = "D", default_value_t = 1)]
+    pub step: usize,
+
+    /// Points that follow one another so closely are no neighbours [default: time in which the autocorrelation falls to 1/e]
+    #[arg(long, value_name = "POINTS")]
+    pub theiler: Option<usize>,
+
+    /// Fit a constant beside the linear map
+    #[arg(long)]
+    pub affine: bool,
+
+    /// Singular values below this fraction of the largest are zero
+    #[arg(long, value_name = "FRACTION", default_value_t = DataSettings::default().rank_tolerance)]
+    pub rank_tolerance: f64,
+
+    /// Tikhonov regularisation, as a fraction of the largest singular value
+    #[arg(long, value_name = "FRACTION", default_value_t = 0.0)]
+    pub ridge: f64,
+
+    /// Rank of the second fit [default: number of tangent directions]
+    #[arg(long, value_name = "RANK")]
+    pub rank: Option<usize>,
+
+    /// Use every so many points as reference points; a divisor of the step
+    #[arg(long, value_name = "POINTS", default_value_t = 1)]
+    pub stride: usize,
+
+    /// Use only the first so many reference points [default: all]
+    #[arg(long, value_name = "COUNT")]
+    pub references: Option<usize>,
+
+    /// Print JSON
+    #[arg(long, conflicts_with = "csv")]
+    pub json: bool,
+
+    /// Print CSV
+    #[arg(long)]
+    pub csv: bool,
+
+    /// Folder for a picture, spectrum.svg; made if it does not exist
+    #[arg(long, value_name = "DIR", visible_alias = "out-dir")]
+    pub out: Option<PathBuf>,
+}
+
+/// How many neighbours.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Count {
+    /// So many in a ball.
+    Range(usize, usize),
+    /// The nearest so many.
+    Nearest(usize),
+}
+
+impl FromStr for Count {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let number = |part: &str| {
+            part.trim().parse::<usize>().map_err(|_| {
+                format!("'{part}' is no number of neighbours; give 30, or a range such as 20-40")
+            })
+        };
+        match text.split_once('-') {
+            Some((min, max)) => Ok(Self::Range(number(min)?, number(max)?)),
+            None => Ok(Self::Nearest(number(text)?)),
+        }
+    }
+}
+
+impl Arguments {
+    /// The estimator's settings.
+    ///
+    /// # Errors
+    /// [`SpectrumError::EpsWithCount`].
+    pub fn settings(&self) -> Result<DataSettings, SpectrumError> {
+        let mut settings = DataSettings {
+            theiler: self.theiler,
+            step: self.step,
+            affine: self.affine,
+            rank_tolerance: self.rank_tolerance,
+            ridge: self.ridge,
+            fixed_rank: self.rank,
+            stride: self.stride,
+            references: self.references,
+            ..DataSettings::default()
+        };
+        match (self.neighbours, &mut settings.neighbours) {
+            (Some(Count::Nearest(count)), _) if self.eps.is_some() => {
+                return Err(SpectrumError::EpsWithCount { count });
+            }
+            (Some(Count::Nearest(count)), neighbours) => {
+                *neighbours = Neighbourhood::Nearest(count);
+            }
+            (range, Neighbourhood::Ball { eps, min, max }) => {
+                *eps = self.eps.unwrap_or(*eps);
+                if let Some(Count::Range(least, most)) = range {
+                    (*min, *max) = (least, most);
+                }
+            }
+            (_, Neighbourhood::Nearest(_)) => {}
+        }
+        Ok(settings)
+    }
+}
+
+/// Everything the program does. Exit code 0 on success, 1 if something failed, 2 for a wrong command line.
+pub fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    match run(&arguments) {
+        Ok(text) => print(&text),
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::from(if error.is_usage() { 2 } else { 1 })
+        }
+    }
+}
+
+/// Reads, computes, draws; returns the text to print.
+///
+/// # Errors
+/// Whatever one of these runs into.
+pub fn run(arguments: &Arguments) -> Result<String, SpectrumError> {
+    let settings = arguments.settings()?;
+    let source = read(&arguments.file, &arguments.columns, arguments.dt)?;
+    let (columns, dt) = (source.names.len(), arguments.dt);
+    let series = Series::new(source.values.clone(), columns, dt)?;
+    let spectrum = with_progress(|report| data_spectrum_with(&series, &settings, report))?;
+    let mut written = String::new();
+    if let Some(folder) = &arguments.out {
+        let picture = Artifact {
+            name: "spectrum.svg".into(),
+            bytes: draw(&spectrum, &source.input)?.into_bytes(),
+        };
+        for path in output::write_all(folder, &[picture])? {
+            written += &format!("wrote {}\n", path.display());
+        }
+    }
+    if arguments.json {
+        json(&spectrum, &source, dt)
+    } else if arguments.csv {
+        csv(&spectrum)
+    } else {
+        Ok(table(&spectrum, &source, dt) + &written)
+    }
+}
+
+/// Runs `work` with a report of progress that, on a terminal, shows up once it has taken a while.
+fn with_progress<T>(work: impl FnOnce(&dyn Fn(usize, usize)) -> T) -> T {
+    let begin = Instant::now();
+    let shown: OnceCell<ProgressBar> = OnceCell::new();
+    let outcome = work(&|done, total| {
+        if begin.elapsed() >= PATIENCE {
+            shown.get_or_init(|| bar(total)).set_position(done as u64);
+        }
+    });
+    if let Some(bar) = shown.get() {
+        bar.finish_and_clear();
+    }
+    outcome
+}
+
+/// Drawn on standard error, and only if that is a terminal.
+fn bar(total: usize) -> ProgressBar {
+    let bar = ProgressBar::new(total as u64);
+    match ProgressStyle::with_template("{bar:40} {pos}/{len} points, {eta} left") {
+        Ok(style) => bar.with_style(style),
+        Err(_) => bar,
+    }
+}
+
+fn print(text: &str) -> ExitCode {
+    let mut out = io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Ok(()) => ExitCode::SUCCESS,
+        // Whoever reads may stop reading.
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: cannot print the spectrum: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}

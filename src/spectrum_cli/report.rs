@@ -1,0 +1,202 @@
+//! A spectrum as a table to read, as CSV and as JSON.
+
+use std::fmt::Write;
+
+use serde_json::{Value, json};
+
+use super::error::SpectrumError;
+use super::read::Table;
+use crate::analysis::data_spectrum::{DataExponent, DataSpectrum, Neighbourhood, Status};
+use crate::figures::FigureError;
+
+/// The spectrum and its evidence, for the terminal.
+pub fn table(spectrum: &DataSpectrum, source: &Table, dt: f64) -> String {
+    let mut text = String::new();
+    // Writing to a string cannot fail.
+    let _ = writeln!(
+        text,
+        "{}: {} points of ({}), dt = {dt}\n",
+        source.input,
+        source.values.len() / source.names.len().max(1),
+        source.names.join(", "),
+    );
+    let _ = writeln!(
+        text,
+        "{:>5}  {:>12}  {:>10}  {:<13} {:>15}  {:<10} {:>5}",
+        "index",
+        "exponent",
+        "stderr",
+        "status",
+        format!("by rank {}", spectrum.fixed_rank),
+        "direction",
+        "slope"
+    );
+    let directions = spectrum.directions.iter();
+    for (i, (exponent, direction)) in spectrum.exponents.iter().zip(directions).enumerate() {
+        let _ = writeln!(
+            text,
+            "{:>5}  {:>12}  {:>10}  {:<13} {:>15}  {:<10} {:>5}",
+            i + 1,
+            value(exponent),
+            short(exponent.stderr),
+            exponent.status.word(),
+            exponent
+                .fixed_rank
+                .map_or("–".into(), |(value, _)| short(value)),
+            direction.kind.word(),
+            if direction.slope.is_nan() {
+                "–".into()
+            } else {
+                format!("{:.2}", direction.slope)
+            },
+        );
+    }
+    let _ = writeln!(
+        text,
+        "\n{} tangent direction{}: the data determine as many exponents; a value in brackets is none of the system's.",
+        spectrum.dimension,
+        if spectrum.dimension == 1 { "" } else { "s" }
+    );
+    let counts = &spectrum.neighbours;
+    let settings = &spectrum.settings;
+    let _ = writeln!(
+        text,
+        "{} reference points, {} starved; neighbours {} to {}, median {}; mean eps {} ({} of the spread); \
+         {}, Theiler window {}, step {}, {}",
+        spectrum.references,
+        spectrum.starved,
+        counts.min,
+        counts.max,
+        counts.median,
+        short(spectrum.mean_eps),
+        short(spectrum.mean_eps / spectrum.spread),
+        neighbourhood(&settings.neighbours),
+        settings.theiler.unwrap_or(0),
+        settings.step,
+        if settings.affine { "affine" } else { "linear" },
+    );
+    text
+}
+
+fn neighbourhood(neighbours: &Neighbourhood) -> String {
+    match neighbours {
+        Neighbourhood::Ball { eps, min, max } => format!("eps {eps}, neighbours {min}-{max}"),
+        Neighbourhood::Nearest(k) => format!("nearest {k}"),
+    }
+}
+
+fn value(exponent: &DataExponent) -> String {
+    match exponent.status {
+        Status::Ok => short(exponent.value),
+        Status::Annihilated => "-inf".into(),
+        Status::Unidentified if exponent.value.is_nan() => "–".into(),
+        Status::Unidentified => format!("({})", short(exponent.value)),
+    }
+}
+
+/// Five significant digits or five decimals, whichever is shorter.
+fn short(v: f64) -> String {
+    if v.is_nan() {
+        "–".into()
+    } else if !v.is_finite() || v == 0.0 {
+        format!("{v}")
+    } else if (1e-3..1e5).contains(&v.abs()) {
+        format!("{v:.5}")
+    } else {
+        format!("{v:.2e}")
+    }
+}
+
+/// `index,exponent,stderr,status`, full precision; `-inf` for an annihilated direction, an empty cell where there is no value.
+///
+/// # Errors
+/// [`FigureError::Csv`] if the writer refuses a field.
+pub fn csv(spectrum: &DataSpectrum) -> Result<String, SpectrumError> {
+    let number = |v: f64| {
+        if v.is_nan() {
+            String::new()
+        } else {
+            format!("{v:?}")
+        }
+    };
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let header = ["index", "exponent", "stderr", "status"];
+    writer.write_record(header).map_err(FigureError::from)?;
+    for (i, exponent) in spectrum.exponents.iter().enumerate() {
+        let record = [
+            (i + 1).to_string(),
+            number(exponent.value),
+            number(exponent.stderr),
+            exponent.status.word().to_owned(),
+        ];
+        writer.write_record(record).map_err(FigureError::from)?;
+    }
+    let bytes = writer
+        .into_inner()
+        .map_err(|error| FigureError::from(csv::Error::from(error.into_error())))?;
+    Ok(String::from_utf8_lossy(&bytes).into_owned())
+}
+
+/// An object with `settings`, `exponents` (a list of `index`, `exponent`, `stderr`, `status` and more), `directions` and
+/// `neighbourhoods`. Infinity and what has no value are `null`, as JSON has no word for them; `status` tells which.
+///
+/// # Errors
+/// [`SpectrumError::Json`].
+pub fn json(spectrum: &DataSpectrum, source: &Table, dt: f64) -> Result<String, SpectrumError> {
+    let exponents: Vec<Value> = spectrum
+        .exponents
+        .iter()
+        .enumerate()
+        .map(|(i, exponent)| {
+            json!({
+                "index": i + 1,
+                "exponent": exponent.value,
+                "stderr": exponent.stderr,
+                "status": exponent.status.word(),
+                "fixed_rank": exponent.fixed_rank.map(|(value, _)| value),
+                "fixed_rank_stderr": exponent.fixed_rank.map(|(_, stderr)| stderr),
+                "collapses": exponent.collapses,
+                "undetermined": exponent.undetermined,
+            })
+        })
+        .collect();
+    let directions: Vec<Value> = spectrum
+        .directions
+        .iter()
+        .map(|direction| json!({ "kind": direction.kind.word(), "slope": direction.slope }))
+        .collect();
+    let settings = &spectrum.settings;
+    let (eps, min, max) = match settings.neighbours {
+        Neighbourhood::Ball { eps, min, max } => (Some(eps), min, max),
+        Neighbourhood::Nearest(k) => (None, k, k),
+    };
+    let document = json!({
+        "settings": {
+            "dt": dt,
+            "columns": source.names,
+            "eps": eps,
+            "min_neighbours": min,
+            "max_neighbours": max,
+            "theiler": settings.theiler,
+            "step": settings.step,
+            "affine": settings.affine,
+            "rank_tolerance": settings.rank_tolerance,
+            "ridge": settings.ridge,
+            "fixed_rank": settings.fixed_rank,
+            "stride": settings.stride,
+            "references": settings.references,
+        },
+        "exponents": exponents,
+        "dimension": spectrum.dimension,
+        "directions": directions,
+        "neighbourhoods": {
+            "spread": spectrum.spread,
+            "mean_eps": spectrum.mean_eps,
+            "min": spectrum.neighbours.min,
+            "median": spectrum.neighbours.median,
+            "max": spectrum.neighbours.max,
+            "starved": spectrum.starved,
+        },
+    });
+    Ok(format!("{}\n", serde_json::to_string_pretty(&document)?))
+}
