@@ -64,7 +64,7 @@ pub enum Error {
     },
     /// The start lies where the system is not defined.
     #[error(
-        "the start t = {t}, x = {x} lies outside the system's domain: {what} is not finite there; start where field and boundary are finite"
+        "the start t = {t}, x = {x} lies outside the system's domain: {what}; start elsewhere, or look for a parameter that is not a number"
     )]
     StartOutsideDomain {
         /// Start time.

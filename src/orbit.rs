@@ -11,7 +11,8 @@ pub struct Counters {
     pub steps: u64,
     /// Steps rejected by error control.
     pub rejected: u64,
-    /// Calls of the user's field, on whatever scalar: by steps, event location and the switching rules.
+    /// Calls of the user's field, on whatever scalar, by steps, event location and the switching rules (not those by which the
+    /// guards of a stick phase are sampled).
     pub field_calls: u64,
     /// Transitions.
     pub events: u64,
@@ -57,7 +58,8 @@ pub struct Orbit<const N: usize> {
 }
 
 impl<const N: usize> Orbit<N> {
-    /// The state at time `t`, from the dense output (accurate to about the tolerance of the run).
+    /// The state at time `t`, from the dense output. At the steps' ends it is as accurate as the run; between
+    /// them it may err by up to some hundred tolerances where those are tight.
     ///
     /// # Errors
     /// [`Error::OutsideOrbit`] when the orbit does not cover `t`.

@@ -2,8 +2,9 @@
 
 use std::ops::ControlFlow;
 
-use crate::error::Error;
+use crate::error::{Error, Point};
 use crate::filippov::{Observer, Options, Phase, StepRecord, run};
+use crate::orbit::Ending;
 use crate::system::{Filippov, Mode, State};
 
 /// What a start leads to.
@@ -36,7 +37,7 @@ const LONGEST_PATTERN: usize = 8;
 /// The escape bound in `options` decides what counts as escaping.
 ///
 /// # Errors
-/// Those of [`run`] except [`Error::Escaped`].
+/// Those of [`run`] except [`Error::Escaped`]; [`Error::NoUniqueFuture`] where Σ repels.
 pub fn destination<S: Filippov<N>, const N: usize>(
     system: &S,
     (t0, x0): (f64, State<f64, N>),
@@ -55,6 +56,10 @@ pub fn destination<S: Filippov<N>, const N: usize>(
     // A little beyond the last whole period, so that rounding cannot leave it out.
     let t_end = t0 + (periods as f64 + 1e-6) * period;
     match run(system, t0, x0, t_end, options, &mut strobe) {
+        Ok(summary) if summary.ending == Ending::Repelling => {
+            let (t, x) = (summary.t, Point::from(&summary.x));
+            Err(Error::NoUniqueFuture { t, x })
+        }
         Ok(_) => Ok(strobe.verdict(closeness)),
         Err(Error::Escaped { t, .. }) => Ok(Destination::Escapes { t }),
         Err(error) => Err(error),

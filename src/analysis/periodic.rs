@@ -3,8 +3,9 @@
 use nalgebra::{Complex, DMatrix, DVector, SMatrix};
 
 use super::monodromy::{Monodromy, monodromy};
-use crate::error::Error;
+use crate::error::{Error, Point};
 use crate::filippov::{Options, sliding_field};
+use crate::orbit::Ending;
 use crate::system::{Filippov, Side, State};
 
 /// A periodic orbit.
@@ -93,6 +94,10 @@ fn shoot<S: Filippov<N>, const N: usize>(
     let mut residual = f64::INFINITY;
     for _ in 0..MOST {
         let turn = monodromy(system, t, x, t + period, options)?;
+        if turn.summary.ending != Ending::EndTime {
+            let (t, x) = (turn.summary.t, Point::from(&turn.summary.x));
+            return Err(Error::NoUniqueFuture { t, x });
+        }
         let gap = turn.summary.x - x;
         let size = gap.amax();
         // The last halvings of the residual are rounding: stop at the first iterate that is no better.

@@ -1,4 +1,4 @@
-//! The command line all figure programs share. The only part of the library that prints.
+//! The command line all figure programs share. Like the command line of `spectrum` it prints; the rest of the library does not.
 
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};

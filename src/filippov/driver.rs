@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use num_dual::Dual;
 
-use super::flow::{CONTACT, MOST_GUARDS, Slip, Stick, project, sliding_field};
+use super::flow::{CONTACT, MOST_GUARDS, Slip, Stick, boundary_gradient, project, sliding_field};
 use super::march::{PhaseEnd, Run};
 use super::observer::{Observer, Phase, StepRecord, Transition, TransitionKind};
 use super::options::{AtRepelling, Method, Options};
@@ -161,23 +161,31 @@ fn check<S: Filippov<N>, const N: usize>(
     if !(t.is_finite() && t_end.is_finite() && t < t_end) {
         return Err(Error::Interval { t0: t, t_end });
     }
-    let outside = |what| Error::StartOutsideDomain {
+    let outside = |what: &'static str| Error::StartOutsideDomain {
         t,
         x: Point::from(&x),
         what,
     };
     if x.iter().any(|v| !v.is_finite()) {
-        return Err(outside("the start itself"));
+        return Err(outside("the start itself is not finite"));
     }
     let h = system.boundary(t, &x);
     if !h.is_finite() {
-        return Err(outside("the boundary function"));
+        return Err(outside("the boundary function is not finite there"));
+    }
+    if h == 0.0 {
+        let (gradient, in_time) = boundary_gradient(system, t, &x);
+        if gradient.iter().all(|&slope| slope == 0.0) && in_time == 0.0 {
+            return Err(outside(
+                "the boundary function is zero there and has no slope, so it marks no boundary",
+            ));
+        }
     }
     // On Σ both fields matter, off it only one need exist.
     for side in [Side::Below, Side::Above] {
         let matters = h * side.sign() >= 0.0;
         if matters && system.field(side, t, &x).iter().any(|v| !v.is_finite()) {
-            return Err(outside("the field"));
+            return Err(outside("the field is not finite there"));
         }
     }
     if x.iter().any(|v| v.abs() > options.escape) {
@@ -234,6 +242,7 @@ impl<O> Run<'_, O> {
             if let PhaseEnd::Exit {
                 guard: CONTACT,
                 residual,
+                orders: departures,
                 ..
             } = end
             {
@@ -254,7 +263,8 @@ impl<O> Run<'_, O> {
                     return Ok(self.summary(Ending::Stopped, at));
                 }
                 contact = -contact;
-                orders = [0, 0, 1];
+                orders = departures;
+                orders[CONTACT] = 1;
                 continue;
             }
             let phase = Phase {
@@ -274,13 +284,13 @@ impl<O> Run<'_, O> {
             else {
                 return Ok(self.summary(Ending::EndTime, at));
             };
-            self.note_event(&at, &velocity(system, mode, &at))?;
             let tangent = (mode == Mode::Stick).then(|| Stick::<S>::side_of_guard(guard));
             self.counters.field_calls += 2 * LieDerivatives::field_calls(N);
             let (next, next_orders) = match self.course(self.departure(system, &at, tangent)) {
                 Course::On(next, orders) => (next, orders),
                 Course::Repelled => return Ok(self.summary(Ending::Repelling, at)),
             };
+            self.note_event(&at, &velocity(system, next, &at))?;
             let transition = Transition {
                 t: at.t,
                 x: at.x,

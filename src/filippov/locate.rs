@@ -36,6 +36,16 @@ pub(crate) enum Located<const N: usize> {
     Nothing,
 }
 
+impl<const N: usize> Located<N> {
+    /// Whether it happens before time `t`.
+    pub(crate) fn is_before(&self, t: f64) -> bool {
+        match self {
+            Located::Exit { at, .. } | Located::Touch { at, .. } => at.t < t,
+            Located::Nothing => false,
+        }
+    }
+}
+
 /// What location is held to.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Limits {
@@ -120,7 +130,7 @@ impl<F: Flow<N>, const N: usize> Origin<'_, F, N> {
             Some(probe) => probe,
             None => match self.search::<M>(i, bracket, estimate) {
                 Search::Zero(probe) => probe,
-                Search::Turn(probe) if probe.guard <= touch => {
+                Search::Turn(probe) if probe.guard.abs() <= touch => {
                     return Located::Touch {
                         at: probe.at,
                         residual: probe.guard.abs(),
@@ -214,7 +224,12 @@ impl<F: Flow<N>, const N: usize> Origin<'_, F, N> {
             if turn.guard > 0.0 {
                 return Search::Turn(turn);
             }
-            b = (turn.at.t - self.t) / self.h;
+            let s = (turn.at.t - self.t) / self.h;
+            if s <= a || s > b.max(1.0) {
+                // The turning point that was found belongs to another dip than the bracket's.
+                return Search::Turn(turn);
+            }
+            b = s;
         }
         let mut s = estimate.clamp(a, b);
         let mut here = self.probe::<M>(i, s);

@@ -35,6 +35,8 @@ pub(crate) enum PhaseEnd<const N: usize> {
         at: Timed<f64, N>,
         guard: usize,
         residual: f64,
+        /// What `orders` had become by then.
+        orders: [usize; MOST_GUARDS],
     },
     /// The observer asked to stop.
     Stopped(Timed<f64, N>),
@@ -92,7 +94,9 @@ impl<O> Run<'_, O> {
                 h,
                 field_calls: Cell::new(0),
             };
-            let event = self.first_event::<M, F, N>(&origin, &dense, &orders);
+            let event = self
+                .first_event::<M, F, N>(&origin, &dense, &orders)
+                .filter(|event| !is_last || event.located.is_before(t_next));
             self.counters.field_calls += origin.field_calls.get();
             let (at, next_slope) = match &event {
                 Some(Event {
@@ -134,6 +138,7 @@ impl<O> Run<'_, O> {
                         at,
                         guard,
                         residual,
+                        orders,
                     });
                 }
                 Some(Event {

@@ -28,8 +28,9 @@ pub enum Locator {
     /// Σ to a few units in the last place.
     #[default]
     Auto,
-    /// The paper's way: one Hénon step from the start of the integration step that crosses; where that fails
-    /// (slope nearly singular), [`Locator::RootSearch`].
+    /// The paper's way: one Hénon step from the start of the integration step that crosses, and further ones while a curved Σ
+    /// leaves more than rounding; where that fails (slope nearly singular, or in adaptive steps an ordinary step of
+    /// that length off by more than the tolerance), [`Locator::RootSearch`].
     Henon,
     /// A safeguarded root search (Newton within a bracket) on re-integrated steps.
     RootSearch,
@@ -66,7 +67,8 @@ pub struct Options {
     pub method: Method,
     /// Event location; default [`Locator::Auto`].
     pub locator: Locator,
-    /// Longest step; default unbounded.
+    /// Longest step; default unbounded (the last step may be 1 % longer). Steps are chosen for the solution, not for the
+    /// boundary function: one that has features much narrower than the solution's own wants a bound here.
     pub longest_step: f64,
     /// First step; default chosen from the field.
     pub first_step: Option<f64>,

@@ -196,7 +196,7 @@ fn starts_outside_the_domain() {
     // √(1 - x) of 2.
     let error = failure(&Wall, 0.5, State::from([2.0]), 1.0, &Options::default()).error;
     assert!(matches!(error, Error::StartOutsideDomain { .. }), "{error}");
-    assert_says(&error, &["t = 0.5", "(2)", "the field", "start where"]);
+    assert_says(&error, &["t = 0.5", "(2)", "the field", "start elsewhere"]);
 }
 
 #[test]

@@ -270,3 +270,35 @@ fn the_henon_locator_keeps_the_tolerance_in_adaptive_steps() {
         );
     }
 }
+
+/// `x' = x cos t`, of which `exp(sin t)` is a solution, under a ceiling a little below its top.
+struct Swell {
+    level: f64,
+}
+
+impl Filippov<1> for Swell {
+    fn field<T: Scalar>(&self, _side: Side, t: T, x: &State<T, 1>) -> State<T, 1> {
+        State::from([x[0] * Scalar::cos(t)])
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 1>) -> T {
+        x[0] - self.level
+    }
+}
+
+#[test]
+fn a_graze_shallower_than_the_dense_output_is_exact_is_found() {
+    // Inside a step the dense output errs by up to some hundred tolerances here, the steps' ends by one: a solution that
+    // passes a hundred tolerances beyond the ceiling may look on it as if it stayed below.
+    for tolerance in [1e-12, 1e-11, 1e-10, 1e-9] {
+        let top = math::exp(1.0);
+        let gap = 25.0 * tolerance * top;
+        let system = Swell { level: top - gap };
+        for k in 0..300 {
+            let t = -1.5 + 0.009 * f64::from(k);
+            let start = State::from([math::exp(math::sin(t))]);
+            let options = Options::tol(tolerance);
+            let orbit = solve(&system, t, start, 3.0, &options).expect("runs");
+            assert_eq!(kinds(&orbit), [Crossing, Crossing], "{tolerance} {t}");
+        }
+    }
+}
