@@ -212,7 +212,11 @@ fn table(set: &Set, data: &Data) -> Table {
             blank(),
             number(100.0 * exact.spectrum.stick_fraction, 2),
         ),
-        ("least *N*/*mg*", blank(), number(exact.least_force, 3)),
+        (
+            "least *N*/*mg*, not clipped",
+            blank(),
+            number(exact.least_force, 3),
+        ),
         (
             "losses of contact",
             blank(),
