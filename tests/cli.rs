@@ -8,6 +8,8 @@ use predicates::prelude::*;
 
 /// Largest SVG a reader should have to load.
 const LARGEST_SVG: u64 = 300_000;
+/// Figures whose table says of exponents what they are worth.
+const WITH_STATUS: [&str; 3] = ["fig10", "fig11", "fig12"];
 
 fn default_run_writes_a_named_picture_and_its_numbers(mut program: Command, name: &str) {
     let folder = tempfile::tempdir().unwrap();
@@ -26,16 +28,18 @@ fn default_run_writes_a_named_picture_and_its_numbers(mut program: Command, name
         files(&figures),
         [format!("{name}.csv"), format!("{name}.svg")]
     );
-    check_csv(&figures.join(format!("{name}.csv")));
+    check_csv(&figures.join(format!("{name}.csv")), name);
     check_svg(&figures.join(format!("{name}.svg")), name);
 }
 
-fn check_csv(path: &Path) {
+fn check_csv(path: &Path, name: &str) {
     let text = std::fs::read_to_string(path).unwrap();
-    assert_eq!(
-        text.lines().next(),
-        Some("id,reading,value,published,unit,agrees")
-    );
+    let header = if WITH_STATUS.contains(&name) {
+        "id,reading,value,published,unit,agrees,status"
+    } else {
+        "id,reading,value,published,unit,agrees"
+    };
+    assert_eq!(text.lines().next(), Some(header));
     let mut reader = csv::Reader::from_reader(text.as_bytes());
     let mut ids = Vec::new();
     for record in reader.records() {
@@ -43,6 +47,23 @@ fn check_csv(path: &Path) {
         assert!(!record[0].is_empty() && !record[1].is_empty() && !record[2].is_empty());
         assert!(["true", "false", ""].contains(&&record[5]), "{record:?}");
         assert_eq!(record[3].is_empty(), record[5].is_empty(), "{record:?}");
+        if WITH_STATUS.contains(&name) {
+            let exponent = record[0].contains(".lambda.");
+            let known = ["ok", "annihilated", "unidentified"].contains(&&record[6]);
+            assert!(
+                if exponent {
+                    known
+                } else {
+                    record[6].is_empty()
+                },
+                "{record:?}"
+            );
+            assert_eq!(
+                &record[6] == "annihilated",
+                &record[2] == "-inf",
+                "{record:?}"
+            );
+        }
         ids.push((record[0].to_owned(), record[1].to_owned()));
     }
     assert!(!ids.is_empty());
@@ -194,4 +215,4 @@ macro_rules! figure_programs {
     )*};
 }
 
-figure_programs!(fig04, fig06, fig07, fig08,);
+figure_programs!(fig04, fig06, fig07, fig08, fig10, fig11, fig12,);

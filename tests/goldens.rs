@@ -69,6 +69,9 @@ figures!(
     fig06: Fig06,
     fig07: Fig07,
     fig08: Fig08,
+    fig10: Fig10,
+    fig11: Fig11,
+    fig12: Fig12,
 );
 
 #[test]

@@ -1,5 +1,6 @@
 //! The paper's figures: `compute() -> data`, `numbers(&data)`, `draw(&data)`.
 
+pub mod block_and_bracket;
 mod claims;
 pub mod cli;
 mod error;
@@ -7,6 +8,9 @@ pub mod fig04;
 pub mod fig06;
 pub mod fig07;
 pub mod fig08;
+pub mod fig10;
+pub mod fig11;
+pub mod fig12;
 
 pub mod output;
 pub mod png;

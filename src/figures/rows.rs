@@ -43,6 +43,8 @@ pub struct Row {
     /// Whether the value, rounded to the published digits, is the published one; nothing where the paper
     /// says nothing.
     pub agrees: Option<bool>,
+    /// What the value is worth, in a word such as `unidentified`; nothing where that goes without saying.
+    pub status: Option<String>,
 }
 
 impl Row {
@@ -69,7 +71,15 @@ impl Row {
             published: None,
             unit: unit.to_owned(),
             agrees: None,
+            status: None,
         }
+    }
+
+    /// With a word on what the value is worth.
+    #[must_use]
+    pub fn status(mut self, word: &str) -> Self {
+        self.status = Some(word.to_owned());
+        self
     }
 
     /// What the paper says, and whether the value agrees with it.
@@ -88,22 +98,40 @@ impl Row {
     }
 }
 
-/// The rows as CSV with the columns `id,reading,value,published,unit,agrees`.
+/// Whether any row has a status: only then is there a column for it.
+fn have_status(rows: &[Row]) -> bool {
+    rows.iter().any(|row| row.status.is_some())
+}
+
+/// The rows as CSV with the columns `id,reading,value,published,unit,agrees` and, if any row has one, `status`.
 ///
 /// # Errors
 /// [`FigureError::Csv`] if the writer refuses a field.
 pub fn csv(rows: &[Row]) -> Result<String, FigureError> {
     let mut writer = csv::Writer::from_writer(Vec::new());
-    writer.write_record(["id", "reading", "value", "published", "unit", "agrees"])?;
+    let columns = if have_status(rows) { 7 } else { 6 };
+    let header = [
+        "id",
+        "reading",
+        "value",
+        "published",
+        "unit",
+        "agrees",
+        "status",
+    ];
+    writer.write_record(&header[..columns])?;
     for row in rows {
-        writer.write_record([
+        let value = row.value.to_string();
+        let fields = [
             row.id.as_str(),
             row.reading.as_str(),
-            row.value.to_string().as_str(),
+            value.as_str(),
             row.published.as_deref().unwrap_or(""),
             row.unit.as_str(),
             row.agreement(),
-        ])?;
+            row.status.as_deref().unwrap_or(""),
+        ];
+        writer.write_record(&fields[..columns])?;
     }
     let bytes = writer
         .into_inner()
@@ -114,7 +142,16 @@ pub fn csv(rows: &[Row]) -> Result<String, FigureError> {
 
 /// The rows in aligned columns for the terminal, numbers rounded to eight digits.
 pub fn table(rows: &[Row]) -> String {
-    let header = ["id", "reading", "value", "published", "unit", "agrees"].map(str::to_owned);
+    let header = [
+        "id",
+        "reading",
+        "value",
+        "published",
+        "unit",
+        "agrees",
+        "status",
+    ]
+    .map(str::to_owned);
     let lines = rows.iter().map(|row| {
         [
             row.id.clone(),
@@ -131,14 +168,16 @@ pub fn table(rows: &[Row]) -> String {
                 None => "–",
             }
             .to_owned(),
+            row.status.clone().unwrap_or_else(|| "–".into()),
         ]
     });
-    aligned(std::iter::once(header).chain(lines).collect())
+    let columns = if have_status(rows) { 7 } else { 6 };
+    aligned(std::iter::once(header).chain(lines).collect(), columns)
 }
 
 /// The rows as a golden: one line each, full precision, without the unit.
 pub fn golden(rows: &[Row]) -> String {
-    let header = ["id", "reading", "value", "published", "agrees"].map(str::to_owned);
+    let header = ["id", "reading", "value", "published", "agrees", "status"].map(str::to_owned);
     let lines = rows.iter().map(|row| {
         [
             row.id.clone(),
@@ -150,13 +189,15 @@ pub fn golden(rows: &[Row]) -> String {
                 said => said,
             }
             .to_owned(),
+            row.status.clone().unwrap_or_else(|| "-".into()),
         ]
     });
-    aligned(std::iter::once(header).chain(lines).collect())
+    let columns = if have_status(rows) { 6 } else { 5 };
+    aligned(std::iter::once(header).chain(lines).collect(), columns)
 }
 
-/// Columns two spaces apart, without blanks at the end of a line.
-fn aligned<const N: usize>(lines: Vec<[String; N]>) -> String {
+/// The first so many columns, two spaces apart, without blanks at the end of a line.
+fn aligned<const N: usize>(lines: Vec<[String; N]>, columns: usize) -> String {
     let mut widths = [0; N];
     for line in &lines {
         for (cell, width) in line.iter().zip(&mut widths) {
@@ -166,7 +207,7 @@ fn aligned<const N: usize>(lines: Vec<[String; N]>) -> String {
     let mut text = String::new();
     for line in &lines {
         let mut padded = String::new();
-        for (cell, width) in line.iter().zip(widths) {
+        for (cell, width) in line.iter().zip(widths).take(columns) {
             // Writing to a string cannot fail.
             let _ = write!(padded, "{cell:width$}  ");
         }
@@ -221,6 +262,16 @@ mod tests {
              fig07c.branches.below,exact,6,,1,\n\
              fig12.class,as-printed,\"periodic, \"\"slow\"\"\",chaotic,,true\n"
         );
+    }
+
+    #[test]
+    fn a_status_adds_a_column() {
+        let mut rows = rows();
+        rows[1] = rows[1].clone().status("annihilated");
+        let text = csv(&rows).unwrap();
+        assert!(text.starts_with("id,reading,value,published,unit,agrees,status\n"));
+        assert!(text.contains("-inf,,1/t,,annihilated\n") && text.contains("0.4697,m,false,\n"));
+        assert!(table(&rows).contains("annihilated") && golden(&rows).contains("annihilated"));
     }
 
     #[test]

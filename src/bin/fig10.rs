@@ -1,0 +1,10 @@
+//! Periodic motion of the block and the bracket, Fig. 10 of the paper.
+
+use std::process::ExitCode;
+
+use stickslip::figures::cli;
+use stickslip::figures::fig10::Fig10;
+
+fn main() -> ExitCode {
+    cli::main::<Fig10>()
+}

@@ -1,0 +1,10 @@
+//! Chaotic motion of the block and the bracket, Fig. 12 of the paper.
+
+use std::process::ExitCode;
+
+use stickslip::figures::cli;
+use stickslip::figures::fig12::Fig12;
+
+fn main() -> ExitCode {
+    cli::main::<Fig12>()
+}

@@ -1,0 +1,147 @@
+//! The orbit, its spectra and what becomes of the equations as printed.
+
+use super::Set;
+use super::classify::{Class, Evidence};
+use super::watch::Watch;
+use crate::analysis::data_spectrum::{DataSettings, DataSpectrum, Series, data_spectrum};
+use crate::analysis::{Spectrum, SpectrumOptions, lyapunov_spectrum_watched};
+use crate::error::Error;
+use crate::figures::error::FigureError;
+use crate::filippov::{Options, run};
+use crate::models::{BlockAndBracket, Reading};
+use crate::system::State;
+
+/// The series begins here, as in the paper.
+pub(super) const START: f64 = 3000.0;
+/// And ends here.
+pub(super) const END: f64 = 12_000.0;
+/// Time between two of its states.
+pub(super) const DT: f64 = 0.2;
+const TOLERANCE: f64 = 1e-10;
+/// A component beyond this has diverged.
+pub(super) const DIVERGED: f64 = 1e3;
+
+/// A bounded motion, from `START` to `END`.
+#[derive(Clone, Debug)]
+pub struct Measured {
+    /// Exponents from the equations.
+    pub spectrum: Spectrum<4>,
+    /// Evidence for the class of the motion.
+    pub evidence: Evidence,
+    /// The class.
+    pub class: Class,
+    /// Least normal force, unclipped, in units of `mg`.
+    pub least_force: f64,
+    /// Losses of contact.
+    pub contact_losses: u64,
+}
+
+/// The equations as printed.
+#[derive(Clone, Debug)]
+pub enum Literal {
+    /// A component exceeds 1000 at this time.
+    Diverges(f64),
+    /// It does not until the end of the series.
+    Bounded(Box<Measured>),
+}
+
+/// What the figure shows.
+#[derive(Clone, Debug)]
+pub struct Data {
+    /// The model in the reading `exact`.
+    pub model: BlockAndBracket,
+    /// Its motion.
+    pub exact: Measured,
+    /// Exponents from the sampled states.
+    pub from_data: DataSpectrum,
+    /// States sampled.
+    pub samples: usize,
+    /// The part of the orbit that is drawn.
+    pub curve: Vec<[f64; 4]>,
+    /// Its section points, the first few.
+    pub turns: Vec<[f64; 4]>,
+    /// The reading `as-printed`.
+    pub literal: Literal,
+}
+
+/// Computes one of the three figures.
+///
+/// # Errors
+/// [`FigureError::Compute`].
+pub fn compute(set: &Set) -> Result<Data, FigureError> {
+    let failed = |source: Box<dyn std::error::Error + Send + Sync>| FigureError::Compute {
+        figure: set.figure,
+        source,
+    };
+    // Two independent runs, each of them sequential: the same bits on any number of threads.
+    let (exact, literal) = rayon::join(|| exact(set), || literal(set));
+    let (model, exact, watched) = exact.map_err(|error| failed(error.into()))?;
+    let samples = watched.series.len();
+    let series = Series::from_rows(watched.series, DT).map_err(|error| failed(error.into()))?;
+    let from_data =
+        data_spectrum(&series, &DataSettings::default()).map_err(|error| failed(error.into()))?;
+    let turns = watched.section.iter().take(16).map(|(_, x)| *x).collect();
+    Ok(Data {
+        model,
+        exact,
+        from_data,
+        samples,
+        curve: watched.curve,
+        turns,
+        literal: literal.map_err(|error| failed(error.into()))?,
+    })
+}
+
+/// What is kept of a [`Watch`].
+struct Watched {
+    series: Vec<[f64; 4]>,
+    section: Vec<(f64, [f64; 4])>,
+    curve: Vec<[f64; 4]>,
+}
+
+fn exact(set: &Set) -> Result<(BlockAndBracket, Measured, Watched), Error> {
+    let model = BlockAndBracket::from_caption(&set.caption, &Reading::exact())?;
+    let (measured, watched) = measure(&model, set, Options::tol(TOLERANCE))?;
+    Ok((model, measured, watched))
+}
+
+fn literal(set: &Set) -> Result<Literal, Error> {
+    let model = BlockAndBracket::from_caption(&set.caption, &Reading::as_printed())?;
+    let options = Options::tol(TOLERANCE).escape(DIVERGED);
+    let start = State::from(set.caption.start);
+    match run(&model, 0.0, start, END, &options, &mut ()) {
+        Err(failure) => match failure {
+            Error::Escaped { t, .. } => Ok(Literal::Diverges(t)),
+            other => Err(other),
+        },
+        Ok(_) => {
+            let (measured, _) = measure(&model, set, options)?;
+            Ok(Literal::Bounded(Box::new(measured)))
+        }
+    }
+}
+
+fn measure(
+    model: &BlockAndBracket,
+    set: &Set,
+    solver: Options,
+) -> Result<(Measured, Watched), Error> {
+    let settings = SpectrumOptions::over(START, END - START).solver(solver);
+    let mut watch = Watch::new(model, set.shown);
+    let start = (0.0, State::from(set.caption.start));
+    let spectrum = lyapunov_spectrum_watched(model, start, &settings, &mut watch)?;
+    let evidence = Evidence::gather(&watch.section, &spectrum);
+    let measured = Measured {
+        class: evidence.class(),
+        evidence,
+        least_force: watch.least_force,
+        contact_losses: watch.losses,
+        spectrum,
+    };
+    let watched = Watched {
+        series: watch.series,
+        section: watch.section,
+        curve: watch.curve,
+    };
+    Ok((measured, watched))
+}

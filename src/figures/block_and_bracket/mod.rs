@@ -1,0 +1,30 @@
+//! What Figs. 10, 11 and 12 share: the block and the bracket with the parameters of one caption, its exponents from the
+//! equations and from data, and the class of its motion.
+
+mod classify;
+mod compute;
+mod draw;
+mod numbers;
+mod watch;
+
+pub use classify::{Class, Evidence};
+pub use compute::{Data, Literal, Measured, compute};
+pub(super) use draw::draw;
+pub(super) use numbers::numbers;
+
+use crate::models::Caption;
+
+/// What one of the three figures differs in.
+#[derive(Clone, Copy, Debug)]
+pub struct Set {
+    /// Name of the figure, `fig10`.
+    pub figure: &'static str,
+    /// Its parameters.
+    pub caption: Caption,
+    /// Length of the orbit drawn, at the end of the run.
+    pub shown: f64,
+    /// Title for readers who cannot see the picture.
+    pub title: &'static str,
+    /// What the picture shows, for them.
+    pub description: &'static str,
+}

@@ -1,0 +1,147 @@
+//! What is noted while the orbit runs.
+
+use std::ops::ControlFlow;
+
+use super::compute::{DT, END, START};
+use crate::filippov::{Observer, StepRecord, Transition, TransitionKind};
+use crate::models::BlockAndBracket;
+use crate::system::State;
+
+/// Parts a step is cut into to look for turning points and for the least normal force.
+const PARTS: u32 = 8;
+/// Halvings or narrowings that a place within a part takes.
+const REFINEMENTS: u32 = 60;
+/// Golden ratio less one: what a golden-section search keeps of its interval.
+const KEPT: f64 = 0.618_033_988_749_894_9;
+/// Points drawn per step.
+const DRAWN: u32 = 10;
+
+/// The sampled series, the section, the least normal force and the part of the orbit that is drawn.
+#[derive(Clone, Debug)]
+pub(super) struct Watch<'a> {
+    model: &'a BlockAndBracket,
+    /// Drawn from here on.
+    drawn_from: f64,
+    /// States at `START + k·DT`.
+    pub(super) series: Vec<[f64; 4]>,
+    /// Times and states where the block turns back: `x₂` falls through zero.
+    pub(super) section: Vec<(f64, [f64; 4])>,
+    /// Least normal force, unclipped, in units of `mg`.
+    pub(super) least_force: f64,
+    /// Losses of contact.
+    pub(super) losses: u64,
+    /// The part that is drawn.
+    pub(super) curve: Vec<[f64; 4]>,
+}
+
+impl<'a> Watch<'a> {
+    pub(super) fn new(model: &'a BlockAndBracket, shown: f64) -> Self {
+        Self {
+            model,
+            drawn_from: END - shown,
+            series: Vec::new(),
+            section: Vec::new(),
+            least_force: f64::INFINITY,
+            losses: 0,
+            curve: Vec::new(),
+        }
+    }
+
+    fn sample(&mut self, step: &StepRecord<4>) {
+        loop {
+            // A quotient, not a sum of steps: the last of them is the end itself.
+            let t = START + self.series.len() as f64 / (1.0 / DT);
+            if t > step.t_end {
+                return;
+            }
+            let x = if t == step.t_end {
+                step.x_end
+            } else {
+                step.dense.at_time(t)
+            };
+            self.series.push(x.into());
+        }
+    }
+
+    /// A part of the step in which the block turns back.
+    fn turn(&mut self, step: &StepRecord<4>, mut before: f64, mut after: f64) {
+        for _ in 0..REFINEMENTS {
+            let middle = 0.5 * (before + after);
+            if step.dense.at_time(middle)[1] > 0.0 {
+                before = middle;
+            } else {
+                after = middle;
+            }
+        }
+        self.section.push((after, step.dense.at_time(after).into()));
+    }
+
+    /// Golden-section search for the least normal force between two times.
+    fn least(&self, step: &StepRecord<4>, mut from: f64, mut to: f64) -> f64 {
+        let force = |t: f64| self.model.unclipped_normal_force(&step.dense.at_time(t));
+        let (mut one, mut other) = (to - KEPT * (to - from), from + KEPT * (to - from));
+        let (mut at_one, mut at_other) = (force(one), force(other));
+        for _ in 0..REFINEMENTS {
+            if at_one < at_other {
+                (to, other, at_other) = (other, one, at_one);
+                one = to - KEPT * (to - from);
+                at_one = force(one);
+            } else {
+                (from, one, at_one) = (one, other, at_other);
+                other = from + KEPT * (to - from);
+                at_other = force(other);
+            }
+        }
+        at_one.min(at_other)
+    }
+
+    fn scan(&mut self, step: &StepRecord<4>) {
+        let span = step.t_end - step.t_start;
+        let at = |k: u32| step.t_start + span * f64::from(k) / f64::from(PARTS);
+        let state = |k: u32| -> State<f64, 4> {
+            match k {
+                0 => step.x_start,
+                PARTS => step.x_end,
+                _ => step.dense.at_time(at(k)),
+            }
+        };
+        let mut before = state(0);
+        for k in 1..=PARTS {
+            let after = state(k);
+            if before[1] > 0.0 && after[1] <= 0.0 {
+                self.turn(step, at(k - 1), at(k));
+            }
+            let force = self.model.unclipped_normal_force(&after);
+            if force < self.least_force {
+                let within = self.least(step, at(k - 1), at((k + 1).min(PARTS)));
+                self.least_force = force.min(within);
+            }
+            before = after;
+        }
+    }
+
+    fn draw(&mut self, step: &StepRecord<4>) {
+        let span = step.t_end - step.t_start;
+        for k in 0..DRAWN {
+            let t = step.t_start + span * f64::from(k) / f64::from(DRAWN);
+            self.curve.push(step.dense.at_time(t).into());
+        }
+        self.curve.push(step.x_end.into());
+    }
+}
+
+impl Observer<4> for Watch<'_> {
+    fn step(&mut self, step: &StepRecord<4>) -> ControlFlow<()> {
+        self.sample(step);
+        self.scan(step);
+        if step.t_start >= self.drawn_from {
+            self.draw(step);
+        }
+        ControlFlow::Continue(())
+    }
+
+    fn transition(&mut self, at: &Transition<4>) -> ControlFlow<()> {
+        self.losses += u64::from(at.kind == TransitionKind::ContactLoss);
+        ControlFlow::Continue(())
+    }
+}
