@@ -213,8 +213,8 @@ fn own_spread(spread: &[&Row], target: &Twelve) -> String {
         "  exponent          min    median       max   published   unidentified"
     );
     let mut widths = Vec::new();
-    for figure in 0..3 {
-        for k in 0..4 {
+    for (figure, published) in target.iter().enumerate() {
+        for (k, published) in published.iter().enumerate() {
             let mut values: Vec<f64> = spread
                 .iter()
                 .map(|row| row.exponents[figure][k])
@@ -241,7 +241,7 @@ fn own_spread(spread: &[&Row], target: &Twelve) -> String {
                 figure + 10,
                 k + 1,
                 values[values.len() / 2],
-                target[figure][k],
+                published,
                 spread.len()
             );
         }
