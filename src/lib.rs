@@ -9,6 +9,7 @@ pub mod models;
 pub mod ode;
 pub mod orbit;
 pub mod paper;
+pub mod readings;
 pub mod scalar;
 pub mod spectrum_cli;
 pub mod system;

@@ -7,6 +7,7 @@
 //! Nothing here is a good way to integrate a friction oscillator; it is here so that a published number
 //! can be traced to the arithmetic that made it.
 
+pub mod in_place;
 pub mod listing;
 pub mod published;
 pub mod slip_times_three;

@@ -1,0 +1,252 @@
+//! The arithmetic of the Appendix's listing carried to systems of any dimension: what Model 3 does if it was run that way.
+//!
+//! The paper prints a program for Model 2 only. This is the same scheme, defects and all, for a [`Filippov`] system whose boundary
+//! function is `x₂ − vp`: Runge–Kutta stages that overwrite their own start, so that a slip runs three times too fast; a Hénon
+//! step of the same kind onto Σ, taken from beyond it, away from it when coming from above, with 0.166666 for 1/6;
+//! a stick phase in which the rider moves with the belt at its own pace. See [`super::listing`] for the original.
+
+use crate::system::{Filippov, Mode, Side, State};
+
+/// The listing's rounded 1/6.
+const SIXTH: f64 = 0.166666;
+/// Component that Σ fixes: the velocity.
+const VELOCITY: usize = 1;
+
+/// Why the scheme cannot go on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Lost {
+    /// A component passed the bound.
+    Escaped {
+        /// Clock at the last state within it.
+        t: f64,
+    },
+    /// A component is no number.
+    BrokenDown {
+        /// Clock at the last state that was one.
+        t: f64,
+    },
+}
+
+/// The scheme on its way.
+#[derive(Clone, Debug)]
+pub struct InPlace<S, const N: usize> {
+    system: S,
+    h: f64,
+    bound: f64,
+    t: f64,
+    x: State<f64, N>,
+    mode: Mode,
+}
+
+impl<S: Filippov<N>, const N: usize> InPlace<S, N> {
+    /// From `(0, x)`, with step `h`, until a component exceeds `bound`. A start on Σ sticks if both fields push
+    /// towards it, and goes to the side above otherwise, as in the listing.
+    pub fn start(system: S, x: State<f64, N>, h: f64, bound: f64) -> Self {
+        let mut scheme = InPlace {
+            system,
+            h,
+            bound,
+            t: 0.0,
+            x,
+            mode: Mode::Stick,
+        };
+        let gap = scheme.system.boundary(0.0, &x);
+        scheme.mode = if gap < 0.0 {
+            Mode::Slip(Side::Below)
+        } else if gap == 0.0 && scheme.released().is_none() {
+            Mode::Stick
+        } else {
+            Mode::Slip(Side::Above)
+        };
+        scheme
+    }
+
+    /// Clock.
+    pub fn t(&self) -> f64 {
+        self.t
+    }
+
+    /// State.
+    pub fn x(&self) -> &State<f64, N> {
+        &self.x
+    }
+
+    /// What it does.
+    pub fn mode(&self) -> Mode {
+        self.mode
+    }
+
+    /// One pass of the listing's loop.
+    ///
+    /// # Errors
+    /// [`Lost`] where the motion is none any longer.
+    pub fn advance(&mut self) -> Result<(), Lost> {
+        let t = self.t;
+        match self.mode {
+            Mode::Stick => self.stick(),
+            Mode::Slip(side) => self.slip(side),
+        }
+        if !self.t.is_finite() || self.x.iter().any(|v| !v.is_finite()) {
+            return Err(Lost::BrokenDown { t });
+        }
+        if self.x.amax() > self.bound {
+            return Err(Lost::Escaped { t });
+        }
+        Ok(())
+    }
+
+    fn slip(&mut self, side: Side) {
+        let system = &self.system;
+        let moved = in_place(self.h, self.t, self.x, |t, x| system.field(side, t, x));
+        let gap = self.system.boundary(self.t, &moved);
+        if gap * side.sign() > 0.0 {
+            self.t += self.h;
+            self.x = moved;
+            return;
+        }
+        // Back onto Σ from below; from above the listing has the sign wrong.
+        let to_go = gap * if side == Side::Below { -1.0 } else { 1.0 };
+        self.henon(side, moved, to_go);
+        self.x[VELOCITY] = moved[VELOCITY] - gap;
+        self.mode = match self.released() {
+            None => Mode::Stick,
+            Some(_) => Mode::Slip(side.opposite()),
+        };
+    }
+
+    /// Lines 116–127: velocity as the independent variable, every stage moving the state itself, the second not its velocity.
+    fn henon(&mut self, side: Side, origin: State<f64, N>, to_go: f64) {
+        let system = &self.system;
+        let start = self.t;
+        let slope = |t: f64, x: &State<f64, N>| {
+            let f = system.field(side, t, x);
+            let per_velocity = 1.0 / f[VELOCITY];
+            (per_velocity, f * per_velocity)
+        };
+        let half = to_go * 0.5;
+        let mut x = origin;
+        let shift = |x: &mut State<f64, N>, by: f64, k: &State<f64, N>, velocity: f64| {
+            for i in (0..N).filter(|&i| i != VELOCITY) {
+                x[i] += by * k[i];
+            }
+            x[VELOCITY] += velocity;
+        };
+        let (t1, k1) = slope(start, &x);
+        shift(&mut x, half, &k1, half);
+        let (t2, k2) = slope(start + half * t1, &x);
+        shift(&mut x, half, &k2, 0.0);
+        let (t3, k3) = slope(start + half * t2, &x);
+        shift(&mut x, to_go, &k3, to_go);
+        let (t4, k4) = slope(start + to_go * t3, &x);
+        let sixth = to_go * SIXTH;
+        shift(&mut x, sixth, &(k1 + (k2 + k3) * 2.0 + k4), 0.0);
+        self.t += sixth * (t1 + 2.0 * (t2 + t3) + t4);
+        self.x = x;
+    }
+
+    fn stick(&mut self) {
+        let system = &self.system;
+        let velocity = self.x[VELOCITY];
+        let mut moved = in_place(self.h, self.t, self.x, |t, x| {
+            let mut f = sliding(system, t, x);
+            f[0] = 0.0;
+            f[VELOCITY] = 0.0;
+            f
+        });
+        moved[0] = self.x[0] + self.h * velocity;
+        self.x = moved;
+        self.t += self.h;
+        if let Some(side) = self.released() {
+            self.mode = Mode::Slip(side);
+        }
+    }
+
+    /// The side whose field does not push towards Σ, if there is one.
+    fn released(&self) -> Option<Side> {
+        if self.system.field(Side::Below, self.t, &self.x)[VELOCITY] <= 0.0 {
+            Some(Side::Below)
+        } else if self.system.field(Side::Above, self.t, &self.x)[VELOCITY] >= 0.0 {
+            Some(Side::Above)
+        } else {
+            None
+        }
+    }
+}
+
+/// Filippov's combination of the fields that keeps the velocity.
+fn sliding<S: Filippov<N>, const N: usize>(system: &S, t: f64, x: &State<f64, N>) -> State<f64, N> {
+    let below = system.field(Side::Below, t, x);
+    let above = system.field(Side::Above, t, x);
+    let gap = below[VELOCITY] - above[VELOCITY];
+    let weight = if gap == 0.0 {
+        0.5
+    } else {
+        below[VELOCITY] / gap
+    };
+    below + (above - below) * weight
+}
+
+/// Lines 103–114: the state moves by h/2 + h/2 + h + h.
+fn in_place<const N: usize>(
+    h: f64,
+    t: f64,
+    start: State<f64, N>,
+    field: impl Fn(f64, &State<f64, N>) -> State<f64, N>,
+) -> State<f64, N> {
+    let half = h / 2.0;
+    let mut x = start;
+    let k1 = field(t, &x);
+    x += k1 * half;
+    let k2 = field(t + half, &x);
+    x += k2 * half;
+    let k3 = field(t + half, &x);
+    x += k3 * h;
+    let k4 = field(t + h, &x);
+    x + (k1 + (k2 + k3) * 2.0 + k4) * (h / 6.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::models::{BlockAndBracket, Caption, Reading};
+
+    #[test]
+    fn a_constant_field_carries_three_steps_at_a_time() {
+        let x = in_place(0.1, 0.0, State::from([1.0, 2.0]), |_, _| {
+            State::from([1.0, -2.0])
+        });
+        assert!((x - State::from([1.3, 1.4])).amax() < 1e-15);
+    }
+
+    fn fig11(bound: f64) -> InPlace<BlockAndBracket, 4> {
+        let system = BlockAndBracket::from_caption(&Caption::FIG11, &Reading::exact()).unwrap();
+        InPlace::start(system, State::from(Caption::FIG11.start), 1e-2, bound)
+    }
+
+    #[test]
+    fn the_clock_and_the_belt_keep_their_own_pace() {
+        let mut scheme = fig11(1e3);
+        let mut sticks = 0;
+        for _ in 0..100_000 {
+            let (before, t, x) = (scheme.mode(), scheme.t(), *scheme.x());
+            scheme.advance().unwrap();
+            if before == Mode::Stick {
+                sticks += 1;
+                assert_eq!(scheme.t(), t + 1e-2);
+                assert_eq!(scheme.x()[0], x[0] + 1e-2 * 0.707);
+                assert_eq!(scheme.x()[1], x[1]);
+            }
+            if scheme.mode() == Mode::Stick {
+                assert!((scheme.x()[1] - 0.707).abs() < 1e-12);
+            }
+        }
+        assert!(sticks > 0);
+    }
+
+    #[test]
+    fn leaving_the_bound_is_an_outcome() {
+        let mut scheme = fig11(0.3);
+        let lost = (0..100_000).find_map(|_| scheme.advance().err());
+        assert!(matches!(lost, Some(Lost::Escaped { t }) if t > 0.0));
+    }
+}

@@ -1,0 +1,104 @@
+//! How well targets are met that have nothing to do with the model.
+
+use super::row::Row;
+use super::score::{self, Twelve};
+use crate::math;
+
+/// The generator `SplitMix64` (Steele, Lea & Flood, 2014).
+struct SplitMix(u64);
+
+/// Every run draws the same targets.
+const SEED: u64 = 0x2013_0073_0723_0736;
+
+impl SplitMix {
+    /// In [0, 1).
+    fn uniform(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        // The upper 53 bits, which a double holds.
+        ((z ^ (z >> 31)) >> 11) as f64 / math::powi(2.0, 53)
+    }
+
+    /// With evenly distributed logarithm.
+    fn logarithmic(&mut self, least: f64, most: f64) -> f64 {
+        math::exp(math::ln(least) + self.uniform() * math::ln(most / least))
+    }
+
+    /// What a vanishing exponent may be printed as.
+    fn zero(&mut self) -> f64 {
+        0.002 * (2.0 * self.uniform() - 1.0)
+    }
+
+    /// What a negative exponent may be.
+    fn negative(&mut self) -> f64 {
+        -self.logarithmic(0.003, 1.0)
+    }
+
+    /// A spectrum of each of the published classes.
+    fn target(&mut self) -> Twelve {
+        let mut all = [
+            [
+                self.zero(),
+                self.negative(),
+                self.negative(),
+                self.negative(),
+            ],
+            [self.zero(), self.zero(), self.negative(), self.negative()],
+            [
+                self.logarithmic(0.001, 0.05),
+                self.zero(),
+                self.negative(),
+                self.negative(),
+            ],
+        ];
+        for row in &mut all {
+            row.sort_by(|one, other| other.total_cmp(one));
+        }
+        all
+    }
+}
+
+/// Distance of the nearest row.
+pub fn nearest(rows: &[&Row], target: &Twelve) -> f64 {
+    let distance = |row: &&Row| score::all_figures(&row.exponents, target);
+    rows.iter().map(distance).fold(f64::INFINITY, f64::min)
+}
+
+/// The order of the columns, and the distance of the nearest row to them, for all orders but the published one.
+pub fn permuted(rows: &[&Row], target: &Twelve) -> Vec<([usize; 3], f64)> {
+    [[0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]]
+        .into_iter()
+        .map(|order| (order, nearest(rows, &order.map(|figure| target[figure]))))
+        .collect()
+}
+
+/// Distances of the nearest rows to random targets of the published classes, ascending.
+pub fn random(rows: &[&Row], draws: usize) -> Vec<f64> {
+    let mut generator = SplitMix(SEED);
+    let mut all: Vec<f64> = (0..draws)
+        .map(|_| nearest(rows, &generator.target()))
+        .collect();
+    all.sort_by(f64::total_cmp);
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn targets_have_the_signs_of_their_class() {
+        let mut generator = SplitMix(SEED);
+        for _ in 0..1000 {
+            let [periodic, quasi, chaotic] = generator.target();
+            assert!(periodic[0].abs() <= 0.002 && periodic[1] < -0.002);
+            assert!(quasi[1].abs() <= 0.002 && quasi[2] < -0.002);
+            assert!(chaotic[0] > -0.002 && chaotic[2] < -0.002);
+            for row in [periodic, quasi, chaotic] {
+                assert!(row.windows(2).all(|pair| pair[0] >= pair[1]));
+            }
+        }
+    }
+}

@@ -1,0 +1,183 @@
+//! The program `readings`: a search over how Figs. 10–12 of the paper can be read.
+//!
+//! The paper prints Eq. (27)–(28) with signs that Newton's law does not allow, nine numbers without saying which is which, no
+//! settings of its estimator, and a program for another model. Every combination tried is a row of a table, with its
+//! distance from the twelve published exponents. What matters is the last part of the summary: how near random targets are met
+//! by the same search, and how far the estimator's settings alone move an exponent.
+
+mod chance;
+mod class;
+mod error;
+mod plan;
+mod row;
+mod score;
+mod search;
+mod store;
+mod summary;
+mod trajectory;
+
+use std::io::{self, Write};
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use clap::Parser;
+use indicatif::{ProgressBar, ProgressStyle};
+use rayon::prelude::*;
+
+use crate::figures::output::{Artifact, write_all};
+pub use error::ReadingsError;
+use plan::Plan;
+use store::{Store, TABLE};
+
+/// Name of the summary.
+const SUMMARY: &str = "readings.txt";
+
+const ABOUT: &str = "Searches the ways to read the paper's Eq. (27)-(28) and the captions of Figs. 10-12 for the one that gives the \
+    twelve published Lyapunov exponents, and says how much such a find is worth.";
+
+const AFTER: &str = "\
+Writes into the folder
+  readings.csv  every configuration tried: form of equations and captions, integrator, settings of the estimator; classes,
+                exponents with their status, distance from the published ones
+  readings.txt  the best for each figure and for all, chance level, spread of the estimator; also printed
+
+A run that was stopped, or had no time left, goes on where it was when started again with the same folder. Complete files
+are the same bytes for any number of threads and interruptions.
+
+Exit codes: 0 done or out of time, 1 a file cannot be read or written, 2 wrong command line.
+
+Examples:
+  readings --out readings
+  readings --out readings --time-limit 300
+  readings --quick --out quick --threads 1";
+
+/// Arguments of the program.
+#[derive(Debug, Parser)]
+#[command(name = "readings", version, about = ABOUT, after_help = AFTER)]
+pub struct Arguments {
+    /// Folder for the files; made if it does not exist
+    #[arg(
+        long,
+        value_name = "DIR",
+        default_value = "readings",
+        visible_alias = "out-dir"
+    )]
+    pub out: PathBuf,
+
+    /// Begin nothing new after so many seconds [default: no limit]
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
+    pub time_limit: Option<Duration>,
+
+    /// Threads [default: one per core]
+    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+
+    /// Short series and a few configurations only, as a check of the program
+    #[arg(long)]
+    pub quick: bool,
+}
+
+fn seconds(text: &str) -> Result<Duration, String> {
+    text.parse::<f64>()
+        .ok()
+        .filter(|&value| value > 0.0)
+        .and_then(|value| Duration::try_from_secs_f64(value).ok())
+        .ok_or_else(|| "give a positive number of seconds, such as 300".into())
+}
+
+/// Everything the program does. Exit code 0 on success, 1 if something failed, 2 for a wrong command line.
+pub fn main() -> ExitCode {
+    match run(&Arguments::parse()) {
+        Ok(text) => print(&text),
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Searches, writes the table as it grows, then the summary, and returns that.
+///
+/// # Errors
+/// [`ReadingsError`] if a file cannot be read or written or threads cannot be started.
+pub fn run(arguments: &Arguments) -> Result<String, ReadingsError> {
+    let begin = Instant::now();
+    let limit = arguments.time_limit;
+    let late = || limit.is_some_and(|limit| begin.elapsed() >= limit);
+    let plan = if arguments.quick {
+        Plan::quick()
+    } else {
+        Plan::full()
+    };
+    let target = score::target()?;
+    let store = Store::open(&plan, &arguments.out)?;
+    // A folder that cannot be written to is better known before the search.
+    store.write()?;
+    let pending = store.pending();
+    let bar = bar(plan.groups.len(), plan.groups.len() - pending.len());
+    let store = Mutex::new(store);
+    let work = || {
+        // One at a time, so that short and long ones spread evenly.
+        pending.par_iter().with_max_len(1).try_for_each(|&i| {
+            if late() {
+                return Ok(());
+            }
+            let rows = search::group_rows(&plan.groups[i], &plan, &target, &late);
+            let added = match rows {
+                // A poisoned lock would mean a panic in between, which leaves rows whole all the same.
+                Some(rows) => store
+                    .lock()
+                    .unwrap_or_else(PoisonError::into_inner)
+                    .add(i, rows),
+                None => Ok(()),
+            };
+            bar.inc(1);
+            added
+        })
+    };
+    let threads = arguments.threads.map_or(0, usize::from);
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .map_err(|error| ReadingsError::Threads {
+            threads,
+            reason: error.to_string(),
+        })?;
+    let outcome = pool.install(work);
+    bar.finish_and_clear();
+    outcome?;
+    let store = store.into_inner().unwrap_or_else(PoisonError::into_inner);
+    let text = summary::summary(&plan, &store.rows(), &target)?;
+    let artifact = Artifact {
+        name: SUMMARY.into(),
+        bytes: text.clone().into_bytes(),
+    };
+    write_all(&arguments.out, &[artifact])?;
+    let folder = arguments.out.display();
+    Ok(text + &format!("\nwrote {TABLE} and {SUMMARY} into {folder}\n"))
+}
+
+/// Drawn on standard error, and only if that is a terminal.
+fn bar(total: usize, done: usize) -> ProgressBar {
+    let bar = ProgressBar::new(total as u64).with_position(done as u64);
+    bar.enable_steady_tick(Duration::from_secs(1));
+    match ProgressStyle::with_template("{bar:40} {pos}/{len} readings x integrators, {elapsed}") {
+        Ok(style) => bar.with_style(style),
+        Err(_) => bar,
+    }
+}
+
+fn print(text: &str) -> ExitCode {
+    let mut out = io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Ok(()) => ExitCode::SUCCESS,
+        // Whoever reads may stop reading.
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: cannot print the summary: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}

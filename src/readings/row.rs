@@ -1,0 +1,98 @@
+//! A configuration and what came of it, as a line of the table.
+
+use super::class::Class;
+use super::score::Twelve;
+
+/// A line of `readings.csv`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row {
+    /// Part, reading, integrator, settings: what is told apart.
+    pub key: [String; 4],
+    /// Class of each figure's orbit.
+    pub classes: [Class; 3],
+    /// Exponents, descending; NaN where there is none.
+    pub exponents: Twelve,
+    /// What the estimator says of each.
+    pub statuses: [[String; 4]; 3],
+    /// Distance from the published exponents: of each figure, and of all.
+    pub scores: [f64; 4],
+}
+
+const FIELDS: usize = 4 + 3 * 9 + 5;
+
+impl Row {
+    /// The table's second line.
+    pub fn header() -> String {
+        let mut text = String::from("part,reading,integrator,settings");
+        for figure in 10..=12 {
+            text += &format!(",fig{figure}.class");
+            for k in 1..=4 {
+                text += &format!(",fig{figure}.lambda.{k},fig{figure}.status.{k}");
+            }
+        }
+        text + ",classes_right,fig10.distance,fig11.distance,fig12.distance,distance\n"
+    }
+
+    /// How many classes are the published ones.
+    pub fn classes_right(&self) -> usize {
+        let right = |&f: &usize| self.classes[f].is_published(f);
+        (0..3).filter(right).count()
+    }
+
+    /// The line. Numbers read back to the same bits.
+    pub fn line(&self) -> String {
+        let mut text = self.key.join(",");
+        for figure in 0..3 {
+            text += &format!(",{}", self.classes[figure]);
+            for k in 0..4 {
+                let value = self.exponents[figure][k];
+                if value.is_nan() {
+                    text += ",";
+                } else {
+                    text += &format!(",{value}");
+                }
+                text += &format!(",{}", self.statuses[figure][k]);
+            }
+        }
+        text += &format!(",{}", self.classes_right());
+        for score in self.scores {
+            text += &format!(",{score}");
+        }
+        text + "\n"
+    }
+
+    /// Reads a line; `None` if it is damaged.
+    pub fn parse(line: &str) -> Option<Row> {
+        let fields: Vec<&str> = line.split(',').collect();
+        if fields.len() != FIELDS {
+            return None;
+        }
+        let mut rest = fields.iter().copied();
+        let mut next = || rest.next();
+        let mut row = Row {
+            key: Default::default(),
+            classes: [Class::Failed; 3],
+            exponents: [[f64::NAN; 4]; 3],
+            statuses: Default::default(),
+            scores: [f64::NAN; 4],
+        };
+        for part in &mut row.key {
+            *part = next()?.to_owned();
+        }
+        for figure in 0..3 {
+            row.classes[figure] = next()?.parse().ok()?;
+            for k in 0..4 {
+                let value = next()?;
+                if !value.is_empty() {
+                    row.exponents[figure][k] = value.parse().ok()?;
+                }
+                row.statuses[figure][k] = next()?.to_owned();
+            }
+        }
+        next()?;
+        for score in &mut row.scores {
+            *score = next()?.parse().ok()?;
+        }
+        Some(row)
+    }
+}

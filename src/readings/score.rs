@@ -1,0 +1,68 @@
+//! How far twelve exponents are from the published ones.
+
+use crate::paper::published::{PublishedError, published};
+
+/// The twelve exponents of Figs. 10–12, each figure's in descending order.
+pub type Twelve = [[f64; 4]; 3];
+
+/// Added to a published exponent's size before a difference is divided by it, so that exponents near zero
+/// do not decide everything.
+pub const FLOOR: f64 = 0.002;
+/// Differences count no more than this; nor does an exponent that is missing or minus infinity.
+pub const CAP: f64 = 3.0;
+
+/// The published exponents.
+///
+/// # Errors
+/// [`PublishedError`] if the table of claims lacks one.
+pub fn target() -> Result<Twelve, PublishedError> {
+    let mut all = [[0.0; 4]; 3];
+    for (figure, row) in all.iter_mut().enumerate() {
+        for (k, value) in row.iter_mut().enumerate() {
+            let id = format!("fig{}.lambda.{}", figure + 10, k + 1);
+            *value = published(&id)?
+                .values()
+                .first()
+                .copied()
+                .unwrap_or(f64::NAN);
+        }
+    }
+    Ok(all)
+}
+
+fn squares(found: &[f64; 4], wanted: &[f64; 4]) -> f64 {
+    found
+        .iter()
+        .zip(wanted)
+        .map(|(value, wanted)| {
+            let difference = (value - wanted).abs() / (wanted.abs() + FLOOR);
+            // `min` takes the number where the other is none.
+            let bounded = difference.min(CAP);
+            bounded * bounded
+        })
+        .sum()
+}
+
+/// Root mean square of the four differences.
+pub fn one_figure(found: &[f64; 4], wanted: &[f64; 4]) -> f64 {
+    (squares(found, wanted) / 4.0).sqrt()
+}
+
+/// Root mean square of all twelve.
+pub fn all_figures(found: &Twelve, wanted: &Twelve) -> f64 {
+    let sum: f64 = found.iter().zip(wanted).map(|(f, w)| squares(f, w)).sum();
+    (sum / 12.0).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_published_values_agree_with_themselves_and_nothing_is_worse_than_the_cap() {
+        let target = target().unwrap();
+        assert_eq!(all_figures(&target, &target), 0.0);
+        let none = [[f64::NAN, f64::NEG_INFINITY, 1e9, -1e9]; 3];
+        assert_eq!(all_figures(&none, &target), CAP);
+    }
+}

@@ -1,0 +1,94 @@
+//! Integrates and estimates.
+
+use super::class::Class;
+use super::plan::{DT, Group, Plan};
+use super::row::Row;
+use super::score::{self, Twelve};
+use super::store;
+use super::trajectory::{Outcome, follow};
+use crate::analysis::data_spectrum::{DataSettings, Series, data_spectrum};
+use crate::models::Caption;
+
+/// The captions of Figs. 10–12.
+const CAPTIONS: [Caption; 3] = [Caption::FIG10, Caption::FIG11, Caption::FIG12];
+
+/// All rows of a group; `None` if `late` said so before they were complete.
+pub fn group_rows(
+    group: &Group,
+    plan: &Plan,
+    target: &Twelve,
+    late: &dyn Fn() -> bool,
+) -> Option<Vec<Row>> {
+    let outcomes = CAPTIONS.map(|caption| follow(group, &caption, plan, late));
+    if outcomes.iter().any(|o| matches!(o, Outcome::Interrupted)) {
+        return None;
+    }
+    let classes = [0, 1, 2].map(|figure| Class::of(&outcomes[figure]));
+    let series = outcomes.each_ref().map(|outcome| match outcome {
+        Outcome::Bounded(trajectory) => {
+            Series::from_rows(trajectory.series.iter().copied(), DT).ok()
+        }
+        _ => None,
+    });
+    let mut rows = Vec::new();
+    for (key, (_, settings)) in store::keys(plan, group)
+        .into_iter()
+        .zip(plan.settings_of(group))
+    {
+        if late() {
+            return None;
+        }
+        let mut row = Row {
+            key,
+            classes,
+            exponents: [[f64::NAN; 4]; 3],
+            statuses: Default::default(),
+            scores: [0.0; 4],
+        };
+        for figure in 0..3 {
+            let (values, statuses) = match &series[figure] {
+                Some(series) => spectrum(series, &settings),
+                None => none("no series"),
+            };
+            row.exponents[figure] = values;
+            row.statuses[figure] = statuses;
+            row.scores[figure] = score::one_figure(&values, &target[figure]);
+        }
+        row.scores[3] = score::all_figures(&row.exponents, target);
+        rows.push(row);
+    }
+    Some(rows)
+}
+
+type Four = ([f64; 4], [String; 4]);
+
+fn none(why: &str) -> Four {
+    ([f64::NAN; 4], [(); 4].map(|()| why.to_owned()))
+}
+
+/// Exponents in descending order, as the paper prints them, whatever their status.
+fn spectrum(series: &Series, settings: &DataSettings) -> Four {
+    let Ok(spectrum) = data_spectrum(series, settings) else {
+        return none("no estimate");
+    };
+    let mut found: Vec<(f64, &str)> = spectrum
+        .exponents
+        .iter()
+        .map(|exponent| (exponent.value, exponent.status.word()))
+        .collect();
+    // Those without a value last.
+    let rank = |value: f64| {
+        if value.is_nan() {
+            f64::NEG_INFINITY
+        } else {
+            value
+        }
+    };
+    found.sort_by(|one, other| rank(other.0).total_cmp(&rank(one.0)));
+    let (mut values, mut statuses) = none("no estimate");
+    for (k, (value, status)) in found.into_iter().take(4).enumerate() {
+        values[k] = value;
+        statuses[k] = status.to_owned();
+    }
+    (values, statuses)
+}
