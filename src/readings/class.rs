@@ -132,19 +132,22 @@ impl FromStr for Class {
 mod tests {
     use super::*;
 
-    fn section(mut next: impl FnMut(usize) -> f64) -> Class {
-        let points: Vec<[f64; 3]> = (0..600).map(|i| [next(i), 1.0, 0.0]).collect();
+    fn section(mut next: impl FnMut(usize) -> [f64; 3]) -> Class {
+        let points: Vec<[f64; 3]> = (0..600).map(&mut next).collect();
         of_section(&points)
     }
 
     #[test]
     fn the_classes_are_told_apart() {
-        assert_eq!(section(|i| [0.3, 0.5, 0.1][i % 3]), Class::Periodic(3));
-        assert_eq!(section(|i| math::cos(i as f64)), Class::QuasiPeriodic);
+        let three = |i: usize| [[0.3, 0.5, 0.1][i % 3], 1.0, 0.0];
+        assert_eq!(section(three), Class::Periodic(3));
+        // A point of the section determines the next: on a circle it takes both coordinates.
+        let circle = |i: usize| [math::cos(i as f64), math::sin(i as f64), 0.0];
+        assert_eq!(section(circle), Class::QuasiPeriodic);
         let mut x = 0.3;
         let logistic = |_| {
             x = 4.0 * x * (1.0 - x);
-            x
+            [x, 1.0, 0.0]
         };
         assert_eq!(section(logistic), Class::Chaotic);
         assert_eq!(of_section(&[[0.0; 3]; 3]), Class::Rest);

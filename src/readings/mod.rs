@@ -29,6 +29,7 @@ use rayon::prelude::*;
 use crate::figures::output::{Artifact, write_all};
 pub use error::ReadingsError;
 use plan::Plan;
+pub(crate) use plan::best_common;
 use store::{Store, TABLE};
 
 /// Name of the summary.

@@ -214,6 +214,12 @@ pub fn reading_name(reading: &Reading) -> String {
     )
 }
 
+/// The estimator's settings that the whole search ranks first for all three figures together, classes before exponents; the
+/// reading is then [`crate::models::Reading::exact`], solved exactly. The figures show what it gives.
+pub(crate) fn best_common() -> DataSettings {
+    settings(0.1, MANY, 1, false)
+}
+
 fn settings(eps: f64, max: usize, step: usize, affine: bool) -> DataSettings {
     let references = if max >= MANY {
         FEW_REFERENCES

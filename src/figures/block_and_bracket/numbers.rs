@@ -3,10 +3,12 @@
 use super::Set;
 use super::compute::{Data, Literal, Measured};
 use crate::analysis::Exponent;
+use crate::analysis::data_spectrum::DataSpectrum;
 use crate::figures::rows::Row;
 
 const EQUATIONS: &str = "exact/equations";
 const FROM_DATA: &str = "exact/data";
+const BEST: &str = "best-of-readings";
 const EXACT: &str = "exact";
 const AS_PRINTED: &str = "as-printed";
 const AS_PRINTED_EQUATIONS: &str = "as-printed/equations";
@@ -15,6 +17,7 @@ pub(in crate::figures) fn numbers(set: &Set, data: &Data) -> Vec<Row> {
     let figure = set.figure;
     let mut rows = exponents(figure, EQUATIONS, &data.exact);
     rows.extend(from_data(figure, data));
+    rows.extend(data_exponents(figure, BEST, &data.best_of_readings));
     if let Literal::Bounded(measured) = &data.literal {
         rows.extend(exponents(figure, AS_PRINTED_EQUATIONS, measured));
     }
@@ -54,16 +57,20 @@ fn exponents(figure: &str, reading: &str, measured: &Measured) -> Vec<Row> {
     rows
 }
 
-fn from_data(figure: &str, data: &Data) -> Vec<Row> {
-    let exponents = data.from_data.exponents.iter().enumerate();
-    let mut rows: Vec<Row> = exponents
+fn data_exponents(figure: &str, reading: &str, spectrum: &DataSpectrum) -> Vec<Row> {
+    let exponents = spectrum.exponents.iter().enumerate();
+    exponents
         .map(|(i, exponent)| {
             let id = lambda(figure, i);
-            Row::number(&id, FROM_DATA, exponent.value, "1/t")
+            Row::number(&id, reading, exponent.value, "1/t")
                 .against(&id)
                 .status(exponent.status.word())
         })
-        .collect();
+        .collect()
+}
+
+fn from_data(figure: &str, data: &Data) -> Vec<Row> {
+    let mut rows = data_exponents(figure, FROM_DATA, &data.from_data);
     let count =
         |name: &str, value: usize| Row::count(&format!("{figure}.{name}"), FROM_DATA, value as u64);
     rows.push(count("samples", data.samples));
