@@ -1,6 +1,7 @@
 //! Tangent points of the two one-degree-of-freedom models, in closed form and each classified by computation.
 
-use super::cubic::{Balance, Cubic, TangentPoint};
+use super::any_spring;
+use super::cubic::{Balance, TangentPoint};
 use super::{BeltOscillator, ForcedOscillator};
 use crate::analysis::{Visibility, visibility};
 use crate::error::Error;
@@ -19,7 +20,7 @@ pub struct BeltTangency {
 
 impl BeltOscillator {
     /// The tangent points (Eq. 16 for the defaults), the largest position first: six below the critical μ0 of Eq. (13), two
-    /// above. A point at which both fields are tangent (μ0 = 0) stands once for either side.
+    /// above, and for a spring that does not turn back (k1 and k2 not of one sign) always two. A point at which both fields are tangent (μ0 = 0) stands once for either side.
     ///
     /// ```
     /// use stickslip::{analysis::Visibility, models::BeltOscillator};
@@ -30,10 +31,10 @@ impl BeltOscillator {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Parameter`] where a parameter is not allowed; k1 and k2 must be positive here.
+    /// [`Error::Parameter`] where a parameter is not allowed.
     pub fn tangent_points(&self) -> Result<Vec<BeltTangency>, Error> {
         let model = self.checked()?;
-        let points = Cubic::new(self.k1, self.k2)?.tangent_points(self.mu0)?;
+        let points = any_spring::tangent_points(self.k1, self.k2, self.mu0)?;
         // The acceleration below is (k1 z − k2 z³ + μ0)/m: it vanishes where k2 z³ − k1 z = +μ0.
         Ok(classified(
             &model,
@@ -51,7 +52,7 @@ impl BeltOscillator {
     /// As [`BeltOscillator::tangent_points`].
     pub fn stick_zones(&self) -> Result<Vec<(f64, f64)>, Error> {
         self.checked()?;
-        Cubic::new(self.k1, self.k2)?.stick_zones(self.mu0)
+        any_spring::stick_zones(self.k1, self.k2, self.mu0)
     }
 }
 
@@ -59,10 +60,10 @@ impl ForcedOscillator {
     /// The tangent points at time `t` (Eq. 24 moved by the support, `z_k + A sin(ωt)`), the largest position first.
     ///
     /// # Errors
-    /// [`Error::Parameter`] where a parameter is not allowed; k1 and k2 must be positive here.
+    /// [`Error::Parameter`] where a parameter is not allowed.
     pub fn tangent_points(&self, t: f64) -> Result<Vec<BeltTangency>, Error> {
         let model = self.checked()?;
-        let points = Cubic::new(self.k1, self.k2)?.tangent_points(self.mu0)?;
+        let points = any_spring::tangent_points(self.k1, self.k2, self.mu0)?;
         // The acceleration below is (k2 z³ − k1 z + μ0)/m: it vanishes where k2 z³ − k1 z = −μ0.
         let offset = self.support(t);
         Ok(classified(
@@ -81,7 +82,7 @@ impl ForcedOscillator {
     /// As [`ForcedOscillator::tangent_points`].
     pub fn stick_zones(&self) -> Result<Vec<(f64, f64)>, Error> {
         self.checked()?;
-        Cubic::new(self.k1, self.k2)?.stick_zones(self.mu0)
+        any_spring::stick_zones(self.k1, self.k2, self.mu0)
     }
 }
 
