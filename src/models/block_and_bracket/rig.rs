@@ -90,11 +90,17 @@ impl Rig {
         }
     }
 
+    /// The normal force at a state (N), unclipped: where it is negative the block would lift off.
+    #[inline(always)]
+    pub fn unclipped_normal_force<T: Scalar>(&self, x: &State<T, 4>) -> T {
+        let lift = x[2] * self.k3 + x[3] * self.c2;
+        -lift + self.mass * self.gravity
+    }
+
     /// The normal force at a state (N), zero where the block would lift off.
     #[inline(always)]
     pub fn normal_force<T: Scalar>(&self, x: &State<T, 4>) -> T {
-        let lift = x[2] * self.k3 + x[3] * self.c2;
-        (-lift + self.mass * self.gravity).max(T::constant(0.0))
+        self.unclipped_normal_force(x).max(T::constant(0.0))
     }
 }
 
@@ -119,5 +125,10 @@ impl Filippov<4> for Rig {
     #[inline(always)]
     fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 4>) -> T {
         x[1] - self.belt_speed
+    }
+
+    #[inline(always)]
+    fn contact<T: Scalar>(&self, _t: T, x: &State<T, 4>) -> Option<T> {
+        Some(self.unclipped_normal_force(x))
     }
 }
