@@ -192,7 +192,8 @@ fn stick_annihilates_one_direction_and_is_counted() {
     close(spectrum.exponents[0].value(), 0.0, 1e-10);
     assert_eq!(spectrum.exponents[1], Exponent::Annihilated);
     assert_eq!(spectrum.exponents[1].std_error(), None);
-    assert_eq!(spectrum.stick_entries, 20);
+    let counts = (spectrum.stick_entries, spectrum.collapses);
+    assert_eq!((counts, spectrum.annihilated()), ((20, 20), 1));
     close(
         spectrum.stick_fraction,
         1.0 - 4.703_364_997_942_152 / period,

@@ -165,8 +165,9 @@ impl<'a, S> Tangent<'a, S> {
         self.advanced::<M, N>(&second, &between, halvings - 1)
     }
 
-    /// What the transition does, or `None` where it changes no vector: on leaving stick, at a touch, and
-    /// where contact is lost or gained.
+    /// What the transition does, or `None` where it changes no vector: on leaving stick, at a touch,
+    /// where contact is lost or gained, and where the two fields agree (friction without normal force): the
+    /// saltation matrix is the limit there, the identity, though its formula may read 0/0.
     pub(crate) fn jump<const N: usize>(&self, at: &Transition<N>) -> Option<Jump<N>>
     where
         S: Filippov<N>,
@@ -181,10 +182,14 @@ impl<'a, S> Tangent<'a, S> {
         }
         let before = field_in(self.system, at.from, at.t, &at.x);
         let after = field_in(self.system, at.to, at.t, &at.x);
+        let kick = after - before;
+        if kick.iter().all(|v| *v == 0.0) {
+            return None;
+        }
         let (gradient, in_time) = boundary_gradient(self.system, at.t, &at.x);
         Some(Jump {
             matrix: saltation(self.system, at.t, &at.x, &before, &after),
-            kick: after - before,
+            kick,
             rate_before: in_time + gradient.dot(&before),
             rate_after: in_time + gradient.dot(&after),
             gradient,
@@ -198,5 +203,44 @@ pub(crate) fn flatten<const N: usize>(gradient: &State<f64, N>, vector: &mut Sta
     let across: f64 = (0..N).map(|i| gradient[i] * vector[i]).sum();
     for i in 0..N {
         vector[i] -= gradient[i] * across / square;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scalar::Scalar;
+    use crate::system::Side;
+
+    /// A block whose friction is `friction` on either side of rest.
+    struct Block {
+        friction: f64,
+    }
+    impl Filippov<2> for Block {
+        fn field<T: Scalar>(&self, side: Side, _t: T, x: &State<T, 2>) -> State<T, 2> {
+            State::from([x[1], -x[0] - self.friction * side.sign()])
+        }
+        fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 2>) -> T {
+            x[1]
+        }
+    }
+
+    #[test]
+    fn where_the_fields_agree_vectors_pass_unchanged() {
+        // At rest at the origin: with friction the block sticks; without, Σ is nothing to it and its formula reads 0/0.
+        let entry = Transition {
+            t: 0.0,
+            x: State::from([0.0, 0.0]),
+            kind: TransitionKind::StickEntry,
+            from: Mode::Slip(Side::Below),
+            to: Mode::Stick,
+            residual: 0.0,
+        };
+        let options = Options::default();
+        let rough = Block { friction: 0.4 };
+        let jump = Tangent::new(&rough, &options).jump(&entry);
+        assert_eq!(jump.unwrap().matrix.determinant(), 0.0);
+        let smooth = Block { friction: 0.0 };
+        assert!(Tangent::new(&smooth, &options).jump(&entry).is_none());
     }
 }

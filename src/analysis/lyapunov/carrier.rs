@@ -26,6 +26,7 @@ pub(super) struct Carrier<'a, S, const N: usize> {
     divergence: f64,
     stick_time: f64,
     stick_entries: usize,
+    collapses: usize,
     /// Whether no step has been seen since the run began.
     is_fresh: bool,
     /// Whether this is still the transient.
@@ -44,6 +45,7 @@ impl<'a, S, const N: usize> Carrier<'a, S, N> {
             divergence: 0.0,
             stick_time: 0.0,
             stick_entries: 0,
+            collapses: 0,
             is_fresh: true,
             is_settling: true,
             failure: None,
@@ -58,6 +60,7 @@ impl<'a, S, const N: usize> Carrier<'a, S, N> {
         self.divergence = 0.0;
         self.stick_time = 0.0;
         self.stick_entries = 0;
+        self.collapses = 0;
         self.is_fresh = true;
         self.is_settling = false;
     }
@@ -70,6 +73,7 @@ impl<'a, S, const N: usize> Carrier<'a, S, N> {
             volume_rate: self.log_volume / duration,
             mean_divergence: self.divergence / duration,
             stick_entries: self.stick_entries,
+            collapses: self.collapses,
             stick_fraction: self.stick_time / duration,
             duration,
             summary,
@@ -179,11 +183,13 @@ impl<S: Filippov<N>, const N: usize> Carrier<'_, S, N> {
     }
 
     fn jump(&mut self, at: &Transition<N>) -> Option<()> {
+        let enters = at.kind == TransitionKind::StickEntry;
+        self.stick_entries += usize::from(enters);
         let Some(jump) = self.tangent.jump(at) else {
             return Some(());
         };
-        if at.kind == TransitionKind::StickEntry {
-            self.stick_entries += 1;
+        if enters {
+            self.collapses += 1;
             return self.enter_stick(&jump);
         }
         self.frame.apply(|q| jump.matrix * q);

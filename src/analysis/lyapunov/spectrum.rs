@@ -58,8 +58,12 @@ pub struct Spectrum<const N: usize> {
     /// Mean divergence of the fields along the orbit, stick included. Without stick,
     /// `volume_rate` is this plus the mean of `ln|det S|` over the crossings.
     pub mean_divergence: f64,
-    /// Entries into stick while measuring: how many times a direction was projected out.
+    /// Entries into stick while measuring.
     pub stick_entries: usize,
+    /// Collapses while measuring: entries into stick whose saltation matrix is singular and projects tangent space along a
+    /// direction. All entries are, save those at which the two fields agree (no normal force, say). Only the
+    /// first that meets a direction still alive annihilates it; [`Spectrum::annihilated`] counts those directions.
+    pub collapses: usize,
     /// Part of the measured time spent in stick.
     pub stick_fraction: f64,
     /// Time measured.
@@ -73,6 +77,12 @@ impl<const N: usize> Spectrum<N> {
     pub fn sum(&self) -> f64 {
         let finite = self.exponents.iter().map(Exponent::value);
         finite.filter(|value| value.is_finite()).sum()
+    }
+
+    /// How many exponents are −∞.
+    pub fn annihilated(&self) -> usize {
+        let dead = |exponent: &&Exponent| **exponent == Exponent::Annihilated;
+        self.exponents.iter().filter(dead).count()
     }
 
     /// What the sum of the finite exponents differs from the rate of volume found without them: the error of integration and

@@ -133,7 +133,10 @@ fn running(data: &Data) -> Panel {
         ),
     )
     .label("(c)")
-    .title("exponents; solid: equations, dashed: data")
+    .title(&format!(
+        "exponents; solid: equations, dashed: data{}",
+        annihilated(data)
+    ))
     .legend(Legend::Below);
     panel.add(Guide::horizontal(0.0).color(GREY).width(0.6));
     for (i, exponent) in data.exact.spectrum.exponents.iter().enumerate() {
@@ -153,6 +156,15 @@ fn running(data: &Data) -> Panel {
         panel.add(Curve::new(points).color(COLOURS[i]).dash(Dash::Dashed));
     }
     panel
+}
+
+/// What the running means cannot show: the exponents that the equations give as −∞.
+fn annihilated(data: &Data) -> String {
+    let exponents = data.exact.spectrum.exponents.iter().enumerate();
+    exponents
+        .filter(|(_, exponent)| **exponent == Exponent::Annihilated)
+        .map(|(i, _)| format!("; *λ*_{} = −∞", i + 1))
+        .collect()
 }
 
 /// Four decimals, as published.
