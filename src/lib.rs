@@ -4,6 +4,7 @@ pub mod analysis;
 pub mod error;
 pub mod figures;
 pub mod filippov;
+mod interval;
 pub mod math;
 pub mod models;
 pub mod ode;

@@ -7,7 +7,7 @@ use num_dual::Dual;
 use crate::filippov::{
     Method, Options, StepRecord, Transition, TransitionKind, boundary_gradient, sliding_field,
 };
-use crate::ode::control::error_norm;
+use crate::ode::control::squared_error;
 use crate::ode::{Dop853, Rk4, RungeKutta, Stages, Tolerance, stages};
 use crate::scalar::Differentiable;
 use crate::system::{Filippov, Mode, State};
@@ -149,9 +149,9 @@ impl<'a, S> Tangent<'a, S> {
             rtol: 0.0,
             atol: self.tolerance * vector.norm(),
         };
-        let error = error_norm::<M, N>(&of_vector, vector, piece.h, &tolerance);
+        let error = squared_error::<M, N>(&of_vector, vector, piece.h, &tolerance);
         // Not a number where the vector is zero; then, and where it is not finite, halving is of no use.
-        if error.is_nan() || error <= SLACK {
+        if error.is_nan() || error <= SLACK * SLACK {
             return end;
         }
         let half = 0.5 * piece.h;

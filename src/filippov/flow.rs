@@ -2,6 +2,7 @@
 
 use num_dual::{Dual, Dual3};
 
+use crate::interval::Interval;
 use crate::ode::{Linear, Timed};
 use crate::scalar::Differentiable;
 use crate::system::{Filippov, Side, State};
@@ -63,6 +64,24 @@ fn contact_guard<S: Filippov<N>, T: Differentiable, const N: usize>(
     }
 }
 
+/// Whether a range of values lies above zero, by more than rounding.
+#[inline(always)]
+fn is_positive(range: Interval) -> bool {
+    range.low > 1e-3 * (range.high - range.low) && range.low > 1e-9 * range.high
+}
+
+#[inline(always)]
+fn contact_is_clear<S: Filippov<N>, const N: usize>(
+    system: &S,
+    t: Interval,
+    x: &State<Interval, N>,
+    sign: f64,
+) -> bool {
+    system
+        .contact(t, x)
+        .is_none_or(|contact| is_positive(contact * sign))
+}
+
 /// A smooth flow that goes on while all its guards are positive.
 pub(crate) trait Flow<const N: usize> {
     /// The guards there are, [`CONTACT`] among them.
@@ -73,6 +92,8 @@ pub(crate) trait Flow<const N: usize> {
     fn field<T: Differentiable>(&self, t: T, x: &State<T, N>) -> State<T, N>;
     /// Guard `i`: positive while the mode holds, zero where it ends.
     fn guard<T: Differentiable>(&self, i: usize, t: T, x: &State<T, N>) -> T;
+    /// Whether guard `i` is certain to stay positive over a range of times and states; `false` says nothing.
+    fn is_clear(&self, i: usize, t: Interval, x: &State<Interval, N>) -> bool;
     /// Takes out the rounding by which `x` has drifted off the set that the flow lives on.
     fn settle(&self, t: f64, x: State<f64, N>) -> State<f64, N>;
 
@@ -148,6 +169,14 @@ impl<S: Filippov<N>, const ABOVE: bool, const N: usize> Flow<N> for Slip<'_, S, 
         }
     }
 
+    #[inline(always)]
+    fn is_clear(&self, i: usize, t: Interval, x: &State<Interval, N>) -> bool {
+        if i == CONTACT {
+            return contact_is_clear(self.system, t, x, self.contact);
+        }
+        is_positive(self.system.boundary(t, x) * Self::SIDE.sign())
+    }
+
     fn settle(&self, _t: f64, x: State<f64, N>) -> State<f64, N> {
         x
     }
@@ -185,6 +214,12 @@ impl<S: Filippov<N>, const N: usize> Flow<N> for Stick<'_, S> {
         let side = Self::side_of_guard(i);
         let f = self.system.field(side, t, x);
         normal_component(self.system, t, x, &f) * -side.sign()
+    }
+
+    #[inline(always)]
+    fn is_clear(&self, i: usize, t: Interval, x: &State<Interval, N>) -> bool {
+        // The other guards take derivatives, which intervals do not have.
+        i == CONTACT && contact_is_clear(self.system, t, x, self.contact)
     }
 
     fn settle(&self, t: f64, x: State<f64, N>) -> State<f64, N> {

@@ -10,6 +10,7 @@ use super::options::{Locator, Options};
 use super::pile_up::PileUp;
 use super::scan::{Bracket, NARROWEST, far_from_zero, first_zero};
 use crate::error::{Error, Point};
+use crate::interval::Interval;
 use crate::ode::{Dense, RungeKutta, Timed, dense_slopes};
 use crate::orbit::Counters;
 use crate::system::{Mode, State};
@@ -198,10 +199,12 @@ impl<O> Run<'_, O> {
         orders: &[usize; MOST_GUARDS],
     ) -> Option<Event<N>> {
         let mut first: Option<(f64, Event<N>)> = None;
+        let reach = dense.enclosure();
         // Written out rather than looped over, so that each guard's code is the guard's own.
         macro_rules! consider {
             ($guard:expr) => {
-                let found = self.first_failure::<M, F, N>($guard, origin, dense, orders[$guard]);
+                let found =
+                    self.first_failure::<M, F, N>($guard, origin, dense, &reach, orders[$guard]);
                 if let Some((t, located)) = found
                     && first.as_ref().is_none_or(|(earlier, _)| t < *earlier)
                 {
@@ -224,12 +227,14 @@ impl<O> Run<'_, O> {
         i: usize,
         origin: &Origin<'_, F, N>,
         dense: &Dense<N>,
+        reach: &State<Interval, N>,
         order: usize,
     ) -> Option<(f64, Located<N>)> {
         let on_dense = |s: f64| origin.flow.guard(i, origin.t + s * origin.h, &dense.at(s));
         if order == 0 {
-            // Nearly every step ends here: sampled, and far from any event.
-            return if far_from_zero(on_dense) {
+            // Nearly every step ends here: far from any event, for certain or by samples.
+            let times = Interval::new(origin.t, origin.t + origin.h);
+            return if origin.flow.is_clear(i, times, reach) || far_from_zero(on_dense) {
                 None
             } else {
                 self.near_failure::<M, F, N>(i, origin, dense, on_dense)

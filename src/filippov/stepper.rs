@@ -3,7 +3,7 @@
 use super::flow::Flow;
 use super::march::Run;
 use crate::error::{Error, Point};
-use crate::ode::control::{error_norm, first_step, step_factor};
+use crate::ode::control::{first_step, squared_error, step_factor};
 use crate::ode::{RungeKutta, Stages, Timed, stages};
 use crate::system::State;
 
@@ -49,7 +49,7 @@ impl<O> Run<'_, O> {
             }
             let step = stages::<M, f64, _>(field, t, x, slope, h);
             self.counters.field_calls += F::FIELD_CALLS * (M::COEFFICIENTS.stages as u64 - 1);
-            let error = error_norm::<M, N>(&step, x, h, &tolerance);
+            let error = squared_error::<M, N>(&step, x, h, &tolerance);
             if self.options.fixed_step().is_some() {
                 if error.is_finite() {
                     return Ok((h, is_last, step));

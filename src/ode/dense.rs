@@ -3,6 +3,7 @@
 use super::linear::Linear;
 use super::step::{Stages, weigh};
 use super::tableau::RungeKutta;
+use crate::interval::Interval;
 use crate::system::State;
 
 /// The solution over one step as a polynomial in `s = (t − t0)/h`, `0 ≤ s ≤ 1`.
@@ -76,8 +77,45 @@ impl<const N: usize> Dense<N> {
         x
     }
 
+    /// A box that holds the state throughout the step: the middle of a straight way, and as radius what every other term
+    /// of the polynomial can reach between 0 and 1.
+    #[inline(always)]
+    pub(crate) fn enclosure(&self) -> State<Interval, N> {
+        /// The largest values of `s r`, `s² r`, … `s⁴ r³`, rounded up.
+        const REACH: [f64; 6] = [0.25, 0.148_149, 0.0625, 0.034_561, 0.015_626, 0.008_393];
+        let c = &self.coefficients;
+        State::from_fn(|i, _| {
+            let mut radius = 0.5 * c[1][i].abs();
+            for (term, reach) in c[2..].iter().zip(REACH) {
+                radius += reach * term[i].abs();
+            }
+            Interval::around(c[0][i] + 0.5 * c[1][i], radius)
+        })
+    }
+
     /// The state at time `t`.
     pub fn at_time(&self, t: f64) -> State<f64, N> {
         self.at((t - self.t0) / self.h)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+        #[test]
+        fn the_enclosure_holds_the_whole_step(
+            terms in prop::array::uniform8(-1.0..1.0),
+            s in 0.0..=1.0,
+        ) {
+            let dense = Dense::<1> { t0: 0.0, h: 1.0, coefficients: terms.map(|c| State::from([c])) };
+            let range = dense.enclosure()[0];
+            let x = dense.at(s)[0];
+            prop_assert!(range.low <= x + 1e-15 && x - 1e-15 <= range.high);
+        }
     }
 }
