@@ -11,7 +11,7 @@ use stickslip::math;
 const POINTS: usize = 45_001;
 const DT: f64 = 0.2;
 
-/// A torus in four dimensions whose fast angle is the sum of two: dense neighbourhoods everywhere.
+/// A torus in four dimensions whose fast angle is the sum of two: some seventy points in a ball of a tenth of the spread.
 fn series() -> Option<Series> {
     let rows = (0..POINTS).map(|i| {
         let (a, b) = (DT * i as f64, 1.618_033_988_749_895 * DT * i as f64);

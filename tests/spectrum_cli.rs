@@ -50,7 +50,7 @@ fn prints_a_table_without_any_option_but_the_time_step() {
     let cells: Vec<&str> = first.split_whitespace().collect();
     // Over 3000 points the standard error is 0.005.
     assert!((cells[1].parse::<f64>().unwrap() - 0.419).abs() < 0.02);
-    assert_eq!(cells[3], "ok");
+    assert_eq!(cells[4], "ok");
     // Nothing is written that was not asked for.
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
 }
@@ -63,7 +63,7 @@ fn csv_and_json_hold_the_same_numbers() {
     let json = succeed(
         program()
             .arg(&path)
-            .args(["--dt", "1", "--json", "--eps", "0.02"]),
+            .args(["--dt", "1", "--json", "--eps", "0.1"]),
     );
     let document: serde_json::Value = serde_json::from_str(&json).unwrap();
     let exponents = document["exponents"].as_array().unwrap();
@@ -81,7 +81,7 @@ fn csv_and_json_hold_the_same_numbers() {
         assert_eq!(Some(&record[3]), exponent["status"].as_str());
     }
     assert_eq!(document["settings"]["dt"], 1.0);
-    assert_eq!(document["settings"]["eps"], 0.02);
+    assert_eq!(document["settings"]["eps"], 0.1);
     assert_eq!(document["settings"]["theiler"], 1);
 }
 
@@ -140,24 +140,29 @@ fn what_has_no_value_is_empty_null_or_a_dash() {
 fn writes_a_named_picture() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("a/b");
-    let table = succeed(
-        program()
-            .args([
-                "-",
-                "--dt",
-                "1",
-                "--affine",
-                "--neighbours",
-                "15-30",
-                "--step",
-                "2",
-                "--theiler",
-                "5",
-                "--out",
-            ])
-            .arg(&out)
-            .write_stdin(henon(false)),
-    );
+    // Two steps at 3000 points are biased, which is said on standard error.
+    let output = program()
+        .args([
+            "-",
+            "--dt",
+            "1",
+            "--affine",
+            "--neighbours",
+            "15-30",
+            "--step",
+            "2",
+            "--theiler",
+            "5",
+            "--out",
+        ])
+        .arg(&out)
+        .write_stdin(henon(false))
+        .assert()
+        .success()
+        .stderr(contains("exponent 2 changes"))
+        .get_output()
+        .clone();
+    let table = String::from_utf8(output.stdout).unwrap();
     assert!(table.contains("spectrum.svg") && table.contains("affine") && table.contains("step 2"));
     let text = std::fs::read_to_string(out.join("spectrum.svg")).unwrap();
     let document = roxmltree::Document::parse(&text).unwrap();
@@ -173,6 +178,14 @@ fn bad_files_are_failures_that_say_where() {
         ("1,2\n3\n", "line 2, column 2: the line has 1 columns"),
         ("1,2\n3,NaN\n", "line 2, column 2: 'NaN' is not finite"),
         ("", "no data"),
+        ("x,y\r\n", "no data"),
+        ("1 2\n3 4\n", "separate the columns by commas"),
+        ("1,5;2,5\n1,5;2,5\n", "decimal comma"),
+        (
+            "t,x\n0,1\n1,2\n3,3\n",
+            "line 4, column 1 (t): the time goes",
+        ),
+        ("1,2\n1,2\n1,2\n", "3 points are too few"),
         ("1\n2\n3\n", "3 points are too few"),
     ] {
         program()
@@ -194,10 +207,25 @@ fn bad_files_are_failures_that_say_where() {
 fn wrong_command_lines_end_with_two() {
     for (arguments, says) in [
         (vec!["-"], "--dt"),
-        (vec!["-", "--dt", "0"], "dt = 0"),
-        (vec!["-", "--dt", "-1"], "dt = -1"),
-        (vec!["-", "--dt", "1", "--step", "0"], "step = 0"),
-        (vec!["-", "--dt", "1", "--eps", "-0.1"], "eps = -0.1"),
+        (vec!["-", "--dt", "0"], "--dt = 0"),
+        (vec!["-", "--dt", "-1"], "--dt = -1"),
+        (vec!["-", "--dt", "1", "--step", "0"], "--step = 0"),
+        (vec!["-", "--dt", "1", "--step", "-1"], "'-1'"),
+        (vec!["-", "--dt", "1", "--eps", "-0.1"], "--eps = -0.1"),
+        (vec!["-", "--dt", "1", "--ridge", "-1"], "--ridge = -1"),
+        (vec!["-", "--dt", "1", "--rank", "9"], "--rank = 9"),
+        (
+            vec!["-", "--dt", "1", "--references", "1"],
+            "--references = 1",
+        ),
+        (
+            vec!["-", "--dt", "1", "--neighbours", "2-9"],
+            "--neighbours, minimum = 2",
+        ),
+        (
+            vec!["-", "--dt", "1", "--rank-tolerance", "1"],
+            "--rank-tolerance = 1",
+        ),
         (vec!["-", "--dt", "1", "--columns", "3"], "it has 1 to 2"),
         (vec!["-", "--dt", "1", "--columns", "1,1"], "twice"),
         (vec!["-", "--dt", "1", "--neighbours", "many"], "'many'"),
@@ -218,6 +246,78 @@ fn wrong_command_lines_end_with_two() {
     }
 }
 
+/// Estimates that look like any other and are not: a warning, a status, and the exit code of success.
+#[test]
+fn doubtful_spectra_come_with_a_warning() {
+    let column: String = henon(false)
+        .lines()
+        .map(|line| format!("{}\n", line.split(',').next().unwrap()))
+        .collect();
+    for (text, arguments, status, says) in [
+        (
+            henon(false),
+            vec!["--eps", "1e-9"],
+            "starved",
+            "larger --eps",
+        ),
+        (column, vec![], "unpredictable", "all columns of the state"),
+        (
+            henon(false),
+            vec!["--step", "4", "--stride", "2"],
+            "unstable",
+            "smaller --step",
+        ),
+    ] {
+        let run = |format: &[&str]| {
+            let output = program()
+                .args(["-", "--dt", "1"])
+                .args(&arguments)
+                .args(format)
+                .write_stdin(text.clone())
+                .assert()
+                .success()
+                .stderr(starts_with("warning: ").and(contains(says)))
+                .get_output()
+                .clone();
+            String::from_utf8(output.stdout).unwrap()
+        };
+        assert!(run(&[]).contains(status));
+        assert!(run(&["--csv"]).contains(status));
+        let json: serde_json::Value = serde_json::from_str(&run(&["--json"])).unwrap();
+        assert!(json["warnings"][0].as_str().unwrap().contains(says));
+        let exponents = json["exponents"].as_array().unwrap();
+        assert!(exponents.iter().any(|e| e["status"] == status));
+        assert!(exponents[0]["eps_sensitivity"].is_f64());
+    }
+}
+
+#[test]
+fn files_as_they_come() {
+    let run = |text: String| {
+        succeed(
+            program()
+                .args(["-", "--dt", "1", "--csv"])
+                .write_stdin(text),
+        )
+    };
+    let plain = run(henon(true));
+    assert_eq!(run(henon(true).replace('\n', "\r\n")), plain);
+    assert_eq!(run(henon(true).replace(',', ";")), plain);
+    assert_eq!(run(format!("\u{feff}# measured\n\n{}", henon(true))), plain);
+    // The same forty points again and again: no neighbour is another point, and nothing is `ok`.
+    let forty: Vec<String> = henon(false).lines().take(40).map(str::to_owned).collect();
+    let repeats = forty.join("\n") + "\n";
+    let output = program()
+        .args(["-", "--dt", "1", "--csv"])
+        .write_stdin(repeats.repeat(50))
+        .assert()
+        .success()
+        .get_output()
+        .clone();
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(!text.contains(",ok"), "{text}");
+}
+
 #[test]
 fn an_unwritable_folder_is_named() {
     let folder = tempfile::tempdir().unwrap();
@@ -229,7 +329,11 @@ fn an_unwritable_folder_is_named() {
         .assert()
         .code(1)
         .stdout("")
-        .stderr(contains(below.to_str().unwrap()));
+        .stderr(
+            contains(below.to_str().unwrap())
+                .and(contains("--out"))
+                .and(contains("--out-dir").not()),
+        );
     assert_eq!(
         std::fs::read_to_string(folder.path().join("series.csv")).unwrap(),
         "kept"
@@ -246,9 +350,33 @@ fn help_has_examples_and_explains_the_status() {
         "--columns",
         "--theiler",
         "--dt 0.02",
+        "Exit codes",
+        "statistical only",
+        "eps_sensitivity",
     ] {
         assert!(help.contains(word), "{word}");
     }
     let version = succeed(program().arg("--version"));
     assert_eq!(version, format!("spectrum {}\n", env!("CARGO_PKG_VERSION")));
+}
+
+/// Numbers as large as the machine's do not overflow.
+#[test]
+fn huge_settings_are_refused() {
+    let huge = usize::MAX.to_string();
+    for option in ["--theiler", "--neighbours", "--step"] {
+        program()
+            .args(["-", "--dt", "1", option, &huge])
+            .write_stdin(henon(false))
+            .assert()
+            .code(1)
+            .stdout("")
+            .stderr(contains("too few"));
+    }
+    program()
+        .args(["-", "--dt", "1", "--eps", "1", "--neighbours", &huge])
+        .write_stdin(henon(false))
+        .assert()
+        .code(2)
+        .stderr(contains("--eps"));
 }

@@ -38,7 +38,7 @@ fn convergence(spectrum: &DataSpectrum) -> Panel {
     // An unidentified exponent may be anywhere; the axis is for those that mean something, if there are any.
     let scales = |i: usize| match spectrum.dimension {
         0 => shown(i),
-        _ => spectrum.exponents[i].status == Status::Ok,
+        _ => spectrum.exponents[i].status != Status::Unidentified && shown(i),
     };
     let settled = spectrum
         .convergence
@@ -65,6 +65,10 @@ fn convergence(spectrum: &DataSpectrum) -> Panel {
             Status::Unidentified => (
                 Dash::Dashed,
                 format!("({}) unidentified", number(exponent.value, 4)),
+            ),
+            Status::Unstable | Status::Starved | Status::Unpredictable => (
+                Dash::Solid,
+                format!("{} {}", number(exponent.value, 4), exponent.status.word()),
             ),
             Status::Annihilated => (Dash::Dotted, "−∞ annihilated".into()),
         };

@@ -1,5 +1,7 @@
 //! What can go wrong between a file and its spectrum.
 
+use std::path::PathBuf;
+
 use crate::analysis::data_spectrum::DataError;
 use crate::figures::FigureError;
 
@@ -62,7 +64,7 @@ pub enum SpectrumError {
     /// Options that exclude one another.
     #[error(
         "--neighbours {count} takes the nearest {count} points and no ball, so that --eps has no meaning; give a range such \
-         as --neighbours {count}-{twice}, or no --eps", twice = 2 * count
+         as --neighbours {count}-{twice}, or no --eps", twice = count.saturating_mul(2)
     )]
     EpsWithCount {
         /// The count given.
@@ -70,10 +72,28 @@ pub enum SpectrumError {
     },
     /// The estimator refused.
     #[error(transparent)]
-    Data(#[from] DataError),
-    /// The picture could not be drawn or written.
+    Data(DataError),
+    /// The estimator refused what an option says.
+    #[error("{flag} = {value} is not allowed: it must be {bound}")]
+    Option {
+        /// The option.
+        flag: &'static str,
+        /// Value given.
+        value: f64,
+        /// What is allowed, in words.
+        bound: &'static str,
+    },
+    /// The folder for the picture, or the picture, cannot be written.
+    #[error("cannot write {}: {source}; choose another folder with --out", path.display())]
+    Output {
+        /// The folder or the file.
+        path: PathBuf,
+        /// What the operating system said.
+        source: std::io::Error,
+    },
+    /// The picture could not be drawn.
     #[error(transparent)]
-    Figure(#[from] FigureError),
+    Figure(FigureError),
     /// The numbers could not be put into JSON.
     #[error("cannot write JSON: {0}")]
     Json(#[from] serde_json::Error),
@@ -87,7 +107,51 @@ impl SpectrumError {
             Self::Column { .. }
                 | Self::Twice { .. }
                 | Self::EpsWithCount { .. }
-                | Self::Data(DataError::Setting { .. })
+                | Self::Option { .. }
         )
+    }
+}
+
+impl From<DataError> for SpectrumError {
+    /// Puts the option in the place of the setting's name.
+    fn from(error: DataError) -> Self {
+        match error {
+            DataError::Setting { name, value, bound } => Self::Option {
+                flag: flag(name),
+                value,
+                bound,
+            },
+            other => Self::Data(other),
+        }
+    }
+}
+
+impl From<FigureError> for SpectrumError {
+    /// The figures' programs call their folder by another option.
+    fn from(error: FigureError) -> Self {
+        match error {
+            FigureError::CreateDir { path, source } | FigureError::Write { path, source } => {
+                Self::Output { path, source }
+            }
+            other => Self::Figure(other),
+        }
+    }
+}
+
+/// The option behind a setting. `min` and `max` are the two ends of one.
+fn flag(name: &'static str) -> &'static str {
+    match name {
+        "dt" => "--dt",
+        "eps" => "--eps",
+        "min" => "--neighbours, minimum",
+        "max" => "--neighbours, maximum",
+        "neighbours" => "--neighbours",
+        "step" => "--step",
+        "stride" => "--stride",
+        "rank_tolerance" => "--rank-tolerance",
+        "ridge" => "--ridge",
+        "fixed_rank" => "--rank",
+        "references" => "--references",
+        other => other,
     }
 }

@@ -22,7 +22,7 @@ use crate::figures::output::{self, Artifact};
 pub use draw::draw;
 pub use error::SpectrumError;
 pub use read::{Table, parse, read};
-pub use report::{csv, json, table};
+pub use report::{csv, json, table, warnings};
 
 /// Only computations longer than this show how far they are.
 const PATIENCE: Duration = Duration::from_secs(2);
@@ -32,13 +32,22 @@ const ABOUT: &str = "Lyapunov exponents of a time series of states, by Sano and 
 
 const AFTER: &str = "\
 Status of an exponent:
-  ok            the series has points in its direction
+  ok            the series has points in its direction, and nothing else speaks against it
+  unstable      with neighbourhoods of twice the size it is another by more than 4 stderr and 5 %: biased
+  starved       most balls held too few neighbours, so that the nearest were taken at any distance; enlarge --eps
+  unpredictable the maps do not predict the next state: noise, or columns of the state are missing
   unidentified  it has not: the value, in brackets in the table, comes from curvature, noise or rounding
   annihilated   minus infinity: maps that the data determine take the direction to nothing
 
+stderr is statistical only and knows nothing of bias. eps_sensitivity (table and --json) is by how much the exponent changes
+with neighbourhoods of twice the size, a measure of the bias. Columns are used as they are, not standardised: bring
+them to comparable units first.
+
+Exit codes: 0 done (warnings go to standard error), 1 a bad file or a failure, 2 a wrong command line.
+
 Output for machines:
   --csv   index,exponent,stderr,status; -inf if annihilated, an empty cell where there is no value
-  --json  an object with settings and exponents, a list of {index, exponent, stderr, status, …}; null for -inf and where
+  --json  an object with settings and exponents, a list of {index, exponent, stderr, status, …}, and warnings; null for -inf and where
           there is no value
 
 A column named t or time is not used, but its steps are held against --dt. Lines that start with # are skipped.
@@ -64,45 +73,60 @@ pub struct Arguments {
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub columns: Vec<String>,
 
-    /// Radius of the neighbourhoods, as a fraction of the signal's spread √Σvar [default: 0.02]
+    /// Radius of the neighbourhoods, as a fraction of the signal's spread √Σvar [default: 0.1]
     #[arg(long, value_name = "FRACTION", allow_negative_numbers = true)]
     pub eps: Option<f64>,
 
     /// Fewest and most neighbours taken from the ball, as MIN-MAX, or the number of nearest neighbours
-    /// [default: 12-40]
-    #[arg(long, value_name = "MIN-MAX|K")]
+    /// [default: 12-12]
+    #[arg(long, value_name = "MIN-MAX|K", allow_negative_numbers = true)]
     pub neighbours: Option<Count>,
 
     /// Points that a map goes ahead
-    #[arg(long, value_name = "D", default_value_t = 1)]
+    #[arg(
+        long,
+        value_name = "D",
+        default_value_t = 1,
+        allow_negative_numbers = true
+    )]
     pub step: usize,
 
     /// Points that follow one another so closely are no neighbours [default: time in which the autocorrelation falls to 1/e]
-    #[arg(long, value_name = "POINTS")]
+    #[arg(long, value_name = "POINTS", allow_negative_numbers = true)]
     pub theiler: Option<usize>,
 
-    /// Fit a constant beside the linear map
+    /// Fit a constant beside the linear map, which is Eq. (25) as it stands
     #[arg(long)]
     pub affine: bool,
 
     /// Singular values below this fraction of the largest are zero
-    #[arg(long, value_name = "FRACTION", default_value_t = DataSettings::default().rank_tolerance)]
+    #[arg(long, value_name = "FRACTION", default_value_t = DataSettings::default().rank_tolerance, allow_negative_numbers = true)]
     pub rank_tolerance: f64,
 
     /// Tikhonov regularisation, as a fraction of the largest singular value
-    #[arg(long, value_name = "FRACTION", default_value_t = 0.0)]
+    #[arg(
+        long,
+        value_name = "FRACTION",
+        default_value_t = 0.0,
+        allow_negative_numbers = true
+    )]
     pub ridge: f64,
 
     /// Rank of the second fit [default: number of tangent directions]
-    #[arg(long, value_name = "RANK")]
+    #[arg(long, value_name = "RANK", allow_negative_numbers = true)]
     pub rank: Option<usize>,
 
     /// Use every so many points as reference points; a divisor of the step
-    #[arg(long, value_name = "POINTS", default_value_t = 1)]
+    #[arg(
+        long,
+        value_name = "POINTS",
+        default_value_t = 1,
+        allow_negative_numbers = true
+    )]
     pub stride: usize,
 
-    /// Use only the first so many reference points [default: all]
-    #[arg(long, value_name = "COUNT")]
+    /// Use only the first so many reference points, at least 20 [default: all]
+    #[arg(long, value_name = "COUNT", allow_negative_numbers = true)]
     pub references: Option<usize>,
 
     /// Print JSON
@@ -183,7 +207,12 @@ impl Arguments {
 pub fn main() -> ExitCode {
     let arguments = Arguments::parse();
     match run(&arguments) {
-        Ok(text) => print(&text),
+        Ok(outcome) => {
+            for warning in &outcome.warnings {
+                eprintln!("warning: {warning}");
+            }
+            print(&outcome.text)
+        }
         Err(error) => {
             eprintln!("error: {error}");
             ExitCode::from(if error.is_usage() { 2 } else { 1 })
@@ -191,11 +220,20 @@ pub fn main() -> ExitCode {
     }
 }
 
+/// What the program says.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Outcome {
+    /// For standard output.
+    pub text: String,
+    /// For standard error.
+    pub warnings: Vec<String>,
+}
+
 /// Reads, computes, draws; returns the text to print.
 ///
 /// # Errors
 /// Whatever one of these runs into.
-pub fn run(arguments: &Arguments) -> Result<String, SpectrumError> {
+pub fn run(arguments: &Arguments) -> Result<Outcome, SpectrumError> {
     let settings = arguments.settings()?;
     let source = read(&arguments.file, &arguments.columns, arguments.dt)?;
     let (columns, dt) = (source.names.len(), arguments.dt);
@@ -211,13 +249,17 @@ pub fn run(arguments: &Arguments) -> Result<String, SpectrumError> {
             written += &format!("wrote {}\n", path.display());
         }
     }
-    if arguments.json {
-        json(&spectrum, &source, dt)
+    let text = if arguments.json {
+        json(&spectrum, &source, dt)?
     } else if arguments.csv {
-        csv(&spectrum)
+        csv(&spectrum)?
     } else {
-        Ok(table(&spectrum, &source, dt) + &written)
-    }
+        table(&spectrum, &source, dt) + &written
+    };
+    Ok(Outcome {
+        text,
+        warnings: warnings(&spectrum),
+    })
 }
 
 /// Runs `work` with a report of progress that, on a terminal, shows up once it has taken a while.

@@ -125,6 +125,12 @@ fn advance(
     })
 }
 
+/// Whether there are several parts and all are numbers.
+fn numbers<'t>(parts: impl Iterator<Item = &'t str>) -> bool {
+    let parts: Vec<bool> = parts.map(|part| part.parse::<f64>().is_ok()).collect();
+    parts.len() > 1 && parts.iter().all(|&is_number| is_number)
+}
+
 /// The separator that the first line with content uses.
 fn delimiter(bytes: &[u8]) -> u8 {
     let line = bytes
@@ -266,6 +272,12 @@ impl<'a> Layout<'a> {
             Ok(value) if value.is_finite() => return Ok(value),
             Ok(_) => format!("'{text}' is not finite; {GAP}"),
             Err(_) if text.is_empty() => format!("the cell is empty; {GAP}"),
+            Err(_) if numbers(text.split_whitespace()) => format!(
+                "'{text}' are several numbers; separate the columns by commas, semicolons or tabs"
+            ),
+            Err(_) if numbers(text.splitn(2, ',')) => {
+                format!("'{text}' has a decimal comma; write decimal points")
+            }
             Err(_) => format!(
                 "'{text}' is not a number; choose other columns with --columns or correct the file"
             ),

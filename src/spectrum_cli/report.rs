@@ -9,6 +9,9 @@ use super::read::Table;
 use crate::analysis::data_spectrum::{DataExponent, DataSpectrum, Neighbourhood, Status};
 use crate::figures::FigureError;
 
+/// With a larger part of the reference points starved there is a warning.
+const STARVED: f64 = 0.1;
+
 /// The spectrum and its evidence, for the terminal.
 pub fn table(spectrum: &DataSpectrum, source: &Table, dt: f64) -> String {
     let mut text = String::new();
@@ -22,10 +25,11 @@ pub fn table(spectrum: &DataSpectrum, source: &Table, dt: f64) -> String {
     );
     let _ = writeln!(
         text,
-        "{:>5}  {:>12}  {:>10}  {:<13} {:>15}  {:<10} {:>5}",
+        "{:>5}  {:>12}  {:>10}  {:>15}  {:<13} {:>15}  {:<10} {:>5}",
         "index",
         "exponent",
         "stderr",
+        "eps_sensitivity",
         "status",
         format!("by rank {}", spectrum.fixed_rank),
         "direction",
@@ -35,10 +39,11 @@ pub fn table(spectrum: &DataSpectrum, source: &Table, dt: f64) -> String {
     for (i, (exponent, direction)) in spectrum.exponents.iter().zip(directions).enumerate() {
         let _ = writeln!(
             text,
-            "{:>5}  {:>12}  {:>10}  {:<13} {:>15}  {:<10} {:>5}",
+            "{:>5}  {:>12}  {:>10}  {:>15}  {:<13} {:>15}  {:<10} {:>5}",
             i + 1,
             value(exponent),
             short(exponent.stderr),
+            short(exponent.eps_sensitivity),
             exponent.status.word(),
             exponent
                 .fixed_rank
@@ -53,7 +58,8 @@ pub fn table(spectrum: &DataSpectrum, source: &Table, dt: f64) -> String {
     }
     let _ = writeln!(
         text,
-        "\n{} tangent direction{}: the data determine as many exponents; a value in brackets is none of the system's.",
+        "\n{} tangent direction{}: the data determine as many exponents; a value in brackets is none of the system's.\n\
+         stderr is statistical only; eps_sensitivity is the change with neighbourhoods of twice the size, a measure of bias.",
         spectrum.dimension,
         if spectrum.dimension == 1 { "" } else { "s" }
     );
@@ -61,10 +67,11 @@ pub fn table(spectrum: &DataSpectrum, source: &Table, dt: f64) -> String {
     let settings = &spectrum.settings;
     let _ = writeln!(
         text,
-        "{} reference points, {} starved; neighbours {} to {}, median {}; mean eps {} ({} of the spread); \
+        "{} reference points, {} starved; residual ratio {}; neighbours {} to {}, median {}; mean eps {} ({} of the spread); \
          {}, Theiler window {}, step {}, {}",
         spectrum.references,
         spectrum.starved,
+        short(spectrum.residual_ratio),
         counts.min,
         counts.max,
         counts.median,
@@ -78,6 +85,52 @@ pub fn table(spectrum: &DataSpectrum, source: &Table, dt: f64) -> String {
     text
 }
 
+/// What makes the spectrum doubtful, each with its remedy.
+pub fn warnings(spectrum: &DataSpectrum) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let part = spectrum.starved as f64 / spectrum.references as f64;
+    if part > STARVED {
+        let remedy = match spectrum.settings.neighbours {
+            Neighbourhood::Ball { min, .. } => format!(
+                "the ball held fewer than {min} neighbours and the nearest {min} were taken; mean eps is {} of the spread: give a \
+                 larger --eps, fewer --neighbours, or more points",
+                short(spectrum.mean_eps / spectrum.spread)
+            ),
+            Neighbourhood::Nearest(k) => {
+                format!(
+                    "there are no {k} neighbours: give fewer --neighbours, a smaller --theiler, or more points"
+                )
+            }
+        };
+        warnings.push(format!(
+            "{} of {} reference points are starved: {remedy}",
+            spectrum.starved, spectrum.references
+        ));
+    }
+    let indices = |status: Status| -> Option<String> {
+        let with_status = (1..).zip(&spectrum.exponents);
+        let found: Vec<String> = with_status
+            .filter(|(_, exponent)| exponent.status == status)
+            .map(|(i, _): (usize, _)| i.to_string())
+            .collect();
+        (!found.is_empty()).then(|| found.join(", "))
+    };
+    if let Some(which) = indices(Status::Unpredictable) {
+        warnings.push(format!(
+            "the maps do not predict the next state (residual ratio {}, 1 is noise), so that exponent {which} is none of a deterministic \
+             system: give all columns of the state, or for noisy data more --neighbours",
+            short(spectrum.residual_ratio)
+        ));
+    }
+    if let Some(which) = indices(Status::Unstable) {
+        warnings.push(format!(
+            "exponent {which} changes with the size of the neighbourhoods by more than four standard errors and 5 %, which is bias: \
+             try a smaller --step, fewer --neighbours, --affine, or more points"
+        ));
+    }
+    warnings
+}
+
 fn neighbourhood(neighbours: &Neighbourhood) -> String {
     match neighbours {
         Neighbourhood::Ball { eps, min, max } => format!("eps {eps}, neighbours {min}-{max}"),
@@ -87,7 +140,9 @@ fn neighbourhood(neighbours: &Neighbourhood) -> String {
 
 fn value(exponent: &DataExponent) -> String {
     match exponent.status {
-        Status::Ok => short(exponent.value),
+        Status::Ok | Status::Unstable | Status::Starved | Status::Unpredictable => {
+            short(exponent.value)
+        }
         Status::Annihilated => "-inf".into(),
         Status::Unidentified if exponent.value.is_nan() => "–".into(),
         Status::Unidentified => format!("({})", short(exponent.value)),
@@ -137,8 +192,8 @@ pub fn csv(spectrum: &DataSpectrum) -> Result<String, SpectrumError> {
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
-/// An object with `settings`, `exponents` (a list of `index`, `exponent`, `stderr`, `status` and more), `directions` and
-/// `neighbourhoods`. Infinity and what has no value are `null`, as JSON has no word for them; `status` tells which.
+/// An object with `settings`, `exponents` (a list of `index`, `exponent`, `stderr`, `status` and more), `directions`,
+/// `neighbourhoods`, `residual_ratio` and `warnings`. Infinity and what has no value are `null`, as JSON has no word for them; `status` tells which.
 ///
 /// # Errors
 /// [`SpectrumError::Json`].
@@ -152,6 +207,7 @@ pub fn json(spectrum: &DataSpectrum, source: &Table, dt: f64) -> Result<String, 
                 "index": i + 1,
                 "exponent": exponent.value,
                 "stderr": exponent.stderr,
+                "eps_sensitivity": exponent.eps_sensitivity,
                 "status": exponent.status.word(),
                 "fixed_rank": exponent.fixed_rank.map(|(value, _)| value),
                 "fixed_rank_stderr": exponent.fixed_rank.map(|(_, stderr)| stderr),
@@ -197,6 +253,8 @@ pub fn json(spectrum: &DataSpectrum, source: &Table, dt: f64) -> Result<String, 
             "max": spectrum.neighbours.max,
             "starved": spectrum.starved,
         },
+        "residual_ratio": spectrum.residual_ratio,
+        "warnings": warnings(spectrum),
     });
     Ok(format!("{}\n", serde_json::to_string_pretty(&document)?))
 }

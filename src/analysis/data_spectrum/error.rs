@@ -46,7 +46,7 @@ pub enum DataError {
     /// Too few points for the neighbour counts and windows asked for.
     #[error(
         "{rows} points are too few: {needed} are needed for {neighbours} neighbours outside a Theiler window of {theiler} and \
-         a step of {step}; give more points, fewer neighbours or a smaller window"
+         a step of {step}, and for 20 reference points; give more points, fewer neighbours, a smaller window or a smaller step"
     )]
     TooFew {
         /// Number of points.

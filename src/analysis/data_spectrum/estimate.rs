@@ -11,11 +11,19 @@ use super::fit::{LocalMap, Rule, Scratch};
 use super::neighbours::{Finder, Neighbour};
 use super::result::{Counts, DataExponent, DataSpectrum, Running, Status};
 use super::series::Series;
-use super::settings::DataSettings;
+use super::settings::{DataSettings, FEWEST_REFERENCES};
 use super::svd::Square;
 
 /// Part of the reference points that may fail to determine a direction that counts as determined.
 const UNDETERMINED: f64 = 0.01;
+/// With a larger part of the reference points starved no estimate is the one asked for.
+const STARVED: f64 = 0.5;
+/// With a larger residual ratio the maps predict nothing: less than a third of the variance.
+const UNPREDICTABLE: f64 = 0.8;
+/// Two estimates differ if they are apart by more than so many standard errors,
+const STANDARD_ERRORS: f64 = 4.0;
+/// and by more than this part of the value.
+const PART: f64 = 0.05;
 /// Reference points between two reports of progress.
 const CHUNK: usize = 2048;
 
@@ -71,8 +79,11 @@ pub fn data_spectrum_with(
 struct Local<const N: usize> {
     full: LocalMap<N>,
     fixed: LocalMap<N>,
+    /// From twice the neighbourhood.
+    wide: LocalMap<N>,
     neighbours: usize,
     radius: f64,
+    residual_ratio: f64,
     starved: bool,
 }
 
@@ -113,14 +124,18 @@ fn estimate<const N: usize>(
             || (Scratch::default(), Vec::<Neighbour>::new()),
             |(scratch, found), i| {
                 let j = i * settings.stride;
-                let starved = finder.select(j, &settings.neighbours, cloud.spread, found);
-                let decomposed = scratch.decompose(&cloud, j, found, &rule);
+                let selection = finder.select(j, &settings.neighbours, cloud.spread, found);
+                let neighbours = &found[..selection.count];
+                let wide = scratch.decompose(&cloud, j, found, &rule);
+                let decomposed = scratch.decompose(&cloud, j, neighbours, &rule);
                 Local {
                     full: decomposed.map(N, &rule),
                     fixed: decomposed.map(fixed_rank, &rule),
-                    neighbours: found.len(),
-                    radius: found.last().map_or(0.0, |furthest| furthest.0.sqrt()),
-                    starved,
+                    wide: wide.map(N, &rule),
+                    neighbours: selection.count,
+                    radius: neighbours.last().map_or(0.0, |furthest| furthest.0.sqrt()),
+                    residual_ratio: decomposed.residual_ratio(),
+                    starved: selection.starved,
                 }
             },
         ));
@@ -128,27 +143,40 @@ fn estimate<const N: usize>(
     progress(references, references);
 
     // Where a chain begins: the directions of the neighbourhood, so that undetermined ones come last.
-    let begin = |i: usize| -> Square<N> {
+    let begin = |i: usize, twice: bool| -> Square<N> {
         let (mut scratch, mut found) = (Scratch::default(), Vec::new());
         let j = i * settings.stride;
-        finder.select(j, &settings.neighbours, cloud.spread, &mut found);
+        let selection = finder.select(j, &settings.neighbours, cloud.spread, &mut found);
+        if !twice {
+            found.truncate(selection.count);
+        }
         *scratch.decompose(&cloud, j, &found, &rule).directions()
     };
     let chains = step / settings.stride;
+    let once = |i: usize| begin(i, false);
     let tau = step as f64 * series.dt();
-    let full: Vec<Stretch<N>> = chain(&locals, chains, N, &begin, |local| &local.full);
-    let fixed: Vec<Stretch<N>> = chain(&locals, chains, fixed_rank, &begin, |local| &local.fixed);
+    let full: Vec<Stretch<N>> = chain(&locals, chains, N, &once, |local| &local.full);
+    let fixed: Vec<Stretch<N>> = chain(&locals, chains, fixed_rank, &once, |local| &local.fixed);
+    let wide: Vec<Stretch<N>> = chain(&locals, chains, N, &|i| begin(i, true), |local| &local.wide);
     let (averages, running) = average(&full, tau);
     let (fixed, _) = average(&fixed, tau);
+    let (wide, _) = average(&wide, tau);
 
+    let starved = locals.iter().filter(|local| local.starved).count();
+    let residual_ratio = median(locals.iter().map(|local| local.residual_ratio));
+    let evidence = Evidence {
+        dimension,
+        references,
+        starved,
+        residual_ratio,
+    };
     let exponents = (0..N)
         .map(|i| {
-            exponent(
+            evidence.exponent(
                 i,
-                dimension,
                 &averages[i],
                 (i < fixed_rank).then_some(&fixed[i]),
-                references,
+                &wide[i],
             )
         })
         .collect();
@@ -163,7 +191,8 @@ fn estimate<const N: usize>(
         mean_eps: cloud.unit * distances / references as f64,
         neighbours: counts(&locals),
         references,
-        starved: locals.iter().filter(|local| local.starved).count(),
+        starved,
+        residual_ratio,
         convergence: running
             .into_iter()
             .map(|(count, means)| Running {
@@ -187,9 +216,11 @@ const SMALLEST_LEVEL: usize = 20;
 /// [`DataError::TooFew`] if there are fewer points than the search needs to be able to succeed.
 fn enough(rows: usize, settings: &DataSettings, theiler: usize) -> Result<(), DataError> {
     let neighbours = settings.neighbours.fewest();
-    let needed = [2 * theiler.min(rows), 1, settings.step]
+    let searched = [theiler.saturating_mul(2), 1, settings.step]
         .into_iter()
         .fold(neighbours, usize::saturating_add);
+    let references = (FEWEST_REFERENCES - 1).saturating_mul(settings.stride);
+    let needed = searched.max(references.saturating_add(1).saturating_add(settings.step));
     if rows < needed {
         return Err(DataError::TooFew {
             rows,
@@ -218,33 +249,73 @@ fn chain<const N: usize>(
         .collect()
 }
 
-/// Puts together what is known of exponent `i`.
-fn exponent(
-    i: usize,
+/// What is known of all exponents alike.
+struct Evidence {
     dimension: usize,
-    full: &Average,
-    fixed: Option<&Average>,
     references: usize,
-) -> DataExponent {
-    let known = i < dimension && full.undetermined as f64 <= UNDETERMINED * references as f64;
-    let status = match (known, full.collapses) {
-        (false, _) => Status::Unidentified,
-        (true, 0) => Status::Ok,
-        (true, _) => Status::Annihilated,
-    };
-    let of = |average: &Average| match status {
-        Status::Annihilated => (f64::NEG_INFINITY, f64::NAN),
-        _ => (average.mean, average.stderr),
-    };
-    let (value, stderr) = of(full);
-    DataExponent {
-        value,
-        stderr,
-        status,
-        fixed_rank: fixed.map(of),
-        collapses: full.collapses,
-        undetermined: full.undetermined,
+    starved: usize,
+    residual_ratio: f64,
+}
+
+impl Evidence {
+    /// Puts together what is known of exponent `i`. `wide` is its estimate from neighbourhoods of twice the size.
+    fn exponent(
+        &self,
+        i: usize,
+        full: &Average,
+        fixed: Option<&Average>,
+        wide: &Average,
+    ) -> DataExponent {
+        let eps_sensitivity = wide.mean - full.mean;
+        let status = self.status(i, full, eps_sensitivity);
+        let annihilated = status == Status::Annihilated;
+        let of = |average: &Average| {
+            if annihilated {
+                (f64::NEG_INFINITY, f64::NAN)
+            } else {
+                (average.mean, average.stderr)
+            }
+        };
+        let (value, stderr) = of(full);
+        DataExponent {
+            value,
+            stderr,
+            eps_sensitivity: if annihilated {
+                f64::NAN
+            } else {
+                eps_sensitivity
+            },
+            status,
+            fixed_rank: fixed.map(of),
+            collapses: full.collapses,
+            undetermined: full.undetermined,
+        }
     }
+
+    fn status(&self, i: usize, full: &Average, eps_sensitivity: f64) -> Status {
+        let references = self.references as f64;
+        let tolerance = (STANDARD_ERRORS * full.stderr).max(PART * full.mean.abs());
+        if i >= self.dimension || full.undetermined as f64 > UNDETERMINED * references {
+            Status::Unidentified
+        } else if full.collapses > 0 {
+            Status::Annihilated
+        } else if self.residual_ratio > UNPREDICTABLE {
+            Status::Unpredictable
+        } else if self.starved as f64 > STARVED * references {
+            Status::Starved
+        } else if eps_sensitivity.abs() > tolerance {
+            Status::Unstable
+        } else {
+            Status::Ok
+        }
+    }
+}
+
+/// The middle value (the upper of two) of those that are numbers, NaN of none.
+fn median(values: impl Iterator<Item = f64>) -> f64 {
+    let mut values: Vec<f64> = values.filter(|v| !v.is_nan()).collect();
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
 fn counts<const N: usize>(locals: &[Local<N>]) -> Counts {

@@ -38,6 +38,10 @@ pub(super) struct Decomposed<const N: usize> {
     zero: f64,
     /// Size of the rounding in the neighbour matrix.
     rounding: f64,
+    /// Sum of squares of what no linear map of the neighbours makes of the images.
+    outside: f64,
+    /// Independent rows: the neighbours, less one where their mean is taken out.
+    independent: usize,
 }
 
 /// Memory for neighbour matrices, used again for every point.
@@ -61,11 +65,17 @@ impl Scratch {
         let svd = svd(&r);
         let rounding = ABOVE_ROUNDING * cloud.rounding * (rows as f64).sqrt();
         let zero = rounding.max(rule.rank_tolerance * svd.s[0]);
+        let rest = self
+            .right
+            .chunks_exact(rows)
+            .flat_map(|column| &column[N..]);
         Decomposed {
             svd,
             images,
             zero,
             rounding,
+            outside: rest.map(|v| v * v).sum(),
+            independent: neighbours.len().saturating_sub(usize::from(rule.affine)),
         }
     }
 
@@ -141,10 +151,45 @@ impl<const N: usize> Decomposed<N> {
         &self.svd.v
     }
 
+    /// Part of the images' deviations from the image of the point that the map (without ridge) does not predict: root mean
+    /// square per degree of freedom, over the same without a map. 0 for a smooth map of small neighbourhoods, 1 if the
+    /// images have nothing to do with the points. NaN if there are no degrees of freedom to tell from.
+    pub(super) fn residual_ratio(&self) -> f64 {
+        let rank = self.rank();
+        if self.independent <= rank {
+            return f64::NAN;
+        }
+        let within: f64 = self.images.iter().map(|row| product(row, row)).sum();
+        let explained: f64 = (0..rank)
+            .flat_map(|i| (0..N).map(move |out| self.image(i, out)))
+            .map(|image| image * image)
+            .sum();
+        let total = self.outside + within;
+        if total == 0.0 {
+            return 0.0;
+        }
+        let unexplained = self.outside + (within - explained).max(0.0);
+        let (count, free) = (self.independent as f64, (self.independent - rank) as f64);
+        ((unexplained / free) / (total / count)).sqrt()
+    }
+
+    fn rank(&self) -> usize {
+        self.svd.s.iter().filter(|&&s| s > self.zero).count()
+    }
+
+    /// Component `out` of the images along the `i`-th left singular vector.
+    fn image(&self, i: usize, out: usize) -> f64 {
+        let mut image = 0.0;
+        for (images, u) in self.images.iter().zip(&self.svd.u[i]) {
+            image += images[out] * u;
+        }
+        image
+    }
+
     /// The least-squares map, restricted to at most the `limit` widest directions: `A = Yᵀ' U S⁻¹ Vᵀ`.
     pub(super) fn map(&self, limit: usize, rule: &Rule) -> LocalMap<N> {
         let s = &self.svd.s;
-        let rank = s.iter().take(limit).filter(|&&s| s > self.zero).count();
+        let rank = self.rank().min(limit);
         let mut matrix = [[0.0; N]; N];
         let ridge = rule.ridge * s[0];
         for (i, &s) in s.iter().enumerate().take(rank) {
@@ -154,10 +199,7 @@ impl<const N: usize> Decomposed<N> {
                 1.0 / s
             };
             for (out, row) in matrix.iter_mut().enumerate() {
-                let mut image = 0.0;
-                for (images, u) in self.images.iter().zip(&self.svd.u[i]) {
-                    image += images[out] * u;
-                }
+                let image = self.image(i, out);
                 for (cell, v) in row.iter_mut().zip(&self.svd.v[i]) {
                     *cell += image * inverse * v;
                 }

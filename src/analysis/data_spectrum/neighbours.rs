@@ -19,6 +19,15 @@ const SLACK: f64 = 1.0 + 1e-9;
 /// A neighbour: squared distance and index.
 pub(super) type Neighbour = (f64, u32);
 
+/// How many of the points found are the neighbourhood asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Selection {
+    /// The first so many.
+    pub(super) count: usize,
+    /// The ball held too few, so that the nearest were taken.
+    pub(super) starved: bool,
+}
+
 /// Finds neighbours among the points that have an image.
 pub(super) struct Finder<'c, const N: usize> {
     tree: ImmutableKdTree<f64, N>,
@@ -53,26 +62,35 @@ impl<'c, const N: usize> Finder<'c, N> {
         })
     }
 
-    /// The neighbours of point `j`, nearest first, and whether the ball held too few.
+    /// The neighbours of point `j` in a neighbourhood of twice the size, nearest first, and how many of them are the
+    /// neighbourhood itself.
     pub(super) fn select(
         &self,
         j: usize,
         neighbours: &Neighbourhood,
         spread: f64,
         found: &mut Vec<Neighbour>,
-    ) -> bool {
+    ) -> Selection {
         match *neighbours {
             Neighbourhood::Nearest(k) => {
-                self.nearest(j, k, f64::INFINITY, found);
-                found.len() < k
+                self.nearest(j, k.saturating_mul(2), f64::INFINITY, found);
+                Selection {
+                    count: found.len().min(k),
+                    starved: found.len() < k,
+                }
             }
             Neighbourhood::Ball { eps, min, max } => {
-                self.nearest(j, max, eps * spread, found);
-                let starved = found.len() < min;
-                if starved {
-                    self.nearest(j, min, f64::INFINITY, found);
+                let least = min.saturating_mul(2);
+                self.nearest(j, max.saturating_mul(2), 2.0 * eps * spread, found);
+                if found.len() < least {
+                    self.nearest(j, least, f64::INFINITY, found);
                 }
-                starved
+                let radius = eps * spread;
+                let inside = found.partition_point(|n| n.0 <= radius * radius).min(max);
+                Selection {
+                    count: inside.max(min).min(found.len()),
+                    starved: inside < min,
+                }
             }
         }
     }

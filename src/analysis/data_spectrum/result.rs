@@ -6,8 +6,17 @@ use super::settings::DataSettings;
 /// Whether an exponent can be had from the series.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
-    /// It belongs to a direction that the series has points in.
+    /// It belongs to a direction that the series has points in, and no sign of an error beyond the standard one was found.
     Ok,
+    /// It belongs to such a direction, but with neighbourhoods of twice the size it is another, by more than
+    /// four standard errors and 5 %: the value is one of the neighbourhoods as much as of the system.
+    Unstable,
+    /// It belongs to such a direction, but at more than half of the reference points the ball held too few neighbours and the
+    /// nearest were taken, at whatever distance: not the estimate that was asked for.
+    Starved,
+    /// The maps do not predict where neighbours go ([`DataSpectrum::residual_ratio`] above 0.8): the points are not states of a
+    /// deterministic system, or noise is as large as the neighbourhoods.
+    Unpredictable,
     /// The series has no points in that direction. The value comes from curvature, noise or the regularisation and is no
     /// property of the system.
     Unidentified,
@@ -20,6 +29,9 @@ impl Status {
     pub fn word(self) -> &'static str {
         match self {
             Status::Ok => "ok",
+            Status::Unstable => "unstable",
+            Status::Starved => "starved",
+            Status::Unpredictable => "unpredictable",
             Status::Unidentified => "unidentified",
             Status::Annihilated => "annihilated",
         }
@@ -32,9 +44,12 @@ pub struct DataExponent {
     /// Per unit of time, by the fit of full rank, Eq. (25). For [`Status::Unidentified`] what that fit happens to give, or NaN if
     /// no reference point determines it; for [`Status::Annihilated`] minus infinity.
     pub value: f64,
-    /// Standard error of the mean from the scatter between blocks of time; it knows nothing of bias. NaN for too short a
-    /// series.
+    /// Standard error of the mean from the scatter between blocks of time. It is statistical only and knows nothing of
+    /// bias. NaN where nothing determines the value.
     pub stderr: f64,
+    /// By how much the value changes with neighbourhoods of twice the size (radius and counts doubled): a measure of the
+    /// bias that `stderr` does not contain. NaN for [`Status::Annihilated`] and where one of the two does not exist.
+    pub eps_sensitivity: f64,
     /// Whether the value means something.
     pub status: Status,
     /// The exponent by the fit of fixed rank, with its standard error; nothing beyond that rank.
@@ -86,6 +101,10 @@ pub struct DataSpectrum {
     pub references: usize,
     /// Reference points whose ball held fewer neighbours than asked for.
     pub starved: usize,
+    /// Median over reference points of the part of the images' deviations that the local map does not predict (root mean square
+    /// per degree of freedom): near 0 for states of a smooth deterministic system, near 1 for noise, and for a
+    /// single column of a system of more dimensions. NaN if no neighbourhood has more points than its map has columns.
+    pub residual_ratio: f64,
     /// Running means of the exponents, some 400 rows.
     pub convergence: Vec<Running>,
     /// The settings, with what was left to the estimator filled in.

@@ -28,8 +28,16 @@ impl Neighbourhood {
     }
 }
 
-/// Settings of [`super::data_spectrum`]. The defaults suit noise-free series of some ten thousand points;
-/// noise wants more neighbours and a larger radius.
+/// Fewest reference points: fewer make no two blocks of time, and no standard error.
+pub const FEWEST_REFERENCES: usize = 20;
+
+/// Settings of [`super::data_spectrum`]. The defaults suit noise-free series of some ten thousand points: the nearest dozen, which
+/// keeps the bias small, and a radius at which a neighbourhood is too large to be called one. Noise wants
+/// more neighbours.
+///
+/// How many points a ball holds can be estimated beforehand: of n points on a surface of area S it holds about
+/// n π (eps · spread)² / S. For 45001 points on the torus (cos a, sin a, cos b, sin b) with its spread √2 and its area 4π² and `eps`
+/// 0.02 these are 2.9: such a series needs an `eps` of 0.04 for a dozen.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DataSettings {
     /// Which points are neighbours.
@@ -52,7 +60,7 @@ pub struct DataSettings {
     /// Reference points are 0, `stride`, 2·`stride`, … It must divide `step`, so that the point a reference point moves to
     /// is one again; with 1 all points are reference points, chained in `step` interleaved chains.
     pub stride: usize,
-    /// Uses only the first so many reference points.
+    /// Uses only the first so many reference points, at least [`FEWEST_REFERENCES`].
     pub references: Option<usize>,
 }
 
@@ -60,9 +68,9 @@ impl Default for DataSettings {
     fn default() -> Self {
         Self {
             neighbours: Neighbourhood::Ball {
-                eps: 0.02,
+                eps: 0.1,
                 min: 12,
-                max: 40,
+                max: 12,
             },
             theiler: None,
             step: 1,
@@ -115,8 +123,11 @@ impl DataSettings {
         {
             return refuse("fixed_rank", rank as f64, "1 to the number of columns");
         }
-        if self.references == Some(0) {
-            return refuse("references", 0.0, "at least 1");
+        if let Some(references) = self.references
+            && references < FEWEST_REFERENCES
+        {
+            let bound = "at least 20, as fewer give no standard error";
+            return refuse("references", references as f64, bound);
         }
         Ok(())
     }

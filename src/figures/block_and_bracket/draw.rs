@@ -200,6 +200,9 @@ fn table(set: &Set, data: &Data) -> Table {
                 let value = four(e.value);
                 match e.status {
                     Status::Unidentified => format!("({value})"),
+                    Status::Starved | Status::Unstable | Status::Unpredictable => {
+                        format!("{value} {}", e.status.word())
+                    }
                     Status::Ok | Status::Annihilated => value,
                 }
             });
