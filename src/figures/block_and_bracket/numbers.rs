@@ -57,25 +57,55 @@ fn exponents(figure: &str, reading: &str, measured: &Measured) -> Vec<Row> {
     rows
 }
 
+/// The exponents, then what they are worth: standard error (statistical only), change with neighbourhoods of twice the size,
+/// the fit of fixed rank, and the neighbourhoods.
 fn data_exponents(figure: &str, reading: &str, spectrum: &DataSpectrum) -> Vec<Row> {
     let exponents = spectrum.exponents.iter().enumerate();
-    exponents
+    let mut rows: Vec<Row> = exponents
+        .clone()
         .map(|(i, exponent)| {
             let id = lambda(figure, i);
             Row::number(&id, reading, exponent.value, "1/t")
                 .against(&id)
                 .status(exponent.status.word())
         })
-        .collect()
+        .collect();
+    for (i, exponent) in exponents {
+        let fixed = exponent.fixed_rank.unwrap_or((f64::NAN, f64::NAN));
+        let worth = [
+            ("std_error", exponent.stderr),
+            ("eps_sensitivity", exponent.eps_sensitivity),
+            ("fixed_rank_lambda", fixed.0),
+            ("fixed_rank_std_error", fixed.1),
+        ];
+        let known = worth.into_iter().filter(|(_, value)| value.is_finite());
+        rows.extend(known.map(|(name, value)| {
+            Row::number(&format!("{figure}.{name}.{}", i + 1), reading, value, "1/t")
+        }));
+    }
+    let name = |quantity: &str| format!("{figure}.{quantity}");
+    let relative = spectrum.mean_eps / spectrum.spread;
+    let count = |quantity: &str, value: usize| Row::count(&name(quantity), reading, value as u64);
+    rows.extend([
+        Row::number(&name("mean_eps"), reading, relative, "spread"),
+        Row::number(
+            &name("residual_ratio"),
+            reading,
+            spectrum.residual_ratio,
+            "1",
+        ),
+        count("median_neighbours", spectrum.neighbours.median),
+        count("reference_points", spectrum.references),
+        count("starved_points", spectrum.starved),
+        count("tangent_directions", spectrum.dimension),
+    ]);
+    rows
 }
 
 fn from_data(figure: &str, data: &Data) -> Vec<Row> {
     let mut rows = data_exponents(figure, FROM_DATA, &data.from_data);
-    let count =
-        |name: &str, value: usize| Row::count(&format!("{figure}.{name}"), FROM_DATA, value as u64);
-    rows.push(count("samples", data.samples));
-    rows.push(count("tangent_directions", data.from_data.dimension));
-    rows.push(count("starved_points", data.from_data.starved));
+    let samples = format!("{figure}.samples");
+    rows.push(Row::count(&samples, FROM_DATA, data.samples as u64));
     rows
 }
 
