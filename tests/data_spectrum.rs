@@ -201,6 +201,29 @@ fn sensitivity_is_the_difference_to_doubled_neighbourhoods() {
 /// Over four steps Hénon's second direction shrinks to 0.0015, below the neighbourhoods: what is found is −0.95 to
 /// −1.06, depending on their size, and not −1.62.
 #[test]
+fn without_the_second_estimate_the_first_is_the_same() {
+    let rows = henon(2000);
+    let settings = DataSettings {
+        sensitivity: false,
+        ..DataSettings::default()
+    };
+    let alone = spectrum(&rows, 1.0, &settings);
+    let with = spectrum(&rows, 1.0, &DataSettings::default());
+    assert_eq!(values(&alone), values(&with));
+    assert!(
+        alone
+            .exponents
+            .iter()
+            .all(|one| one.eps_sensitivity.is_nan())
+    );
+    assert!(
+        with.exponents
+            .iter()
+            .all(|one| one.eps_sensitivity.is_finite())
+    );
+}
+
+#[test]
 fn a_contraction_hidden_by_a_long_step_is_unstable() {
     let settings = DataSettings {
         step: 4,

@@ -79,7 +79,7 @@ pub fn data_spectrum_with(
 struct Local<const N: usize> {
     full: LocalMap<N>,
     fixed: LocalMap<N>,
-    /// From twice the neighbourhood.
+    /// From twice the neighbourhood; without the second estimate the first again.
     wide: LocalMap<N>,
     neighbours: usize,
     radius: f64,
@@ -126,12 +126,15 @@ fn estimate<const N: usize>(
                 let j = i * settings.stride;
                 let selection = finder.select(j, &settings.neighbours, cloud.spread, found);
                 let neighbours = &found[..selection.count];
-                let wide = scratch.decompose(&cloud, j, found, &rule);
+                let wide = settings
+                    .sensitivity
+                    .then(|| scratch.decompose(&cloud, j, found, &rule).map(N, &rule));
                 let decomposed = scratch.decompose(&cloud, j, neighbours, &rule);
+                let full = decomposed.map(N, &rule);
                 Local {
-                    full: decomposed.map(N, &rule),
+                    wide: wide.unwrap_or(full),
+                    full,
                     fixed: decomposed.map(fixed_rank, &rule),
-                    wide: wide.map(N, &rule),
                     neighbours: selection.count,
                     radius: neighbours.last().map_or(0.0, |furthest| furthest.0.sqrt()),
                     residual_ratio: decomposed.residual_ratio(),
@@ -176,7 +179,7 @@ fn estimate<const N: usize>(
                 i,
                 &averages[i],
                 (i < fixed_rank).then_some(&fixed[i]),
-                &wide[i],
+                settings.sensitivity.then_some(&wide[i]),
             )
         })
         .collect();
@@ -258,15 +261,19 @@ struct Evidence {
 }
 
 impl Evidence {
-    /// Puts together what is known of exponent `i`. `wide` is its estimate from neighbourhoods of twice the size.
+    /// Puts together what is known of exponent `i`. `wide` is its estimate from neighbourhoods of twice the size, if
+    /// there is one.
     fn exponent(
         &self,
         i: usize,
         full: &Average,
         fixed: Option<&Average>,
-        wide: &Average,
+        wide: Option<&Average>,
     ) -> DataExponent {
-        let eps_sensitivity = wide.mean - full.mean;
+        let eps_sensitivity = match wide {
+            Some(wide) => wide.mean - full.mean,
+            None => f64::NAN,
+        };
         let status = self.status(i, full, eps_sensitivity);
         let annihilated = status == Status::Annihilated;
         let of = |average: &Average| {

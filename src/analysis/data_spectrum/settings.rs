@@ -62,6 +62,9 @@ pub struct DataSettings {
     pub stride: usize,
     /// Uses only the first so many reference points, at least [`FEWEST_REFERENCES`].
     pub references: Option<usize>,
+    /// Estimates a second time from neighbourhoods of twice the size, to say how far the result depends on them; takes as
+    /// long again. Without it no `eps_sensitivity` is known and no exponent is called unstable.
+    pub sensitivity: bool,
 }
 
 impl Default for DataSettings {
@@ -80,6 +83,7 @@ impl Default for DataSettings {
             fixed_rank: None,
             stride: 1,
             references: None,
+            sensitivity: true,
         }
     }
 }
