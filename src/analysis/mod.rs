@@ -1,14 +1,17 @@
-//! Analyses of systems and orbits: tangent points, monodromy by saltation, periodic orbits, attractors, Lyapunov spectra.
+//! Analyses of systems and orbits: tangent points, monodromy by saltation, periodic orbits, attractors, Lyapunov spectra,
+//! classes of motion.
 
 pub mod data_spectrum;
 mod destination;
 mod lyapunov;
 mod monodromy;
+pub mod motion;
 mod periodic;
 mod tangency;
 mod tangent;
 
 pub use destination::{Destination, destination};
+pub(crate) use lyapunov::Growth;
 pub use lyapunov::{
     Exponent, Running, Spectrum, SpectrumOptions, lyapunov_spectrum, lyapunov_spectrum_watched,
 };

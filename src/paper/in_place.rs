@@ -61,6 +61,17 @@ impl<S: Filippov<N>, const N: usize> InPlace<S, N> {
         scheme
     }
 
+    /// The same motion from a neighbouring state, in the same mode at the same time.
+    pub fn displaced(&self, by: &State<f64, N>) -> Self
+    where
+        S: Clone,
+    {
+        InPlace {
+            x: self.x + by,
+            ..self.clone()
+        }
+    }
+
     /// Clock.
     pub fn t(&self) -> f64 {
         self.t

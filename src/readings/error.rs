@@ -18,12 +18,24 @@ pub enum ReadingsError {
         source: std::io::Error,
     },
     /// A table is there that this search cannot continue.
-    #[error("{} is not a table of this search (its first line must be '{heading}'); move it away or choose another folder with --out", path.display())]
+    #[error("{} is no table of readings (its first line must be '{marker}'); move it away or choose another folder with --out", path.display())]
     Foreign {
         /// The table.
         path: PathBuf,
         /// What its first line must be.
-        heading: String,
+        marker: &'static str,
+    },
+    /// A table is there of a search with other settings.
+    #[error("{} was made with {name} = {found}, this search has {wanted}; move it away or choose another folder with --out", path.display())]
+    OtherSettings {
+        /// The table.
+        path: PathBuf,
+        /// What differs.
+        name: &'static str,
+        /// What the table says; "nothing" if it does not.
+        found: String,
+        /// What it must say.
+        wanted: String,
     },
     /// Files cannot be written.
     #[error(transparent)]

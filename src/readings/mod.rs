@@ -6,15 +6,16 @@
 //! by the same search, and how far the estimator's settings alone move an exponent.
 
 mod chance;
-mod class;
 mod error;
 mod plan;
 mod row;
+mod scheme;
 mod score;
 mod search;
 mod store;
 mod summary;
 mod trajectory;
+mod verdict;
 
 use std::io::{self, Write};
 use std::path::PathBuf;
@@ -113,7 +114,7 @@ pub fn run(arguments: &Arguments) -> Result<String, ReadingsError> {
         Plan::full()
     };
     let target = score::target()?;
-    let store = Store::open(&plan, &arguments.out)?;
+    let store = Store::open(&plan, &arguments.out, &target)?;
     // A folder that cannot be written to is better known before the search.
     store.write()?;
     let pending = store.pending();

@@ -1,12 +1,17 @@
 //! What is tried: readings × integrators × settings of the estimator.
 
+use super::scheme;
+use super::score::{CAP, FLOOR, Twelve};
+use super::search::CAPTIONS;
+use super::trajectory::{BOUND, MOST_STEPS, TOLERANCE};
 use crate::analysis::data_spectrum::{DataSettings, Neighbourhood};
+use crate::analysis::motion::Criterion;
 use crate::models::{Amplitude, CaptionOrder, Reading, Unloading};
 
 /// How the equations are integrated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Integrator {
-    /// The event-exact solver at tolerance 1e-9.
+    /// The event-exact solver.
     Exact,
     /// [`crate::paper::in_place`] with this step.
     InPlace(f64),
@@ -69,10 +74,10 @@ pub struct Plan {
 
 /// Time between two points of the series, as in the paper.
 pub const DT: f64 = 0.2;
-/// Most reference points per estimate; they are spread `d` points apart.
-const REFERENCES: usize = 8000;
-/// Fewer of them for the large neighbourhoods, for time.
-const FEW_REFERENCES: usize = 3000;
+/// Raised whenever a row of the table comes out differently for the same settings: tables of other formats are refused.
+const FORMAT: u32 = 2;
+/// First line of every table.
+pub const MARKER: &str = "# stickslip readings";
 /// Most neighbours in a ball of a tenth of the spread.
 const MANY: usize = 400;
 
@@ -127,15 +132,60 @@ impl Plan {
         all
     }
 
-    /// First line of the table: tables of other plans are not continued.
-    pub fn heading(&self) -> String {
-        format!(
-            "# stickslip {} readings: {} search, t from {}, {} points at dt = {DT}",
-            env!("CARGO_PKG_VERSION"),
-            self.name,
-            self.from,
-            self.points
-        )
+    /// Length of the series.
+    pub fn duration(&self) -> f64 {
+        (self.points - 1) as f64 / (1.0 / DT)
+    }
+
+    /// What determines all rows alike: the table begins with it, and a table that begins otherwise is not continued. What
+    /// differs from row to row is in the rows.
+    pub fn common(&self, target: &Twelve) -> Vec<(&'static str, String)> {
+        let numbers = |list: &[f64]| -> String {
+            let all: Vec<String> = list.iter().map(f64::to_string).collect();
+            all.join(" ")
+        };
+        let captions = CAPTIONS.iter().map(|caption| {
+            format!(
+                "{} from {}",
+                numbers(&caption.numbers),
+                numbers(&caption.start)
+            )
+        });
+        let Criterion { same, resolution } = Criterion::default();
+        vec![
+            ("format", FORMAT.to_string()),
+            ("search", self.name.into()),
+            ("begin of the series", self.from.to_string()),
+            ("points of the series", self.points.to_string()),
+            ("time between points", DT.to_string()),
+            ("tolerance of the exact solver", TOLERANCE.to_string()),
+            ("most steps of the exact solver", MOST_STEPS.to_string()),
+            ("bound beyond which an orbit has escaped", BOUND.to_string()),
+            ("equal points of the section, exact", same.to_string()),
+            (
+                "equal points of the section, in-place",
+                scheme::SAME.to_string(),
+            ),
+            (
+                "distance of the neighbouring run, in-place",
+                scheme::APART.to_string(),
+            ),
+            (
+                "uncertainty up to which an exponent can be zero",
+                resolution.to_string(),
+            ),
+            ("captions", captions.collect::<Vec<_>>().join("; ")),
+            ("published exponents", numbers(target.as_flattened())),
+            ("distance floor", FLOOR.to_string()),
+            ("distance cap", CAP.to_string()),
+        ]
+    }
+
+    /// The lines before the table proper.
+    pub fn heading(&self, target: &Twelve) -> String {
+        let line = |(name, value): &(&str, String)| format!("# {name} = {value}\n");
+        let lines: String = self.common(target).iter().map(line).collect();
+        format!("{MARKER}\n{lines}")
     }
 }
 
@@ -220,19 +270,22 @@ pub(crate) fn best_common() -> DataSettings {
     settings(0.1, MANY, 1, false)
 }
 
+/// Reference points all over the series, so far apart that each map begins where the one before it ends.
+fn everywhere(step: usize) -> DataSettings {
+    DataSettings {
+        step,
+        stride: step,
+        references: None,
+        ..DataSettings::default()
+    }
+}
+
 fn settings(eps: f64, max: usize, step: usize, affine: bool) -> DataSettings {
-    let references = if max >= MANY {
-        FEW_REFERENCES
-    } else {
-        REFERENCES
-    };
     DataSettings {
         neighbours: Neighbourhood::Ball { eps, min: 12, max },
         step,
         affine,
-        stride: step,
-        references: Some(references),
-        ..DataSettings::default()
+        ..everywhere(step)
     }
 }
 
@@ -250,10 +303,8 @@ fn search_settings() -> Vec<DataSettings> {
         settings(0.1, MANY, 1, false),
         settings(0.1, MANY, 3, true),
         ridge(1e-2, settings(0.1, MANY, 3, true)),
-        DataSettings {
-            references: Some(1000),
-            ..settings(0.02, 40, 1, false)
-        },
+        // A thousand reference points in all: λ2 of Fig. 10 looks like a transient of so many.
+        settings(0.02, 40, 45, false),
     ]
 }
 
@@ -281,9 +332,15 @@ pub fn settings_name(settings: &DataSettings) -> String {
         Neighbourhood::Nearest(k) => format!("nearest={k}"),
     };
     let fit = if settings.affine { "affine" } else { "linear" };
-    let references = settings.references.unwrap_or(0);
+    let or = |value: Option<usize>, none: &str| value.map_or(none.to_owned(), |v| v.to_string());
     format!(
-        "{neighbours} d={} {fit} ridge={:e} references={references}",
-        settings.step, settings.ridge
+        "{neighbours} d={} stride={} {fit} ridge={:e} theiler={} rank={} rank-tolerance={:e} references={}",
+        settings.step,
+        settings.stride,
+        settings.ridge,
+        or(settings.theiler, "auto"),
+        or(settings.fixed_rank, "auto"),
+        settings.rank_tolerance,
+        or(settings.references, "all"),
     )
 }

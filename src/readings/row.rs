@@ -1,7 +1,7 @@
 //! A configuration and what came of it, as a line of the table.
 
-use super::class::Class;
 use super::score::Twelve;
+use super::verdict::Verdict;
 
 /// A line of `readings.csv`.
 #[derive(Clone, Debug, PartialEq)]
@@ -9,7 +9,7 @@ pub struct Row {
     /// Part, reading, integrator, settings: what is told apart.
     pub key: [String; 4],
     /// Class of each figure's orbit.
-    pub classes: [Class; 3],
+    pub classes: [Verdict; 3],
     /// Exponents, descending; NaN where there is none.
     pub exponents: Twelve,
     /// What the estimator says of each.
@@ -71,7 +71,7 @@ impl Row {
         let mut next = || rest.next();
         let mut row = Row {
             key: Default::default(),
-            classes: [Class::Failed; 3],
+            classes: [Verdict::Failed; 3],
             exponents: [[f64::NAN; 4]; 3],
             statuses: Default::default(),
             scores: [f64::NAN; 4],

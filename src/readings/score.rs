@@ -54,6 +54,12 @@ pub fn all_figures(found: &Twelve, wanted: &Twelve) -> f64 {
     (sum / 12.0).sqrt()
 }
 
+/// Distances of the three figures, and of all.
+pub fn scores(found: &Twelve, wanted: &Twelve) -> [f64; 4] {
+    let [one, two, three] = [0, 1, 2].map(|figure| one_figure(&found[figure], &wanted[figure]));
+    [one, two, three, all_figures(found, wanted)]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

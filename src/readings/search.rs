@@ -1,16 +1,16 @@
 //! Integrates and estimates.
 
-use super::class::Class;
 use super::plan::{DT, Group, Plan};
 use super::row::Row;
 use super::score::{self, Twelve};
 use super::store;
 use super::trajectory::{Outcome, follow};
+use super::verdict::Verdict;
 use crate::analysis::data_spectrum::{DataSettings, Series, data_spectrum};
 use crate::models::Caption;
 
 /// The captions of Figs. 10–12.
-const CAPTIONS: [Caption; 3] = [Caption::FIG10, Caption::FIG11, Caption::FIG12];
+pub const CAPTIONS: [Caption; 3] = [Caption::FIG10, Caption::FIG11, Caption::FIG12];
 
 /// All rows of a group; `None` if `late` said so before they were complete.
 pub fn group_rows(
@@ -23,11 +23,13 @@ pub fn group_rows(
     if outcomes.iter().any(|o| matches!(o, Outcome::Interrupted)) {
         return None;
     }
-    let classes = [0, 1, 2].map(|figure| Class::of(&outcomes[figure]));
+    let classes = outcomes.each_ref().map(|outcome| match outcome {
+        Outcome::Bounded(_, class) => Verdict::Motion(*class),
+        Outcome::Escaped => Verdict::Escaped,
+        Outcome::Failed | Outcome::Interrupted => Verdict::Failed,
+    });
     let series = outcomes.each_ref().map(|outcome| match outcome {
-        Outcome::Bounded(trajectory) => {
-            Series::from_rows(trajectory.series.iter().copied(), DT).ok()
-        }
+        Outcome::Bounded(series, _) => Series::from_rows(series.iter().copied(), DT).ok(),
         _ => None,
     });
     let mut rows = Vec::new();
@@ -52,9 +54,8 @@ pub fn group_rows(
             };
             row.exponents[figure] = values;
             row.statuses[figure] = statuses;
-            row.scores[figure] = score::one_figure(&values, &target[figure]);
         }
-        row.scores[3] = score::all_figures(&row.exponents, target);
+        row.scores = score::scores(&row.exponents, target);
         rows.push(row);
     }
     Some(rows)

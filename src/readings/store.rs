@@ -1,11 +1,12 @@
 //! The table on disk: complete at any time, continued after a kill.
 
 use std::io::ErrorKind;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::error::ReadingsError;
-use super::plan::{Group, Plan, reading_name, settings_name};
+use super::plan::{Group, MARKER, Plan, reading_name, settings_name};
 use super::row::Row;
+use super::score::{self, Twelve};
 use crate::figures::output::{Artifact, write_all};
 
 /// Name of the table.
@@ -14,6 +15,7 @@ pub const TABLE: &str = "readings.csv";
 /// The rows of every group, once it is done.
 pub struct Store<'a> {
     plan: &'a Plan,
+    target: &'a Twelve,
     folder: &'a Path,
     done: Vec<Option<Vec<Row>>>,
 }
@@ -32,32 +34,42 @@ pub fn keys(plan: &Plan, group: &Group) -> Vec<[String; 4]> {
 }
 
 impl<'a> Store<'a> {
-    /// What an earlier run has left in `folder`: whole groups only; a line cut short counts for nothing.
+    /// What an earlier run has left in `folder`: whole groups only; a line that is cut short or damaged counts for nothing.
     ///
     /// # Errors
-    /// [`ReadingsError::Read`], [`ReadingsError::Foreign`].
-    pub fn open(plan: &'a Plan, folder: &'a Path) -> Result<Store<'a>, ReadingsError> {
+    /// [`ReadingsError::Read`], [`ReadingsError::Foreign`], [`ReadingsError::OtherSettings`].
+    pub fn open(
+        plan: &'a Plan,
+        folder: &'a Path,
+        target: &'a Twelve,
+    ) -> Result<Store<'a>, ReadingsError> {
         let path = folder.join(TABLE);
-        let text = match std::fs::read_to_string(&path) {
-            Ok(text) => text,
+        let text = match std::fs::read(&path) {
+            // Bytes that are no text are damage, and the line they are in will not be understood.
+            Ok(bytes) => String::from_utf8_lossy(&bytes).into_owned(),
             Err(error) if error.kind() == ErrorKind::NotFound => String::new(),
             // Making the folder will say what is wrong.
             Err(error) if error.kind() == ErrorKind::NotADirectory => String::new(),
             Err(source) => return Err(ReadingsError::Read { path, source }),
         };
-        let heading = plan.heading();
-        let first = text.lines().next().unwrap_or(&heading);
-        if first != heading && !heading.starts_with(&text) {
-            return Err(ReadingsError::Foreign { path, heading });
+        // Cut short within the heading: nothing is lost.
+        if !plan.heading(target).starts_with(&text) {
+            same_search(&text, plan, target, path)?;
         }
         let whole = text.rfind('\n').map_or("", |end| &text[..end]);
-        let rows: Vec<Row> = whole.lines().filter_map(Row::parse).collect();
+        let sound = |row: &Row| row.scores == score::scores(&row.exponents, target);
+        let rows: Vec<Row> = whole.lines().filter_map(Row::parse).filter(sound).collect();
         let of_group = |group: &Group| -> Option<Vec<Row>> {
             let find = |key: [String; 4]| rows.iter().find(|row| row.key == key).cloned();
             keys(plan, group).into_iter().map(find).collect()
         };
         let done = plan.groups.iter().map(of_group).collect();
-        Ok(Store { plan, folder, done })
+        Ok(Store {
+            plan,
+            target,
+            folder,
+            done,
+        })
     }
 
     /// Indices of the groups that are still to be done.
@@ -85,7 +97,7 @@ impl<'a> Store<'a> {
     /// # Errors
     /// [`ReadingsError::Output`].
     pub fn write(&self) -> Result<(), ReadingsError> {
-        let mut text = self.plan.heading() + "\n" + &Row::header();
+        let mut text = self.plan.heading(self.target) + &Row::header();
         for row in self.done.iter().flatten().flatten() {
             text += &row.line();
         }
@@ -96,4 +108,35 @@ impl<'a> Store<'a> {
         write_all(self.folder, &[table])?;
         Ok(())
     }
+}
+
+/// Whether the lines before the table are those of this search.
+fn same_search(
+    text: &str,
+    plan: &Plan,
+    target: &Twelve,
+    path: PathBuf,
+) -> Result<(), ReadingsError> {
+    let mut lines = text.lines();
+    if lines.next() != Some(MARKER) {
+        let marker = MARKER;
+        return Err(ReadingsError::Foreign { path, marker });
+    }
+    let there: Vec<(&str, &str)> = lines
+        .map_while(|line| line.strip_prefix("# ")?.split_once(" = "))
+        .collect();
+    for (name, wanted) in plan.common(target) {
+        let found = there.iter().find(|one| one.0 == name);
+        let found = found.map_or("nothing", |one| one.1);
+        if found != wanted {
+            let found = found.to_owned();
+            return Err(ReadingsError::OtherSettings {
+                path,
+                name,
+                found,
+                wanted,
+            });
+        }
+    }
+    Ok(())
 }

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::chance;
-use super::plan::{Part, Plan};
+use super::plan::{DT, Part, Plan};
 use super::row::Row;
 use super::score::{CAP, FLOOR, Twelve};
 use crate::paper::published::{PublishedError, published};
@@ -43,7 +43,13 @@ fn tried(plan: &Plan, search: &[&Row]) -> String {
         .map(|group| plan.settings_of(group))
         .map(|all| all.iter().filter(|one| one.0 == Part::Search).count())
         .sum();
-    line!(text, "{}\n", plan.heading().trim_start_matches("# "));
+    line!(
+        text,
+        "stickslip readings: {} search, t from {}, {} points at dt = {DT}\n",
+        plan.name,
+        plan.from,
+        plan.points
+    );
     line!(
         text,
         "Tried: {} of {total} configurations (reading x integrator x estimator settings), each for all three figures.",

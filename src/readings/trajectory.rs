@@ -3,19 +3,21 @@
 use std::ops::ControlFlow;
 
 use super::plan::{DT, Group, Integrator, Plan};
+use super::scheme;
+use crate::analysis::motion::{Class, Criterion, Evidence, Of};
+use crate::analysis::{Exponent, SpectrumOptions, lyapunov_spectrum_watched};
 use crate::error::Error;
 use crate::filippov::{AtRepelling, Observer, Options, StepRecord, run};
 use crate::models::{BlockAndBracket, Caption};
 use crate::orbit::Ending;
-use crate::paper::in_place::{InPlace, Lost};
 use crate::system::State;
 
 type X = State<f64, 4>;
 
 /// Larger components mean that the orbit has left for good.
-const BOUND: f64 = 1e3;
+pub const BOUND: f64 = 1e3;
 /// Orbits that take more steps of the exact solver are given up.
-const MOST_STEPS: usize = 2_000_000;
+pub const MOST_STEPS: usize = 2_000_000;
 /// Parts of a step in which a zero of the velocity is looked for.
 const PARTS: usize = 4;
 /// Halvings that locate it.
@@ -26,15 +28,15 @@ const HALVINGS: usize = 40;
 pub struct Trajectory {
     /// States 0.2 apart.
     pub series: Vec<[f64; 4]>,
-    /// `(x₁, x₃, x₄)` at the returns.
-    pub section: Vec<[f64; 3]>,
+    /// Times and states of the returns.
+    pub section: Vec<(f64, [f64; 4])>,
 }
 
 /// What came of an orbit.
 #[derive(Clone, Debug)]
 pub enum Outcome {
-    /// It stayed to the end.
-    Bounded(Trajectory),
+    /// It stayed to the end: its series, and the class of its motion.
+    Bounded(Vec<[f64; 4]>, Class),
     /// It left for infinity.
     Escaped,
     /// It could not be followed: transitions pile up, the step collapses, or it takes too long.
@@ -51,35 +53,50 @@ pub fn follow(group: &Group, caption: &Caption, plan: &Plan, late: &dyn Fn() -> 
     let start = State::from(caption.start);
     match group.integrator {
         Integrator::Exact => exact(&system, start, plan, late),
-        Integrator::InPlace(h) => in_place(&system, start, h, plan, late),
+        Integrator::InPlace(h) => scheme::follow(&system, start, h, plan, late),
     }
 }
 
+/// Tolerance of the exact solver, as in the figures.
+pub const TOLERANCE: f64 = 1e-10;
+
 fn exact(system: &BlockAndBracket, start: X, plan: &Plan, late: &dyn Fn() -> bool) -> Outcome {
-    let mut watch = Watch {
-        from: plan.from,
-        points: plan.points,
-        steps: 0,
-        kept: Trajectory::default(),
-        late,
-        interrupted: false,
-    };
     // Where friction drives the block away from the belt, either side is as good as the other.
-    let options = Options::tol(1e-9)
+    let options = Options::tol(TOLERANCE)
         .escape(BOUND)
         .at_repelling(AtRepelling::GoBelow);
-    // A little beyond the last point, so that rounding cannot leave it out.
-    let t_end = plan.from + plan.points as f64 * DT;
-    let outcome = run(system, 0.0, start, t_end, &options, &mut watch);
+    let t_end = plan.from + plan.duration();
+    // The spectrum tells nothing of its transient: whether the orbit can be followed at all is found out without it.
+    let mut alone = Watch::new(plan, late);
+    let stayed = run(system, 0.0, start, t_end, &options, &mut alone);
+    if alone.interrupted {
+        return Outcome::Interrupted;
+    }
+    match stayed {
+        Ok(summary) if summary.ending == Ending::EndTime => {}
+        Ok(_) => return Outcome::Failed,
+        Err(Error::Escaped { .. }) => return Outcome::Escaped,
+        Err(_) => return Outcome::Failed,
+    }
+    let settings = SpectrumOptions::over(plan.from, plan.duration()).solver(options);
+    let mut watch = Watch::new(plan, late);
+    let spectrum = lyapunov_spectrum_watched(system, (0.0, start), &settings, &mut watch);
     if watch.interrupted {
         return Outcome::Interrupted;
     }
-    match outcome {
-        Ok(summary) if summary.ending == Ending::EndTime => Outcome::Bounded(watch.kept),
-        Ok(_) => Outcome::Failed,
-        Err(Error::Escaped { .. }) => Outcome::Escaped,
-        Err(_) => Outcome::Failed,
+    match spectrum {
+        Ok(spectrum) if spectrum.summary.ending == Ending::EndTime => {
+            bounded(watch.kept, &spectrum.exponents, spectrum.duration)
+        }
+        // An orbit whose tangent vectors cannot be followed still has a series and a section.
+        _ => bounded(alone.kept, &[], plan.duration()),
     }
+}
+
+fn bounded(kept: Trajectory, exponents: &[Exponent], duration: f64) -> Outcome {
+    let spectrum = (Of::Flow, exponents, duration);
+    let evidence = Evidence::gather(&kept.section, spectrum, &Criterion::default());
+    Outcome::Bounded(kept.series, evidence.class())
 }
 
 struct Watch<'a> {
@@ -99,11 +116,17 @@ impl Observer<4> for Watch<'_> {
             return ControlFlow::Break(());
         }
         while self.kept.series.len() < self.points {
-            let due = self.from + self.kept.series.len() as f64 * DT;
+            // A quotient, not a sum of steps: the last of them is the end itself.
+            let due = self.from + self.kept.series.len() as f64 / (1.0 / DT);
             if due > step.t_end {
                 break;
             }
-            self.kept.series.push(step.dense.at_time(due).into());
+            let x = if due == step.t_end {
+                step.x_end
+            } else {
+                step.dense.at_time(due)
+            };
+            self.kept.series.push(x.into());
         }
         if step.t_start >= self.from {
             self.look_for_returns(step);
@@ -112,7 +135,18 @@ impl Observer<4> for Watch<'_> {
     }
 }
 
-impl Watch<'_> {
+impl<'a> Watch<'a> {
+    fn new(plan: &Plan, late: &'a dyn Fn() -> bool) -> Self {
+        Watch {
+            from: plan.from,
+            points: plan.points,
+            steps: 0,
+            kept: Trajectory::default(),
+            late,
+            interrupted: false,
+        }
+    }
+
     fn look_for_returns(&mut self, step: &StepRecord<4>) {
         let length = step.t_end - step.t_start;
         let time = |k: usize| step.t_start + length * k as f64 / PARTS as f64;
@@ -133,45 +167,9 @@ impl Watch<'_> {
                         b = middle;
                     }
                 }
-                let x = step.dense.at_time(b);
-                self.kept.section.push([x[0], x[2], x[3]]);
+                self.kept.section.push((b, step.dense.at_time(b).into()));
             }
             left = right;
         }
     }
-}
-
-/// Every so many passes are a point, as the listing counts its records; its clock loses a little at every Hénon step.
-fn in_place(
-    system: &BlockAndBracket,
-    start: X,
-    h: f64,
-    plan: &Plan,
-    late: &dyn Fn() -> bool,
-) -> Outcome {
-    let passes = |t: f64| (t / h).round() as usize;
-    let (first, every) = (passes(plan.from), passes(DT).max(1));
-    let last = first + (plan.points - 1) * every;
-    let mut scheme = InPlace::start(system, start, h, BOUND);
-    let mut kept = Trajectory::default();
-    for pass in 0..=last {
-        if pass >= first && (pass - first).is_multiple_of(every) {
-            kept.series.push((*scheme.x()).into());
-        }
-        if pass.is_multiple_of(1 << 16) && late() {
-            return Outcome::Interrupted;
-        }
-        let before = *scheme.x();
-        match scheme.advance() {
-            Ok(()) => {}
-            Err(Lost::Escaped { .. }) => return Outcome::Escaped,
-            Err(Lost::BrokenDown { .. }) => return Outcome::Failed,
-        }
-        let after = scheme.x();
-        if pass >= first && before[1] > 0.0 && after[1] <= 0.0 {
-            let x = before + (after - before) * (before[1] / (before[1] - after[1]));
-            kept.section.push([x[0], x[2], x[3]]);
-        }
-    }
-    Outcome::Bounded(kept)
 }

@@ -5,7 +5,7 @@ use super::spectrum::{Exponent, Running};
 
 /// What the frame's vectors have grown by since measuring began.
 #[derive(Clone, Debug)]
-pub(super) struct Growth<const N: usize> {
+pub(crate) struct Growth<const N: usize> {
     /// Time measuring began.
     begin: f64,
     /// Sums of the logarithms; −∞ for an annihilated vector.
@@ -25,7 +25,7 @@ pub(super) struct Growth<const N: usize> {
 }
 
 impl<const N: usize> Growth<N> {
-    pub(super) fn new(begin: f64, settings: &SpectrumOptions) -> Self {
+    pub(crate) fn new(begin: f64, settings: &SpectrumOptions) -> Self {
         Growth {
             begin,
             logs: [0.0; N],
@@ -42,7 +42,7 @@ impl<const N: usize> Growth<N> {
     }
 
     /// At the end of every step. What a transition at the same time adds belongs to the next block.
-    pub(super) fn tick(&mut self, t: f64) {
+    pub(crate) fn tick(&mut self, t: f64) {
         let elapsed = t - self.begin;
         if elapsed >= self.next_block as f64 * self.block_length {
             self.end_block(elapsed);
@@ -76,7 +76,7 @@ impl<const N: usize> Growth<N> {
     }
 
     /// The exponents in descending order, and the running ones in the same order.
-    pub(super) fn finish(mut self, t: f64) -> (f64, [Exponent; N], Vec<Running<N>>) {
+    pub(crate) fn finish(mut self, t: f64) -> (f64, [Exponent; N], Vec<Running<N>>) {
         let elapsed = t - self.begin;
         // Rounding can leave the last block a hair too short to count on its own.
         if elapsed - self.block_start.0 > 0.5 * self.block_length {

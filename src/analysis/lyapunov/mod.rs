@@ -34,6 +34,7 @@ mod volume;
 
 use std::ops::ControlFlow;
 
+pub(crate) use averages::Growth;
 pub use settings::SpectrumOptions;
 pub use spectrum::{Exponent, Running, Spectrum};
 

@@ -1,9 +1,9 @@
 //! The orbit, its spectra and what becomes of the equations as printed.
 
 use super::Set;
-use super::classify::{Class, Evidence};
 use super::watch::Watch;
 use crate::analysis::data_spectrum::{DataSettings, DataSpectrum, Series, data_spectrum};
+use crate::analysis::motion::{Class, Criterion, Evidence, Of};
 use crate::analysis::{Spectrum, SpectrumOptions, lyapunov_spectrum_watched};
 use crate::error::Error;
 use crate::figures::error::FigureError;
@@ -136,7 +136,11 @@ fn measure(
     let mut watch = Watch::new(model, set.shown);
     let start = (0.0, State::from(set.caption.start));
     let spectrum = lyapunov_spectrum_watched(model, start, &settings, &mut watch)?;
-    let evidence = Evidence::gather(&watch.section, &spectrum);
+    let evidence = Evidence::gather(
+        &watch.section,
+        (Of::Flow, &spectrum.exponents, spectrum.duration),
+        &Criterion::default(),
+    );
     let measured = Measured {
         class: evidence.class(),
         evidence,

@@ -1,10 +1,10 @@
 //! The picture of Figs. 10, 11 and 12.
 
 use super::Set;
-use super::classify::Class;
 use super::compute::{Data, END, Literal, START};
 use crate::analysis::Exponent;
 use crate::analysis::data_spectrum::Status;
+use crate::analysis::motion::Class;
 use crate::figures::error::FigureError;
 use crate::figures::style::*;
 use crate::paper::published::published;

@@ -1,13 +1,11 @@
 //! What Figs. 10, 11 and 12 share: the block and the bracket with the parameters of one caption, its exponents from the
 //! equations and from data, and the class of its motion.
 
-mod classify;
 mod compute;
 mod draw;
 mod numbers;
 mod watch;
 
-pub use classify::{Class, Evidence};
 pub use compute::{Data, Literal, Measured, compute};
 pub(super) use draw::draw;
 pub(super) use numbers::numbers;

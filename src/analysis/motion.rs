@@ -1,0 +1,308 @@
+//! The class of a motion, decided by its section and its exponents.
+
+use std::fmt;
+use std::str::FromStr;
+
+use super::Exponent;
+use crate::math;
+
+/// More distinct points of the section than this are no periodic motion anybody would name.
+const MOST: usize = 64;
+/// A vector may have grown by so much over a broken number of turns without a rate of growth.
+const END_EFFECT: f64 = 30.0;
+/// Standard errors within which an exponent counts as zero.
+const STANDARD_ERRORS: f64 = 4.0;
+
+/// A class of motion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Class {
+    /// Closes after so many turns.
+    Periodic(usize),
+    /// Fills a torus: no closing, no growth, and a vanishing exponent besides that of the direction in time.
+    QuasiPeriodic,
+    /// Nearby orbits separate: the first exponent is positive.
+    Chaotic,
+    /// The evidence does not tell.
+    Undecided,
+}
+
+impl fmt::Display for Class {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Class::Periodic(1) => f.write_str("periodic"),
+            Class::Periodic(2) => f.write_str("two-periodic"),
+            Class::Periodic(turns) => write!(f, "{turns}-periodic"),
+            Class::QuasiPeriodic => f.write_str("quasi-periodic"),
+            Class::Chaotic => f.write_str("chaotic"),
+            Class::Undecided => f.write_str("undecided"),
+        }
+    }
+}
+
+/// A word that names no class.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "'{0}' is no class of motion; it must be periodic, two-periodic, 3-periodic, ..., quasi-periodic, chaotic or undecided"
+)]
+pub struct UnknownClass(pub String);
+
+impl FromStr for Class {
+    type Err = UnknownClass;
+
+    /// Reads what `Display` writes.
+    fn from_str(text: &str) -> Result<Self, UnknownClass> {
+        let unknown = || UnknownClass(text.to_owned());
+        match text {
+            "periodic" => Ok(Class::Periodic(1)),
+            "two-periodic" => Ok(Class::Periodic(2)),
+            "quasi-periodic" => Ok(Class::QuasiPeriodic),
+            "chaotic" => Ok(Class::Chaotic),
+            "undecided" => Ok(Class::Undecided),
+            _ => {
+                let turns = text.strip_suffix("-periodic").ok_or_else(unknown)?;
+                let turns: usize = turns.parse().map_err(|_| unknown())?;
+                if turns < 3 {
+                    return Err(unknown());
+                }
+                Ok(Class::Periodic(turns))
+            }
+        }
+    }
+}
+
+/// What the exponents belong to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Of {
+    /// A flow: one of them is that of its direction in time, zero whatever the motion.
+    Flow,
+    /// A map of the section onto itself, which has no such direction.
+    ReturnMap,
+}
+
+/// How fine the evidence has to be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Criterion {
+    /// Points of the section nearer than this, as a fraction of its extent, count as one. Default 1e-5, for a solver that
+    /// locates the section.
+    pub same: f64,
+    /// Largest uncertainty, per unit of time, of an exponent that is to count as zero: growth slower than it cannot be told from
+    /// none. Default 1e-3, less than half of the slowest growth that the paper reports (0.0025, Fig. 12).
+    pub resolution: f64,
+}
+
+impl Default for Criterion {
+    fn default() -> Self {
+        Self {
+            same: 1e-5,
+            resolution: 1e-3,
+        }
+    }
+}
+
+/// What the class is decided by.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Evidence {
+    /// Points of the section.
+    pub returns: usize,
+    /// How many of them are distinct.
+    pub distinct: usize,
+    /// Whether they follow one another in the same order again and again.
+    pub repeats: bool,
+    /// Mean time between them; infinite with fewer than two.
+    pub return_time: f64,
+    /// Exponents that are zero within their uncertainty.
+    pub zeros: usize,
+    /// How many of these have an uncertainty within [`Criterion::resolution`].
+    pub resolved_zeros: usize,
+    /// Whether the first exponent is positive beyond its uncertainty.
+    pub positive: bool,
+    /// What the exponents belong to.
+    pub of: Of,
+}
+
+impl Evidence {
+    /// From the points `(t, x)` of the section in the order of time and the exponents, descending, as measured over `duration`.
+    /// Without exponents only a periodic motion can be told.
+    pub fn gather<const N: usize>(
+        section: &[(f64, [f64; N])],
+        (of, exponents, duration): (Of, &[Exponent], f64),
+        criterion: &Criterion,
+    ) -> Self {
+        let return_time = match section {
+            [(first, _), .., (last, _)] => (last - first) / (section.len() - 1) as f64,
+            _ => f64::INFINITY,
+        };
+        let labels = labels(section, criterion.same);
+        let distinct = labels.iter().max().map_or(0, |most| most + 1);
+        let zeros = || {
+            let uncertainties = exponents.iter().map(|e| (e, uncertainty(e, duration)));
+            uncertainties.filter(|(e, uncertainty)| e.value().abs() <= *uncertainty)
+        };
+        Self {
+            returns: section.len(),
+            distinct,
+            repeats: labels
+                .iter()
+                .zip(labels.iter().skip(distinct))
+                .all(|(a, b)| a == b),
+            return_time,
+            zeros: zeros().count(),
+            resolved_zeros: zeros().filter(|one| one.1 <= criterion.resolution).count(),
+            positive: exponents
+                .first()
+                .is_some_and(|exponent| exponent.value() > uncertainty(exponent, duration)),
+            of,
+        }
+    }
+
+    /// The class this is evidence of.
+    pub fn class(&self) -> Class {
+        let needed = match self.of {
+            Of::Flow => 2,
+            Of::ReturnMap => 1,
+        };
+        // Several turns of each kind, so that a pattern has repeated.
+        let closes = self.repeats && (1..=MOST.min(self.returns / 4)).contains(&self.distinct);
+        match (closes, self.positive) {
+            (true, false) => Class::Periodic(self.distinct),
+            (false, true) => Class::Chaotic,
+            (false, false) if self.zeros == needed && self.resolved_zeros == needed => {
+                Class::QuasiPeriodic
+            }
+            _ => Class::Undecided,
+        }
+    }
+}
+
+/// How far from zero an exponent may be found that is zero.
+fn uncertainty(exponent: &Exponent, duration: f64) -> f64 {
+    let scatter = STANDARD_ERRORS * exponent.std_error().unwrap_or(0.0);
+    scatter.max(math::ln(END_EFFECT) / duration)
+}
+
+/// For each point of the section the number of the distinct point it is, these being counted as they come.
+fn labels<const N: usize>(section: &[(f64, [f64; N])], same: f64) -> Vec<usize> {
+    let extent = (0..N)
+        .map(|i| {
+            let values = || section.iter().map(|(_, x)| x[i]);
+            values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min)
+        })
+        .fold(0.0, f64::max);
+    let size = section
+        .iter()
+        .flat_map(|(_, x)| x.iter())
+        .fold(0.0_f64, |size, v| size.max(v.abs()));
+    let near = same * extent.max(size);
+    let mut kept: Vec<&[f64; N]> = Vec::new();
+    let mut labels = Vec::with_capacity(section.len());
+    for (_, x) in section {
+        let known = kept
+            .iter()
+            .position(|other| (0..N).all(|i| (x[i] - other[i]).abs() <= near));
+        labels.push(known.unwrap_or(kept.len()));
+        if known.is_none() {
+            kept.push(x);
+        }
+    }
+    labels
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Points one unit of time apart.
+    fn section(points: usize, x: impl Fn(usize) -> f64) -> Vec<(f64, [f64; 2])> {
+        (0..points).map(|k| (k as f64, [x(k), 1.0])).collect()
+    }
+
+    fn finite(value: f64, std_error: f64) -> Exponent {
+        Exponent::Finite { value, std_error }
+    }
+
+    fn class(section: &[(f64, [f64; 2])], of: Of, exponents: &[Exponent]) -> Class {
+        Evidence::gather(section, (of, exponents, 9000.0), &Criterion::default()).class()
+    }
+
+    #[test]
+    fn sections_that_close_are_periodic_by_their_number_of_points() {
+        let flow = [finite(0.0, 1e-5), finite(-0.01, 1e-4)];
+        for (period, name) in [(1, "periodic"), (2, "two-periodic"), (3, "3-periodic")] {
+            let closing = section(1000, |k| (k % period) as f64 + 1e-9 * k as f64);
+            let found = class(&closing, Of::Flow, &flow);
+            assert_eq!(found.to_string(), name);
+            assert_eq!(name.parse(), Ok(found));
+        }
+        // Few points, but in no order.
+        let shuffled = section(1000, |k| ((k * k / 7) % 3) as f64);
+        assert_eq!(class(&shuffled, Of::Flow, &flow), Class::Undecided);
+        // Nothing has repeated yet.
+        assert_eq!(
+            class(&section(3, |_| 1.0), Of::Flow, &flow),
+            Class::Undecided
+        );
+        assert_eq!(class(&[], Of::Flow, &flow), Class::Undecided);
+        // It cannot close and part.
+        let parting = [finite(0.01, 1e-5)];
+        assert_eq!(
+            class(&section(1000, |_| 1.0), Of::Flow, &parting),
+            Class::Undecided
+        );
+    }
+
+    #[test]
+    fn sections_that_do_not_close_are_told_apart_by_their_exponents() {
+        let open = section(1000, |k| math::sin(k as f64));
+        let flow = |exponents: &[Exponent]| class(&open, Of::Flow, exponents);
+        let map = |exponents: &[Exponent]| class(&open, Of::ReturnMap, exponents);
+        let (zero, negative) = (finite(1e-5, 1e-5), finite(-0.01, 1e-4));
+        assert_eq!(
+            flow(&[zero, zero, negative, Exponent::Annihilated]),
+            Class::QuasiPeriodic
+        );
+        assert_eq!(map(&[zero]), Class::QuasiPeriodic);
+        // Slow chaos, as slow as published, is chaos if it is known well enough, and otherwise it is not known.
+        assert_eq!(
+            flow(&[finite(0.0025, 3e-4), zero, negative]),
+            Class::Chaotic
+        );
+        assert_eq!(map(&[finite(0.0025, 3e-4)]), Class::Chaotic);
+        assert_eq!(
+            flow(&[finite(0.0025, 1e-3), zero, negative]),
+            Class::Undecided
+        );
+        assert_eq!(
+            flow(&[finite(1e-5, 1e-3), zero, negative]),
+            Class::Undecided
+        );
+        assert_eq!(map(&[finite(1e-5, 1e-3)]), Class::Undecided);
+        // A torus has a second zero; a contracting map that has not closed will close later.
+        assert_eq!(flow(&[zero, negative]), Class::Undecided);
+        assert_eq!(map(&[negative]), Class::Undecided);
+        assert_eq!(flow(&[]), Class::Undecided);
+    }
+
+    #[test]
+    fn classes_read_back() {
+        for class in [
+            Class::Periodic(1),
+            Class::Periodic(2),
+            Class::Periodic(17),
+            Class::QuasiPeriodic,
+            Class::Chaotic,
+            Class::Undecided,
+        ] {
+            assert_eq!(class.to_string().parse(), Ok(class));
+        }
+        for wrong in [
+            "",
+            "-periodic",
+            "1-periodic",
+            "2-periodic",
+            "x-periodic",
+            "Chaotic",
+        ] {
+            assert_eq!(wrong.parse::<Class>(), Err(UnknownClass(wrong.into())));
+        }
+    }
+}
