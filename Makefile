@@ -2,7 +2,7 @@
 CARGO ?= cargo
 FIGURES := fig04 fig06 fig07 fig08 fig10 fig11 fig12
 
-.PHONY: help figures test golden bench check clean $(FIGURES)
+.PHONY: help figures test golden readings bench check clean $(FIGURES)
 .DEFAULT_GOAL := help
 
 help: ## Show the targets
@@ -24,6 +24,12 @@ test: ## Run all tests; the test profile is optimised, see Cargo.toml
 
 golden: ## Rewrite golden/ on purpose; look at the diff before committing it
 	INSTA_UPDATE=always $(CARGO) test --locked
+
+# A search that was stopped goes on where it was; one that is complete is never taken for a new one.
+readings: build-figures ## Search all readings of Figs. 10-12 anew into golden/, some ten minutes
+	$(CARGO) run --locked --release --quiet --bin readings -- --out target/readings
+	cp target/readings/readings.csv target/readings/readings.txt golden/
+	rm -r target/readings
 
 bench: ## Run the benchmarks
 	$(CARGO) bench --locked

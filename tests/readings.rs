@@ -40,7 +40,88 @@ fn the_same_bytes_whatever_the_threads_and_after_a_kill() {
         program(two.path()).assert().success();
         assert_eq!(whole, files(two.path()), "{left} bytes left");
     }
+    // Damaged in the last line: bytes that are no text, a word that is none, a digit more.
+    let line = whole[0][..length - 1]
+        .iter()
+        .rposition(|&b| b == b'\n')
+        .unwrap()
+        + 1;
+    let last = String::from_utf8(whole[0][line..].to_vec()).unwrap();
+    for damaged in [
+        b"search,\xff\xfe\n".to_vec(),
+        last.replacen("escaped", "escape", 1).into_bytes(),
+        last.replacen(",3\n", ",31\n", 1).into_bytes(),
+    ] {
+        assert_ne!(damaged, last.as_bytes());
+        let table = [&whole[0][..line], &damaged].concat();
+        std::fs::write(two.path().join("readings.csv"), table).unwrap();
+        program(two.path()).assert().success();
+        assert_eq!(whole, files(two.path()));
+    }
     assert_eq!(std::fs::read_dir(two.path()).unwrap().count(), 2);
+}
+
+/// Configurations in the table so far.
+fn rows(folder: &Path) -> usize {
+    let table = std::fs::read_to_string(folder.join("readings.csv")).unwrap_or_default();
+    table
+        .lines()
+        .filter(|line| line.starts_with("search,"))
+        .count()
+}
+
+#[test]
+fn a_killed_run_is_continued_to_the_same_bytes() {
+    let (whole, killed) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    program(whole.path()).assert().success();
+    // The run may be done before the kill comes; then another is tried.
+    let cut_short = (0..20).any(|_| {
+        let _ = std::fs::remove_file(killed.path().join("readings.csv"));
+        let mut child = std::process::Command::new(assert_cmd::cargo::cargo_bin!("readings"))
+            .args(["--quick", "--threads", "1", "--out"])
+            .arg(killed.path())
+            .stdout(std::process::Stdio::null())
+            .spawn()
+            .unwrap();
+        while rows(killed.path()) == 0 && child.try_wait().unwrap().is_none() {
+            std::thread::yield_now();
+        }
+        child.kill().unwrap();
+        child.wait().unwrap();
+        (1..8).contains(&rows(killed.path()))
+    });
+    assert!(cut_short);
+    program(killed.path()).assert().success();
+    assert_eq!(files(whole.path()), files(killed.path()));
+}
+
+#[test]
+fn a_table_of_other_settings_is_refused_by_the_setting_that_differs() {
+    let folder = tempfile::tempdir().unwrap();
+    program(folder.path()).assert().success();
+    let table = folder.path().join("readings.csv");
+    let whole = std::fs::read_to_string(&table).unwrap();
+    let settings = whole
+        .lines()
+        .filter_map(|line| line.strip_prefix("# ")?.split_once(" = "));
+    let mut tried = 0;
+    for (name, value) in settings {
+        let line = format!("# {name} = {value}\n");
+        for other in [
+            whole.replacen(&line, &format!("# {name} = 7x\n"), 1),
+            whole.replacen(&line, "", 1),
+        ] {
+            std::fs::write(&table, &other).unwrap();
+            program(folder.path())
+                .assert()
+                .code(1)
+                .stderr(contains(format!("with {name} = ")))
+                .stderr(contains("move it away"));
+            assert_eq!(std::fs::read_to_string(&table).unwrap(), other);
+        }
+        tried += 1;
+    }
+    assert!(tried > 10);
 }
 
 #[test]

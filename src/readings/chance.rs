@@ -7,6 +7,13 @@ use crate::math;
 /// The generator `SplitMix64` (Steele, Lea & Flood, 2014).
 struct SplitMix(u64);
 
+/// A vanishing exponent may be printed as anything between minus this and this; drawn evenly.
+pub const ZERO: f64 = 0.002;
+/// Least and largest size of a negative exponent; its logarithm is drawn evenly.
+pub const NEGATIVE: (f64, f64) = (0.003, 1.0);
+/// Least and largest positive exponent; its logarithm is drawn evenly.
+pub const POSITIVE: (f64, f64) = (0.001, 0.05);
+
 /// Every run draws the same targets.
 const SEED: u64 = 0x2013_0073_0723_0736;
 
@@ -26,14 +33,12 @@ impl SplitMix {
         math::exp(math::ln(least) + self.uniform() * math::ln(most / least))
     }
 
-    /// What a vanishing exponent may be printed as.
     fn zero(&mut self) -> f64 {
-        0.002 * (2.0 * self.uniform() - 1.0)
+        ZERO * (2.0 * self.uniform() - 1.0)
     }
 
-    /// What a negative exponent may be.
     fn negative(&mut self) -> f64 {
-        -self.logarithmic(0.003, 1.0)
+        -self.logarithmic(NEGATIVE.0, NEGATIVE.1)
     }
 
     /// A spectrum of each of the published classes.
@@ -47,7 +52,7 @@ impl SplitMix {
             ],
             [self.zero(), self.zero(), self.negative(), self.negative()],
             [
-                self.logarithmic(0.001, 0.05),
+                self.logarithmic(POSITIVE.0, POSITIVE.1),
                 self.zero(),
                 self.negative(),
                 self.negative(),
@@ -66,12 +71,28 @@ pub fn nearest(rows: &[&Row], target: &Twelve) -> f64 {
     rows.iter().map(distance).fold(f64::INFINITY, f64::min)
 }
 
-/// The order of the columns, and the distance of the nearest row to them, for all orders but the published one.
-pub fn permuted(rows: &[&Row], target: &Twelve) -> Vec<([usize; 3], f64)> {
-    [[0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]]
-        .into_iter()
-        .map(|order| (order, nearest(rows, &order.map(|figure| target[figure]))))
-        .collect()
+/// Orders of the columns other than the published one.
+pub const ORDERS: [[usize; 3]; 5] = [[0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
+
+/// Rows with most of the classes wanted of the three figures, given by the figure that has them published, and how many
+/// those are.
+pub fn by_class<'a>(rows: &[&'a Row], wanted: [usize; 3]) -> (usize, Vec<&'a Row>) {
+    let right = |row: &Row| {
+        (0..3)
+            .filter(|&f| row.classes[f].is_published(wanted[f]))
+            .count()
+    };
+    let most = rows.iter().map(|row| right(row)).max().unwrap_or(0);
+    let kept = rows.iter().copied().filter(|row| right(row) == most);
+    (most, kept.collect())
+}
+
+/// Of the 27 ways to give each figure one of the three classes, how many some row has entirely.
+pub fn assignments_met(rows: &[&Row]) -> usize {
+    let every = (0..27).map(|i| [i / 9, i / 3 % 3, i % 3]);
+    every
+        .filter(|&wanted| by_class(rows, wanted).0 == 3)
+        .count()
 }
 
 /// Distances of the nearest rows to random targets of the published classes, ascending.

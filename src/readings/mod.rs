@@ -183,3 +183,68 @@ fn print(text: &str) -> ExitCode {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::models::Reading;
+    use plan::{Group, Integrator, Part};
+    use row::Row;
+
+    fn committed(name: &str) -> String {
+        let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+        std::fs::read_to_string(root.join(name)).unwrap()
+    }
+
+    #[test]
+    fn the_committed_search_is_complete_and_its_summary_follows_from_it() {
+        let (plan, target) = (Plan::full(), score::target().unwrap());
+        let table = committed("golden/readings.csv");
+        assert!(
+            table.starts_with(&plan.heading(&target)),
+            "run `make readings`"
+        );
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join(TABLE), &table).unwrap();
+        let store = Store::open(&plan, folder.path(), &target).unwrap();
+        assert_eq!(store.pending(), [0; 0], "run `make readings`");
+        let text = summary::summary(&plan, &store.rows(), &target).unwrap();
+        assert!(
+            text == committed("golden/readings.txt"),
+            "run `make readings`"
+        );
+    }
+
+    #[test]
+    fn the_figures_use_what_the_committed_search_ranks_first() {
+        let table = committed("golden/readings.csv");
+        let rows: Vec<Row> = table.lines().filter_map(Row::parse).collect();
+        let search: Vec<&Row> = rows
+            .iter()
+            .filter(|row| row.key[0] == Part::Search.name())
+            .collect();
+        let best = summary::least(&search, Row::classes_first).unwrap();
+        let recommended = Group {
+            reading: Reading::exact(),
+            integrator: Integrator::Exact,
+        };
+        let wanted = [
+            Part::Search.name().to_owned(),
+            plan::reading_name(&recommended.reading),
+            recommended.integrator.name(),
+            plan::settings_name(&best_common()),
+        ];
+        assert_eq!(best.key, wanted);
+        // The figures compute the same exponents anew, in the same order of size.
+        for figure in 0..3 {
+            let shown = committed(&format!("figures/fig{}.csv", figure + 10));
+            let mut values: Vec<f64> = shown
+                .lines()
+                .filter(|line| line.contains(".lambda.") && line.contains(",best-of-readings,"))
+                .map(|line| line.split(',').nth(2).unwrap().parse().unwrap())
+                .collect();
+            values.sort_by(|one, other| other.total_cmp(one));
+            assert_eq!(values, best.exponents[figure], "fig{}", figure + 10);
+        }
+    }
+}

@@ -167,8 +167,8 @@ impl Plan {
                 scheme::SAME.to_string(),
             ),
             (
-                "distance of the neighbouring run, in-place",
-                scheme::APART.to_string(),
+                "distances of the neighbouring runs, in-place",
+                format!("{} and {} h", scheme::NEAR, scheme::FAR),
             ),
             (
                 "uncertainty up to which an exponent can be zero",

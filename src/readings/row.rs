@@ -2,6 +2,7 @@
 
 use super::score::Twelve;
 use super::verdict::Verdict;
+use crate::analysis::data_spectrum::Status;
 
 /// A line of `readings.csv`.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,7 +19,16 @@ pub struct Row {
     pub scores: [f64; 4],
 }
 
+/// Why a figure has no exponents: its orbit has no series.
+pub const NO_SERIES: &str = "no series";
+/// Why an exponent is not there: the estimator gives none.
+pub const NO_ESTIMATE: &str = "no estimate";
 const FIELDS: usize = 4 + 3 * 9 + 5;
+
+fn known(status: &str) -> bool {
+    let words = [Status::Ok, Status::Unidentified, Status::Annihilated].map(Status::word);
+    words.contains(&status) || [NO_SERIES, NO_ESTIMATE].contains(&status)
+}
 
 impl Row {
     /// The table's second line.
@@ -37,6 +47,11 @@ impl Row {
     pub fn classes_right(&self) -> usize {
         let right = |&f: &usize| self.classes[f].is_published(f);
         (0..3).filter(right).count()
+    }
+
+    /// What the recommended row has least of: classes wrong, then distance of all exponents.
+    pub fn classes_first(&self) -> (usize, f64) {
+        (3 - self.classes_right(), self.scores[3])
     }
 
     /// The line. Numbers read back to the same bits.
@@ -86,7 +101,8 @@ impl Row {
                 if !value.is_empty() {
                     row.exponents[figure][k] = value.parse().ok()?;
                 }
-                row.statuses[figure][k] = next()?.to_owned();
+                let status = next()?;
+                row.statuses[figure][k] = known(status).then(|| status.to_owned())?;
             }
         }
         next()?;

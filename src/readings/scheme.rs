@@ -4,10 +4,14 @@
 //! measured with two runs of the same scheme (Benettin, Galgani & Strelcyn, *Phys. Rev. A* 14 (1976) 2338), compared where both
 //! return to the section. The difference of their clocks and of their phases within a pass does not count there; what is
 //! measured is the first exponent of the return map.
+//!
+//! That is done at two distances, since the scheme meets Σ by whole passes and what it does there depends on what is left of the
+//! pass: neighbours can part up to a distance of about `h` and no further, which is no chaos that anybody would see.
+//! Where near and far neighbours give different classes the motion is undecided.
 
 use super::plan::{DT, Plan};
 use super::trajectory::{BOUND, Outcome, Trajectory};
-use crate::analysis::motion::{Criterion, Evidence, Of};
+use crate::analysis::motion::{Class, Criterion, Evidence, Of};
 use crate::analysis::{Exponent, Growth, SpectrumOptions};
 use crate::math;
 use crate::models::BlockAndBracket;
@@ -16,8 +20,10 @@ use crate::system::State;
 
 type Scheme<'a> = InPlace<&'a BlockAndBracket, 4>;
 
-/// Distance at which the neighbour starts after every return: far above rounding, far below what a pass covers.
-pub const APART: f64 = 1e-8;
+/// Distance at which the near neighbour starts after every return: far above rounding, far below what a pass covers.
+pub const NEAR: f64 = 1e-8;
+/// And the far neighbour, in steps `h`: beyond the scatter that comes from where in a pass Σ is met.
+pub const FAR: f64 = 4.0;
 /// Points of the section nearer than this, as a fraction of its extent, count as one: the passes do not hit it, and a
 /// motion that closes is met at another phase of the pass every time.
 pub const SAME: f64 = 1e-3;
@@ -34,6 +40,8 @@ fn crossing(before: &State<f64, 4>, after: &State<f64, 4>) -> Option<State<f64, 
 
 /// The neighbouring run and what has been found with it.
 struct Neighbour<'a> {
+    /// Distance at which it starts.
+    apart: f64,
     /// As it was started at the last return; `None` once it is lost or cannot be told from the orbit.
     scheme: Option<Scheme<'a>>,
     /// Once measuring has begun, with the time it has come to.
@@ -41,11 +49,12 @@ struct Neighbour<'a> {
 }
 
 impl<'a> Neighbour<'a> {
-    fn start(base: &Scheme<'a>) -> Self {
+    fn start(base: &Scheme<'a>, apart: f64) -> Self {
         // It differs in all that can differ on the section.
         let all = State::from([1.0, 0.0, 1.0, 1.0]);
         Neighbour {
-            scheme: Some(base.displaced(&(all * (APART / all.norm())))),
+            apart,
+            scheme: Some(base.displaced(&(all * (apart / all.norm())))),
             growth: None,
         }
     }
@@ -71,12 +80,12 @@ impl<'a> Neighbour<'a> {
             let apart = there - at;
             let distance = apart.norm();
             if let Some((growth, measured_to)) = &mut self.growth {
-                growth.logs[0] += math::ln(distance / APART);
+                growth.logs[0] += math::ln(distance / self.apart);
                 growth.tick(base.t());
                 *measured_to = base.t();
             }
             if distance > 0.0 {
-                self.scheme = Some(base.displaced(&(apart * (APART / distance))));
+                self.scheme = Some(base.displaced(&(apart * (self.apart / distance))));
             }
             return;
         }
@@ -108,7 +117,7 @@ pub fn follow(
     let last = first + (plan.points - 1) * every;
     let mut scheme = InPlace::start(system, start, h, BOUND);
     let mut kept = Trajectory::default();
-    let mut neighbour: Option<Neighbour> = None;
+    let mut neighbours: Vec<Neighbour> = Vec::new();
     let mut returned = 0;
     for pass in 0..=last {
         if pass >= first && (pass - first).is_multiple_of(every) {
@@ -129,26 +138,39 @@ pub fn follow(
         if pass >= first {
             kept.section.push((scheme.t(), at.into()));
         }
-        if let Some(one) = &mut neighbour {
+        for one in &mut neighbours {
             one.follow(&scheme, &at, pass + 1 - returned);
-        } else if pass >= first / 2 {
-            neighbour = Some(Neighbour::start(&scheme));
         }
-        if pass >= first
-            && let Some(one) = &mut neighbour
-            && one.growth.is_none()
-        {
-            one.begin_measuring(scheme.t(), plan.duration());
+        // From half of the transient on, so that they have turned into the direction that parts fastest.
+        if neighbours.is_empty() && pass >= first / 2 {
+            neighbours = [NEAR, FAR * h]
+                .map(|apart| Neighbour::start(&scheme, apart))
+                .into();
+        }
+        if pass >= first {
+            for one in neighbours.iter_mut().filter(|one| one.growth.is_none()) {
+                one.begin_measuring(scheme.t(), plan.duration());
+            }
         }
         returned = pass + 1;
     }
-    let found = neighbour.and_then(Neighbour::exponent);
-    let (exponents, duration) = found.map_or((vec![], plan.duration()), |(one, t)| (vec![one], t));
+    let mut classes = neighbours.into_iter().map(|one| class(&kept, one));
+    let class = match (classes.next(), classes.next()) {
+        (Some(near), Some(far)) if near == far => near,
+        _ => Class::Undecided,
+    };
+    Outcome::Bounded(kept.series, class)
+}
+
+/// The class by one neighbour.
+fn class(kept: &Trajectory, neighbour: Neighbour) -> Class {
     let criterion = Criterion {
         same: SAME,
         ..Criterion::default()
     };
+    let found = neighbour.exponent();
+    let (exponents, duration) =
+        found.map_or((vec![], 1.0), |(one, duration)| (vec![one], duration));
     let spectrum = (Of::ReturnMap, &exponents[..], duration);
-    let class = Evidence::gather(&kept.section, spectrum, &criterion).class();
-    Outcome::Bounded(kept.series, class)
+    Evidence::gather(&kept.section, spectrum, &criterion).class()
 }

@@ -1,7 +1,7 @@
 //! Integrates and estimates.
 
 use super::plan::{DT, Group, Plan};
-use super::row::Row;
+use super::row::{self, Row};
 use super::score::{self, Twelve};
 use super::store;
 use super::trajectory::{Outcome, follow};
@@ -50,7 +50,7 @@ pub fn group_rows(
         for figure in 0..3 {
             let (values, statuses) = match &series[figure] {
                 Some(series) => spectrum(series, &settings),
-                None => none("no series"),
+                None => none(row::NO_SERIES),
             };
             row.exponents[figure] = values;
             row.statuses[figure] = statuses;
@@ -70,7 +70,7 @@ fn none(why: &str) -> Four {
 /// Exponents in descending order, as the paper prints them, whatever their status.
 fn spectrum(series: &Series, settings: &DataSettings) -> Four {
     let Ok(spectrum) = data_spectrum(series, settings) else {
-        return none("no estimate");
+        return none(row::NO_ESTIMATE);
     };
     let mut found: Vec<(f64, &str)> = spectrum
         .exponents
@@ -86,7 +86,7 @@ fn spectrum(series: &Series, settings: &DataSettings) -> Four {
         }
     };
     found.sort_by(|one, other| rank(other.0).total_cmp(&rank(one.0)));
-    let (mut values, mut statuses) = none("no estimate");
+    let (mut values, mut statuses) = none(row::NO_ESTIMATE);
     for (k, (value, status)) in found.into_iter().take(4).enumerate() {
         values[k] = value;
         statuses[k] = status.to_owned();

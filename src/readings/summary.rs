@@ -103,7 +103,7 @@ fn best(search: &[&Row], target: &Twelve) -> Result<String, PublishedError> {
             line!(text, "  distance {:.3}\n", row.scores[figure]);
         }
     }
-    let by_class = least(search, |row| (3 - row.classes_right(), row.scores[3]));
+    let by_class = least(search, Row::classes_first);
     let by_exponents = least(search, |row| ((), row.scores[3]));
     for (what, row) in [
         ("Best common setting (classes first):", by_class),
@@ -133,7 +133,7 @@ fn best(search: &[&Row], target: &Twelve) -> Result<String, PublishedError> {
 }
 
 /// The first of the rows with the least key.
-fn least<'a, K: PartialOrd>(rows: &[&'a Row], key: impl Fn(&Row) -> K) -> Option<&'a Row> {
+pub fn least<'a, K: PartialOrd>(rows: &[&'a Row], key: impl Fn(&Row) -> K) -> Option<&'a Row> {
     let mut best: Option<(&Row, K)> = None;
     for &row in rows {
         let k = key(row);
@@ -168,22 +168,71 @@ fn exponents(text: &mut String, row: &Row, target: &Twelve, figure: usize) {
 
 fn level(plan: &Plan, search: &[&Row], target: &Twelve) -> String {
     let mut text = String::new();
-    let own = chance::nearest(search, target);
     line!(
         text,
-        "Chance level: distance of the nearest of the same configurations (classes aside) to"
+        "Chance level. Random targets: a zero exponent evenly from -{} to {}; a negative one from -{} to -{}, a positive one from {} to \
+         {}, their logarithms evenly; periodic 0 - - -, quasi-periodic 0 0 - -, chaotic + 0 - -.\n",
+        chance::ZERO,
+        chance::ZERO,
+        chance::NEGATIVE.1,
+        chance::NEGATIVE.0,
+        chance::POSITIVE.0,
+        chance::POSITIVE.1
     );
+    line!(
+        text,
+        "Exponents only: distance of the nearest of the same configurations (classes aside) to"
+    );
+    let own = chance::nearest(search, target);
     line!(text, "  the published exponents             {own:.3}");
-    for (order, distance) in chance::permuted(search, target) {
+    for order in chance::ORDERS {
+        let distance = chance::nearest(search, &order.map(|figure| target[figure]));
         line!(
             text,
-            "  columns exchanged ({} {} {})        {distance:.3}",
-            order[0] + 10,
-            order[1] + 10,
-            order[2] + 10
+            "  columns exchanged ({})        {distance:.3}",
+            columns(order)
         );
     }
-    let random = chance::random(search, plan.draws);
+    text += &random(plan, search, own);
+    line!(
+        text,
+        "Classes first: classes met, and distance of the nearest of the configurations that meet so many, to"
+    );
+    let published = [0, 1, 2];
+    let (most, right) = chance::by_class(search, published);
+    let own = chance::nearest(&right, target);
+    line!(
+        text,
+        "  the published figures               {most} of 3  {own:.3}"
+    );
+    for order in chance::ORDERS {
+        let (most, rows) = chance::by_class(search, order);
+        let distance = chance::nearest(&rows, &order.map(|figure| target[figure]));
+        line!(
+            text,
+            "  columns exchanged ({})        {most} of 3  {distance:.3}",
+            columns(order)
+        );
+    }
+    line!(
+        text,
+        "  Of the 27 ways to give three figures these classes, {} are met entirely by some configuration; {} configurations meet {most} \
+         classes as published.",
+        chance::assignments_met(search),
+        right.len()
+    );
+    text += &random(plan, &right, own);
+    text
+}
+
+fn columns(order: [usize; 3]) -> String {
+    order.map(|figure| (figure + 10).to_string()).join(" ")
+}
+
+/// How well random targets of the published classes are met.
+fn random(plan: &Plan, rows: &[&Row], own: f64) -> String {
+    let mut text = String::new();
+    let random = chance::random(rows, plan.draws);
     let as_near = random.iter().filter(|&&distance| distance <= own).count();
     if let (Some(first), Some(median)) = (random.first(), random.get(random.len() / 2)) {
         line!(
