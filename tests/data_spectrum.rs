@@ -198,8 +198,6 @@ fn sensitivity_is_the_difference_to_doubled_neighbourhoods() {
     }
 }
 
-/// Over four steps Hénon's second direction shrinks to 0.0015, below the neighbourhoods: what is found is −0.95 to
-/// −1.06, depending on their size, and not −1.62.
 #[test]
 fn without_the_second_estimate_the_first_is_the_same() {
     let rows = henon(2000);
@@ -223,6 +221,8 @@ fn without_the_second_estimate_the_first_is_the_same() {
     );
 }
 
+/// Over four steps Hénon's second direction shrinks to 0.0015, below the neighbourhoods: what is found is −0.95 to
+/// −1.06, depending on their size, and not −1.62.
 #[test]
 fn a_contraction_hidden_by_a_long_step_is_unstable() {
     let settings = DataSettings {

@@ -26,8 +26,7 @@ pub const NO_ESTIMATE: &str = "no estimate";
 const FIELDS: usize = 4 + 3 * 9 + 5;
 
 fn known(status: &str) -> bool {
-    let words = [Status::Ok, Status::Unidentified, Status::Annihilated].map(Status::word);
-    words.contains(&status) || [NO_SERIES, NO_ESTIMATE].contains(&status)
+    Status::ALL.map(Status::word).contains(&status) || [NO_SERIES, NO_ESTIMATE].contains(&status)
 }
 
 impl Row {
@@ -105,10 +104,37 @@ impl Row {
                 row.statuses[figure][k] = known(status).then(|| status.to_owned())?;
             }
         }
-        next()?;
+        if next()? != row.classes_right().to_string() {
+            return None;
+        }
         for score in &mut row.scores {
             *score = next()?.parse().ok()?;
         }
         Some(row)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_with_any_status_reads_back() {
+        for status in Status::ALL
+            .map(Status::word)
+            .into_iter()
+            .chain([NO_SERIES, NO_ESTIMATE])
+        {
+            let row = Row {
+                key: ["search", "r", "i", "s"].map(str::to_owned),
+                classes: [Verdict::Failed; 3],
+                exponents: [[0.25, -1e-17, f64::NEG_INFINITY, -0.1]; 3],
+                statuses: [[(); 4]; 3].map(|four| four.map(|()| status.to_owned())),
+                scores: [3.0; 4],
+            };
+            let line = row.line();
+            let back = Row::parse(line.trim_end());
+            assert_eq!(back.map(|row| row.line()), Some(line), "{status}");
+        }
     }
 }

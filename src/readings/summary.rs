@@ -82,7 +82,7 @@ fn tried(plan: &Plan, search: &[&Row]) -> String {
     line!(
         text,
         "Distance: root mean square of |found - published| / (|published| + {FLOOR}), each at most {CAP}; a missing or infinite \
-         exponent counts {CAP}. Exponents in descending order, those marked unidentified included.\n"
+         exponent counts {CAP}. Exponents in descending order, those marked ? (unidentified) or * (starved or\n         unpredictable) included.\n"
     );
     text
 }
@@ -155,7 +155,8 @@ fn exponents(text: &mut String, row: &Row, target: &Twelve, figure: usize) {
     for k in 0..4 {
         let mark = match row.statuses[figure][k].as_str() {
             "unidentified" => "?",
-            _ => " ",
+            "ok" | "annihilated" => " ",
+            _ => "*",
         };
         let _ = write!(text, "{:+.4}{mark} ", row.exponents[figure][k]);
     }
@@ -196,7 +197,7 @@ fn level(plan: &Plan, search: &[&Row], target: &Twelve) -> String {
     text += &random(plan, search, own);
     line!(
         text,
-        "Classes first: classes met, and distance of the nearest of the configurations that meet so many, to"
+        "Classes first: classes met, and distance of the nearest of the configurations that meet so many (a different set in each line), to"
     );
     let published = [0, 1, 2];
     let (most, right) = chance::by_class(search, published);
@@ -265,9 +266,10 @@ fn own_spread(spread: &[&Row], target: &Twelve) -> String {
     );
     line!(
         text,
-        "  exponent          min    median       max   published   unidentified"
+        "  exponent          min    median       max   published   unidentified   starved or unpredictable"
     );
-    let mut widths = Vec::new();
+    // Of exponents that are identified in most settings, and of the others.
+    let mut widths = [Vec::new(), Vec::new()];
     for (figure, published) in target.iter().enumerate() {
         for (k, published) in published.iter().enumerate() {
             let mut values: Vec<f64> = spread
@@ -276,10 +278,12 @@ fn own_spread(spread: &[&Row], target: &Twelve) -> String {
                 .filter(|value| value.is_finite())
                 .collect();
             values.sort_by(f64::total_cmp);
-            let unidentified = spread
-                .iter()
-                .filter(|row| row.statuses[figure][k] == "unidentified")
-                .count();
+            let having = |statuses: &[&str]| {
+                let has = |row: &&&Row| statuses.contains(&row.statuses[figure][k].as_str());
+                spread.iter().filter(has).count()
+            };
+            let unidentified = having(&["unidentified"]);
+            let doubtful = having(&["starved", "unpredictable"]);
             let (Some(min), Some(max)) = (values.first(), values.last()) else {
                 line!(
                     text,
@@ -289,10 +293,10 @@ fn own_spread(spread: &[&Row], target: &Twelve) -> String {
                 );
                 continue;
             };
-            widths.push(max - min);
+            widths[usize::from(2 * unidentified > spread.len())].push(max - min);
             line!(
                 text,
-                "  fig{}.lambda.{}  {min:>9.4} {:>9.4} {max:>9.4}   {:>9.4}   {unidentified} of {}",
+                "  fig{}.lambda.{}  {min:>9.4} {:>9.4} {max:>9.4}   {:>9.4}   {unidentified:>2} of {:<15} {doubtful}",
                 figure + 10,
                 k + 1,
                 values[values.len() / 2],
@@ -301,16 +305,22 @@ fn own_spread(spread: &[&Row], target: &Twelve) -> String {
             );
         }
     }
-    widths.sort_by(f64::total_cmp);
-    if let (Some(least), Some(median), Some(most)) =
-        (widths.first(), widths.get(widths.len() / 2), widths.last())
+    line!(text, "The settings, which the paper does not state, move");
+    for (widths, which) in widths
+        .iter_mut()
+        .zip(["identified in most of them", "unidentified in most of them"])
     {
-        line!(
-            text,
-            "The settings, which the paper does not state, move an exponent by {least:.4} to {most:.4} (median {median:.4}): a unit of the \
-             fourth printed decimal is {:.0} times smaller than that median.",
-            median / 1e-4
-        );
+        widths.sort_by(f64::total_cmp);
+        if let (Some(least), Some(median), Some(most)) =
+            (widths.first(), widths.get(widths.len() / 2), widths.last())
+        {
+            line!(
+                text,
+                "  the {} exponents {which} by {least:.4} to {most:.4}, median {median:.4}: {:.0} units of the fourth printed decimal;",
+                widths.len(),
+                median / 1e-4
+            );
+        }
     }
     text
 }

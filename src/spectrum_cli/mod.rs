@@ -1,5 +1,5 @@
-//! The program `spectrum`: the Lyapunov spectrum of anyone's time series. This module and those of the figures' command
-//! line are the only parts of the library that print.
+//! The program `spectrum`: the Lyapunov spectrum of anyone's time series. Like the other command lines this module prints; the rest
+//! of the library does not.
 
 mod draw;
 mod error;

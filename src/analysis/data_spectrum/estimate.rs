@@ -18,7 +18,7 @@ use super::svd::Square;
 const UNDETERMINED: f64 = 0.01;
 /// With a larger part of the reference points starved no estimate is the one asked for.
 const STARVED: f64 = 0.5;
-/// With a larger residual ratio the maps predict nothing: less than a third of the variance.
+/// With a larger residual ratio the maps predict next to nothing: about a third of the variance.
 const UNPREDICTABLE: f64 = 0.8;
 /// Two estimates differ if they are apart by more than so many standard errors,
 const STANDARD_ERRORS: f64 = 4.0;
@@ -112,6 +112,7 @@ fn estimate<const N: usize>(
         .count();
     let fixed_rank = settings.fixed_rank.unwrap_or(dimension);
 
+    let times = if settings.sensitivity { 2 } else { 1 };
     let references = (series.len() - step).div_ceil(settings.stride);
     let references = settings
         .references
@@ -124,7 +125,7 @@ fn estimate<const N: usize>(
             || (Scratch::default(), Vec::<Neighbour>::new()),
             |(scratch, found), i| {
                 let j = i * settings.stride;
-                let selection = finder.select(j, &settings.neighbours, cloud.spread, found);
+                let selection = finder.select(j, &settings.neighbours, times, cloud.spread, found);
                 let neighbours = &found[..selection.count];
                 let wide = settings
                     .sensitivity
@@ -149,7 +150,7 @@ fn estimate<const N: usize>(
     let begin = |i: usize, twice: bool| -> Square<N> {
         let (mut scratch, mut found) = (Scratch::default(), Vec::new());
         let j = i * settings.stride;
-        let selection = finder.select(j, &settings.neighbours, cloud.spread, &mut found);
+        let selection = finder.select(j, &settings.neighbours, times, cloud.spread, &mut found);
         if !twice {
             found.truncate(selection.count);
         }
@@ -160,10 +161,13 @@ fn estimate<const N: usize>(
     let tau = step as f64 * series.dt();
     let full: Vec<Stretch<N>> = chain(&locals, chains, N, &once, |local| &local.full);
     let fixed: Vec<Stretch<N>> = chain(&locals, chains, fixed_rank, &once, |local| &local.fixed);
-    let wide: Vec<Stretch<N>> = chain(&locals, chains, N, &|i| begin(i, true), |local| &local.wide);
+    let wide = settings.sensitivity.then(|| {
+        let twice = |i: usize| begin(i, true);
+        let wide: Vec<Stretch<N>> = chain(&locals, chains, N, &twice, |local| &local.wide);
+        average(&wide, tau).0
+    });
     let (averages, running) = average(&full, tau);
     let (fixed, _) = average(&fixed, tau);
-    let (wide, _) = average(&wide, tau);
 
     let starved = locals.iter().filter(|local| local.starved).count();
     let residual_ratio = median(locals.iter().map(|local| local.residual_ratio));
@@ -179,7 +183,7 @@ fn estimate<const N: usize>(
                 i,
                 &averages[i],
                 (i < fixed_rank).then_some(&fixed[i]),
-                settings.sensitivity.then_some(&wide[i]),
+                wide.as_ref().map(|wide| &wide[i]),
             )
         })
         .collect();

@@ -27,8 +27,10 @@
 //! contain: for the Lorenz system at 45001 points 0.9056 and 0 come out as about 0.87 and 0.03, with either fit, and
 //! `eps_sensitivity` says −0.03 and 0.03. A longer step helps flows (0.88 and 0.02 at `d = 5`). They hide contractions: over `d` steps nothing shrinks
 //! below about the relative radius, and a strongly negative exponent rises with `d` (Hénon's second from −1.6 to −1.1 at
-//! `d = 4`). The fit of fixed rank is unbiased for directions on a curve or a torus; on a fractal it counts what it
-//! cuts off as loss.
+//! `d = 4`). Doubling the neighbourhoods does not reveal every bias: Fig. 12's second exponent, 0, comes out as 0.005 ± 0.001
+//! and hardly moves. The fit of fixed rank has little bias for directions on a smooth curve or torus with neighbourhoods small against
+//! its bends; where the orbit has corners, as on Fig. 11's torus with stick, it is off by many standard errors, and on a fractal it
+//! counts what it cuts off as loss.
 //!
 //! # When an exponent is minus infinity, and when unidentified
 //! In a stick phase the velocity is the belt's, exactly. Neighbours in such a phase do not differ in it: the neighbour

@@ -62,26 +62,32 @@ impl<'c, const N: usize> Finder<'c, N> {
         })
     }
 
-    /// The neighbours of point `j` in a neighbourhood of twice the size, nearest first, and how many of them are the
+    /// The neighbours of point `j` in a neighbourhood `times` the size, nearest first, and how many of them are the
     /// neighbourhood itself.
     pub(super) fn select(
         &self,
         j: usize,
         neighbours: &Neighbourhood,
+        times: usize,
         spread: f64,
         found: &mut Vec<Neighbour>,
     ) -> Selection {
         match *neighbours {
             Neighbourhood::Nearest(k) => {
-                self.nearest(j, k.saturating_mul(2), f64::INFINITY, found);
+                self.nearest(j, k.saturating_mul(times), f64::INFINITY, found);
                 Selection {
                     count: found.len().min(k),
                     starved: found.len() < k,
                 }
             }
             Neighbourhood::Ball { eps, min, max } => {
-                let least = min.saturating_mul(2);
-                self.nearest(j, max.saturating_mul(2), 2.0 * eps * spread, found);
+                let least = min.saturating_mul(times);
+                self.nearest(
+                    j,
+                    max.saturating_mul(times),
+                    times as f64 * eps * spread,
+                    found,
+                );
                 if found.len() < least {
                     self.nearest(j, least, f64::INFINITY, found);
                 }

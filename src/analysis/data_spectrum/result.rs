@@ -25,6 +25,16 @@ pub enum Status {
 }
 
 impl Status {
+    /// All of them.
+    pub const ALL: [Status; 6] = [
+        Status::Ok,
+        Status::Unstable,
+        Status::Starved,
+        Status::Unpredictable,
+        Status::Unidentified,
+        Status::Annihilated,
+    ];
+
     /// A word for tables.
     pub fn word(self) -> &'static str {
         match self {

@@ -93,20 +93,27 @@ impl DataSettings {
     /// [`DataError::Setting`] with the first setting that is not allowed.
     pub(super) fn check(&self, columns: usize) -> Result<(), DataError> {
         let refuse = |name, value, bound| Err(DataError::Setting { name, value, bound });
+        // With as many neighbours as unknowns every map fits them, and nothing is left to judge it by.
+        let unknowns = columns + usize::from(self.affine);
+        let bound = if self.affine {
+            "above the number of columns plus one, for the affine fit"
+        } else {
+            "above the number of columns"
+        };
         match self.neighbours {
             Neighbourhood::Ball { eps, min, max } => {
                 if !(eps > 0.0 && eps.is_finite()) {
                     return refuse("eps", eps, "finite and > 0, a fraction of the spread");
                 }
-                if min <= columns {
-                    return refuse("min", min as f64, "above the number of columns");
+                if min <= unknowns {
+                    return refuse("min", min as f64, bound);
                 }
                 if max < min {
                     return refuse("max", max as f64, "at least min");
                 }
             }
-            Neighbourhood::Nearest(k) if k <= columns => {
-                return refuse("neighbours", k as f64, "above the number of columns");
+            Neighbourhood::Nearest(k) if k <= unknowns => {
+                return refuse("neighbours", k as f64, bound);
             }
             Neighbourhood::Nearest(_) => {}
         }
