@@ -11,6 +11,7 @@ pub mod ode;
 pub mod orbit;
 pub mod paper;
 pub mod readings;
+pub mod report;
 pub mod scalar;
 pub mod spectrum_cli;
 pub mod system;

@@ -4,7 +4,7 @@
 //! while the clock advances one, so that a slip runs three times too fast against the forcing; a stick phase keeps its own
 //! pace. And a stick phase ends only where the body meets the upper end of the zone it entered; the lower end,
 //! which may sweep past it, is never looked at. [`run`] puts just these two into the event-exact solver: if the
-//! published numbers come out of it, these two are what made them.
+//! published numbers come out of it, these two are what made them. [`run_hastened`] with the factor 1 has the second alone.
 
 use std::ops::ControlFlow;
 
@@ -17,18 +17,21 @@ use crate::models::ForcedOscillator;
 use crate::scalar::Scalar;
 use crate::system::{Filippov, Mode, Side, State};
 
-/// The forced oscillator whose state moves `FACTOR` times as fast as its clock says.
-struct Hastened<'a>(&'a ForcedOscillator);
+/// The forced oscillator whose state moves `factor` times as fast as its clock says.
+struct Hastened<'a> {
+    model: &'a ForcedOscillator,
+    factor: f64,
+}
 
 /// In-place stages move the state by h/2 + h/2 + h + h along the field and the clock by h.
 const FACTOR: f64 = 3.0;
 
 impl Filippov<2> for Hastened<'_> {
     fn field<T: Scalar>(&self, side: Side, t: T, x: &State<T, 2>) -> State<T, 2> {
-        self.0.field(side, t, x).map(|rate| rate * FACTOR)
+        self.model.field(side, t, x).map(|rate| rate * self.factor)
     }
     fn boundary<T: Scalar>(&self, t: T, x: &State<T, 2>) -> T {
-        self.0.boundary(t, x)
+        self.model.boundary(t, x)
     }
 }
 
@@ -76,6 +79,22 @@ pub fn run(
     t_end: f64,
     options: &Options,
 ) -> Result<SlipTimesThree, Error> {
+    run_hastened(FACTOR, model, zones, x0, t_end, options)
+}
+
+/// As [`run`], with slips `factor` times too fast instead of three times; 1 leaves the exit as the only defect.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_hastened(
+    factor: f64,
+    model: &ForcedOscillator,
+    zones: &[(f64, f64)],
+    x0: State<f64, 2>,
+    t_end: f64,
+    options: &Options,
+) -> Result<SlipTimesThree, Error> {
+    let hastened = Hastened { model, factor };
     let mut collected = UntilStick { phases: Vec::new() };
     let (mut t, mut x) = (0.0, x0);
     loop {
@@ -90,14 +109,7 @@ pub fn run(
         if released >= t_end {
             break;
         }
-        let slip = integrate(
-            &Hastened(model),
-            released,
-            at,
-            t_end,
-            options,
-            &mut collected,
-        )?;
+        let slip = integrate(&hastened, released, at, t_end, options, &mut collected)?;
         if slip.t >= t_end {
             break;
         }

@@ -1,0 +1,129 @@
+//! How many of the printed digits a value has.
+
+use std::fmt;
+
+use crate::paper::published::{Claim, Digits};
+
+/// Digits that a double has, for values that are published in closed form.
+const EXACT_DIGITS: u32 = 16;
+
+/// How far a value agrees with a published one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Agreement {
+    /// Leading significant digits that agree: the value is within half a unit of the last of them.
+    pub agreeing: u32,
+    /// Significant digits that are printed; a printed zero counts as one, a closed form as 16.
+    pub printed: u32,
+}
+
+impl Agreement {
+    /// Whether all printed digits agree.
+    pub fn complete(self) -> bool {
+        self.agreeing == self.printed
+    }
+
+    /// Of two the lesser.
+    #[must_use]
+    pub fn and(self, other: Agreement) -> Agreement {
+        if other.agreeing < self.agreeing {
+            other
+        } else {
+            self
+        }
+    }
+}
+
+impl fmt::Display for Agreement {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} of {}", self.agreeing, self.printed)
+    }
+}
+
+/// How far `value` agrees with the number that `claim` publishes, or with the nearest of a set; nothing for a claim
+/// without numbers.
+pub fn agreement(claim: &Claim, value: f64) -> Option<Agreement> {
+    let distance = |published: &f64| (value - published).abs();
+    let published = claim
+        .values()
+        .into_iter()
+        .min_by(|one, other| distance(one).total_cmp(&distance(other)))?;
+    match claim.digits {
+        Digits::None => None,
+        Digits::Exact => {
+            let scale = if published == 0.0 {
+                1.0
+            } else {
+                published.abs()
+            };
+            let agreeing = (1..=EXACT_DIGITS)
+                .take_while(|&d| distance(&published) <= 0.5 * ten_to(-f64::from(d)) * scale)
+                .count();
+            Some(Agreement {
+                agreeing: agreeing as u32,
+                printed: EXACT_DIGITS,
+            })
+        }
+        Digits::Decimals(decimals) => {
+            let printed = significant(published, decimals);
+            // The last digit agrees when rounding gives it, which is what the claim asks.
+            let lost = if claim.agrees(value) {
+                0
+            } else {
+                let near = |lost: &u32| {
+                    let place = f64::from(*lost) - decimals as f64;
+                    distance(&published) <= 0.5 * ten_to(place)
+                };
+                (1..printed).find(near).unwrap_or(printed)
+            };
+            Some(Agreement {
+                agreeing: printed - lost,
+                printed,
+            })
+        }
+    }
+}
+
+/// Significant digits of a number printed with so many decimals.
+fn significant(published: f64, decimals: usize) -> u32 {
+    let text = format!("{:.decimals$}", published.abs());
+    let digits = text.chars().filter(char::is_ascii_digit);
+    digits.skip_while(|&c| c == '0').count().max(1) as u32
+}
+
+fn ten_to(power: f64) -> f64 {
+    crate::math::pow(10.0, power)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::paper::published::parse;
+
+    fn of(published: &str, digits: &str, value: f64) -> String {
+        let row =
+            format!("id,where,kind,published,digits,unit,what\na,b,set,{published},{digits},m,x\n");
+        agreement(&parse(&row).unwrap()[0], value)
+            .unwrap()
+            .to_string()
+    }
+
+    #[test]
+    fn digits_are_counted_from_the_first_that_is_not_zero() {
+        assert_eq!(of("0.4697", "4", 0.46972), "4 of 4");
+        assert_eq!(of("0.1663", "4", 0.16657), "3 of 4");
+        assert_eq!(of("1.1746", "4", 1.1743), "4 of 5");
+        assert_eq!(of("1.1746", "4", 11.0), "0 of 5");
+        assert_eq!(of("-0.0004", "4", -5e-6), "0 of 1");
+        assert_eq!(of("-0.0000", "4", -4e-5), "1 of 1");
+        assert_eq!(of("-0.0000", "4", -6e-5), "0 of 1");
+        assert_eq!(of("0.5", "4", f64::NEG_INFINITY), "0 of 4");
+        assert_eq!(of("0.5", "4", f64::NAN), "0 of 4");
+    }
+
+    #[test]
+    fn closed_forms_count_to_rounding() {
+        assert_eq!(of("0;0.5", "exact", 0.5), "16 of 16");
+        assert_eq!(of("0;0.5", "exact", 1e-17), "16 of 16");
+        assert_eq!(of("0;0.5", "exact", 0.5 + 1e-9), "8 of 16");
+    }
+}

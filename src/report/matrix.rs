@@ -1,0 +1,254 @@
+//! Which of the listing's defects make the numbers of Fig. 8: every subset of them is run.
+
+use rayon::prelude::*;
+
+use super::digits::{Agreement, agreement};
+use crate::paper::listing::{Defect, Defects, ListingError, Motion, Setup, run};
+use crate::paper::published::{Claim, PublishedError, published};
+
+/// The four numbers of Sect. 4.2, in the order in which a run gives them.
+pub const FOUR: [&str; 4] = [
+    "fig08.stick_length.1",
+    "fig08.stick_length.2",
+    "fig08.stick_duration.1",
+    "fig08.stick_duration.2",
+];
+
+/// Subsets of the defects.
+pub const SUBSETS: usize = 1 << Defect::ALL.len();
+
+/// What the listing does with some of its defects.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cell {
+    /// The defects that are present.
+    pub present: Vec<Defect>,
+    /// Lengths of the two longest stick phases (m), then their durations (s).
+    pub numbers: Option<[f64; 4]>,
+    /// Class of the settled motion.
+    pub motion: Motion,
+    /// How far the numbers agree with the published ones.
+    pub digits: Option<[Agreement; 4]>,
+}
+
+impl Cell {
+    /// Whether all four numbers are the published ones to all printed digits.
+    pub fn gives_digits(&self) -> bool {
+        self.digits
+            .is_some_and(|digits| digits.iter().all(|one| one.complete()))
+    }
+
+    /// Whether the motion is the published one: stick–slip, two stick phases in two forcing periods.
+    pub fn gives_class(&self) -> bool {
+        self.motion
+            == Motion::StickSlip {
+                sticks: 2,
+                period: 2,
+            }
+    }
+
+    fn has(&self, defect: Defect) -> bool {
+        self.present.contains(&defect)
+    }
+
+    /// The class of motion in words.
+    pub fn class(&self) -> String {
+        match self.motion {
+            Motion::StickSlip { sticks, period } => {
+                format!("stick–slip, {sticks} stick phases in {period} forcing periods")
+            }
+            Motion::SlipOnly { period } => format!("slip only, period {period}"),
+            Motion::Stalled { t } => format!("the clock stands at {t:.4} s"),
+            Motion::Escaped { t } => format!("escapes at {t:.4} s"),
+            Motion::BrokenDown { t } => format!("breaks down at {t:.4} s"),
+            _ => "no pattern repeats".into(),
+        }
+    }
+}
+
+/// The listing at its own step with every subset of its defects.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Matrix {
+    /// One cell for each subset; bit `k` of the index says whether `Defect::ALL[k]` is present.
+    pub cells: Vec<Cell>,
+}
+
+/// A question asked of every cell.
+pub type Property = fn(&Cell) -> bool;
+
+impl Matrix {
+    /// Runs all subsets at the printed step and calls `tick` after each.
+    ///
+    /// # Errors
+    /// [`MatrixError`] if the setup or the table of claims is not sound.
+    pub fn compute(tick: &(dyn Fn() + Sync)) -> Result<Matrix, MatrixError> {
+        let claims = four_claims()?;
+        let cells = (0..SUBSETS)
+            .into_par_iter()
+            .map(|mask| {
+                let cell = cell(mask, &claims);
+                tick();
+                cell
+            })
+            .collect::<Result<_, ListingError>>()?;
+        Ok(Matrix { cells })
+    }
+
+    /// The listing as printed.
+    pub fn all(&self) -> &Cell {
+        &self.cells[SUBSETS - 1]
+    }
+
+    /// The listing with everything mended.
+    pub fn none(&self) -> &Cell {
+        &self.cells[0]
+    }
+
+    /// The cells a reader wants to see, named: all, none, each alone, each mended alone.
+    pub fn named(&self) -> Vec<(String, &Cell)> {
+        let mut named = vec![
+            ("as printed".to_owned(), self.all()),
+            ("all mended".to_owned(), self.none()),
+        ];
+        let each = || Defect::ALL.iter().enumerate();
+        named.extend(each().map(|(k, d)| (format!("only {}", d.name()), &self.cells[1 << k])));
+        named.extend(each().map(|(k, d)| {
+            let name = format!("mended: {}", d.name());
+            (name, &self.cells[SUBSETS - 1 - (1 << k)])
+        }));
+        named
+    }
+
+    /// The subsets that have the property.
+    pub fn having(&self, property: Property) -> impl Iterator<Item = &Cell> {
+        self.cells.iter().filter(move |cell| property(cell))
+    }
+
+    /// The defects that are present wherever the property holds; none if it holds nowhere.
+    pub fn necessary(&self, property: Property) -> Vec<Defect> {
+        let nowhere = self.having(property).next().is_none();
+        let everywhere = |defect: &Defect| self.having(property).all(|cell| cell.has(*defect));
+        let candidates = Defect::ALL.into_iter().filter(|_| !nowhere);
+        candidates.filter(everywhere).collect()
+    }
+
+    /// The subsets with the property no proper subset of which has it, the smallest first.
+    pub fn minimal(&self, property: Property) -> Vec<&Cell> {
+        let inside =
+            |small: &Cell, large: &Cell| small.present.iter().all(|&defect| large.has(defect));
+        let mut minimal: Vec<&Cell> = self
+            .having(property)
+            .filter(|cell| {
+                let mut others = self.having(property);
+                !others.any(|other| other != *cell && inside(other, cell))
+            })
+            .collect();
+        minimal.sort_by_key(|cell| cell.present.len());
+        minimal
+    }
+
+    /// The defects that may be present or absent in any subset with the property without taking it away.
+    pub fn irrelevant(&self, property: Property) -> Vec<Defect> {
+        let has = |mask: usize| property(&self.cells[mask]);
+        let idle = |&k: &usize| {
+            (0..SUBSETS)
+                .filter(|&mask| has(mask))
+                .all(|mask| has(mask ^ (1 << k)))
+        };
+        (0..Defect::ALL.len())
+            .filter(idle)
+            .map(|k| Defect::ALL[k])
+            .collect()
+    }
+
+    /// Which defects are necessary and which sufficient for the published digits, and for the published class.
+    pub fn sentence(&self) -> String {
+        let digits = self.about("all four numbers to the printed digits", Cell::gives_digits);
+        let class = self.about(
+            "the published class, two stick phases in two forcing periods",
+            Cell::gives_class,
+        );
+        format!("{digits} {class}")
+    }
+
+    fn about(&self, what: &str, property: Property) -> String {
+        let count = self.having(property).count();
+        if count == 0 {
+            return format!("None of the {SUBSETS} subsets of the defects gives {what}.");
+        }
+        let necessary = match self.necessary(property)[..] {
+            [] => "no defect is in all of them".to_owned(),
+            ref all => format!("necessary (in all of them): {}", list(all)),
+        };
+        let minimal = self.minimal(property);
+        let sufficient: Vec<String> = minimal
+            .iter()
+            .map(|cell| format!("{{{}}}", list(&cell.present)))
+            .collect();
+        let idle = match self.irrelevant(property)[..] {
+            [] => String::new(),
+            ref all => format!("; without influence on it: {}", list(all)),
+        };
+        format!(
+            "Of the {SUBSETS} subsets of the listing's defects {count} give {what}; {necessary}; sufficient (least sets): {}{idle}.",
+            sufficient.join(" or ")
+        )
+    }
+}
+
+/// Names, separated by commas.
+pub fn list(defects: &[Defect]) -> String {
+    let names: Vec<&str> = defects.iter().map(|defect| defect.name()).collect();
+    names.join(", ")
+}
+
+/// The claims the four numbers are compared with.
+///
+/// # Errors
+/// [`PublishedError`] if the table lacks one.
+pub fn four_claims() -> Result<[Claim; 4], PublishedError> {
+    let [a, b, c, d] = FOUR.map(published);
+    Ok([a?, b?, c?, d?])
+}
+
+/// How far four numbers agree with the published ones.
+pub fn four_digits(claims: &[Claim; 4], numbers: &[f64; 4]) -> [Agreement; 4] {
+    let nothing = Agreement {
+        agreeing: 0,
+        printed: 1,
+    };
+    std::array::from_fn(|i| agreement(&claims[i], numbers[i]).unwrap_or(nothing))
+}
+
+fn cell(mask: usize, claims: &[Claim; 4]) -> Result<Cell, ListingError> {
+    let present: Vec<Defect> = Defect::ALL
+        .into_iter()
+        .enumerate()
+        .filter(|(k, _)| mask >> k & 1 == 1)
+        .map(|(_, defect)| defect)
+        .collect();
+    let defects = present
+        .iter()
+        .fold(Defects::MENDED, |defects, &one| defects.flipped(one));
+    let outcome = run(&Setup {
+        defects,
+        ..Setup::default()
+    })?;
+    let numbers = outcome.four_numbers();
+    Ok(Cell {
+        present,
+        numbers,
+        motion: outcome.motion,
+        digits: numbers.map(|numbers| four_digits(claims, &numbers)),
+    })
+}
+
+/// Why the matrix cannot be made.
+#[derive(Debug, thiserror::Error)]
+pub enum MatrixError {
+    /// The listing cannot run.
+    #[error(transparent)]
+    Listing(#[from] ListingError),
+    /// The table of claims lacks a number.
+    #[error(transparent)]
+    Published(#[from] PublishedError),
+}
