@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use crate::analysis::{Destination, destination};
 use crate::error::Error;
-use crate::filippov::{Options, TransitionKind, solve};
+use crate::filippov::{AtRepelling, Options, TransitionKind, solve};
 use crate::math;
 use crate::models::ForcedOscillator;
 use crate::system::{Mode, State};
@@ -190,6 +190,8 @@ pub struct Scan {
     pub published: [f64; 2],
     /// One line for each parameter.
     pub lines: Vec<Line>,
+    /// The printed parameters under other readings of the equations, by name.
+    pub variants: Vec<(&'static str, Point)>,
 }
 
 /// A motion found by the scan, and where.
@@ -247,13 +249,14 @@ impl Scan {
             .map(|&(parameter, factor)| {
                 let mut model = parameter.scaled(factor).checked()?;
                 let value = *parameter.of(&mut model);
-                let point = point(&model, factor, value)?;
+                let point = point(&model, &starts(&model)?, factor, value)?;
                 tick();
                 Ok(point)
             })
             .collect::<Result<Vec<Point>, Error>>()?
             .into_iter();
         Ok(Scan {
+            variants: variants()?,
             starts: starts(&ForcedOscillator::default())?.len(),
             published,
             lines: Parameter::ALL
@@ -382,19 +385,45 @@ fn starts(model: &ForcedOscillator) -> Result<Vec<State<f64, 2>>, Error> {
     Ok(all)
 }
 
-fn point(model: &ForcedOscillator, factor: f64, value: f64) -> Result<Point, Error> {
-    let options = Options::tol(TOLERANCE).escape(ESCAPE);
+/// The model as Eq. (17) prints it, with friction that drives slip on (it has the sign of a negative `mu0` here; where a
+/// start could go either way it goes up), and with the spring of Eq. (4), the opposite of Eq. (17)'s.
+fn variants() -> Result<Vec<(&'static str, Point)>, Error> {
+    let printed = ForcedOscillator::default();
+    let starts = starts(&printed)?;
+    let reversed = ForcedOscillator {
+        mu0: -printed.mu0,
+        ..printed
+    };
+    let double_well = ForcedOscillator {
+        k1: -printed.k1,
+        k2: -printed.k2,
+        ..printed
+    };
+    Ok(vec![
+        (
+            "+T as Eq. (17) prints it",
+            point(&reversed, &starts, 1.0, reversed.mu0)?,
+        ),
+        (
+            "spring of Eq. (4)",
+            point(&double_well, &starts, 1.0, double_well.k1)?,
+        ),
+    ])
+}
+
+fn point(
+    model: &ForcedOscillator,
+    starts: &[State<f64, 2>],
+    factor: f64,
+    value: f64,
+) -> Result<Point, Error> {
+    let options = Options::tol(TOLERANCE)
+        .escape(ESCAPE)
+        .at_repelling(AtRepelling::GoAbove);
     let mut counts = [0; 5];
     let mut stick_slip: Vec<StickSlip> = Vec::new();
-    for x in starts(model)? {
-        let end = destination(
-            model,
-            (0.0, x),
-            model.period(),
-            FOLLOWED,
-            CLOSENESS,
-            &options,
-        )?;
+    for &x in starts {
+        let end = settled(model, x, &options)?;
         let class = match end {
             Destination::Escapes { .. } => Class::Escape,
             Destination::Unsettled => Class::Unsettled,
@@ -422,6 +451,24 @@ fn point(model: &ForcedOscillator, factor: f64, value: f64) -> Result<Point, Err
         counts,
         stick_slip,
     })
+}
+
+/// Where a start ends up. A motion with stick is followed on, for one that comes near its neighbour of half the period slowly is
+/// easily taken for one of twice the period.
+fn settled(
+    model: &ForcedOscillator,
+    x: State<f64, 2>,
+    options: &Options,
+) -> Result<Destination<2>, Error> {
+    let follow = |x, periods, closeness| {
+        destination(model, (0.0, x), model.period(), periods, closeness, options)
+    };
+    match follow(x, FOLLOWED, CLOSENESS)? {
+        Destination::Periodic { sticks, x, .. } if sticks > 0 => {
+            follow(x, 4 * FOLLOWED, 0.1 * CLOSENESS)
+        }
+        end => Ok(end),
+    }
 }
 
 fn same(one: &StickSlip, other: &StickSlip) -> bool {
