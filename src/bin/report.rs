@@ -3,18 +3,27 @@ use std::time::Instant;
 use stickslip::report::*;
 fn main() {
     let t = Instant::now();
-    println!("{:?}", injection::Injection::compute());
-    println!("{:?} {:?}", injection::Exits::compute(), t.elapsed());
-    let t = Instant::now();
-    let s = spread::Spread::compute(&|| ()).unwrap();
-    println!("{:?} {:?}", t.elapsed(), s.mended);
-    for f in &s.figures {
-        for i in 0..4 {
-            println!("{} {} {:?}", f.figure, i, f.range(i));
+    let n = std::sync::atomic::AtomicUsize::new(0);
+    let l = ledger::Ledger::compute(&|| {
+        n.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+    })
+    .unwrap();
+    println!("{:?} {:?} {}", t.elapsed(), n, ledger::TICKS);
+    for e in &l.entries {
+        println!("## {} = {} -> {}", e.claim.id, e.claim.published, e.verdict);
+        for x in &e.evidence {
+            println!("    {x}");
+        }
+        if let Some(c) = &e.cause {
+            println!("    CAUSE {:?} {}", c.defects, c.text);
         }
     }
-    let t = Instant::now();
-    let s = scan::Scan::compute([0.4697, 0.1663], &|| ()).unwrap();
-    println!("{:?} {:?}", t.elapsed(), s.variants);
-    println!("{}", s.sentence());
+    for e in &l.errata {
+        println!("{} {} | {} | {}", e.holds, e.place, e.printed, e.correct);
+        for s in &e.shown {
+            println!("      {} = {:?} {}", s.what, s.value, s.unit);
+        }
+    }
+    println!("{:?}", l.counts());
+    println!("{:?} {:?}", l.injection, l.exits);
 }

@@ -76,7 +76,8 @@ impl Injection {
             .phases
             .windows(2)
             .filter(|pair| slips(&pair[0]) && slips(&pair[1]))
-            .filter(|pair| pair[1].t_start > end - span && pair[1].x_start[0] < 0.0)
+            .map(|pair| (pair[1].t_start, pair[1].x_start[0]))
+            .filter(|&(t, x1)| t > end - span && t <= end && x1 < 0.0)
             .count();
         Ok(Injection {
             numbers,

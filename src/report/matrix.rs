@@ -103,6 +103,12 @@ impl Matrix {
         &self.cells[0]
     }
 
+    /// The listing with this defect alone mended.
+    pub fn mended(&self, defect: Defect) -> &Cell {
+        let k = Defect::ALL.iter().position(|&one| one == defect);
+        &self.cells[SUBSETS - 1 - k.map_or(0, |k| 1 << k)]
+    }
+
     /// The cells a reader wants to see, named: all, none, each alone, each mended alone.
     pub fn named(&self) -> Vec<(String, &Cell)> {
         let mut named = vec![

@@ -417,8 +417,10 @@ fn point(
     factor: f64,
     value: f64,
 ) -> Result<Point, Error> {
+    // A spring that pulls back for large stretches lets nobody go, however fast.
+    let pushes_out = model.k2 > 0.0;
     let options = Options::tol(TOLERANCE)
-        .escape(ESCAPE)
+        .escape(if pushes_out { ESCAPE } else { 100.0 * ESCAPE })
         .at_repelling(AtRepelling::GoAbove);
     let mut counts = [0; 5];
     let mut stick_slip: Vec<StickSlip> = Vec::new();

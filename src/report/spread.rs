@@ -82,30 +82,22 @@ pub enum SpreadError {
 const BALLS: [(f64, usize); 3] = [(0.02, 40), (0.05, 100), (0.1, 400)];
 /// `d` of Eq. (25).
 const STEPS: [usize; 3] = [1, 3, 5];
-/// Regularisations of the inverse in Eq. (25).
-const RIDGES: [f64; 2] = [0.0, 1e-3];
-
 /// Settings tried: all combinations, with linear and with affine maps.
 pub fn settings() -> Vec<(String, DataSettings)> {
     let mut all = Vec::new();
     for (eps, max) in BALLS {
         for step in STEPS {
             for (affine, fit) in [(false, "linear"), (true, "affine")] {
-                for ridge in RIDGES {
-                    let name = format!(
-                        "eps {eps}, 12 to {max} neighbours, d = {step}, {fit}, ridge {ridge:e}"
-                    );
-                    let settings = DataSettings {
-                        neighbours: Neighbourhood::Ball { eps, min: 12, max },
-                        step,
-                        affine,
-                        ridge,
-                        stride: step,
-                        references: Some(REFERENCES),
-                        ..DataSettings::default()
-                    };
-                    all.push((name, settings));
-                }
+                let name = format!("eps {eps}, 12 to {max} neighbours, d = {step}, {fit}");
+                let settings = DataSettings {
+                    neighbours: Neighbourhood::Ball { eps, min: 12, max },
+                    step,
+                    affine,
+                    stride: step,
+                    references: Some(REFERENCES),
+                    ..DataSettings::default()
+                };
+                all.push((name, settings));
             }
         }
     }
@@ -113,8 +105,7 @@ pub fn settings() -> Vec<(String, DataSettings)> {
 }
 
 /// Estimates and figures computed.
-pub const JOBS: usize =
-    FIGURES.len() * BALLS.len() * STEPS.len() * 2 * RIDGES.len() + MENDED_ENTRIES;
+pub const JOBS: usize = FIGURES.len() * BALLS.len() * STEPS.len() * 2 + MENDED_ENTRIES;
 /// Entries of Fig. 10's caption that may be at fault.
 const MENDED_ENTRIES: usize = 3;
 
