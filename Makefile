@@ -2,7 +2,7 @@
 CARGO ?= cargo
 FIGURES := fig04 fig06 fig07 fig08 fig10 fig11 fig12
 
-.PHONY: help figures test golden readings bench check clean $(FIGURES)
+.PHONY: help figures report test golden readings bench check clean $(FIGURES)
 .DEFAULT_GOAL := help
 
 help: ## Show the targets
@@ -18,6 +18,9 @@ build-figures:
 
 $(FIGURES): build-figures
 	$(CARGO) run --locked --release --quiet --bin $@ -- --out-dir figures
+
+report: build-figures ## Compute the ledger of claims: report/claims.csv, figures/convergence.*, figures/scan.*
+	$(CARGO) run --locked --release --quiet --bin report
 
 test: ## Run all tests; the test profile is optimised, see Cargo.toml
 	$(CARGO) test --locked

@@ -24,7 +24,7 @@ fn all_rows() -> Vec<Row> {
     .concat()
 }
 
-/// Claims that the report answers.
+/// Claims of a figure or a spectrum; the ledger answers the others too, see `tests/report.rs`.
 fn is_due(id: &str) -> bool {
     !id.starts_with("abstract")
 }

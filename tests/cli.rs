@@ -216,3 +216,35 @@ macro_rules! figure_programs {
 }
 
 figure_programs!(fig04, fig06, fig07, fig08, fig10, fig11, fig12,);
+
+mod report {
+    use super::*;
+
+    fn program() -> Command {
+        cargo_bin_cmd!("report")
+    }
+
+    #[test]
+    fn help() {
+        program().arg("--help").assert().success().stdout(
+            predicate::str::contains("--out-dir")
+                .and(predicate::str::contains("claims.csv"))
+                .and(predicate::str::contains("Examples")),
+        );
+    }
+
+    #[test]
+    fn version() {
+        version_is_the_crates(program(), "report");
+    }
+
+    #[test]
+    fn unknown_flag() {
+        unknown_flags_are_usage_errors(program());
+    }
+
+    #[test]
+    fn unwritable_folder() {
+        an_unwritable_folder_is_named_and_nothing_is_left(program());
+    }
+}

@@ -118,10 +118,27 @@ impl EventErrors {
             Side::Below => "below",
             Side::Above => "above",
         };
+        let (method, off) = (self.method, self.at_printed_step);
+        if self.is_accurate() {
+            return format!(
+                "{method}, from {from}: order {:.2}, event time off by {off:.1e} s at h = {PRINTED_STEP:e} s",
+                self.order
+            );
+        }
         format!(
-            "{}, from {from}: order {:.2}, event time off by {:.1e} s at h = {PRINTED_STEP:e} s",
-            self.method, self.order, self.at_printed_step
+            "{method}, from {from}: event time off by {off:.1e} s at h = {PRINTED_STEP:e} s, {:.1} steps; at steps of {:e} to {:e} s by {:.1} to \
+             {:.1} steps",
+            off / PRINTED_STEP,
+            STEPS[STEPS.len() - 1],
+            STEPS[0],
+            self.in_steps(f64::min),
+            self.in_steps(f64::max)
         )
+    }
+
+    fn in_steps(&self, pick: fn(f64, f64) -> f64) -> f64 {
+        let all = self.errors.iter().map(|(h, e)| e / h);
+        all.reduce(pick).unwrap_or(f64::NAN)
     }
 }
 

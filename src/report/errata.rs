@@ -213,27 +213,21 @@ fn spring_signs() -> Erratum {
         mass: first.mass,
         ..ForcedOscillator::default()
     };
-    let at = |z: f64| {
-        let pair = |below: f64, above: f64| (0.5 * (below + above), below * above);
+    let (mut difference, mut sum, mut sigma) = (0.0_f64, 0.0_f64, 0.0_f64);
+    for k in -150..=150 {
+        let z = f64::from(k) / 100.0;
+        // Friction is the same on either side of Σ but for its sign, so that the mean is the spring's.
+        let of = |below: f64, above: f64| (0.5 * (below + above), below * above);
         let x = State::from([z, first.belt_speed]);
-        let one = pair(
-            first.field(Side::Below, 0.0, &x)[1],
-            first.field(Side::Above, 0.0, &x)[1],
-        );
+        let on = |side| first.field(side, 0.0, &x)[1];
+        let one = of(on(Side::Below), on(Side::Above));
         let x = State::from([z, second.belt_speed]);
-        let other = pair(
-            second.field(Side::Below, 0.0, &x)[1],
-            second.field(Side::Above, 0.0, &x)[1],
-        );
-        (one, other)
-    };
-    let grid = || (-150..=150).map(|k| at(f64::from(k) / 100.0));
-    let largest = |of: &dyn Fn(((f64, f64), (f64, f64))) -> f64| {
-        grid().map(|pair| of(pair).abs()).fold(0.0, f64::max)
-    };
-    let sum = largest(&|(one, other)| one.0 + other.0);
-    let difference = largest(&|(one, other)| one.0 - other.0);
-    let sigma = largest(&|(one, other)| one.1 - other.1);
+        let on = |side| second.field(side, 0.0, &x)[1];
+        let other = of(on(Side::Below), on(Side::Above));
+        difference = difference.max((one.0 - other.0).abs());
+        sum = sum.max((one.0 + other.0).abs());
+        sigma = sigma.max((one.1 - other.1).abs());
+    }
     erratum(
         "Eq. (1) against Eq. (17)",
         "the springs of the two models have opposite signs, without a word: a double well in the first, a softening spring that \

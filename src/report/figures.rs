@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::digits::{Agreement, agreement};
+use super::digits::agreement;
 use super::entry::ReadingValue;
 use crate::figures::block_and_bracket;
 use crate::figures::fig08::Data as Fig08Data;
@@ -164,10 +164,10 @@ pub fn readings_of(claim: &Claim, claims: &[Claim], tables: &[Table]) -> Vec<Rea
                 Some(known) => {
                     known.values.push(row.value.clone());
                     known.agrees &= agrees;
-                    known.digits = known
-                        .digits
-                        .zip(digits)
-                        .map(|(a, b): (Agreement, _)| a.and(b));
+                    known.digits = match (known.digits, digits) {
+                        (Some(one), Some(other)) => Some(one.and(other)),
+                        (one, other) => one.or(other),
+                    };
                 }
                 None => readings.push(ReadingValue {
                     reading: row.reading.clone(),

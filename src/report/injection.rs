@@ -4,7 +4,7 @@ use crate::analysis::{Visibility, visibility};
 use crate::error::Error;
 use crate::filippov::{Options, Phase, TransitionKind, normal_component, solve};
 use crate::models::ForcedOscillator;
-use crate::paper::listing::Params;
+use crate::paper::listing::{self, Defects, Direction, ListingError, Params, Setup};
 use crate::paper::slip_times_three::{self, SlipTimesThree};
 use crate::system::{Filippov, Mode, Side, State};
 
@@ -95,6 +95,26 @@ impl Injection {
             }),
         })
     }
+}
+
+/// How far the settled crossings of the listing with all its defects mended, at the printed step, are from those of the event-exact
+/// orbit at `left` (upwards) and `right` (downwards), m: whether it may stand for an accurate solver.
+///
+/// # Errors
+/// [`ListingError`] if the listing cannot run.
+pub fn mended_listing_error(left: f64, right: f64) -> Result<f64, ListingError> {
+    let outcome = listing::run(&Setup {
+        defects: Defects::MENDED,
+        ..Setup::default()
+    })?;
+    let last = |direction: Direction| {
+        let mut crossings = outcome.crossings.iter().rev();
+        crossings.find(|crossing| crossing.direction == direction)
+    };
+    let off = |direction, exact: f64| {
+        last(direction).map_or(f64::INFINITY, |found| (found.at.x1 - exact).abs())
+    };
+    Ok(off(Direction::Up, left).max(off(Direction::Down, right)))
 }
 
 /// The stick phases that end within `span` before the end of the last one up to `until`.

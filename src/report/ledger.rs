@@ -8,8 +8,8 @@ use super::digits::agreement;
 use super::entry::{Cause, Entry, ReadingValue, Role, Spread, Verdict, verdict};
 use super::errata::{ErrataError, Erratum, errata};
 use super::figures::{self, Computed, Sign, Table, kind_of_motion, readings_of, signs_of_class};
-use super::injection::{Exits, Injection};
-use super::matrix::{self, Cell, FOUR, Matrix, MatrixError, SUBSETS, list};
+use super::injection::{Exits, Injection, mended_listing_error};
+use super::matrix::{Cell, FOUR, Matrix, MatrixError, SUBSETS, list};
 use super::scan::{self, Scan};
 use super::spread::{self, Spread as Estimates, SpreadError};
 use crate::error::Error;
@@ -30,6 +30,8 @@ pub struct Ledger {
     pub convergence: Convergence,
     /// The limit's defects in the event-exact solver.
     pub injection: Injection,
+    /// How far the mended listing's crossings are from those of the event-exact orbit (m).
+    pub mended_listing_error: f64,
     /// Ends of stick phases of the stated model.
     pub exits: Exits,
     /// Whether the stated model has a stick–slip attractor near the printed parameters.
@@ -83,6 +85,9 @@ impl Ledger {
         let injection = Injection::compute()?;
         let convergence = Convergence::compute(injection.numbers, tick)?;
         let exits = Exits::compute()?;
+        let exact = &computed.fig08.exact;
+        let mended_listing_error =
+            mended_listing_error(exact.left, exact.right).map_err(MatrixError::from)?;
         let length = |id| Ok::<f64, PublishedError>(published(id)?.values().into_iter().sum());
         let scan = Scan::compute([length(FOUR[0])?, length(FOUR[1])?], tick)?;
         let accuracy = Accuracy::compute()?;
@@ -99,6 +104,7 @@ impl Ledger {
             computed: &computed,
             matrix: &matrix,
             injection: &injection,
+            mended_listing_error,
             exits,
             scan: &scan,
             accuracy: &accuracy,
@@ -111,6 +117,7 @@ impl Ledger {
             matrix,
             convergence,
             injection,
+            mended_listing_error,
             exits,
             scan,
             accuracy,
@@ -139,6 +146,7 @@ struct Sources<'a> {
     computed: &'a Computed,
     matrix: &'a Matrix,
     injection: &'a Injection,
+    mended_listing_error: f64,
     exits: Exits,
     scan: &'a Scan,
     accuracy: &'a Accuracy,
@@ -156,7 +164,7 @@ impl Sources<'_> {
         };
         let mut evidence: Vec<String> = readings.iter().map(|one| one.line(decimals)).collect();
         let spread = (verdict == Verdict::ClassOnly)
-            .then(|| self.spread_of(claim))
+            .then(|| self.spread_of(claim, &readings))
             .flatten();
         evidence.extend(self.further(claim, verdict, &readings, spread.as_ref()));
         let cause = (verdict == Verdict::AsPrintedOnly).then(|| self.cause(claim, &readings));
@@ -244,17 +252,26 @@ impl Sources<'_> {
         Some(kind_of_motion(&stated.text()) == kind_of_motion(&claim.published))
     }
 
-    fn spread_of(&self, claim: &Claim) -> Option<Spread> {
+    fn spread_of(&self, claim: &Claim, readings: &[ReadingValue]) -> Option<Spread> {
         let (figure, i) = exponent(&claim.id)?;
         let figure = self.spread.figures.get(figure)?;
-        let (least, largest) = figure.range(i)?;
+        // The figure's own two estimates use more reference points, whose number is as little stated.
+        let from_data = readings
+            .iter()
+            .filter(|one| one.reading != "exact/equations");
+        let own = from_data
+            .filter_map(ReadingValue::number)
+            .filter(|v| v.is_finite());
+        let (least, largest) = own.fold(figure.range(i)?, |(least, largest), v| {
+            (least.min(v), largest.max(v))
+        });
         Some(Spread {
             least,
             largest,
             over: format!(
-                "{} settings of the data estimator on one accurate trajectory (ball radius 0.02 to 0.1, 12 to 40 … 400 neighbours, d = 1, \
-                 3, 5, linear or affine)",
-                figure.estimates.len()
+                "{} settings of the data estimator on one accurate trajectory, besides the figure's two ({})",
+                figure.estimates.len(),
+                spread::described()
             ),
         })
     }
@@ -309,32 +326,38 @@ impl Sources<'_> {
     }
 
     fn cause(&self, claim: &Claim, readings: &[ReadingValue]) -> Cause {
-        let injected = readings.iter().filter(|one| one.role() == Role::Injected);
-        let outcomes: Vec<String> = injected.map(|one| one.line(5)).collect();
-        let digits = FOUR.contains(&claim.id.as_str());
-        let property: matrix::Property = if digits {
-            Cell::gives_digits
-        } else {
-            Cell::gives_class
+        let with = |name: &str| {
+            let outcome = readings.iter().find(|one| one.reading == name);
+            outcome.map_or_else(|| "nothing".into(), |one| one.line(5))
         };
-        let least = self.matrix.minimal(property);
-        let defects = least
-            .first()
-            .map(|cell| cell.present.clone())
-            .unwrap_or_default();
-        let limit = self.matrix.minimal(Cell::gives_class);
-        let limit = limit
-            .first()
-            .map(|cell| list(&cell.present))
-            .unwrap_or_default();
+        let least = |property| {
+            let cells = self.matrix.minimal(property);
+            cells
+                .first()
+                .map(|cell| cell.present.clone())
+                .unwrap_or_default()
+        };
+        let (all, class) = (least(Cell::gives_digits), least(Cell::gives_class));
+        let continuous = format!(
+            "{} make the class; in the event-exact solver, as they act when the step goes to zero: {}",
+            list(&class),
+            with("slip-times-three")
+        );
+        let (defects, text) = if FOUR.contains(&claim.id.as_str()) {
+            let text = format!(
+                "put into the mended listing, whose crossings are within {:.0e} m of the exact orbit's, {} give: {}. Of these {continuous}; \
+                 the rest of the digits is the finite step's",
+                self.mended_listing_error,
+                list(&all),
+                with("least-set")
+            );
+            (all, text)
+        } else {
+            (class, continuous)
+        };
         Cause {
             defects: defects.iter().map(|defect| defect.name()).collect(),
-            text: format!(
-                "the mended listing with {} (`least-set`), the event-exact solver with what is left of {limit} as the step goes to zero \
-                 (`slip-times-three`): {}",
-                list(&defects),
-                outcomes.join("; ")
-            ),
+            text,
         }
     }
 }
@@ -376,7 +399,7 @@ fn spread_line(claim: &Claim, spread: &Spread) -> String {
     let published = claim.values().first().copied().unwrap_or(f64::NAN);
     let inside = published >= spread.least && published <= spread.largest;
     format!(
-        "moves from {:.4} to {:.4} over {}, which the paper does not state; the published value lies {} that range",
+        "moves from {:.5} to {:.5} over {}, which the paper does not state; the published value lies {} that range",
         spread.least,
         spread.largest,
         spread.over,

@@ -6,8 +6,11 @@
 //! ([`spread`]) and the misprints ([`errata`]).
 
 pub mod accuracy;
+pub mod cli;
 pub mod convergence;
 pub mod digits;
+mod draw_convergence;
+mod draw_scan;
 pub mod entry;
 pub mod errata;
 pub mod figures;
@@ -16,3 +19,4 @@ pub mod ledger;
 pub mod matrix;
 pub mod scan;
 pub mod spread;
+pub mod tables;

@@ -355,14 +355,18 @@ impl Scan {
                     .take(2)
                     .map(|l| format!("{l:.4}"))
                     .collect();
+                let off = if found.distance.is_finite() {
+                    format!("off by {:.0} %", 100.0 * found.distance)
+                } else {
+                    "where two are published".to_owned()
+                };
                 text += &format!(
-                    " Nearest {what}: {} x {:.3}, period {}, {} stick phases, the longest {} m, off by {:.0} %.",
+                    " Nearest {what}: {} x {:.3}, period {}, stick phases in it {}, the longest {} m, {off}.",
                     found.parameter.name(),
                     found.point.factor,
                     found.motion.period,
                     found.motion.lengths.len(),
                     lengths.join(" and "),
-                    100.0 * found.distance
                 );
             }
         }

@@ -104,6 +104,20 @@ pub fn settings() -> Vec<(String, DataSettings)> {
     all
 }
 
+/// The settings in words.
+pub fn described() -> String {
+    let balls: Vec<String> = BALLS
+        .iter()
+        .map(|(eps, max)| format!("{eps} with up to {max}"))
+        .collect();
+    let steps = STEPS.map(|step| step.to_string());
+    format!(
+        "ball radius {} neighbours, d = {}, linear or affine maps, {REFERENCES} reference points",
+        balls.join(", "),
+        steps.join(", ")
+    )
+}
+
 /// Estimates and figures computed.
 pub const JOBS: usize = FIGURES.len() * BALLS.len() * STEPS.len() * 2 + MENDED_ENTRIES;
 /// Entries of Fig. 10's caption that may be at fault.

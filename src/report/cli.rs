@@ -1,0 +1,147 @@
+//! The program `report`. Like the other command lines it prints; the rest of the library does not.
+
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::Parser;
+use indicatif::{ProgressBar, ProgressStyle};
+
+use super::ledger::{Ledger, LedgerError, TICKS};
+use super::matrix::four_claims;
+use super::{draw_convergence, draw_scan, tables};
+use crate::figures::FigureError;
+use crate::figures::output::{Artifact, write_all};
+
+const ABOUT: &str = "Computes what becomes of every claim of the paper, and why: values under each reading, digits in agreement, \
+    verdict, evidence; the matrix of the listing's defects, its convergence, a scan of parameters, the misprints.";
+
+const AFTER: &str = "\
+Files written:
+  report/claims.csv        every claim with its readings, verdict, evidence and cause
+  figures/convergence.svg  the listing as printed for smaller and smaller steps, and .csv
+  figures/scan.svg         where starts lead as each parameter of Fig. 8 is changed, and .csv
+
+Exit codes: 0 done, 1 something failed, 2 wrong command line.
+
+Examples:
+  report
+  report --out-dir build";
+
+/// Arguments of the program.
+#[derive(Debug, Parser)]
+#[command(name = "report", version, about = ABOUT, after_help = AFTER)]
+pub struct Arguments {
+    /// Folder in which the folders report and figures are; made if they do not exist
+    #[arg(long, value_name = "DIR", default_value = ".")]
+    pub out_dir: PathBuf,
+}
+
+/// Why the program failed.
+#[derive(Debug, thiserror::Error)]
+pub enum ReportError {
+    /// The ledger could not be made.
+    #[error("cannot make the ledger: {0}")]
+    Ledger(#[from] LedgerError),
+    /// A table or picture could not be made or written.
+    #[error(transparent)]
+    Output(#[from] FigureError),
+}
+
+/// Everything the program does. Exit code 0 on success, 1 if something failed, 2 for a wrong command line.
+pub fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    // Drawn on a terminal only, and gone before anything is printed.
+    let bar = ProgressBar::new(TICKS as u64);
+    if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos}/{len} {elapsed}") {
+        bar.set_style(style);
+    }
+    let outcome = run(&arguments, &|| bar.inc(1));
+    bar.finish_and_clear();
+    match outcome.map(|(_, text)| print(&text)) {
+        Ok(Ok(())) => ExitCode::SUCCESS,
+        // Whoever reads may stop reading; the files are written all the same.
+        Ok(Err(error)) if error.kind() == io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
+        Ok(Err(error)) => {
+            eprintln!("error: cannot print the summary: {error}");
+            ExitCode::FAILURE
+        }
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Computes, writes the files and returns the ledger with the text for the terminal.
+///
+/// # Errors
+/// [`ReportError`]. Folders are made first, so that one that cannot be written to is told of before the work; files are written
+/// last.
+pub fn run(
+    arguments: &Arguments,
+    tick: &(dyn Fn() + Sync),
+) -> Result<(Ledger, String), ReportError> {
+    let folders = [
+        arguments.out_dir.join("report"),
+        arguments.out_dir.join("figures"),
+    ];
+    for folder in &folders {
+        write_all(folder, &[])?;
+    }
+    let ledger = Ledger::compute(tick)?;
+    let [report, figures] = artifacts(&ledger)?;
+    let mut paths = write_all(&folders[0], &report)?;
+    paths.extend(write_all(&folders[1], &figures)?);
+    let text = summary(&ledger) + &listing(&paths);
+    Ok((ledger, text))
+}
+
+/// The files for the two folders.
+fn artifacts(ledger: &Ledger) -> Result<[Vec<Artifact>; 2], ReportError> {
+    let file = |name: &str, text: String| Artifact {
+        name: name.into(),
+        bytes: text.into_bytes(),
+    };
+    let claims = four_claims().map_err(LedgerError::from)?;
+    let published = claims.map(|claim| claim.values().into_iter().sum());
+    Ok([
+        vec![file("claims.csv", tables::claims(ledger)?)],
+        vec![
+            file(
+                "convergence.svg",
+                draw_convergence::draw(&ledger.convergence, published)?,
+            ),
+            file("convergence.csv", tables::convergence(ledger)?),
+            file("scan.svg", draw_scan::draw(&ledger.scan)?),
+            file("scan.csv", tables::scan(ledger)?),
+        ],
+    ])
+}
+
+fn summary(ledger: &Ledger) -> String {
+    let mut text = format!("{} claims\n", ledger.entries.len());
+    for (verdict, count) in ledger.counts() {
+        text += &format!("{count:>5} {verdict}\n");
+    }
+    let shown = ledger.errata.iter().filter(|erratum| erratum.holds).count();
+    text += &format!(
+        "\n{}\n\n{}\n\n{}\n\n{} misprints and defects, {shown} borne out by computation\n\n",
+        ledger.matrix.sentence(),
+        ledger.convergence.sentence(),
+        ledger.scan.sentence(),
+        ledger.errata.len()
+    );
+    text
+}
+
+fn listing(paths: &[PathBuf]) -> String {
+    let line = |path: &PathBuf| format!("wrote {}\n", Path::display(path));
+    paths.iter().map(line).collect()
+}
+
+fn print(text: &str) -> io::Result<()> {
+    let mut out = io::stdout().lock();
+    out.write_all(text.as_bytes())?;
+    out.flush()
+}

@@ -1,0 +1,117 @@
+//! The picture of the listing's approach to its limit.
+
+use super::convergence::{Convergence, PRINTED_STEP};
+use crate::figures::FigureError;
+use crate::figures::style::*;
+use crate::math;
+
+const DESCRIPTION: &str = "Left: distance of the listing's two stick lengths and two stick durations from their limit against its step, \
+    both axes logarithmic; the points scatter below and along a line of slope one. Right: deviation from the published \
+    numbers, in units of their last printed digit, for 21 steps within five per cent of the printed one; only at the printed \
+    step itself do all four lie within half a unit.";
+
+/// What the four numbers are called, and how they are drawn.
+const NAMES: [(&str, Color, Shape); 4] = [
+    ("first stick length, m", BLUE, Shape::Circle),
+    ("second stick length, m", VERMILLION, Shape::Square),
+    ("first stick duration, s", GREEN, Shape::Up),
+    ("second stick duration, s", PURPLE, Shape::Down),
+];
+
+/// Draws it.
+///
+/// # Errors
+/// As [`Figure::render`].
+pub fn draw(data: &Convergence, published: [f64; 4]) -> Result<String, FigureError> {
+    Figure::new(
+        "convergence",
+        (760.0, 400.0),
+        "The listing as printed for smaller and smaller steps",
+        DESCRIPTION,
+    )
+    .columns(
+        1.0,
+        vec![
+            (1.0, approach(data).into()),
+            (1.0, around(data, published).into()),
+        ],
+    )
+    .render()
+}
+
+/// Logarithm for an axis.
+fn log((h, error): (f64, f64)) -> (f64, f64) {
+    (math::log10(h), math::log10(error))
+}
+
+fn approach(data: &Convergence) -> Panel {
+    let powers = |from: i32, to: i32| -> Vec<(f64, String)> {
+        (from..=to)
+            .map(|k| (f64::from(k), format!("10^{{{}}}", number(f64::from(k), 0))))
+            .collect()
+    };
+    let (steps, errors) = (powers(-5, -3), powers(-7, -2));
+    let steps: Vec<(f64, &str)> = steps.iter().map(|(v, t)| (*v, t.as_str())).collect();
+    let errors: Vec<(f64, &str)> = errors.iter().map(|(v, t)| (*v, t.as_str())).collect();
+    let mut panel = Panel::new(
+        Axis::new("step *h*, s", -5.15, -2.85).ticks(&steps),
+        Axis::new("distance from the limit", -7.0, -2.0).ticks(&errors),
+    )
+    .label("(a)")
+    .title("as printed, *h* → 0")
+    .legend(Legend::Below);
+    let largest = data.largest_per_step.iter().copied().fold(0.0, f64::max);
+    let line = [-5.15, -2.85].map(|h: f64| (h, h + math::log10(largest)));
+    panel.add(
+        Curve::new(line)
+            .color(GREY)
+            .dash(Dash::Dashed)
+            .legend(&format!("{largest:.1} *h*")),
+    );
+    for (i, (name, color, shape)) in NAMES.into_iter().enumerate() {
+        panel.add(
+            Markers::new(data.errors(i).into_iter().map(log))
+                .shape(shape)
+                .color(color)
+                .size(6.0)
+                .legend(name),
+        );
+    }
+    panel
+}
+
+fn around(data: &Convergence, published: [f64; 4]) -> Panel {
+    let units = |at: &super::convergence::AtStep, i: usize| {
+        let x = 100.0 * (at.h / PRINTED_STEP - 1.0);
+        Some((x, (at.numbers?[i] - published[i]) / 1e-4))
+    };
+    let all = || {
+        data.around
+            .iter()
+            .flat_map(|at| (0..4).filter_map(move |i| units(at, i)))
+    };
+    let reach = all()
+        .fold(1.0, |reach: f64, (_, y)| reach.max(y.abs()))
+        .ceil();
+    let mut panel = Panel::new(
+        Axis::new("step against the printed one, %", -5.5, 5.5).step(1.0),
+        Axis::new("off the published number, 10^{−4}", -reach, reach),
+    )
+    .label("(b)")
+    .title("around *h* = 10^{−4} s")
+    .legend(Legend::Below);
+    panel.add(Band::y(-0.5, 0.5).legend("rounds to the printed digits"));
+    panel.add(Guide::horizontal(0.0).color(GREY).width(0.6));
+    panel.add(
+        Guide::vertical(0.0)
+            .color(GREY)
+            .width(0.6)
+            .dash(Dash::Dashed),
+    );
+    for (i, (_, color, shape)) in NAMES.into_iter().enumerate() {
+        let points: Vec<(f64, f64)> = data.around.iter().filter_map(|at| units(at, i)).collect();
+        panel.add(Curve::new(points.iter().copied()).color(color).width(0.6));
+        panel.add(Markers::new(points).shape(shape).color(color).size(6.0));
+    }
+    panel
+}

@@ -1,0 +1,145 @@
+//! The picture of the scan over parameters.
+
+use super::scan::{Class, Line, Parameter, Point, Scan};
+use crate::figures::FigureError;
+use crate::figures::style::*;
+use crate::math;
+
+const DESCRIPTION: &str = "One strip for each of eight parameters, multiplied by a factor from one half to two. At each factor a column \
+    shows in which parts the starts escape, settle on slip only, on stick–slip, on stick–slip of period two, or on nothing periodic. At \
+    the printed values, the middle, no start leads to stick–slip; stick–slip of period two is marked by triangles.";
+
+/// Height of a strip; the rest is space between strips.
+const HEIGHT: f64 = 0.8;
+
+/// How a class is drawn and called.
+fn look(class: Class) -> (Color, &'static str) {
+    match class {
+        Class::Escape => (LIGHT_GREY, "escapes"),
+        Class::SlipOnly => (SKY, "slip only"),
+        Class::StickSlip => (ORANGE, "stick–slip, period not two"),
+        Class::StickSlipTwo => (VERMILLION, "stick–slip of period two"),
+        Class::Unsettled => (GREY, "nothing repeats"),
+    }
+}
+
+fn symbol(parameter: Parameter) -> &'static str {
+    match parameter {
+        Parameter::Mass => "*m*",
+        Parameter::BeltSpeed => "*v*_p",
+        Parameter::Mu0 => "*μ*_0",
+        Parameter::Amplitude => "*A*",
+        Parameter::Omega => "*ω*",
+        Parameter::K1 => "*k*_1",
+        Parameter::K2 => "*k*_2",
+        Parameter::Delta => "*δ*",
+    }
+}
+
+/// Draws it.
+///
+/// # Errors
+/// As [`Figure::render`].
+pub fn draw(scan: &Scan) -> Result<String, FigureError> {
+    let rows = scan.lines.len();
+    // The first parameter on top.
+    let base = |k: usize| (rows - 1 - k) as f64;
+    let factors = [0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.2, 1.4, 1.6, 1.8, 2.0];
+    let texts = factors.map(|factor| number(factor, 1));
+    let ticks: Vec<(f64, &str)> = factors
+        .iter()
+        .zip(&texts)
+        .map(|(&factor, text)| (position(factor), text.as_str()))
+        .collect();
+    let names: Vec<(f64, &str)> = scan
+        .lines
+        .iter()
+        .enumerate()
+        .map(|(k, line)| (base(k) + 0.5 * HEIGHT, symbol(line.parameter)))
+        .collect();
+    let half = half_column(scan);
+    let mut panel = Panel::new(
+        Axis::new(
+            "factor on the printed value",
+            -1.0 - 2.0 * half,
+            1.0 + 2.0 * half,
+        )
+        .ticks(&ticks),
+        Axis::new("", -0.25, rows as f64).ticks(&names),
+    )
+    .title("Where the starts lead in the stated model (height of a colour: part of the starts)")
+    .legend(Legend::Below);
+    let mut listed = [false; 5];
+    for (k, line) in scan.lines.iter().enumerate() {
+        for band in strip(line, base(k), half, &mut listed) {
+            panel.add(band);
+        }
+    }
+    panel.add(
+        Guide::vertical(0.0)
+            .color(BLACK)
+            .width(0.8)
+            .dash(Dash::Dashed),
+    );
+    let two = scan.lines.iter().enumerate().flat_map(|(k, line)| {
+        let has = |point: &&Point| point.counts[Class::StickSlipTwo as usize] > 0;
+        let points = line.points.iter().filter(has);
+        points.map(move |point| (position(point.factor), base(k) + 0.15))
+    });
+    let two: Vec<(f64, f64)> = two.collect();
+    if !two.is_empty() {
+        panel.add(
+            Markers::new(two)
+                .shape(Shape::Up)
+                .color(VERMILLION)
+                .size(6.0)
+                .legend("a motion of period two exists"),
+        );
+    }
+    Figure::new(
+        "scan",
+        (700.0, 560.0),
+        "Where starts lead as each parameter of Fig. 8 is changed",
+        DESCRIPTION,
+    )
+    .row(1.0, panel)
+    .render()
+}
+
+/// Abscissa of a factor: logarithm to the base of two.
+fn position(factor: f64) -> f64 {
+    math::ln(factor) / math::ln(2.0)
+}
+
+/// Half the width of a column.
+fn half_column(scan: &Scan) -> f64 {
+    let columns = scan
+        .lines
+        .first()
+        .map_or(2, |line| line.points.len().max(2));
+    1.0 / (columns - 1) as f64
+}
+
+/// The rectangles of one strip, each class listed in the legend once.
+fn strip(line: &Line, base: f64, half: f64, listed: &mut [bool; 5]) -> Vec<Band> {
+    let mut bands = Vec::new();
+    for point in &line.points {
+        let all = point.counts.iter().sum::<usize>().max(1) as f64;
+        let middle = position(point.factor);
+        let mut bottom = base;
+        for (class, count) in Class::ALL.into_iter().zip(point.counts) {
+            if count == 0 {
+                continue;
+            }
+            let top = bottom + HEIGHT * count as f64 / all;
+            let (color, name) = look(class);
+            let mut band = Band::rect((middle - half, middle + half), (bottom, top)).fill(color);
+            if !std::mem::replace(&mut listed[class as usize], true) {
+                band = band.legend(name);
+            }
+            bands.push(band);
+            bottom = top;
+        }
+    }
+    bands
+}

@@ -1,0 +1,163 @@
+//! The report's tables as CSV.
+
+use super::entry::Entry;
+use super::ledger::Ledger;
+use super::matrix::FOUR;
+use super::scan::Class;
+use crate::figures::FigureError;
+use crate::paper::published::{Digits, Kind};
+
+/// The claims: what is published, what each reading gives, verdict, evidence, cause.
+///
+/// # Errors
+/// [`FigureError::Csv`] if the writer refuses a field.
+pub fn claims(ledger: &Ledger) -> Result<String, FigureError> {
+    let mut readings: Vec<&str> = Vec::new();
+    for reading in ledger.entries.iter().flat_map(|entry| &entry.readings) {
+        if !readings.contains(&reading.reading.as_str()) {
+            readings.push(&reading.reading);
+        }
+    }
+    let mut header = vec!["id", "where", "kind", "published", "digits", "unit"];
+    header.extend(&readings);
+    header.extend([
+        "digits_in_agreement",
+        "verdict",
+        "evidence",
+        "cause",
+        "least_over_unstated",
+        "largest_over_unstated",
+    ]);
+    let rows = ledger.entries.iter().map(|entry| claim(entry, &readings));
+    text(std::iter::once(header.iter().map(|&name| name.to_owned()).collect()).chain(rows))
+}
+
+fn claim(entry: &Entry, readings: &[&str]) -> Vec<String> {
+    let claim = &entry.claim;
+    let kind = match claim.kind {
+        Kind::Value => "value",
+        Kind::Set => "set",
+        Kind::Curve => "curve",
+        Kind::Statement => "statement",
+    };
+    let digits = match claim.digits {
+        Digits::Decimals(decimals) => decimals.to_string(),
+        Digits::Exact => "exact".into(),
+        Digits::None => String::new(),
+    };
+    let mut row = vec![
+        claim.id.clone(),
+        claim.place.clone(),
+        kind.into(),
+        claim.published.clone(),
+        digits,
+        claim.unit.clone(),
+    ];
+    row.extend(readings.iter().map(|name| {
+        // Two figures may give the same reading; each value is there once.
+        let mut texts: Vec<String> = Vec::new();
+        for one in entry.readings.iter().filter(|one| one.reading == *name) {
+            let text = one.text();
+            if !texts.contains(&text) {
+                texts.push(text);
+            }
+        }
+        texts.join(" | ")
+    }));
+    let agreement = entry.readings.iter().filter_map(|one| {
+        let digits = one.digits?;
+        Some(format!("{} {digits}", one.reading))
+    });
+    row.push(agreement.collect::<Vec<_>>().join("; "));
+    row.push(entry.verdict.to_string());
+    row.push(entry.evidence.join(" | "));
+    row.push(entry.cause.as_ref().map_or_else(String::new, |cause| {
+        format!("{}: {}", cause.defects.join(", "), cause.text)
+    }));
+    let spread = entry.spread.as_ref();
+    row.push(spread.map_or_else(String::new, |spread| format!("{:?}", spread.least)));
+    row.push(spread.map_or_else(String::new, |spread| format!("{:?}", spread.largest)));
+    row
+}
+
+/// The listing's numbers over the steps, with their distance from the limit.
+///
+/// # Errors
+/// [`FigureError::Csv`].
+pub fn convergence(ledger: &Ledger) -> Result<String, FigureError> {
+    let convergence = &ledger.convergence;
+    let mut header = vec!["h".to_owned(), "all_digits".to_owned()];
+    header.extend(FOUR.map(str::to_owned));
+    header.extend(FOUR.map(|id| format!("{id}.error")));
+    let limit = convergence.limit;
+    let mut rows = vec![header];
+    let mut zero = vec!["0".to_owned(), "false".to_owned()];
+    let complete = convergence.limit_digits.iter().all(|one| one.complete());
+    zero[1] = complete.to_string();
+    zero.extend(limit.map(|v| format!("{v:?}")));
+    zero.extend(limit.map(|_| "0.0".to_owned()));
+    rows.push(zero);
+    for at in convergence.steps.iter().chain(&convergence.around) {
+        let mut row = vec![format!("{:?}", at.h), at.gives_digits().to_string()];
+        match at.numbers {
+            Some(numbers) => {
+                row.extend(numbers.map(|v| format!("{v:?}")));
+                row.extend((0..4).map(|i| format!("{:?}", numbers[i] - limit[i])));
+            }
+            None => row.extend((0..8).map(|_| String::new())),
+        }
+        rows.push(row);
+    }
+    text(rows)
+}
+
+/// Where the starts lead for every value of every parameter, and the stick–slip motions found.
+///
+/// # Errors
+/// [`FigureError::Csv`].
+pub fn scan(ledger: &Ledger) -> Result<String, FigureError> {
+    let scan = &ledger.scan;
+    let mut header = vec!["parameter", "factor", "value"];
+    header.extend(Class::ALL.map(Class::name));
+    header.extend(["motions", "distance"]);
+    let mut rows = vec![header.into_iter().map(str::to_owned).collect::<Vec<_>>()];
+    let lines = scan.lines.iter().flat_map(|line| {
+        let name = line.parameter.name();
+        line.points.iter().map(move |point| (name, point))
+    });
+    let variants = scan.variants.iter().map(|(name, point)| (*name, point));
+    for (name, point) in lines.chain(variants) {
+        let mut row = vec![
+            name.to_owned(),
+            format!("{:?}", point.factor),
+            format!("{:?}", point.value),
+        ];
+        row.extend(point.counts.map(|count| count.to_string()));
+        let motions: Vec<String> = point
+            .stick_slip
+            .iter()
+            .map(|motion| {
+                let lengths: Vec<String> =
+                    motion.lengths.iter().map(|l| format!("{l:.6}")).collect();
+                format!("period {}: {}", motion.period, lengths.join(" "))
+            })
+            .collect();
+        row.push(motions.join("; "));
+        let nearest = point.nearest(scan.published, |_| true);
+        row.push(nearest.map_or_else(String::new, |(_, distance)| format!("{distance:?}")));
+        rows.push(row);
+    }
+    text(rows)
+}
+
+fn text(rows: impl IntoIterator<Item = Vec<String>>) -> Result<String, FigureError> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for row in rows {
+        writer.write_record(&row)?;
+    }
+    let bytes = writer
+        .into_inner()
+        .map_err(|error| csv::Error::from(error.into_error()))?;
+    // Every field was a `str`, so nothing can be lost here.
+    Ok(String::from_utf8_lossy(&bytes).into_owned())
+}
