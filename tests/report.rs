@@ -191,6 +191,19 @@ fn progress_comes_to_its_end() {
     });
 }
 
+#[test]
+fn the_readme_counts_as_the_ledger_does() {
+    let readme = include_str!("../README.md");
+    with(|report| {
+        let [reproduced, printed, class, none] = report.ledger.counts().map(|(_, count)| count);
+        assert!(readme.contains(&format!(
+            "{reproduced} are reproduced, {printed} as printed only"
+        )));
+        assert!(readme.contains(&format!("{class} in class only")));
+        assert_eq!(none, 0, "the README names no claim that is not reproduced");
+    });
+}
+
 /// What must not change unnoticed.
 fn golden(ledger: &Ledger) -> String {
     let mut text = String::new();
