@@ -9,7 +9,8 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::ledger::{Ledger, LedgerError, TICKS};
 use super::matrix::four_claims;
-use super::{draw_convergence, draw_scan, tables};
+use super::page::{Origin, Picture, Report, page};
+use super::{draw_convergence, draw_scan, readme, tables};
 use crate::figures::FigureError;
 use crate::figures::output::{Artifact, write_all};
 
@@ -18,9 +19,11 @@ const ABOUT: &str = "Computes what becomes of every claim of the paper, and why:
 
 const AFTER: &str = "\
 Files written:
+  report/index.html        the report, one file that needs nothing else; open it in a browser
   report/claims.csv        every claim with its readings, verdict, evidence and cause
   figures/convergence.svg  the listing as printed for smaller and smaller steps, and .csv
   figures/scan.svg         where starts lead as each parameter of Fig. 8 is changed, and .csv
+  README.md                its table of verdicts, where the folder has a README.md with the marks for it
 
 Exit codes: 0 done, 1 something failed, 2 wrong command line.
 
@@ -90,32 +93,72 @@ pub fn run(
         write_all(folder, &[])?;
     }
     let ledger = Ledger::compute(tick)?;
-    let [report, figures] = artifacts(&ledger)?;
-    let mut paths = write_all(&folders[0], &report)?;
-    paths.extend(write_all(&folders[1], &figures)?);
-    let text = summary(&ledger) + &listing(&paths);
-    Ok((ledger, text))
+    let pictures = [convergence_picture(&ledger)?, scan_picture(&ledger)?];
+    let figures = figures(&ledger, &pictures)?;
+    let mut paths = write_all(&folders[1], &figures)?;
+    if let Some(readme) = new_readme(&arguments.out_dir, &ledger) {
+        paths.extend(write_all(&arguments.out_dir, &[file(README, readme)])?);
+    }
+    let text = summary(&ledger);
+    let claims = file("claims.csv", tables::claims(&ledger)?);
+    let [convergence, scan] = pictures;
+    let report = Report {
+        ledger,
+        convergence,
+        scan,
+        origin: Origin::of(&arguments.out_dir),
+    };
+    let page = file("index.html", page(&report));
+    paths.extend(write_all(&folders[0], &[claims, page])?);
+    Ok((report.ledger, text + &listing(&paths)))
 }
 
-/// The files for the two folders.
-fn artifacts(ledger: &Ledger) -> Result<[Vec<Artifact>; 2], ReportError> {
-    let file = |name: &str, text: String| Artifact {
+const README: &str = "README.md";
+
+/// The README with the present table, if there is one with marks for it.
+fn new_readme(folder: &Path, ledger: &Ledger) -> Option<String> {
+    let readme = std::fs::read_to_string(folder.join(README)).ok()?;
+    readme::with_table(&readme, &readme::table(ledger))
+}
+
+fn file(name: &str, text: String) -> Artifact {
+    Artifact {
         name: name.into(),
         bytes: text.into_bytes(),
-    };
+    }
+}
+
+fn convergence_picture(ledger: &Ledger) -> Result<Picture, ReportError> {
     let claims = four_claims().map_err(LedgerError::from)?;
     let published = claims.map(|claim| claim.values().into_iter().sum());
-    Ok([
-        vec![file("claims.csv", tables::claims(ledger)?)],
-        vec![
-            file(
-                "convergence.svg",
-                draw_convergence::draw(&ledger.convergence, published)?,
-            ),
-            file("convergence.csv", tables::convergence(ledger)?),
-            file("scan.svg", draw_scan::draw(&ledger.scan)?),
-            file("scan.csv", tables::scan(ledger)?),
-        ],
+    Ok(Picture {
+        title: "The listing as printed for smaller and smaller steps",
+        about: "Left: the four numbers of Fig. 8 approach what the event-exact solver gives with the two defects that do not vanish with \
+            the step. Right: how far they are from the published ones at steps near the printed one, in units of the last \
+            printed digit.",
+        svg: draw_convergence::draw(&ledger.convergence, published)?,
+    })
+}
+
+fn scan_picture(ledger: &Ledger) -> Result<Picture, ReportError> {
+    Ok(Picture {
+        title: "Where starts lead as each parameter of Fig. 8 is changed",
+        about: "Each parameter of the stated model in turn from half to twice its printed value, the others as printed; solved \
+            accurately from the same starts each.",
+        svg: draw_scan::draw(&ledger.scan)?,
+    })
+}
+
+/// The files for the folder of figures.
+fn figures(
+    ledger: &Ledger,
+    [convergence, scan]: &[Picture; 2],
+) -> Result<Vec<Artifact>, ReportError> {
+    Ok(vec![
+        file("convergence.svg", convergence.svg.clone()),
+        file("convergence.csv", tables::convergence(ledger)?),
+        file("scan.svg", scan.svg.clone()),
+        file("scan.csv", tables::scan(ledger)?),
     ])
 }
 

@@ -101,7 +101,8 @@ impl ReadingValue {
             .values
             .iter()
             .map(|value| match value {
-                Value::Number(v) if v.is_finite() => format!("{v:.decimals$}"),
+                // Without the sign of a zero.
+                Value::Number(v) if v.is_finite() => format!("{:.decimals$}", v + 0.0),
                 other => other.to_string(),
             })
             .collect();

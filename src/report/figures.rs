@@ -18,6 +18,12 @@ use crate::paper::published::Claim;
 pub struct Table {
     /// Name of the figure.
     pub figure: &'static str,
+    /// One line on what it shows.
+    pub title: &'static str,
+    /// What is drawn and which numbers are reported.
+    pub about: &'static str,
+    /// The picture.
+    pub svg: String,
     /// Its rows.
     pub rows: Vec<Row>,
 }
@@ -48,10 +54,15 @@ pub const FIGURES: usize = 7;
 
 fn table<F: FigureSpec>(tick: &(dyn Fn() + Sync)) -> Result<(F::Data, Table), FigureError> {
     let data = F::compute()?;
-    let rows = F::numbers(&data);
+    let table = Table {
+        figure: F::NAME,
+        title: F::TITLE,
+        about: F::ABOUT,
+        svg: F::draw(&data)?,
+        rows: F::numbers(&data),
+    };
     tick();
-    let figure = F::NAME;
-    Ok((data, Table { figure, rows }))
+    Ok((data, table))
 }
 
 /// Computes all figures and calls `tick` after each.

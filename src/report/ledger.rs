@@ -1,6 +1,7 @@
 //! The ledger: every claim of the paper, what the readings give for it, and what that comes to.
 
 use super::accuracy::{Accuracy, AccuracyError};
+use super::checks::check;
 use super::convergence;
 use super::convergence::Convergence;
 use super::digits::Agreement;
@@ -162,7 +163,9 @@ impl Sources<'_> {
             Digits::Decimals(decimals) => decimals + 1,
             _ => 6,
         };
-        let mut evidence: Vec<String> = readings.iter().map(|one| one.line(decimals)).collect();
+        let check = check(&claim.id).map(|check| format!("check: {check}"));
+        let mut evidence: Vec<String> = check.into_iter().collect();
+        evidence.extend(readings.iter().map(|one| one.line(decimals)));
         let spread = (verdict == Verdict::ClassOnly)
             .then(|| self.spread_of(claim, &readings))
             .flatten();

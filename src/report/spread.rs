@@ -7,9 +7,10 @@ use rayon::prelude::*;
 use crate::analysis::data_spectrum::{
     DataError, DataSettings, Neighbourhood, Series, data_spectrum,
 };
+use crate::analysis::motion::Class;
 use crate::error::Error;
 use crate::figures::FigureError;
-use crate::figures::block_and_bracket::{Class, Set, compute};
+use crate::figures::block_and_bracket::{Set, compute};
 use crate::filippov::{Observer, Options, StepRecord, run};
 use crate::models::{BlockAndBracket, Caption, Reading};
 use crate::system::State;
@@ -19,7 +20,7 @@ const WINDOW: (f64, f64) = (3000.0, 12_000.0);
 const PER_UNIT: f64 = 5.0;
 const TOLERANCE: f64 = 1e-10;
 /// Reference points of an estimate, the first so many of the window; neighbours are sought in all of it.
-const REFERENCES: usize = 2000;
+const REFERENCES: usize = 5000;
 
 /// The figures and their captions.
 const FIGURES: [(&str, Caption); 3] = [
@@ -95,6 +96,7 @@ pub fn settings() -> Vec<(String, DataSettings)> {
                     affine,
                     stride: step,
                     references: Some(REFERENCES),
+                    sensitivity: false,
                     ..DataSettings::default()
                 };
                 all.push((name, settings));

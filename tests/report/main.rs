@@ -1,6 +1,9 @@
 //! The ledger of claims: complete, resting on evidence, frozen; and the report's files are the committed ones.
 
+mod browser;
+#[path = "../common/mod.rs"]
 mod common;
+mod page;
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -15,6 +18,7 @@ use stickslip::report::entry::{Role, Verdict};
 use stickslip::report::figures::claim_of;
 use stickslip::report::ledger::{Ledger, TICKS};
 use stickslip::report::matrix::Cell;
+use stickslip::report::readme;
 
 struct Report {
     folder: tempfile::TempDir,
@@ -192,9 +196,13 @@ fn progress_comes_to_its_end() {
 }
 
 #[test]
-fn the_readme_counts_as_the_ledger_does() {
-    let readme = include_str!("../README.md");
+fn the_readme_says_what_the_ledger_does() {
+    let readme = include_str!("../../README.md");
     with(|report| {
+        let table = readme::table(&report.ledger);
+        let written =
+            readme::with_table(readme, &table).expect("the README has marks for the table");
+        assert!(written == readme, "run `make report`");
         let [reproduced, printed, class, none] = report.ledger.counts().map(|(_, count)| count);
         assert!(readme.contains(&format!(
             "{reproduced} are reproduced, {printed} as printed only"
@@ -246,7 +254,7 @@ fn golden(ledger: &Ledger) -> String {
 fn the_ledger_is_frozen() {
     let text = with(|report| golden(&report.ledger));
     let mut settings = insta::Settings::clone_current();
-    settings.set_snapshot_path("../golden");
+    settings.set_snapshot_path("../../golden");
     settings.set_prepend_module_to_snapshot(false);
     settings.set_omit_expression(true);
     settings.set_comparator(Box::new(Numerically { tolerance: 1e-10 }));
