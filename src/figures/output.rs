@@ -24,7 +24,12 @@ pub struct Artifact {
 pub fn write_all(folder: &Path, artifacts: &[Artifact]) -> Result<Vec<PathBuf>, FigureError> {
     std::fs::create_dir_all(folder).map_err(|source| FigureError::CreateDir {
         path: folder.to_owned(),
-        source,
+        // The system says no more than that something of this name exists.
+        source: if folder.is_file() {
+            std::io::Error::new(source.kind(), "it is a file, not a folder")
+        } else {
+            source
+        },
     })?;
     let mut staged = Vec::with_capacity(artifacts.len());
     for artifact in artifacts {
@@ -96,5 +101,7 @@ mod tests {
         let file = tempfile::NamedTempFile::new().unwrap();
         let error = write_all(&file.path().join("sub"), &[artifact("x")]).unwrap_err();
         assert!(error.to_string().contains("--out-dir"));
+        let error = write_all(file.path(), &[artifact("x")]).unwrap_err();
+        assert!(error.to_string().contains("is a file, not a folder"));
     }
 }

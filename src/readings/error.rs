@@ -37,9 +37,17 @@ pub enum ReadingsError {
         /// What it must say.
         wanted: String,
     },
-    /// Files cannot be written.
+    /// The folder for the files, or a file in it, cannot be written.
+    #[error("cannot write {}: {source}; choose another folder with --out", path.display())]
+    Output {
+        /// The folder or the file.
+        path: PathBuf,
+        /// What the operating system said.
+        source: std::io::Error,
+    },
+    /// Another failure of putting files together.
     #[error(transparent)]
-    Output(#[from] FigureError),
+    Files(FigureError),
     /// The published exponents are not there.
     #[error(transparent)]
     Published(#[from] PublishedError),
@@ -51,4 +59,16 @@ pub enum ReadingsError {
         /// What the library said.
         reason: String,
     },
+}
+
+impl From<FigureError> for ReadingsError {
+    /// The figures' programs call their folder by another option.
+    fn from(error: FigureError) -> Self {
+        match error {
+            FigureError::CreateDir { path, source } | FigureError::Write { path, source } => {
+                Self::Output { path, source }
+            }
+            other => Self::Files(other),
+        }
+    }
 }
