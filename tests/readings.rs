@@ -4,6 +4,7 @@ use std::path::Path;
 
 use assert_cmd::Command;
 use assert_cmd::cargo::cargo_bin_cmd;
+use predicates::prelude::PredicateBooleanExt;
 use predicates::str::contains;
 
 fn program(folder: &Path) -> Command {
@@ -72,6 +73,14 @@ fn the_same_bytes_whatever_the_threads_and_after_a_kill() {
     assert_eq!(std::fs::read_dir(two.path()).unwrap().count(), 2);
 }
 
+/// A run without any time: it does one unit of work, here two configurations, if one is missing.
+fn one_more(folder: &Path) {
+    program(folder)
+        .args(["--time-limit", "1e-9", "--threads", "1"])
+        .assert()
+        .success();
+}
+
 /// Configurations in the table so far.
 fn rows(folder: &Path) -> usize {
     let table = std::fs::read_to_string(folder.join("readings.csv")).unwrap_or_default();
@@ -103,9 +112,8 @@ fn a_killed_run_is_continued_to_the_same_bytes() {
     });
     assert!(cut_short);
     let left = rows(killed.path());
-    let limit = ["--time-limit", "1e-9"];
-    program(killed.path()).args(limit).assert().success();
-    assert_eq!(rows(killed.path()), left, "rows were lost");
+    one_more(killed.path());
+    assert_eq!(rows(killed.path()), left + 2, "rows were lost");
     program(killed.path()).assert().success();
     assert_eq!(files(whole.path()), files(killed.path()));
 }
@@ -142,15 +150,21 @@ fn a_table_of_other_settings_is_refused_by_the_setting_that_differs() {
 #[test]
 fn a_limit_leaves_a_table_that_can_be_continued() {
     let folder = tempfile::tempdir().unwrap();
+    // However short the limit, every call gets on by one reading with one integrator.
+    for done in [2, 4, 6] {
+        program(folder.path())
+            .args(["--time-limit", "1e-9", "--threads", "1"])
+            .assert()
+            .success()
+            .stdout(contains(format!("Tried: {done} of 8")))
+            .stdout(contains("not complete"));
+    }
     program(folder.path())
-        .args(["--time-limit", "1e-9"])
+        .args(["--time-limit", "1e-9", "--threads", "1"])
         .assert()
         .success()
-        .stdout(contains("not complete"));
-    program(folder.path())
-        .assert()
-        .success()
-        .stdout(contains("Tried: 8 of 8"));
+        .stdout(contains("Tried: 8 of 8"))
+        .stdout(contains("not complete").not());
 }
 
 #[test]
@@ -173,7 +187,12 @@ fn folders_that_cannot_be_used_exit_with_1() {
     program(&file.path().join("sub"))
         .assert()
         .code(1)
-        .stderr(contains("--out"));
+        .stderr(contains("--out").and(contains("--out-dir").not()));
+    program(file.path()).assert().code(1).stderr(
+        contains("is a file, not a folder")
+            .and(contains("with --out"))
+            .and(contains("--out-dir").not()),
+    );
     // Someone else's table is left alone.
     let folder = tempfile::tempdir().unwrap();
     let table = folder.path().join("readings.csv");

@@ -29,8 +29,6 @@ pub const FAR: f64 = 4.0;
 pub const SAME: f64 = 1e-3;
 /// A neighbour that needs so many times as many passes to return has lost its orbit.
 const OVERDUE: usize = 8;
-/// Passes between two looks at the clock on the wall.
-const LOOK: usize = 1 << 16;
 
 /// A return to `x₂ = 0` from above between two states.
 fn crossing(before: &State<f64, 4>, after: &State<f64, 4>) -> Option<State<f64, 4>> {
@@ -105,13 +103,7 @@ impl<'a> Neighbour<'a> {
 }
 
 /// Follows the scheme. Every so many passes are a point, as the listing counts its records.
-pub fn follow(
-    system: &BlockAndBracket,
-    start: State<f64, 4>,
-    h: f64,
-    plan: &Plan,
-    late: &dyn Fn() -> bool,
-) -> Outcome {
+pub fn follow(system: &BlockAndBracket, start: State<f64, 4>, h: f64, plan: &Plan) -> Outcome {
     let passes = |t: f64| (t / h).round() as usize;
     let (first, every) = (passes(plan.from), passes(DT).max(1));
     let last = first + (plan.points - 1) * every;
@@ -122,9 +114,6 @@ pub fn follow(
     for pass in 0..=last {
         if pass >= first && (pass - first).is_multiple_of(every) {
             kept.series.push((*scheme.x()).into());
-        }
-        if pass.is_multiple_of(LOOK) && late() {
-            return Outcome::Interrupted;
         }
         let before = *scheme.x();
         match scheme.advance() {

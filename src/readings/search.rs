@@ -12,21 +12,13 @@ use crate::models::Caption;
 /// The captions of Figs. 10–12.
 pub const CAPTIONS: [Caption; 3] = [Caption::FIG10, Caption::FIG11, Caption::FIG12];
 
-/// All rows of a group; `None` if `late` said so before they were complete.
-pub fn group_rows(
-    group: &Group,
-    plan: &Plan,
-    target: &Twelve,
-    late: &dyn Fn() -> bool,
-) -> Option<Vec<Row>> {
-    let outcomes = CAPTIONS.map(|caption| follow(group, &caption, plan, late));
-    if outcomes.iter().any(|o| matches!(o, Outcome::Interrupted)) {
-        return None;
-    }
+/// All rows of a group.
+pub fn group_rows(group: &Group, plan: &Plan, target: &Twelve) -> Vec<Row> {
+    let outcomes = CAPTIONS.map(|caption| follow(group, &caption, plan));
     let classes = outcomes.each_ref().map(|outcome| match outcome {
         Outcome::Bounded(_, class) => Verdict::Motion(*class),
         Outcome::Escaped => Verdict::Escaped,
-        Outcome::Failed | Outcome::Interrupted => Verdict::Failed,
+        Outcome::Failed => Verdict::Failed,
     });
     let series = outcomes.each_ref().map(|outcome| match outcome {
         Outcome::Bounded(series, _) => Series::from_rows(series.iter().copied(), DT).ok(),
@@ -37,9 +29,6 @@ pub fn group_rows(
         .into_iter()
         .zip(plan.settings_of(group))
     {
-        if late() {
-            return None;
-        }
         let mut row = Row {
             key,
             classes,
@@ -58,7 +47,7 @@ pub fn group_rows(
         row.scores = score::scores(&row.exponents, target);
         rows.push(row);
     }
-    Some(rows)
+    rows
 }
 
 type Four = ([f64; 4], [String; 4]);

@@ -58,6 +58,9 @@ fn tried(plan: &Plan, search: &[&Row]) -> String {
     if search.len() < total {
         line!(text, "The search is not complete: run it again to go on.");
     }
+    if search.is_empty() {
+        return text;
+    }
     let mut systems: Vec<(&[String], [bool; 3])> = search
         .iter()
         .map(|row| {
@@ -226,6 +229,13 @@ fn level(plan: &Plan, search: &[&Row], target: &Twelve) -> String {
     text
 }
 
+/// Median of values in ascending order: of an even count the mean of the middle two.
+fn median(sorted: &[f64]) -> Option<f64> {
+    let upper = sorted.get(sorted.len() / 2)?;
+    let lower = sorted.get((sorted.len() - 1) / 2)?;
+    Some(0.5 * (lower + upper))
+}
+
 fn columns(order: [usize; 3]) -> String {
     order.map(|figure| (figure + 10).to_string()).join(" ")
 }
@@ -235,7 +245,7 @@ fn random(plan: &Plan, rows: &[&Row], own: f64) -> String {
     let mut text = String::new();
     let random = chance::random(rows, plan.draws);
     let as_near = random.iter().filter(|&&distance| distance <= own).count();
-    if let (Some(first), Some(median)) = (random.first(), random.get(random.len() / 2)) {
+    if let (Some(first), Some(median)) = (random.first(), median(&random)) {
         line!(
             text,
             "  {} random targets of the same classes: least {first:.3}, median {median:.3}",
@@ -284,7 +294,9 @@ fn own_spread(spread: &[&Row], target: &Twelve) -> String {
             };
             let unidentified = having(&["unidentified"]);
             let doubtful = having(&["starved", "unpredictable"]);
-            let (Some(min), Some(max)) = (values.first(), values.last()) else {
+            let (Some(min), Some(median), Some(max)) =
+                (values.first(), median(&values), values.last())
+            else {
                 line!(
                     text,
                     "  fig{}.lambda.{}   no finite value",
@@ -296,10 +308,9 @@ fn own_spread(spread: &[&Row], target: &Twelve) -> String {
             widths[usize::from(2 * unidentified > spread.len())].push(max - min);
             line!(
                 text,
-                "  fig{}.lambda.{}  {min:>9.4} {:>9.4} {max:>9.4}   {:>9.4}   {unidentified:>2} of {:<15} {doubtful}",
+                "  fig{}.lambda.{}  {min:>9.4} {median:>9.4} {max:>9.4}   {:>9.4}   {unidentified:>2} of {:<15} {doubtful}",
                 figure + 10,
                 k + 1,
-                values[values.len() / 2],
                 published,
                 spread.len()
             );
@@ -312,7 +323,7 @@ fn own_spread(spread: &[&Row], target: &Twelve) -> String {
     {
         widths.sort_by(f64::total_cmp);
         if let (Some(least), Some(median), Some(most)) =
-            (widths.first(), widths.get(widths.len() / 2), widths.last())
+            (widths.first(), median(widths), widths.last())
         {
             line!(
                 text,
@@ -323,4 +334,25 @@ fn own_spread(spread: &[&Row], target: &Twelve) -> String {
         }
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_median_of_an_even_count_lies_between_the_middle_two() {
+        assert_eq!(median(&[]), None);
+        assert_eq!(median(&[3.0]), Some(3.0));
+        assert_eq!(median(&[1.0, 2.0, 5.0]), Some(2.0));
+        assert_eq!(median(&[1.0, 2.0, 5.0, 9.0]), Some(3.5));
+    }
+
+    #[test]
+    fn nothing_is_ranked_where_nothing_was_tried() {
+        let target = super::super::score::target().unwrap();
+        let text = summary(&Plan::quick(), &[], &target).unwrap();
+        assert!(text.contains("Tried: 0 of 8") && text.contains("not complete"));
+        assert!(!text.contains("pairs of") && !text.contains("Distance"));
+    }
 }

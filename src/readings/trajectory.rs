@@ -41,37 +41,32 @@ pub enum Outcome {
     Escaped,
     /// It could not be followed: transitions pile up, the step collapses, or it takes too long.
     Failed,
-    /// The time limit of the whole search was reached.
-    Interrupted,
 }
 
 /// Follows the orbit of a caption.
-pub fn follow(group: &Group, caption: &Caption, plan: &Plan, late: &dyn Fn() -> bool) -> Outcome {
+pub fn follow(group: &Group, caption: &Caption, plan: &Plan) -> Outcome {
     let Ok(system) = BlockAndBracket::from_caption(caption, &group.reading) else {
         return Outcome::Failed;
     };
     let start = State::from(caption.start);
     match group.integrator {
-        Integrator::Exact => exact(&system, start, plan, late),
-        Integrator::InPlace(h) => scheme::follow(&system, start, h, plan, late),
+        Integrator::Exact => exact(&system, start, plan),
+        Integrator::InPlace(h) => scheme::follow(&system, start, h, plan),
     }
 }
 
 /// Tolerance of the exact solver, as in the figures.
 pub const TOLERANCE: f64 = 1e-10;
 
-fn exact(system: &BlockAndBracket, start: X, plan: &Plan, late: &dyn Fn() -> bool) -> Outcome {
+fn exact(system: &BlockAndBracket, start: X, plan: &Plan) -> Outcome {
     // Where friction drives the block away from the belt, either side is as good as the other.
     let options = Options::tol(TOLERANCE)
         .escape(BOUND)
         .at_repelling(AtRepelling::GoBelow);
     let t_end = plan.from + plan.duration();
     // The spectrum tells nothing of its transient: whether the orbit can be followed at all is found out without it.
-    let mut alone = Watch::new(plan, late);
+    let mut alone = Watch::new(plan);
     let stayed = run(system, 0.0, start, t_end, &options, &mut alone);
-    if alone.interrupted {
-        return Outcome::Interrupted;
-    }
     match stayed {
         Ok(summary) if summary.ending == Ending::EndTime => {}
         Ok(_) => return Outcome::Failed,
@@ -79,11 +74,8 @@ fn exact(system: &BlockAndBracket, start: X, plan: &Plan, late: &dyn Fn() -> boo
         Err(_) => return Outcome::Failed,
     }
     let settings = SpectrumOptions::over(plan.from, plan.duration()).solver(options);
-    let mut watch = Watch::new(plan, late);
+    let mut watch = Watch::new(plan);
     let spectrum = lyapunov_spectrum_watched(system, (0.0, start), &settings, &mut watch);
-    if watch.interrupted {
-        return Outcome::Interrupted;
-    }
     match spectrum {
         Ok(spectrum) if spectrum.summary.ending == Ending::EndTime => {
             bounded(watch.kept, &spectrum.exponents, spectrum.duration)
@@ -99,20 +91,17 @@ fn bounded(kept: Trajectory, exponents: &[Exponent], duration: f64) -> Outcome {
     Outcome::Bounded(kept.series, evidence.class())
 }
 
-struct Watch<'a> {
+struct Watch {
     from: f64,
     points: usize,
     steps: usize,
     kept: Trajectory,
-    late: &'a dyn Fn() -> bool,
-    interrupted: bool,
 }
 
-impl Observer<4> for Watch<'_> {
+impl Observer<4> for Watch {
     fn step(&mut self, step: &StepRecord<4>) -> ControlFlow<()> {
         self.steps += 1;
-        self.interrupted = self.steps.is_multiple_of(1024) && (self.late)();
-        if self.interrupted || self.steps > MOST_STEPS {
+        if self.steps > MOST_STEPS {
             return ControlFlow::Break(());
         }
         while self.kept.series.len() < self.points {
@@ -135,15 +124,13 @@ impl Observer<4> for Watch<'_> {
     }
 }
 
-impl<'a> Watch<'a> {
-    fn new(plan: &Plan, late: &'a dyn Fn() -> bool) -> Self {
+impl Watch {
+    fn new(plan: &Plan) -> Self {
         Watch {
             from: plan.from,
             points: plan.points,
             steps: 0,
             kept: Trajectory::default(),
-            late,
-            interrupted: false,
         }
     }
 
