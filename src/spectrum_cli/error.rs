@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::analysis::data_spectrum::DataError;
+use crate::analysis::data_spectrum::{DataError, readable};
 use crate::figures::FigureError;
 
 /// Failure of the program `spectrum`.
@@ -46,7 +46,7 @@ pub enum SpectrumError {
         input: String,
     },
     /// A column that does not exist.
-    #[error("--columns: {wanted} is no column of {input}; it has {available}")]
+    #[error("--columns: '{wanted}' is no column of {input}; it has {available}")]
     Column {
         /// Path, or `standard input`.
         input: String,
@@ -54,6 +54,29 @@ pub enum SpectrumError {
         wanted: String,
         /// What there is.
         available: String,
+    },
+    /// The only column is the time.
+    #[error(
+        "the only column of {input}, {column}, was skipped as the time: give a file with the columns of the state too, or \
+         --columns {column} if this is the state"
+    )]
+    OnlyTime {
+        /// Path, or `standard input`.
+        input: String,
+        /// Name of the column.
+        column: String,
+    },
+    /// A name that several columns have.
+    #[error(
+        "--columns: '{wanted}' is ambiguous, columns {numbers} of {input} are called so; give the number instead"
+    )]
+    Ambiguous {
+        /// Path, or `standard input`.
+        input: String,
+        /// What was asked for.
+        wanted: String,
+        /// Numbers of the columns, counted from 1.
+        numbers: String,
     },
     /// A column asked for twice.
     #[error("--columns: {wanted} is given twice; give every column once")]
@@ -74,14 +97,14 @@ pub enum SpectrumError {
     #[error(transparent)]
     Data(DataError),
     /// The estimator refused what an option says.
-    #[error("{flag} = {value} is not allowed: it must be {bound}")]
+    #[error("{flag} = {} is not allowed: it must be {bound}", readable(*value))]
     Option {
         /// The option.
         flag: &'static str,
         /// Value given.
         value: f64,
-        /// What is allowed, in words.
-        bound: &'static str,
+        /// What is allowed, in words and numbers.
+        bound: String,
     },
     /// The folder for the picture, or the picture, cannot be written.
     #[error("cannot write {}: {source}; choose another folder with --out", path.display())]
@@ -105,6 +128,7 @@ impl SpectrumError {
         matches!(
             self,
             Self::Column { .. }
+                | Self::Ambiguous { .. }
                 | Self::Twice { .. }
                 | Self::EpsWithCount { .. }
                 | Self::Option { .. }

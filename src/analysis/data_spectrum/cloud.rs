@@ -23,7 +23,7 @@ pub(super) struct Cloud<const N: usize> {
 
 impl<const N: usize> Cloud<N> {
     /// # Errors
-    /// [`DataError::Constant`] if the points differ by rounding at most.
+    /// [`DataError::Constant`] if the points differ by rounding at most, [`DataError::Overflow`] if by too much.
     pub(super) fn new(series: &Series) -> Result<Self, DataError> {
         let constant = DataError::Constant { rows: series.len() };
         let (rows, _) = series.values().as_chunks::<N>();
@@ -31,10 +31,17 @@ impl<const N: usize> Cloud<N> {
             return Err(constant);
         };
         let mut extent: f64 = 0.0;
-        for row in rows {
-            for (v, origin) in row.iter().zip(first) {
+        // Two points may be on either side of the first, and differ so in all columns.
+        let farthest = 0.25 * f64::MAX / (N as f64).sqrt();
+        for (i, row) in rows.iter().enumerate() {
+            for (c, (v, origin)) in row.iter().zip(first).enumerate() {
                 // Halves first: the difference of two finite numbers may be infinite.
-                extent = extent.max((0.5 * v - 0.5 * origin).abs());
+                let half = (0.5 * v - 0.5 * origin).abs();
+                if half > farthest {
+                    let (row, column, value) = (i + 1, c + 1, *v);
+                    return Err(DataError::Overflow { row, column, value });
+                }
+                extent = extent.max(half);
             }
         }
         if extent == 0.0 {

@@ -43,6 +43,19 @@ pub enum DataError {
         /// Number of points.
         rows: usize,
     },
+    /// The points are so far apart that distances between them exceed the largest number.
+    #[error(
+        "row {row}, column {column} (counted from 1) is {value:e}, so far from row 1 that distances between points overflow: keep \
+         values below 1e307; multiply all columns by the same small factor, which changes no exponent"
+    )]
+    Overflow {
+        /// Row, counted from 1.
+        row: usize,
+        /// Column, counted from 1.
+        column: usize,
+        /// The value.
+        value: f64,
+    },
     /// Too few points for the neighbour counts and windows asked for.
     #[error(
         "{rows} points are too few: {needed} are needed for {neighbours} neighbours outside a Theiler window of {theiler} and \
@@ -69,14 +82,14 @@ pub enum DataError {
         max: usize,
     },
     /// A setting is not allowed.
-    #[error("setting {name} = {value} is not allowed: it must be {bound}")]
+    #[error("setting {name} = {} is not allowed: it must be {bound}", readable(*value))]
     Setting {
         /// Name as in [`super::DataSettings`] or [`super::Series`].
         name: &'static str,
         /// Value given.
         value: f64,
-        /// What is allowed, in words.
-        bound: &'static str,
+        /// What is allowed, in words and numbers.
+        bound: String,
     },
     /// The search tree could not be built.
     #[error("cannot build the search tree over {rows} points: {cause}; please report this")]
@@ -86,4 +99,13 @@ pub enum DataError {
         /// What its crate said.
         cause: String,
     },
+}
+
+/// A number for messages and headings: with an exponent where it would otherwise be a row of zeros.
+pub(crate) fn readable(value: f64) -> String {
+    if value == 0.0 || (1e-4..1e6).contains(&value.abs()) {
+        format!("{value}")
+    } else {
+        format!("{value:e}")
+    }
 }

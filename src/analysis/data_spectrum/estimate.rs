@@ -195,7 +195,8 @@ fn estimate<const N: usize>(
         fixed_rank,
         directions,
         spread: cloud.unit * cloud.spread,
-        mean_eps: cloud.unit * distances / references as f64,
+        // The sum alone may be too large for the unit.
+        mean_eps: cloud.unit * (distances / references as f64),
         neighbours: counts(&locals),
         references,
         starved,

@@ -69,6 +69,7 @@ mod svd;
 
 pub use directions::{Direction, Kind};
 pub use error::DataError;
+pub(crate) use error::readable;
 pub use estimate::{data_spectrum, data_spectrum_with};
 pub use result::{Counts, DataExponent, DataSpectrum, Running, Status};
 pub use series::{MAX_COLUMNS, Series};

@@ -30,7 +30,7 @@ impl Series {
             return Err(DataError::Setting {
                 name: "dt",
                 value: dt,
-                bound: "finite and > 0",
+                bound: "finite and > 0".into(),
             });
         }
         if !values.len().is_multiple_of(columns) {

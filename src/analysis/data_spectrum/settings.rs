@@ -92,24 +92,25 @@ impl DataSettings {
     /// # Errors
     /// [`DataError::Setting`] with the first setting that is not allowed.
     pub(super) fn check(&self, columns: usize) -> Result<(), DataError> {
-        let refuse = |name, value, bound| Err(DataError::Setting { name, value, bound });
+        let refuse = |name, value, bound: String| Err(DataError::Setting { name, value, bound });
         // With as many neighbours as unknowns every map fits them, and nothing is left to judge it by.
         let unknowns = columns + usize::from(self.affine);
         let bound = if self.affine {
-            "above the number of columns plus one, for the affine fit"
+            format!("above the number of columns plus one for the affine fit, {unknowns}")
         } else {
-            "above the number of columns"
+            format!("above the number of columns, {unknowns}")
         };
         match self.neighbours {
             Neighbourhood::Ball { eps, min, max } => {
                 if !(eps > 0.0 && eps.is_finite()) {
-                    return refuse("eps", eps, "finite and > 0, a fraction of the spread");
+                    let bound = "finite and > 0, a fraction of the spread";
+                    return refuse("eps", eps, bound.into());
                 }
                 if min <= unknowns {
                     return refuse("min", min as f64, bound);
                 }
                 if max < min {
-                    return refuse("max", max as f64, "at least min");
+                    return refuse("max", max as f64, format!("at least the minimum, {min}"));
                 }
             }
             Neighbourhood::Nearest(k) if k <= unknowns => {
@@ -118,26 +119,28 @@ impl DataSettings {
             Neighbourhood::Nearest(_) => {}
         }
         if self.step == 0 {
-            return refuse("step", 0.0, "at least 1");
+            return refuse("step", 0.0, "at least 1".into());
         }
         if self.stride == 0 || !self.step.is_multiple_of(self.stride) {
-            return refuse("stride", self.stride as f64, "a divisor of the step");
+            let bound = format!("a divisor of the step, {}", self.step);
+            return refuse("stride", self.stride as f64, bound);
         }
         if !(0.0..1.0).contains(&self.rank_tolerance) {
-            return refuse("rank_tolerance", self.rank_tolerance, "in [0, 1)");
+            return refuse("rank_tolerance", self.rank_tolerance, "in [0, 1)".into());
         }
         if !(self.ridge >= 0.0 && self.ridge.is_finite()) {
-            return refuse("ridge", self.ridge, "finite and >= 0");
+            return refuse("ridge", self.ridge, "finite and >= 0".into());
         }
         if let Some(rank) = self.fixed_rank
             && !(1..=columns).contains(&rank)
         {
-            return refuse("fixed_rank", rank as f64, "1 to the number of columns");
+            let bound = format!("1 to the number of columns, {columns}");
+            return refuse("fixed_rank", rank as f64, bound);
         }
         if let Some(references) = self.references
             && references < FEWEST_REFERENCES
         {
-            let bound = "at least 20, as fewer give no standard error";
+            let bound = format!("at least {FEWEST_REFERENCES}, as fewer give no standard error");
             return refuse("references", references as f64, bound);
         }
         Ok(())
