@@ -105,13 +105,26 @@ fn reads_standard_input_and_chooses_columns() {
             .arg("x,y")
             .write_stdin(text.clone()),
     );
-    let by_number = succeed(program().args(arguments).arg("2,3").write_stdin(text));
+    let by_number = succeed(
+        program()
+            .args(arguments)
+            .arg("2, 3")
+            .write_stdin(text.clone()),
+    );
     let plain = succeed(
         program()
             .args(["-", "--dt", "1", "--csv"])
             .write_stdin(henon(false)),
     );
     assert_eq!(by_name, by_number);
+    // A name that two columns have chooses none of them.
+    program()
+        .args(arguments)
+        .arg("x")
+        .write_stdin(text.replacen("n,x,y", "x,x,y", 1))
+        .assert()
+        .code(2)
+        .stderr(contains("columns 1 and 2 of standard input are called so"));
     assert_eq!(by_name, plain);
 }
 
@@ -179,6 +192,14 @@ fn bad_files_are_failures_that_say_where() {
         ("1,2\n3,NaN\n", "line 2, column 2: 'NaN' is not finite"),
         ("", "no data"),
         ("x,y\r\n", "no data"),
+        (
+            "t\n0\n1\n",
+            "the only column of standard input, t, was skipped as the time",
+        ),
+        (
+            &"1e308,1\n-1e308,2\n1e308,3\n".repeat(50),
+            "row 2, column 1 (counted from 1) is -1e308",
+        ),
         ("1 2\n3 4\n", "separate the columns by commas"),
         ("1,5;2,5\n1,5;2,5\n", "decimal comma"),
         (
@@ -213,14 +234,18 @@ fn wrong_command_lines_end_with_two() {
         (vec!["-", "--dt", "1", "--step", "-1"], "'-1'"),
         (vec!["-", "--dt", "1", "--eps", "-0.1"], "--eps = -0.1"),
         (vec!["-", "--dt", "1", "--ridge", "-1"], "--ridge = -1"),
-        (vec!["-", "--dt", "1", "--rank", "9"], "--rank = 9"),
+        (
+            vec!["-", "--dt", "1", "--rank", "9"],
+            "--rank = 9 is not allowed: it must be 1 to the number of columns, 2",
+        ),
+        (vec!["-", "--dt=-1e-300"], "--dt = -1e-300 is"),
         (
             vec!["-", "--dt", "1", "--references", "1"],
             "--references = 1",
         ),
         (
             vec!["-", "--dt", "1", "--neighbours", "2-9"],
-            "--neighbours, minimum = 2",
+            "--neighbours, minimum = 2 is not allowed: it must be above the number of columns, 2",
         ),
         (
             vec!["-", "--dt", "1", "--rank-tolerance", "1"],
@@ -258,7 +283,30 @@ fn doubtful_spectra_come_with_a_warning() {
             henon(false),
             vec!["--eps", "1e-9"],
             "starved",
-            "larger --eps",
+            "give more points or fewer --neighbours",
+        ),
+        (
+            henon(false),
+            vec!["--eps", "1e-9", "--neighbours", "12-30"],
+            "starved",
+            "give a larger --eps",
+        ),
+        (
+            henon(false),
+            vec!["--rank", "1"],
+            "ok",
+            "exponent 1: the fit of rank 1 gives",
+        ),
+        (
+            henon(false)
+                .lines()
+                .enumerate()
+                .map(|(i, line)| format!("{},{line}\n", 0.25 * i as f64))
+                .collect(),
+            vec![],
+            "starved",
+            "column 1 goes on evenly by 0.25000 from row to row, as a time or an index does, and is used as part of the state: \
+             leave it out with --columns 2,3",
         ),
         (column, vec![], "unpredictable", "all columns of the state"),
         (
@@ -353,6 +401,13 @@ fn help_has_examples_and_explains_the_status() {
         "Exit codes",
         "statistical only",
         "eps_sensitivity",
+        "by rank r",
+        "slope",
+        "residual ratio",
+        "--step 5 --affine",
+        "collapses",
+        "undetermined",
+        "fixed_rank",
     ] {
         assert!(help.contains(word), "{word}");
     }
@@ -379,4 +434,15 @@ fn huge_settings_are_refused() {
         .assert()
         .code(2)
         .stderr(contains("--eps"));
+}
+
+/// Long rows of zeros are written as powers of ten.
+#[test]
+fn tiny_steps_are_readable() {
+    let table = succeed(
+        program()
+            .args(["-", "--dt", "1e-300"])
+            .write_stdin(henon(false)),
+    );
+    assert!(table.contains("dt = 1e-300\n"), "{table}");
 }

@@ -34,23 +34,35 @@ const AFTER: &str = "\
 Status of an exponent:
   ok            the series has points in its direction, and nothing else speaks against it
   unstable      with neighbourhoods of twice the size it is another by more than 4 stderr and 5 %: biased
-  starved       most balls held too few neighbours, so that the nearest were taken at any distance; enlarge --eps
+  starved       most balls held too few neighbours, so that the nearest were taken at any distance: give more points or fewer
+                --neighbours; a larger --eps helps only if the maximum of --neighbours is above the minimum
   unpredictable the maps do not predict the next state: noise, or columns of the state are missing
-  unidentified  it has not: the value, in brackets in the table, comes from curvature, noise or rounding
+  unidentified  the series has no points in its direction: the value, in brackets in the table, comes from curvature, noise or
+                rounding and is none of the system's
   annihilated   minus infinity: maps that the data determine take the direction to nothing
 
 stderr is statistical only and knows nothing of bias. eps_sensitivity (table and --json) is by how much the exponent changes
 with neighbourhoods of twice the size, a measure of the bias. Columns are used as they are, not standardised: bring
-them to comparable units first.
+them to comparable units first. Flows that are sampled densely gain from --step 5 --affine.
+
+Further columns of the table:
+  by rank r     the exponent by a second fit, restricted to the r tangent directions (r is set by --rank); where it differs from the
+                first by much more than both errors, believe neither
+  direction     what neighbours do in the direction of that number, by decreasing size: tangent (they spread in proportion to the
+                neighbourhood), curvature (with a higher power), noise (to the same extent at all sizes), flat (not at all)
+  slope         of that spread over the radius, both logarithmic: 1 tangent, 2 curvature, 0 noise
+The residual ratio is what the maps leave unexplained of the neighbours' motion: near 0 for a deterministic system, 1 for noise.
 
 Exit codes: 0 done (warnings go to standard error), 1 a bad file or a failure, 2 a wrong command line.
 
 Output for machines:
   --csv   index,exponent,stderr,status; -inf if annihilated, an empty cell where there is no value
   --json  an object with settings and exponents, a list of {index, exponent, stderr, status, …}, and warnings; null for -inf and where
-          there is no value
+          there is no value. Of an exponent also: eps_sensitivity; fixed_rank and fixed_rank_stderr, the second fit; collapses,
+          the number of reference points at which its direction is annihilated; undetermined, of those whose neighbours do not
+          determine it
 
-A column named t or time is not used, but its steps are held against --dt. Lines that start with # are skipped.
+A column named t or time is not used, but its steps are held against --dt; of others that go on as evenly a warning tells. Lines that start with # are skipped.
 
 Examples:
   spectrum lorenz.csv --dt 0.02
@@ -258,7 +270,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, SpectrumError> {
     };
     Ok(Outcome {
         text,
-        warnings: warnings(&spectrum),
+        warnings: warnings(&spectrum, &source),
     })
 }
 

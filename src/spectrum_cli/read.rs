@@ -6,6 +6,7 @@ use std::path::Path;
 use csv::StringRecord;
 
 use super::error::SpectrumError;
+use crate::analysis::data_spectrum::readable;
 
 /// Rows may be further apart in time than `dt` by this part of it.
 const UNEVEN: f64 = 0.01;
@@ -21,6 +22,24 @@ pub struct Table {
     pub names: Vec<String>,
     /// Values, row after row.
     pub values: Vec<f64>,
+}
+
+impl Table {
+    /// Columns whose values rise or fall evenly from row to row, as a time or an index does and no recurrent state, with their step.
+    pub fn even_columns(&self) -> impl Iterator<Item = (usize, f64)> {
+        (0..self.names.len()).filter_map(|column| Some((column, self.even_step(column)?)))
+    }
+
+    fn even_step(&self, column: usize) -> Option<f64> {
+        let rows = self.values.chunks_exact(self.names.len());
+        let values: Vec<f64> = rows.map(|row| row[column]).collect();
+        let (first, last) = (values.first()?, values.last()?);
+        // Two rows are even whatever they hold.
+        let steps = values.len().checked_sub(1).filter(|&steps| steps > 1)?;
+        let mean = (last - first) / steps as f64;
+        let even = |pair: &[f64]| (pair[1] - pair[0] - mean).abs() <= UNEVEN * mean.abs();
+        (mean != 0.0 && values.windows(2).all(even)).then_some(mean)
+    }
 }
 
 /// Reads the columns `wanted` (numbers counted from 1, or names; none for all but a time column) of `path`, `-` for standard
@@ -78,6 +97,10 @@ pub fn parse(
         .all(|cell| cell.parse::<f64>().is_err())
         .then(|| record.clone());
     let layout = Layout::new(&input, bytes, record.len(), header.as_ref(), wanted)?;
+    if layout.columns.is_empty() {
+        let column = layout.name(layout.time.unwrap_or(0));
+        return Err(SpectrumError::OnlyTime { input, column });
+    }
     let mut values = Vec::new();
     let mut last_time = None;
     let mut more = header.is_none() || advance(&mut reader, bytes, &mut record, &input)?;
@@ -192,11 +215,7 @@ impl<'a> Layout<'a> {
             layout.columns = (0..count).filter(|&c| Some(c) != time).collect();
         }
         for name in wanted {
-            let column = layout.find(name).ok_or_else(|| SpectrumError::Column {
-                input: input.to_owned(),
-                wanted: name.clone(),
-                available: layout.available(),
-            })?;
+            let column = layout.find(name.trim())?;
             if layout.columns.contains(&column) {
                 return Err(SpectrumError::Twice {
                     wanted: name.clone(),
@@ -214,15 +233,32 @@ impl<'a> Layout<'a> {
     }
 
     /// Names come first: a column may be called 2.
-    fn find(&self, wanted: &str) -> Option<usize> {
-        let by_name = self
-            .names
-            .as_ref()
-            .and_then(|names| names.iter().position(|name| name == wanted));
-        by_name.or_else(|| {
-            let number: usize = wanted.parse().ok()?;
-            (1..=self.count).contains(&number).then(|| number - 1)
-        })
+    fn find(&self, wanted: &str) -> Result<usize, SpectrumError> {
+        let names = self.names.iter().flatten().enumerate();
+        let called: Vec<usize> = names
+            .filter(|(_, name)| *name == wanted)
+            .map(|(column, _)| column)
+            .collect();
+        match called[..] {
+            [column] => return Ok(column),
+            [] => {}
+            _ => {
+                let numbers: Vec<String> = called.iter().map(|c| (c + 1).to_string()).collect();
+                return Err(SpectrumError::Ambiguous {
+                    input: self.input.to_owned(),
+                    wanted: wanted.to_owned(),
+                    numbers: numbers.join(" and "),
+                });
+            }
+        }
+        match wanted.parse::<usize>() {
+            Ok(number) if (1..=self.count).contains(&number) => Ok(number - 1),
+            _ => Err(SpectrumError::Column {
+                input: self.input.to_owned(),
+                wanted: wanted.to_owned(),
+                available: self.available(),
+            }),
+        }
     }
 
     fn available(&self) -> String {
@@ -300,8 +336,9 @@ impl<'a> Layout<'a> {
             return Ok(());
         }
         let cause = format!(
-            "the time goes from {last} to {time}, not on by dt = {dt}; correct --dt, cut the file at the gap, or choose columns \
-             with --columns if this is not the time"
+            "the time goes from {last} to {time}, not on by dt = {}; correct --dt, cut the file at the gap, or choose columns \
+             with --columns if this is not the time",
+            readable(dt)
         );
         Err(self.cell(record, column, cause))
     }
@@ -345,6 +382,14 @@ mod tests {
                 .contains("1 to 3 (a, b, c)")
         );
         assert!(table(text, &["a", "1"]).unwrap_err().contains("twice"));
+        assert_eq!(table(text, &[" c", "a "]).unwrap().values, [3.0, 1.0]);
+        let twins = "a,b,a\n1,2,3\n";
+        let ambiguous = table(twins, &["b", "a"]).unwrap_err();
+        assert!(
+            ambiguous.contains("'a'") && ambiguous.contains("1 and 3"),
+            "{ambiguous}"
+        );
+        assert_eq!(table(twins, &["3", "b"]).unwrap().values, [3.0, 2.0]);
         // A column that is not read may hold anything.
         assert_eq!(
             table("n,x\none,1\ntwo,2\n", &["x"]).unwrap().values,
@@ -358,6 +403,19 @@ mod tests {
         let gap = table("Time,x\n0,7\n0.5,8\n1.5,9\n", &[]).unwrap_err();
         assert!(gap.starts_with("f, line 4, column 1 (Time): "), "{gap}");
         assert_eq!(table("t,x\n0,7\n9,8\n", &["t"]).unwrap().values, [0.0, 9.0]);
+        let only = table("t\n0\n0.5\n", &[]).unwrap_err();
+        assert!(only.contains("skipped as the time"), "{only}");
+    }
+
+    #[test]
+    fn columns_that_count_are_found() {
+        let even =
+            |text| -> Vec<(usize, f64)> { table(text, &[]).unwrap().even_columns().collect() };
+        // A time that is rounded is one all the same.
+        assert_eq!(even("0,1,9\n1,4,6\n2,9,3\n"), [(0, 1.0), (2, -3.0)]);
+        assert_eq!(even("x\n0.333\n0.667\n1.000\n").len(), 1);
+        assert_eq!(even("0,1\n1,1\n2.1,1\n"), []);
+        assert_eq!(even("0,1\n1,2\n"), []);
     }
 
     #[test]

@@ -6,11 +6,13 @@ use serde_json::{Value, json};
 
 use super::error::SpectrumError;
 use super::read::Table;
-use crate::analysis::data_spectrum::{DataExponent, DataSpectrum, Neighbourhood, Status};
+use crate::analysis::data_spectrum::{DataExponent, DataSpectrum, Neighbourhood, Status, readable};
 use crate::figures::FigureError;
 
 /// With a larger part of the reference points starved there is a warning.
 const STARVED: f64 = 0.1;
+/// The two fits disagree where they differ by more than so many standard errors of the difference.
+const COMBINED_ERRORS: f64 = 4.0;
 
 /// The spectrum and its evidence, for the terminal.
 pub fn table(spectrum: &DataSpectrum, source: &Table, dt: f64) -> String {
@@ -18,10 +20,11 @@ pub fn table(spectrum: &DataSpectrum, source: &Table, dt: f64) -> String {
     // Writing to a string cannot fail.
     let _ = writeln!(
         text,
-        "{}: {} points of ({}), dt = {dt}\n",
+        "{}: {} points of ({}), dt = {}\n",
         source.input,
         source.values.len() / source.names.len().max(1),
         source.names.join(", "),
+        readable(dt),
     );
     let _ = writeln!(
         text,
@@ -86,15 +89,19 @@ pub fn table(spectrum: &DataSpectrum, source: &Table, dt: f64) -> String {
 }
 
 /// What makes the spectrum doubtful, each with its remedy.
-pub fn warnings(spectrum: &DataSpectrum) -> Vec<String> {
-    let mut warnings = Vec::new();
+pub fn warnings(spectrum: &DataSpectrum, source: &Table) -> Vec<String> {
+    let mut warnings = counting(source);
     let part = spectrum.starved as f64 / spectrum.references as f64;
     if part > STARVED {
         let remedy = match spectrum.settings.neighbours {
-            Neighbourhood::Ball { min, .. } => format!(
-                "the ball held fewer than {min} neighbours and the nearest {min} were taken; mean eps is {} of the spread: give a \
-                 larger --eps, fewer --neighbours, or more points",
-                short(spectrum.mean_eps / spectrum.spread)
+            Neighbourhood::Ball { min, max, .. } => format!(
+                "the ball held fewer than {min} neighbours and the nearest {min} were taken; mean eps is {} of the spread: give {}",
+                short(spectrum.mean_eps / spectrum.spread),
+                if max > min {
+                    "a larger --eps, fewer --neighbours, or more points"
+                } else {
+                    "more points or fewer --neighbours (a larger --eps would take the same neighbours and only remove this warning)"
+                }
             ),
             Neighbourhood::Nearest(k) => {
                 format!(
@@ -128,12 +135,57 @@ pub fn warnings(spectrum: &DataSpectrum) -> Vec<String> {
              try a smaller --step, fewer --neighbours, --affine, or more points"
         ));
     }
+    warnings.extend(disagreements(spectrum));
     warnings
+}
+
+/// A time or an index makes every point its own: it is no coordinate of a state.
+fn counting(source: &Table) -> Vec<String> {
+    let warn = |(column, step): (usize, f64)| {
+        let others = source.names.iter().enumerate();
+        let others: Vec<&str> = others
+            .filter(|(other, _)| *other != column)
+            .map(|(_, name)| name.as_str())
+            .collect();
+        let remedy = if others.is_empty() {
+            "give the columns of the state with --columns".to_owned()
+        } else {
+            format!("leave it out with --columns {}", others.join(","))
+        };
+        format!(
+            "column {} goes on evenly by {} from row to row, as a time or an index does, and is used as part of the state: {remedy}",
+            source.names[column],
+            short(step)
+        )
+    };
+    source.even_columns().map(warn).collect()
+}
+
+/// Exponents that nothing else speaks against, but on which the two fits differ.
+fn disagreements(spectrum: &DataSpectrum) -> Vec<String> {
+    let warn = |(i, exponent): (usize, &DataExponent)| {
+        let (value, stderr) = exponent.fixed_rank?;
+        let difference = value - exponent.value;
+        let variance = stderr * stderr + exponent.stderr * exponent.stderr;
+        let far = difference * difference > COMBINED_ERRORS * COMBINED_ERRORS * variance;
+        (exponent.status == Status::Ok && far).then(|| {
+            format!(
+                "exponent {i}: the fit of rank {} gives {} instead of {}; the two disagree: treat both as uncertain by their \
+                 difference",
+                spectrum.fixed_rank,
+                short(value),
+                short(exponent.value)
+            )
+        })
+    };
+    (1..).zip(&spectrum.exponents).filter_map(warn).collect()
 }
 
 fn neighbourhood(neighbours: &Neighbourhood) -> String {
     match neighbours {
-        Neighbourhood::Ball { eps, min, max } => format!("eps {eps}, neighbours {min}-{max}"),
+        Neighbourhood::Ball { eps, min, max } => {
+            format!("eps {}, neighbours {min}-{max}", readable(*eps))
+        }
         Neighbourhood::Nearest(k) => format!("nearest {k}"),
     }
 }
@@ -254,7 +306,7 @@ pub fn json(spectrum: &DataSpectrum, source: &Table, dt: f64) -> Result<String, 
             "starved": spectrum.starved,
         },
         "residual_ratio": spectrum.residual_ratio,
-        "warnings": warnings(spectrum),
+        "warnings": warnings(spectrum, source),
     });
     Ok(format!("{}\n", serde_json::to_string_pretty(&document)?))
 }
