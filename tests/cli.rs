@@ -103,6 +103,7 @@ fn help_tells_what_is_written(mut program: Command, name: &str) {
         predicate::str::contains("--out-dir")
             .and(predicate::str::contains("--png"))
             .and(predicate::str::contains(format!("{name}.csv")))
+            .and(predicate::str::contains("status where rows have one"))
             .and(predicate::str::contains("Examples")),
     );
 }
