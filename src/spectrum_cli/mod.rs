@@ -62,7 +62,8 @@ Output for machines:
           the number of reference points at which its direction is annihilated; undetermined, of those whose neighbours do not
           determine it
 
-A column named t or time is not used, but its steps are held against --dt; of others that go on as evenly a warning tells. Lines that start with # are skipped.
+A column named t or time is not used, but its steps are held against --dt; of others that go on as evenly a warning tells. Lines
+that start with # are skipped.
 
 Examples:
   spectrum lorenz.csv --dt 0.02
