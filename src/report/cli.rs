@@ -106,7 +106,7 @@ pub fn run(
         ledger,
         convergence,
         scan,
-        origin: Origin::of(&arguments.out_dir),
+        origin: Origin::ask(),
     };
     let page = file("index.html", page(&report));
     paths.extend(write_all(&folders[0], &[claims, page])?);

@@ -4,15 +4,15 @@ use std::fmt;
 
 use crate::paper::published::{Claim, Digits};
 
-/// Digits that a double has, for values that are published in closed form.
-const EXACT_DIGITS: u32 = 16;
+/// Digits that count of values that are published in closed form: those that [`Claim::agrees`] asks for.
+const EXACT_DIGITS: u32 = 12;
 
 /// How far a value agrees with a published one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Agreement {
     /// Leading significant digits that agree: the value is within half a unit of the last of them.
     pub agreeing: u32,
-    /// Significant digits that are printed; a printed zero counts as one, a closed form as 16.
+    /// Significant digits that are printed; a printed zero counts as one, a closed form as 12.
     pub printed: u32,
 }
 
@@ -122,8 +122,8 @@ mod tests {
 
     #[test]
     fn closed_forms_count_to_rounding() {
-        assert_eq!(of("0;0.5", "exact", 0.5), "16 of 16");
-        assert_eq!(of("0;0.5", "exact", 1e-17), "16 of 16");
-        assert_eq!(of("0;0.5", "exact", 0.5 + 1e-9), "8 of 16");
+        assert_eq!(of("0;0.5", "exact", 0.5), "12 of 12");
+        assert_eq!(of("0;0.5", "exact", 1e-17), "12 of 12");
+        assert_eq!(of("0;0.5", "exact", 0.5 + 1e-9), "8 of 12");
     }
 }

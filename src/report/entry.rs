@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::digits::Agreement;
+use super::readme;
 use crate::figures::rows::Value;
 use crate::paper::published::Claim;
 
@@ -101,8 +102,7 @@ impl ReadingValue {
             .values
             .iter()
             .map(|value| match value {
-                // Without the sign of a zero.
-                Value::Number(v) if v.is_finite() => format!("{:.decimals$}", v + 0.0),
+                Value::Number(v) if v.is_finite() => readme::decimals(*v, decimals),
                 other => other.to_string(),
             })
             .collect();
@@ -145,6 +145,16 @@ pub struct Spread {
     pub largest: f64,
     /// Over what.
     pub over: String,
+}
+
+impl Spread {
+    /// Whether the published value lies in it.
+    pub fn holds(&self, claim: &Claim) -> bool {
+        let published = claim.values();
+        published
+            .first()
+            .is_some_and(|v| (self.least..=self.largest).contains(v))
+    }
 }
 
 /// Everything about one claim.

@@ -11,7 +11,7 @@ use crate::figures::{
     FigureError, FigureSpec, fig04::Fig04, fig06::Fig06, fig07::Fig07, fig08::Fig08, fig10::Fig10,
     fig11::Fig11, fig12::Fig12,
 };
-use crate::paper::published::Claim;
+use crate::paper::published::{Claim, Kind};
 
 /// One figure's table.
 #[derive(Clone, Debug, PartialEq)]
@@ -166,14 +166,20 @@ pub fn readings_of(claim: &Claim, claims: &[Claim], tables: &[Table]) -> Vec<Rea
             }
             let digits = match &row.value {
                 Value::Number(value) => agreement(claim, *value),
+                // How many members a set has is no member.
+                _ if claim.kind == Kind::Set => continue,
                 _ => None,
             };
+            let by_alias = !row.id.starts_with(claim.id.as_str());
+            let detail = by_alias && claim.kind != Kind::Set;
             let known = readings[first..]
                 .iter_mut()
                 .find(|one| one.reading == row.reading);
             match known {
                 Some(known) => {
-                    known.values.push(row.value.clone());
+                    if !detail {
+                        known.values.push(row.value.clone());
+                    }
                     known.agrees &= agrees;
                     known.digits = match (known.digits, digits) {
                         (Some(one), Some(other)) => Some(one.and(other)),

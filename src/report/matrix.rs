@@ -54,10 +54,11 @@ impl Cell {
     pub fn class(&self) -> String {
         match self.motion {
             Motion::StickSlip { sticks, period } => {
-                format!("stick–slip, {sticks} stick phases in {period} forcing periods")
+                let plural = if period == 1 { "" } else { "s" };
+                format!("stick–slip, {sticks} stick phases in {period} forcing period{plural}")
             }
             Motion::SlipOnly { period } => format!("slip only, period {period}"),
-            Motion::Stalled { t } => format!("the clock stands at {t:.4} s"),
+            Motion::Stalled { t } => format!("hangs: the clock stands at {t:.4} s"),
             Motion::Escaped { t } => format!("escapes at {t:.4} s"),
             Motion::BrokenDown { t } => format!("breaks down at {t:.4} s"),
             _ => "no pattern repeats".into(),
@@ -168,36 +169,47 @@ impl Matrix {
 
     /// Which defects are necessary and which sufficient for the published digits, and for the published class.
     pub fn sentence(&self) -> String {
-        let digits = self.about("all four numbers to the printed digits", Cell::gives_digits);
-        let class = self.about(
-            "the published class, two stick phases in two forcing periods",
-            Cell::gives_class,
-        );
-        format!("{digits} {class}")
+        format!(
+            "Of all {SUBSETS} subsets of the listing's defects {}; {}.",
+            self.about(
+                "the four published numbers to all printed digits",
+                Cell::gives_digits
+            ),
+            self.about("the published kind of motion", Cell::gives_class),
+        )
     }
 
     fn about(&self, what: &str, property: Property) -> String {
         let count = self.having(property).count();
         if count == 0 {
-            return format!("None of the {SUBSETS} subsets of the defects gives {what}.");
+            return format!("none gives {what}");
         }
-        let necessary = match self.necessary(property)[..] {
-            [] => "no defect is in all of them".to_owned(),
-            ref all => format!("necessary (in all of them): {}", list(all)),
-        };
         let minimal = self.minimal(property);
-        let sufficient: Vec<String> = minimal
-            .iter()
-            .map(|cell| format!("{{{}}}", list(&cell.present)))
-            .collect();
-        let idle = match self.irrelevant(property)[..] {
-            [] => String::new(),
-            ref all => format!("; without influence on it: {}", list(all)),
+        let necessary = self.necessary(property);
+        let conditions = match &minimal[..] {
+            [only] if only.present == necessary => {
+                format!("{} are necessary and together sufficient", list(&necessary))
+            }
+            several => {
+                let sets: Vec<String> = several
+                    .iter()
+                    .map(|cell| format!("{{{}}}", list(&cell.present)))
+                    .collect();
+                let needed = match &necessary[..] {
+                    [] => "no defect is necessary".to_owned(),
+                    all => format!("{} necessary", list(all)),
+                };
+                format!(
+                    "{needed}, and one of the least sets {} sufficient",
+                    sets.join(" or ")
+                )
+            }
         };
-        format!(
-            "Of the {SUBSETS} subsets of the listing's defects {count} give {what}; {necessary}; sufficient (least sets): {}{idle}.",
-            sufficient.join(" or ")
-        )
+        let idle = match &self.irrelevant(property)[..] {
+            [] => String::new(),
+            all => format!(", {} without influence", list(all)),
+        };
+        format!("{count} give {what}: {conditions}{idle}")
     }
 }
 

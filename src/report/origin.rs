@@ -1,13 +1,13 @@
 //! Which commit and compiler made a report.
 
-use std::path::Path;
 use std::process::Command;
 
 use super::page::Origin;
 
 impl Origin {
-    /// Asks git about the folder and the compiler about itself; what does not answer stays unknown.
-    pub(super) fn of(folder: &Path) -> Origin {
+    /// Asks git about the project's folder and the compiler about itself; what does not answer stays unknown.
+    pub(super) fn ask() -> Origin {
+        let folder = env!("CARGO_MANIFEST_DIR");
         let git = |arguments: &[&str]| {
             let mut command = Command::new("git");
             first_line(command.arg("-C").arg(folder).args(arguments))
@@ -21,6 +21,7 @@ impl Origin {
                 "src",
                 "data",
                 "assets",
+                "Cargo.toml",
                 "Cargo.lock",
             ]) {
                 None => commit,

@@ -98,20 +98,22 @@ pub(super) fn shown(entry: &Entry, reading: &ReadingValue) -> String {
         .iter()
         .map(|value| match value {
             Value::Number(v) if *v == f64::NEG_INFINITY => "−∞".to_owned(),
-            Value::Number(v) if v.is_finite() => {
-                // A zero has no sign.
-                let text = format!("{v:.decimals$}");
-                let is_zero = text.chars().all(|c| "-0.".contains(c));
-                minus(if is_zero {
-                    text.trim_start_matches('-')
-                } else {
-                    &text
-                })
-            }
+            Value::Number(v) if v.is_finite() => self::decimals(*v, decimals),
             other => other.to_string(),
         })
         .collect();
     texts.join("; ")
+}
+
+/// A number with so many decimals and a true minus sign; a zero has none.
+pub(super) fn decimals(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    let is_zero = text.chars().all(|c| "-0.".contains(c));
+    minus(if is_zero {
+        text.trim_start_matches('-')
+    } else {
+        &text
+    })
 }
 
 /// With a true minus sign where a number begins with a hyphen.

@@ -339,7 +339,9 @@ impl Scan {
                 .to_owned()
         } else {
             format!(
-                " Changing one parameter by up to a factor of two, stick–slip of period two appears for {}.",
+                " Changing one parameter by up to a factor of two ({VALUES} factors, {:.1} % apart; narrower windows would be missed), stick–slip of \
+                 period two appears for {}.",
+                100.0 * (math::pow(4.0, 1.0 / (VALUES - 1) as f64) - 1.0),
                 ranges.join(", ")
             )
         };

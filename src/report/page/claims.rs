@@ -27,6 +27,14 @@ pub(super) fn section(ledger: &Ledger) -> Markup {
                     }
                 }
             }
+            p.soft {
+                b { "exact" } ": the stated model solved accurately (" b { "/equations" } ", " b { "/data" } ": exponents from the equations, and by \
+                Eqs. (25)–(26) from the sampled motion). " b { "as-printed" } ": the paper's program or equations to the letter. "
+                b { "slip-times-three" } ": the event-exact solver with the program's two defects that outlast a vanishing step. "
+                b { "least-set" } ": the mended program with the fewest defects that give all four numbers. "
+                b { "best-of-readings" } ": what a search over 1248 ways to read Figs. 10–12 ranks first. "
+                b { "unidentified" } ": the data do not determine that exponent."
+            }
             table.sortable.cards {
                 caption { "Every quantity and statement that the paper publishes, in its order." }
                 thead {
@@ -75,7 +83,11 @@ fn row(place: usize, entry: &Entry) -> Markup {
             td data-column="Evidence" {
                 @if let Some(cause) = &entry.cause { p { b { "Cause: " } (cause.text) } }
                 @if let Some(spread) = &entry.spread {
-                    p { "From " (four(spread.least)) " to " (four(spread.largest)) " over " (spread.over) "." }
+                    p {
+                        "From " (rounded(spread.least)) " to " (rounded(spread.largest)) " over " (spread.over) ": "
+                        b { @if spread.holds(&entry.claim) { "holds" } @else { "does not hold" } }
+                        " the published value."
+                    }
                 }
                 @match &entry.evidence[..] {
                     [] => {}
@@ -131,15 +143,22 @@ fn meaning(verdict: Verdict) -> &'static str {
         }
         Verdict::AsPrintedOnly => {
             "the printed program or formula gives it, the stated model does not, and putting exactly the named defects into an \
-             accurate solver gives it too"
+             accurate solver, or into the mended program where it is shown to be as accurate, gives it too"
         }
-        Verdict::ClassOnly => "the kind of motion or the sign is right, the digits are not",
+        Verdict::ClassOnly => {
+            "the kind of motion is right, or the exponent has the sign that the captioned kind demands; the digits are not"
+        }
         Verdict::NotReproduced => "no tested reading gives it",
     }
 }
 
-fn four(value: f64) -> String {
-    minus(&format!("{value:.4}"))
+/// Four decimals as the paper prints, two digits of what these would show as zero.
+fn rounded(value: f64) -> String {
+    if value != 0.0 && value.abs() < 1e-3 {
+        minus(&format!("{value:.1e}"))
+    } else {
+        minus(&format!("{value:.4}"))
+    }
 }
 
 /// A reading's values and, in brackets, what they are worth.

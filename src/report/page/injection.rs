@@ -4,8 +4,10 @@ use maud::{Markup, html};
 
 use super::super::ledger::Ledger;
 use super::super::matrix::{Cell, FOUR};
+use super::super::scan::{Class, Point};
 use super::figures::figure;
 use super::{Report, heading};
+use crate::paper::listing::Defect;
 
 /// Short headings of the four numbers.
 const NUMBERS: [&str; 4] = [
@@ -20,8 +22,14 @@ pub(super) fn cause(report: &Report) -> Markup {
     html! {
         section aria-labelledby="cause" {
             (heading("cause"))
-            p { "The Appendix's program has seven defects. Each is a switch here, so every subset of them can be run." }
             p { b { (ledger.matrix.sentence()) } }
+            p { "The defects of the Appendix's program, each a switch here, so that every subset of them can be run:" }
+            dl {
+                @for defect in Defect::ALL {
+                    dt { code { (defect.name()) } }
+                    dd { (defect.description()) " (lines " (defect.lines()) ")" }
+                }
+            }
             (matrix(ledger))
             h3 { "The step" }
             p { (ledger.convergence.sentence()) }
@@ -34,7 +42,8 @@ fn matrix(ledger: &Ledger) -> Markup {
     html! {
         table.cards {
             caption {
-                "The listing at its printed step with each defect alone, each mended alone, all, none. In brackets: digits that agree with "
+                "The listing at its printed step with each defect alone, each mended alone, all, none. Of more than two stick phases the two \
+                longest are given. In brackets: digits that agree with "
                 @for (i, id) in FOUR.iter().enumerate() { @if i > 0 { ", " } code { (id) } } "."
             }
             thead {
@@ -71,7 +80,20 @@ pub(super) fn existence(report: &Report) -> Markup {
         section aria-labelledby="existence" {
             (heading("existence"))
             p { (report.ledger.scan.sentence()) }
+            @for (name, point) in &report.ledger.scan.variants {
+                p { "With " (name) ": " (counts(point)) "." }
+            }
             (figure(report.scan.title, report.scan.about, &report.scan.svg))
         }
     }
+}
+
+/// How many starts lead where.
+fn counts(point: &Point) -> String {
+    let of_class = Class::ALL.iter().zip(point.counts);
+    let parts: Vec<String> = of_class
+        .filter(|(_, count)| *count > 0)
+        .map(|(class, count)| format!("{count} starts: {}", class.name().replace('_', " ")))
+        .collect();
+    parts.join(", ")
 }

@@ -101,7 +101,7 @@ fn document(report: &Report) -> Markup {
                     (text::cite())
                     (text::remake(&report.origin))
                 }
-                footer { p { "MIT licence. Every number on this page is computed by the program that wrote it." } }
+                footer { p { "MIT licence. Every number given as found on this page was computed by the run that wrote it." } }
                 script { (PreEscaped(SORT)) }
             }
         }

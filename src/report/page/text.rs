@@ -132,8 +132,29 @@ pub(super) fn remake(origin: &Origin) -> Markup {
                 dt { "Version" } dd { "stickslip " (env!("CARGO_PKG_VERSION")) }
                 dt { "Commit" } dd { code { (or_unknown(&origin.commit)) } }
                 dt { "Compiler" } dd { (or_unknown(&origin.compiler)) " (1.89 or newer is needed)" }
-                dt { "Libraries" } dd { "as in " a href="../Cargo.lock" { "Cargo.lock" } }
+                dt { "Libraries" } dd { (libraries().join(", ")) "; all in " a href="../Cargo.lock" { "Cargo.lock" } }
             }
         }
     }
+}
+
+/// Libraries whose versions could matter to a number or a picture.
+const TOLD: [&str; 7] = [
+    "kiddo", "libm", "maud", "nalgebra", "num-dual", "plotters", "rayon",
+];
+
+/// Their names and versions in the lock file.
+fn libraries() -> Vec<String> {
+    let lines: Vec<&str> = include_str!("../../../Cargo.lock").lines().collect();
+    let quoted = |line: &str, key: &str| -> Option<String> {
+        let rest = line.strip_prefix(key)?.strip_prefix(" = \"")?;
+        rest.strip_suffix('"').map(str::to_owned)
+    };
+    let pairs = lines
+        .windows(2)
+        .filter_map(|pair| Some((quoted(pair[0], "name")?, quoted(pair[1], "version")?)));
+    pairs
+        .filter(|(name, _)| TOLD.contains(&name.as_str()))
+        .map(|(name, version)| format!("{name} {version}"))
+        .collect()
 }
