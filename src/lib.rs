@@ -10,6 +10,7 @@ pub mod models;
 pub mod ode;
 pub mod orbit;
 pub mod paper;
+pub mod peers;
 pub mod readings;
 pub mod report;
 pub mod scalar;

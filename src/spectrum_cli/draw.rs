@@ -92,10 +92,13 @@ fn sizes(spectrum: &DataSpectrum) -> Panel {
     let all: Vec<(f64, f64)> = spectrum.directions.iter().flat_map(points).collect();
     let x = range(all.iter().map(|p| p.0));
     let y = range(all.iter().map(|p| p.1));
-    let mut panel = Panel::new(decades("radius", x), decades("singular value / √*n*", y))
-        .label("(b)")
-        .title("directions of the neighbourhoods")
-        .legend(Legend::Below);
+    let mut panel = Panel::new(
+        Axis::decades("radius", x),
+        Axis::decades("singular value / √*n*", y),
+    )
+    .label("(b)")
+    .title("directions of the neighbourhoods")
+    .legend(Legend::Below);
     for (i, direction) in spectrum.directions.iter().enumerate() {
         let colour = COLOURS[i % COLOURS.len()];
         let slope = if direction.slope.is_nan() {
@@ -138,20 +141,4 @@ fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
         .max(1e-3 * low.abs().max(high.abs()))
         .max(1e-6);
     (low - margin, high + margin)
-}
-
-/// An axis of decimal logarithms, numbered by powers of ten; between two of them by their halves where there is but one.
-fn decades(label: &str, (low, high): (f64, f64)) -> Axis {
-    const MOST: i64 = 8;
-    let (first, last) = (low.ceil() as i64, high.floor() as i64);
-    if last - first < 1 {
-        return Axis::new(&format!("log_{{10}} {label}"), low, high);
-    }
-    let every = (last - first) / MOST + 1;
-    let ticks: Vec<(f64, String)> = (first..=last)
-        .filter(|power| power % every == 0)
-        .map(|power| (power as f64, format!("10^{{{}}}", number(power as f64, 0))))
-        .collect();
-    let ticks: Vec<(f64, &str)> = ticks.iter().map(|(v, text)| (*v, text.as_str())).collect();
-    Axis::new(label, low, high).ticks(&ticks)
 }

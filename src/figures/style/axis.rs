@@ -39,6 +39,22 @@ impl Axis {
         }
     }
 
+    /// An axis of decimal logarithms, numbered by powers of ten; by the logarithms themselves where it holds fewer than two.
+    pub fn decades(label: &str, (low, high): (f64, f64)) -> Self {
+        const MOST: i64 = 8;
+        let (first, last) = (low.ceil() as i64, high.floor() as i64);
+        if last - first < 1 {
+            return Axis::new(&format!("log_{{10}} {label}"), low, high);
+        }
+        let every = (last - first) / MOST + 1;
+        let ticks: Vec<(f64, String)> = (first..=last)
+            .filter(|power| power % every == 0)
+            .map(|power| (power as f64, format!("10^{{{}}}", number(power as f64, 0))))
+            .collect();
+        let ticks: Vec<(f64, &str)> = ticks.iter().map(|(v, text)| (*v, text.as_str())).collect();
+        Axis::new(label, low, high).ticks(&ticks)
+    }
+
     /// Ticks at multiples of `step`.
     pub fn step(mut self, step: f64) -> Self {
         self.ticks = Ticks::Step(step);

@@ -1,0 +1,7 @@
+//! Work and precision of this solver beside those that people use now.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    stickslip::peers::main()
+}

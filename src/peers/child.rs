@@ -1,0 +1,301 @@
+//! The peers: a process that solves the same problems with other people's solvers and answers line by line, so that rounds
+//! of theirs and of ours alternate.
+//!
+//! Commands, one a line: `prepare PROBLEM`, `time INDEX SECONDS`. Answers, any number of lines and then `done`:
+//! `version,PACKAGE,NUMBER` (to the first command), `curve,INDEX,SOLVER,SETTING,TOLERANCE,COMPILE_S,EVENTS`,
+//! `cannot,SOLVER,SETTING,TOLERANCE,REASON`, and to the second `seconds,INDEX,PER_CALL`.
+
+use std::io::{BufRead, BufReader, Write};
+use std::path::Path;
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+
+use super::error::PeersError;
+use super::event::Event;
+
+/// A line of an answer.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Answer {
+    /// A package in use.
+    Version {
+        /// Its name.
+        package: String,
+        /// Its version.
+        number: String,
+    },
+    /// A solver with a setting, run once.
+    Curve {
+        /// By which it is timed.
+        index: usize,
+        /// Solver.
+        solver: String,
+        /// Setting, in words.
+        setting: String,
+        /// Tolerance, or step where that is fixed.
+        tolerance: f64,
+        /// Time to compile (s).
+        compile: f64,
+        /// The events it found.
+        events: Vec<Event>,
+    },
+    /// A solver that cannot solve the problem, or did not.
+    Cannot {
+        /// Solver.
+        solver: String,
+        /// Setting, in words.
+        setting: String,
+        /// Tolerance, if that is what fails.
+        tolerance: Option<f64>,
+        /// Why.
+        reason: String,
+    },
+    /// Time of a call.
+    Seconds {
+        /// Of which curve.
+        index: usize,
+        /// Seconds.
+        seconds: f64,
+    },
+    /// End of the answer.
+    Done,
+}
+
+/// Reads a line.
+///
+/// # Errors
+/// What is wrong with it, in words.
+pub fn parse(line: &str) -> Result<Answer, String> {
+    let cells = |count: usize| -> Result<Vec<&str>, String> {
+        let cells: Vec<&str> = line.splitn(count, ',').collect();
+        if cells.len() == count {
+            Ok(cells)
+        } else {
+            Err(format!("{count} cells are due, there are {}", cells.len()))
+        }
+    };
+    match line.split(',').next() {
+        Some("version") => {
+            let cells = cells(3)?;
+            Ok(Answer::Version {
+                package: cells[1].into(),
+                number: cells[2].into(),
+            })
+        }
+        Some("curve") => {
+            let cells = cells(7)?;
+            let events = cells[6].split(';').filter(|event| !event.is_empty());
+            Ok(Answer::Curve {
+                index: index(cells[1])?,
+                solver: cells[2].into(),
+                setting: cells[3].into(),
+                tolerance: positive(cells[4])?,
+                compile: seconds(cells[5])?,
+                events: events.map(str::parse).collect::<Result<_, _>>()?,
+            })
+        }
+        Some("cannot") => {
+            let cells = cells(5)?;
+            let tolerance = (!cells[3].is_empty()).then(|| positive(cells[3]));
+            Ok(Answer::Cannot {
+                solver: cells[1].into(),
+                setting: cells[2].into(),
+                tolerance: tolerance.transpose()?,
+                reason: cells[4].into(),
+            })
+        }
+        Some("seconds") => {
+            let cells = cells(3)?;
+            Ok(Answer::Seconds {
+                index: index(cells[1])?,
+                seconds: positive(cells[2])?,
+            })
+        }
+        Some("done") if line == "done" => Ok(Answer::Done),
+        _ => Err("it is neither version, curve, cannot, seconds nor done".into()),
+    }
+}
+
+fn index(text: &str) -> Result<usize, String> {
+    text.parse().map_err(|_| format!("'{text}' is no index"))
+}
+
+fn number(text: &str) -> Result<f64, String> {
+    let value: Option<f64> = text.parse().ok();
+    value
+        .filter(|value| value.is_finite())
+        .ok_or_else(|| format!("'{text}' is no finite number"))
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    number(text).and_then(|value| {
+        if value > 0.0 {
+            Ok(value)
+        } else {
+            Err(format!("{text} is not greater than 0"))
+        }
+    })
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    number(text).and_then(|value| {
+        if value >= 0.0 {
+            Ok(value)
+        } else {
+            Err(format!("{text} s is a time before its start"))
+        }
+    })
+}
+
+/// The running process; it ends when this is dropped.
+#[derive(Debug)]
+pub struct Peers {
+    child: Child,
+    input: Option<ChildStdin>,
+    output: BufReader<ChildStdout>,
+    line: usize,
+}
+
+impl Peers {
+    /// Starts `python` with the script `peers.py` in `scripts`; the problems are read from `problems`.
+    ///
+    /// # Errors
+    /// [`PeersError::Start`].
+    pub fn start(python: &Path, scripts: &Path, problems: &Path) -> Result<Self, PeersError> {
+        let failed = |source| PeersError::Start {
+            program: python.to_owned(),
+            source,
+        };
+        let mut child = Command::new(python)
+            .arg(scripts.join("peers.py"))
+            .arg(problems)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()
+            .map_err(failed)?;
+        let no_pipe = || failed(std::io::Error::other("no pipe to it"));
+        let input = child.stdin.take().ok_or_else(no_pipe)?;
+        let output = child.stdout.take().ok_or_else(no_pipe)?;
+        Ok(Peers {
+            child,
+            input: Some(input),
+            output: BufReader::new(output),
+            line: 0,
+        })
+    }
+
+    /// Sends a command and returns the answer.
+    ///
+    /// # Errors
+    /// [`PeersError::Ended`], [`PeersError::Answer`].
+    pub fn ask(&mut self, command: &str) -> Result<Vec<Answer>, PeersError> {
+        let ended = |cause: String| PeersError::Ended {
+            command: command.into(),
+            cause,
+        };
+        if let Some(input) = &mut self.input {
+            writeln!(input, "{command}")
+                .and_then(|()| input.flush())
+                .map_err(|error| ended(error.to_string()))?;
+        }
+        let mut answers = Vec::new();
+        loop {
+            let mut text = String::new();
+            let read = self.output.read_line(&mut text);
+            if read.map_err(|error| ended(error.to_string()))? == 0 {
+                return Err(ended("it closed its output".into()));
+            }
+            self.line += 1;
+            let text = text.trim_end();
+            match parse(text) {
+                Ok(Answer::Done) => return Ok(answers),
+                Ok(answer) => answers.push(answer),
+                Err(cause) => {
+                    return Err(PeersError::Answer {
+                        line: self.line,
+                        text: text.into(),
+                        cause,
+                    });
+                }
+            }
+        }
+    }
+
+    /// Time of a call of a curve (s), from as many calls as take about `batch` seconds.
+    ///
+    /// # Errors
+    /// As [`Peers::ask`].
+    pub fn time(&mut self, curve: usize, batch: f64) -> Result<f64, PeersError> {
+        let command = format!("time {curve} {batch}");
+        match self.ask(&command)?[..] {
+            [Answer::Seconds { index, seconds }] if index == curve => Ok(seconds),
+            ref other => Err(PeersError::Answer {
+                line: self.line,
+                text: format!("{other:?}"),
+                cause: format!("one line 'seconds,{curve},…' is due"),
+            }),
+        }
+    }
+}
+
+impl Drop for Peers {
+    fn drop(&mut self) {
+        // The end of its input is its sign to leave.
+        self.input = None;
+        if self.child.wait().is_err() {
+            // It is gone already; there is nobody to tell.
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn answers_are_read() {
+        let curve = parse("curve,3,heyoka,tol,1e-9,0.25,entry@0.5;exit@1.25").unwrap();
+        let Answer::Curve {
+            index,
+            tolerance,
+            events,
+            ..
+        } = curve
+        else {
+            panic!("{curve:?}");
+        };
+        assert_eq!(
+            (index, tolerance, events.len(), events[1].t),
+            (3, 1e-9, 2, 1.25)
+        );
+        let reason = parse("cannot,diffsol,tsit45,,no, it cannot").unwrap();
+        let Answer::Cannot {
+            tolerance, reason, ..
+        } = reason
+        else {
+            panic!("{reason:?}");
+        };
+        assert_eq!((tolerance, reason.as_str()), (None, "no, it cannot"));
+        assert_eq!(parse("done"), Ok(Answer::Done));
+    }
+
+    #[test]
+    fn what_is_no_answer_is_refused_with_its_fault() {
+        for (line, fault) in [
+            (
+                "curve,3,heyoka,tol,1e-9,0.25",
+                "7 cells are due, there are 6",
+            ),
+            ("curve,3,heyoka,tol,tight,0.25,entry@0.5", "'tight'"),
+            ("curve,x,heyoka,tol,1e-9,0.25,entry@0.5", "'x' is no index"),
+            ("curve,3,heyoka,tol,1e-9,-1,entry@0.5", "-1 s"),
+            ("curve,3,heyoka,tol,1e-9,0.25,entry@half", "'half'"),
+            ("seconds,3,nan", "'nan'"),
+            ("seconds,3,0", "greater than 0"),
+            ("Traceback (most recent call last):", "neither"),
+            ("done,", "neither"),
+            ("", "neither"),
+        ] {
+            let said = parse(line).unwrap_err();
+            assert!(said.contains(fault), "{line}: {said}");
+        }
+    }
+}

@@ -1,0 +1,161 @@
+//! Ratios of times at equal accuracy.
+
+use super::row::Row;
+use crate::math;
+
+/// Errors below this are not told apart: rounding of the times themselves.
+const LEAST_ERROR: f64 = 1e-16;
+/// The accuracy at which solvers are compared, if they reach it.
+pub const WANTED: f64 = 1e-12;
+
+/// The points of a solver on a problem from which neither error nor time can be bettered, as (time, error), by rising time and
+/// falling error.
+pub fn front<'a>(rows: impl Iterator<Item = &'a Row>) -> Vec<(f64, f64)> {
+    let point = |row: &Row| Some((row.median()?, row.error?.max(LEAST_ERROR)));
+    let mut points: Vec<(f64, f64)> = rows.filter_map(point).collect();
+    points.sort_by(|one, other| one.0.total_cmp(&other.0));
+    let mut front: Vec<(f64, f64)> = Vec::new();
+    for point in points {
+        if front.last().is_none_or(|last| point.1 < last.1) {
+            front.push(point);
+        }
+    }
+    front
+}
+
+/// The time that a solver with this front takes for an error, by interpolation of logarithms; none if it never gets there.
+pub fn time_for(front: &[(f64, f64)], error: f64) -> Option<f64> {
+    let above = front.iter().position(|point| point.1 <= error)?;
+    let (slower, better) = front[above];
+    if above == 0 || better == error {
+        return Some(slower);
+    }
+    let (faster, worse) = front[above - 1];
+    let part = math::ln(error / worse) / math::ln(better / worse);
+    Some(faster * math::exp(part * math::ln(slower / faster)))
+}
+
+/// A peer beside one of our solvers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ratio {
+    /// Problem.
+    pub problem: &'static str,
+    /// Peer.
+    pub peer: String,
+    /// Solver of ours.
+    pub ours: String,
+    /// The error at which both are compared: [`WANTED`], or the peer's least if that is larger.
+    pub error: f64,
+    /// The peer's time (s).
+    pub their_time: f64,
+    /// Ours (s); none if we do not get there.
+    pub our_time: Option<f64>,
+}
+
+/// All peers beside all our solvers, in the order of the rows.
+pub fn ratios(rows: &[Row], ours: &[&str]) -> Vec<Ratio> {
+    let mut seen: Vec<(&'static str, &str)> = Vec::new();
+    let mut ratios = Vec::new();
+    for row in rows {
+        let key = (row.problem, row.solver.as_str());
+        if ours.contains(&key.1) || seen.contains(&key) {
+            continue;
+        }
+        seen.push(key);
+        let of = |solver: &str| {
+            front(
+                rows.iter()
+                    .filter(|r| r.problem == key.0 && r.solver == solver),
+            )
+        };
+        let theirs = of(key.1);
+        let Some(best) = theirs.last() else {
+            continue;
+        };
+        let error = best.1.max(WANTED);
+        let Some(their_time) = time_for(&theirs, error) else {
+            continue;
+        };
+        for name in ours {
+            ratios.push(Ratio {
+                problem: key.0,
+                peer: key.1.into(),
+                ours: (*name).into(),
+                error,
+                their_time,
+                our_time: time_for(&of(name), error),
+            });
+        }
+    }
+    ratios
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(solver: &str, seconds: f64, error: Option<f64>) -> Row {
+        Row {
+            solver: solver.into(),
+            problem: "decay",
+            setting: String::new(),
+            tolerance: None,
+            error,
+            events: None,
+            seconds: vec![seconds],
+            compile: None,
+            process: None,
+            note: String::new(),
+        }
+    }
+
+    #[test]
+    fn the_front_leaves_out_what_is_bettered() {
+        let rows = [
+            row("one", 4.0, Some(1e-8)),
+            row("one", 1.0, Some(1e-4)),
+            row("one", 3.0, Some(1e-3)),
+            row("one", 2.0, None),
+            row("one", 5.0, Some(0.0)),
+        ];
+        assert_eq!(
+            front(rows.iter()),
+            [(1.0, 1e-4), (4.0, 1e-8), (5.0, LEAST_ERROR)]
+        );
+    }
+
+    #[test]
+    fn times_are_interpolated_by_their_logarithms() {
+        let front = [(1.0, 1e-4), (4.0, 1e-8)];
+        assert!((time_for(&front, 1e-6).unwrap() - 2.0).abs() < 1e-12);
+        assert_eq!(time_for(&front, 1e-2), Some(1.0));
+        assert_eq!(time_for(&front, 1e-8), Some(4.0));
+        assert_eq!(time_for(&front, 1e-9), None);
+    }
+
+    #[test]
+    fn peers_are_compared_where_both_can_be() {
+        let rows = [
+            row("us", 1.0, Some(1e-6)),
+            row("us", 2.0, Some(1e-12)),
+            row("exact", 30.0, Some(1e-14)),
+            row("rough", 10.0, Some(1e-6)),
+            row("lost", 10.0, None),
+        ];
+        let ratios = ratios(&rows, &["us"]);
+        let told: Vec<(&str, f64, Option<f64>)> = ratios
+            .iter()
+            .map(|r| {
+                (
+                    r.peer.as_str(),
+                    r.error,
+                    r.our_time.map(|t| r.their_time / t),
+                )
+            })
+            .collect();
+        assert_eq!(
+            told,
+            [("exact", 1e-12, Some(15.0)), ("rough", 1e-6, Some(10.0))]
+        );
+    }
+}

@@ -1,0 +1,154 @@
+//! The work–precision figure.
+
+use super::compare::front;
+use super::problem::Problem;
+use super::row::Row;
+use crate::figures::FigureError;
+use crate::figures::style::*;
+use crate::math;
+
+const LOOKS: [(Color, Dash, Shape); 8] = [
+    (BLACK, Dash::Solid, Shape::Circle),
+    (BLUE, Dash::Solid, Shape::Square),
+    (VERMILLION, Dash::Solid, Shape::Up),
+    (GREEN, Dash::Dashed, Shape::Diamond),
+    (PURPLE, Dash::Solid, Shape::Down),
+    (ORANGE, Dash::Dashed, Shape::Circle),
+    (SKY, Dash::Solid, Shape::Square),
+    (GREY, Dash::Dashed, Shape::Up),
+];
+const PANELS_IN_ROW: usize = 2;
+const ROW: f64 = 290.0;
+/// Room for the legend under the last row, px.
+const LEGEND: f64 = 60.0;
+
+/// The SVG: a panel for every problem, and one with the times of whole processes.
+///
+/// # Errors
+/// Those of [`Figure::render`].
+pub fn draw(rows: &[Row], problems: &[Problem]) -> Result<String, FigureError> {
+    let mut names: Vec<&str> = Vec::new();
+    for row in rows {
+        if !names.contains(&row.solver.as_str()) {
+            names.push(&row.solver);
+        }
+    }
+    let mut panels: Vec<Panel> = Vec::new();
+    for (i, problem) in problems.iter().enumerate() {
+        let letter = format!("({})", char::from(b'a' + i as u8));
+        let of: Vec<&Row> = rows
+            .iter()
+            .filter(|row| row.problem == problem.name)
+            .collect();
+        panels.push(
+            work_precision(&of, &names)
+                .label(&letter)
+                .title(problem.title),
+        );
+    }
+    let letter = format!("({})", char::from(b'a' + problems.len() as u8));
+    panels.push(processes(rows, &names).label(&letter));
+    let lines = panels.len().div_ceil(PANELS_IN_ROW);
+    let height = lines as f64 * ROW + LEGEND;
+    let description = format!(
+        "{} panels, one for each problem: largest error of the event times against the time of a run, both logarithmic, one \
+         curve for each of {}. Down and to the left is better. Last panel: time of a whole process.",
+        problems.len(),
+        names.join(", ")
+    );
+    let mut figure = Figure::new("bench", (880.0, height), "Work and precision", &description);
+    let mut panels = panels.into_iter();
+    for line in 0..lines {
+        let row: Vec<(f64, Cell)> = panels
+            .by_ref()
+            .take(PANELS_IN_ROW)
+            .map(|panel| (1.0, panel.into()))
+            .collect();
+        let weight = if line + 1 == lines { ROW + LEGEND } else { ROW };
+        figure = figure.columns(weight, row);
+    }
+    figure.render()
+}
+
+fn look(place: usize) -> (Color, Dash, Shape) {
+    LOOKS[place % LOOKS.len()]
+}
+
+fn work_precision(rows: &[&Row], names: &[&str]) -> Panel {
+    let fronts: Vec<Vec<(f64, f64)>> = names
+        .iter()
+        .map(|name| {
+            let own = rows.iter().copied().filter(|row| row.solver == *name);
+            let points = front(own).into_iter();
+            points
+                .map(|(time, error)| (math::log10(time), math::log10(error)))
+                .collect()
+        })
+        .collect();
+    let all = || fronts.iter().flatten();
+    let mut panel = Panel::new(
+        Axis::decades("time of a run, s", range(all().map(|p| p.0))),
+        Axis::decades("error of event times", range(all().map(|p| p.1))),
+    );
+    // Ours last, on top.
+    for (i, points) in fronts.iter().enumerate().rev() {
+        let (color, dash, shape) = look(i);
+        panel.add(Curve::new(points.clone()).color(color).dash(dash));
+        panel.add(
+            Markers::new(points.clone())
+                .color(color)
+                .shape(shape)
+                .size(5.5),
+        );
+    }
+    panel
+}
+
+fn processes(rows: &[Row], names: &[&str]) -> Panel {
+    let times: Vec<Vec<f64>> = names
+        .iter()
+        .map(|name| {
+            let own = rows.iter().filter(|row| row.solver == *name);
+            own.filter_map(|row| row.process).map(math::log10).collect()
+        })
+        .collect();
+    let bare: Vec<(f64, &str)> = Vec::new();
+    let mut panel = Panel::new(
+        Axis::decades(
+            "time of a process, s",
+            range(times.iter().flatten().copied()),
+        ),
+        Axis::new("", 0.0, names.len() as f64 + 1.0).ticks(&bare),
+    )
+    .title("whole process: start, compile, run")
+    .legend(Legend::Below);
+    for (i, (times, name)) in times.iter().zip(names).enumerate() {
+        let (color, dash, shape) = look(i);
+        let y = (names.len() - i) as f64;
+        let ends = range(times.iter().copied());
+        let line = times
+            .first()
+            .map_or(Vec::new(), |_| vec![(ends.0, y), (ends.1, y)]);
+        panel.add(Curve::new(line).color(color).dash(dash).legend(name));
+        panel.add(
+            Markers::new(times.iter().map(|t| (*t, y)))
+                .color(color)
+                .shape(shape)
+                .size(5.5),
+        );
+    }
+    panel
+}
+
+/// The range of logarithms, with a margin; some decade if there are none.
+fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    const MARGIN: f64 = 0.25;
+    let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
+        (low.min(v), high.max(v))
+    });
+    if low > high {
+        (-1.0, 1.0)
+    } else {
+        (low - MARGIN, high + MARGIN)
+    }
+}

@@ -1,0 +1,247 @@
+//! Errors once, times in alternating rounds.
+
+use std::hint::black_box;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::Instant;
+
+use super::child::{Answer, Peers};
+use super::error::PeersError;
+use super::event::{Event, error};
+use super::problem::Problem;
+use super::reference::reference;
+use super::row::{Row, median};
+use super::solvers::{SOLVERS, Solver};
+
+/// A sample is the mean over as many calls as take this long (s).
+const BATCH: f64 = 5e-3;
+/// A row that has taken longer than this (s) gets no further rounds once it has `ENOUGH`.
+const PATIENCE: f64 = 10.0;
+const ENOUGH: usize = 3;
+
+/// Who is timed for a row.
+enum Timed {
+    Ours(&'static Solver, f64),
+    Theirs(usize),
+    Nobody,
+}
+
+/// Everything measured on one problem but whole processes, one after the other in every round.
+///
+/// # Errors
+/// A problem without reference, peers that do not answer. A solver that fails on a problem only gets a note.
+pub fn problem(
+    problem: &Problem,
+    rounds: usize,
+    peers: Option<&mut Peers>,
+    versions: &mut Vec<(String, String)>,
+) -> Result<Vec<Row>, PeersError> {
+    let reference = reference(problem)?;
+    let mut entries = ours(problem, &reference);
+    let mut peers = peers;
+    if let Some(peers) = &mut peers {
+        for answer in peers.ask(&format!("prepare {}", problem.name))? {
+            match answer {
+                Answer::Version { package, number } => versions.push((package, number)),
+                other => entries.extend(theirs(problem, &reference, other)),
+            }
+        }
+    }
+    for _ in 0..rounds {
+        for (row, timed) in &mut entries {
+            let spent: f64 = row.seconds.iter().map(|seconds| seconds.max(BATCH)).sum();
+            if row.seconds.len() >= ENOUGH && spent > PATIENCE {
+                continue;
+            }
+            match (&timed, &mut peers) {
+                (Timed::Ours(solver, tolerance), _) => {
+                    row.seconds.push(time(problem, solver, *tolerance)?)
+                }
+                (Timed::Theirs(index), Some(peers)) => row.seconds.push(peers.time(*index, BATCH)?),
+                _ => {}
+            }
+        }
+    }
+    Ok(entries.into_iter().map(|(row, _)| row).collect())
+}
+
+fn ours(problem: &Problem, reference: &[Event]) -> Vec<(Row, Timed)> {
+    let mut entries = Vec::new();
+    for solver in SOLVERS {
+        for &tolerance in solver.tolerances {
+            let mut row = empty(problem, solver.name, "rtol = atol");
+            row.tolerance = Some(tolerance);
+            let mut events = Vec::new();
+            let solved = problem.solve(&solver.options(tolerance), &mut events);
+            let timed = match solved {
+                Ok(()) => {
+                    judge(&mut row, &events, reference);
+                    Timed::Ours(solver, tolerance)
+                }
+                Err(error) => {
+                    row.note = format!("failed: {error}");
+                    Timed::Nobody
+                }
+            };
+            // Compiled before it ever started.
+            row.compile = Some(0.0);
+            entries.push((row, timed));
+        }
+    }
+    entries
+}
+
+fn theirs(problem: &Problem, reference: &[Event], answer: Answer) -> Option<(Row, Timed)> {
+    match answer {
+        Answer::Curve {
+            index,
+            solver,
+            setting,
+            tolerance,
+            compile,
+            events,
+        } => {
+            let mut row = empty(problem, &solver, &setting);
+            row.tolerance = Some(tolerance);
+            row.compile = Some(compile);
+            judge(&mut row, &events, reference);
+            Some((row, Timed::Theirs(index)))
+        }
+        Answer::Cannot {
+            solver,
+            setting,
+            tolerance,
+            reason,
+        } => {
+            let mut row = empty(problem, &solver, &setting);
+            row.tolerance = tolerance;
+            row.note = reason;
+            Some((row, Timed::Nobody))
+        }
+        Answer::Version { .. } | Answer::Seconds { .. } | Answer::Done => None,
+    }
+}
+
+fn empty(problem: &Problem, solver: &str, setting: &str) -> Row {
+    Row {
+        solver: solver.into(),
+        problem: problem.name,
+        setting: setting.into(),
+        tolerance: None,
+        error: None,
+        events: None,
+        seconds: Vec::new(),
+        compile: None,
+        process: None,
+        note: String::new(),
+    }
+}
+
+fn judge(row: &mut Row, events: &[Event], reference: &[Event]) {
+    row.events = Some(events.len());
+    match error(events, reference) {
+        Ok(error) => row.error = Some(error),
+        Err(note) => row.note = note,
+    }
+}
+
+/// Seconds per run of ours.
+fn time(problem: &Problem, solver: &Solver, tolerance: f64) -> Result<f64, PeersError> {
+    let options = solver.options(tolerance);
+    let mut events = Vec::new();
+    let begin = Instant::now();
+    let mut calls = 0_u32;
+    loop {
+        black_box(problem).solve(black_box(&options), &mut events)?;
+        black_box(&events);
+        calls += 1;
+        let spent = begin.elapsed().as_secs_f64();
+        if spent >= BATCH {
+            return Ok(spent / f64::from(calls));
+        }
+    }
+}
+
+/// Where the programs for whole processes are.
+#[derive(Clone, Copy, Debug)]
+pub struct Programs<'a> {
+    /// This program.
+    pub ours: &'a Path,
+    /// Python, the scripts' folder and the problems' file, if there are peers.
+    pub theirs: Option<(&'a Path, &'a Path, &'a Path)>,
+}
+
+/// Times whole processes, each of which starts, compiles and solves once, for the most accurate row of every solver, in
+/// alternation.
+///
+/// # Errors
+/// [`PeersError::Start`], [`PeersError::Process`].
+pub fn processes(
+    rows: &mut [Row],
+    rounds: usize,
+    programs: &Programs<'_>,
+) -> Result<(), PeersError> {
+    let mut best: Vec<usize> = Vec::new();
+    for (i, row) in rows.iter().enumerate() {
+        let Some(error) = row.error else { continue };
+        let same = |&j: &usize| rows[j].solver == row.solver && rows[j].problem == row.problem;
+        match best.iter().position(|j| same(j)) {
+            Some(place) if rows[best[place]].error.is_some_and(|least| error < least) => {
+                best[place] = i
+            }
+            Some(_) => {}
+            None => best.push(i),
+        }
+    }
+    let mut samples = vec![Vec::new(); best.len()];
+    for _ in 0..rounds {
+        for (samples, &i) in samples.iter_mut().zip(&best) {
+            let row = &rows[i];
+            let ours = SOLVERS.iter().any(|solver| solver.name == row.solver);
+            let mut command = match (ours, programs.theirs) {
+                (true, _) => {
+                    let mut command = Command::new(programs.ours);
+                    command.arg("one");
+                    command
+                }
+                (false, Some((python, scripts, problems))) => {
+                    let mut command = Command::new(python);
+                    command.arg(scripts.join("one.py")).arg(problems);
+                    command
+                }
+                (false, None) => continue,
+            };
+            command.args(["--problem", row.problem, "--solver", &row.solver]);
+            if !ours {
+                command.args(["--setting", &row.setting]);
+            }
+            command.args([
+                "--tolerance",
+                &row.tolerance.unwrap_or_default().to_string(),
+            ]);
+            samples.push(whole(&mut command)?);
+        }
+    }
+    for (samples, i) in samples.iter().zip(best) {
+        rows[i].process = median(samples);
+    }
+    Ok(())
+}
+
+fn whole(command: &mut Command) -> Result<f64, PeersError> {
+    let begin = Instant::now();
+    let status = command
+        .stdout(Stdio::null())
+        .status()
+        .map_err(|source| PeersError::Start {
+            program: command.get_program().into(),
+            source,
+        })?;
+    let spent = begin.elapsed().as_secs_f64();
+    if status.success() {
+        Ok(spent)
+    } else {
+        let command = format!("{command:?}");
+        Err(PeersError::Process { command, status })
+    }
+}

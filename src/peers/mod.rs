@@ -1,0 +1,317 @@
+//! The program `peers`: work and precision of our solvers beside those that people use now, on problems with known event
+//! times. Like the other command lines, this module prints; the rest of the library does not.
+
+mod child;
+mod compare;
+mod draw;
+mod error;
+mod event;
+mod measure;
+mod problem;
+mod reference;
+mod report;
+mod row;
+mod solvers;
+
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::{Args, Parser, Subcommand};
+
+use crate::figures::output::{self, Artifact};
+
+pub use error::PeersError;
+pub use event::{Event, Kind};
+pub use problem::{MovingBoundary, Problem, System, problems};
+pub use reference::reference;
+pub use row::Row;
+pub use solvers::{SOLVERS, Solver};
+
+use child::Peers;
+use measure::Programs;
+
+const ABOUT: &str = "Error of event times against run time, for our solvers and, given a Python that has them, for SciPy, \
+    numba, heyoka and pydiffsol, all in one run on one machine.";
+
+const AFTER: &str = "\
+Files written:
+  bench.csv  solver,problem,setting,tolerance,error,events,median_s,min_s,compile_s,process_s,note
+  bench.txt  what is printed: ratios of times at equal error, times of whole processes
+  bench.svg  the work-precision figure
+
+An error is the largest of all event times, against references of 30 digits (data/references). A run that finds other events
+than the reference has failed, and says so in its note. Times are medians of rounds in which all solvers take turns, warm;
+compilation is told separately.
+
+Examples:
+  peers
+  peers --python target/peers-venv/bin/python
+  peers --rounds 3 --process-rounds 0 --problems decay,forced --report-dir /tmp --figures-dir /tmp";
+
+/// Arguments of the program.
+#[derive(Debug, Parser)]
+#[command(name = "peers", version, about = ABOUT, after_help = AFTER, args_conflicts_with_subcommands = true)]
+pub struct Arguments {
+    #[command(subcommand)]
+    command: Option<Single>,
+
+    #[command(flatten)]
+    all: All,
+}
+
+/// Solving a single problem.
+#[derive(Debug, Subcommand)]
+enum Single {
+    /// Solve one problem once and print its events: what is timed as a whole process
+    One(One),
+}
+
+#[derive(Debug, Args)]
+struct One {
+    /// Problem
+    #[arg(long)]
+    problem: String,
+
+    /// Solver
+    #[arg(long, default_value = SOLVERS[0].name)]
+    solver: String,
+
+    /// Relative and absolute tolerance
+    #[arg(long, default_value_t = 1e-12)]
+    tolerance: f64,
+}
+
+/// Measuring everything.
+#[derive(Debug, Args)]
+pub struct All {
+    /// Rounds in which every solver is timed at every setting
+    #[arg(long, value_name = "COUNT", default_value_t = 21)]
+    pub rounds: usize,
+
+    /// Rounds in which whole processes are timed; 0 to leave them out
+    #[arg(long, value_name = "COUNT", default_value_t = 5)]
+    pub process_rounds: usize,
+
+    /// Problems of which whole processes are timed
+    #[arg(
+        long,
+        value_name = "LIST",
+        value_delimiter = ',',
+        default_value = "belt_sensitive,bracket"
+    )]
+    pub process_problems: Vec<String>,
+
+    /// Problems [default: all]
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    pub problems: Vec<String>,
+
+    /// Python that has the packages of requirements.txt; without it ours alone are measured
+    #[arg(long, value_name = "PATH")]
+    pub python: Option<PathBuf>,
+
+    /// Folder of peers.py and one.py
+    #[arg(long, value_name = "DIR", default_value = "benches/peers")]
+    pub scripts: PathBuf,
+
+    /// The problems' numbers, for the peers
+    #[arg(
+        long,
+        value_name = "FILE",
+        default_value = "data/references/problems.json"
+    )]
+    pub numbers: PathBuf,
+
+    /// Folder for bench.csv and bench.txt; made if it does not exist
+    #[arg(long, value_name = "DIR", default_value = "report")]
+    pub report_dir: PathBuf,
+
+    /// Folder for bench.svg; made if it does not exist
+    #[arg(long, value_name = "DIR", default_value = "figures")]
+    pub figures_dir: PathBuf,
+}
+
+/// Everything the program does. Exit code 0 on success, 1 if something failed, 2 for a wrong command line.
+pub fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    let outcome = match &arguments.command {
+        Some(Single::One(one)) => solve_one(one),
+        None => run(&arguments.all),
+    };
+    match outcome {
+        Ok(text) => print(&text),
+        Err(error) => {
+            eprintln!("error: {error}");
+            let usage = matches!(
+                error,
+                PeersError::Unknown { .. } | PeersError::Argument { .. }
+            );
+            ExitCode::from(if usage { 2 } else { 1 })
+        }
+    }
+}
+
+/// Measures, compares, draws and writes; returns the text to print.
+///
+/// # Errors
+/// Whatever one of these runs into. Files are written last, so an error leaves none behind.
+pub fn run(all: &All) -> Result<String, PeersError> {
+    if all.rounds == 0 {
+        let (name, bound) = ("rounds", "at least 1");
+        return Err(PeersError::Argument {
+            name,
+            value: 0.0,
+            bound,
+        });
+    }
+    let known = all_problems()?;
+    let chosen = if all.problems.is_empty() {
+        known.clone()
+    } else {
+        pick(&known, &all.problems)?
+    };
+    let as_processes = pick(&known, &all.process_problems)?;
+    // Said before a long computation, not after it.
+    for folder in [&all.report_dir, &all.figures_dir] {
+        output::write_all(folder, &[])?;
+    }
+    let mut peers = match &all.python {
+        Some(python) => Some(Peers::start(python, &all.scripts, &all.numbers)?),
+        None => None,
+    };
+    let mut versions = Vec::new();
+    let mut rows = Vec::new();
+    for problem in &chosen {
+        eprintln!("measuring {}", problem.name);
+        rows.extend(measure::problem(
+            problem,
+            all.rounds,
+            peers.as_mut(),
+            &mut versions,
+        )?);
+    }
+    drop(peers);
+    if all.process_rounds > 0 {
+        eprintln!("timing whole processes");
+        let named = |row: &Row| {
+            as_processes
+                .iter()
+                .any(|problem| problem.name == row.problem)
+        };
+        let ours = std::env::current_exe().map_err(|source| PeersError::Start {
+            program: "peers".into(),
+            source,
+        })?;
+        let programs = Programs {
+            ours: &ours,
+            theirs: all
+                .python
+                .as_deref()
+                .map(|python| (python, all.scripts.as_path(), all.numbers.as_path())),
+        };
+        let mut timed: Vec<Row> = rows.iter().filter(|row| named(row)).cloned().collect();
+        measure::processes(&mut timed, all.process_rounds, &programs)?;
+        let mut timed = timed.into_iter();
+        for row in rows.iter_mut().filter(|row| named(row)) {
+            if let Some(measured) = timed.next() {
+                *row = measured;
+            }
+        }
+    }
+    let names: Vec<&str> = SOLVERS.iter().map(|solver| solver.name).collect();
+    let text = report::text(&rows, &names, &head(all, &versions));
+    let written = write(all, &rows, &text, &chosen)?;
+    Ok(text + &written)
+}
+
+fn head(all: &All, versions: &[(String, String)]) -> String {
+    let versions: Vec<String> = versions
+        .iter()
+        .map(|(package, number)| format!("{package} {number}"))
+        .collect();
+    let beside = if versions.is_empty() {
+        "no peers: give --python to measure them too".into()
+    } else {
+        format!("beside {}", versions.join(", "))
+    };
+    format!(
+        "stickslip {} {beside}; medians of {} alternating rounds",
+        env!("CARGO_PKG_VERSION"),
+        all.rounds
+    )
+}
+
+fn write(all: &All, rows: &[Row], text: &str, problems: &[Problem]) -> Result<String, PeersError> {
+    let artifact = |name: &str, text: String| Artifact {
+        name: name.into(),
+        bytes: text.into_bytes(),
+    };
+    let svg = draw::draw(rows, problems)?;
+    let tables = [
+        artifact("bench.csv", row::csv(rows)?),
+        artifact("bench.txt", text.into()),
+    ];
+    let mut paths = output::write_all(&all.report_dir, &tables)?;
+    paths.extend(output::write_all(
+        &all.figures_dir,
+        &[artifact("bench.svg", svg)],
+    )?);
+    let line = |path: &PathBuf| format!("wrote {}\n", Path::display(path));
+    Ok(paths.iter().map(line).collect())
+}
+
+fn all_problems() -> Result<Vec<Problem>, PeersError> {
+    problems().map_err(|source| PeersError::Solve {
+        problem: "the problems' parameters",
+        tolerance: 0.0,
+        source,
+    })
+}
+
+fn pick(known: &[Problem], names: &[String]) -> Result<Vec<Problem>, PeersError> {
+    names.iter().map(|name| find(known, name)).collect()
+}
+
+fn find(known: &[Problem], name: &str) -> Result<Problem, PeersError> {
+    let found = known.iter().find(|problem| problem.name == name);
+    found.copied().ok_or_else(|| PeersError::Unknown {
+        what: "problem",
+        name: name.into(),
+        known: known
+            .iter()
+            .map(|problem| problem.name)
+            .collect::<Vec<_>>()
+            .join(", "),
+    })
+}
+
+fn solve_one(one: &One) -> Result<String, PeersError> {
+    let problem = find(&all_problems()?, &one.problem)?;
+    let solver = SOLVERS.iter().find(|solver| solver.name == one.solver);
+    let solver = solver.ok_or_else(|| PeersError::Unknown {
+        what: "solver",
+        name: one.solver.clone(),
+        known: SOLVERS
+            .iter()
+            .map(|solver| solver.name)
+            .collect::<Vec<_>>()
+            .join(", "),
+    })?;
+    let mut events = Vec::new();
+    problem.solve(&solver.options(one.tolerance), &mut events)?;
+    let line = |event: &Event| format!("{:?},{:e}\n", event.kind, event.t).to_lowercase();
+    Ok(events.iter().map(line).collect())
+}
+
+fn print(text: &str) -> ExitCode {
+    let mut out = io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Ok(()) => ExitCode::SUCCESS,
+        // Whoever reads may stop reading.
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: cannot print the report: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}

@@ -1,0 +1,200 @@
+//! The problems that all solvers get. Their numbers also stand in data/references/problems.json, for the other programs; a
+//! test holds the two against each other.
+
+use std::ops::ControlFlow;
+
+use super::error::PeersError;
+use super::event::{Event, Kind};
+use crate::filippov::{Observer, Options, Transition, TransitionKind, run};
+use crate::models::{BeltOscillator, BlockAndBracket, Caption, ForcedOscillator, Reading};
+use crate::scalar::Scalar;
+use crate::system::{Filippov, Side, State};
+
+/// Textbook problem with a moving boundary: `x' = a` below, `−a` above, boundary `x − sin t`. Between events everything is a
+/// closed form.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MovingBoundary {
+    /// Speed a on either side (1/s), between 0 and 1.
+    pub speed: f64,
+}
+
+impl Filippov<1> for MovingBoundary {
+    #[inline(always)]
+    fn field<T: Scalar>(&self, side: Side, _t: T, _x: &State<T, 1>) -> State<T, 1> {
+        State::from([T::constant(-self.speed * side.sign())])
+    }
+
+    #[inline(always)]
+    fn boundary<T: Scalar>(&self, t: T, x: &State<T, 1>) -> T {
+        x[0] - t.sin()
+    }
+}
+
+/// A system with its parameters and its start.
+#[derive(Clone, Copy, Debug)]
+pub enum System {
+    /// Model 1.
+    Belt(BeltOscillator, [f64; 2]),
+    /// Model 2.
+    Forced(ForcedOscillator, [f64; 2]),
+    /// A boundary that moves.
+    Moving(MovingBoundary, [f64; 1]),
+    /// Model 3.
+    Bracket(BlockAndBracket, [f64; 4]),
+}
+
+/// A problem: everything that a solver needs to know but its tolerance.
+#[derive(Clone, Copy, Debug)]
+pub struct Problem {
+    /// Name, also of its reference file.
+    pub name: &'static str,
+    /// Heading of its panel, in markup.
+    pub title: &'static str,
+    /// System and start.
+    pub system: System,
+    /// First time.
+    pub t_start: f64,
+    /// Last time.
+    pub t_end: f64,
+    /// The reference file.
+    pub(super) reference: &'static str,
+}
+
+macro_rules! reference {
+    ($name:literal) => {
+        include_str!(concat!("../../data/references/", $name, ".csv"))
+    };
+}
+
+/// All problems, in the order of the figure's panels.
+///
+/// # Errors
+/// [`crate::Error::Parameter`], if a caption had a parameter that is not allowed.
+pub fn problems() -> Result<Vec<Problem>, crate::Error> {
+    let belt = BeltOscillator {
+        belt_speed: 0.4,
+        ..BeltOscillator::default()
+    };
+    let decay = BeltOscillator {
+        k1: -1.0,
+        k2: 0.0,
+        mu0: 1.0,
+        belt_speed: 0.2,
+        ..belt
+    };
+    let forced = ForcedOscillator::default();
+    let bracket = BlockAndBracket::from_caption(&Caption::FIG11, &Reading::exact())?;
+    let problem = |name, title, system, t_end, reference| Problem {
+        name,
+        title,
+        system,
+        t_start: 0.0,
+        t_end,
+        reference,
+    };
+    Ok(vec![
+        problem(
+            "belt_sensitive",
+            "model 1, sensitive start",
+            System::Belt(belt, [0.5, 1.5]),
+            30.0,
+            reference!("belt_sensitive"),
+        ),
+        problem(
+            "belt_periodic",
+            "model 1, to its stick-slip cycle",
+            System::Belt(belt, [0.1, 0.0]),
+            30.0,
+            reference!("belt_periodic"),
+        ),
+        problem(
+            "belt_grazing",
+            "model 1, stick of 0.13 ms by grazing",
+            System::Belt(belt, [0.483, 0.0]),
+            30.0,
+            reference!("belt_grazing"),
+        ),
+        problem(
+            "decay",
+            "linear spring, decaying friction",
+            System::Belt(decay, [0.04, -0.01]),
+            40.0,
+            reference!("decay"),
+        ),
+        problem(
+            "forced",
+            "model 2, 100 forcing periods",
+            System::Forced(forced, [0.0, 0.0]),
+            100.0 * forced.period(),
+            reference!("forced"),
+        ),
+        Problem {
+            t_start: std::f64::consts::FRAC_PI_2,
+            ..problem(
+                "moving",
+                "moving boundary",
+                System::Moving(MovingBoundary { speed: 0.5 }, [1.0]),
+                40.0,
+                reference!("moving"),
+            )
+        },
+        problem(
+            "bracket",
+            "model 3, quasi-periodic set",
+            System::Bracket(bracket, [-0.5, -0.5, 0.5, 0.3]),
+            60.0,
+            reference!("bracket"),
+        ),
+    ])
+}
+
+impl Problem {
+    /// The events up to the end time, appended to `events`, which is cleared first and whose memory is used again.
+    ///
+    /// # Errors
+    /// [`PeersError::Solve`] with what the solver ran into.
+    pub fn solve(&self, options: &Options, events: &mut Vec<Event>) -> Result<(), PeersError> {
+        events.clear();
+        let result = match self.system {
+            System::Belt(system, start) => self.events(&system, start, options, events),
+            System::Forced(system, start) => self.events(&system, start, options, events),
+            System::Moving(system, start) => self.events(&system, start, options, events),
+            System::Bracket(system, start) => self.events(&system, start, options, events),
+        };
+        result.map_err(|source| PeersError::Solve {
+            problem: self.name,
+            tolerance: options.rtol,
+            source,
+        })
+    }
+
+    fn events<S: Filippov<N>, const N: usize>(
+        &self,
+        system: &S,
+        start: [f64; N],
+        options: &Options,
+        events: &mut Vec<Event>,
+    ) -> Result<(), crate::Error> {
+        let start = State::from(start);
+        let mut notes = Notes(events);
+        run(system, self.t_start, start, self.t_end, options, &mut notes).map(|_| ())
+    }
+}
+
+struct Notes<'a>(&'a mut Vec<Event>);
+
+impl<const N: usize> Observer<N> for Notes<'_> {
+    fn transition(&mut self, at: &Transition<N>) -> ControlFlow<()> {
+        let kind = match at.kind {
+            TransitionKind::Crossing => Kind::Crossing,
+            TransitionKind::StickEntry => Kind::Entry,
+            TransitionKind::StickExit => Kind::Exit,
+            // They change no mode, and no peer is asked for them.
+            TransitionKind::Touch | TransitionKind::ContactLoss | TransitionKind::ContactGain => {
+                return ControlFlow::Continue(());
+            }
+        };
+        self.0.push(Event { kind, t: at.t });
+        ControlFlow::Continue(())
+    }
+}
