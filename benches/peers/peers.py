@@ -1,0 +1,67 @@
+"""Solves the problems with other people's solvers, line by line on command: see src/peers/child.rs for what is said.
+
+    python3 peers.py problems.json
+"""
+
+import sys
+import time
+
+import numba
+
+import systems
+import with_diffsol
+import with_heyoka
+import with_numba
+import with_scipy
+
+PEERS = (with_scipy, with_numba, with_heyoka, with_diffsol)
+
+
+def say(*cells):
+    print(*cells, sep=",", flush=True)
+
+
+def prepare(problem, calls):
+    system = systems.make_compiled(problem, numba.njit)
+    for peer in PEERS:
+        for solver, setting, tolerance, build in peer.curves(problem, system):
+            try:
+                call, compiled = build()
+                events = call()
+            except Exception as error:  # Whatever a solver cannot do is its row's note, not the end of the others.
+                reason = " ".join(f"failed: {type(error).__name__}: {error}".split())[:200]
+                say("cannot", solver, setting, repr(tolerance), reason)
+                continue
+            told = ";".join(f"{kind}@{float(t)!r}" for kind, t in events)
+            say("curve", len(calls), solver, setting, repr(tolerance), f"{compiled:.6g}", told)
+            calls.append(call)
+
+
+def seconds(call, batch):
+    count, begin = 0, time.perf_counter()
+    while True:
+        call()
+        count += 1
+        spent = time.perf_counter() - begin
+        if spent >= batch:
+            return spent / count
+
+
+def main():
+    problems, calls = systems.load(sys.argv[1]), []
+    versions = [pair for peer in PEERS for pair in peer.VERSIONS]
+    for line in sys.stdin:
+        command, *arguments = line.split()
+        if command == "prepare":
+            for package, number in versions:
+                say("version", package, number)
+            versions = []
+            prepare(problems[arguments[0]], calls)
+        elif command == "time":
+            index = int(arguments[0])
+            say("seconds", index, repr(seconds(calls[index], float(arguments[1]))))
+        say("done")
+
+
+if __name__ == "__main__":
+    main()
