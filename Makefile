@@ -2,11 +2,11 @@
 CARGO ?= cargo
 FIGURES := fig04 fig06 fig07 fig08 fig10 fig11 fig12
 
-.PHONY: help figures report test golden readings bench check clean $(FIGURES)
+.PHONY: help figures report test golden readings bench bench-peers check clean $(FIGURES)
 .DEFAULT_GOAL := help
 
 help: ## Show the targets
-	@grep -E '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 10
+	@grep -E '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 13
 
 figures: $(FIGURES) ## Compute and draw all figures into figures/
 
@@ -36,6 +36,26 @@ readings: build-figures ## Search all readings of Figs. 10-12 anew into golden/,
 
 bench: ## Run the benchmarks
 	$(CARGO) bench --locked
+
+# The peers get an environment of their own with the versions of requirements.txt. The stamp stands only after all of them
+# are installed, so that a broken installation is tried again.
+PYTHON ?= python3
+PEERS_VENV := target/peers-venv
+PEERS_STAMP := $(PEERS_VENV)/installed.txt
+PEERS_WANTED := benches/peers/requirements.txt
+
+bench-peers: ## Error against run time beside SciPy, numba, heyoka and pydiffsol; ours alone without Python
+	$(CARGO) build --locked --release --bin peers
+	@if cmp -s $(PEERS_WANTED) $(PEERS_STAMP) \
+	    || { $(PYTHON) -m venv --clear $(PEERS_VENV) \
+	    && $(PEERS_VENV)/bin/python -m pip install --quiet --disable-pip-version-check -r $(PEERS_WANTED) \
+	    && cp $(PEERS_WANTED) $(PEERS_STAMP); }; then \
+	    $(CARGO) run --locked --release --quiet --bin peers -- --python $(PEERS_VENV)/bin/python; \
+	else \
+	    echo "no peers: Python 3.11 or later ($(PYTHON)) with venv, and a network to install $(PEERS_WANTED) from," \
+	        "are needed; measuring ours alone" >&2; \
+	    $(CARGO) run --locked --release --quiet --bin peers; \
+	fi
 
 check: ## Formatting, lints and documentation, every warning an error
 	$(CARGO) fmt --check

@@ -3,6 +3,7 @@
     python3 peers.py problems.json
 """
 
+import signal
 import sys
 import time
 
@@ -14,6 +15,8 @@ import with_heyoka
 import with_numba
 import with_scipy
 
+# A solver that takes longer than this, in seconds, to compile and run once has failed.
+PATIENCE = 60
 PEERS = (with_scipy, with_numba, with_heyoka, with_diffsol)
 
 
@@ -25,13 +28,20 @@ def prepare(problem, calls):
     system = systems.make_compiled(problem, numba.njit)
     for peer in PEERS:
         for solver, setting, tolerance, build in peer.curves(problem, system):
+            signal.alarm(PATIENCE)
             try:
                 call, compiled = build()
+                begin = time.perf_counter()
                 events = call()
+                first = time.perf_counter() - begin
+                # What a solver puts off until its first run is compilation too.
+                compiled += max(first - seconds(call, 0.0), 0.0)
             except Exception as error:  # Whatever a solver cannot do is its row's note, not the end of the others.
                 reason = " ".join(f"failed: {type(error).__name__}: {error}".split())[:200]
                 say("cannot", solver, setting, repr(tolerance), reason)
                 continue
+            finally:
+                signal.alarm(0)
             told = ";".join(f"{kind}@{float(t)!r}" for kind, t in events)
             say("curve", len(calls), solver, setting, repr(tolerance), f"{compiled:.6g}", told)
             calls.append(call)
@@ -47,7 +57,12 @@ def seconds(call, batch):
             return spent / count
 
 
+def late(_signal, _frame):
+    raise TimeoutError(f"not done after {PATIENCE} s")
+
+
 def main():
+    signal.signal(signal.SIGALRM, late)
     problems, calls = systems.load(sys.argv[1]), []
     versions = [pair for peer in PEERS for pair in peer.VERSIONS]
     for line in sys.stdin:

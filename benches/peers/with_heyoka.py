@@ -17,8 +17,9 @@ SETTINGS = (
     ("tol", 2.220446049250313e-16),
     ("tol high_accuracy", 2.220446049250313e-16),
 )
-# An event as soon as this after its phase began, at a place tangent to the boundary, is the start itself.
-AT_ONCE = 1e-9
+# After a stick phase the start is a double zero of the event function, which heyoka may report. An event as soon as this is
+# the start, and for as long none is looked for again; heyoka's own choice would be endless or nothing, the slope being zero.
+AT_ONCE = 1e-5
 
 
 def curves(problem, system):
@@ -40,7 +41,7 @@ def prepare(problem, tolerance, high_accuracy, system):
         ta.time = t
         ta.state[:] = x
         ta.reset_cooldowns()
-        while True:
+        for _ in range(5):
             outcome = ta.propagate_until(t_end)[0]
             if outcome == hy.taylor_outcome.time_limit:
                 return None
@@ -49,6 +50,7 @@ def prepare(problem, tolerance, high_accuracy, system):
             if ta.time - t > AT_ONCE:
                 x[:] = ta.state
                 return ta.time
+        raise RuntimeError(f"the event at the start of a phase, t = {t!r}, is found again and again")
 
     def call():
         return systems.walk(system, slip)
@@ -65,7 +67,7 @@ def integrator(problem, side, tolerance, high_accuracy):
         tol=tolerance,
         high_accuracy=high_accuracy,
         compact_mode=False,
-        t_events=[hy.t_event(boundary, direction=direction)],
+        t_events=[hy.t_event(boundary, direction=direction, cooldown=AT_ONCE)],
     )
 
 

@@ -125,11 +125,8 @@ fn processes(rows: &[Row], names: &[&str]) -> Panel {
     for (i, (times, name)) in times.iter().zip(names).enumerate() {
         let (color, dash, shape) = look(i);
         let y = (names.len() - i) as f64;
-        let ends = range(times.iter().copied());
-        let line = times
-            .first()
-            .map_or(Vec::new(), |_| vec![(ends.0, y), (ends.1, y)]);
-        panel.add(Curve::new(line).color(color).dash(dash).legend(name));
+        // Only for the legend, which serves all panels.
+        panel.add(Curve::new([]).color(color).dash(dash).legend(name));
         panel.add(
             Markers::new(times.iter().map(|t| (*t, y)))
                 .color(color)

@@ -69,20 +69,14 @@ pub fn error(events: &[Event], reference: &[Event]) -> Result<f64, String> {
     if kinds(events) != kinds(reference) {
         return Err("failed: other kinds of events than the reference has".into());
     }
-    let errors = events
-        .iter()
-        .zip(reference)
-        .map(|(one, other)| (one.t - other.t).abs());
-    // Not f64::max, which would drop a time that is not a number.
-    let worst = errors.fold(
-        0.0,
-        |worst: f64, error| if error <= worst { worst } else { error },
-    );
-    if worst.is_finite() {
-        Ok(worst)
-    } else {
-        Err("failed: an event time is not a number".into())
+    // Asked first, because the largest of some numbers may pass over what is none.
+    if events.iter().any(|event| !event.t.is_finite()) {
+        return Err("failed: an event time is not a number".into());
     }
+    let errors = events.iter().zip(reference);
+    Ok(errors
+        .map(|(one, other)| (one.t - other.t).abs())
+        .fold(0.0, f64::max))
 }
 
 #[cfg(test)]

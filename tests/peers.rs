@@ -1,0 +1,178 @@
+//! The program `peers` as its user meets it.
+
+use std::path::Path;
+
+use assert_cmd::Command;
+use assert_cmd::cargo::cargo_bin_cmd;
+use predicates::prelude::*;
+use predicates::str::contains;
+
+/// A short measurement of one problem, its files in `folder`.
+fn short(folder: &Path) -> Command {
+    let mut command = cargo_bin_cmd!("peers");
+    command.args([
+        "--rounds",
+        "1",
+        "--process-rounds",
+        "1",
+        "--problems",
+        "decay",
+    ]);
+    command.args(["--process-problems", "decay"]);
+    command
+        .arg("--report-dir")
+        .arg(folder)
+        .arg("--figures-dir")
+        .arg(folder);
+    command
+}
+
+#[test]
+fn says_what_it_does() {
+    let mut command = cargo_bin_cmd!("peers");
+    let help = contains("Error of event times")
+        .and(contains("bench.csv"))
+        .and(contains("--python"));
+    command.arg("--help").assert().success().stdout(help);
+}
+
+#[test]
+fn measures_ours_alone_without_python() {
+    let folder = tempfile::tempdir().unwrap();
+    let said = contains("no peers")
+        .and(contains("Whole processes"))
+        .and(contains("wrote"));
+    short(folder.path()).assert().success().stdout(said);
+    let mut reader = csv::Reader::from_path(folder.path().join("bench.csv")).unwrap();
+    let rows: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
+    assert!(rows.len() >= 11);
+    let number = |row: &csv::StringRecord, cell: usize| row[cell].parse::<f64>().unwrap();
+    for row in &rows {
+        // All nine events at every tolerance, and times that can be.
+        assert_eq!((&row[1], &row[5], &row[10]), ("decay", "9", ""));
+        assert!(
+            number(row, 4) < 100.0 * number(row, 3).max(1e-14),
+            "{row:?}"
+        );
+        assert!(number(row, 6) > 0.0 && number(row, 7) <= number(row, 6));
+    }
+    assert_eq!(rows.iter().filter(|row| !row[9].is_empty()).count(), 1);
+    let svg = std::fs::read_to_string(folder.path().join("bench.svg")).unwrap();
+    roxmltree::Document::parse(&svg).unwrap();
+    assert!(folder.path().join("bench.txt").exists());
+}
+
+#[test]
+fn one_problem_prints_its_events() {
+    let mut command = cargo_bin_cmd!("peers");
+    command.args(["one", "--problem", "decay", "--tolerance", "1e-12"]);
+    let output = command.assert().success().get_output().clone();
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert_eq!(text.lines().count(), 9);
+    assert!(text.starts_with("entry,2.4468880178"), "{text}");
+}
+
+#[test]
+fn a_wrong_command_line_is_told_apart() {
+    let folder = tempfile::tempdir().unwrap();
+    let unknown = contains("'drift' is no problem").and(contains("belt_sensitive"));
+    short(folder.path())
+        .args(["--problems", "drift"])
+        .assert()
+        .code(2)
+        .stderr(unknown);
+    let mut none = cargo_bin_cmd!("peers");
+    none.args(["--rounds", "0"])
+        .assert()
+        .code(2)
+        .stderr(contains("--rounds 0"));
+    let mut one = cargo_bin_cmd!("peers");
+    one.args(["one", "--problem", "decay", "--solver", "euler"]);
+    one.assert()
+        .code(2)
+        .stderr(contains("'euler' is no solver"));
+}
+
+#[test]
+fn a_folder_that_cannot_be_written_is_told_before_the_measurement() {
+    let file = tempfile::NamedTempFile::new().unwrap();
+    let stderr = contains("cannot create folder").and(contains("measuring").not());
+    short(&file.path().join("report"))
+        .assert()
+        .code(1)
+        .stderr(stderr);
+}
+
+#[test]
+fn a_python_that_is_none_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut command = short(folder.path());
+    command.arg("--python").arg(folder.path().join("python"));
+    command
+        .assert()
+        .code(1)
+        .stderr(contains("cannot start").and(contains("--python")));
+    assert!(!folder.path().join("bench.csv").exists());
+}
+
+/// In place of Python a program that answers what it likes.
+#[cfg(unix)]
+mod impostor {
+    use super::*;
+    use std::os::unix::fs::PermissionsExt;
+
+    fn python(folder: &Path, script: &str) -> Command {
+        let path = folder.join("python");
+        std::fs::write(&path, format!("#!/bin/sh\n{script}\n")).unwrap();
+        std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o755)).unwrap();
+        let mut command = short(folder);
+        command
+            .args(["--process-rounds", "0"])
+            .arg("--python")
+            .arg(path);
+        command
+    }
+
+    #[test]
+    fn a_malformed_row_is_told_with_its_line() {
+        let folder = tempfile::tempdir().unwrap();
+        let script = "read command\necho version,scipy,1.0\necho curve,0,SciPy,tol,tight,0.1,entry@1\necho done\n";
+        let stderr =
+            contains("line 2 of the peers' process").and(contains("'tight' is no finite number"));
+        python(folder.path(), script)
+            .assert()
+            .code(1)
+            .stderr(stderr);
+        assert!(!folder.path().join("bench.csv").exists());
+    }
+
+    #[test]
+    fn a_process_that_dies_is_told() {
+        let folder = tempfile::tempdir().unwrap();
+        let stderr = contains("ended while 'prepare decay' was under way");
+        python(folder.path(), "read command")
+            .assert()
+            .code(1)
+            .stderr(stderr);
+    }
+
+    #[test]
+    fn rows_of_peers_stand_beside_ours() {
+        let folder = tempfile::tempdir().unwrap();
+        let script = "read command\necho version,scipy,1.0\necho curve,0,SciPy,tol,1e-6,0.1,entry@1\n\
+            echo 'cannot,heyoka,tol,,it is not here'\necho done\n\
+            while read command; do echo seconds,0,0.25; echo done; done";
+        let stdout =
+            contains("beside scipy 1.0").and(contains("failed: 1 events, the reference has 9"));
+        python(folder.path(), script)
+            .assert()
+            .success()
+            .stdout(stdout);
+        let text = std::fs::read_to_string(folder.path().join("bench.csv")).unwrap();
+        assert!(text.contains("SciPy,decay,tol,1.000e-6,,1,2.500e-1,2.500e-1,1.000e-1,,"));
+        assert!(
+            text.contains("heyoka,decay,tol,,,,,,,,it is not here"),
+            "{text}"
+        );
+    }
+}
