@@ -185,7 +185,7 @@ pub fn processes(
     for (i, row) in rows.iter().enumerate() {
         let Some(error) = row.error else { continue };
         let same = |&j: &usize| rows[j].solver == row.solver && rows[j].problem == row.problem;
-        match best.iter().position(|j| same(j)) {
+        match best.iter().position(same) {
             Some(place) if rows[best[place]].error.is_some_and(|least| error < least) => {
                 best[place] = i
             }
