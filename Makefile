@@ -38,8 +38,9 @@ bench: ## Run the benchmarks
 	$(CARGO) bench --locked
 
 # The peers get an environment of their own with the versions of requirements.txt. The stamp stands only after all of them
-# are installed, so that a broken installation is tried again.
+# are installed, so that a broken installation is tried again. PEERS_ARGS="--rounds 3" makes a short run.
 PYTHON ?= python3
+PEERS_ARGS ?=
 PEERS_VENV := target/peers-venv
 PEERS_STAMP := $(PEERS_VENV)/installed.txt
 PEERS_WANTED := benches/peers/requirements.txt
@@ -50,11 +51,11 @@ bench-peers: ## Error against run time beside SciPy, numba, heyoka and pydiffsol
 	    || { $(PYTHON) -m venv --clear $(PEERS_VENV) \
 	    && $(PEERS_VENV)/bin/python -m pip install --quiet --disable-pip-version-check -r $(PEERS_WANTED) \
 	    && cp $(PEERS_WANTED) $(PEERS_STAMP); }; then \
-	    $(CARGO) run --locked --release --quiet --bin peers -- --python $(PEERS_VENV)/bin/python; \
+	    $(CARGO) run --locked --release --quiet --bin peers -- --python $(PEERS_VENV)/bin/python $(PEERS_ARGS); \
 	else \
 	    echo "no peers: Python 3.11 or later ($(PYTHON)) with venv, and a network to install $(PEERS_WANTED) from," \
 	        "are needed; measuring ours alone" >&2; \
-	    $(CARGO) run --locked --release --quiet --bin peers; \
+	    $(CARGO) run --locked --release --quiet --bin peers -- $(PEERS_ARGS); \
 	fi
 
 check: ## Formatting, lints and documentation, every warning an error
