@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 import systems
 
 VERSIONS = [("scipy", scipy.__version__), ("numpy", numpy.__version__)]
-# Radau takes ten to a hundred times longer than either at all accuracies, since nothing here is stiff.
+# Not Radau: at 1e-8 it takes 26 times as long as DOP853 on belt_sensitive for a fifth of the error; nothing here is stiff.
 LADDERS = {
     "SciPy DOP853": ("DOP853", (1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 3e-14)),
     "SciPy LSODA": ("LSODA", (1e-6, 1e-8, 1e-10, 1e-12, 3e-14)),
