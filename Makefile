@@ -1,6 +1,6 @@
 # Every recipe uses the versions in Cargo.lock and nothing newer.
 CARGO ?= cargo
-FIGURES := fig04 fig06 fig07 fig08 fig10 fig11 fig12
+FIGURES := fig04 fig06 fig07 fig08 fig10 fig11 fig12 locator
 
 .PHONY: help figures report test golden readings bench bench-peers check clean $(FIGURES)
 .DEFAULT_GOAL := help

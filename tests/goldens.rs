@@ -72,6 +72,7 @@ figures!(
     fig10: Fig10,
     fig11: Fig11,
     fig12: Fig12,
+    locator: Locator,
 );
 
 #[test]

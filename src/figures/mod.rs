@@ -11,6 +11,7 @@ pub mod fig08;
 pub mod fig10;
 pub mod fig11;
 pub mod fig12;
+pub mod locator;
 
 pub mod output;
 pub mod png;

@@ -1,0 +1,260 @@
+//! How exactly an event is located, by four ways to do it: error against step length.
+//!
+//! Not a figure of the paper: what its title promises, measured.
+
+use std::f64::consts::PI;
+
+use super::error::FigureError;
+use super::rows::Row;
+use super::spec::FigureSpec;
+use super::style::{
+    Axis, BLACK, BLUE, Color, Curve, Dash, Figure, GREEN, Legend, Markers, ORANGE, Panel, Shape,
+    VERMILLION,
+};
+use crate::math;
+use crate::models::BeltOscillator;
+use crate::ode::{Dense, Dop853, Rk4, RungeKutta, Timed, dense_slopes, henon_step, stages};
+use crate::system::{Filippov, Side, State};
+
+/// Error of the located event against step length.
+pub struct Locator;
+
+/// One way to locate an event.
+#[derive(Clone, Debug)]
+pub struct Way {
+    /// Name in rows.
+    pub id: &'static str,
+    /// Name in the legend.
+    pub name: &'static str,
+    /// Step lengths and errors of the event's time.
+    pub errors: Vec<(f64, f64)>,
+    /// Slope of the logarithm of the error against that of the step, where the error is above rounding.
+    pub order: f64,
+}
+
+/// The event is that part of the step away from its start.
+const PART: f64 = 0.6;
+/// Speed of the belt, m/s.
+const BELT_SPEED: f64 = 1.3;
+/// Steps are 10^(-k/8), k from 0.
+const FACTOR: f64 = 0.749_894_209_332_455_8;
+const STEPS: usize = 25;
+/// Places of the steps 0.1 and 0.01.
+const TOLD: [(usize, &str); 2] = [(8, "error_at_0.1"), (16, "error_at_0.01")];
+/// Errors below are rounding.
+const FLOOR: f64 = 2e-15;
+/// Errors below say nothing of an order, those of steps above this length not yet.
+const ORDER_FLOOR: f64 = 3e-14;
+const ORDER_STEP: f64 = 0.5;
+
+impl FigureSpec for Locator {
+    const NAME: &'static str = "locator";
+    const TITLE: &'static str = "Error of a located event against the step";
+    const ABOUT: &'static str = "A block on a belt of speed 1.3, x'' = -x - 0.4 sgn(x' - 1.3), moves on a circle of radius 2.6 about (0.4, 0) until it is as fast \
+        as the belt: one step from the exact state before crosses that event, which is then located by one Henon step of order 4 (the paper's way) and \
+        of order 8, by a root search on the dense output of either order, and by linear interpolation between the step's ends, as naive codes \
+        do. Reports the order of each and its error at steps of 0.1 and 0.01.";
+    type Data = Vec<Way>;
+
+    fn compute() -> Result<Vec<Way>, FigureError> {
+        let belt = BeltOscillator {
+            k1: -1.0,
+            k2: 0.0,
+            mu0: 0.4,
+            delta: 0.0,
+            belt_speed: BELT_SPEED,
+            ..BeltOscillator::default()
+        };
+        let way = |id, name, locate: &dyn Fn(&Step) -> f64| {
+            let errors = (0..STEPS).map(|k| math::powi(FACTOR, k as i32));
+            let errors: Vec<(f64, f64)> = errors.map(|h| (h, error(&belt, h, locate))).collect();
+            Way {
+                id,
+                name,
+                order: order(&errors),
+                errors,
+            }
+        };
+        Ok(vec![
+            way("linear", "linear interpolation", &|step| step.chord()),
+            way("dense_4", "dense output of order 3 (RK4)", &|step| {
+                step.on_dense::<Rk4>()
+            }),
+            way("henon_4", "Hénon step, order 4 (RK4)", &|step| {
+                step.henon::<Rk4>()
+            }),
+            way("dense_8", "dense output of order 7 (DOP853)", &|step| {
+                step.on_dense::<Dop853>()
+            }),
+            way("henon_8", "Hénon step, order 8 (DOP853)", &|step| {
+                step.henon::<Dop853>()
+            }),
+        ])
+    }
+
+    fn numbers(ways: &Vec<Way>) -> Vec<Row> {
+        let mut rows = Vec::new();
+        for way in ways {
+            let id = |what: &str| format!("locator.{}.{what}", way.id);
+            rows.push(Row::number(&id("order"), "exact", way.order, "1"));
+            for (place, what) in TOLD {
+                if let Some((_, error)) = way.errors.get(place) {
+                    rows.push(Row::number(&id(what), "exact", *error, "s"));
+                }
+            }
+        }
+        rows
+    }
+
+    fn draw(ways: &Vec<Way>) -> Result<String, FigureError> {
+        let log = |points: &[(f64, f64)]| -> Vec<(f64, f64)> {
+            let above = points.iter().filter(|(_, error)| *error > FLOOR);
+            above
+                .map(|&(h, e)| (math::log10(h), math::log10(e)))
+                .collect()
+        };
+        let mut panel = Panel::new(
+            Axis::decades("step *h*, s", (-3.05, 0.05)),
+            Axis::decades("error of the event's time, s", (-14.8, 0.3)),
+        )
+        .legend(Legend::Below);
+        for (way, (color, dash, shape)) in ways.iter().zip(LOOKS) {
+            let points = log(&way.errors);
+            let name = format!("{}: slope {:.1}", way.name, way.order);
+            panel.add(
+                Curve::new(points.clone())
+                    .color(color)
+                    .dash(dash)
+                    .legend(&name),
+            );
+            panel.add(Markers::new(points).color(color).shape(shape).size(5.0));
+        }
+        Figure::new(
+            Self::NAME,
+            (560.0, 480.0),
+            Self::TITLE,
+            "Logarithmic axes. Five lines rise with the step: linear interpolation least steeply and by far the highest, then the dense \
+             output of order 3, the Hénon step of order 4, the dense output of order 7 and, steepest and lowest, the Hénon step of order 8, \
+             which reaches rounding at a step of about a tenth.",
+        )
+        .row(1.0, panel)
+        .render()
+    }
+}
+
+const LOOKS: [(Color, Dash, Shape); 5] = [
+    (BLACK, Dash::Dotted, Shape::Diamond),
+    (ORANGE, Dash::Dashed, Shape::Square),
+    (VERMILLION, Dash::Solid, Shape::Circle),
+    (GREEN, Dash::Dashed, Shape::Up),
+    (BLUE, Dash::Solid, Shape::Down),
+];
+
+/// A step that crosses the event.
+struct Step<'a> {
+    model: &'a BeltOscillator,
+    from: Timed<f64, 2>,
+    h: f64,
+}
+
+impl Step<'_> {
+    fn field(&self, x: &State<f64, 2>) -> State<f64, 2> {
+        // The block is slower than the belt.
+        self.model.field(Side::Below, 0.0, x)
+    }
+
+    /// Where the dense output of one step of `M` meets Σ.
+    fn on_dense<M: RungeKutta>(&self) -> f64 {
+        let Timed { t, x } = self.from;
+        let field = &mut |_: f64, x: &State<f64, 2>| self.field(x);
+        let slope = self.field(&x);
+        let mut step = stages::<M, f64, _>(field, t, &x, slope, self.h);
+        dense_slopes::<M, f64, _>(field, t, &x, self.h, &mut step);
+        let dense = Dense::new::<M>(t, &x, self.h, &step);
+        t + self.h * bisect(|s| dense.at(s)[1] - BELT_SPEED)
+    }
+
+    /// Where the straight line between the ends of one step of RK4 meets Σ. (Of order 8 it errs as much.)
+    fn chord(&self) -> f64 {
+        let Timed { t, x } = self.from;
+        let field = &mut |_: f64, x: &State<f64, 2>| self.field(x);
+        let end = stages::<Rk4, f64, _>(field, t, &x, self.field(&x), self.h).end;
+        t + self.h * (BELT_SPEED - x[1]) / (end[1] - x[1])
+    }
+
+    /// One Hénon step from the step's start onto Σ.
+    fn henon<M: RungeKutta>(&self) -> f64 {
+        let mut slope = |at: &Timed<f64, 2>| {
+            let f = self.field(&at.x);
+            Timed {
+                t: 1.0 / f[1],
+                x: f / f[1],
+            }
+        };
+        henon_step::<M, f64, 2>(&mut slope, &self.from, BELT_SPEED - self.from.x[1]).t
+    }
+}
+
+/// The zero between 0 and 1 of a function that is negative at 0 and positive at 1.
+fn bisect(value: impl Fn(f64) -> f64) -> f64 {
+    let (mut a, mut b) = (0.0, 1.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (a + b);
+        if value(middle) < 0.0 {
+            a = middle;
+        } else {
+            b = middle;
+        }
+    }
+    b
+}
+
+/// Error of the time at which the block is as fast as the belt, located in one step of length `h` from the exact state before it.
+fn error(model: &BeltOscillator, h: f64, locate: &dyn Fn(&Step) -> f64) -> f64 {
+    // Slower than the belt the block is at angle t of a circle about μ₀, its velocity minus the radius times the sine. The
+    // belt has half the radius for its speed: they meet at 7π/6, and the velocity is curved there. Times count from it.
+    let lead = PART * h;
+    let angle = 7.0 * PI / 6.0 - lead;
+    let radius = 2.0 * BELT_SPEED;
+    let x = State::from([
+        model.mu0 + radius * math::cos(angle),
+        -radius * math::sin(angle),
+    ]);
+    locate(&Step {
+        model,
+        from: Timed { t: -lead, x },
+        h,
+    })
+    .abs()
+}
+
+/// Slope of the logarithms, by least squares.
+fn order(errors: &[(f64, f64)]) -> f64 {
+    let logs: Vec<(f64, f64)> = errors
+        .iter()
+        .filter(|(h, error)| *error > ORDER_FLOOR && *h < ORDER_STEP)
+        .map(|&(h, error)| (math::ln(h), math::ln(error)))
+        .collect();
+    let n = logs.len() as f64;
+    let mean = |of: &dyn Fn(&(f64, f64)) -> f64| logs.iter().map(of).sum::<f64>() / n;
+    let (x, y) = (mean(&|p| p.0), mean(&|p| p.1));
+    let above = mean(&|p| (p.0 - x) * (p.1 - y));
+    above / mean(&|p| (p.0 - x) * (p.0 - x))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_way_has_the_order_of_its_construction() {
+        let ways = Locator::compute().unwrap();
+        let orders: Vec<f64> = ways.iter().map(|way| way.order).collect();
+        // Over one step an interpolant of degree p errs by h^(p+1), a step of order p by h^(p+1), too. Order 8 reaches rounding
+        // before it shows its last half.
+        let wanted = [1.9..2.1, 3.8..4.4, 4.7..5.3, 7.3..8.3, 8.0..9.3];
+        for (found, wanted) in orders.iter().zip(wanted) {
+            assert!(wanted.contains(found), "{orders:?}");
+        }
+    }
+}
