@@ -16,6 +16,7 @@ pub mod report;
 pub mod scalar;
 pub mod spectrum_cli;
 pub mod system;
+mod taylor;
 
 pub use error::Error;
 pub use filippov::{

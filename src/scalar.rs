@@ -65,20 +65,25 @@ pub trait Scalar:
             product
         }
     }
+    /// Whether it is the larger by value: the comparison behind [`Scalar::max`] and [`Scalar::min`]. To branch on it is
+    /// better than on [`Scalar::value`]: where the answer changes within a step, [`crate::Method::Taylor`] ends the step there.
+    fn exceeds(self, other: Self) -> bool {
+        self.value() > other.value()
+    }
     /// The larger of the two by value.
     fn max(self, other: Self) -> Self {
-        if other.value() > self.value() {
-            other
-        } else {
-            self
-        }
+        if other.exceeds(self) { other } else { self }
     }
     /// The smaller of the two by value.
     fn min(self, other: Self) -> Self {
-        if other.value() < self.value() {
-            other
+        if self.exceeds(other) { other } else { self }
+    }
+    /// The quotient, or the constant `otherwise` where `by` is zero.
+    fn divided_or(self, by: Self, otherwise: f64) -> Self {
+        if by.value() == 0.0 {
+            Self::constant(otherwise)
         } else {
-            self
+            self / by
         }
     }
 }
@@ -130,6 +135,10 @@ impl<T: Differentiable> Scalar for Dual<T> {
         self.re.value()
     }
     #[inline(always)]
+    fn exceeds(self, other: Self) -> bool {
+        self.re.exceeds(other.re)
+    }
+    #[inline(always)]
     fn sin(self) -> Self {
         Dual::new(Scalar::sin(self.re), self.eps * Scalar::cos(self.re))
     }
@@ -173,6 +182,9 @@ impl<T: Differentiable> Scalar for Dual3<T> {
     }
     fn value(self) -> f64 {
         self.re.value()
+    }
+    fn exceeds(self, other: Self) -> bool {
+        self.re.exceeds(other.re)
     }
     fn sin(self) -> Self {
         let (s, c) = (Scalar::sin(self.re), Scalar::cos(self.re));

@@ -115,7 +115,10 @@ impl<'a, S> Tangent<'a, S> {
             h: step.t_end - step.t_start,
         };
         match self.method {
-            Method::Dop853 => self.advanced::<Dop853, N>(&whole, vector, MOST_HALVINGS).1,
+            // FIXME
+            Method::Dop853 | Method::Taylor => {
+                self.advanced::<Dop853, N>(&whole, vector, MOST_HALVINGS).1
+            }
             Method::Dop853Fixed { .. } => self.advanced::<Dop853, N>(&whole, vector, 0).1,
             Method::Rk4 { .. } => self.advanced::<Rk4, N>(&whole, vector, 0).1,
         }

@@ -1,15 +1,19 @@
 //! The driver: from phase to phase by the switching rules.
 
+use std::marker::PhantomData;
 use std::ops::ControlFlow;
 
 use num_dual::Dual;
 
-use super::flow::{CONTACT, MOST_GUARDS, Slip, Stick, boundary_gradient, project, sliding_field};
+use super::flow::{
+    CONTACT, Flow, MOST_GUARDS, Slip, Stick, boundary_gradient, project, sliding_field,
+};
 use super::march::{PhaseEnd, Run};
 use super::observer::{Observer, Phase, StepRecord, Transition, TransitionKind};
 use super::options::{AtRepelling, Method, Options};
 use super::pile_up::PileUp;
 use super::rules::{Departure, Fate, LieDerivatives, departure};
+use super::taylor::TaylorStepper;
 use crate::error::{Error, Point};
 use crate::ode::{Dop853, Rk4, RungeKutta, Timed};
 use crate::orbit::{Counters, Ending, Orbit};
@@ -144,8 +148,11 @@ fn run_counted<S: Filippov<N>, O: Observer<N>, const N: usize>(
     };
     let start = Timed { t: t0, x: x0 };
     let result = check(system, &start, t_end, options).and_then(|()| match options.method {
-        Method::Dop853 | Method::Dop853Fixed { .. } => run.drive::<Dop853, S, N>(system, start),
-        Method::Rk4 { .. } => run.drive::<Rk4, S, N>(system, start),
+        Method::Dop853 | Method::Dop853Fixed { .. } => {
+            run.drive(&mut BySlopes::<Dop853>(PhantomData), system, start)
+        }
+        Method::Rk4 { .. } => run.drive(&mut BySlopes::<Rk4>(PhantomData), system, start),
+        Method::Taylor => run.drive(&mut TaylorStepper::new(options), system, start),
     });
     (result, run.counters)
 }
@@ -195,6 +202,36 @@ fn check<S: Filippov<N>, const N: usize>(
     Ok(())
 }
 
+/// What carries a run through one phase.
+pub(crate) trait Stepper<const N: usize> {
+    /// Integrates `flow` from `start` until a guard fails; see [`Run::march`].
+    fn march<F: Flow<N>, O: Observer<N>>(
+        &mut self,
+        run: &mut Run<'_, O>,
+        flow: &F,
+        mode: Mode,
+        start: Timed<f64, N>,
+        orders: [usize; MOST_GUARDS],
+    ) -> Result<PhaseEnd<N>, Error>;
+}
+
+/// Runge–Kutta steps.
+struct BySlopes<M>(PhantomData<M>);
+
+impl<M: RungeKutta, const N: usize> Stepper<N> for BySlopes<M> {
+    #[inline(always)]
+    fn march<F: Flow<N>, O: Observer<N>>(
+        &mut self,
+        run: &mut Run<'_, O>,
+        flow: &F,
+        mode: Mode,
+        start: Timed<f64, N>,
+        orders: [usize; MOST_GUARDS],
+    ) -> Result<PhaseEnd<N>, Error> {
+        run.march::<M, F, N>(flow, mode, start, orders)
+    }
+}
+
 /// Where the run goes from a point of Σ.
 enum Course {
     On(Mode, [usize; MOST_GUARDS]),
@@ -202,8 +239,9 @@ enum Course {
 }
 
 impl<O> Run<'_, O> {
-    fn drive<M: RungeKutta, S: Filippov<N>, const N: usize>(
+    fn drive<P: Stepper<N>, S: Filippov<N>, const N: usize>(
         &mut self,
+        stepper: &mut P,
         system: &S,
         start: Timed<f64, N>,
     ) -> Result<Summary<N>, Error>
@@ -221,16 +259,16 @@ impl<O> Run<'_, O> {
             let end = match mode {
                 Mode::Slip(Side::Below) => {
                     let flow = Slip::<S, false> { system, contact };
-                    self.march::<M, _, N>(&flow, mode, at, orders)?
+                    stepper.march(self, &flow, mode, at, orders)?
                 }
                 Mode::Slip(Side::Above) => {
                     let flow = Slip::<S, true> { system, contact };
-                    self.march::<M, _, N>(&flow, mode, at, orders)?
+                    stepper.march(self, &flow, mode, at, orders)?
                 }
                 Mode::Stick => {
                     at.x = project(system, at.t, at.x);
                     let flow = Stick { system, contact };
-                    self.march::<M, _, N>(&flow, mode, at, orders)?
+                    stepper.march(self, &flow, mode, at, orders)?
                 }
             };
             let (reached, ending) = match &end {

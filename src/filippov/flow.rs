@@ -35,12 +35,7 @@ pub fn sliding_field<S: Filippov<N>, T: Differentiable, const N: usize>(
     let above = system.field(Side::Above, t, x);
     let a1 = normal_component(system, t, x, &below);
     let a2 = normal_component(system, t, x, &above);
-    let gap = a1 - a2;
-    let weight = if gap.value() == 0.0 {
-        T::constant(0.5)
-    } else {
-        a1 / gap
-    };
+    let weight = a1.divided_or(a1 - a2, 0.5);
     State::from_fn(|i, _| below[i] + weight * (above[i] - below[i]))
 }
 
@@ -88,6 +83,8 @@ pub(crate) trait Flow<const N: usize> {
     const GUARDS: &'static [usize];
     /// How many of the user's field calls one evaluation takes.
     const FIELD_CALLS: u64;
+    /// Whether the contact function is positive now.
+    fn in_contact(&self) -> bool;
     /// dx/dt.
     fn field<T: Differentiable>(&self, t: T, x: &State<T, N>) -> State<T, N>;
     /// Guard `i`: positive while the mode holds, zero where it ends.
@@ -155,6 +152,10 @@ impl<S: Filippov<N>, const ABOVE: bool, const N: usize> Flow<N> for Slip<'_, S, 
     const GUARDS: &'static [usize] = &[0, CONTACT];
     const FIELD_CALLS: u64 = 1;
 
+    fn in_contact(&self) -> bool {
+        self.contact > 0.0
+    }
+
     #[inline(always)]
     fn field<T: Differentiable>(&self, t: T, x: &State<T, N>) -> State<T, N> {
         self.system.field(Self::SIDE, t, x)
@@ -200,6 +201,10 @@ impl<S> Stick<'_, S> {
 impl<S: Filippov<N>, const N: usize> Flow<N> for Stick<'_, S> {
     const GUARDS: &'static [usize] = &[0, 1, CONTACT];
     const FIELD_CALLS: u64 = 2;
+
+    fn in_contact(&self) -> bool {
+        self.contact > 0.0
+    }
 
     #[inline(always)]
     fn field<T: Differentiable>(&self, t: T, x: &State<T, N>) -> State<T, N> {

@@ -11,6 +11,7 @@ mod pile_up;
 mod rules;
 mod scan;
 mod stepper;
+mod taylor;
 
 pub use driver::{Failure, Summary, run, solve};
 pub use flow::{boundary_gradient, normal_component, sliding_field};

@@ -13,6 +13,12 @@ pub enum Method {
         /// Step length.
         step: f64,
     },
+    /// Taylor series of the solution, of an order that follows from the tolerance, with adaptive steps: the fastest for
+    /// tolerances of 1e-9 and less. The field is recorded once in each mode, by running it on a recording number, and the recording
+    /// is evaluated from then on; events are zeros of the boundary function's own series, isolated for certain, so that
+    /// `locator` has no say. A field that branches on [`crate::Scalar::value`] is recorded anew at every step; one that uses
+    /// `max`, `min` or [`crate::Scalar::exceeds`] where the answer changes, with a step that ends there.
+    Taylor,
     /// The paper's classical method of order 4 with a fixed step ([`crate::ode::Rk4`]).
     Rk4 {
         /// Step length.
@@ -170,7 +176,7 @@ impl Options {
     /// The fixed step, if there is one.
     pub(crate) fn fixed_step(&self) -> Option<f64> {
         match self.method {
-            Method::Dop853 => None,
+            Method::Dop853 | Method::Taylor => None,
             Method::Dop853Fixed { step } | Method::Rk4 { step } => Some(step),
         }
     }

@@ -79,7 +79,7 @@ impl<O> Run<'_, O> {
     }
 
     /// The step shrank until time no longer moves.
-    fn collapse<const N: usize>(
+    pub(crate) fn collapse<const N: usize>(
         &self,
         t: f64,
         x: &State<f64, N>,

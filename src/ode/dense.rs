@@ -5,19 +5,29 @@ use super::step::{Stages, weigh};
 use super::tableau::RungeKutta;
 use crate::interval::Interval;
 use crate::system::State;
+use crate::taylor::MOST_ORDER;
 
 /// The solution over one step as a polynomial in `s = (t − t0)/h`, `0 ≤ s ≤ 1`.
 ///
-/// `u(s) = c0 + s (c1 + r (c2 + s (c3 + r (c4 + s (c5 + r (c6 + s c7))))))` with `r = 1 − s` (Hairer, Nørsett &
+/// Of a Runge–Kutta step: `u(s) = c0 + s (c1 + r (c2 + s (c3 + r (c4 + s (c5 + r (c6 + s c7))))))` with `r = 1 − s` (Hairer, Nørsett &
 /// Wanner, Sect. II.6). The first four coefficients are the cubic Hermite interpolant; RK4 has only those
-/// (order 3), DOP853 all eight (order 7).
+/// (order 3), DOP853 all eight (order 7). Of a Taylor step: its series, as accurate inside the step as at its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dense<const N: usize> {
     /// Time at the start of the step.
     pub t0: f64,
     /// Length of the step.
     pub h: f64,
-    coefficients: [State<f64, N>; 8],
+    polynomial: Polynomial<N>,
+}
+
+// Kept in place, without a box: records of steps are copied and never allocate.
+#[allow(clippy::large_enum_variant)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Polynomial<const N: usize> {
+    RungeKutta([State<f64, N>; 8]),
+    /// Coefficients of the powers of `s`, up to the order given.
+    Series(usize, [State<f64, N>; MOST_ORDER + 1]),
 }
 
 impl<const N: usize> Dense<N> {
@@ -48,7 +58,22 @@ impl<const N: usize> Dense<N> {
         Dense {
             t0,
             h,
-            coefficients: c,
+            polynomial: Polynomial::RungeKutta(c),
+        }
+    }
+
+    /// The series of a Taylor step: coefficients of the powers of `s`.
+    #[inline(always)]
+    pub(crate) fn of_series(
+        t0: f64,
+        h: f64,
+        order: usize,
+        coefficients: &[State<f64, N>; MOST_ORDER + 1],
+    ) -> Self {
+        Dense {
+            t0,
+            h,
+            polynomial: Polynomial::Series(order, *coefficients),
         }
     }
 
@@ -56,13 +81,19 @@ impl<const N: usize> Dense<N> {
     /// ones the last.
     #[inline(always)]
     pub(crate) fn is_finite(&self) -> bool {
-        (0..N).all(|i| (self.coefficients[3][i] + self.coefficients[7][i]).is_finite())
+        match &self.polynomial {
+            Polynomial::RungeKutta(c) => (0..N).all(|i| (c[3][i] + c[7][i]).is_finite()),
+            Polynomial::Series(_, c) => c.iter().all(|c| c.iter().all(|v| v.is_finite())),
+        }
     }
 
     /// The state at `t0 + s h`.
     #[inline(always)]
     pub fn at(&self, s: f64) -> State<f64, N> {
-        let c = &self.coefficients;
+        let c = match &self.polynomial {
+            Polynomial::RungeKutta(c) => c,
+            Polynomial::Series(order, c) => return power_series(&c[..=*order], s),
+        };
         let r = 1.0 - s;
         let mut x = c[7];
         for i in 0..N {
@@ -83,7 +114,15 @@ impl<const N: usize> Dense<N> {
     pub(crate) fn enclosure(&self) -> State<Interval, N> {
         /// The largest values of `s r`, `s² r`, … `s⁴ r³`, rounded up.
         const REACH: [f64; 6] = [0.25, 0.148_149, 0.0625, 0.034_561, 0.015_626, 0.008_393];
-        let c = &self.coefficients;
+        let c = match &self.polynomial {
+            Polynomial::RungeKutta(c) => c,
+            Polynomial::Series(order, c) => {
+                return State::from_fn(|i, _| {
+                    let reach = c[1..=*order].iter().map(|c| c[i].abs()).sum();
+                    Interval::around(c[0][i], reach)
+                });
+            }
+        };
         State::from_fn(|i, _| {
             let mut radius = 0.5 * c[1][i].abs();
             for (term, reach) in c[2..].iter().zip(REACH) {
@@ -99,6 +138,18 @@ impl<const N: usize> Dense<N> {
     }
 }
 
+/// `Σ c_k s^k`.
+#[inline(always)]
+pub(crate) fn power_series<const N: usize>(c: &[State<f64, N>], s: f64) -> State<f64, N> {
+    let mut x = <State<f64, N> as Linear<f64>>::zero();
+    for c in c.iter().rev() {
+        for i in 0..N {
+            x[i] = c[i] + s * x[i];
+        }
+    }
+    x
+}
+
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
@@ -112,7 +163,7 @@ mod tests {
             terms in prop::array::uniform8(-1.0..1.0),
             s in 0.0..=1.0,
         ) {
-            let dense = Dense::<1> { t0: 0.0, h: 1.0, coefficients: terms.map(|c| State::from([c])) };
+            let dense = Dense::<1> { t0: 0.0, h: 1.0, polynomial: Polynomial::RungeKutta(terms.map(|c| State::from([c]))) };
             let range = dense.enclosure()[0];
             let x = dense.at(s)[0];
             prop_assert!(range.low <= x + 1e-15 && x - 1e-15 <= range.high);
