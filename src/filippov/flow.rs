@@ -93,6 +93,8 @@ pub(crate) trait Flow<const N: usize> {
     fn is_clear(&self, i: usize, t: Interval, x: &State<Interval, N>) -> bool;
     /// Takes out the rounding by which `x` has drifted off the set that the flow lives on.
     fn settle(&self, t: f64, x: State<f64, N>) -> State<f64, N>;
+    /// Takes out the rounding by which `x`, where guard `i` has become zero, is off the boundary.
+    fn land(&self, i: usize, t: f64, x: State<f64, N>) -> State<f64, N>;
 
     /// Rate of guard `i` along the vector `f`.
     #[inline(always)]
@@ -181,6 +183,14 @@ impl<S: Filippov<N>, const ABOVE: bool, const N: usize> Flow<N> for Slip<'_, S, 
     fn settle(&self, _t: f64, x: State<f64, N>) -> State<f64, N> {
         x
     }
+
+    fn land(&self, i: usize, t: f64, x: State<f64, N>) -> State<f64, N> {
+        if i == CONTACT {
+            x
+        } else {
+            project(self.system, t, x)
+        }
+    }
 }
 
 /// Stick (sliding on Σ): ends where either field stops pushing towards Σ. Guard 0 is the normal component
@@ -228,6 +238,10 @@ impl<S: Filippov<N>, const N: usize> Flow<N> for Stick<'_, S> {
     }
 
     fn settle(&self, t: f64, x: State<f64, N>) -> State<f64, N> {
+        project(self.system, t, x)
+    }
+
+    fn land(&self, _i: usize, t: f64, x: State<f64, N>) -> State<f64, N> {
         project(self.system, t, x)
     }
 }

@@ -1,19 +1,19 @@
 //! Taylor steps through one phase, and the first zero of its guards' series in each.
 
 use super::driver::Stepper;
-use super::flow::{CONTACT, Flow, MOST_GUARDS};
+use super::flow::{Flow, MOST_GUARDS};
 use super::leaving::has_left;
 use super::locate::{Located, uncertainty};
 use super::march::{PhaseEnd, Run};
 use super::observer::{Observer, StepRecord, Transition, TransitionKind};
 use super::options::Options;
-use crate::error::{Error, Point};
+use crate::error::Error;
 use crate::math;
 use crate::ode::{Dense, Linear, Timed, power_series};
 use crate::system::{Mode, Side, State};
 use crate::taylor::MOST_ORDER;
 use crate::taylor::roots::{first_zero, slope_and_bend, value_and_slope};
-use crate::taylor::series::Series;
+use crate::taylor::series::{INVERSE, Series};
 use crate::taylor::sketch::Sketch;
 use crate::taylor::tape::{Combination, Tape};
 
@@ -23,6 +23,9 @@ const LEAST_ORDER: usize = 8;
 /// Growth of the step from one to the next at most: a series that ends, of a polynomial solution, says nothing of how far a
 /// guard's zero is, and one very near the start of a very long step is badly resolved.
 const GROW_MOST: f64 = 8.0;
+
+/// Longest step in units of the radius of convergence: beyond it a series means nothing, however small its terms.
+const FARTHEST: f64 = 0.6;
 
 /// What a series that is not finite does to the step that it is scaled with.
 const SHRINK: f64 = 1e-2;
@@ -206,14 +209,18 @@ impl<const N: usize> TaylorStepper<N> {
         let p = self.order;
         let relative = options.rtol.max(options.atol);
         let wanted = rough_log2(relative) / p as f64;
+        let farthest = rough_log2(FARTHEST);
         let mut log = rough_log2(GROW_MOST);
         for i in 0..N {
-            let size = (options.atol + options.rtol * x[i].abs()) / relative;
+            let at = |k| self.series.at(i, k)[0].abs();
+            let scale = rough_log2((options.atol + options.rtol * x[i].abs()) / relative);
+            let size = rough_log2(at(0).max(at(1)).max(at(2)));
             // Even or odd series have every other coefficient zero.
             for k in p - 3..=p {
-                let part = self.series.at(i, k)[0].abs() / size;
-                if part > 0.0 {
-                    log = f64::min(log, wanted - rough_log2(part) / k as f64);
+                if at(k) > 0.0 {
+                    let last = rough_log2(at(k));
+                    let by_radius = (size - last) * INVERSE[k] + farthest;
+                    log = log.min((scale - last) * INVERSE[k] + wanted).min(by_radius);
                 }
             }
         }
@@ -228,7 +235,7 @@ impl<const N: usize> TaylorStepper<N> {
             let size = g(0).max(g(1) * ratio).max(g(2) * ratio * ratio);
             for k in p - 1..=p {
                 if g(k) > 0.0 && size > 0.0 {
-                    log = f64::min(log, wanted + rough_log2(size / g(k)) / k as f64);
+                    log = log.min(wanted + rough_log2(size / g(k)) * INVERSE[k]);
                 }
             }
         }
@@ -356,39 +363,8 @@ impl<const N: usize> TaylorStepper<N> {
                 };
             }
         }
-        at.x = flow.settle(at.t, at.x);
-        let mut left: f64 = flow.guard(guard, at.t, &at.x);
-        // What rounding has left of the guard, taken out along the solution.
-        for _ in 0..2 {
-            let change = -left / slope;
-            if left == 0.0 || !(change.abs() <= 1e-6) {
-                break;
-            }
-            let (mut to, mut rest_there) = (at, rest);
-            (to.t, rest_there.t) = two_sum(at.t, rest.t + change * piece.h);
-            let mut velocity = State::from([0.0; N]);
-            for (k, x) in piece
-                .x
-                .iter()
-                .enumerate()
-                .take(piece.order + 1)
-                .skip(1)
-                .rev()
-            {
-                for i in 0..N {
-                    velocity[i] = velocity[i] * s + x[i] * k as f64;
-                }
-            }
-            for i in 0..N {
-                (to.x[i], rest_there.x[i]) = two_sum(at.x[i], rest.x[i] + change * velocity[i]);
-            }
-            to.x = flow.settle(to.t, to.x);
-            let left_there: f64 = flow.guard(guard, to.t, &to.x);
-            if !(left_there.abs() < left.abs()) {
-                break;
-            }
-            (at, rest, left) = (to, rest_there, left_there);
-        }
+        at.x = flow.land(guard, at.t, at.x);
+        let left: f64 = flow.guard(guard, at.t, &at.x);
         let located = Located::Exit {
             at,
             residual: left.abs(),
@@ -475,6 +451,7 @@ impl<const N: usize> Stepper<N> for TaylorStepper<N> {
             run.h = run.choose_first_step(field, t, &x, &slope);
             run.counters.field_calls += 2 * F::FIELD_CALLS;
         }
+        let mut rejected = false;
         loop {
             if t >= run.t_end {
                 return Ok(PhaseEnd::Time(Timed { t, x }));
@@ -488,7 +465,8 @@ impl<const N: usize> Stepper<N> for TaylorStepper<N> {
                 continue;
             }
             let ratio = self.step_ratio(index, run.options, &x);
-            run.h = ratio * scale;
+            // After a rejection the step does not grow at once.
+            run.h = scale * if rejected { ratio.min(1.0) } else { ratio };
             let mut h = run.h.min(run.options.longest_step);
             let is_last = t + 1.01 * h >= run.t_end;
             if is_last {
@@ -502,10 +480,14 @@ impl<const N: usize> Stepper<N> for TaylorStepper<N> {
             if is_last {
                 (at.t, rest_there.t) = (run.t_end, 0.0);
             }
-            if at.x.iter().any(|v| !v.is_finite()) {
+            let end: State<f64, N> = flow.field(at.t, &at.x);
+            if (0..N).any(|i| !(at.x[i] + end[i]).is_finite()) {
+                // The series may lead, within the tolerance, beyond where the field is defined.
                 run.reject_undefined(t, &x, h)?;
+                rejected = true;
                 continue;
             }
+            rejected = false;
             let mut event = self
                 .first_event(run, flow, index, &piece, &orders)
                 .filter(|event| !is_last || event.located.is_before(at.t));

@@ -13,7 +13,7 @@ const FORWARD: usize = (MOST_ORDER / CHUNK + 1) * CHUNK;
 const BACKWARD: usize = MOST_ORDER + 1 + CHUNK;
 
 /// `1/k`.
-const INVERSE: [f64; MOST_ORDER + 2] = {
+pub(crate) const INVERSE: [f64; MOST_ORDER + 2] = {
     let mut inverse = [0.0; MOST_ORDER + 2];
     let mut k = 1;
     while k < inverse.len() {

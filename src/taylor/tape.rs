@@ -2,7 +2,6 @@
 
 use super::recorder::{Recorded, recording};
 use super::sketch::{Form, Op, Sketch, Term};
-use crate::scalar::Scalar;
 use crate::system::State;
 
 /// A constant and multiples of rows: terms `first .. first + count` of the tape.
@@ -72,7 +71,7 @@ pub(crate) struct Tape {
     pub field: Vec<Combination>,
     /// The watched functions, those that are constant as such.
     pub watched: Vec<Combination>,
-    /// What was compared by [`Scalar::exceeds`]: positive where the comparison came out as it did.
+    /// What was compared by [`crate::Scalar::exceeds`]: positive where the comparison came out as it did.
     pub choices: Vec<Combination>,
     /// Rows of coefficients.
     pub rows: usize,
