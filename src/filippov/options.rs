@@ -98,7 +98,7 @@ impl Default for Options {
         Options {
             rtol: 1e-10,
             atol: 1e-10,
-            method: Method::Taylor,
+            method: Method::Dop853,
             locator: Locator::Auto,
             longest_step: f64::INFINITY,
             first_step: None,

@@ -8,6 +8,9 @@ use crate::system::State;
 /// A phase over which no component moves by more than so many tolerances is not resolved.
 const UNRESOLVED: f64 = 100.0;
 
+/// So many transitions within the span of a pile-up, and then a step too short for the time, are one as well.
+const FEWEST: usize = 10;
+
 /// Transitions pile up when many of them happen within no time, or when many phases in a row are too short for error control
 /// to tell their ends apart: then a loose tolerance has stopped the orbit short of the accumulation point.
 pub(crate) struct PileUp {
@@ -54,6 +57,23 @@ impl PileUp {
             span: at.t - self.since,
             t: at.t,
             x: Point::from(&at.x),
+        })
+    }
+
+    /// The pile-up that a run is in whose steps have become too short.
+    pub(crate) fn under_way<const N: usize>(
+        &self,
+        t: f64,
+        x: &State<f64, N>,
+        options: &Options,
+    ) -> Option<Error> {
+        let span = t - self.since;
+        let near = span <= options.pile_up_span * t.abs().max(1.0);
+        (near && self.count >= FEWEST).then(|| Error::EventPileUp {
+            count: self.count,
+            span,
+            t,
+            x: Point::from(x),
         })
     }
 }

@@ -78,8 +78,21 @@ impl<O> Run<'_, O> {
         }
     }
 
+    /// What a step says that has shrunk until time no longer moves, right behind transitions that pile up: each was resolved.
+    pub(crate) fn collapsed<const N: usize>(
+        &self,
+        t: f64,
+        x: &State<f64, N>,
+        slope: &State<f64, N>,
+        step: f64,
+    ) -> Error {
+        self.pile_up
+            .under_way(t, x, self.options)
+            .unwrap_or_else(|| self.collapse(t, x, slope, step))
+    }
+
     /// The step shrank until time no longer moves.
-    pub(crate) fn collapse<const N: usize>(
+    fn collapse<const N: usize>(
         &self,
         t: f64,
         x: &State<f64, N>,

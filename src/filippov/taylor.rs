@@ -24,8 +24,12 @@ const LEAST_ORDER: usize = 8;
 /// guard's zero is, and one very near the start of a very long step is badly resolved.
 const GROW_MOST: f64 = 8.0;
 
-/// Longest step in units of the radius of convergence: beyond it a series means nothing, however small its terms.
-const FARTHEST: f64 = 0.6;
+/// Longest step in units of the radius of convergence as the terms' own ratio tells it: beyond it a series means nothing,
+/// however small its terms.
+const FARTHEST: f64 = 0.7;
+
+/// Tolerances by which the slope of a series, times the step, may be off the field.
+const DEFECT: f64 = 30.0;
 
 /// What a series that is not finite does to the step that it is scaled with.
 const SHRINK: f64 = 1e-2;
@@ -99,6 +103,25 @@ impl<const N: usize> Piece<N> {
             (at.x[i], rest.x[i]) = two_sum(self.x[0][i], self.rest.x[i] + s * rise[i]);
         }
         (at, rest)
+    }
+
+    /// Whether the series still solves the equation at the part `s` of the step, where it leads to `at`: its slope is the
+    /// field there. It is not beyond where the field is defined, or where it branches otherwise than the recording.
+    #[inline(always)]
+    fn agrees<F: Flow<N>>(&self, flow: &F, s: f64, at: &Timed<f64, N>, options: &Options) -> bool {
+        let field = flow.field(at.t, &at.x);
+        (0..N).all(|i| {
+            let (mut value, mut slope) = (0.0, 0.0);
+            for x in self.x[..=self.order].iter().rev() {
+                slope = slope * s + value;
+                value = value * s + x[i];
+            }
+            let rise = self.h * field[i];
+            let size = f64::max(at.x[i].abs(), rise.abs());
+            // The slope's own error is the order times the error of the step.
+            let allowed = DEFECT * (options.atol + options.rtol * size);
+            at.x[i].is_finite() && (rise - slope).abs() <= allowed
+        })
     }
 
     /// A watched function's series.
@@ -214,14 +237,17 @@ impl<const N: usize> TaylorStepper<N> {
         for i in 0..N {
             let at = |k| self.series.at(i, k)[0].abs();
             let scale = rough_log2((options.atol + options.rtol * x[i].abs()) / relative);
-            let size = rough_log2(at(0).max(at(1)).max(at(2)));
             // Even or odd series have every other coefficient zero.
+            let (mut early, mut late) = (0.0, 0.0);
             for k in p - 3..=p {
+                early = f64::max(early, at(k - p / 2));
+                late = f64::max(late, at(k));
                 if at(k) > 0.0 {
-                    let last = rough_log2(at(k));
-                    let by_radius = (size - last) * INVERSE[k] + farthest;
-                    log = log.min((scale - last) * INVERSE[k] + wanted).min(by_radius);
+                    log = log.min((scale - rough_log2(at(k))) * INVERSE[k] + wanted);
                 }
+            }
+            if early > 0.0 && late > 0.0 {
+                log = log.min((rough_log2(early) - rough_log2(late)) * INVERSE[p / 2] + farthest);
             }
         }
         let tape = &self.tapes[index];
@@ -363,6 +389,13 @@ impl<const N: usize> TaylorStepper<N> {
                 };
             }
         }
+        at.x = flow.settle(at.t, at.x);
+        // The series knows the guard to the rounding of its largest term, the guard itself may be known far better.
+        let left: f64 = flow.guard(guard, at.t, &at.x);
+        let change = -left / slope;
+        if change.abs() <= 1e-6 && s + change >= 0.0 {
+            (at, rest) = piece.at(s + change);
+        }
         at.x = flow.land(guard, at.t, at.x);
         let left: f64 = flow.guard(guard, at.t, &at.x);
         let located = Located::Exit {
@@ -460,7 +493,7 @@ impl<const N: usize> Stepper<N> for TaylorStepper<N> {
             if !self.expand_recorded(run, flow, index, (t, &x), scale) {
                 run.reject_undefined(t, &x, SHRINK * scale)?;
                 if run.h <= SHORTEST * t.abs() || run.h < f64::MIN_POSITIVE {
-                    return Err(run.collapse(t, &x, &flow.field(t, &x), run.h));
+                    return Err(run.collapsed(t, &x, &flow.field(t, &x), run.h));
                 }
                 continue;
             }
@@ -473,21 +506,14 @@ impl<const N: usize> Stepper<N> for TaylorStepper<N> {
                 h = (run.t_end - t) - rest.t;
             }
             if !is_last && h <= SHORTEST * t.abs() || h < f64::MIN_POSITIVE {
-                return Err(run.collapse(t, &x, &flow.field(t, &x), h));
+                return Err(run.collapsed(t, &x, &flow.field(t, &x), h));
             }
             let piece = self.piece(t, rest, h, scale);
             let (mut at, mut rest_there) = piece.at(1.0);
             if is_last {
                 (at.t, rest_there.t) = (run.t_end, 0.0);
             }
-            let end: State<f64, N> = flow.field(at.t, &at.x);
-            if (0..N).any(|i| !(at.x[i] + end[i]).is_finite()) {
-                // The series may lead, within the tolerance, beyond where the field is defined.
-                run.reject_undefined(t, &x, h)?;
-                rejected = true;
-                continue;
-            }
-            rejected = false;
+            let mut part = 1.0;
             let mut event = self
                 .first_event(run, flow, index, &piece, &orders)
                 .filter(|event| !is_last || event.located.is_before(at.t));
@@ -495,6 +521,7 @@ impl<const N: usize> Stepper<N> for TaylorStepper<N> {
                 let before = event.as_ref().map_or(1.0, |event| event.s);
                 if let Some(kink) = self.first_kink(index, &piece, before) {
                     event = None;
+                    part = kink;
                     (at, rest_there) = piece.at(kink);
                     self.stale[index] = true;
                 }
@@ -507,6 +534,13 @@ impl<const N: usize> Stepper<N> for TaylorStepper<N> {
                 }) => (at, rest_there) = (*there, *rest),
                 _ => at.x = flow.settle(at.t, at.x),
             }
+            let part = event.as_ref().map_or(part, |event| event.s);
+            if !piece.agrees(flow, part, &at, run.options) {
+                run.reject_undefined(t, &x, h)?;
+                rejected = true;
+                continue;
+            }
+            rejected = false;
             (self.end, self.rest) = (at, rest_there);
             run.counters.steps += 1;
             let record = StepRecord {

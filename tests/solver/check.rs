@@ -11,7 +11,7 @@ pub const TIGHT: f64 = 1e-13;
 /// The three ways to locate an event, at [`TIGHT`].
 pub fn every_locator() -> [Options; 3] {
     [Locator::Auto, Locator::Henon, Locator::RootSearch]
-        .map(|locator| Options::tol(TIGHT).locator(locator))
+        .map(|locator| crate::tol(TIGHT).locator(locator))
 }
 
 /// The two of them that keep the tolerance however long the step: the paper's single Hénon step over all of it does not.

@@ -80,7 +80,7 @@ fn assert_kept<const N: usize>(orbit: &Orbit<N>) {
 
 #[test]
 fn times_that_make_no_interval() {
-    let options = Options::default();
+    let options = crate::tol(1e-10);
     for (t0, t_end) in [
         (f64::NAN, 1.0),
         (0.0, f64::NAN),
@@ -100,7 +100,7 @@ fn times_that_make_no_interval() {
 
 #[test]
 fn options_out_of_range() {
-    let good = Options::default();
+    let good = crate::tol(1e-10);
     let bad_tolerances = [0.0, -1e-9, f64::NAN, f64::INFINITY, 1.0, 1e-17];
     for bad in bad_tolerances {
         for (options, name) in [
@@ -186,7 +186,7 @@ fn options_out_of_range() {
 #[test]
 fn starts_outside_the_domain() {
     for bad in [f64::NAN, f64::INFINITY] {
-        let error = line(0.0, bad, 1.0, &Options::default());
+        let error = line(0.0, bad, 1.0, &crate::tol(1e-10));
         assert!(
             matches!(error, Error::StartOutsideDomain { t: 0.0, .. }),
             "{error}"
@@ -194,7 +194,7 @@ fn starts_outside_the_domain() {
         assert_says(&error, &["the start itself", "finite"]);
     }
     // √(1 - x) of 2.
-    let error = failure(&Wall, 0.5, State::from([2.0]), 1.0, &Options::default()).error;
+    let error = failure(&Wall, 0.5, State::from([2.0]), 1.0, &crate::tol(1e-10)).error;
     assert!(matches!(error, Error::StartOutsideDomain { .. }), "{error}");
     assert_says(&error, &["t = 0.5", "(2)", "the field", "start elsewhere"]);
 }
@@ -207,7 +207,7 @@ fn a_solution_that_becomes_infinite_is_followed_to_within_rounding_of_that_time(
             0.0,
             State::from([0.5]),
             10.0,
-            &Options::tol(1e-12).locator(locator),
+            &crate::tol(1e-12).locator(locator),
         );
         let (Error::StepCollapse { t, .. } | Error::NonFinite { t, .. }) = failure.error else {
             panic!("{}", failure.error);
@@ -231,7 +231,7 @@ fn a_solution_that_becomes_infinite_is_followed_to_within_rounding_of_that_time(
 
 #[test]
 fn an_escape_bound_ends_the_run_just_beyond_it() {
-    let options = Options::tol(1e-10).escape(1e3);
+    let options = crate::tol(1e-10).escape(1e3);
     let failure = failure(&BlowUp, 0.0, State::from([0.5]), 10.0, &options);
     let Error::Escaped { t, ref x, bound } = failure.error else {
         panic!("{}", failure.error)
@@ -250,7 +250,7 @@ fn an_escape_bound_ends_the_run_just_beyond_it() {
 
 #[test]
 fn a_field_that_ends_on_the_way_is_an_error_at_its_edge() {
-    let failure = failure(&Wall, 0.0, State::from([0.0]), 10.0, &Options::tol(1e-10));
+    let failure = failure(&Wall, 0.0, State::from([0.0]), 10.0, &crate::tol(1e-10));
     let (Error::StepCollapse { t, ref x, .. } | Error::NonFinite { t, ref x, .. }) = failure.error
     else {
         panic!("{}", failure.error);
@@ -273,13 +273,22 @@ fn crossings_that_pile_up_are_told_near_the_point_where_they_do() {
             0.0,
             State::from([0.0, 1.0]),
             100.0,
-            &Options::tol(1e-12),
+            &crate::tol(1e-12),
         );
         let Error::EventPileUp { count, span, t, .. } = failure.error else {
             panic!("{}", failure.error)
         };
-        assert!(count >= 100 && span <= 1e-7 * t.max(1.0));
-        assert_says(&failure.error, &["100 transitions", "Zeno", "accumulation"]);
+        // Taylor steps resolve every excursion until the time does not, RK's none below the tolerance.
+        let fewest = if crate::METHOD == Method::Taylor {
+            10
+        } else {
+            100
+        };
+        assert!(count >= fewest && span <= 1e-7 * t.max(1.0));
+        assert_says(
+            &failure.error,
+            &[&format!("{count} transitions"), "Zeno", "accumulation"],
+        );
         assert_kept(&failure.orbit);
         let transitions = &failure.orbit.transitions;
         assert!(
@@ -307,7 +316,7 @@ fn crossings_that_pile_up_are_told_near_the_point_where_they_do() {
 #[test]
 fn nothing_is_lost_of_an_orbit_that_fails_after_transitions() {
     let belt = decaying_friction();
-    let options = Options::tol(1e-10).longest_step(0.01).escape(1.02);
+    let options = crate::tol(1e-10).longest_step(0.01).escape(1.02);
     // The slip after the first stick reaches x = 1.04.
     let failure = failure(&belt, 0.0, State::from([0.04, -0.01]), 100.0, &options);
     assert!(
@@ -335,7 +344,7 @@ fn nothing_is_lost_of_an_orbit_that_fails_after_transitions() {
 
 #[test]
 fn times_outside_an_orbit() {
-    let orbit = solve(&BlowUp, 0.0, State::from([0.5]), 1.0, &Options::default()).expect("runs");
+    let orbit = solve(&BlowUp, 0.0, State::from([0.5]), 1.0, &crate::tol(1e-10)).expect("runs");
     for t in [-0.1, 1.1, f64::NAN] {
         let error = orbit.at(t).expect_err("outside");
         assert!(

@@ -21,7 +21,7 @@ fn a_state_on_the_boundary_to_rounding_is_on_it() {
     // The floor's Σ is where the velocity is zero; a velocity of 1e-17 is what rounding leaves of that.
     for velocity in [0.0, 1e-17, -1e-17, 1e-300, -1e-300] {
         let start = State::from([0.1, velocity]);
-        let orbit = solve(&Floor, 0.0, start, 1.0, &Options::tol(TIGHT)).expect("runs");
+        let orbit = solve(&Floor, 0.0, start, 1.0, &crate::tol(TIGHT)).expect("runs");
         assert_consistent(&Floor, &orbit);
         assert_eq!(
             orbit.phases.last().map(|p| p.mode),
@@ -29,14 +29,14 @@ fn a_state_on_the_boundary_to_rounding_is_on_it() {
             "{velocity}"
         );
         let start = State::from([-2.2, velocity]);
-        let orbit = solve(&Floor, 0.0, start, 1.0, &Options::tol(TIGHT)).expect("runs");
+        let orbit = solve(&Floor, 0.0, start, 1.0, &crate::tol(TIGHT)).expect("runs");
         assert_consistent(&Floor, &orbit);
     }
 }
 
 #[test]
 fn a_run_from_any_transition_of_the_floor_repeats_the_rest() {
-    let options = Options::tol(TIGHT);
+    let options = crate::tol(TIGHT);
     let orbit = solve(&Floor, 0.0, State::from([3.0, 0.0]), 20.0, &options).expect("runs");
     for (k, start) in orbit.transitions.iter().enumerate() {
         let again = solve(&Floor, start.t, start.x, 20.0, &options).expect("runs");
@@ -62,7 +62,7 @@ fn a_two_fold_at_the_origin_is_one_to_rounding() {
         0.0,
         State::from([-1.0, 0.0]),
         2.0,
-        &Options::tol(TIGHT),
+        &crate::tol(TIGHT),
     )
     .expect("runs");
     assert_eq!(orbit.ending, Ending::Repelling);
@@ -81,7 +81,7 @@ fn a_two_fold_invisible_from_both_sides_is_slid_on() {
         0.0,
         State::from([0.0, 0.0]),
         2.0,
-        &Options::tol(TIGHT),
+        &crate::tol(TIGHT),
     )
     .expect("runs");
     assert_consistent(&system, &orbit);
@@ -94,7 +94,7 @@ fn a_moving_boundary_that_becomes_repelling_ends_the_run_there() {
     for speed in [0.7, 1.3] {
         for tolerance in [1e-13, 1e-10, 1e-7] {
             let system = TurningLine { speed };
-            let options = Options::tol(tolerance);
+            let options = crate::tol(tolerance);
             let orbit = solve(&system, 0.0, State::from([0.1]), 3.0, &options).expect("runs");
             assert_eq!(orbit.ending, Ending::Repelling);
             assert!((orbit.t_end - FRAC_PI_2).abs() < 1e-13, "{}", orbit.t_end);
@@ -108,7 +108,7 @@ fn a_moving_boundary_that_becomes_repelling_ends_the_run_there() {
 
 #[test]
 fn the_step_on_which_a_run_escapes_is_kept() {
-    let options = Options::tol(1e-10).escape(1e3);
+    let options = crate::tol(1e-10).escape(1e3);
     let failure = solve(&BlowUp, 0.0, State::from([0.5]), 10.0, &options).expect_err("escapes");
     let Error::Escaped { t, .. } = failure.error else {
         panic!("{}", failure.error)
@@ -142,7 +142,7 @@ fn a_step_whose_dense_output_is_not_finite_is_not_searched_for_ever() {
         looks: Cell::new(0),
     };
     // Until time 2 the solution is 1 - (1 - t/2)²; whatever comes then, an error or rest at 1, comes promptly.
-    if let Ok(orbit) = solve(&system, 0.0, State::from([0.0]), 2.5, &Options::tol(1e-10)) {
+    if let Ok(orbit) = solve(&system, 0.0, State::from([0.0]), 2.5, &crate::tol(1e-10)) {
         assert!((orbit.x_end[0] - 1.0).abs() < 1e-8);
     }
 }
@@ -175,7 +175,7 @@ fn a_pile_up_too_fast_to_be_counted_ends_the_run_all_the_same() {
                 0.0,
                 start,
                 100.0,
-                &Options::tol(tolerance),
+                &crate::tol(tolerance),
                 &mut at_most,
             );
             let error = result.map(|s| (s.t, s.counters)).expect_err("cannot go on");
@@ -204,7 +204,7 @@ fn a_short_release_far_into_a_long_step_is_no_touch() {
             width,
             amplitude: 0.0,
         };
-        let options = Options::tol(tolerance);
+        let options = crate::tol(tolerance);
         let orbit =
             solve(&dip, 0.0, State::from([0.0, 0.0]), 1.5 * centre, &options).expect("runs");
         assert_eq!(
@@ -217,7 +217,7 @@ fn a_short_release_far_into_a_long_step_is_no_touch() {
 
 #[test]
 fn the_henon_locator_keeps_the_tolerance_in_adaptive_steps() {
-    let options = Options::tol(TIGHT).locator(Locator::Henon);
+    let options = crate::tol(TIGHT).locator(Locator::Henon);
     // A circle 1e-2 beyond the ceiling: the rate across Σ changes by factors within a step.
     let system = Ceiling { gap: 1e-2 };
     for k in 0..12 {
@@ -296,7 +296,7 @@ fn a_graze_shallower_than_the_dense_output_is_exact_is_found() {
         for k in 0..300 {
             let t = -1.5 + 0.009 * f64::from(k);
             let start = State::from([math::exp(math::sin(t))]);
-            let options = Options::tol(tolerance);
+            let options = crate::tol(tolerance);
             let orbit = solve(&system, t, start, 3.0, &options).expect("runs");
             assert_eq!(kinds(&orbit), [Crossing, Crossing], "{tolerance} {t}");
         }

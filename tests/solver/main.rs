@@ -10,3 +10,12 @@ mod properties;
 mod restarts;
 mod systems;
 mod tableaux;
+
+use stickslip::{Method, Options};
+
+/// What every test runs that does not say otherwise.
+const METHOD: Method = Method::Dop853;
+
+fn tol(tolerance: f64) -> Options {
+    Options::tol(tolerance).method(METHOD)
+}

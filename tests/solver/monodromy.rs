@@ -4,7 +4,7 @@ use nalgebra::SMatrix;
 use stickslip::TransitionKind::StickEntry;
 use stickslip::analysis::{monodromy, periodic_orbit, planar_multipliers};
 use stickslip::models::BeltOscillator;
-use stickslip::{Filippov, Mode, Options, Side, State, math, solve};
+use stickslip::{Filippov, Mode, Side, State, math, solve};
 
 use crate::check::{TIGHT, kinds};
 use crate::systems::{Dip, Floor, MovingLine, Spiral, decaying_friction};
@@ -21,7 +21,7 @@ fn by_differences<S: Filippov<N>, const N: usize>(
     t_end: f64,
 ) -> SMatrix<f64, N, N> {
     let end = |x: State<f64, N>| {
-        let orbit = solve(system, t0, x, t_end, &Options::tol(TIGHT)).expect("runs");
+        let orbit = solve(system, t0, x, t_end, &crate::tol(TIGHT)).expect("runs");
         orbit.x_end
     };
     let columns: Vec<_> = (0..N)
@@ -46,7 +46,7 @@ fn assert_agree<S: Filippov<N>, const N: usize>(
     t_end: f64,
     stick_entries: usize,
 ) -> SMatrix<f64, N, N> {
-    let options = Options::tol(TIGHT);
+    let options = crate::tol(TIGHT);
     let found = monodromy(system, t0, x0, t_end, &options).expect("runs");
     let orbit = solve(system, t0, x0, t_end, &options).expect("runs");
     assert_eq!(found.summary.x, orbit.x_end, "{what}");
@@ -113,7 +113,7 @@ fn stick_takes_one_from_the_rank() {
 
 /// How often the orbit has entered stick by each of the times.
 fn sticks_by(belt: &BeltOscillator, start: State<f64, 2>, times: &[f64]) -> Vec<(f64, usize)> {
-    let orbit = solve(belt, 0.0, start, 100.0, &Options::tol(TIGHT)).expect("runs");
+    let orbit = solve(belt, 0.0, start, 100.0, &crate::tol(TIGHT)).expect("runs");
     let entered = |t: &f64| orbit.sticks().filter(|stick| stick.t_start < *t).count();
     times.iter().map(|t| (*t, entered(t))).collect()
 }
@@ -152,7 +152,7 @@ fn a_moving_boundary_is_crossed_slid_on_and_left() {
 #[test]
 fn the_cycle_without_stick_has_the_multiplier_of_its_return_map() {
     let belt = BeltOscillator::default();
-    let options = Options::tol(TIGHT);
+    let options = crate::tol(TIGHT);
     let guess = State::from([-0.27, -0.73]);
     let cycle = periodic_orbit(&belt, guess, 7.7, &options).expect("converges");
     let [trivial, other] = planar_multipliers(&cycle.monodromy);

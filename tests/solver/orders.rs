@@ -215,7 +215,7 @@ fn the_adaptive_run_keeps_its_tolerance() {
             0.0,
             State::from([1.0]),
             30.0,
-            &Options::tol(tolerance),
+            &crate::tol(tolerance),
         )
         .expect("runs");
         let ends = orbit.steps.iter().fold(0.0f64, |worst, step| {

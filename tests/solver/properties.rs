@@ -7,8 +7,7 @@ use proptest::test_runner::{Config, RngSeed};
 use stickslip::filippov::normal_component;
 use stickslip::models::{BeltOscillator, ForcedOscillator};
 use stickslip::{
-    Filippov, Mode, Observer, Options, Orbit, Scalar, Side, State, Transition, TransitionKind, run,
-    solve,
+    Filippov, Mode, Observer, Orbit, Scalar, Side, State, Transition, TransitionKind, run, solve,
 };
 
 use crate::check::{assert_consistent, changes, ulp_of_boundary};
@@ -85,14 +84,7 @@ const TOLERANCE: f64 = 1e-12;
 
 /// The run, unless it escapes: the forced model's spring pushes away far out.
 fn orbit_of<S: Filippov<2>>(system: &S, x0: State<f64, 2>, t_end: f64) -> Option<Orbit<2>> {
-    solve(
-        system,
-        0.0,
-        x0,
-        t_end,
-        &Options::tol(TOLERANCE).escape(20.0),
-    )
-    .ok()
+    solve(system, 0.0, x0, t_end, &crate::tol(TOLERANCE).escape(20.0)).ok()
 }
 
 fn assert_invariants<S: Filippov<2>>(system: &S, belt_speed: f64, orbit: &Orbit<2>) {
@@ -168,7 +160,7 @@ impl Observer<2> for Keep {
 
 fn assert_streams_alike<S: Filippov<2>>(system: &S, x0: State<f64, 2>, orbit: &Orbit<2>) {
     let mut keep = Keep(Vec::new());
-    let options = Options::tol(TOLERANCE).escape(20.0);
+    let options = crate::tol(TOLERANCE).escape(20.0);
     let summary = run(system, 0.0, x0, orbit.t_end, &options, &mut keep).expect("runs");
     assert_eq!(keep.0, orbit.transitions);
     assert_eq!(
@@ -185,14 +177,14 @@ fn assert_streams_alike<S: Filippov<2>>(system: &S, x0: State<f64, 2>, orbit: &O
 
 /// Norm of the flow's derivative, by which errors on the way are enlarged at most.
 fn growth<S: Filippov<2>>(system: &S, t0: f64, x0: State<f64, 2>, t_end: f64) -> f64 {
-    let options = Options::tol(TOLERANCE).escape(20.0);
+    let options = crate::tol(TOLERANCE).escape(20.0);
     stickslip::analysis::monodromy(system, t0, x0, t_end, &options)
         .map_or(f64::INFINITY, |m| m.matrix.amax().max(1.0))
 }
 
 fn assert_runs_join<S: Filippov<2>>(system: &S, x0: State<f64, 2>, orbit: &Orbit<2>, part: f64) {
     let (middle, end) = (orbit.t_end * part, orbit.t_end);
-    let options = Options::tol(TOLERANCE).escape(20.0);
+    let options = crate::tol(TOLERANCE).escape(20.0);
     let first = solve(system, 0.0, x0, middle, &options).expect("runs");
     let second = solve(system, middle, first.x_end, end, &options).expect("runs");
     let error = (second.x_end - orbit.x_end).amax();
@@ -206,7 +198,7 @@ fn assert_runs_join<S: Filippov<2>>(system: &S, x0: State<f64, 2>, orbit: &Orbit
 }
 
 fn assert_reverses<S: Filippov<2> + Copy>(system: &S, orbit: &Orbit<2>) {
-    let options = Options::tol(TOLERANCE);
+    let options = crate::tol(TOLERANCE);
     for phase in orbit.phases.iter().filter(|p| p.mode != Mode::Stick) {
         // A smooth stretch strictly inside the phase.
         let (from, to) = (

@@ -3,7 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use stickslip::models::{BeltOscillator, ForcedOscillator};
-use stickslip::{AtRepelling, Ending, Filippov, Mode, Options, Side, State, math, solve};
+use stickslip::{AtRepelling, Ending, Filippov, Mode, Side, State, math, solve};
 
 use crate::check::{TIGHT, assert_consistent, kinds};
 use crate::systems::{Line, MovingLine, TurningLine, TwoFold, coulomb_friction, decaying_friction};
@@ -31,7 +31,7 @@ fn each_of_the_six_tangent_points_is_left_the_way_its_visibility_says() {
         };
         for (factor, mode) in points {
             let start = State::from([scale * factor, belt_speed]);
-            let orbit = solve(&belt, 0.0, start, 0.05, &Options::tol(TIGHT)).expect("runs");
+            let orbit = solve(&belt, 0.0, start, 0.05, &crate::tol(TIGHT)).expect("runs");
             assert_consistent(&belt, &orbit);
             assert_eq!(
                 orbit.phases[0].mode, mode,
@@ -45,7 +45,7 @@ fn each_of_the_six_tangent_points_is_left_the_way_its_visibility_says() {
                 orbit.transitions
             );
             // And it goes on for long without anything odd.
-            let orbit = solve(&belt, 0.0, start, 100.0, &Options::tol(TIGHT)).expect("runs");
+            let orbit = solve(&belt, 0.0, start, 100.0, &crate::tol(TIGHT)).expect("runs");
             assert_consistent(&belt, &orbit);
         }
     }
@@ -59,7 +59,7 @@ fn assert_repeats<S: Filippov<N>, const N: usize>(
     x0: State<f64, N>,
     t_end: f64,
 ) {
-    let options = Options::tol(TIGHT);
+    let options = crate::tol(TIGHT);
     let orbit = solve(system, t0, x0, t_end, &options).expect("runs");
     assert_consistent(system, &orbit);
     assert!(orbit.transitions.len() > 3, "{what}");
@@ -134,14 +134,8 @@ fn a_run_from_any_transition_repeats_the_rest() {
 fn the_end_of_a_stick_is_a_start_like_any_other() {
     let belt = coulomb_friction(0.3, 0.2);
     for end in [0.3, 0.3 * (1.0 - f64::EPSILON), 0.3 * (1.0 + f64::EPSILON)] {
-        let orbit = solve(
-            &belt,
-            0.0,
-            State::from([end, 0.2]),
-            6.0,
-            &Options::tol(TIGHT),
-        )
-        .expect("runs");
+        let orbit =
+            solve(&belt, 0.0, State::from([end, 0.2]), 6.0, &crate::tol(TIGHT)).expect("runs");
         assert_consistent(&belt, &orbit);
         assert_eq!(orbit.phases.last().map(|p| p.mode), Some(BELOW), "{end}");
         assert!(orbit.phases.len() <= 2, "{end}: {:?}", orbit.phases);
@@ -160,7 +154,7 @@ fn where_the_boundary_repels_the_run_ends_or_goes_where_it_is_told() {
         above: 1.0,
     };
     let start = State::from([0.0]);
-    let orbit = solve(&system, 2.0, start, 5.0, &Options::tol(TIGHT)).expect("runs");
+    let orbit = solve(&system, 2.0, start, 5.0, &crate::tol(TIGHT)).expect("runs");
     assert_eq!(orbit.ending, Ending::Repelling);
     assert_eq!((orbit.t_end, orbit.x_end), (2.0, start));
     assert!(orbit.phases.is_empty() && orbit.steps.is_empty() && orbit.transitions.is_empty());
@@ -169,7 +163,7 @@ fn where_the_boundary_repels_the_run_ends_or_goes_where_it_is_told() {
         (AtRepelling::GoBelow, BELOW, -1.0),
         (AtRepelling::GoAbove, ABOVE, 1.0),
     ] {
-        let options = Options::tol(TIGHT).at_repelling(choice);
+        let options = crate::tol(TIGHT).at_repelling(choice);
         let orbit = solve(&system, 2.0, start, 5.0, &options).expect("runs");
         assert_consistent(&system, &orbit);
         assert_eq!(
@@ -185,12 +179,12 @@ fn a_boundary_that_becomes_repelling_while_slid_on_ends_the_run_there() {
     for speed in [0.0, 0.1] {
         let system = TurningLine { speed };
         let start = State::from([0.1]);
-        let orbit = solve(&system, 0.0, start, 3.0, &Options::tol(TIGHT)).expect("runs");
+        let orbit = solve(&system, 0.0, start, 3.0, &crate::tol(TIGHT)).expect("runs");
         assert_eq!(orbit.ending, Ending::Repelling);
         // Found as a zero of cos t, of slope one.
         assert!((orbit.t_end - FRAC_PI_2).abs() < 1e-14, "{}", orbit.t_end);
         assert_eq!(orbit.phases.last().map(|p| p.mode), Some(Mode::Stick));
-        let options = Options::tol(TIGHT).at_repelling(AtRepelling::GoBelow);
+        let options = crate::tol(TIGHT).at_repelling(AtRepelling::GoBelow);
         let orbit = solve(&system, 0.0, start, 3.0, &options).expect("runs");
         assert_consistent(&system, &orbit);
         assert_eq!(orbit.phases.last().map(|p| p.mode), Some(BELOW));
@@ -207,7 +201,7 @@ fn a_boundary_that_becomes_repelling_while_slid_on_ends_the_run_there() {
 fn two_folds_are_left_as_both_visibilities_say() {
     let run = |below: f64, above: f64, x: [f64; 2]| {
         let system = TwoFold { below, above };
-        let orbit = solve(&system, 0.0, State::from(x), 2.0, &Options::tol(TIGHT)).expect("runs");
+        let orbit = solve(&system, 0.0, State::from(x), 2.0, &crate::tol(TIGHT)).expect("runs");
         if orbit.ending == Ending::EndTime {
             assert_consistent(&system, &orbit);
         }

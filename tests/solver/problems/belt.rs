@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use stickslip::TransitionKind::{Crossing, StickEntry, StickExit};
-use stickslip::{Mode, Options, State, solve};
+use stickslip::{Mode, State, solve};
 
 use crate::check::{
     TIGHT, assert_consistent, assert_lands_on_boundary, changes, every_locator, kinds,
@@ -94,7 +94,7 @@ fn decaying_friction_sticks_first_at_the_known_time_and_cycles_as_known() {
 #[test]
 fn a_state_at_rest_relative_to_the_belt_sticks_at_once() {
     let belt = decaying_friction();
-    let options = Options::tol(TIGHT);
+    let options = crate::tol(TIGHT);
     let orbit = solve(&belt, 0.0, State::from([0.3, 0.2]), 3.0, &options).expect("runs");
     assert_eq!(orbit.phases[0].mode, Mode::Stick);
     assert!(orbit.transitions.is_empty());

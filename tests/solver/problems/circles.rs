@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngSeed};
-use stickslip::{Mode, Options, Side, State, TransitionKind, math, solve};
+use stickslip::{Mode, Side, State, TransitionKind, math, solve};
 
 use crate::check::{EXACT_LOCATORS, TIGHT, assert_consistent, changes};
 use crate::systems::coulomb_friction;
@@ -89,7 +89,7 @@ proptest! {
         let exact = trigonometry(mu0, vp, x0, v0);
         // To the end of the first stick and five turns on.
         let t_end = exact.last().map_or(5.0, |e| e.t) + 10.0 * PI + 1.0;
-        let orbit = solve(&belt, 0.0, State::from([x0, v0]), t_end, &Options::tol(TIGHT).locator(EXACT_LOCATORS[which])).expect("runs");
+        let orbit = solve(&belt, 0.0, State::from([x0, v0]), t_end, &crate::tol(TIGHT).locator(EXACT_LOCATORS[which])).expect("runs");
         assert_consistent(&belt, &orbit);
         let found = changes(&orbit);
         // A circle that hardly reaches Σ, to the tolerance of the run, does or does not.
@@ -131,7 +131,7 @@ proptest! {
         let belt = coulomb_friction(mu0, vp);
         let start = State::from([0.5 * mu0, vp]);
         let t_exit = 0.5 * mu0 / vp;
-        let orbit = solve(&belt, 0.0, start, t_exit + 40.5 * PI, &Options::tol(tolerance)).expect("runs");
+        let orbit = solve(&belt, 0.0, start, t_exit + 40.5 * PI, &crate::tol(tolerance)).expect("runs");
         assert_consistent(&belt, &orbit);
         prop_assert_eq!(orbit.phases.len(), 2, "{:?}", orbit.phases);
         for touch in &orbit.transitions[1..] {
@@ -152,7 +152,7 @@ fn the_exact_circle_starts_at_the_tangent_point_without_a_stick() {
         0.0,
         State::from([0.4, 0.25]),
         63.0,
-        &Options::tol(TIGHT),
+        &crate::tol(TIGHT),
     )
     .expect("runs");
     assert_consistent(&belt, &orbit);

@@ -36,7 +36,7 @@ fn a_short_release_is_found_in_a_long_step() {
         for centre in [0.77, 1.5, 3.3, 5.0] {
             for longest in [f64::INFINITY, 2.0, 0.31] {
                 for locator in EXACT_LOCATORS {
-                    let options = Options::tol(TIGHT).locator(locator).longest_step(longest);
+                    let options = crate::tol(TIGHT).locator(locator).longest_step(longest);
                     release(width, centre, 0.0, &options);
                 }
             }
@@ -49,7 +49,7 @@ fn a_short_release_from_a_moving_boundary_is_found() {
     for width in [0.3, 1e-2, 1e-3] {
         for centre in [0.77, 3.3] {
             for locator in EXACT_LOCATORS {
-                let options = Options::tol(TIGHT).locator(locator);
+                let options = crate::tol(TIGHT).locator(locator);
                 release(width, centre, 0.5, &options);
             }
         }

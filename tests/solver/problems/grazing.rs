@@ -56,7 +56,7 @@ proptest! {
     fn no_graze_is_missed_wherever_it_falls_in_a_step(
         x0 in -3.0..-0.2f64, first in 0.01..5.0f64, longest in 0.05..8.0f64, which in 0..3usize,
     ) {
-        let options = Options { first_step: Some(first), longest_step: longest, ..Options::tol(TIGHT) }
+        let options = Options { first_step: Some(first), longest_step: longest, ..crate::tol(TIGHT) }
             .locator(LOCATORS[which]);
         for gap in GAPS {
             assert_two_crossings(&parabola(gap, x0, 4.0, &options), x0, gap, LOCATORS[which]);
@@ -74,7 +74,7 @@ fn grazes_and_crossings_exactly_at_the_end_of_a_step_are_seen_once() {
     for step in [0.5, 0.25, 0.125, 0.0625] {
         for method in [Method::Rk4 { step }, Method::Dop853Fixed { step }] {
             for locator in LOCATORS {
-                let options = Options::tol(TIGHT).method(method).locator(locator);
+                let options = crate::tol(TIGHT).method(method).locator(locator);
                 let at_rest = kinds(&parabola(0.0, -1.0, 3.0, &options));
                 assert!(
                     at_rest.is_empty() || at_rest == [Touch],
@@ -102,7 +102,7 @@ fn a_circle_pokes_through_the_ceiling_twice_each_turn() {
             let system = Ceiling { gap };
             let phase = 0.4 + 0.45 * f64::from(k);
             let start = State::from([math::cos(phase), -math::sin(phase)]);
-            let options = Options::tol(TIGHT).locator(LOCATORS[k as usize % 3]);
+            let options = crate::tol(TIGHT).locator(LOCATORS[k as usize % 3]);
             let turns = 40;
             let t_end = 2.0 * std::f64::consts::PI * f64::from(turns);
             let orbit = solve(&system, 0.0, start, t_end, &options).expect("runs");
@@ -137,7 +137,7 @@ fn a_circle_just_under_the_ceiling_never_touches_it() {
         for k in 0..12 {
             let phase = 0.4 + 0.45 * f64::from(k);
             let start = State::from([math::cos(phase), -math::sin(phase)]);
-            let orbit = solve(&system, 0.0, start, 250.0, &Options::tol(TIGHT)).expect("runs");
+            let orbit = solve(&system, 0.0, start, 250.0, &crate::tol(TIGHT)).expect("runs");
             assert_eq!(kinds(&orbit), [], "gap {gap}");
         }
     }

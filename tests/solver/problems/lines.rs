@@ -1,7 +1,7 @@
 //! Systems in closed form: a spiral that is crossed, a line that is slid on, and one that moves.
 
 use stickslip::TransitionKind::{Crossing, StickEntry};
-use stickslip::{Locator, Mode, Options, Side, State, math, solve};
+use stickslip::{Locator, Mode, Side, State, math, solve};
 
 use crate::check::{TIGHT, assert_consistent, assert_lands_on_boundary, every_locator, kinds};
 use crate::systems::{Line, MovingLine, Spiral};
@@ -138,7 +138,7 @@ fn nothing_depends_on_how_long_the_steps_are() {
     let exact = reference(0.3, 30.0);
     for longest in [0.01, 0.1, 0.37, 1.0, 5.0] {
         for locator in [Locator::Auto, Locator::Henon, Locator::RootSearch] {
-            let options = Options::tol(TIGHT).locator(locator).longest_step(longest);
+            let options = crate::tol(TIGHT).locator(locator).longest_step(longest);
             let orbit = solve(&system, start, State::from([1.0]), 30.0, &options).expect("runs");
             let found: Vec<_> = orbit.transitions.iter().map(|e| e.to).collect();
             assert_eq!(
