@@ -1,7 +1,11 @@
-"""Event times of model 1 to thirty digits, for the tests and benchmarks of the solver: writes belt.csv.
+"""Event times of belt oscillators to thirty digits, for the tests and benchmarks of the solver: writes belt.csv.
 
-The belt oscillator with its default parameters but vp = 0.4 (all of them as the doubles that the library uses), from
-(0.5, 1.5) at t = 0 to t = 30: Taylor series of order 40 in 45 digits, steps of an eighth of the radius of convergence,
+x'' = k1 x - k2 x^3 - friction, with friction mu0/(1 + |x' - vp|) (all parameters as the doubles that the library uses):
+
+belt      the default of model 1 with vp = 0.4, from (0.5, 1.5) to t = 30: enlarges errors by thousands
+decaying  k1 = -1, k2 = 0, mu0 = 1, vp = 0.2, from (0.04, -0.01) to t = 40: a limit cycle with stick
+
+Taylor series of order 40 in 45 digits, steps of an eighth of the radius of convergence,
 events as roots of the velocity's polynomial. Needs mpmath. Run: python3 belt.py
 """
 
@@ -12,22 +16,35 @@ from mpmath import mp, mpf
 
 mp.dps = 45
 ORDER = 40
-MU0 = mpf(math.sqrt(3.0) / 9.0)
-VP = mpf(0.4)
-T_END = mpf(30)
 
 
-def series(side, x, v):
+class Belt:
+    def __init__(self, k1, k2, mu0, vp):
+        self.k1, self.k2, self.mu0, self.vp = mpf(k1), mpf(k2), mpf(mu0), mpf(vp)
+
+    def spring(self, x):
+        return self.k1 * x - self.k2 * x**3
+
+    def exits(self, x):
+        """Positions ahead of x at which the spring overcomes friction, with the side of release."""
+        for released, force in ((-1, self.mu0), (1, -self.mu0)):
+            terms = [-self.k2, 0, self.k1, force] if self.k2 else [self.k1, force]
+            for root in mp.polyroots(terms, maxsteps=200, extraprec=200):
+                if abs(mp.im(root)) < mpf(10) ** -30 and mp.re(root) > x:
+                    yield mp.re(root), released
+
+
+def series(belt, side, x, v):
     """Coefficients of position and velocity on one side of the belt's speed (-1 below, 1 above)."""
     xs, vs, square, reciprocal = [x], [v], [], []
     for k in range(ORDER):
-        slip = [(vs[0] - VP) * side + 1] + [c * side for c in vs[1:]]
+        slip = [(vs[0] - belt.vp) * side + 1] + [c * side for c in vs[1:]]
         square.append(sum(xs[j] * xs[k - j] for j in range(k + 1)))
         one = mpf(1 if k == 0 else 0)
         rest = sum(slip[j] * reciprocal[k - j] for j in range(1, k + 1))
         reciprocal.append((one - rest) / slip[0])
         cube = sum(xs[j] * square[k - j] for j in range(k + 1))
-        force = xs[k] - cube - MU0 * side * reciprocal[k]
+        force = belt.k1 * xs[k] - belt.k2 * cube - belt.mu0 * side * reciprocal[k]
         xs.append(vs[k] / (k + 1))
         vs.append(force / (k + 1))
     return xs, vs
@@ -46,9 +63,9 @@ def radius(*rows):
     )
 
 
-def first_root(side, vs, h, leaving):
+def first_root(vp, side, vs, h, leaving):
     """First time in (0, h] at which the velocity is back at the belt's: by sampling finely, then bisection and Newton."""
-    c = [vs[0] - VP] + list(vs[1:])
+    c = [vs[0] - vp] + list(vs[1:])
     if leaving:
         order = next(k for k in range(ORDER) if abs(c[k]) > mpf(10) ** -30)
         c = c[order:]
@@ -66,42 +83,39 @@ def first_root(side, vs, h, leaving):
     return None
 
 
-def spring(x):
-    return x - x**3
-
-
-def main():
-    t, x, v = mpf(0), mpf(0.5), mpf(1.5)
-    side, leaving = 1, False
-    events = []
-    while t < T_END:
-        xs, vs = series(side, x, v)
-        h = min(radius(xs, vs) / 8, T_END - t)
-        s = first_root(side, vs, h, leaving)
+def events(belt, x, v, t_end):
+    t, x, v, t_end = mpf(0), mpf(x), mpf(v), mpf(t_end)
+    side, leaving = (1 if v > belt.vp else -1), False
+    while t < t_end:
+        xs, vs = series(belt, side, x, v)
+        h = min(radius(xs, vs) / 8, t_end - t)
+        s = first_root(belt.vp, side, vs, h, leaving)
         if s is None:
             t, x, v, leaving = t + h, value(xs, h), value(vs, h), False
             continue
-        t, x, v = t + s, value(xs, s), VP
-        below, above = spring(x) + MU0, spring(x) - MU0
-        if below > 0 > above:
-            events.append(("StickEntry", t, x))
-            # The position rides with the belt until the spring overcomes friction: the next root of a cubic.
-            exits = [
-                (root, released)
-                for released, shift in ((-1, MU0), (1, -MU0))
-                for root in mp.polyroots([-1, 0, 1, shift], maxsteps=200, extraprec=200)
-                if abs(mp.im(root)) < mpf(10) ** -30 and mp.re(root) > x
-            ]
-            root, side = min(((mp.re(root), side) for root, side in exits))
-            t, x = t + (root - x) / VP, root
-            if t > T_END:
-                break
-            events.append(("StickExit", t, x))
-        else:
+        t, x, v, leaving = t + s, value(xs, s), belt.vp, True
+        below, above = belt.spring(x) + belt.mu0, belt.spring(x) - belt.mu0
+        if not below > 0 > above:
             side = 1 if below > 0 else -1
-            events.append(("Crossing", t, x))
-        leaving = True
-    lines = ["kind,t,x"] + [f"{kind},{mp.nstr(t, 30)},{mp.nstr(x, 30)}" for kind, t, x in events]
+            yield "Crossing", t, x
+            continue
+        yield "StickEntry", t, x
+        # The position rides with the belt until the spring overcomes friction.
+        root, side = min(belt.exits(x))
+        t, x = t + (root - x) / belt.vp, root
+        if t < t_end:
+            yield "StickExit", t, x
+
+
+def main():
+    runs = {
+        "belt": (Belt(1, 1, math.sqrt(3.0) / 9.0, 0.4), 0.5, 1.5, 30),
+        "decaying": (Belt(-1, 0, 1, 0.2), 0.04, -0.01, 40),
+    }
+    lines = ["problem,kind,t,x"]
+    for name, run in runs.items():
+        for kind, t, x in events(*run):
+            lines.append(f"{name},{kind},{mp.nstr(t, 30)},{mp.nstr(x, 30)}")
     out = Path(__file__).with_suffix(".csv")
     partial = out.with_suffix(".csv.part")
     partial.write_text("\n".join(lines) + "\n")

@@ -33,7 +33,7 @@ pub(crate) enum Op {
     Logarithm(u32),
     /// The sine; its cosine is the operation after it.
     Sine(u32),
-    Cosine(u32),
+    Cosine,
 }
 
 /// Operations and numbers of one recording. Its memory is kept from one recording to the next.
@@ -164,7 +164,15 @@ impl Sketch {
         // (n/d) d is n: as in the sliding field of a boundary that is itself a velocity.
         for (quotient, other) in [(a, b), (b, a)] {
             match self.ops[quotient as usize] {
-                Op::Quotient(n, d) if d == other => return self.multiple(p * q, n),
+                Op::Quotient(n, d) if d == other => {
+                    return match self.ops[n as usize] {
+                        Op::Combination(form) => {
+                            let scaled = self.combined(Form::default(), p * q, form);
+                            self.keep(scaled)
+                        }
+                        _ => self.multiple(p * q, n),
+                    };
+                }
                 Op::Reciprocal(d) if d == other => return self.constant(p * q),
                 _ => {}
             }
@@ -277,8 +285,8 @@ impl Sketch {
             return known as u32;
         }
         let node = self.push(op);
-        if let Op::Sine(a) = op {
-            self.push(Op::Cosine(a));
+        if let Op::Sine(_) = op {
+            self.push(Op::Cosine);
         }
         node
     }

@@ -24,6 +24,10 @@ pub(crate) enum Instruction {
         a: u32,
         b: u32,
     },
+    Square {
+        out: u32,
+        a: u32,
+    },
     Quotient {
         out: u32,
         a: u32,
@@ -140,7 +144,7 @@ impl Tape {
                 | Op::Exponential(a)
                 | Op::Logarithm(a)
                 | Op::Sine(a) => need(a),
-                Op::Cosine(_) => need(node as u32 - 1),
+                Op::Cosine => need(node as u32 - 1),
             }
         }
         self.rows = sketch.ops.len();
@@ -191,11 +195,12 @@ impl Tape {
             self.rows as u32 - 1
         };
         Some(match sketch.ops[node] {
-            Op::Input | Op::Cosine(_) => return None,
+            Op::Input | Op::Cosine => return None,
             Op::Combination(form) => Instruction::Combination {
                 out,
                 sum: self.combination(sketch, form),
             },
+            Op::Product(a, b) if a == b => Instruction::Square { out, a },
             Op::Product(a, b) => Instruction::Product { out, a, b },
             Op::Quotient(a, b) => Instruction::Quotient { out, a, b },
             Op::Reciprocal(b) => Instruction::Reciprocal { out, b },
