@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use criterion::{Criterion, criterion_group};
 use stickslip::models::BeltOscillator;
-use stickslip::{Filippov, Options, Side, State, run};
+use stickslip::{Filippov, Method, Options, Side, State, run, solve};
 
 const T_END: f64 = 30.0;
 
@@ -27,6 +27,45 @@ fn start() -> State<f64, 2> {
 fn integrate(model: &BeltOscillator) -> u64 {
     run(model, 0.0, start(), T_END, &Options::tol(1e-12), &mut ())
         .map_or(0, |summary| summary.counters.field_calls)
+}
+
+/// Events of the same run to thirty digits, from data/references/belt.csv.
+fn reference() -> Vec<f64> {
+    let table = include_str!("../data/references/belt.csv");
+    let of_belt = table.lines().filter(|line| line.starts_with("belt,"));
+    of_belt
+        .filter_map(|line| line.split(',').nth(2)?.parse().ok())
+        .collect()
+}
+
+/// Time and largest error of the event times at each tolerance, by slopes and by series.
+fn report_methods(model: &BeltOscillator) {
+    const ROUNDS: u32 = 200;
+    let exact = reference();
+    for method in [Method::Dop853, Method::Taylor] {
+        for exponent in [9, 11, 13, 14, 15] {
+            let options = Options::tol(stickslip::math::powi(0.1, exponent)).method(method);
+            let orbit = solve(model, 0.0, start(), T_END, &options).expect("runs");
+            assert_eq!(orbit.transitions.len(), exact.len());
+            let errors = orbit.transitions.iter().zip(&exact);
+            let error = errors.fold(0.0, |worst, (e, t)| f64::max(worst, (e.t - t).abs()));
+            let mut best = Duration::MAX;
+            for _ in 0..ROUNDS {
+                let begin = Instant::now();
+                black_box(run(
+                    black_box(model),
+                    0.0,
+                    start(),
+                    T_END,
+                    &options,
+                    &mut (),
+                ))
+                .expect("runs");
+                best = best.min(begin.elapsed());
+            }
+            println!("belt: {method:?} at 1e-{exponent}: {best:.1?}, events exact to {error:.1e}");
+        }
+    }
 }
 
 /// So many field calls in a dependent chain.
@@ -48,6 +87,7 @@ fn benches(criterion: &mut Criterion) {
     group.bench_function("floor", |b| b.iter(|| chain(black_box(&model), calls)));
     group.finish();
     report_ratio(&model, calls);
+    report_methods(&model);
 }
 
 /// Median over alternating measurements of the two.

@@ -17,6 +17,10 @@ use crate::taylor::series::{INVERSE, Series};
 use crate::taylor::sketch::Sketch;
 use crate::taylor::tape::{Combination, Tape};
 
+/// Part of the tolerance that the last coefficients are held to: the steps are long and few, and all of the next ones enlarge
+/// what one leaves out.
+const SAFETY: f64 = 0.1;
+
 /// Least order: looser tolerances would ask for less.
 const LEAST_ORDER: usize = 8;
 
@@ -183,8 +187,7 @@ impl<const N: usize> TaylorStepper<N> {
 
     fn expand(&mut self, index: usize, t: f64, x: &State<f64, N>, h: f64) {
         let x: [[f64; 1]; N] = std::array::from_fn(|i| [x[i]]);
-        self.series
-            .expand(&self.tapes[index], [t], &x, [h], self.order);
+        self.series.expand(&self.tapes[index], t, &x, h, self.order);
     }
 
     /// Whether a comparison that the tape relies on comes out otherwise now.
@@ -231,7 +234,7 @@ impl<const N: usize> TaylorStepper<N> {
     fn step_ratio(&self, index: usize, options: &Options, x: &State<f64, N>) -> f64 {
         let p = self.order;
         let relative = options.rtol.max(options.atol);
-        let wanted = rough_log2(relative) / p as f64;
+        let wanted = rough_log2(SAFETY * relative) / p as f64;
         let farthest = rough_log2(FARTHEST);
         let mut log = rough_log2(GROW_MOST);
         for i in 0..N {

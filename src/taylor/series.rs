@@ -9,12 +9,6 @@ use super::MOST_ORDER;
 use super::tape::{Combination, Instruction, Tape};
 use crate::math;
 
-/// Sums that are served at a time.
-const BLOCK: usize = 4;
-/// Room in front of a row: a block may begin before the coefficients do.
-const AHEAD: usize = BLOCK;
-const SUMS: usize = (MOST_ORDER / BLOCK + 1) * BLOCK;
-
 /// `1/k`.
 pub(crate) const INVERSE: [f64; MOST_ORDER + 2] = {
     let mut inverse = [0.0; MOST_ORDER + 2];
@@ -26,29 +20,16 @@ pub(crate) const INVERSE: [f64; MOST_ORDER + 2] = {
     inverse
 };
 
-/// The coefficients of one number.
-#[derive(Clone, Copy, Debug)]
-#[repr(align(64))]
-struct Row<const L: usize>([[f64; L]; AHEAD + SUMS]);
+const ROOM: usize = MOST_ORDER + 1;
 
-/// Convolution sums under way, by order.
-#[derive(Clone, Copy, Debug)]
-#[repr(align(64))]
-struct Sums<const L: usize>([[f64; L]; SUMS]);
-
-impl<const L: usize> Row<L> {
-    const ZERO: Self = Row([[0.0; L]; AHEAD + SUMS]);
-}
-
-impl<const L: usize> Sums<L> {
-    const ZERO: Self = Sums([[0.0; L]; SUMS]);
-}
+/// The coefficients of one number, or the convolution sums under way for it, by order.
+type Row<const L: usize> = [[f64; L]; ROOM];
 
 /// Coefficients of everything on a tape, each scaled by the power of a step length, so that none overflows.
 #[derive(Clone, Debug)]
 pub(crate) struct Series<const L: usize> {
     rows: Vec<Row<L>>,
-    sums: Vec<Sums<L>>,
+    sums: Vec<Row<L>>,
 }
 
 #[inline(always)]
@@ -67,227 +48,244 @@ impl<const L: usize> Series<L> {
     /// Makes room for a tape.
     pub(crate) fn fit(&mut self, tape: &Tape) {
         if self.rows.len() < tape.rows {
-            self.rows.resize(tape.rows, Row::ZERO);
-            self.sums.resize(tape.rows, Sums::ZERO);
+            self.rows.resize(tape.rows, [[0.0; L]; ROOM]);
+            self.sums.resize(tape.rows, [[0.0; L]; ROOM]);
         }
     }
 
     /// Forgets everything; needed after coefficients that were not finite.
     pub(crate) fn clear(&mut self) {
-        self.rows.fill(Row::ZERO);
+        self.rows.fill([[0.0; L]; ROOM]);
     }
 
     /// Coefficient `k` of row `row`.
     #[inline(always)]
     pub(crate) fn at(&self, row: usize, k: usize) -> [f64; L] {
-        self.rows[row].0[AHEAD + k]
+        self.rows[row][k]
     }
 
     #[inline(always)]
     fn set(&mut self, row: usize, k: usize, value: [f64; L]) {
-        self.rows[row].0[AHEAD + k] = value;
+        self.rows[row][k] = value;
     }
 
     /// The series of the solution through `(t, x)` to `order`, in time over `h`, and of everything that is watched.
-    pub(crate) fn expand<const N: usize>(
+    #[inline(always)]
+    fn expand_lanes(
         &mut self,
         tape: &Tape,
         t: [f64; L],
-        x: &[[f64; L]; N],
+        x: &[[f64; L]],
         h: [f64; L],
         order: usize,
     ) {
         for (row, x) in x.iter().enumerate() {
             self.set(row, 0, *x);
         }
-        self.set(N, 0, t);
-        self.set(N, 1, h);
-        for k in 0..order {
-            for instruction in &tape.of_field {
-                self.advance(tape, instruction, k, order);
-            }
-            for (i, slope) in tape.field.iter().enumerate() {
-                let slope = self.combination(tape, slope, k);
-                let next = lanes(|l| slope[l] * h[l] * INVERSE[k + 1]);
-                self.set(i, k + 1, next);
-            }
-        }
-        for instruction in &tape.of_both {
-            self.advance(tape, instruction, order, order);
-        }
-        if !tape.of_watched.is_empty() {
-            for k in 0..=order {
-                for instruction in &tape.of_watched {
-                    self.advance(tape, instruction, k, order);
+        self.set(x.len(), 0, t);
+        self.set(x.len(), 1, h);
+        // Written out for every order, so that each convolution has a length that the compiler knows.
+        macro_rules! orders {
+            ($($k:literal)*) => {$(
+                if $k < order {
+                    self.advance_all::<$k>(tape, &tape.of_field);
+                    for (i, slope) in tape.field.iter().enumerate() {
+                        let slope = self.combination(tape, slope, $k);
+                        let next = lanes(|l| slope[l] * (h[l] * INVERSE[$k + 1]));
+                        self.set(i, $k + 1, next);
+                    }
                 }
-            }
+                if $k == order {
+                    self.advance_all::<$k>(tape, &tape.of_both);
+                }
+                if $k < order + 1 && !tape.of_watched.is_empty() {
+                    self.advance_all::<$k>(tape, &tape.of_watched);
+                }
+            )*};
+        }
+        orders!(0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24);
+    }
+
+    #[inline(never)]
+    fn advance_all<const K: usize>(&mut self, tape: &Tape, instructions: &[Instruction]) {
+        for instruction in instructions {
+            self.advance::<K>(tape, instruction);
         }
     }
 
     /// Coefficient `k` of a combination.
     #[inline(always)]
     pub(crate) fn combination(&self, tape: &Tape, sum: &Combination, k: usize) -> [f64; L] {
-        let mut value = [if k == 0 { sum.constant } else { 0.0 }; L];
-        for term in &tape.terms[sum.first as usize..(sum.first + sum.count) as usize] {
+        let terms = &tape.terms[sum.first as usize..(sum.first + sum.count) as usize];
+        let Some((first, others)) = terms.split_first() else {
+            return [if k == 0 { sum.constant } else { 0.0 }; L];
+        };
+        let row = self.at(first.node as usize, k);
+        let mut value = lanes(|l| first.factor * row[l]);
+        for term in others {
             let row = self.at(term.node as usize, k);
             for l in 0..L {
                 value[l] += term.factor * row[l];
             }
         }
+        if k == 0 {
+            for value in &mut value {
+                *value += sum.constant;
+            }
+        }
         value
-    }
-
-    /// Adds the products of coefficient `k` of `a` with those of `b` up to `k`, and the other way round, to the sums that they
-    /// belong to, those with coefficient 0 excepted.
-    #[inline(always)]
-    fn pair(&mut self, sums: u32, (a, b): (u32, u32), k: usize, order: usize) {
-        let (a, b) = (&self.rows[a as usize].0, &self.rows[b as usize].0);
-        let (of_a, of_b) = (a[AHEAD + k], b[AHEAD + k]);
-        add_products(
-            &mut self.sums[sums as usize].0,
-            k,
-            order,
-            |n, l| of_a[l] * b[AHEAD + n - k][l] + of_b[l] * a[AHEAD + n - k][l],
-            |l| of_a[l] * of_b[l],
-        );
-    }
-
-    /// The same for a square.
-    #[inline(always)]
-    fn pair_with_itself(&mut self, sums: u32, a: u32, k: usize, order: usize) {
-        let a = &self.rows[a as usize].0;
-        let of_a = a[AHEAD + k];
-        add_products(
-            &mut self.sums[sums as usize].0,
-            k,
-            order,
-            |n, l| 2.0 * of_a[l] * a[AHEAD + n - k][l],
-            |l| of_a[l] * of_a[l],
-        );
     }
 
     /// Coefficient `k` of everything that one instruction computes.
     #[inline(always)]
-    fn advance(&mut self, tape: &Tape, instruction: &Instruction, k: usize, order: usize) {
-        // The sum that belongs to order k: all products but those with coefficient 0.
+    fn advance<const K: usize>(&mut self, tape: &Tape, instruction: &Instruction) {
+        // The sum that belongs to order K: all products but those with coefficient 0.
         let sum = |series: &mut Self, row: u32| {
-            let sums = &mut series.sums[row as usize].0;
-            if k == 0 {
-                *sums = Sums::ZERO.0;
+            let sums = &mut series.sums[row as usize];
+            if K == 0 {
+                *sums = [[0.0; L]; ROOM];
             }
-            sums[k]
+            sums[K]
         };
-        let of = |series: &Self, row: u32| series.at(row as usize, k);
+        let of = |series: &Self, row: u32| series.at(row as usize, K);
         let first = |series: &Self, row: u32| series.at(row as usize, 0);
         match *instruction {
             Instruction::Combination { out, ref sum } => {
-                let value = self.combination(tape, sum, k);
-                self.set(out as usize, k, value);
+                let value = self.combination(tape, sum, K);
+                self.set(out as usize, K, value);
             }
             Instruction::Product { out, a, b } => {
                 let sum = sum(self, out);
                 let (a0, b0) = (first(self, a), first(self, b));
-                let value = if k == 0 {
+                let value = if K == 0 {
                     lanes(|l| a0[l] * b0[l])
                 } else {
                     let (of_a, of_b) = (of(self, a), of(self, b));
                     lanes(|l| sum[l] + (of_a[l] * b0[l] + a0[l] * of_b[l]))
                 };
-                self.set(out as usize, k, value);
-                self.pair(out, (a, b), k, order);
+                self.set(out as usize, K, value);
+                pair::<K, L>(
+                    &mut self.sums[out as usize],
+                    &self.rows[a as usize],
+                    &self.rows[b as usize],
+                );
             }
             Instruction::Square { out, a } => {
                 let sum = sum(self, out);
                 let (a0, of_a) = (first(self, a), of(self, a));
-                let value = if k == 0 {
+                let value = if K == 0 {
                     lanes(|l| a0[l] * a0[l])
                 } else {
                     lanes(|l| sum[l] + 2.0 * a0[l] * of_a[l])
                 };
-                self.set(out as usize, k, value);
-                self.pair_with_itself(out, a, k, order);
+                self.set(out as usize, K, value);
+                pair_with_itself::<K, L>(&mut self.sums[out as usize], &self.rows[a as usize]);
             }
             Instruction::Quotient { out, a, b } => {
                 let sum = sum(self, out);
                 let (b0, of_a) = (first(self, b), of(self, a));
-                let value = if k == 0 {
+                let value = if K == 0 {
                     lanes(|l| of_a[l] / b0[l])
                 } else {
                     let (of_b, q0) = (of(self, b), first(self, out));
                     lanes(|l| (of_a[l] - (sum[l] + of_b[l] * q0[l])) / b0[l])
                 };
-                self.set(out as usize, k, value);
-                self.pair(out, (b, out), k, order);
+                self.set(out as usize, K, value);
+                pair::<K, L>(
+                    &mut self.sums[out as usize],
+                    &self.rows[b as usize],
+                    &self.rows[out as usize],
+                );
             }
             Instruction::Reciprocal { out, b } => {
                 let sum = sum(self, out);
                 let of_b = of(self, b);
-                let value = if k == 0 {
+                let value = if K == 0 {
                     lanes(|l| 1.0 / of_b[l])
                 } else {
                     let q0 = first(self, out);
                     lanes(|l| -(sum[l] + of_b[l] * q0[l]) * q0[l])
                 };
-                self.set(out as usize, k, value);
-                self.pair(out, (b, out), k, order);
+                self.set(out as usize, K, value);
+                pair::<K, L>(
+                    &mut self.sums[out as usize],
+                    &self.rows[b as usize],
+                    &self.rows[out as usize],
+                );
             }
             Instruction::Root { out, a } => {
                 let sum = sum(self, out);
                 let of_a = of(self, a);
-                let value = if k == 0 {
+                let value = if K == 0 {
                     lanes(|l| of_a[l].sqrt())
                 } else {
                     let r0 = first(self, out);
                     lanes(|l| (of_a[l] - sum[l]) / (2.0 * r0[l]))
                 };
-                self.set(out as usize, k, value);
-                self.pair_with_itself(out, out, k, order);
+                self.set(out as usize, K, value);
+                pair_with_itself::<K, L>(&mut self.sums[out as usize], &self.rows[out as usize]);
             }
             Instruction::Exponential { out, a, helper } => {
                 let sum = sum(self, out);
-                let slope = self.slope(a, helper, k);
-                let value = if k == 0 {
+                let slope = self.slope(a, helper, K);
+                let value = if K == 0 {
                     let a0 = first(self, a);
                     lanes(|l| math::exp(a0[l]))
                 } else {
                     let e0 = first(self, out);
-                    lanes(|l| (sum[l] + slope[l] * e0[l]) * INVERSE[k])
+                    lanes(|l| (sum[l] + slope[l] * e0[l]) * INVERSE[K])
                 };
-                self.set(out as usize, k, value);
-                self.pair(out, (helper, out), k, order);
+                self.set(out as usize, K, value);
+                pair::<K, L>(
+                    &mut self.sums[out as usize],
+                    &self.rows[helper as usize],
+                    &self.rows[out as usize],
+                );
             }
             Instruction::Logarithm { out, a, helper } => {
                 let sum = sum(self, out);
                 let (a0, of_a) = (first(self, a), of(self, a));
-                let value = if k == 0 {
+                let value = if K == 0 {
                     self.set(helper as usize, 0, [0.0; L]);
                     lanes(|l| math::ln(a0[l]))
                 } else {
-                    let slope: [f64; L] = lanes(|l| (of_a[l] * k as f64 - sum[l]) / a0[l]);
-                    self.set(helper as usize, k, slope);
-                    lanes(|l| slope[l] * INVERSE[k])
+                    let slope: [f64; L] = lanes(|l| (of_a[l] * K as f64 - sum[l]) / a0[l]);
+                    self.set(helper as usize, K, slope);
+                    lanes(|l| slope[l] * INVERSE[K])
                 };
-                self.set(out as usize, k, value);
-                self.pair(out, (helper, a), k, order);
+                self.set(out as usize, K, value);
+                pair::<K, L>(
+                    &mut self.sums[out as usize],
+                    &self.rows[helper as usize],
+                    &self.rows[a as usize],
+                );
             }
             Instruction::SineCosine { sine, a, helper } => {
                 let cosine = sine + 1;
                 let (of_sine, of_cosine) = (sum(self, sine), sum(self, cosine));
-                let slope = self.slope(a, helper, k);
-                let (up, down) = if k == 0 {
+                let slope = self.slope(a, helper, K);
+                let (up, down) = if K == 0 {
                     let a0 = first(self, a);
                     (lanes(|l| math::sin(a0[l])), lanes(|l| math::cos(a0[l])))
                 } else {
                     let (s0, c0) = (first(self, sine), first(self, cosine));
                     (
-                        lanes(|l| (of_sine[l] + slope[l] * c0[l]) * INVERSE[k]),
-                        lanes(|l| -(of_cosine[l] + slope[l] * s0[l]) * INVERSE[k]),
+                        lanes(|l| (of_sine[l] + slope[l] * c0[l]) * INVERSE[K]),
+                        lanes(|l| -(of_cosine[l] + slope[l] * s0[l]) * INVERSE[K]),
                     )
                 };
-                self.set(sine as usize, k, up);
-                self.set(cosine as usize, k, down);
-                self.pair(sine, (helper, cosine), k, order);
-                self.pair(cosine, (helper, sine), k, order);
+                self.set(sine as usize, K, up);
+                self.set(cosine as usize, K, down);
+                pair::<K, L>(
+                    &mut self.sums[sine as usize],
+                    &self.rows[helper as usize],
+                    &self.rows[cosine as usize],
+                );
+                pair::<K, L>(
+                    &mut self.sums[cosine as usize],
+                    &self.rows[helper as usize],
+                    &self.rows[sine as usize],
+                );
             }
         }
     }
@@ -302,39 +300,170 @@ impl<const L: usize> Series<L> {
     }
 }
 
-/// Adds the products whose larger index is `k` to the sums `k + 1` to `2k`, `product` of them to sum `n`, once `square` to `2k`.
-/// Sums up to `k` and beyond the order no longer matter: whole blocks are served.
+/// Adds the products of coefficient `K` of `a` with those of `b` up to `K`, and the other way round, to the sums that they
+/// belong to, those with coefficient 0 excepted.
 #[inline(always)]
-fn add_products<const L: usize>(
-    sums: &mut [[f64; L]; SUMS],
-    k: usize,
-    order: usize,
-    product: impl Fn(usize, usize) -> f64,
-    square: impl Fn(usize) -> f64,
-) {
-    let whole = 2 * k > order;
-    let end = if whole {
-        SUMS.min((order / BLOCK + 1) * BLOCK)
-    } else {
-        2 * k / BLOCK * BLOCK
-    };
-    let mut n = (k + 1) / BLOCK * BLOCK;
-    while n < end {
-        for j in 0..BLOCK {
-            for l in 0..L {
-                sums[n + j][l] += product(n + j, l);
-            }
-        }
-        n += BLOCK;
-    }
-    if !whole {
-        for n in n.max(k + 1)..2 * k {
-            for l in 0..L {
-                sums[n][l] += product(n, l);
-            }
-        }
+fn pair<const K: usize, const L: usize>(sums: &mut Row<L>, a: &Row<L>, b: &Row<L>) {
+    let (of_a, of_b) = (a[K], b[K]);
+    for n in K + 1..ROOM.min(2 * K) {
         for l in 0..L {
-            sums[2 * k][l] += square(l);
+            sums[n][l] += of_a[l] * b[n - K][l] + of_b[l] * a[n - K][l];
         }
+    }
+    if 2 * K < ROOM {
+        for l in 0..L {
+            sums[2 * K][l] += of_a[l] * of_b[l];
+        }
+    }
+}
+
+/// The same for a square.
+#[inline(always)]
+fn pair_with_itself<const K: usize, const L: usize>(sums: &mut Row<L>, a: &Row<L>) {
+    let of_a = a[K];
+    let twice: [f64; L] = lanes(|l| 2.0 * of_a[l]);
+    for n in K + 1..ROOM.min(2 * K) {
+        for l in 0..L {
+            sums[n][l] += twice[l] * a[n - K][l];
+        }
+    }
+    if 2 * K < ROOM {
+        for l in 0..L {
+            sums[2 * K][l] += of_a[l] * of_a[l];
+        }
+    }
+}
+
+impl Series<1> {
+    /// The series of the solution through `(t, x)` to `order`, in time over `h`, and of everything that is watched.
+    #[inline(never)]
+    pub(crate) fn expand(&mut self, tape: &Tape, t: f64, x: &[[f64; 1]], h: f64, order: usize) {
+        self.expand_lanes(tape, [t], x, [h], order);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scalar::Scalar;
+    use crate::system::State;
+    use crate::taylor::recorder::Recorded;
+    use crate::taylor::sketch::Sketch;
+
+    const H: f64 = 0.5;
+
+    /// Coefficients in `t/H` of functions of the time at 0, and of the solution of `x' = x² + 1` from 0, the tangent.
+    fn coefficients<const W: usize>(
+        functions: impl Fn(Recorded, Recorded) -> [Recorded; W],
+    ) -> Vec<Vec<f64>> {
+        let (mut tape, mut sketch, mut series) =
+            (Tape::default(), Sketch::default(), Series::<1>::new());
+        tape.record(&mut sketch, 0.0, &State::from([0.0]), |t, x| {
+            (State::from([x[0] * x[0] + 1.0]), functions(t, x[0]))
+        });
+        series.fit(&tape);
+        series.expand(&tape, 0.0, &[[0.0]], H, MOST_ORDER);
+        let row = |function| {
+            (0..ROOM)
+                .map(|k| series.combination(&tape, function, k)[0])
+                .collect()
+        };
+        tape.watched.iter().map(row).collect()
+    }
+
+    fn assert_series(found: &[f64], what: &str, exact: impl Fn(usize) -> f64) {
+        for (k, found) in found.iter().enumerate() {
+            let exact = exact(k) * math::powi(H, k as i32);
+            assert!(
+                (found - exact).abs() <= 1e-14 * exact.abs(),
+                "{what}, order {k}: {found} {exact}"
+            );
+        }
+    }
+
+    #[test]
+    fn every_operation_has_the_series_that_it_is_known_to_have() {
+        let one = |t: Recorded| t + 1.0;
+        let found = coefficients(|t, _| {
+            [
+                Scalar::exp(t * 2.0),
+                Scalar::ln(one(t)),
+                Scalar::sqrt(one(t)),
+                Scalar::sin(t * 3.0),
+                Scalar::cos(t * 3.0),
+                Recorded::constant(2.0) / (-t + 1.0),
+                one(t) / (-t + 1.0),
+                one(t) * one(t),
+                Scalar::exp(t) * one(t),
+            ]
+        });
+        let factorial = |k: usize| (1..=k).fold(1.0, |product, j| product * j as f64);
+        let sign = |k: usize| if k % 2 == 0 { 1.0 } else { -1.0 };
+        assert_series(&found[0], "exp", |k| {
+            math::powi(2.0, k as i32) / factorial(k)
+        });
+        assert_series(&found[1], "ln", |k| {
+            if k == 0 { 0.0 } else { -sign(k) / k as f64 }
+        });
+        let half = |k: usize| (0..k).fold(1.0, |c, j| c * (0.5 - j as f64) / (j + 1) as f64);
+        assert_series(&found[2], "sqrt", half);
+        let power = |k: usize| math::powi(3.0, k as i32) / factorial(k);
+        assert_series(&found[3], "sin", |k| {
+            if k % 2 == 1 {
+                sign(k / 2) * power(k)
+            } else {
+                0.0
+            }
+        });
+        assert_series(&found[4], "cos", |k| {
+            if k % 2 == 0 {
+                sign(k / 2) * power(k)
+            } else {
+                0.0
+            }
+        });
+        assert_series(&found[5], "1/x", |_| 2.0);
+        assert_series(&found[6], "a/b", |k| if k == 0 { 1.0 } else { 2.0 });
+        assert_series(&found[7], "square", |k| {
+            [1.0, 2.0, 1.0].get(k).copied().unwrap_or(0.0)
+        });
+        assert_series(&found[8], "product", |k| (1 + k) as f64 / factorial(k));
+    }
+
+    #[test]
+    fn what_cancels_cancels_exactly_and_what_is_the_same_is_computed_once() {
+        let (mut tape, mut sketch) = (Tape::default(), Sketch::default());
+        tape.record(&mut sketch, 0.0, &State::from([0.3]), |t, x| {
+            let a = Scalar::sin(x[0]) + t;
+            let weight = a / (a - x[0] * x[0]);
+            let sliding = a + weight * (x[0] * x[0] - a);
+            (State::from([Scalar::sin(x[0])]), [sliding, x[0] * x[0]])
+        });
+        let sliding = tape.watched[0];
+        assert_eq!((sliding.constant, sliding.count), (0.0, 0));
+        let squares =
+            |instruction: &&Instruction| matches!(instruction, Instruction::Square { .. });
+        let all = tape.of_field.iter().chain(&tape.of_watched);
+        assert_eq!(all.filter(squares).count(), 1);
+        assert_eq!(tape.of_field.len(), 1, "sine and cosine");
+    }
+
+    #[test]
+    fn the_tangent_solves_its_equation() {
+        let found = coefficients(|_, x| [x]);
+        // tan t = t + t³/3 + 2t⁵/15 + 17t⁷/315 + 62t⁹/2835 + …
+        let exact = [
+            0.0,
+            1.0,
+            0.0,
+            1.0 / 3.0,
+            0.0,
+            2.0 / 15.0,
+            0.0,
+            17.0 / 315.0,
+            0.0,
+            62.0 / 2835.0,
+        ];
+        assert_series(&found[0][..10], "tan", |k| exact[k]);
     }
 }
