@@ -13,7 +13,7 @@ use crate::ode::{Dense, Linear, Timed, power_series};
 use crate::system::{Mode, Side, State};
 use crate::taylor::MOST_ORDER;
 use crate::taylor::roots::{first_zero, slope_and_bend, value_and_slope};
-use crate::taylor::series::{INVERSE, Series};
+use crate::taylor::series::Series;
 use crate::taylor::sketch::Sketch;
 use crate::taylor::tape::{Combination, Tape};
 
@@ -246,11 +246,11 @@ impl<const N: usize> TaylorStepper<N> {
                 early = f64::max(early, at(k - p / 2));
                 late = f64::max(late, at(k));
                 if at(k) > 0.0 {
-                    log = log.min((scale - rough_log2(at(k))) * INVERSE[k] + wanted);
+                    log = log.min((scale - rough_log2(at(k))) / k as f64 + wanted);
                 }
             }
             if early > 0.0 && late > 0.0 {
-                log = log.min((rough_log2(early) - rough_log2(late)) * INVERSE[p / 2] + farthest);
+                log = log.min((rough_log2(early) - rough_log2(late)) / (p / 2) as f64 + farthest);
             }
         }
         let tape = &self.tapes[index];
@@ -264,7 +264,7 @@ impl<const N: usize> TaylorStepper<N> {
             let size = g(0).max(g(1) * ratio).max(g(2) * ratio * ratio);
             for k in p - 1..=p {
                 if g(k) > 0.0 && size > 0.0 {
-                    log = log.min(wanted + rough_log2(size / g(k)) * INVERSE[k]);
+                    log = log.min(wanted + rough_log2(size / g(k)) / k as f64);
                 }
             }
         }

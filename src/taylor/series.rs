@@ -10,7 +10,7 @@ use super::tape::{Combination, Instruction, Tape};
 use crate::math;
 
 /// `1/k`.
-pub(crate) const INVERSE: [f64; MOST_ORDER + 2] = {
+const INVERSE: [f64; MOST_ORDER + 2] = {
     let mut inverse = [0.0; MOST_ORDER + 2];
     let mut k = 1;
     while k < inverse.len() {
@@ -398,7 +398,7 @@ mod tests {
             ]
         });
         let factorial = |k: usize| (1..=k).fold(1.0, |product, j| product * j as f64);
-        let sign = |k: usize| if k % 2 == 0 { 1.0 } else { -1.0 };
+        let sign = |k: usize| math::powi(-1.0, k as i32);
         assert_series(&found[0], "exp", |k| {
             math::powi(2.0, k as i32) / factorial(k)
         });
