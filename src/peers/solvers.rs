@@ -18,11 +18,18 @@ const LADDER: [f64; 11] = [
 ];
 
 /// The solvers.
-pub const SOLVERS: &[Solver] = &[Solver {
-    name: "stickslip Dop853",
-    method: Method::Dop853,
-    tolerances: &LADDER,
-}];
+pub const SOLVERS: &[Solver] = &[
+    Solver {
+        name: "stickslip Taylor",
+        method: Method::Taylor,
+        tolerances: &LADDER,
+    },
+    Solver {
+        name: "stickslip Dop853",
+        method: Method::Dop853,
+        tolerances: &LADDER,
+    },
+];
 
 impl Solver {
     /// Its settings for a tolerance.
