@@ -12,7 +12,7 @@ pub struct Counters {
     /// Steps rejected by error control.
     pub rejected: u64,
     /// Calls of the user's field, on whatever scalar, by steps, event location and the switching rules (not those by which the
-    /// guards of a stick phase are sampled).
+    /// guards of a stick phase are sampled). Of [`crate::Method::Taylor`] the recordings, not the evaluations of what was recorded.
     pub field_calls: u64,
     /// Transitions.
     pub events: u64,
@@ -59,7 +59,7 @@ pub struct Orbit<const N: usize> {
 
 impl<const N: usize> Orbit<N> {
     /// The state at time `t`, from the dense output. At the steps' ends it is as accurate as the run; between
-    /// them it may err by up to some hundred tolerances where those are tight.
+    /// them it may err by up to some hundred tolerances where those are tight (not with [`crate::Method::Taylor`]).
     ///
     /// # Errors
     /// [`Error::OutsideOrbit`] when the orbit does not cover `t`.

@@ -14,7 +14,7 @@ pub enum Method {
         step: f64,
     },
     /// Taylor series of the solution, of an order that follows from the tolerance, with adaptive steps: the fastest for
-    /// tolerances of 1e-9 and less. The field is recorded once in each mode, by running it on a recording number, and the recording
+    /// errors of 1e-9 and less. The field is recorded once in each mode, by running it on a recording number, and the recording
     /// is evaluated from then on; events are zeros of the boundary function's own series, isolated for certain, so that
     /// `locator` has no say. A field that branches on [`crate::Scalar::value`] is recorded anew at every step; one that uses
     /// `max`, `min` or [`crate::Scalar::exceeds`] where the answer changes, with a step that ends there.
