@@ -20,8 +20,8 @@ mod taylor;
 
 pub use error::Error;
 pub use filippov::{
-    AtRepelling, Failure, Fate, Locator, Method, Observer, Options, Phase, StepRecord, Summary,
-    Transition, TransitionKind, fate, run, solve,
+    AtRepelling, Failure, Fate, Locator, Method, Observer, Options, Phase, Start, StepRecord,
+    Summary, Transition, TransitionKind, ensemble, fate, run, solve,
 };
 pub use orbit::{Counters, Ending, Orbit};
 pub use scalar::Scalar;

@@ -1,6 +1,7 @@
 //! Filippov systems: the switching rules on Σ, event location, and the driver that yields phases and transitions.
 
 mod driver;
+mod ensemble;
 mod flow;
 mod leaving;
 mod locate;
@@ -14,6 +15,7 @@ mod stepper;
 mod taylor;
 
 pub use driver::{Failure, Summary, run, solve};
+pub use ensemble::{Start, ensemble};
 pub use flow::{boundary_gradient, normal_component, sliding_field};
 pub(crate) use locate::zero_on_dense;
 pub use observer::{Observer, Phase, StepRecord, Transition, TransitionKind};

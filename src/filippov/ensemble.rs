@@ -1,0 +1,92 @@
+//! Many orbits at once: starts or parameters.
+
+use std::ops::ControlFlow;
+
+use rayon::prelude::*;
+
+use super::driver::{Summary, run};
+use super::observer::Observer;
+use super::options::Options;
+use crate::error::Error;
+use crate::system::{Filippov, State};
+
+/// Orbits that are under way or waiting to be told of at the same time: what bounds the memory.
+const WAVE: usize = 4096;
+/// Orbits that a thread takes at once: so many that taking them costs nothing.
+const LEAST: usize = 16;
+
+/// Where an orbit of an ensemble begins, and in which system.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Start<S, const N: usize> {
+    /// The system, with its parameters; a reference where all orbits share one.
+    pub system: S,
+    /// First time.
+    pub t: f64,
+    /// First state.
+    pub x: State<f64, N>,
+}
+
+/// Integrates every start to `t_end` on all threads and tells `each` of every orbit's number, observer and outcome, in the
+/// order of the starts. One that fails says so and holds up no other; `each` may end it all.
+///
+/// Every orbit has the same bits as [`run`] alone would give, on any number of threads; starts are asked for as
+/// they are needed, and the memory does not grow with their number.
+///
+/// ```
+/// use std::ops::ControlFlow;
+/// use stickslip::{Method, Options, Start, State, ensemble, models::BeltOscillator};
+///
+/// let belt = BeltOscillator { belt_speed: 0.4, ..BeltOscillator::default() };
+/// let starts = (0..100).map(|k| Start { system: &belt, t: 0.0, x: State::from([0.01 * f64::from(k), 1.0]) });
+/// let mut sticking = 0;
+/// let options = Options::tol(1e-10).method(Method::Taylor);
+/// ensemble(starts, 30.0, &options, |_| (), |_number, (), outcome| {
+///     sticking += u32::from(outcome.is_ok_and(|end| end.x[1] == 0.4));
+///     ControlFlow::Continue(())
+/// });
+/// # assert!(sticking <= 100);
+/// ```
+pub fn ensemble<S, O, const N: usize>(
+    starts: impl IntoIterator<Item = Start<S, N>>,
+    t_end: f64,
+    options: &Options,
+    observer: impl Fn(usize) -> O + Sync,
+    mut each: impl FnMut(usize, O, Result<Summary<N>, Error>) -> ControlFlow<()>,
+) where
+    S: Filippov<N> + Send + Sync,
+    O: Observer<N> + Send,
+{
+    let mut starts = starts.into_iter();
+    let mut first = 0;
+    let mut wave = Vec::with_capacity(WAVE);
+    let mut outcomes = Vec::with_capacity(WAVE);
+    loop {
+        wave.clear();
+        wave.extend(starts.by_ref().take(WAVE));
+        if wave.is_empty() {
+            return;
+        }
+        wave.par_iter()
+            .enumerate()
+            .with_min_len(LEAST)
+            .map(|(k, start)| {
+                let mut observer = observer(first + k);
+                let outcome = run(
+                    &start.system,
+                    start.t,
+                    start.x,
+                    t_end,
+                    options,
+                    &mut observer,
+                );
+                (observer, outcome)
+            })
+            .collect_into_vec(&mut outcomes);
+        for (k, (observer, outcome)) in outcomes.drain(..).enumerate() {
+            if each(first + k, observer, outcome).is_break() {
+                return;
+            }
+        }
+        first += wave.len();
+    }
+}
