@@ -1,5 +1,6 @@
 //! Intervals as a number type: where a function may be over a whole range of arguments.
 
+use std::cell::Cell;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use crate::scalar::Scalar;
@@ -7,7 +8,8 @@ use crate::scalar::Scalar;
 /// All numbers between `low` and `high`. A function run on intervals gives an interval that holds all its values (Moore 1966),
 /// mostly a wider one. Bounds are not rounded outward: they are for questions that leave room for rounding.
 ///
-/// Where a result is not defined for all arguments its bounds are not numbers, and every comparison with them fails.
+/// Where a result is not defined for all arguments its bounds are not numbers, and every comparison with them fails. Where a
+/// function branches and the range does not decide which way, the result holds for one branch only: [`Interval::decided`] tells.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Interval {
     pub low: f64,
@@ -19,7 +21,30 @@ const NOWHERE: Interval = Interval {
     high: f64::NAN,
 };
 
+thread_local! {
+    /// Whether a branch was taken that the range did not decide.
+    static UNDECIDED: Cell<bool> = const { Cell::new(false) };
+}
+
 impl Interval {
+    /// What `compute` gives, unless it branched where ranges did not decide.
+    #[inline(always)]
+    pub fn decided<R>(compute: impl FnOnce() -> R) -> Option<R> {
+        UNDECIDED.set(false);
+        let result = compute();
+        (!UNDECIDED.get()).then_some(result)
+    }
+
+    /// The image of two ranges under a function that does not fall in either.
+    fn rising_in_both(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
+        let bounds = [self.low, self.high, other.low, other.high];
+        // The library's min and max would take a number over what is none.
+        if bounds.iter().any(|bound| bound.is_nan()) {
+            return NOWHERE;
+        }
+        Interval::new(f(self.low, other.low), f(self.high, other.high))
+    }
+
     #[inline(always)]
     pub fn new(low: f64, high: f64) -> Self {
         Interval { low, high }
@@ -37,8 +62,11 @@ impl Interval {
 
     /// The image under a function of values between −1 and 1 and slopes no steeper.
     fn wave(self, f: impl Fn(f64) -> f64) -> Self {
-        let middle = f(self.value());
         let radius = 0.5 * (self.high - self.low);
+        if radius.is_nan() {
+            return NOWHERE;
+        }
+        let middle = f(0.5 * (self.low + self.high));
         Interval::new((middle - radius).max(-1.0), (middle + radius).min(1.0))
     }
 }
@@ -136,10 +164,27 @@ impl Scalar for Interval {
     fn constant(value: f64) -> Self {
         Interval::new(value, value)
     }
-    /// The middle.
-    #[inline(always)]
+    /// The middle; whoever branches on it has not heard of the rest.
     fn value(self) -> f64 {
+        if self.low != self.high {
+            UNDECIDED.set(true);
+        }
         0.5 * (self.low + self.high)
+    }
+    fn exceeds(self, other: Self) -> bool {
+        // Not a number on either side decides nothing.
+        let decided = self.low > other.high || self.high <= other.low;
+        if !decided {
+            UNDECIDED.set(true);
+        }
+        self.low > other.high
+    }
+    fn divided_or(self, by: Self, otherwise: f64) -> Self {
+        if by.low == 0.0 && by.high == 0.0 {
+            Self::constant(otherwise)
+        } else {
+            self / by
+        }
     }
     fn sin(self) -> Self {
         self.wave(Scalar::sin)
@@ -157,16 +202,10 @@ impl Scalar for Interval {
         self.rising(Scalar::ln)
     }
     fn max(self, other: Self) -> Self {
-        Interval::new(
-            Scalar::max(self.low, other.low),
-            Scalar::max(self.high, other.high),
-        )
+        self.rising_in_both(other, Scalar::max)
     }
     fn min(self, other: Self) -> Self {
-        Interval::new(
-            Scalar::min(self.low, other.low),
-            Scalar::min(self.high, other.high),
-        )
+        self.rising_in_both(other, Scalar::min)
     }
 }
 
@@ -217,8 +256,25 @@ mod tests {
             Interval::constant(1.0) / across,
             Scalar::ln(across),
             Scalar::sqrt(across),
+            Scalar::min(Interval::constant(5.0), Interval::constant(1.0) / across),
+            Scalar::max(Scalar::ln(across), Interval::constant(5.0)),
+            Scalar::sin(Scalar::ln(across)),
         ] {
             assert!(none.low.is_nan(), "{none:?}");
         }
+    }
+
+    #[test]
+    fn a_branch_that_the_range_leaves_open_is_told() {
+        let (low, high) = (Interval::new(0.0, 1.0), Interval::new(2.0, 3.0));
+        let open = Interval::new(0.5, 2.5);
+        assert_eq!(Interval::decided(|| high.exceeds(low)), Some(true));
+        assert_eq!(Interval::decided(|| low.exceeds(high)), Some(false));
+        assert_eq!(Interval::decided(|| open.exceeds(low)), None);
+        assert_eq!(Interval::decided(|| open.value()), None);
+        assert_eq!(
+            Interval::decided(|| Interval::constant(2.0).value()),
+            Some(2.0)
+        );
     }
 }

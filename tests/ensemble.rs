@@ -101,9 +101,10 @@ fn the_bits_are_those_of_one_at_a_time_in_order() {
 }
 
 #[test]
-fn it_ends_when_told_and_asks_for_no_more_than_it_needs() {
+fn it_ends_when_told_and_asks_for_two_waves_at_most() {
     let mut told = 0;
-    let endless = (0..).map(start);
+    let asked = std::cell::Cell::new(0);
+    let endless = (0..).inspect(|k| asked.set(*k + 1)).map(start);
     ensemble(
         endless,
         1.0,
@@ -118,5 +119,5 @@ fn it_ends_when_told_and_asks_for_no_more_than_it_needs() {
             }
         },
     );
-    assert_eq!(told, 5001);
+    assert_eq!((told, asked.get()), (5001, 2 * 4096));
 }

@@ -334,3 +334,36 @@ fn a_field_that_is_not_a_number_is_told_so() {
     };
     assert!((t - 1.0).abs() < 1e-6, "{t}");
 }
+
+/// `x' = speed` and `y' = max(x, 0)`.
+struct Ramp {
+    speed: f64,
+}
+
+impl Filippov<2> for Ramp {
+    fn field<T: Scalar>(&self, _side: Side, _t: T, x: &State<T, 2>) -> State<T, 2> {
+        State::from([T::constant(self.speed), x[0].max(T::constant(0.0))])
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 2>) -> T {
+        x[1] - 100.0
+    }
+}
+
+#[test]
+fn a_kink_at_the_very_start_or_throughout_holds_nothing_up() {
+    // Downwards from the kink at time zero; and on it for ever.
+    for (speed, x) in [(-1.0, -3.0), (0.0, 0.0)] {
+        let orbit = solve(
+            &Ramp { speed },
+            0.0,
+            State::from([0.0, 0.0]),
+            3.0,
+            &taylor(1e-12),
+        )
+        .expect("runs");
+        // The ramp is left a few units of rounding behind its foot.
+        assert!(orbit.x_end[1].abs() < 1e-30);
+        assert!((orbit.x_end[0] - x).abs() < 1e-14);
+        assert!(orbit.steps.len() < 20, "{}", orbit.steps.len());
+    }
+}

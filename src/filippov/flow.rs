@@ -72,9 +72,8 @@ fn contact_is_clear<S: Filippov<N>, const N: usize>(
     x: &State<Interval, N>,
     sign: f64,
 ) -> bool {
-    system
-        .contact(t, x)
-        .is_none_or(|contact| is_positive(contact * sign))
+    Interval::decided(|| system.contact(t, x))
+        .is_some_and(|contact| contact.is_none_or(|contact| is_positive(contact * sign)))
 }
 
 /// A smooth flow that goes on while all its guards are positive.
@@ -177,7 +176,8 @@ impl<S: Filippov<N>, const ABOVE: bool, const N: usize> Flow<N> for Slip<'_, S, 
         if i == CONTACT {
             return contact_is_clear(self.system, t, x, self.contact);
         }
-        is_positive(self.system.boundary(t, x) * Self::SIDE.sign())
+        Interval::decided(|| self.system.boundary(t, x))
+            .is_some_and(|h| is_positive(h * Self::SIDE.sign()))
     }
 
     fn settle(&self, _t: f64, x: State<f64, N>) -> State<f64, N> {

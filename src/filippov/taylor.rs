@@ -421,7 +421,10 @@ impl<const N: usize> TaylorStepper<N> {
         for choice in &tape.choices {
             let c = piece.polynomial(&self.series, tape, choice);
             let c = &c[..=self.order];
-            let start = c.iter().position(|&c| c != 0.0).unwrap_or(self.order);
+            // Two that are equal throughout come out the same throughout.
+            let Some(start) = c.iter().position(|&c| c != 0.0) else {
+                continue;
+            };
             let rises = start == 0 && c[0] < 0.0;
             let c_left = &c[if rises { 1 } else { start }..];
             let s = if c_left[0] <= 0.0 {
@@ -434,7 +437,8 @@ impl<const N: usize> TaylorStepper<N> {
             };
             let size: f64 = c.iter().map(|c| c.abs()).sum();
             let mut behind = s;
-            let mut more = 4.0 * f64::EPSILON * (s + (piece.t / piece.h).abs());
+            // At least something, where the step begins at time zero.
+            let mut more = 4.0 * f64::EPSILON * (s + (piece.t / piece.h).abs()).max(1.0);
             while behind < 1.0 && value_and_slope(c, behind).0 > -8.0 * f64::EPSILON * size {
                 behind = s + more;
                 more *= 2.0;

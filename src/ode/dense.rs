@@ -113,7 +113,7 @@ impl<const N: usize> Dense<N> {
     #[inline(always)]
     pub(crate) fn enclosure(&self) -> State<Interval, N> {
         /// The largest values of `s r`, `s² r`, … `s⁴ r³`, rounded up.
-        const REACH: [f64; 6] = [0.25, 0.148_149, 0.0625, 0.034_561, 0.015_626, 0.008_393];
+        const REACH: [f64; 6] = [0.25, 0.148_149, 0.0625, 0.034_561, 0.015_626, 0.008_394];
         let c = match &self.polynomial {
             Polynomial::RungeKutta(c) => c,
             Polynomial::Series(order, c) => {

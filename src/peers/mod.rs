@@ -47,7 +47,7 @@ compilation is told separately.
 Examples:
   peers
   peers --python target/peers-venv/bin/python
-  peers --rounds 3 --process-rounds 0 --problems decay,forced --report-dir /tmp --figures-dir /tmp";
+  peers --rounds 3 --process-rounds 0 --problems decay,forced --report-dir out --figures-dir out";
 
 /// Arguments of the program.
 #[derive(Debug, Parser)]

@@ -2,8 +2,7 @@
 //!
 //! Every operation's next coefficient is a convolution of coefficients that are known already. Each pair of them is added to the
 //! sum that it belongs to as soon as both are known, so that of order `k` only the two products with the newest
-//! coefficients are left when its turn comes. `L` orbits go side by side, lane by lane in the same order of operations: each has
-//! the bits that it would have alone.
+//! coefficients are left when its turn comes. Written for `L` lanes, of which one is used so far.
 
 use super::MOST_ORDER;
 use super::tape::{Combination, Instruction, Tape};
