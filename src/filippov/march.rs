@@ -125,49 +125,9 @@ impl<O> Run<'_, O> {
                 let x = Point::from(&x);
                 return Err(Error::NonFinite { t, x, step: h });
             }
-            let told = self.observer.step(&record);
-            self.check_escape(&at)?;
-            if told.is_break() {
-                return Ok(PhaseEnd::Stopped(at));
-            }
-            match event {
-                Some(Event {
-                    guard,
-                    located: Located::Exit { at, residual },
-                }) => {
-                    return Ok(PhaseEnd::Exit {
-                        at,
-                        guard,
-                        residual,
-                        orders,
-                    });
-                }
-                Some(Event {
-                    guard,
-                    located: Located::Touch { at, residual },
-                }) => {
-                    self.note_event(&at, &field(at.t, &at.x))?;
-                    let touch = Transition {
-                        t: at.t,
-                        x: at.x,
-                        kind: TransitionKind::Touch,
-                        from: mode,
-                        to: mode,
-                        residual,
-                    };
-                    if self.observer.transition(&touch).is_break() {
-                        return Ok(PhaseEnd::Stopped(at));
-                    }
-                    orders[guard] = 2;
-                }
-                _ => {
-                    for &guard in F::GUARDS {
-                        let departs = orders[guard] > 0;
-                        if departs && has_left::<F, N>(flow, guard, &at, self.options) {
-                            orders[guard] = 0;
-                        }
-                    }
-                }
+            let event = event.map(|event| (event.guard, event.located));
+            if let Some(end) = self.conclude(flow, &record, event, &mut orders)? {
+                return Ok(end);
             }
             Timed { t, x } = at;
             slope = match next_slope {
@@ -178,6 +138,64 @@ impl<O> Run<'_, O> {
                 }
             };
         }
+    }
+
+    /// Tells of a step and of the event at its end, if it has one. The phase's end, or nothing where it goes on; `orders` then
+    /// says which guards are still leaving their zero.
+    #[inline(always)]
+    pub(crate) fn conclude<F: Flow<N>, const N: usize>(
+        &mut self,
+        flow: &F,
+        record: &StepRecord<N>,
+        event: Option<(usize, Located<N>)>,
+        orders: &mut [usize; MOST_GUARDS],
+    ) -> Result<Option<PhaseEnd<N>>, Error>
+    where
+        O: Observer<N>,
+    {
+        let at = Timed {
+            t: record.t_end,
+            x: record.x_end,
+        };
+        let told = self.observer.step(record);
+        self.check_escape(&at)?;
+        if told.is_break() {
+            return Ok(Some(PhaseEnd::Stopped(at)));
+        }
+        match event {
+            Some((guard, Located::Exit { at, residual })) => {
+                return Ok(Some(PhaseEnd::Exit {
+                    at,
+                    guard,
+                    residual,
+                    orders: *orders,
+                }));
+            }
+            Some((guard, Located::Touch { at, residual })) => {
+                self.note_event(&at, &flow.field(at.t, &at.x))?;
+                let touch = Transition {
+                    t: at.t,
+                    x: at.x,
+                    kind: TransitionKind::Touch,
+                    from: record.mode,
+                    to: record.mode,
+                    residual,
+                };
+                if self.observer.transition(&touch).is_break() {
+                    return Ok(Some(PhaseEnd::Stopped(at)));
+                }
+                orders[guard] = 2;
+            }
+            _ => {
+                for &guard in F::GUARDS {
+                    let departs = orders[guard] > 0;
+                    if departs && has_left::<F, N>(flow, guard, &at, self.options) {
+                        orders[guard] = 0;
+                    }
+                }
+            }
+        }
+        Ok(None)
     }
 
     /// Counts a transition; too many within no time are a pile-up.
@@ -315,7 +333,7 @@ impl<O> Run<'_, O> {
 
     /// Whether the step is long enough for the guard to rise out of rounding; a shorter one cannot hold an event that
     /// means anything.
-    fn resolves_departure<F: Flow<N>, const N: usize>(
+    pub(crate) fn resolves_departure<F: Flow<N>, const N: usize>(
         &self,
         i: usize,
         origin: &Origin<'_, F, N>,

@@ -8,7 +8,7 @@ use crate::ode::{RungeKutta, Stages, Timed, stages};
 use crate::system::State;
 
 /// Steps shorter than this part of the time no longer move it.
-const SHORTEST: f64 = 4.0 * f64::EPSILON;
+pub(crate) const SHORTEST: f64 = 4.0 * f64::EPSILON;
 
 impl<O> Run<'_, O> {
     pub(crate) fn choose_first_step<const N: usize>(

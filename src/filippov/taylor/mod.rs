@@ -1,0 +1,305 @@
+//! Taylor steps through one phase, and the first zero of its guards' series in each.
+
+mod event;
+mod kink;
+mod piece;
+
+use event::Event;
+use piece::{Piece, nowhere};
+
+use super::driver::Stepper;
+use super::flow::{Flow, MOST_GUARDS};
+use super::locate::Located;
+use super::march::{PhaseEnd, Run};
+use super::observer::{Observer, StepRecord};
+use super::options::Options;
+use super::stepper::SHORTEST;
+use crate::error::Error;
+use crate::math;
+use crate::ode::{Dense, Timed};
+use crate::system::{Mode, Side, State};
+use crate::taylor::MOST_ORDER;
+use crate::taylor::series::Series;
+use crate::taylor::sketch::Sketch;
+use crate::taylor::tape::Tape;
+
+/// Part of the tolerance that the last coefficients are held to: the steps are long and few, and all of the next ones enlarge
+/// what one leaves out.
+const SAFETY: f64 = 0.1;
+
+/// Least order: looser tolerances would ask for less.
+const LEAST_ORDER: usize = 8;
+
+/// Growth of the step from one to the next at most: a series that ends, of a polynomial solution, says nothing of how far a
+/// guard's zero is, and one very near the start of a very long step is badly resolved.
+const GROW_MOST: f64 = 8.0;
+
+/// Longest step in units of the radius of convergence as the terms' own ratio tells it: beyond it a series means nothing,
+/// however small its terms.
+const FARTHEST: f64 = 0.7;
+
+/// What a series that is not finite does to the step that it is scaled with.
+const SHRINK: f64 = 1e-2;
+
+/// Three modes, each in contact and out of it.
+const TAPES: usize = 6;
+
+fn tape_index(mode: Mode, in_contact: bool) -> usize {
+    let of_mode = match mode {
+        Mode::Slip(Side::Below) => 0,
+        Mode::Slip(Side::Above) => 1,
+        Mode::Stick => 2,
+    };
+    2 * of_mode + usize::from(in_contact)
+}
+
+/// The Taylor stepper: the tapes of a run and room to evaluate them.
+pub(crate) struct TaylorStepper<const N: usize> {
+    order: usize,
+    tapes: [Tape; TAPES],
+    /// Whether a tape must be recorded before it is used.
+    stale: [bool; TAPES],
+    sketch: Sketch,
+    series: Series<1>,
+    /// Where the last step ended, and what rounding took from that.
+    end: Timed<f64, N>,
+    rest: Timed<f64, N>,
+}
+
+/// Logarithm to base 2 of a positive number, up to 0.09 too small: good enough for a root of high order.
+#[inline(always)]
+fn rough_log2(x: f64) -> f64 {
+    const MANTISSA: f64 = (1u64 << 52) as f64;
+    x.to_bits() as f64 / MANTISSA - 1023.0
+}
+
+impl<const N: usize> TaylorStepper<N> {
+    pub(crate) fn new(options: &Options) -> Self {
+        let tolerance = options.rtol.max(options.atol);
+        // Jorba & Zou, Eq. (11), and a few orders more: the time per order falls as the overhead of a step is spread.
+        let order = (0.5 * -math::ln(tolerance) + 8.0) as usize;
+        TaylorStepper {
+            order: order.clamp(LEAST_ORDER, MOST_ORDER),
+            tapes: std::array::from_fn(|_| Tape::default()),
+            stale: [true; TAPES],
+            sketch: Sketch::default(),
+            series: Series::new(),
+            end: nowhere(),
+            rest: nowhere(),
+        }
+    }
+
+    /// Makes sure that the tape holds at `(t, x)`.
+    fn record<F: Flow<N>>(&mut self, flow: &F, index: usize, t: f64, x: &State<f64, N>) {
+        self.tapes[index].record(&mut self.sketch, t, x, |t, x| {
+            let field = flow.field(t, x);
+            let one = crate::scalar::Scalar::constant(1.0);
+            let mut guards = [one; MOST_GUARDS];
+            for &i in F::GUARDS {
+                guards[i] = flow.guard(i, t, x);
+            }
+            (field, guards)
+        });
+        self.series.fit(&self.tapes[index]);
+        self.stale[index] = self.tapes[index].value_read;
+    }
+
+    fn expand(&mut self, index: usize, t: f64, x: &State<f64, N>, h: f64) {
+        let x: [[f64; 1]; N] = std::array::from_fn(|i| [x[i]]);
+        self.series.expand(&self.tapes[index], t, &x, h, self.order);
+    }
+
+    /// The series at `(t, x)` in time over `h`, recorded anew if need be; `false` where it is not finite.
+    fn expand_recorded<F: Flow<N>, O>(
+        &mut self,
+        run: &mut Run<'_, O>,
+        flow: &F,
+        index: usize,
+        at: (f64, &State<f64, N>),
+        h: f64,
+    ) -> bool {
+        let (t, x) = at;
+        if self.stale[index] {
+            self.record(flow, index, t, x);
+            run.counters.field_calls += F::FIELD_CALLS;
+        }
+        self.expand(index, t, x, h);
+        if !self.tapes[index].choices.is_empty() && self.compares_otherwise(index) {
+            self.record(flow, index, t, x);
+            run.counters.field_calls += F::FIELD_CALLS;
+            self.expand(index, t, x, h);
+        }
+        let last = self.order;
+        let finite = (0..N)
+            .all(|i| (self.series.at(i, last)[0] + self.series.at(i, last - 1)[0]).is_finite());
+        if !finite {
+            self.series.clear();
+        }
+        finite
+    }
+
+    /// Step length within the tolerance, over that which the series is scaled with: where the last coefficients, extrapolated
+    /// by the radius of convergence that they tell, have fallen to the tolerance (Jorba & Zou 2005, Sect. 3.2).
+    fn step_ratio(&self, index: usize, options: &Options, x: &State<f64, N>) -> f64 {
+        let p = self.order;
+        let relative = options.rtol.max(options.atol);
+        let wanted = rough_log2(SAFETY * relative) / p as f64;
+        let farthest = rough_log2(FARTHEST);
+        let mut log = rough_log2(GROW_MOST);
+        for i in 0..N {
+            let at = |k| self.series.at(i, k)[0].abs();
+            let scale = rough_log2((options.atol + options.rtol * x[i].abs()) / relative);
+            // Even or odd series have every other coefficient zero.
+            let (mut early, mut late) = (0.0, 0.0);
+            for k in p - 3..=p {
+                early = f64::max(early, at(k - p / 2));
+                late = f64::max(late, at(k));
+                if at(k) > 0.0 {
+                    log = log.min((scale - rough_log2(at(k))) / k as f64 + wanted);
+                }
+            }
+            if early > 0.0 && late > 0.0 {
+                log = log.min((rough_log2(early) - rough_log2(late)) / (p / 2) as f64 + farthest);
+            }
+        }
+        let tape = &self.tapes[index];
+        for function in &tape.watched {
+            if !tape.is_nonlinear(function, N) {
+                continue;
+            }
+            // What a guard's series leaves out, against how far the guard moves in the step.
+            let g = |k| self.series.combination(tape, function, k)[0].abs();
+            let ratio = math::exp(log * std::f64::consts::LN_2);
+            let size = g(0).max(g(1) * ratio).max(g(2) * ratio * ratio);
+            for k in p - 1..=p {
+                if g(k) > 0.0 && size > 0.0 {
+                    log = log.min(wanted + rough_log2(size / g(k)) / k as f64);
+                }
+            }
+        }
+        math::exp(log * std::f64::consts::LN_2)
+    }
+
+    fn piece(&self, t: f64, rest: Timed<f64, N>, h: f64, scaled_with: f64) -> Piece<N> {
+        let ratio = h / scaled_with;
+        let mut x = [State::from([0.0; N]); MOST_ORDER + 1];
+        let mut power = 1.0;
+        for (k, x) in x.iter_mut().enumerate().take(self.order + 1) {
+            for i in 0..N {
+                x[i] = self.series.at(i, k)[0] * power;
+            }
+            power *= ratio;
+        }
+        Piece {
+            t,
+            h,
+            order: self.order,
+            x,
+            rest,
+            ratio,
+        }
+    }
+}
+
+impl<const N: usize> Stepper<N> for TaylorStepper<N> {
+    fn march<F: Flow<N>, O: Observer<N>>(
+        &mut self,
+        run: &mut Run<'_, O>,
+        flow: &F,
+        mode: Mode,
+        start: Timed<f64, N>,
+        mut orders: [usize; MOST_GUARDS],
+    ) -> Result<PhaseEnd<N>, Error> {
+        let index = tape_index(mode, flow.in_contact());
+        let Timed { mut t, mut x } = start;
+        let mut rest = self.rest;
+        if t != self.end.t {
+            rest.t = 0.0;
+        }
+        for i in 0..N {
+            if x[i] != self.end.x[i] {
+                rest.x[i] = 0.0;
+            }
+        }
+        if run.h == 0.0 {
+            let field = &mut |t: f64, x: &State<f64, N>| flow.field(t, x);
+            let slope = field(t, &x);
+            run.h = run.choose_first_step(field, t, &x, &slope);
+            run.counters.field_calls += 2 * F::FIELD_CALLS;
+        }
+        let mut rejected = false;
+        loop {
+            if t >= run.t_end {
+                return Ok(PhaseEnd::Time(Timed { t, x }));
+            }
+            let scale = run.h.min(run.options.longest_step);
+            if !self.expand_recorded(run, flow, index, (t, &x), scale) {
+                run.reject_undefined(t, &x, SHRINK * scale)?;
+                if run.h <= SHORTEST * t.abs() || run.h < f64::MIN_POSITIVE {
+                    return Err(run.collapsed(t, &x, &flow.field(t, &x), run.h));
+                }
+                continue;
+            }
+            let ratio = self.step_ratio(index, run.options, &x);
+            // After a rejection the step does not grow at once.
+            run.h = scale * if rejected { ratio.min(1.0) } else { ratio };
+            let mut h = run.h.min(run.options.longest_step);
+            let is_last = t + 1.01 * h >= run.t_end;
+            if is_last {
+                h = (run.t_end - t) - rest.t;
+            }
+            if !is_last && h <= SHORTEST * t.abs() || h < f64::MIN_POSITIVE {
+                return Err(run.collapsed(t, &x, &flow.field(t, &x), h));
+            }
+            let piece = self.piece(t, rest, h, scale);
+            let (mut at, mut rest_there) = piece.at(1.0);
+            if is_last {
+                (at.t, rest_there.t) = (run.t_end, 0.0);
+            }
+            let mut part = 1.0;
+            let mut event = self
+                .first_event(run, flow, index, &piece, &orders)
+                .filter(|event| !is_last || event.located.is_before(at.t));
+            if !self.tapes[index].choices.is_empty() {
+                let before = event.as_ref().map_or(1.0, |event| event.s);
+                if let Some(kink) = self.first_kink(index, &piece, before) {
+                    event = None;
+                    part = kink;
+                    (at, rest_there) = piece.at(kink);
+                    self.stale[index] = true;
+                }
+            }
+            match &event {
+                Some(Event {
+                    located: Located::Exit { at: there, .. } | Located::Touch { at: there, .. },
+                    rest,
+                    ..
+                }) => (at, rest_there) = (*there, *rest),
+                _ => at.x = flow.settle(at.t, at.x),
+            }
+            let part = event.as_ref().map_or(part, |event| event.s);
+            if !piece.agrees(flow, part, &at, run.options) {
+                run.reject_undefined(t, &x, h)?;
+                rejected = true;
+                continue;
+            }
+            rejected = false;
+            (self.end, self.rest) = (at, rest_there);
+            run.counters.steps += 1;
+            let record = StepRecord {
+                mode,
+                t_start: t,
+                t_end: at.t,
+                x_start: x,
+                x_end: at.x,
+                dense: Dense::of_series(t, h, self.order, &piece.x),
+            };
+            let event = event.map(|event| (event.guard, event.located));
+            if let Some(end) = run.conclude(flow, &record, event, &mut orders)? {
+                return Ok(end);
+            }
+            Timed { t, x } = at;
+            rest = rest_there;
+        }
+    }
+}

@@ -1,0 +1,91 @@
+//! One step's series, in parts of the step.
+
+use crate::filippov::flow::Flow;
+use crate::filippov::options::Options;
+use crate::ode::{Linear, Timed, power_series};
+use crate::system::State;
+use crate::taylor::MOST_ORDER;
+use crate::taylor::series::Series;
+use crate::taylor::tape::{Combination, Tape};
+
+/// Tolerances by which the slope of a series, times the step, may be off the field.
+const DEFECT: f64 = 30.0;
+
+pub(super) fn nowhere<const N: usize>() -> Timed<f64, N> {
+    <Timed<f64, N> as Linear<f64>>::zero()
+}
+
+/// Sum and rounding error (Knuth).
+#[inline(always)]
+fn two_sum(a: f64, b: f64) -> (f64, f64) {
+    let sum = a + b;
+    let of_b = sum - a;
+    (sum, (a - (sum - of_b)) + (b - of_b))
+}
+
+/// One step's series, in parts of the step.
+pub(super) struct Piece<const N: usize> {
+    pub(super) t: f64,
+    pub(super) h: f64,
+    pub(super) order: usize,
+    pub(super) x: [State<f64, N>; MOST_ORDER + 1],
+    pub(super) rest: Timed<f64, N>,
+    /// Step length over the one that the series is scaled with.
+    pub(super) ratio: f64,
+}
+
+impl<const N: usize> Piece<N> {
+    /// Time and state at the part `s` of the step, and what rounding takes from them.
+    #[inline(always)]
+    pub(super) fn at(&self, s: f64) -> (Timed<f64, N>, Timed<f64, N>) {
+        let rise = power_series(&self.x[1..=self.order], s);
+        let (mut at, mut rest) = (nowhere(), nowhere());
+        (at.t, rest.t) = two_sum(self.t, self.rest.t + s * self.h);
+        for i in 0..N {
+            (at.x[i], rest.x[i]) = two_sum(self.x[0][i], self.rest.x[i] + s * rise[i]);
+        }
+        (at, rest)
+    }
+
+    /// Whether the series still solves the equation at the part `s` of the step, where it leads to `at`: its slope is the
+    /// field there. It is not beyond where the field is defined, or where it branches otherwise than the recording.
+    #[inline(always)]
+    pub(super) fn agrees<F: Flow<N>>(
+        &self,
+        flow: &F,
+        s: f64,
+        at: &Timed<f64, N>,
+        options: &Options,
+    ) -> bool {
+        let field = flow.field(at.t, &at.x);
+        (0..N).all(|i| {
+            let (mut value, mut slope) = (0.0, 0.0);
+            for x in self.x[..=self.order].iter().rev() {
+                slope = slope * s + value;
+                value = value * s + x[i];
+            }
+            let rise = self.h * field[i];
+            let size = f64::max(at.x[i].abs(), rise.abs());
+            // The slope's own error is the order times the error of the step.
+            let allowed = DEFECT * (options.atol + options.rtol * size);
+            at.x[i].is_finite() && (rise - slope).abs() <= allowed
+        })
+    }
+
+    /// A watched function's series.
+    #[inline(always)]
+    pub(super) fn polynomial(
+        &self,
+        series: &Series<1>,
+        tape: &Tape,
+        function: &Combination,
+    ) -> [f64; MOST_ORDER + 1] {
+        let mut c = [0.0; MOST_ORDER + 1];
+        let mut power = 1.0;
+        for (k, c) in c.iter_mut().enumerate().take(self.order + 1) {
+            *c = series.combination(tape, function, k)[0] * power;
+            power *= self.ratio;
+        }
+        c
+    }
+}
