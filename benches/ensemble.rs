@@ -8,7 +8,7 @@ use stickslip::models::BeltOscillator;
 use stickslip::{Method, Options, Start, State, ensemble, run};
 
 const ORBITS: usize = 10_000;
-const ROUNDS: usize = 7;
+const ROUNDS: usize = 5;
 const T_END: f64 = 30.0;
 
 fn main() {

@@ -2,9 +2,10 @@
 
 use std::ops::ControlFlow;
 
-use stickslip::models::BeltOscillator;
+use stickslip::models::{BeltOscillator, BlockAndBracket, Caption, Reading};
 use stickslip::{
-    Counters, Error, Method, Observer, Options, Start, State, Summary, Transition, ensemble, run,
+    Counters, Error, Filippov, Method, Observer, Options, Scalar, Side, Start, State, StepRecord,
+    Summary, Transition, ensemble, run,
 };
 
 const T_END: f64 = 10.0;
@@ -120,4 +121,114 @@ fn it_ends_when_told_and_asks_for_two_waves_at_most() {
         },
     );
     assert_eq!((told, asked.get()), (5001, 2 * 4096));
+}
+
+/// Remembers the bits of every step and transition; asks to stop at the transition `last`.
+#[derive(Clone, Default, PartialEq, Debug)]
+struct Everything {
+    bits: Vec<u64>,
+    transitions: usize,
+    last: usize,
+}
+
+impl<const N: usize> Observer<N> for Everything {
+    fn step(&mut self, step: &StepRecord<N>) -> ControlFlow<()> {
+        let middle = step.dense.at(0.5);
+        let numbers = [step.t_end].into_iter();
+        let numbers = numbers.chain(step.x_end.iter().chain(middle.iter()).copied());
+        self.bits.extend(numbers.map(f64::to_bits));
+        ControlFlow::Continue(())
+    }
+    fn transition(&mut self, at: &Transition<N>) -> ControlFlow<()> {
+        self.bits.push(at.t.to_bits());
+        self.bits.push(at.residual.to_bits());
+        self.transitions += 1;
+        if self.transitions == self.last {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    }
+}
+
+/// Every orbit has the steps, the transitions and the end that it has alone; every seventh is stopped on the way.
+fn assert_as_alone<S: Filippov<N> + Send + Sync, const N: usize>(
+    start: impl Fn(usize) -> Start<S, N>,
+    number: usize,
+    t_end: f64,
+    options: &Options,
+) {
+    let observer = |k: usize| Everything {
+        last: if k % 7 == 3 { 2 } else { 0 },
+        ..Everything::default()
+    };
+    let outcome = |outcome: Result<Summary<N>, Error>| {
+        outcome
+            .map(|end| (end.ending, end.t.to_bits(), end.counters))
+            .map_err(|error| error.to_string())
+    };
+    let (mut told, mut events) = (0, 0);
+    ensemble(
+        (0..number).map(&start),
+        t_end,
+        options,
+        observer,
+        |k, found, end| {
+            let (one, mut alone) = (start(k), observer(k));
+            let end_alone = run(&one.system, one.t, one.x, t_end, options, &mut alone);
+            assert_eq!(outcome(end), outcome(end_alone), "orbit {k}");
+            assert!(found == alone, "orbit {k}: steps or transitions");
+            told += 1;
+            events += found.transitions;
+            ControlFlow::Continue(())
+        },
+    );
+    assert_eq!(told, number);
+    assert!(events > number, "{events} events");
+}
+
+#[test]
+fn orbits_side_by_side_branch_stop_and_fail_each_on_its_own() {
+    let options = Options::tol(1e-9).method(Method::Taylor);
+    // A normal force that is clipped, stick and slip, parameters that differ, one that escapes.
+    let bracket = |k: usize| {
+        let part = k as f64 / 300.0;
+        let model = BlockAndBracket::from_caption(&Caption::FIG11, &Reading::exact());
+        let system = BlockAndBracket {
+            unloading: 3.0 * part,
+            ..model.expect("allowed")
+        };
+        let x = State::from([0.1, 0.1 + part, 0.1, if k == 77 { 1e9 } else { 0.1 }]);
+        Start { system, t: 0.0, x }
+    };
+    assert_as_alone(bracket, 300, 20.0, &options);
+}
+
+/// A bouncing pendulum whose field is undefined beyond an edge and branches by a value it reads.
+struct Edge {
+    edge: f64,
+}
+
+impl Filippov<2> for Edge {
+    fn field<T: Scalar>(&self, side: Side, _t: T, x: &State<T, 2>) -> State<T, 2> {
+        let push = if x[1].value() < 0.3 { 0.0 } else { 0.1 };
+        let room = (-x[0] + self.edge).sqrt();
+        State::from([x[1], -x[0] * side.sign() * 0.5 - x[0] + push + room * 0.0])
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 2>) -> T {
+        x[0] - 0.1
+    }
+}
+
+#[test]
+fn fields_that_end_or_read_values_have_the_bits_of_one_alone_too() {
+    let options = Options::tol(1e-7).method(Method::Taylor);
+    let start = |k: usize| Start {
+        system: Edge {
+            edge: 0.4 + 0.01 * (k % 50) as f64,
+        },
+        t: 0.0,
+        x: State::from([0.2, 0.01 * k as f64]),
+    };
+    assert_as_alone(start, 100, 15.0, &options);
 }

@@ -3,16 +3,11 @@
 use std::marker::PhantomData;
 use std::ops::ControlFlow;
 
-use num_dual::Dual;
-
-use super::flow::{
-    CONTACT, Flow, MOST_GUARDS, Slip, Stick, boundary_gradient, project, sliding_field,
-};
+use super::flow::{Flow, MOST_GUARDS, boundary_gradient};
+use super::journey::{Journey, on_flow};
 use super::march::{PhaseEnd, Run};
-use super::observer::{Observer, Phase, StepRecord, Transition, TransitionKind};
-use super::options::{AtRepelling, Method, Options};
-use super::pile_up::PileUp;
-use super::rules::{Departure, Fate, LieDerivatives, departure};
+use super::observer::{Observer, Phase, StepRecord, Transition};
+use super::options::{Method, Options};
 use super::taylor::TaylorStepper;
 use crate::error::{Error, Point};
 use crate::ode::{Dop853, Rk4, RungeKutta, Timed};
@@ -138,14 +133,7 @@ fn run_counted<S: Filippov<N>, O: Observer<N>, const N: usize>(
     options: &Options,
     observer: &mut O,
 ) -> (Result<Summary<N>, Error>, Counters) {
-    let mut run = Run {
-        options,
-        observer,
-        counters: Counters::default(),
-        pile_up: PileUp::new(),
-        t_end,
-        h: 0.0,
-    };
+    let mut run = Run::new(options, observer, t_end);
     let start = Timed { t: t0, x: x0 };
     let result = check(system, &start, t_end, options).and_then(|()| match options.method {
         Method::Dop853 | Method::Dop853Fixed { .. } => {
@@ -157,7 +145,7 @@ fn run_counted<S: Filippov<N>, O: Observer<N>, const N: usize>(
     (result, run.counters)
 }
 
-fn check<S: Filippov<N>, const N: usize>(
+pub(super) fn check<S: Filippov<N>, const N: usize>(
     system: &S,
     start: &Timed<f64, N>,
     t_end: f64,
@@ -232,12 +220,6 @@ impl<M: RungeKutta, const N: usize> Stepper<N> for BySlopes<M> {
     }
 }
 
-/// Where the run goes from a point of Σ.
-enum Course {
-    On(Mode, [usize; MOST_GUARDS]),
-    Repelled,
-}
-
 impl<O> Run<'_, O> {
     fn drive<P: Stepper<N>, S: Filippov<N>, const N: usize>(
         &mut self,
@@ -248,188 +230,20 @@ impl<O> Run<'_, O> {
     where
         O: Observer<N>,
     {
-        let mut at = start;
-        let (mut mode, mut orders) = match self.first_course(system, &at) {
-            Course::On(mode, orders) => (mode, orders),
-            Course::Repelled => return Ok(self.summary(Ending::Repelling, at)),
+        let mut journey = match Journey::begin(self, system, start) {
+            Ok(journey) => journey,
+            Err(ended) => return Ok(ended),
         };
-        let mut contact = contact_sign(system, &at);
-        let mut from = at;
         loop {
-            let end = match mode {
-                Mode::Slip(Side::Below) => {
-                    let flow = Slip::<S, false> { system, contact };
-                    stepper.march(self, &flow, mode, at, orders)?
-                }
-                Mode::Slip(Side::Above) => {
-                    let flow = Slip::<S, true> { system, contact };
-                    stepper.march(self, &flow, mode, at, orders)?
-                }
-                Mode::Stick => {
-                    at.x = project(system, at.t, at.x);
-                    let flow = Stick { system, contact };
-                    stepper.march(self, &flow, mode, at, orders)?
-                }
-            };
-            let (reached, ending) = match &end {
-                PhaseEnd::Time(at) => (*at, Some(Ending::EndTime)),
-                PhaseEnd::Stopped(at) => (*at, Some(Ending::Stopped)),
-                PhaseEnd::Exit { at, .. } => (*at, None),
-            };
-            at = reached;
-            if let PhaseEnd::Exit {
-                guard: CONTACT,
-                residual,
-                orders: departures,
-                ..
-            } = end
-            {
-                self.note_event(&at, &velocity(system, mode, &at))?;
-                let change = Transition {
-                    t: at.t,
-                    x: at.x,
-                    kind: if contact > 0.0 {
-                        TransitionKind::ContactLoss
-                    } else {
-                        TransitionKind::ContactGain
-                    },
-                    from: mode,
-                    to: mode,
-                    residual,
-                };
-                if self.observer.transition(&change).is_break() {
-                    return Ok(self.summary(Ending::Stopped, at));
-                }
-                contact = -contact;
-                orders = departures;
-                orders[CONTACT] = 1;
-                continue;
-            }
-            let phase = Phase {
-                mode,
-                t_start: from.t,
-                t_end: at.t,
-                x_start: from.x,
-                x_end: at.x,
-            };
-            let told = self.observer.phase(&phase);
-            if let Some(ending) = ending {
-                return Ok(self.summary(ending, at));
-            }
-            let PhaseEnd::Exit {
-                guard, residual, ..
-            } = end
-            else {
-                return Ok(self.summary(Ending::EndTime, at));
-            };
-            let tangent = (mode == Mode::Stick).then(|| Stick::<S>::side_of_guard(guard));
-            self.counters.field_calls += 2 * LieDerivatives::field_calls(N);
-            let (next, next_orders) = match self.course(self.departure(system, &at, tangent)) {
-                Course::On(next, orders) => (next, orders),
-                Course::Repelled => return Ok(self.summary(Ending::Repelling, at)),
-            };
-            self.note_event(&at, &velocity(system, next, &at))?;
-            let transition = Transition {
-                t: at.t,
-                x: at.x,
-                kind: kind(mode, next),
-                from: mode,
-                to: next,
-                residual,
-            };
-            if self.observer.transition(&transition).is_break() || told.is_break() {
-                return Ok(self.summary(Ending::Stopped, at));
-            }
-            (mode, orders, from) = (next, next_orders, at);
-        }
-    }
-
-    fn summary<const N: usize>(&self, ending: Ending, at: Timed<f64, N>) -> Summary<N> {
-        Summary {
-            ending,
-            t: at.t,
-            x: at.x,
-            counters: self.counters,
-        }
-    }
-
-    /// Off Σ the side decides; on it, to rounding, the rules.
-    fn first_course<S: Filippov<N>, const N: usize>(
-        &self,
-        system: &S,
-        at: &Timed<f64, N>,
-    ) -> Course {
-        let h = system.boundary(at.t, &at.x);
-        let side = if h < 0.0 { Side::Below } else { Side::Above };
-        if !LieDerivatives::new(system, side, at.t, &at.x, self.slack()).on_boundary() {
-            return Course::On(Mode::Slip(side), [0; MOST_GUARDS]);
-        }
-        let departure = self.departure(system, at, None);
-        self.course(departure)
-    }
-
-    /// A state this near to where it should be is there: a thousandth of what error control lets pass.
-    fn slack(&self) -> f64 {
-        1e-3 * self.options.atol
-    }
-
-    fn departure<S: Filippov<N>, const N: usize>(
-        &self,
-        system: &S,
-        at: &Timed<f64, N>,
-        tangent: Option<Side>,
-    ) -> Departure {
-        let below = LieDerivatives::new(system, Side::Below, at.t, &at.x, self.slack());
-        let above = LieDerivatives::new(system, Side::Above, at.t, &at.x, self.slack());
-        departure(&below, &above, tangent)
-    }
-
-    fn course(&self, departure: Departure) -> Course {
-        let orders = departure.orders;
-        match (departure.fate, self.options.at_repelling) {
-            (Fate::Slip(side), _) => Course::On(Mode::Slip(side), orders),
-            (Fate::Stick, _) => Course::On(Mode::Stick, orders),
-            (Fate::Repelling, AtRepelling::Stop) => Course::Repelled,
-            (Fate::Repelling, AtRepelling::GoBelow) => {
-                Course::On(Mode::Slip(Side::Below), [orders[0] + 1, 0, 0])
-            }
-            (Fate::Repelling, AtRepelling::GoAbove) => {
-                Course::On(Mode::Slip(Side::Above), [orders[1] + 1, 0, 0])
+            let Journey {
+                mode, at, orders, ..
+            } = journey;
+            let end = on_flow!(journey, system, |flow| stepper
+                .march(self, flow, mode, at, orders)?);
+            if let Some(summary) = journey.turn(self, system, end)? {
+                return Ok(summary);
             }
         }
-    }
-}
-
-/// Sign of the contact function; where it is zero, of its rate along the mean of the two fields.
-fn contact_sign<S: Filippov<N>, const N: usize>(system: &S, at: &Timed<f64, N>) -> f64 {
-    let below = system.field(Side::Below, at.t, &at.x);
-    let above = system.field(Side::Above, at.t, &at.x);
-    let path =
-        State::<Dual<f64>, N>::from_fn(|i, _| Dual::new(at.x[i], 0.5 * (below[i] + above[i])));
-    match system.contact(Dual::new(at.t, 1.0), &path) {
-        Some(contact) if contact.re < 0.0 || contact.re == 0.0 && contact.eps < 0.0 => -1.0,
-        _ => 1.0,
-    }
-}
-
-/// The vector that moves the state in a mode.
-fn velocity<S: Filippov<N>, const N: usize>(
-    system: &S,
-    mode: Mode,
-    at: &Timed<f64, N>,
-) -> State<f64, N> {
-    match mode {
-        Mode::Slip(side) => system.field(side, at.t, &at.x),
-        Mode::Stick => sliding_field(system, at.t, &at.x),
-    }
-}
-
-fn kind(from: Mode, to: Mode) -> TransitionKind {
-    match (from, to) {
-        (Mode::Slip(before), Mode::Slip(after)) if before != after => TransitionKind::Crossing,
-        (Mode::Slip(_), Mode::Stick) => TransitionKind::StickEntry,
-        (Mode::Stick, Mode::Slip(_)) => TransitionKind::StickExit,
-        _ => TransitionKind::Touch,
     }
 }
 

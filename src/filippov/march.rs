@@ -49,6 +49,19 @@ struct Event<const N: usize> {
     located: Located<N>,
 }
 
+impl<'a, O> Run<'a, O> {
+    pub(crate) fn new(options: &'a Options, observer: &'a mut O, t_end: f64) -> Self {
+        Run {
+            options,
+            observer,
+            counters: Counters::default(),
+            pile_up: PileUp::new(),
+            t_end,
+            h: 0.0,
+        }
+    }
+}
+
 impl<O> Run<'_, O> {
     /// Integrates `flow` from `start` until a guard fails. `orders` says how many derivatives of each guard vanish
     /// at the start.

@@ -3,6 +3,7 @@
 mod driver;
 mod ensemble;
 mod flow;
+mod journey;
 mod leaving;
 mod locate;
 mod march;

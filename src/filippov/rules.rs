@@ -8,7 +8,7 @@
 
 use num_dual::Dual;
 
-use super::flow::{MOST_GUARDS, flow_path};
+use super::flow::{MOST_GUARDS, flow_path, normal_component};
 use crate::system::{Filippov, Side, State};
 
 /// What a point of Σ leads to.
@@ -43,11 +43,6 @@ pub(crate) struct LieDerivatives {
 const ULPS: f64 = 64.0;
 
 impl LieDerivatives {
-    /// Field calls that the derivatives of one side take in `n` dimensions.
-    pub(crate) const fn field_calls(n: usize) -> u64 {
-        3 * (n as u64 + 1)
-    }
-
     /// Of `side`'s field at `(t, x)`. The floors follow from how far the derivatives move when state and time change by a
     /// few units in the last place, the state along the field in that time, and by `slack` in every component: a state
     /// that should be zero is so to that much only.
@@ -88,7 +83,6 @@ impl LieDerivatives {
         LieDerivatives { values, floors }
     }
 
-    /// Index and sign of the first derivative (from the first on) that does not vanish; index 4 when none is left.
     fn leading(&self, tangent: bool) -> (usize, f64) {
         let first = if tangent { 2 } else { 1 };
         (first..4)
@@ -102,26 +96,92 @@ impl LieDerivatives {
     }
 }
 
-/// Applies the rules at a point of Σ. `tangent` names the side whose normal component is known to vanish (a stick
-/// phase has just ended there), whatever rounding says of it.
-pub(crate) fn departure(
-    below: &LieDerivatives,
-    above: &LieDerivatives,
-    tangent: Option<Side>,
-) -> Departure {
-    let (order_below, sign_below) = below.leading(tangent == Some(Side::Below));
-    let (order_above, sign_above) = above.leading(tangent == Some(Side::Above));
-    let fate = match (sign_below < 0.0, sign_above > 0.0) {
+/// The first Lie derivative and the size below which it is rounding, both as [`LieDerivatives`] has them, at a small part of the
+/// cost.
+fn first_derivative<S: Filippov<N>, const N: usize>(
+    system: &S,
+    side: Side,
+    t: f64,
+    x: &State<f64, N>,
+    slack: f64,
+) -> (f64, f64) {
+    // The derivative's value, and its change in a direction.
+    let along = |t: Dual<f64>, x: &State<Dual<f64>, N>| {
+        let f = system.field(side, t, x);
+        (normal_component(system, t, x, &f), f)
+    };
+    let (mut spread, mut shift) = (0.0, 0.0);
+    for direction in 0..N {
+        let seed = |at: usize| f64::from(u8::from(at == direction));
+        let seeded = State::from_fn(|i, _| Dual::new(x[i], seed(i)));
+        let change = along(Dual::new(t, 0.0), &seeded).0.eps.abs();
+        spread += change * x[direction].abs();
+        shift += change * slack;
+    }
+    let (rate, f) = along(Dual::new(t, 1.0), &x.map(|x| Dual::new(x, 0.0)));
+    spread += rate.eps.abs() * t.abs();
+    // Its change along the field itself is the second derivative.
+    let flowing = State::from_fn(|i, _| Dual::new(x[i], f[i].re));
+    let drift = along(Dual::new(t, 1.0), &flowing).0.eps.abs() * t.abs();
+    let floor = ULPS * f64::EPSILON * (spread + rate.re.abs() + drift) + shift;
+    (rate.re, floor)
+}
+
+/// Index and sign of the first Lie derivative (from the first on) along one field that does not vanish; index 4 where none is left.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Leading {
+    order: usize,
+    sign: f64,
+    /// Calls of the field that this took.
+    pub calls: u64,
+}
+
+impl Leading {
+    /// Of `side`'s field at `(t, x)`; `slack` as for [`LieDerivatives::new`]. `tangent` says that the first derivative is known to
+    /// vanish, whatever rounding says of it.
+    pub(crate) fn new<S: Filippov<N>, const N: usize>(
+        system: &S,
+        side: Side,
+        t: f64,
+        x: &State<f64, N>,
+        slack: f64,
+        tangent: bool,
+    ) -> Self {
+        let n = N as u64;
+        let mut calls = 0;
+        if !tangent {
+            let (rate, floor) = first_derivative(system, side, t, x, slack);
+            calls = n + 2;
+            if rate.abs() > floor {
+                return Leading {
+                    order: 1,
+                    sign: rate.signum(),
+                    calls,
+                };
+            }
+        }
+        let (order, sign) = LieDerivatives::new(system, side, t, x, slack).leading(tangent);
+        Leading {
+            order,
+            sign,
+            calls: calls + 3 * (n + 1),
+        }
+    }
+}
+
+/// Applies the rules at a point of Σ to the leading derivatives along the two fields.
+pub(crate) fn departure(below: Leading, above: Leading) -> Departure {
+    let fate = match (below.sign < 0.0, above.sign > 0.0) {
         (true, true) => Fate::Repelling,
         (true, false) => Fate::Slip(Side::Below),
         (false, true) => Fate::Slip(Side::Above),
         (false, false) => Fate::Stick,
     };
     let orders = match fate {
-        Fate::Slip(Side::Below) => [order_below, 0, 0],
-        Fate::Slip(Side::Above) => [order_above, 0, 0],
+        Fate::Slip(Side::Below) => [below.order, 0, 0],
+        Fate::Slip(Side::Above) => [above.order, 0, 0],
         // A guard of the stick phase is the first derivative, so its order is one less.
-        Fate::Stick | Fate::Repelling => [order_below - 1, order_above - 1, 0],
+        Fate::Stick | Fate::Repelling => [below.order - 1, above.order - 1, 0],
     };
     Departure { fate, orders }
 }
@@ -137,7 +197,6 @@ pub(crate) fn departure(
 /// assert_eq!(fate(&belt, 0.0, &State::from([1.5, 1.0])), Fate::Slip(Side::Below));
 /// ```
 pub fn fate<S: Filippov<N>, const N: usize>(system: &S, t: f64, x: &State<f64, N>) -> Fate {
-    let below = LieDerivatives::new(system, Side::Below, t, x, 0.0);
-    let above = LieDerivatives::new(system, Side::Above, t, x, 0.0);
-    departure(&below, &above, None).fate
+    let of = |side| Leading::new(system, side, t, x, 0.0, false);
+    departure(of(Side::Below), of(Side::Above)).fate
 }

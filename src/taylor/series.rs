@@ -1,11 +1,14 @@
 //! The tape evaluated order by order.
 //!
-//! Every operation's next coefficient is a convolution of coefficients that are known already. Each pair of them is added to the
-//! sum that it belongs to as soon as both are known, so that of order `k` only the two products with the newest
-//! coefficients are left when its turn comes. Written for `L` lanes, of which one is used so far.
+//! Every operation's next coefficient is a convolution of coefficients that are known already. Written for `L` lanes: one
+//! for an orbit alone, several for orbits side by side. No lane knows of another, so each has the bits that it would have alone.
+
+use std::cmp::Ordering;
+
+use pulp::{Arch, NullaryFnOnce};
 
 use super::MOST_ORDER;
-use super::tape::{Combination, Instruction, Tape};
+use super::tape::{Combination, Instruction, Numbers, Tape};
 use crate::math;
 
 /// `1/k`.
@@ -21,14 +24,14 @@ const INVERSE: [f64; MOST_ORDER + 2] = {
 
 const ROOM: usize = MOST_ORDER + 1;
 
-/// The coefficients of one number, or the convolution sums under way for it, by order.
+/// The coefficients of one number by order.
 type Row<const L: usize> = [[f64; L]; ROOM];
 
 /// Coefficients of everything on a tape, each scaled by the power of a step length, so that none overflows.
 #[derive(Clone, Debug)]
 pub(crate) struct Series<const L: usize> {
     rows: Vec<Row<L>>,
-    sums: Vec<Row<L>>,
+    arch: Arch,
 }
 
 #[inline(always)]
@@ -40,7 +43,7 @@ impl<const L: usize> Series<L> {
     pub(crate) fn new() -> Self {
         Series {
             rows: Vec::new(),
-            sums: Vec::new(),
+            arch: Arch::new(),
         }
     }
 
@@ -48,18 +51,11 @@ impl<const L: usize> Series<L> {
     pub(crate) fn fit(&mut self, tape: &Tape) {
         if self.rows.len() < tape.rows {
             self.rows.resize(tape.rows, [[0.0; L]; ROOM]);
-            self.sums.resize(tape.rows, [[0.0; L]; ROOM]);
         }
     }
 
-    /// Forgets everything; needed after coefficients that were not finite.
-    pub(crate) fn clear(&mut self) {
-        self.rows.fill([[0.0; L]; ROOM]);
-    }
-
-    /// Coefficient `k` of row `row`.
     #[inline(always)]
-    pub(crate) fn at(&self, row: usize, k: usize) -> [f64; L] {
+    fn lanes_at(&self, row: usize, k: usize) -> [f64; L] {
         self.rows[row][k]
     }
 
@@ -73,6 +69,7 @@ impl<const L: usize> Series<L> {
     fn expand_lanes(
         &mut self,
         tape: &Tape,
+        numbers: &Numbers<L>,
         t: [f64; L],
         x: &[[f64; L]],
         h: [f64; L],
@@ -86,50 +83,52 @@ impl<const L: usize> Series<L> {
         // Written out for every order, so that each convolution has a length that the compiler knows.
         macro_rules! orders {
             ($($k:literal)*) => {$(
+                let instructions = match order.cmp(&$k) {
+                    Ordering::Greater => &tape.inner,
+                    Ordering::Equal => &tape.last,
+                    Ordering::Less => return,
+                };
+                for instruction in instructions {
+                    self.advance::<$k>(tape, numbers, instruction);
+                }
                 if $k < order {
-                    self.advance_all::<$k>(tape, &tape.of_field);
                     for (i, slope) in tape.field.iter().enumerate() {
-                        let slope = self.combination(tape, slope, $k);
+                        let slope = self.combine(tape, numbers, slope, $k);
                         let next = lanes(|l| slope[l] * (h[l] * INVERSE[$k + 1]));
                         self.set(i, $k + 1, next);
                     }
-                }
-                if $k == order {
-                    self.advance_all::<$k>(tape, &tape.of_both);
-                }
-                if $k < order + 1 && !tape.of_watched.is_empty() {
-                    self.advance_all::<$k>(tape, &tape.of_watched);
                 }
             )*};
         }
         orders!(0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24);
     }
 
-    #[inline(never)]
-    fn advance_all<const K: usize>(&mut self, tape: &Tape, instructions: &[Instruction]) {
-        for instruction in instructions {
-            self.advance::<K>(tape, instruction);
-        }
-    }
-
     /// Coefficient `k` of a combination.
     #[inline(always)]
-    pub(crate) fn combination(&self, tape: &Tape, sum: &Combination, k: usize) -> [f64; L] {
-        let terms = &tape.terms[sum.first as usize..(sum.first + sum.count) as usize];
-        let Some((first, others)) = terms.split_first() else {
-            return [if k == 0 { sum.constant } else { 0.0 }; L];
+    fn combine(&self, tape: &Tape, numbers: &Numbers<L>, sum: &Combination, k: usize) -> [f64; L] {
+        let terms = sum.terms();
+        let mut terms = tape.nodes[terms.clone()]
+            .iter()
+            .zip(&numbers.factors[terms]);
+        let Some((&first, factor)) = terms.next() else {
+            return if k == 0 {
+                numbers.constants[sum.constant as usize]
+            } else {
+                [0.0; L]
+            };
         };
-        let row = self.at(first.node as usize, k);
-        let mut value = lanes(|l| first.factor * row[l]);
-        for term in others {
-            let row = self.at(term.node as usize, k);
+        let row = self.lanes_at(first as usize, k);
+        let mut value = lanes(|l| factor[l] * row[l]);
+        for (&node, factor) in terms {
+            let row = self.lanes_at(node as usize, k);
             for l in 0..L {
-                value[l] += term.factor * row[l];
+                value[l] += factor[l] * row[l];
             }
         }
         if k == 0 {
-            for value in &mut value {
-                *value += sum.constant;
+            let constant = numbers.constants[sum.constant as usize];
+            for l in 0..L {
+                value[l] += constant[l];
             }
         }
         value
@@ -137,24 +136,21 @@ impl<const L: usize> Series<L> {
 
     /// Coefficient `k` of everything that one instruction computes.
     #[inline(always)]
-    fn advance<const K: usize>(&mut self, tape: &Tape, instruction: &Instruction) {
-        // The sum that belongs to order K: all products but those with coefficient 0.
-        let sum = |series: &mut Self, row: u32| {
-            let sums = &mut series.sums[row as usize];
-            if K == 0 {
-                *sums = [[0.0; L]; ROOM];
-            }
-            sums[K]
-        };
-        let of = |series: &Self, row: u32| series.at(row as usize, K);
-        let first = |series: &Self, row: u32| series.at(row as usize, 0);
+    fn advance<const K: usize>(
+        &mut self,
+        tape: &Tape,
+        numbers: &Numbers<L>,
+        instruction: &Instruction,
+    ) {
+        let of = |series: &Self, row: u32| series.lanes_at(row as usize, K);
+        let first = |series: &Self, row: u32| series.lanes_at(row as usize, 0);
         match *instruction {
             Instruction::Combination { out, ref sum } => {
-                let value = self.combination(tape, sum, K);
+                let value = self.combine(tape, numbers, sum, K);
                 self.set(out as usize, K, value);
             }
             Instruction::Product { out, a, b } => {
-                let sum = sum(self, out);
+                let sum = self.convolution::<K>(a, b);
                 let (a0, b0) = (first(self, a), first(self, b));
                 let value = if K == 0 {
                     lanes(|l| a0[l] * b0[l])
@@ -163,14 +159,9 @@ impl<const L: usize> Series<L> {
                     lanes(|l| sum[l] + (of_a[l] * b0[l] + a0[l] * of_b[l]))
                 };
                 self.set(out as usize, K, value);
-                pair::<K, L>(
-                    &mut self.sums[out as usize],
-                    &self.rows[a as usize],
-                    &self.rows[b as usize],
-                );
             }
             Instruction::Square { out, a } => {
-                let sum = sum(self, out);
+                let sum = self.convolution_with_itself::<K>(a);
                 let (a0, of_a) = (first(self, a), of(self, a));
                 let value = if K == 0 {
                     lanes(|l| a0[l] * a0[l])
@@ -178,10 +169,9 @@ impl<const L: usize> Series<L> {
                     lanes(|l| sum[l] + 2.0 * a0[l] * of_a[l])
                 };
                 self.set(out as usize, K, value);
-                pair_with_itself::<K, L>(&mut self.sums[out as usize], &self.rows[a as usize]);
             }
             Instruction::Quotient { out, a, b } => {
-                let sum = sum(self, out);
+                let sum = self.convolution::<K>(b, out);
                 let (b0, of_a) = (first(self, b), of(self, a));
                 let value = if K == 0 {
                     lanes(|l| of_a[l] / b0[l])
@@ -190,14 +180,9 @@ impl<const L: usize> Series<L> {
                     lanes(|l| (of_a[l] - (sum[l] + of_b[l] * q0[l])) / b0[l])
                 };
                 self.set(out as usize, K, value);
-                pair::<K, L>(
-                    &mut self.sums[out as usize],
-                    &self.rows[b as usize],
-                    &self.rows[out as usize],
-                );
             }
             Instruction::Reciprocal { out, b } => {
-                let sum = sum(self, out);
+                let sum = self.convolution::<K>(b, out);
                 let of_b = of(self, b);
                 let value = if K == 0 {
                     lanes(|l| 1.0 / of_b[l])
@@ -206,14 +191,9 @@ impl<const L: usize> Series<L> {
                     lanes(|l| -(sum[l] + of_b[l] * q0[l]) * q0[l])
                 };
                 self.set(out as usize, K, value);
-                pair::<K, L>(
-                    &mut self.sums[out as usize],
-                    &self.rows[b as usize],
-                    &self.rows[out as usize],
-                );
             }
             Instruction::Root { out, a } => {
-                let sum = sum(self, out);
+                let sum = self.convolution_with_itself::<K>(out);
                 let of_a = of(self, a);
                 let value = if K == 0 {
                     lanes(|l| of_a[l].sqrt())
@@ -222,10 +202,9 @@ impl<const L: usize> Series<L> {
                     lanes(|l| (of_a[l] - sum[l]) / (2.0 * r0[l]))
                 };
                 self.set(out as usize, K, value);
-                pair_with_itself::<K, L>(&mut self.sums[out as usize], &self.rows[out as usize]);
             }
             Instruction::Exponential { out, a, helper } => {
-                let sum = sum(self, out);
+                let sum = self.convolution::<K>(helper, out);
                 let slope = self.slope(a, helper, K);
                 let value = if K == 0 {
                     let a0 = first(self, a);
@@ -235,14 +214,9 @@ impl<const L: usize> Series<L> {
                     lanes(|l| (sum[l] + slope[l] * e0[l]) * INVERSE[K])
                 };
                 self.set(out as usize, K, value);
-                pair::<K, L>(
-                    &mut self.sums[out as usize],
-                    &self.rows[helper as usize],
-                    &self.rows[out as usize],
-                );
             }
             Instruction::Logarithm { out, a, helper } => {
-                let sum = sum(self, out);
+                let sum = self.convolution::<K>(helper, a);
                 let (a0, of_a) = (first(self, a), of(self, a));
                 let value = if K == 0 {
                     self.set(helper as usize, 0, [0.0; L]);
@@ -253,15 +227,11 @@ impl<const L: usize> Series<L> {
                     lanes(|l| slope[l] * INVERSE[K])
                 };
                 self.set(out as usize, K, value);
-                pair::<K, L>(
-                    &mut self.sums[out as usize],
-                    &self.rows[helper as usize],
-                    &self.rows[a as usize],
-                );
             }
             Instruction::SineCosine { sine, a, helper } => {
                 let cosine = sine + 1;
-                let (of_sine, of_cosine) = (sum(self, sine), sum(self, cosine));
+                let of_sine = self.convolution::<K>(helper, cosine);
+                let of_cosine = self.convolution::<K>(helper, sine);
                 let slope = self.slope(a, helper, K);
                 let (up, down) = if K == 0 {
                     let a0 = first(self, a);
@@ -275,61 +245,76 @@ impl<const L: usize> Series<L> {
                 };
                 self.set(sine as usize, K, up);
                 self.set(cosine as usize, K, down);
-                pair::<K, L>(
-                    &mut self.sums[sine as usize],
-                    &self.rows[helper as usize],
-                    &self.rows[cosine as usize],
-                );
-                pair::<K, L>(
-                    &mut self.sums[cosine as usize],
-                    &self.rows[helper as usize],
-                    &self.rows[sine as usize],
-                );
             }
         }
+    }
+
+    /// Coefficient `K` of the product of two rows, without the two terms that have a coefficient 0: those with the newest
+    /// coefficients are added last, so that nothing waits for them.
+    #[inline(always)]
+    fn convolution<const K: usize>(&self, a: u32, b: u32) -> [f64; L] {
+        let (a, b) = (&self.rows[a as usize], &self.rows[b as usize]);
+        let mut sum = [0.0; L];
+        if K >= 2 && K.is_multiple_of(2) {
+            sum = lanes(|l| a[K / 2][l] * b[K / 2][l]);
+        }
+        for j in (1..K.div_ceil(2)).rev() {
+            for l in 0..L {
+                sum[l] += a[j][l] * b[K - j][l] + a[K - j][l] * b[j][l];
+            }
+        }
+        sum
+    }
+
+    /// The same for a square.
+    #[inline(always)]
+    fn convolution_with_itself<const K: usize>(&self, a: u32) -> [f64; L] {
+        let a = &self.rows[a as usize];
+        let mut sum = [0.0; L];
+        for j in (1..K.div_ceil(2)).rev() {
+            for l in 0..L {
+                sum[l] += a[j][l] * a[K - j][l];
+            }
+        }
+        lanes(|l| {
+            let pairs = 2.0 * sum[l];
+            if K >= 2 && K.is_multiple_of(2) {
+                pairs + a[K / 2][l] * a[K / 2][l]
+            } else {
+                pairs
+            }
+        })
     }
 
     /// Coefficient `k` of `s a'(s)`.
     #[inline(always)]
     fn slope(&mut self, a: u32, helper: u32, k: usize) -> [f64; L] {
-        let of_a = self.at(a as usize, k);
+        let of_a = self.lanes_at(a as usize, k);
         let slope = lanes(|l| of_a[l] * k as f64);
         self.set(helper as usize, k, slope);
         slope
     }
-}
 
-/// Adds the products of coefficient `K` of `a` with those of `b` up to `K`, and the other way round, to the sums that they
-/// belong to, those with coefficient 0 excepted.
-#[inline(always)]
-fn pair<const K: usize, const L: usize>(sums: &mut Row<L>, a: &Row<L>, b: &Row<L>) {
-    let (of_a, of_b) = (a[K], b[K]);
-    for n in K + 1..ROOM.min(2 * K) {
-        for l in 0..L {
-            sums[n][l] += of_a[l] * b[n - K][l] + of_b[l] * a[n - K][l];
-        }
-    }
-    if 2 * K < ROOM {
-        for l in 0..L {
-            sums[2 * K][l] += of_a[l] * of_b[l];
-        }
-    }
-}
-
-/// The same for a square.
-#[inline(always)]
-fn pair_with_itself<const K: usize, const L: usize>(sums: &mut Row<L>, a: &Row<L>) {
-    let of_a = a[K];
-    let twice: [f64; L] = lanes(|l| 2.0 * of_a[l]);
-    for n in K + 1..ROOM.min(2 * K) {
-        for l in 0..L {
-            sums[n][l] += twice[l] * a[n - K][l];
-        }
-    }
-    if 2 * K < ROOM {
-        for l in 0..L {
-            sums[2 * K][l] += of_a[l] * of_a[l];
-        }
+    /// The series of the solutions through `(t, x)` to `order`, each in time over its `h`, and of everything that is watched.
+    #[inline(always)]
+    pub(crate) fn expand_all(
+        &mut self,
+        tape: &Tape,
+        numbers: &Numbers<L>,
+        at: (&[f64; L], &[[f64; L]]),
+        h: &[f64; L],
+        order: usize,
+    ) {
+        let arch = self.arch;
+        arch.dispatch(Expand {
+            series: self,
+            tape,
+            numbers,
+            t: *at.0,
+            x: at.1,
+            h: *h,
+            order,
+        });
     }
 }
 
@@ -337,7 +322,56 @@ impl Series<1> {
     /// The series of the solution through `(t, x)` to `order`, in time over `h`, and of everything that is watched.
     #[inline(never)]
     pub(crate) fn expand(&mut self, tape: &Tape, t: f64, x: &[[f64; 1]], h: f64, order: usize) {
-        self.expand_lanes(tape, [t], x, [h], order);
+        self.expand_all(tape, &tape.numbers, (&[t], x), &[h], order);
+    }
+
+    /// Takes rows of one lane of an expansion.
+    pub(crate) fn take_lane<const L: usize>(
+        &mut self,
+        of: &Series<L>,
+        lane: usize,
+        rows: &[u32],
+        order: usize,
+    ) {
+        for &row in rows {
+            let (to, from) = (&mut self.rows[row as usize], &of.rows[row as usize]);
+            for (to, from) in to[..=order].iter_mut().zip(&from[..=order]) {
+                to[0] = from[lane];
+            }
+        }
+    }
+
+    /// Coefficient `k` of row `row`.
+    #[inline(always)]
+    pub(crate) fn at(&self, row: usize, k: usize) -> f64 {
+        self.rows[row][k][0]
+    }
+
+    /// Coefficient `k` of a combination.
+    #[inline(always)]
+    pub(crate) fn combination(&self, tape: &Tape, sum: &Combination, k: usize) -> f64 {
+        self.combine(tape, &tape.numbers, sum, k)[0]
+    }
+}
+
+/// An expansion in the widest vectors that the machine has; their width changes no bit.
+struct Expand<'a, const L: usize> {
+    series: &'a mut Series<L>,
+    tape: &'a Tape,
+    numbers: &'a Numbers<L>,
+    t: [f64; L],
+    x: &'a [[f64; L]],
+    h: [f64; L],
+    order: usize,
+}
+
+impl<const L: usize> NullaryFnOnce for Expand<'_, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        self.series
+            .expand_lanes(self.tape, self.numbers, self.t, self.x, self.h, self.order);
     }
 }
 
@@ -364,7 +398,7 @@ mod tests {
         series.expand(&tape, 0.0, &[[0.0]], H, MOST_ORDER);
         let row = |function| {
             (0..ROOM)
-                .map(|k| series.combination(&tape, function, k)[0])
+                .map(|k| series.combination(&tape, function, k))
                 .collect()
         };
         tape.watched.iter().map(row).collect()
@@ -439,12 +473,13 @@ mod tests {
             (State::from([Scalar::sin(x[0])]), [sliding, x[0] * x[0]])
         });
         let sliding = tape.watched[0];
-        assert_eq!((sliding.constant, sliding.count), (0.0, 0));
+        assert_eq!(sliding.count, 0);
+        assert_eq!(tape.numbers.constants[sliding.constant as usize], [0.0]);
         let squares =
             |instruction: &&Instruction| matches!(instruction, Instruction::Square { .. });
-        let all = tape.of_field.iter().chain(&tape.of_watched);
-        assert_eq!(all.filter(squares).count(), 1);
-        assert_eq!(tape.of_field.len(), 1, "sine and cosine");
+        assert_eq!(tape.inner.iter().filter(squares).count(), 1);
+        assert_eq!(tape.inner.len(), 2, "sine and cosine, and the square");
+        assert_eq!(tape.last.len(), 1, "the square");
     }
 
     #[test]

@@ -1,15 +1,51 @@
 //! The tape: what a recording comes to once everything that no result needs has been dropped.
 
 use super::recorder::{Recorded, recording};
-use super::sketch::{Form, Op, Sketch, Term};
+use super::sketch::{Form, Op, Sketch};
 use crate::system::State;
 
-/// A constant and multiples of rows: terms `first .. first + count` of the tape.
+/// A constant, by its place among the tape's, and multiples of rows: terms `first .. first + count` of the tape.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Combination {
-    pub constant: f64,
+    pub constant: u32,
     pub first: u32,
     pub count: u32,
+}
+
+impl Combination {
+    pub(crate) fn terms(&self) -> std::ops::Range<usize> {
+        self.first as usize..(self.first + self.count) as usize
+    }
+}
+
+/// The numbers in a tape's combinations, in `L` lanes.
+#[derive(Clone, Debug)]
+pub(crate) struct Numbers<const L: usize> {
+    /// The factor of every term.
+    pub factors: Vec<[f64; L]>,
+    pub constants: Vec<[f64; L]>,
+}
+
+impl<const L: usize> Default for Numbers<L> {
+    fn default() -> Self {
+        Numbers {
+            factors: Vec::new(),
+            constants: Vec::new(),
+        }
+    }
+}
+
+impl<const L: usize> Numbers<L> {
+    /// Those of `L` tapes of the same shape.
+    pub(crate) fn gather(&mut self, of: [&Numbers<1>; L]) {
+        let fill = |into: &mut Vec<[f64; L]>, lane: fn(&Numbers<1>) -> &[[f64; 1]]| {
+            let lanes = of.map(lane);
+            into.clear();
+            into.extend((0..lanes[0].len()).map(|i| lanes.map(|lane| lane[i][0])));
+        };
+        fill(&mut self.factors, |numbers| &numbers.factors);
+        fill(&mut self.constants, |numbers| &numbers.constants);
+    }
 }
 
 /// An operation on rows of coefficients. The state's components are rows `0 .. N`, the time is row `N`.
@@ -64,13 +100,13 @@ pub(crate) enum Instruction {
 /// A field and functions of its solution as a list of operations.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Tape {
-    /// What the field takes.
-    pub of_field: Vec<Instruction>,
-    /// What the watched functions take beyond that.
-    pub of_watched: Vec<Instruction>,
-    /// Those of the field's that the watched functions take too, at the highest order, which the field itself does not need.
-    pub of_both: Vec<Instruction>,
-    pub terms: Vec<Term>,
+    /// What field and watched functions take, at every order but the highest: the field's first, which the next order waits for.
+    pub inner: Vec<Instruction>,
+    /// What the watched functions take, at the highest order, which the field does not need.
+    pub last: Vec<Instruction>,
+    /// The row of every term.
+    pub nodes: Vec<u32>,
+    pub numbers: Numbers<1>,
     /// The right-hand side.
     pub field: Vec<Combination>,
     /// The watched functions, those that are constant as such.
@@ -79,6 +115,10 @@ pub(crate) struct Tape {
     pub choices: Vec<Combination>,
     /// Rows of coefficients.
     pub rows: usize,
+    /// The rows that the results are made of: the state, and what the watched functions and choices take.
+    pub results: Vec<u32>,
+    /// A number for all tapes of the same shape, for who wants to give them one.
+    pub shape: Option<usize>,
     /// The recording depends on values that were read: it may hold only where it was made.
     pub value_read: bool,
     needs: Vec<u8>,
@@ -107,16 +147,27 @@ impl Tape {
 
     /// Whether the function is more than a combination of the `n` components of the state and the time.
     pub(crate) fn is_nonlinear(&self, function: &Combination, n: usize) -> bool {
-        let terms =
-            &self.terms[function.first as usize..(function.first + function.count) as usize];
-        terms.iter().any(|term| term.node as usize > n)
+        let nodes = &self.nodes[function.terms()];
+        nodes.iter().any(|&node| node as usize > n)
+    }
+
+    /// Whether the tapes differ in the numbers of their combinations alone.
+    pub(crate) fn is_alike(&self, other: &Tape) -> bool {
+        self.rows == other.rows
+            && self.inner == other.inner
+            && self.last == other.last
+            && self.nodes == other.nodes
+            && self.field == other.field
+            && self.watched == other.watched
+            && self.choices == other.choices
     }
 
     fn compile(&mut self, sketch: &Sketch, field: &[Form], watched: &[Form]) {
-        self.of_field.clear();
-        self.of_watched.clear();
-        self.of_both.clear();
-        self.terms.clear();
+        self.inner.clear();
+        self.last.clear();
+        self.nodes.clear();
+        self.numbers.factors.clear();
+        self.numbers.constants.clear();
         self.value_read = sketch.value_read;
         self.needs.clear();
         self.needs.resize(sketch.ops.len(), 0);
@@ -148,6 +199,7 @@ impl Tape {
             }
         }
         self.rows = sketch.ops.len();
+        let mut of_watched = Vec::new();
         for node in 0..sketch.ops.len() {
             let by = self.needs[node];
             if by == 0 {
@@ -157,14 +209,15 @@ impl Tape {
                 continue;
             };
             if by & FIELD != 0 {
-                self.of_field.push(instruction);
+                self.inner.push(instruction);
             } else {
-                self.of_watched.push(instruction);
+                of_watched.push(instruction);
             }
-            if by == FIELD | WATCHED {
-                self.of_both.push(instruction);
+            if by & WATCHED != 0 {
+                self.last.push(instruction);
             }
         }
+        self.inner.append(&mut of_watched);
         let mut combinations = |forms: &[Form], into: fn(&mut Tape) -> &mut Vec<Combination>| {
             into(self).clear();
             for form in forms {
@@ -175,16 +228,27 @@ impl Tape {
         combinations(field, |tape| &mut tape.field);
         combinations(watched, |tape| &mut tape.watched);
         combinations(&sketch.choices, |tape| &mut tape.choices);
+        self.results.clear();
+        self.results.extend(0..field.len() as u32);
+        for function in self.watched.iter().chain(&self.choices) {
+            self.results.extend(&self.nodes[function.terms()]);
+        }
+        self.results.sort_unstable();
+        self.results.dedup();
+        self.shape = None;
     }
 
     fn combination(&mut self, sketch: &Sketch, form: Form) -> Combination {
-        let first = self.terms.len() as u32;
-        let terms = sketch.terms(form);
-        self.terms.extend_from_slice(terms);
+        let first = self.nodes.len() as u32;
+        for term in sketch.terms(form) {
+            self.nodes.push(term.node);
+            self.numbers.factors.push([term.factor]);
+        }
+        self.numbers.constants.push([form.constant]);
         Combination {
-            constant: form.constant,
+            constant: self.numbers.constants.len() as u32 - 1,
             first,
-            count: terms.len() as u32,
+            count: self.nodes.len() as u32 - first,
         }
     }
 

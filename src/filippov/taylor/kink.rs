@@ -9,7 +9,7 @@ impl<const N: usize> TaylorStepper<N> {
     pub(super) fn compares_otherwise(&self, index: usize) -> bool {
         let tape = &self.tapes[index];
         tape.choices.iter().any(|choice| {
-            let at = |k| self.series.combination(tape, choice, k)[0];
+            let at = |k| self.series.combination(tape, choice, k);
             // Rounding may leave the start of a branch just off it.
             at(0) < 0.0 && !(at(1) > 0.0 && -at(0) <= 1e-12 * at(1))
         })

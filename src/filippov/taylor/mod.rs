@@ -2,6 +2,7 @@
 
 mod event;
 mod kink;
+pub(super) mod lanes;
 mod piece;
 
 use event::Event;
@@ -61,9 +62,23 @@ pub(crate) struct TaylorStepper<const N: usize> {
     stale: [bool; TAPES],
     sketch: Sketch,
     series: Series<1>,
+    phase: Phase<N>,
+}
+
+/// The phase under way.
+struct Phase<const N: usize> {
+    mode: Mode,
+    /// Its tape.
+    index: usize,
     /// Where the last step ended, and what rounding took from that.
     end: Timed<f64, N>,
     rest: Timed<f64, N>,
+    /// How many derivatives of each guard vanish where it was last zero; see [`Run::march`].
+    orders: [usize; MOST_GUARDS],
+    /// Whether the last step was.
+    rejected: bool,
+    /// The step that the next series is scaled with.
+    scale: f64,
 }
 
 /// Logarithm to base 2 of a positive number, up to 0.09 too small: good enough for a root of high order.
@@ -84,8 +99,15 @@ impl<const N: usize> TaylorStepper<N> {
             stale: [true; TAPES],
             sketch: Sketch::default(),
             series: Series::new(),
-            end: nowhere(),
-            rest: nowhere(),
+            phase: Phase {
+                mode: Mode::Stick,
+                index: 0,
+                end: nowhere(),
+                rest: nowhere(),
+                orders: [0; MOST_GUARDS],
+                rejected: false,
+                scale: 0.0,
+            },
         }
     }
 
@@ -104,38 +126,28 @@ impl<const N: usize> TaylorStepper<N> {
         self.stale[index] = self.tapes[index].value_read;
     }
 
-    fn expand(&mut self, index: usize, t: f64, x: &State<f64, N>, h: f64) {
-        let x: [[f64; 1]; N] = std::array::from_fn(|i| [x[i]]);
-        self.series.expand(&self.tapes[index], t, &x, h, self.order);
+    /// The tape that the next expansion is of.
+    fn tape(&self) -> &Tape {
+        &self.tapes[self.phase.index]
     }
 
-    /// The series at `(t, x)` in time over `h`, recorded anew if need be; `false` where it is not finite.
-    fn expand_recorded<F: Flow<N>, O>(
-        &mut self,
-        run: &mut Run<'_, O>,
-        flow: &F,
-        index: usize,
-        at: (f64, &State<f64, N>),
-        h: f64,
-    ) -> bool {
-        let (t, x) = at;
-        if self.stale[index] {
-            self.record(flow, index, t, x);
-            run.counters.field_calls += F::FIELD_CALLS;
-        }
-        self.expand(index, t, x, h);
-        if !self.tapes[index].choices.is_empty() && self.compares_otherwise(index) {
-            self.record(flow, index, t, x);
-            run.counters.field_calls += F::FIELD_CALLS;
-            self.expand(index, t, x, h);
-        }
-        let last = self.order;
-        let finite = (0..N)
-            .all(|i| (self.series.at(i, last)[0] + self.series.at(i, last - 1)[0]).is_finite());
-        if !finite {
-            self.series.clear();
-        }
-        finite
+    fn tape_mut(&mut self) -> &mut Tape {
+        &mut self.tapes[self.phase.index]
+    }
+
+    /// Takes what a step needs of an expansion in which this orbit was the lane `lane`.
+    fn take_lane<const L: usize>(&mut self, of: &Series<L>, lane: usize) {
+        let tape = &self.tapes[self.phase.index];
+        self.series.take_lane(of, lane, &tape.results, self.order);
+    }
+
+    /// Expands the series at the end of the last step.
+    fn expand(&mut self) {
+        let Timed { t, x } = self.phase.end;
+        let x: [[f64; 1]; N] = std::array::from_fn(|i| [x[i]]);
+        let tape = &self.tapes[self.phase.index];
+        self.series
+            .expand(tape, t, &x, self.phase.scale, self.order);
     }
 
     /// Step length within the tolerance, over that which the series is scaled with: where the last coefficients, extrapolated
@@ -147,7 +159,7 @@ impl<const N: usize> TaylorStepper<N> {
         let farthest = rough_log2(FARTHEST);
         let mut log = rough_log2(GROW_MOST);
         for i in 0..N {
-            let at = |k| self.series.at(i, k)[0].abs();
+            let at = |k| self.series.at(i, k).abs();
             let scale = rough_log2((options.atol + options.rtol * x[i].abs()) / relative);
             // Even or odd series have every other coefficient zero.
             let (mut early, mut late) = (0.0, 0.0);
@@ -168,7 +180,7 @@ impl<const N: usize> TaylorStepper<N> {
                 continue;
             }
             // What a guard's series leaves out, against how far the guard moves in the step.
-            let g = |k| self.series.combination(tape, function, k)[0].abs();
+            let g = |k| self.series.combination(tape, function, k).abs();
             let ratio = math::exp(log * std::f64::consts::LN_2);
             let size = g(0).max(g(1) * ratio).max(g(2) * ratio * ratio);
             for k in p - 1..=p {
@@ -186,7 +198,7 @@ impl<const N: usize> TaylorStepper<N> {
         let mut power = 1.0;
         for (k, x) in x.iter_mut().enumerate().take(self.order + 1) {
             for i in 0..N {
-                x[i] = self.series.at(i, k)[0] * power;
+                x[i] = self.series.at(i, k) * power;
             }
             power *= ratio;
         }
@@ -201,6 +213,145 @@ impl<const N: usize> TaylorStepper<N> {
     }
 }
 
+impl<const N: usize> TaylorStepper<N> {
+    /// Begins a phase.
+    fn begin<F: Flow<N>, O>(
+        &mut self,
+        run: &mut Run<'_, O>,
+        flow: &F,
+        mode: Mode,
+        start: Timed<f64, N>,
+        orders: [usize; MOST_GUARDS],
+    ) {
+        let phase = &mut self.phase;
+        // What rounding took belongs to the state that it was taken from.
+        if start.t != phase.end.t {
+            phase.rest.t = 0.0;
+        }
+        for i in 0..N {
+            if start.x[i] != phase.end.x[i] {
+                phase.rest.x[i] = 0.0;
+            }
+        }
+        phase.mode = mode;
+        phase.index = tape_index(mode, flow.in_contact());
+        phase.end = start;
+        phase.orders = orders;
+        phase.rejected = false;
+        if run.h == 0.0 {
+            let Timed { t, x } = start;
+            let field = &mut |t: f64, x: &State<f64, N>| flow.field(t, x);
+            let slope = field(t, &x);
+            run.h = run.choose_first_step(field, t, &x, &slope);
+            run.counters.field_calls += 2 * F::FIELD_CALLS;
+        }
+    }
+
+    /// Makes ready for the next expansion, or says that the end time is reached.
+    fn prepare<F: Flow<N>, O>(&mut self, run: &mut Run<'_, O>, flow: &F) -> Option<PhaseEnd<N>> {
+        let Timed { t, x } = self.phase.end;
+        if t >= run.t_end {
+            return Some(PhaseEnd::Time(Timed { t, x }));
+        }
+        self.phase.scale = run.h.min(run.options.longest_step);
+        if self.stale[self.phase.index] {
+            self.record(flow, self.phase.index, t, &x);
+            run.counters.field_calls += F::FIELD_CALLS;
+        }
+        None
+    }
+
+    /// One step on the series that was expanded; the phase's end, if the step has come to it.
+    fn step<F: Flow<N>, O: Observer<N>>(
+        &mut self,
+        run: &mut Run<'_, O>,
+        flow: &F,
+    ) -> Result<Option<PhaseEnd<N>>, Error> {
+        let Phase {
+            mode,
+            index,
+            end: Timed { t, x },
+            rest,
+            orders,
+            scale,
+            ..
+        } = self.phase;
+        if !self.tapes[index].choices.is_empty() && self.compares_otherwise(index) {
+            self.record(flow, index, t, &x);
+            run.counters.field_calls += F::FIELD_CALLS;
+            self.expand();
+        }
+        let last = self.order;
+        if !(0..N).all(|i| (self.series.at(i, last) + self.series.at(i, last - 1)).is_finite()) {
+            run.reject_undefined(t, &x, SHRINK * scale)?;
+            if run.h <= SHORTEST * t.abs() || run.h < f64::MIN_POSITIVE {
+                return Err(run.collapsed(t, &x, &flow.field(t, &x), run.h));
+            }
+            return Ok(None);
+        }
+        let ratio = self.step_ratio(index, run.options, &x);
+        // After a rejection the step does not grow at once.
+        run.h = scale
+            * if self.phase.rejected {
+                ratio.min(1.0)
+            } else {
+                ratio
+            };
+        let mut h = run.h.min(run.options.longest_step);
+        let is_last = t + 1.01 * h >= run.t_end;
+        if is_last {
+            h = (run.t_end - t) - rest.t;
+        }
+        if !is_last && h <= SHORTEST * t.abs() || h < f64::MIN_POSITIVE {
+            return Err(run.collapsed(t, &x, &flow.field(t, &x), h));
+        }
+        let piece = self.piece(t, rest, h, scale);
+        let (mut at, mut rest_there) = piece.at(1.0);
+        if is_last {
+            (at.t, rest_there.t) = (run.t_end, 0.0);
+        }
+        let mut part = 1.0;
+        let mut event = self
+            .first_event(run, flow, index, &piece, &orders)
+            .filter(|event| !is_last || event.located.is_before(at.t));
+        if !self.tapes[index].choices.is_empty() {
+            let before = event.as_ref().map_or(1.0, |event| event.s);
+            if let Some(kink) = self.first_kink(index, &piece, before) {
+                event = None;
+                part = kink;
+                (at, rest_there) = piece.at(kink);
+                self.stale[index] = true;
+            }
+        }
+        match &event {
+            Some(Event {
+                located: Located::Exit { at: there, .. } | Located::Touch { at: there, .. },
+                rest,
+                ..
+            }) => (at, rest_there) = (*there, *rest),
+            _ => at.x = flow.settle(at.t, at.x),
+        }
+        let part = event.as_ref().map_or(part, |event| event.s);
+        self.phase.rejected = !piece.agrees(flow, part, &at, run.options);
+        if self.phase.rejected {
+            run.reject_undefined(t, &x, h)?;
+            return Ok(None);
+        }
+        (self.phase.end, self.phase.rest) = (at, rest_there);
+        run.counters.steps += 1;
+        let record = StepRecord {
+            mode,
+            t_start: t,
+            t_end: at.t,
+            x_start: x,
+            x_end: at.x,
+            dense: Dense::of_series(t, h, self.order, &piece.x),
+        };
+        let event = event.map(|event| (event.guard, event.located));
+        run.conclude(flow, &record, event, &mut self.phase.orders)
+    }
+}
+
 impl<const N: usize> Stepper<N> for TaylorStepper<N> {
     fn march<F: Flow<N>, O: Observer<N>>(
         &mut self,
@@ -208,98 +359,17 @@ impl<const N: usize> Stepper<N> for TaylorStepper<N> {
         flow: &F,
         mode: Mode,
         start: Timed<f64, N>,
-        mut orders: [usize; MOST_GUARDS],
+        orders: [usize; MOST_GUARDS],
     ) -> Result<PhaseEnd<N>, Error> {
-        let index = tape_index(mode, flow.in_contact());
-        let Timed { mut t, mut x } = start;
-        let mut rest = self.rest;
-        if t != self.end.t {
-            rest.t = 0.0;
-        }
-        for i in 0..N {
-            if x[i] != self.end.x[i] {
-                rest.x[i] = 0.0;
-            }
-        }
-        if run.h == 0.0 {
-            let field = &mut |t: f64, x: &State<f64, N>| flow.field(t, x);
-            let slope = field(t, &x);
-            run.h = run.choose_first_step(field, t, &x, &slope);
-            run.counters.field_calls += 2 * F::FIELD_CALLS;
-        }
-        let mut rejected = false;
+        self.begin(run, flow, mode, start, orders);
         loop {
-            if t >= run.t_end {
-                return Ok(PhaseEnd::Time(Timed { t, x }));
-            }
-            let scale = run.h.min(run.options.longest_step);
-            if !self.expand_recorded(run, flow, index, (t, &x), scale) {
-                run.reject_undefined(t, &x, SHRINK * scale)?;
-                if run.h <= SHORTEST * t.abs() || run.h < f64::MIN_POSITIVE {
-                    return Err(run.collapsed(t, &x, &flow.field(t, &x), run.h));
-                }
-                continue;
-            }
-            let ratio = self.step_ratio(index, run.options, &x);
-            // After a rejection the step does not grow at once.
-            run.h = scale * if rejected { ratio.min(1.0) } else { ratio };
-            let mut h = run.h.min(run.options.longest_step);
-            let is_last = t + 1.01 * h >= run.t_end;
-            if is_last {
-                h = (run.t_end - t) - rest.t;
-            }
-            if !is_last && h <= SHORTEST * t.abs() || h < f64::MIN_POSITIVE {
-                return Err(run.collapsed(t, &x, &flow.field(t, &x), h));
-            }
-            let piece = self.piece(t, rest, h, scale);
-            let (mut at, mut rest_there) = piece.at(1.0);
-            if is_last {
-                (at.t, rest_there.t) = (run.t_end, 0.0);
-            }
-            let mut part = 1.0;
-            let mut event = self
-                .first_event(run, flow, index, &piece, &orders)
-                .filter(|event| !is_last || event.located.is_before(at.t));
-            if !self.tapes[index].choices.is_empty() {
-                let before = event.as_ref().map_or(1.0, |event| event.s);
-                if let Some(kink) = self.first_kink(index, &piece, before) {
-                    event = None;
-                    part = kink;
-                    (at, rest_there) = piece.at(kink);
-                    self.stale[index] = true;
-                }
-            }
-            match &event {
-                Some(Event {
-                    located: Located::Exit { at: there, .. } | Located::Touch { at: there, .. },
-                    rest,
-                    ..
-                }) => (at, rest_there) = (*there, *rest),
-                _ => at.x = flow.settle(at.t, at.x),
-            }
-            let part = event.as_ref().map_or(part, |event| event.s);
-            if !piece.agrees(flow, part, &at, run.options) {
-                run.reject_undefined(t, &x, h)?;
-                rejected = true;
-                continue;
-            }
-            rejected = false;
-            (self.end, self.rest) = (at, rest_there);
-            run.counters.steps += 1;
-            let record = StepRecord {
-                mode,
-                t_start: t,
-                t_end: at.t,
-                x_start: x,
-                x_end: at.x,
-                dense: Dense::of_series(t, h, self.order, &piece.x),
-            };
-            let event = event.map(|event| (event.guard, event.located));
-            if let Some(end) = run.conclude(flow, &record, event, &mut orders)? {
+            if let Some(end) = self.prepare(run, flow) {
                 return Ok(end);
             }
-            Timed { t, x } = at;
-            rest = rest_there;
+            self.expand();
+            if let Some(end) = self.step(run, flow)? {
+                return Ok(end);
+            }
         }
     }
 }

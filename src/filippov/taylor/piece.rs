@@ -83,7 +83,7 @@ impl<const N: usize> Piece<N> {
         let mut c = [0.0; MOST_ORDER + 1];
         let mut power = 1.0;
         for (k, c) in c.iter_mut().enumerate().take(self.order + 1) {
-            *c = series.combination(tape, function, k)[0] * power;
+            *c = series.combination(tape, function, k) * power;
             power *= self.ratio;
         }
         c
