@@ -17,6 +17,7 @@ pub mod scalar;
 pub mod spectrum_cli;
 pub mod system;
 mod taylor;
+mod terminal;
 
 pub use error::Error;
 pub use filippov::{

@@ -1,17 +1,15 @@
-//! The command line all figure programs share. Like the command line of `spectrum` it prints; the rest of the library does not.
+//! The command line all figure programs share.
 
-use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::time::Duration;
 
 use clap::{CommandFactory, FromArgMatches, Parser};
-use indicatif::ProgressBar;
 
 use super::error::FigureError;
 use super::output::{self, Artifact};
 use super::spec::FigureSpec;
 use super::{png, rows};
+use crate::terminal::{self, Progress};
 
 /// Arguments of a figure program.
 #[derive(Debug, Parser)]
@@ -35,24 +33,10 @@ pub fn main<F: FigureSpec>() -> ExitCode {
         Ok(arguments) => arguments,
         Err(error) => error.exit(),
     };
-    // Drawn on a terminal only, and gone before anything is printed.
-    let progress = ProgressBar::new_spinner().with_message(format!("computing {}", F::NAME));
-    progress.enable_steady_tick(Duration::from_millis(120));
+    let progress = Progress::spinner(format!("computing {}", F::NAME));
     let outcome = run::<F>(&arguments);
-    progress.finish_and_clear();
-    match outcome.map(|report| print(&report)) {
-        Ok(Ok(())) => ExitCode::SUCCESS,
-        // Whoever reads the table may stop reading; the files are written all the same.
-        Ok(Err(error)) if error.kind() == io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
-        Ok(Err(error)) => {
-            eprintln!("error: cannot print the table: {error}");
-            ExitCode::FAILURE
-        }
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::FAILURE
-        }
-    }
+    progress.clear();
+    terminal::finish("table", outcome)
 }
 
 /// The figure's command: name, help, examples.
@@ -112,10 +96,4 @@ fn artifact<F: FigureSpec>(extension: &str, bytes: Vec<u8>) -> Artifact {
 fn listing(paths: &[PathBuf]) -> String {
     let line = |path: &PathBuf| format!("wrote {}\n", Path::display(path));
     paths.iter().map(line).collect()
-}
-
-fn print(report: &str) -> io::Result<()> {
-    let mut out = io::stdout().lock();
-    out.write_all(report.as_bytes())?;
-    out.flush()
 }

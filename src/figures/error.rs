@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use crate::terminal::ProgramError;
+
 /// Failure of computing, drawing or writing a figure. Every variant says what was being done, with
 /// which values, and what to do about it.
 #[derive(Debug, thiserror::Error)]
@@ -73,3 +75,5 @@ pub enum FigureError {
     #[error("cannot render the SVG as PNG: {0}")]
     Png(String),
 }
+
+impl ProgramError for FigureError {}

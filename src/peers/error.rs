@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use crate::figures::FigureError;
+use crate::terminal::ProgramError;
 
 /// Failure of the program `peers`.
 #[derive(Debug, thiserror::Error)]
@@ -92,4 +93,10 @@ pub enum PeersError {
     /// The rows do not fit into a CSV file.
     #[error("cannot put the rows into CSV: {0}")]
     Csv(#[from] csv::Error),
+}
+
+impl ProgramError for PeersError {
+    fn is_usage(&self) -> bool {
+        matches!(self, Self::Unknown { .. } | Self::Argument { .. })
+    }
 }

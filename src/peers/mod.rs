@@ -1,5 +1,5 @@
 //! The program `peers`: work and precision of our solvers beside those that people use now, on problems with known event
-//! times. Like the other command lines, this module prints; the rest of the library does not.
+//! times.
 
 mod child;
 mod compare;
@@ -13,13 +13,13 @@ mod report;
 mod row;
 mod solvers;
 
-use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
 
 use crate::figures::output::{self, Artifact};
+use crate::terminal;
 
 pub use error::PeersError;
 pub use event::{Event, Kind};
@@ -138,17 +138,7 @@ pub fn main() -> ExitCode {
         Some(Single::One(one)) => solve_one(one),
         None => run(&arguments.all),
     };
-    match outcome {
-        Ok(text) => print(&text),
-        Err(error) => {
-            eprintln!("error: {error}");
-            let usage = matches!(
-                error,
-                PeersError::Unknown { .. } | PeersError::Argument { .. }
-            );
-            ExitCode::from(if usage { 2 } else { 1 })
-        }
-    }
+    terminal::finish("report", outcome)
 }
 
 /// Measures, compares, draws and writes; returns the text to print.
@@ -182,7 +172,7 @@ pub fn run(all: &All) -> Result<String, PeersError> {
     let mut versions = Vec::new();
     let mut rows = Vec::new();
     for problem in &chosen {
-        eprintln!("measuring {}", problem.name);
+        terminal::note(&format!("measuring {}", problem.name));
         rows.extend(measure::problem(
             problem,
             all.rounds,
@@ -192,7 +182,7 @@ pub fn run(all: &All) -> Result<String, PeersError> {
     }
     drop(peers);
     if all.process_rounds > 0 {
-        eprintln!("timing whole processes");
+        terminal::note("timing whole processes");
         let named = |row: &Row| {
             as_processes
                 .iter()
@@ -301,17 +291,4 @@ fn solve_one(one: &One) -> Result<String, PeersError> {
     problem.solve(&solver.options(one.tolerance), &mut events)?;
     let line = |event: &Event| format!("{:?},{:e}\n", event.kind, event.t).to_lowercase();
     Ok(events.iter().map(line).collect())
-}
-
-fn print(text: &str) -> ExitCode {
-    let mut out = io::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
-        Ok(()) => ExitCode::SUCCESS,
-        // Whoever reads may stop reading.
-        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: cannot print the report: {error}");
-            ExitCode::FAILURE
-        }
-    }
 }

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use crate::figures::FigureError;
 use crate::paper::published::PublishedError;
+use crate::terminal::ProgramError;
 
 /// Failure of the program `readings`.
 #[derive(Debug, thiserror::Error)]
@@ -60,6 +61,8 @@ pub enum ReadingsError {
         reason: String,
     },
 }
+
+impl ProgramError for ReadingsError {}
 
 impl From<FigureError> for ReadingsError {
     /// The figures' programs call their folder by another option.

@@ -17,7 +17,6 @@ mod summary;
 mod trajectory;
 mod verdict;
 
-use std::io::{self, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -25,10 +24,10 @@ use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use clap::Parser;
-use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 
 use crate::figures::output::{Artifact, write_all};
+use crate::terminal::{self, Progress};
 pub use error::ReadingsError;
 use plan::Plan;
 pub(crate) use plan::best_common;
@@ -95,13 +94,7 @@ fn seconds(text: &str) -> Result<Duration, String> {
 
 /// Everything the program does. Exit code 0 on success, 1 if something failed, 2 for a wrong command line.
 pub fn main() -> ExitCode {
-    match run(&Arguments::parse()) {
-        Ok(text) => print(&text),
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::FAILURE
-        }
-    }
+    terminal::finish("summary", run(&Arguments::parse()))
 }
 
 /// Searches, writes the table as it grows, then the summary, and returns that.
@@ -122,7 +115,13 @@ pub fn run(arguments: &Arguments) -> Result<String, ReadingsError> {
     // A folder that cannot be written to is better known before the search.
     store.write()?;
     let pending = store.pending();
-    let bar = bar(plan.groups.len(), plan.groups.len() - pending.len());
+    let total = plan.groups.len();
+    let bar = Progress::bar(
+        total - pending.len(),
+        total,
+        " readings x integrators, {elapsed}",
+    )
+    .ticking(Duration::from_secs(1));
     let store = Mutex::new(store);
     let begun = AtomicBool::new(false);
     let work = || {
@@ -138,7 +137,7 @@ pub fn run(arguments: &Arguments) -> Result<String, ReadingsError> {
                 .lock()
                 .unwrap_or_else(PoisonError::into_inner)
                 .add(i, rows);
-            bar.inc(1);
+            bar.advance();
             added
         })
     };
@@ -151,7 +150,7 @@ pub fn run(arguments: &Arguments) -> Result<String, ReadingsError> {
             reason: error.to_string(),
         })?;
     let outcome = pool.install(work);
-    bar.finish_and_clear();
+    bar.clear();
     outcome?;
     let store = store.into_inner().unwrap_or_else(PoisonError::into_inner);
     let text = summary::summary(&plan, &store.rows(), &target)?;
@@ -162,29 +161,6 @@ pub fn run(arguments: &Arguments) -> Result<String, ReadingsError> {
     write_all(&arguments.out, &[artifact])?;
     let folder = arguments.out.display();
     Ok(text + &format!("\nwrote {TABLE} and {SUMMARY} into {folder}\n"))
-}
-
-/// Drawn on standard error, and only if that is a terminal.
-fn bar(total: usize, done: usize) -> ProgressBar {
-    let bar = ProgressBar::new(total as u64).with_position(done as u64);
-    bar.enable_steady_tick(Duration::from_secs(1));
-    match ProgressStyle::with_template("{bar:40} {pos}/{len} readings x integrators, {elapsed}") {
-        Ok(style) => bar.with_style(style),
-        Err(_) => bar,
-    }
-}
-
-fn print(text: &str) -> ExitCode {
-    let mut out = io::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
-        Ok(()) => ExitCode::SUCCESS,
-        // Whoever reads may stop reading.
-        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: cannot print the summary: {error}");
-            ExitCode::FAILURE
-        }
-    }
 }
 
 #[cfg(test)]

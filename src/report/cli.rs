@@ -1,11 +1,9 @@
-//! The program `report`. Like the other command lines it prints; the rest of the library does not.
+//! The program `report`.
 
-use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Parser;
-use indicatif::{ProgressBar, ProgressStyle};
 
 use super::ledger::{Ledger, LedgerError, TICKS};
 use super::matrix::four_claims;
@@ -13,6 +11,7 @@ use super::page::{Origin, Picture, Report, page};
 use super::{draw_convergence, draw_scan, readme, tables};
 use crate::figures::FigureError;
 use crate::figures::output::{Artifact, write_all};
+use crate::terminal::{self, ProgramError, Progress};
 
 const ABOUT: &str = "Computes what becomes of every claim of the paper, and why: values under each reading, digits in agreement, \
     verdict, evidence; the matrix of the listing's defects, its convergence, a scan of parameters, the misprints.";
@@ -51,29 +50,15 @@ pub enum ReportError {
     Output(#[from] FigureError),
 }
 
+impl ProgramError for ReportError {}
+
 /// Everything the program does. Exit code 0 on success, 1 if something failed, 2 for a wrong command line.
 pub fn main() -> ExitCode {
     let arguments = Arguments::parse();
-    // Drawn on a terminal only, and gone before anything is printed.
-    let bar = ProgressBar::new(TICKS as u64);
-    if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos}/{len} {elapsed}") {
-        bar.set_style(style);
-    }
-    let outcome = run(&arguments, &|| bar.inc(1));
-    bar.finish_and_clear();
-    match outcome.map(|(_, text)| print(&text)) {
-        Ok(Ok(())) => ExitCode::SUCCESS,
-        // Whoever reads may stop reading; the files are written all the same.
-        Ok(Err(error)) if error.kind() == io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
-        Ok(Err(error)) => {
-            eprintln!("error: cannot print the summary: {error}");
-            ExitCode::FAILURE
-        }
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::FAILURE
-        }
-    }
+    let bar = Progress::bar(0, TICKS, " {elapsed}");
+    let outcome = run(&arguments, &|| bar.advance());
+    bar.clear();
+    terminal::finish("summary", outcome.map(|(_, text)| text))
 }
 
 /// Computes, writes the files and returns the ledger with the text for the terminal.
@@ -181,10 +166,4 @@ fn summary(ledger: &Ledger) -> String {
 fn listing(paths: &[PathBuf]) -> String {
     let line = |path: &PathBuf| format!("wrote {}\n", Path::display(path));
     paths.iter().map(line).collect()
-}
-
-fn print(text: &str) -> io::Result<()> {
-    let mut out = io::stdout().lock();
-    out.write_all(text.as_bytes())?;
-    out.flush()
 }

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use crate::analysis::data_spectrum::{DataError, readable};
 use crate::figures::FigureError;
+use crate::terminal::ProgramError;
 
 /// Failure of the program `spectrum`.
 #[derive(Debug, thiserror::Error)]
@@ -122,9 +123,8 @@ pub enum SpectrumError {
     Json(#[from] serde_json::Error),
 }
 
-impl SpectrumError {
-    /// Whether the command line is at fault (exit code 2) and not the data (1).
-    pub fn is_usage(&self) -> bool {
+impl ProgramError for SpectrumError {
+    fn is_usage(&self) -> bool {
         matches!(
             self,
             Self::Column { .. }

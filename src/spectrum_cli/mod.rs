@@ -1,31 +1,24 @@
-//! The program `spectrum`: the Lyapunov spectrum of anyone's time series. Like the other command lines this module prints; the rest
-//! of the library does not.
+//! The program `spectrum`: the Lyapunov spectrum of anyone's time series.
 
 mod draw;
 mod error;
 mod read;
 mod report;
 
-use std::cell::OnceCell;
-use std::io::{self, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::str::FromStr;
-use std::time::{Duration, Instant};
 
 use clap::Parser;
-use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::analysis::data_spectrum::{DataSettings, Neighbourhood, Series, data_spectrum_with};
 use crate::figures::output::{self, Artifact};
+use crate::terminal;
 
 pub use draw::draw;
 pub use error::SpectrumError;
 pub use read::{Table, parse, read};
 pub use report::{csv, json, table, warnings};
-
-/// Only computations longer than this show how far they are.
-const PATIENCE: Duration = Duration::from_secs(2);
 
 const ABOUT: &str = "Lyapunov exponents of a time series of states, by Sano and Sawada's method: local linear maps fitted to \
     neighbours, chained along the series. Tells which of the exponents the data determine.";
@@ -219,18 +212,11 @@ impl Arguments {
 /// Everything the program does. Exit code 0 on success, 1 if something failed, 2 for a wrong command line.
 pub fn main() -> ExitCode {
     let arguments = Arguments::parse();
-    match run(&arguments) {
-        Ok(outcome) => {
-            for warning in &outcome.warnings {
-                eprintln!("warning: {warning}");
-            }
-            print(&outcome.text)
-        }
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::from(if error.is_usage() { 2 } else { 1 })
-        }
+    let outcome = run(&arguments);
+    for warning in outcome.iter().flat_map(|outcome| &outcome.warnings) {
+        terminal::note(&format!("warning: {warning}"));
     }
+    terminal::finish("spectrum", outcome.map(|outcome| outcome.text))
 }
 
 /// What the program says.
@@ -251,7 +237,9 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, SpectrumError> {
     let source = read(&arguments.file, &arguments.columns, arguments.dt)?;
     let (columns, dt) = (source.names.len(), arguments.dt);
     let series = Series::new(source.values.clone(), columns, dt)?;
-    let spectrum = with_progress(|report| data_spectrum_with(&series, &settings, report))?;
+    let spectrum = terminal::patiently(" points, {eta} left", |report| {
+        data_spectrum_with(&series, &settings, report)
+    })?;
     let mut written = String::new();
     if let Some(folder) = &arguments.out {
         let picture = Artifact {
@@ -273,41 +261,4 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, SpectrumError> {
         text,
         warnings: warnings(&spectrum, &source),
     })
-}
-
-/// Runs `work` with a report of progress that, on a terminal, shows up once it has taken a while.
-fn with_progress<T>(work: impl FnOnce(&dyn Fn(usize, usize)) -> T) -> T {
-    let begin = Instant::now();
-    let shown: OnceCell<ProgressBar> = OnceCell::new();
-    let outcome = work(&|done, total| {
-        if begin.elapsed() >= PATIENCE {
-            shown.get_or_init(|| bar(total)).set_position(done as u64);
-        }
-    });
-    if let Some(bar) = shown.get() {
-        bar.finish_and_clear();
-    }
-    outcome
-}
-
-/// Drawn on standard error, and only if that is a terminal.
-fn bar(total: usize) -> ProgressBar {
-    let bar = ProgressBar::new(total as u64);
-    match ProgressStyle::with_template("{bar:40} {pos}/{len} points, {eta} left") {
-        Ok(style) => bar.with_style(style),
-        Err(_) => bar,
-    }
-}
-
-fn print(text: &str) -> ExitCode {
-    let mut out = io::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
-        Ok(()) => ExitCode::SUCCESS,
-        // Whoever reads may stop reading.
-        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: cannot print the spectrum: {error}");
-            ExitCode::FAILURE
-        }
-    }
 }
