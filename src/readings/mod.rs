@@ -30,7 +30,6 @@ use crate::figures::output::{Artifact, write_all};
 use crate::terminal::{self, Progress};
 pub use error::ReadingsError;
 use plan::Plan;
-pub(crate) use plan::best_common;
 use store::{Store, TABLE};
 
 /// Name of the summary.
@@ -166,6 +165,7 @@ pub fn run(arguments: &Arguments) -> Result<String, ReadingsError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::figures::block_and_bracket::best_common;
     use crate::models::Reading;
     use plan::{Group, Integrator, Part};
     use row::Row;

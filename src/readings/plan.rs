@@ -264,17 +264,6 @@ pub fn reading_name(reading: &Reading) -> String {
     )
 }
 
-/// The estimator's settings that the whole search ranks first for all three figures together, classes before exponents; the
-/// reading is then [`crate::models::Reading::exact`], solved exactly. The figures show what it gives. The first few settings
-/// are as good as each other within the scatter of Fig. 12's chaotic orbit: a change of the solver's last bits can exchange
-/// them, and a test then says so.
-pub(crate) fn best_common() -> DataSettings {
-    DataSettings {
-        sensitivity: true,
-        ..settings(0.1, MANY, 3, true)
-    }
-}
-
 /// Reference points all over the series, so far apart that each map begins where the one before it ends. The search varies
 /// the neighbourhoods itself and needs no second estimate of each.
 fn everywhere(step: usize) -> DataSettings {

@@ -1,7 +1,7 @@
 //! The orbit, its spectra and what becomes of the equations as printed.
 
-use super::Set;
 use super::watch::Watch;
+use super::{Set, best_common};
 use crate::analysis::data_spectrum::{DataSettings, DataSpectrum, Series, data_spectrum};
 use crate::analysis::motion::{Class, Criterion, Evidence, Of};
 use crate::analysis::{Spectrum, SpectrumOptions, lyapunov_spectrum_watched};
@@ -9,7 +9,6 @@ use crate::error::Error;
 use crate::figures::error::FigureError;
 use crate::filippov::{Options, run};
 use crate::models::{BlockAndBracket, Reading};
-use crate::readings::best_common;
 use crate::system::State;
 
 /// The series begins here, as in the paper.

@@ -1,11 +1,13 @@
 //! What Figs. 10, 11 and 12 share: the block and the bracket with the parameters of one caption, its exponents from the
 //! equations and from data, and the class of its motion.
 
+mod best_common;
 mod compute;
 mod draw;
 mod numbers;
 mod watch;
 
+pub(crate) use best_common::best_common;
 pub use compute::{Data, Literal, Measured, compute};
 pub(super) use draw::draw;
 pub(super) use numbers::numbers;
