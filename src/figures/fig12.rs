@@ -1,27 +1,22 @@
 //! Fig. 12: the block and the bracket, third set of parameters, published as chaotic.
 
-use super::block_and_bracket::{Data, Set, compute, draw, numbers};
-use super::error::FigureError;
-use super::rows::Row;
-use super::spec::FigureSpec;
+use super::block_and_bracket::{BlockAndBracketFigure, Set};
 use crate::models::Caption;
 
 /// Fig. 12.
 #[derive(Debug)]
 pub struct Fig12;
 
-const SET: Set = Set {
-    figure: Fig12::NAME,
-    caption: Caption::FIG12,
-    shown: 300.0,
-    title: "Fig. 12: chaotic motion of the block and the bracket",
-    description: "The block's and the bracket's phase planes show irregular loops; the bracket goes far into the \
-        region where the contact is lost. Below, the running exponents: the first stays positive, the second \
-        tends to zero, the third is negative, the fourth is minus infinity.",
-};
-
-impl FigureSpec for Fig12 {
-    const NAME: &'static str = "fig12";
+impl BlockAndBracketFigure for Fig12 {
+    const SET: Set = Set {
+        figure: "fig12",
+        caption: Caption::FIG12,
+        shown: 300.0,
+        title: "Fig. 12: chaotic motion of the block and the bracket",
+        description: "The block's and the bracket's phase planes show irregular loops; the bracket goes far into the \
+            region where the contact is lost. Below, the running exponents: the first stays positive, the second \
+            tends to zero, the third is negative, the fourth is minus infinity.",
+    };
     const TITLE: &'static str = "Chaotic motion of the block and the bracket (Fig. 12)";
     const ABOUT: &'static str = "Panels (a), (b): phase planes of model 3, Eq. (27)-(28), for the third set of parameters, published \
         as chaotic, with the signs that Newton demands and a normal force that cannot pull; the last 300 \
@@ -29,17 +24,4 @@ impl FigureSpec for Fig12 {
         equations and from 45001 states sampled every 0.2. Table: published exponents against both. Numbers: \
         exponents, class of the motion with its evidence, stick, normal force; and when the equations as \
         printed diverge.";
-    type Data = Data;
-
-    fn compute() -> Result<Data, FigureError> {
-        compute(&SET)
-    }
-
-    fn numbers(data: &Data) -> Vec<Row> {
-        numbers(&SET, data)
-    }
-
-    fn draw(data: &Data) -> Result<String, FigureError> {
-        draw(&SET, data)
-    }
 }

@@ -15,7 +15,7 @@ const MARGIN: f64 = 0.06;
 /// Running exponents before this part of the time still swing; they may leave the panel.
 const SETTLED: f64 = 0.12;
 
-pub(in crate::figures) fn draw(set: &Set, data: &Data) -> Result<String, FigureError> {
+pub(super) fn draw(set: &Set, data: &Data) -> Result<String, FigureError> {
     Figure::new(set.figure, (880.0, 690.0), set.title, set.description)
         .columns(
             0.6,

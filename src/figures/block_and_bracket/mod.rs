@@ -4,13 +4,16 @@
 mod best_common;
 mod compute;
 mod draw;
+mod figure;
 mod numbers;
 mod watch;
 
 pub(crate) use best_common::best_common;
 pub use compute::{Data, Literal, Measured, compute};
-pub(super) use draw::draw;
-pub(super) use numbers::numbers;
+pub use figure::BlockAndBracketFigure;
+
+use draw::draw;
+use numbers::numbers;
 
 use crate::models::Caption;
 

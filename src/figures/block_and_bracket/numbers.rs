@@ -13,7 +13,7 @@ const EXACT: &str = "exact";
 const AS_PRINTED: &str = "as-printed";
 const AS_PRINTED_EQUATIONS: &str = "as-printed/equations";
 
-pub(in crate::figures) fn numbers(set: &Set, data: &Data) -> Vec<Row> {
+pub(super) fn numbers(set: &Set, data: &Data) -> Vec<Row> {
     let figure = set.figure;
     let mut rows = exponents(figure, EQUATIONS, &data.exact);
     rows.extend(from_data(figure, data));
