@@ -22,7 +22,6 @@ pub struct Dense<const N: usize> {
 }
 
 // Kept in place, without a box: records of steps are copied and never allocate.
-#[allow(clippy::large_enum_variant)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Polynomial<const N: usize> {
     RungeKutta([State<f64, N>; 8]),
