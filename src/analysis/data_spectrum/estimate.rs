@@ -40,7 +40,7 @@ const CHUNK: usize = 2048;
 /// });
 /// let spectrum = data_spectrum(&Series::from_rows(rows, 1.0)?, &DataSettings::default())?;
 /// assert_eq!(spectrum.exponents[0].status, Status::Ok);
-/// assert!((spectrum.exponents[0].value - 2f64.ln()).abs() < 0.02);
+/// assert!((spectrum.exponents[0].value - std::f64::consts::LN_2).abs() < 0.02);
 /// # Ok::<(), stickslip::analysis::data_spectrum::DataError>(())
 /// ```
 ///
