@@ -1,6 +1,6 @@
 //! The command line all figure programs share.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{CommandFactory, FromArgMatches, Parser};
@@ -82,7 +82,7 @@ pub fn run<F: FigureSpec>(arguments: &Arguments) -> Result<String, FigureError> 
         "{}\n\n{}\n{}",
         F::TITLE,
         rows::table(&rows),
-        listing(&paths)
+        output::listing(&paths)
     ))
 }
 
@@ -91,9 +91,4 @@ fn artifact<F: FigureSpec>(extension: &str, bytes: Vec<u8>) -> Artifact {
         name: format!("{}.{extension}", F::NAME),
         bytes,
     }
-}
-
-fn listing(paths: &[PathBuf]) -> String {
-    let line = |path: &PathBuf| format!("wrote {}\n", Path::display(path));
-    paths.iter().map(line).collect()
 }

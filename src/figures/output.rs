@@ -14,6 +14,16 @@ pub struct Artifact {
     pub bytes: Vec<u8>,
 }
 
+impl Artifact {
+    /// A file of text.
+    pub fn text(name: impl Into<String>, text: impl Into<String>) -> Self {
+        Self {
+            name: name.into(),
+            bytes: text.into().into_bytes(),
+        }
+    }
+}
+
 /// Writes all files into `folder`, which is made if it is missing, and returns their paths. Each file first
 /// gets a temporary name and is renamed when complete, so that a reader never sees half of one; nothing is
 /// renamed before everything is on disk.
@@ -51,6 +61,12 @@ pub fn write_all(folder: &Path, artifacts: &[Artifact]) -> Result<Vec<PathBuf>, 
     Ok(written)
 }
 
+/// What a program says of the files it has written, a line for each.
+pub fn listing(paths: &[PathBuf]) -> String {
+    let line = |path: &PathBuf| format!("wrote {}\n", Path::display(path));
+    paths.iter().map(line).collect()
+}
+
 fn stage(folder: &Path, bytes: &[u8]) -> std::io::Result<tempfile::NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     // Temporary files are private by default; a figure is to be read by everyone the umask lets.
@@ -70,10 +86,7 @@ mod tests {
     use super::*;
 
     fn artifact(name: &str) -> Artifact {
-        Artifact {
-            name: name.into(),
-            bytes: b"text".to_vec(),
-        }
+        Artifact::text(name, "text")
     }
 
     #[test]

@@ -13,7 +13,7 @@ mod report;
 mod row;
 mod solvers;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
@@ -232,22 +232,17 @@ fn head(all: &All, versions: &[(String, String)]) -> String {
 }
 
 fn write(all: &All, rows: &[Row], text: &str, problems: &[Problem]) -> Result<String, PeersError> {
-    let artifact = |name: &str, text: String| Artifact {
-        name: name.into(),
-        bytes: text.into_bytes(),
-    };
     let svg = draw::draw(rows, problems)?;
     let tables = [
-        artifact("bench.csv", row::csv(rows)?),
-        artifact("bench.txt", text.into()),
+        Artifact::text("bench.csv", row::csv(rows)?),
+        Artifact::text("bench.txt", text),
     ];
     let mut paths = output::write_all(&all.report_dir, &tables)?;
     paths.extend(output::write_all(
         &all.figures_dir,
-        &[artifact("bench.svg", svg)],
+        &[Artifact::text("bench.svg", svg)],
     )?);
-    let line = |path: &PathBuf| format!("wrote {}\n", Path::display(path));
-    Ok(paths.iter().map(line).collect())
+    Ok(output::listing(&paths))
 }
 
 fn all_problems() -> Result<Vec<Problem>, PeersError> {

@@ -153,11 +153,7 @@ pub fn run(arguments: &Arguments) -> Result<String, ReadingsError> {
     outcome?;
     let store = store.into_inner().unwrap_or_else(PoisonError::into_inner);
     let text = summary::summary(&plan, &store.rows(), &target)?;
-    let artifact = Artifact {
-        name: SUMMARY.into(),
-        bytes: text.clone().into_bytes(),
-    };
-    write_all(&arguments.out, &[artifact])?;
+    write_all(&arguments.out, &[Artifact::text(SUMMARY, &text)])?;
     let folder = arguments.out.display();
     Ok(text + &format!("\nwrote {TABLE} and {SUMMARY} into {folder}\n"))
 }

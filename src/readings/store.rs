@@ -101,10 +101,7 @@ impl<'a> Store<'a> {
         for row in self.done.iter().flatten().flatten() {
             text += &row.line();
         }
-        let table = Artifact {
-            name: TABLE.into(),
-            bytes: text.into_bytes(),
-        };
+        let table = Artifact::text(TABLE, text);
         write_all(self.folder, &[table])?;
         Ok(())
     }

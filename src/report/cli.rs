@@ -10,7 +10,7 @@ use super::matrix::four_claims;
 use super::page::{Origin, Picture, Report, page};
 use super::{draw_convergence, draw_scan, readme, tables};
 use crate::figures::FigureError;
-use crate::figures::output::{Artifact, write_all};
+use crate::figures::output::{Artifact, listing, write_all};
 use crate::terminal::{self, ProgramError, Progress};
 
 const ABOUT: &str = "Computes what becomes of every claim of the paper, and why: values under each reading, digits in agreement, \
@@ -82,10 +82,13 @@ pub fn run(
     let figures = figures(&ledger, &pictures)?;
     let mut paths = write_all(&folders[1], &figures)?;
     if let Some(readme) = new_readme(&arguments.out_dir, &ledger) {
-        paths.extend(write_all(&arguments.out_dir, &[file(README, readme)])?);
+        paths.extend(write_all(
+            &arguments.out_dir,
+            &[Artifact::text(README, readme)],
+        )?);
     }
     let text = summary(&ledger);
-    let claims = file("claims.csv", tables::claims(&ledger)?);
+    let claims = Artifact::text("claims.csv", tables::claims(&ledger)?);
     let [convergence, scan] = pictures;
     let report = Report {
         ledger,
@@ -93,7 +96,7 @@ pub fn run(
         scan,
         origin: Origin::ask(),
     };
-    let page = file("index.html", page(&report));
+    let page = Artifact::text("index.html", page(&report));
     paths.extend(write_all(&folders[0], &[claims, page])?);
     Ok((report.ledger, text + &listing(&paths)))
 }
@@ -104,13 +107,6 @@ const README: &str = "README.md";
 fn new_readme(folder: &Path, ledger: &Ledger) -> Option<String> {
     let readme = std::fs::read_to_string(folder.join(README)).ok()?;
     readme::with_table(&readme, &readme::table(ledger))
-}
-
-fn file(name: &str, text: String) -> Artifact {
-    Artifact {
-        name: name.into(),
-        bytes: text.into_bytes(),
-    }
 }
 
 fn convergence_picture(ledger: &Ledger) -> Result<Picture, ReportError> {
@@ -140,10 +136,10 @@ fn figures(
     [convergence, scan]: &[Picture; 2],
 ) -> Result<Vec<Artifact>, ReportError> {
     Ok(vec![
-        file("convergence.svg", convergence.svg.clone()),
-        file("convergence.csv", tables::convergence(ledger)?),
-        file("scan.svg", scan.svg.clone()),
-        file("scan.csv", tables::scan(ledger)?),
+        Artifact::text("convergence.svg", convergence.svg.clone()),
+        Artifact::text("convergence.csv", tables::convergence(ledger)?),
+        Artifact::text("scan.svg", scan.svg.clone()),
+        Artifact::text("scan.csv", tables::scan(ledger)?),
     ])
 }
 
@@ -161,9 +157,4 @@ fn summary(ledger: &Ledger) -> String {
         ledger.errata.len()
     );
     text
-}
-
-fn listing(paths: &[PathBuf]) -> String {
-    let line = |path: &PathBuf| format!("wrote {}\n", Path::display(path));
-    paths.iter().map(line).collect()
 }

@@ -242,13 +242,8 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, SpectrumError> {
     })?;
     let mut written = String::new();
     if let Some(folder) = &arguments.out {
-        let picture = Artifact {
-            name: "spectrum.svg".into(),
-            bytes: draw(&spectrum, &source.input)?.into_bytes(),
-        };
-        for path in output::write_all(folder, &[picture])? {
-            written += &format!("wrote {}\n", path.display());
-        }
+        let picture = Artifact::text("spectrum.svg", draw(&spectrum, &source.input)?);
+        written = output::listing(&output::write_all(folder, &[picture])?);
     }
     let text = if arguments.json {
         json(&spectrum, &source, dt)?
