@@ -80,6 +80,13 @@ mod tests {
         }
     }
 
+    /// Fields of a model by their names.
+    macro_rules! fields {
+        ($model:ident: $($field:ident),*) => {
+            vec![$((stringify!($field), $model.$field)),*]
+        };
+    }
+
     /// The numbers that the other programs read are those of our models, to the last bit.
     #[test]
     fn the_problems_for_others_are_ours() {
@@ -95,43 +102,19 @@ mod tests {
             let (start, ours): (Vec<f64>, Vec<(&str, f64)>) = match problem.system {
                 System::Belt(m, start) => (
                     start.into(),
-                    vec![
-                        ("mass", m.mass),
-                        ("k1", m.k1),
-                        ("k2", m.k2),
-                        ("mu0", m.mu0),
-                        ("delta", m.delta),
-                        ("belt_speed", m.belt_speed),
-                    ],
+                    fields!(m: mass, k1, k2, mu0, delta, belt_speed),
                 ),
                 System::Forced(m, start) => (
                     start.into(),
-                    vec![
-                        ("mass", m.mass),
-                        ("k1", m.k1),
-                        ("k2", m.k2),
-                        ("mu0", m.mu0),
-                        ("delta", m.delta),
-                        ("belt_speed", m.belt_speed),
-                        ("amplitude", m.amplitude),
-                        ("omega", m.omega),
-                    ],
+                    fields!(m: mass, k1, k2, mu0, delta, belt_speed, amplitude, omega),
                 ),
-                System::Moving(m, start) => (start.into(), vec![("speed", m.speed)]),
+                System::Moving(m, start) => (start.into(), fields!(m: speed)),
                 System::Bracket(m, start) => (
                     start.into(),
-                    vec![
-                        ("coupling", m.coupling),
-                        ("coupling_damping", m.coupling_damping),
-                        ("mobility", m.mobility),
-                        ("bracket_stiffness", m.bracket_stiffness),
-                        ("bracket_damping", m.bracket_damping),
-                        ("mu0", m.mu0),
-                        ("unloading", m.unloading),
-                        ("unloading_rate", m.unloading_rate),
-                        ("delta", m.delta),
-                        ("belt_speed", m.belt_speed),
-                    ],
+                    fields!(
+                        m: coupling, coupling_damping, mobility, bracket_stiffness, bracket_damping, mu0,
+                        unloading, unloading_rate, delta, belt_speed
+                    ),
                 ),
             };
             for (i, value) in start.iter().enumerate() {
