@@ -7,8 +7,8 @@ use std::time::Instant;
 use stickslip::models::BeltOscillator;
 use stickslip::{Method, Options, Start, State, ensemble, run};
 
-const ORBITS: usize = 10_000;
-const ROUNDS: usize = 5;
+const ORBITS: usize = 100_000;
+const ROUNDS: usize = 3;
 const T_END: f64 = 30.0;
 
 fn main() {

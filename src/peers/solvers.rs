@@ -13,8 +13,8 @@ pub struct Solver {
     pub tolerances: &'static [f64],
 }
 
-const LADDER: [f64; 11] = [
-    1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 1e-14,
+const LADDER: [f64; 12] = [
+    1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 1e-14, 1e-15,
 ];
 
 /// The solvers.
@@ -27,7 +27,8 @@ pub const SOLVERS: &[Solver] = &[
     Solver {
         name: "stickslip Dop853",
         method: Method::Dop853,
-        tolerances: &LADDER,
+        // Rounding ends what slopes can reach.
+        tolerances: LADDER.split_at(11).0,
     },
 ];
 

@@ -228,6 +228,23 @@ impl<const L: usize> Series<L> {
                 };
                 self.set(out as usize, K, value);
             }
+            Instruction::SineCosineOfTime { sine, a } => {
+                let cosine = sine + 1;
+                let (up, down) = if K == 0 {
+                    let a0 = first(self, a);
+                    (lanes(|l| math::sin(a0[l])), lanes(|l| math::cos(a0[l])))
+                } else {
+                    let slope = self.lanes_at(a as usize, 1);
+                    let last = |row| self.lanes_at(row as usize, K - 1);
+                    let (s, c) = (last(sine), last(cosine));
+                    (
+                        lanes(|l| slope[l] * c[l] * INVERSE[K]),
+                        lanes(|l| -(slope[l] * s[l] * INVERSE[K])),
+                    )
+                };
+                self.set(sine as usize, K, up);
+                self.set(cosine as usize, K, down);
+            }
             Instruction::SineCosine { sine, a, helper } => {
                 let cosine = sine + 1;
                 let of_sine = self.convolution::<K>(helper, cosine);
@@ -424,6 +441,8 @@ mod tests {
                 Scalar::sqrt(one(t)),
                 Scalar::sin(t * 3.0),
                 Scalar::cos(t * 3.0),
+                // Of no linear function of the time: the tape takes another way.
+                Scalar::sin(one(t) * one(t) - t * t + t),
                 Recorded::constant(2.0) / (-t + 1.0),
                 one(t) / (-t + 1.0),
                 one(t) * one(t),
@@ -455,12 +474,16 @@ mod tests {
                 0.0
             }
         });
-        assert_series(&found[5], "1/x", |_| 2.0);
-        assert_series(&found[6], "a/b", |k| if k == 0 { 1.0 } else { 2.0 });
-        assert_series(&found[7], "square", |k| {
+        let (s, c) = (math::sin(1.0), math::cos(1.0));
+        assert_series(&found[5], "sin by convolution", |k| {
+            [s, c, -s, -c][k % 4] * power(k)
+        });
+        assert_series(&found[6], "1/x", |_| 2.0);
+        assert_series(&found[7], "a/b", |k| if k == 0 { 1.0 } else { 2.0 });
+        assert_series(&found[8], "square", |k| {
             [1.0, 2.0, 1.0].get(k).copied().unwrap_or(0.0)
         });
-        assert_series(&found[8], "product", |k| (1 + k) as f64 / factorial(k));
+        assert_series(&found[9], "product", |k| (1 + k) as f64 / factorial(k));
     }
 
     #[test]

@@ -95,6 +95,11 @@ pub(crate) enum Instruction {
         a: u32,
         helper: u32,
     },
+    /// The same of an argument that is linear in time, as a harmonic forcing has: only its first two coefficients are not zero.
+    SineCosineOfTime {
+        sine: u32,
+        a: u32,
+    },
 }
 
 /// A field and functions of its solution as a list of operations.
@@ -205,7 +210,7 @@ impl Tape {
             if by == 0 {
                 continue;
             }
-            let Some(instruction) = self.instruction(sketch, node) else {
+            let Some(instruction) = self.instruction(sketch, node, field.len()) else {
                 continue;
             };
             if by & FIELD != 0 {
@@ -252,7 +257,8 @@ impl Tape {
         }
     }
 
-    fn instruction(&mut self, sketch: &Sketch, node: usize) -> Option<Instruction> {
+    /// What computes a node; the time is node `time`.
+    fn instruction(&mut self, sketch: &Sketch, node: usize, time: usize) -> Option<Instruction> {
         let out = node as u32;
         let mut helper = || {
             self.rows += 1;
@@ -279,11 +285,26 @@ impl Tape {
                 a,
                 helper: helper(),
             },
+            Op::Sine(a) if is_of_time(sketch, a as usize, time) => {
+                Instruction::SineCosineOfTime { sine: out, a }
+            }
             Op::Sine(a) => Instruction::SineCosine {
                 sine: out,
                 a,
                 helper: helper(),
             },
         })
+    }
+}
+
+/// Whether a node is a linear function of the time, which is node `time`, alone.
+fn is_of_time(sketch: &Sketch, node: usize, time: usize) -> bool {
+    match sketch.ops[node] {
+        Op::Input => node == time,
+        Op::Combination(form) => {
+            let mut terms = sketch.terms(form).iter();
+            terms.all(|term| term.node as usize == time)
+        }
+        _ => false,
     }
 }

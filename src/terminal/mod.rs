@@ -3,10 +3,12 @@
 mod ending;
 mod progress;
 
+use std::io::Write;
+
 pub(crate) use ending::{ProgramError, finish};
 pub(crate) use progress::{Progress, patiently};
 
-/// A line on standard error.
+/// A line on standard error; where nobody reads it any more, nothing is lost with it.
 pub(crate) fn note(line: &str) {
-    eprintln!("{line}");
+    let _ = writeln!(std::io::stderr(), "{line}");
 }
