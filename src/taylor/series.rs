@@ -487,6 +487,39 @@ mod tests {
     }
 
     #[test]
+    fn neither_lanes_nor_the_width_of_vectors_change_a_bit() {
+        let (mut tape, mut sketch) = (Tape::default(), Sketch::default());
+        tape.record(&mut sketch, 0.2, &State::from([0.3, 0.7]), |t, x| {
+            let friction = Recorded::constant(0.3) / (x[1] * 0.5 + 1.0);
+            let forced = Scalar::sin(t * 3.0) * Scalar::exp(-x[0]);
+            let spring = x[0] * x[0] * x[1] - Scalar::sqrt(x[0] + 2.0);
+            let field = State::from([x[1] / (x[0] + 2.0), forced - friction + spring]);
+            (field, [Scalar::ln(x[0] + 1.0) * Scalar::cos(x[1])])
+        });
+        const LANES: usize = 4;
+        let t: [f64; LANES] = std::array::from_fn(|l| 0.1 * l as f64);
+        let h = t.map(|t| 0.3 + 0.2 * t);
+        let x = [t.map(|t| 0.3 + t), t.map(|t| 0.7 - t)];
+        let mut numbers = Numbers::default();
+        numbers.gather([&tape.numbers; LANES]);
+        for arch in [Arch::Scalar, Arch::new()] {
+            let (mut wide, mut alone) = (Series::<LANES>::new(), Series::<1>::new());
+            (wide.arch, alone.arch) = (arch, Arch::Scalar);
+            wide.fit(&tape);
+            alone.fit(&tape);
+            wide.expand_all(&tape, &numbers, (&t, &x), &h, MOST_ORDER);
+            for l in 0..LANES {
+                alone.expand(&tape, t[l], &x.map(|x| [x[l]]), h[l], MOST_ORDER);
+                for (one, many) in alone.rows.iter().zip(&wide.rows) {
+                    for (one, many) in one.iter().zip(many) {
+                        assert_eq!(one[0].to_bits(), many[l].to_bits(), "lane {l}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
     fn what_cancels_cancels_exactly_and_what_is_the_same_is_computed_once() {
         let (mut tape, mut sketch) = (Tape::default(), Sketch::default());
         tape.record(&mut sketch, 0.0, &State::from([0.3]), |t, x| {

@@ -4,6 +4,7 @@ mod event;
 mod kink;
 pub(super) mod lanes;
 mod piece;
+mod step_size;
 
 use event::Event;
 use piece::{Piece, nowhere};
@@ -24,20 +25,8 @@ use crate::taylor::series::Series;
 use crate::taylor::sketch::Sketch;
 use crate::taylor::tape::Tape;
 
-/// Part of the tolerance that the last coefficients are held to: the steps are long and few, and all of the next ones enlarge
-/// what one leaves out.
-const SAFETY: f64 = 0.1;
-
 /// Least order: looser tolerances would ask for less.
 const LEAST_ORDER: usize = 8;
-
-/// Growth of the step from one to the next at most: a series that ends, of a polynomial solution, says nothing of how far a
-/// guard's zero is, and one very near the start of a very long step is badly resolved.
-const GROW_MOST: f64 = 8.0;
-
-/// Longest step in units of the radius of convergence as the terms' own ratio tells it: beyond it a series means nothing,
-/// however small its terms.
-const FARTHEST: f64 = 0.7;
 
 /// What a series that is not finite does to the step that it is scaled with.
 const SHRINK: f64 = 1e-2;
@@ -79,13 +68,6 @@ struct Phase<const N: usize> {
     rejected: bool,
     /// The step that the next series is scaled with.
     scale: f64,
-}
-
-/// Logarithm to base 2 of a positive number, up to 0.09 too small: good enough for a root of high order.
-#[inline(always)]
-fn rough_log2(x: f64) -> f64 {
-    const MANTISSA: f64 = (1u64 << 52) as f64;
-    x.to_bits() as f64 / MANTISSA - 1023.0
 }
 
 impl<const N: usize> TaylorStepper<N> {
@@ -148,48 +130,6 @@ impl<const N: usize> TaylorStepper<N> {
         let tape = &self.tapes[self.phase.index];
         self.series
             .expand(tape, t, &x, self.phase.scale, self.order);
-    }
-
-    /// Step length within the tolerance, over that which the series is scaled with: where the last coefficients, extrapolated
-    /// by the radius of convergence that they tell, have fallen to the tolerance (Jorba & Zou 2005, Sect. 3.2).
-    fn step_ratio(&self, index: usize, options: &Options, x: &State<f64, N>) -> f64 {
-        let p = self.order;
-        let relative = options.rtol.max(options.atol);
-        let wanted = rough_log2(SAFETY * relative) / p as f64;
-        let farthest = rough_log2(FARTHEST);
-        let mut log = rough_log2(GROW_MOST);
-        for i in 0..N {
-            let at = |k| self.series.at(i, k).abs();
-            let scale = rough_log2((options.atol + options.rtol * x[i].abs()) / relative);
-            // Even or odd series have every other coefficient zero.
-            let (mut early, mut late) = (0.0, 0.0);
-            for k in p - 3..=p {
-                early = f64::max(early, at(k - p / 2));
-                late = f64::max(late, at(k));
-                if at(k) > 0.0 {
-                    log = log.min((scale - rough_log2(at(k))) / k as f64 + wanted);
-                }
-            }
-            if early > 0.0 && late > 0.0 {
-                log = log.min((rough_log2(early) - rough_log2(late)) / (p / 2) as f64 + farthest);
-            }
-        }
-        let tape = &self.tapes[index];
-        for function in &tape.watched {
-            if !tape.is_nonlinear(function, N) {
-                continue;
-            }
-            // What a guard's series leaves out, against how far the guard moves in the step.
-            let g = |k| self.series.combination(tape, function, k).abs();
-            let ratio = math::exp(log * std::f64::consts::LN_2);
-            let size = g(0).max(g(1) * ratio).max(g(2) * ratio * ratio);
-            for k in p - 1..=p {
-                if g(k) > 0.0 && size > 0.0 {
-                    log = log.min(wanted + rough_log2(size / g(k)) / k as f64);
-                }
-            }
-        }
-        math::exp(log * std::f64::consts::LN_2)
     }
 
     fn piece(&self, t: f64, rest: Timed<f64, N>, h: f64, scaled_with: f64) -> Piece<N> {
