@@ -16,7 +16,13 @@ impl fmt::Display for Point {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "(")?;
         for (i, v) in self.0.iter().enumerate() {
-            write!(f, "{}{v}", if i == 0 { "" } else { ", " })?;
+            let comma = if i == 0 { "" } else { ", " };
+            // Very small and very large numbers by their power of ten.
+            if *v != 0.0 && !(1e-4..1e6).contains(&v.abs()) {
+                write!(f, "{comma}{v:e}")?;
+            } else {
+                write!(f, "{comma}{v}")?;
+            }
         }
         write!(f, ")")
     }
@@ -88,7 +94,7 @@ pub enum Error {
     },
     /// The adaptive step shrank to rounding: the solution cannot be continued to the tolerance.
     #[error(
-        "the step collapsed to {step} at t = {t}, x = {x}: the solution has a singularity there or rtol = {rtol}, atol = {atol} cannot be met; loosen them or set an escape bound"
+        "the step collapsed to {step:e} at t = {t}, x = {x}: the solution has a singularity there, the field or the boundary or contact function is not defined beyond, or rtol = {rtol:e}, atol = {atol:e} cannot be met; look at the system there, loosen the tolerances or set an escape bound"
     )]
     StepCollapse {
         /// Time reached.
@@ -104,7 +110,7 @@ pub enum Error {
     },
     /// Transitions pile up (Zeno): ever more of them within no time.
     #[error(
-        "{count} transitions within {span} before t = {t}, x = {x}: they pile up (Zeno); the orbit cannot be followed past the accumulation point"
+        "{count} transitions within {span:e} before t = {t}, x = {x}: they pile up (Zeno); the orbit cannot be followed past the accumulation point"
     )]
     EventPileUp {
         /// Transitions counted.
@@ -140,7 +146,7 @@ pub enum Error {
     },
     /// An iteration did not converge.
     #[error(
-        "{what} did not converge in {iterations} iterations: residual {residual}, wanted {wanted}; start nearer to the solution"
+        "{what} did not converge in {iterations} iterations: residual {residual:e}, wanted {wanted:e}; start nearer to the solution"
     )]
     NotConverged {
         /// What was sought.

@@ -12,7 +12,8 @@ pub struct Counters {
     /// Steps rejected by error control.
     pub rejected: u64,
     /// Calls of the user's field, on whatever scalar, by steps, event location and the switching rules (not those by which the
-    /// guards of a stick phase are sampled). Of [`crate::Method::Taylor`] the recordings, not the evaluations of what was recorded.
+    /// guards of a stick phase are sampled). Of [`crate::Method::Taylor`] the recordings and the rules alone: not the evaluations of
+    /// what was recorded, nor the one call by which each step is checked, nor location.
     pub field_calls: u64,
     /// Transitions.
     pub events: u64,

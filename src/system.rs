@@ -71,7 +71,8 @@ pub trait Filippov<const N: usize> {
     fn field<T: Scalar>(&self, side: Side, t: T, x: &State<T, N>) -> State<T, N>;
 
     /// The boundary function h: negative on [`Side::Below`], positive on [`Side::Above`], zero on Σ.
-    /// It may depend on time: Σ then moves.
+    /// It may depend on time: Σ then moves. It must be a number wherever the orbit goes: a step at whose end it is not is taken
+    /// again shorter, until the run ends with an error.
     fn boundary<T: Scalar>(&self, t: T, x: &State<T, N>) -> T;
 
     /// A function whose sign is that of the normal force (in any unit), for systems that can lose contact. Its zeros are

@@ -303,12 +303,14 @@ impl Filippov<2> for Gate {
     }
 }
 
-/// Over the edge at `asin r` and back at `π − asin r`, within the first step.
+/// Over the edge at `asin r` and back at `π − asin r`, both within the first step where that is long.
 fn out_and_back<S: Filippov<2>>(system: &S, radius: f64) {
-    for first_step in [0.1, 3.0] {
+    for (tolerance, first_step, bound) in
+        [(1e-3, 0.1, 2e-2), (1e-3, 3.0, 2e-2), (1e-14, 3.0, 1e-13)]
+    {
         let options = Options {
             first_step: Some(first_step),
-            ..taylor(1e-3)
+            ..taylor(tolerance)
         };
         let orbit = solve(system, 0.0, State::from([0.0, 0.0]), 3.0, &options).expect("runs");
         let times: Vec<f64> = orbit.transitions.iter().map(|event| event.t).collect();
@@ -316,7 +318,7 @@ fn out_and_back<S: Filippov<2>>(system: &S, radius: f64) {
         assert_eq!(times.len(), 2, "first step {first_step}: {times:?}");
         for (found, exact) in times.iter().zip([out, PI - out]) {
             assert!(
-                (found - exact).abs() < 2e-2,
+                (found - exact).abs() < bound,
                 "first step {first_step}: {times:?}"
             );
         }
@@ -369,5 +371,36 @@ fn a_contact_cut_in_two_by_a_step_s_end_is_one_touch() {
             half_width
         };
         assert!(off < bound, "steps of {longest}: {off}");
+    }
+}
+
+/// `x = t` to a boundary at `x = 3/4` that is not defined beyond 1, and branches by value before.
+struct Brink;
+
+impl Filippov<1> for Brink {
+    fn field<T: Scalar>(&self, _side: Side, _t: T, _x: &State<T, 1>) -> State<T, 1> {
+        State::from([T::constant(1.0)])
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 1>) -> T {
+        if x[0].value() < 0.25 {
+            -x[0] + 0.616
+        } else {
+            (-x[0] + 1.0).sqrt() - 0.5
+        }
+    }
+}
+
+#[test]
+fn a_step_into_where_the_boundary_is_not_defined_hides_no_event() {
+    for first_step in [0.5, 1.5, 3.0] {
+        let options = Options {
+            first_step: Some(first_step),
+            ..taylor(1e-12)
+        };
+        let failure = solve(&Brink, 0.0, State::from([0.0]), 3.0, &options).expect_err("ends at 1");
+        assert!((failure.orbit.t_end - 1.0).abs() < 1e-9, "{failure}");
+        let times: Vec<f64> = failure.orbit.transitions.iter().map(|e| e.t).collect();
+        assert_eq!(times.len(), 1, "first step {first_step}: {times:?}");
+        assert!((times[0] - 0.75).abs() < 1e-12, "{times:?}");
     }
 }

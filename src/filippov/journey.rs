@@ -192,8 +192,8 @@ impl<O> Run<'_, O> {
         1e-3 * self.options.atol
     }
 
-    /// What a point of Σ leads to. `tangent` names the side whose normal component is known to vanish: a stick phase has just ended
-    /// there.
+    /// What a point of Σ leads to. `tangent` names the side whose normal component is known to vanish: a stick phase has
+    /// just ended there.
     fn departure<S: Filippov<N>, const N: usize>(
         &mut self,
         system: &S,

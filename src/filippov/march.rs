@@ -43,6 +43,9 @@ pub(crate) enum PhaseEnd<const N: usize> {
     Stopped(Timed<f64, N>),
 }
 
+/// A guard is not a number in a part of the step.
+pub(crate) struct Undefined;
+
 /// An event found in a step.
 struct Event<const N: usize> {
     guard: usize,
@@ -108,10 +111,13 @@ impl<O> Run<'_, O> {
                 h,
                 field_calls: Cell::new(0),
             };
-            let event = self
-                .first_event::<M, F, N>(&origin, &dense, &orders)
-                .filter(|event| !is_last || event.located.is_before(t_next));
+            let found = self.first_event::<M, F, N>(&origin, &dense, &orders);
             self.counters.field_calls += origin.field_calls.get();
+            let Ok(event) = found else {
+                self.reject_undefined(t, &x, h)?;
+                continue;
+            };
+            let event = event.filter(|event| !is_last || event.located.is_before(t_next));
             let (at, next_slope) = match &event {
                 Some(Event {
                     located: Located::Exit { at, .. } | Located::Touch { at, .. },
@@ -222,25 +228,31 @@ impl<O> Run<'_, O> {
     }
 
     /// The first guard that fails in the step, and where.
+    ///
+    /// # Errors
+    /// No guard fails, but one is not a number at the step's end: a shorter step may not come to where it ends.
     #[inline(always)]
     fn first_event<M: RungeKutta, F: Flow<N>, const N: usize>(
         &mut self,
         origin: &Origin<'_, F, N>,
         dense: &Dense<N>,
         orders: &[usize; MOST_GUARDS],
-    ) -> Option<Event<N>> {
+    ) -> Result<Option<Event<N>>, Undefined> {
         let mut first: Option<(f64, Event<N>)> = None;
+        let mut is_undefined = false;
         let reach = dense.enclosure();
         // Written out rather than looped over, so that each guard's code is the guard's own.
         macro_rules! consider {
             ($guard:expr) => {
-                let found =
-                    self.first_failure::<M, F, N>($guard, origin, dense, &reach, orders[$guard]);
-                if let Some((t, located)) = found
-                    && first.as_ref().is_none_or(|(earlier, _)| t < *earlier)
-                {
-                    let guard = $guard;
-                    first = Some((t, Event { guard, located }));
+                match self.first_failure::<M, F, N>($guard, origin, dense, &reach, orders[$guard]) {
+                    Ok(Some((t, located)))
+                        if first.as_ref().is_none_or(|(earlier, _)| t < *earlier) =>
+                    {
+                        let guard = $guard;
+                        first = Some((t, Event { guard, located }));
+                    }
+                    Ok(_) => {}
+                    Err(Undefined) => is_undefined = true,
                 }
             };
         }
@@ -249,7 +261,11 @@ impl<O> Run<'_, O> {
             consider!(1);
         }
         consider!(CONTACT);
-        first.map(|(_, event)| event)
+        match first {
+            Some((_, event)) => Ok(Some(event)),
+            None if is_undefined => Err(Undefined),
+            None => Ok(None),
+        }
     }
 
     #[inline(always)]
@@ -260,22 +276,31 @@ impl<O> Run<'_, O> {
         dense: &Dense<N>,
         reach: &State<Interval, N>,
         order: usize,
-    ) -> Option<(f64, Located<N>)> {
+    ) -> Result<Option<(f64, Located<N>)>, Undefined> {
         let on_dense = |s: f64| origin.flow.guard(i, origin.t + s * origin.h, &dense.at(s));
-        if order == 0 {
+        let found = if order == 0 {
             // Nearly every step ends here: far from any event, for certain or by samples.
             let times = Interval::new(origin.t, origin.t + origin.h);
-            return if origin.flow.is_clear(i, times, reach) || far_from_zero(on_dense) {
+            if origin.flow.is_clear(i, times, reach) {
+                return Ok(None);
+            }
+            if far_from_zero(on_dense) {
                 None
             } else {
                 self.near_failure::<M, F, N>(i, origin, dense, on_dense)
-            };
+            }
+        } else {
+            let start = leaving(origin, i, order);
+            if self.resolves_departure(i, origin, &start, on_dense) {
+                self.near_failure::<M, F, N>(i, origin, dense, |s| start.value(s, || on_dense(s)))
+            } else {
+                None
+            }
+        };
+        if found.is_none() && !on_dense(1.0).is_finite() {
+            return Err(Undefined);
         }
-        let start = leaving(origin, i, order);
-        if !self.resolves_departure(i, origin, &start, on_dense) {
-            return None;
-        }
-        self.near_failure::<M, F, N>(i, origin, dense, |s| start.value(s, || on_dense(s)))
+        Ok(found)
     }
 
     /// The first zero of guard `i`, known to be worth a closer look; `value` is the guard over the step, its zero at the

@@ -16,8 +16,10 @@ pub enum Method {
     /// Taylor series of the solution, of an order that follows from the tolerance, with adaptive steps: the fastest for
     /// errors of 1e-9 and less. The field is recorded once in each mode, by running it on a recording number, and the recording
     /// is evaluated from then on; events are zeros of the boundary function's own series, isolated for certain, so that
-    /// `locator` has no say. A field that branches on [`crate::Scalar::value`] is recorded anew at every step; one that uses
-    /// `max`, `min` or [`crate::Scalar::exceeds`] where the answer changes, with a step that ends there.
+    /// `locator` has no say. A field or boundary that uses `max`, `min` or [`crate::Scalar::exceeds`] is recorded anew where the
+    /// answer changes, with a step that ends there. One that branches on [`crate::Scalar::value`] is recorded anew at every step,
+    /// and its event functions are sampled, as by slopes: where such a branch bends them sharply, a pair of crossings close to
+    /// the bend can hide.
     Taylor,
     /// The paper's classical method of order 4 with a fixed step ([`crate::ode::Rk4`]).
     Rk4 {

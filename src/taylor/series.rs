@@ -1,7 +1,7 @@
 //! The tape evaluated order by order.
 //!
 //! Every operation's next coefficient is a convolution of coefficients that are known already. Written for `L` lanes: one
-//! for an orbit alone, several for orbits side by side. No lane knows of another, so each has the bits that it would have alone.
+//! for an orbit alone, several for orbits side by side. No lane knows of another: each has the bits that it would have alone.
 
 use std::cmp::Ordering;
 
@@ -371,7 +371,7 @@ impl Series<1> {
     }
 }
 
-/// An expansion in the widest vectors that the machine has; their width changes no bit.
+/// An expansion in the widest vectors that the machine and this build have; their width changes no bit.
 struct Expand<'a, const L: usize> {
     series: &'a mut Series<L>,
     tape: &'a Tape,

@@ -4,7 +4,8 @@ use std::time::{Duration, Instant};
 
 use stickslip::models::{BeltOscillator, ForcedOscillator};
 use stickslip::{
-    Error, Failure, Filippov, Locator, Method, Options, Orbit, State, TransitionKind, math, solve,
+    Error, Failure, Filippov, Locator, Method, Options, Orbit, Scalar, Side, State, TransitionKind,
+    math, solve,
 };
 
 use crate::systems::{BlowUp, Line, Wall, Zeno, decaying_friction};
@@ -263,6 +264,38 @@ fn a_field_that_ends_on_the_way_is_an_error_at_its_edge() {
     );
     assert_kept(&failure.orbit);
     assert_eq!(failure.orbit.t_end, t);
+}
+
+/// A boundary function that is not defined for x < 0, where the orbit goes.
+struct Ledge;
+
+impl Filippov<2> for Ledge {
+    fn field<T: Scalar>(&self, side: Side, t: T, x: &State<T, 2>) -> State<T, 2> {
+        State::from([x[1], -x[0] + t.sin() * 0.8 - 0.3 * side.sign()])
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 2>) -> T {
+        x[1] - x[0].sqrt() * 0.3
+    }
+}
+
+#[test]
+fn a_boundary_that_ends_on_the_way_is_an_error_at_its_edge() {
+    let failure = failure(
+        &Ledge,
+        0.0,
+        State::from([0.5, 0.4]),
+        40.0,
+        &crate::tol(1e-10),
+    );
+    let Error::StepCollapse { ref x, .. } = failure.error else {
+        panic!("{}", failure.error);
+    };
+    assert!(x.0[0].abs() < 1e-8, "{x}");
+    assert_says(&failure.error, &["boundary", "not defined", "e-"]);
+    assert_kept(&failure.orbit);
+    for transition in &failure.orbit.transitions {
+        assert!(transition.residual < 1e-9, "{transition:?}");
+    }
 }
 
 #[test]

@@ -7,7 +7,7 @@ use super::piece::Piece;
 use crate::filippov::flow::{Flow, MOST_GUARDS};
 use crate::filippov::leaving::leaving;
 use crate::filippov::locate::{Located, Origin, uncertainty, zero_on_dense};
-use crate::filippov::march::Run;
+use crate::filippov::march::{Run, Undefined};
 use crate::filippov::scan;
 use crate::ode::Timed;
 use crate::taylor::roots::{first_zero, slope_and_bend, value_and_slope};
@@ -20,8 +20,14 @@ pub(super) struct Event<const N: usize> {
     pub(super) rest: Timed<f64, N>,
 }
 
+/// Where it is looked at whether a guard is defined.
+const SAMPLES: [f64; 8] = [0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0];
+
 impl<const N: usize> TaylorStepper<N> {
     /// The first guard that fails in the step, and where.
+    ///
+    /// # Errors
+    /// A guard is not defined throughout the step.
     pub(super) fn first_event<F: Flow<N>, O>(
         &self,
         run: &mut Run<'_, O>,
@@ -29,14 +35,14 @@ impl<const N: usize> TaylorStepper<N> {
         index: usize,
         piece: &Piece<N>,
         orders: &[usize; MOST_GUARDS],
-    ) -> Option<Event<N>> {
+    ) -> Result<Option<Event<N>>, Undefined> {
         let tape = &self.tapes[index];
         let mut first: Option<Event<N>> = None;
         for &guard in F::GUARDS {
             let function = &tape.watched[guard];
             let order = orders[guard];
             let found = if tape.value_read {
-                sampled_failure(run, flow, guard, piece, order)
+                sampled_failure(run, flow, guard, piece, order)?
             } else if function.count == 0 {
                 None
             } else {
@@ -45,7 +51,7 @@ impl<const N: usize> TaylorStepper<N> {
                 if c[self.order].is_finite() {
                     self.first_failure(run, flow, guard, piece, c, order)
                 } else {
-                    sampled_failure(run, flow, guard, piece, order)
+                    sampled_failure(run, flow, guard, piece, order)?
                 }
             };
             if let Some(found) = found
@@ -54,7 +60,7 @@ impl<const N: usize> TaylorStepper<N> {
                 first = Some(found);
             }
         }
-        first
+        Ok(first)
     }
 
     /// The first zero of the guard with series `c`, of which `order` coefficients vanish at the start.
@@ -111,37 +117,46 @@ fn sampled_failure<F: Flow<N>, O, const N: usize>(
     guard: usize,
     piece: &Piece<N>,
     order: usize,
-) -> Option<Event<N>> {
+) -> Result<Option<Event<N>>, Undefined> {
     let on_series = |s: f64| {
         let at = piece.at(s).0;
         flow.guard(guard, at.t, &at.x)
     };
-    let origin = Origin {
-        flow,
-        t: piece.t,
-        x: piece.x[0],
-        slope: flow.field(piece.t, &piece.x[0]),
-        h: piece.h,
-        field_calls: Cell::new(0),
-    };
-    let departure = (order > 0).then(|| leaving(&origin, guard, order));
-    if let Some(start) = &departure
-        && !run.resolves_departure(guard, &origin, start, on_series)
-    {
-        return None;
+    // A step into where the guard is not defined says nothing of it; a shorter one may.
+    if on_series(0.0).is_finite() && !SAMPLES.iter().all(|&s| on_series(s).is_finite()) {
+        return Err(Undefined);
     }
+    let departure = if order > 0 {
+        let origin = Origin {
+            flow,
+            t: piece.t,
+            x: piece.x[0],
+            slope: flow.field(piece.t, &piece.x[0]),
+            h: piece.h,
+            field_calls: Cell::new(0),
+        };
+        let start = leaving(&origin, guard, order);
+        if !run.resolves_departure(guard, &origin, &start, on_series) {
+            return Ok(None);
+        }
+        Some(start)
+    } else {
+        None
+    };
     let mut value = |s: f64| match &departure {
         Some(start) => start.value(s, || on_series(s)),
         None => on_series(s),
     };
-    let bracket = scan::first_zero(&mut value, 0.0, 1.0)?;
+    let Some(bracket) = scan::first_zero(&mut value, 0.0, 1.0) else {
+        return Ok(None);
+    };
     let s = zero_on_dense(&mut value, bracket);
     let profile = |s: f64| {
         let at = piece.at(s).0;
         let [_, rate, bend, _] = flow.jet(guard, at.t, &at.x);
         (rate * piece.h, bend * piece.h * piece.h)
     };
-    Some(locate(run, flow, guard, piece, &profile, s))
+    Ok(Some(locate(run, flow, guard, piece, &profile, s)))
 }
 
 #[cold]

@@ -41,6 +41,7 @@ impl<'a, S: Filippov<N>, O: Observer<N>, const N: usize> Seat<'a, S, O, N> {
         observer: &'a mut O,
         t_end: f64,
         options: &'a Options,
+        mut stepper: TaylorStepper<N>,
     ) -> Result<Result<Self, Summary<N>>, Error> {
         let system = &start.system;
         let at = Timed {
@@ -53,12 +54,13 @@ impl<'a, S: Filippov<N>, O: Observer<N>, const N: usize> Seat<'a, S, O, N> {
             Ok(journey) => journey,
             Err(ended) => return Ok(Err(ended)),
         };
+        stepper.forget();
         let mut seat = Seat {
             number,
             system,
             run,
             journey,
-            stepper: TaylorStepper::new(options),
+            stepper,
         };
         seat.begin_phase();
         Ok(match seat.go_on(None)? {
@@ -173,7 +175,8 @@ impl Bench {
     }
 }
 
-/// Runs every start with its observer, as [`crate::run`] does by [`crate::Method::Taylor`]; the outcomes in the order of the starts.
+/// Runs every start with its observer, as [`crate::run`] does by [`crate::Method::Taylor`]; the outcomes are in the order of
+/// the starts.
 pub(in crate::filippov) fn side_by_side<S: Filippov<N>, O: Observer<N>, const N: usize>(
     starts: &[Start<S, N>],
     observers: &mut [O],
@@ -189,9 +192,12 @@ pub(in crate::filippov) fn side_by_side<S: Filippov<N>, O: Observer<N>, const N:
     };
     let mut waiting = starts.iter().zip(observers).enumerate();
     // The next orbit that gets under way; one that ends at once has its outcome.
-    let mut next = |outcomes: &mut [Option<_>]| {
+    let mut next = |outcomes: &mut [Option<_>], mut stepper: Option<TaylorStepper<N>>| {
         waiting.find_map(|(number, (start, observer))| {
-            match Seat::taken(number, start, observer, t_end, options) {
+            let stepper = stepper
+                .take()
+                .unwrap_or_else(|| TaylorStepper::new(options));
+            match Seat::taken(number, start, observer, t_end, options, stepper) {
                 Ok(Ok(seat)) => Some(seat),
                 Ok(Err(summary)) => {
                     outcomes[number] = Some(Ok(summary));
@@ -206,7 +212,7 @@ pub(in crate::filippov) fn side_by_side<S: Filippov<N>, O: Observer<N>, const N:
     };
     let mut seats = Vec::with_capacity(SEATS);
     while seats.len() < SEATS
-        && let Some(seat) = next(&mut outcomes)
+        && let Some(seat) = next(&mut outcomes, None)
     {
         seats.push(seat);
     }
@@ -227,7 +233,9 @@ pub(in crate::filippov) fn side_by_side<S: Filippov<N>, O: Observer<N>, const N:
             };
             if outcome.is_some() {
                 outcomes[seats[i].number] = outcome;
-                match next(&mut outcomes) {
+                // The room that the last orbit took is the next one's.
+                let stepper = std::mem::replace(&mut seats[i].stepper, TaylorStepper::new(options));
+                match next(&mut outcomes, Some(stepper)) {
                     Some(seat) => seats[i] = seat,
                     None => continue,
                 }

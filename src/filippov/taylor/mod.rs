@@ -64,10 +64,24 @@ struct Phase<const N: usize> {
     rest: Timed<f64, N>,
     /// How many derivatives of each guard vanish where it was last zero; see [`Run::march`].
     orders: [usize; MOST_GUARDS],
-    /// Whether the last step was.
+    /// Whether the last step was rejected.
     rejected: bool,
     /// The step that the next series is scaled with.
     scale: f64,
+}
+
+impl<const N: usize> Default for Phase<N> {
+    fn default() -> Self {
+        Phase {
+            mode: Mode::Stick,
+            index: 0,
+            end: nowhere(),
+            rest: nowhere(),
+            orders: [0; MOST_GUARDS],
+            rejected: false,
+            scale: 0.0,
+        }
+    }
 }
 
 impl<const N: usize> TaylorStepper<N> {
@@ -81,16 +95,14 @@ impl<const N: usize> TaylorStepper<N> {
             stale: [true; TAPES],
             sketch: Sketch::default(),
             series: Series::new(),
-            phase: Phase {
-                mode: Mode::Stick,
-                index: 0,
-                end: nowhere(),
-                rest: nowhere(),
-                orders: [0; MOST_GUARDS],
-                rejected: false,
-                scale: 0.0,
-            },
+            phase: Phase::default(),
         }
+    }
+
+    /// Keeps its room and nothing else, for another orbit.
+    fn forget(&mut self) {
+        self.stale = [true; TAPES];
+        self.phase = Phase::default();
     }
 
     /// Makes sure that the tape holds at `(t, x)`.
@@ -251,9 +263,12 @@ impl<const N: usize> TaylorStepper<N> {
             (at.t, rest_there.t) = (run.t_end, 0.0);
         }
         let mut part = 1.0;
-        let mut event = self
-            .first_event(run, flow, index, &piece, &orders)
-            .filter(|event| !is_last || event.located.is_before(at.t));
+        let Ok(event) = self.first_event(run, flow, index, &piece, &orders) else {
+            self.phase.rejected = true;
+            run.reject_undefined(t, &x, h)?;
+            return Ok(None);
+        };
+        let mut event = event.filter(|event| !is_last || event.located.is_before(at.t));
         if !self.tapes[index].choices.is_empty() {
             let before = event.as_ref().map_or(1.0, |event| event.s);
             if let Some(kink) = self.first_kink(index, &piece, before) {
