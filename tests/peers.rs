@@ -94,7 +94,9 @@ fn a_wrong_command_line_is_told_apart() {
 #[test]
 fn a_folder_that_cannot_be_written_is_told_before_the_measurement() {
     let file = tempfile::NamedTempFile::new().unwrap();
-    let stderr = contains("cannot create folder").and(contains("measuring").not());
+    let stderr = contains("cannot create folder")
+        .and(contains("--report-dir"))
+        .and(contains("measuring").not());
     short(&file.path().join("report"), "0")
         .assert()
         .code(1)

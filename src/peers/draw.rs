@@ -22,7 +22,7 @@ const ROW: f64 = 290.0;
 /// Room for the legend under the last row, px.
 const LEGEND: f64 = 60.0;
 
-/// The SVG: a panel for every problem, and one with the times of whole processes.
+/// The SVG: a panel for every problem, and one with the times of whole processes where they were measured.
 ///
 /// # Errors
 /// Those of [`Figure::render`].
@@ -46,13 +46,20 @@ pub fn draw(rows: &[Row], problems: &[Problem]) -> Result<String, FigureError> {
                 .title(problem.title),
         );
     }
-    let letter = format!("({})", char::from(b'a' + problems.len() as u8));
-    panels.push(processes(rows, &names).label(&letter));
+    let mut about_processes = "";
+    if rows.iter().any(|row| row.process.is_some()) {
+        let letter = format!("({})", char::from(b'a' + problems.len() as u8));
+        panels.push(processes(rows, &names).label(&letter));
+        about_processes = " Last panel: time of a whole process.";
+    }
+    if let Some(last) = panels.pop() {
+        panels.push(with_legend(last, &names));
+    }
     let lines = panels.len().div_ceil(PANELS_IN_ROW);
     let height = lines as f64 * ROW + LEGEND;
     let description = format!(
         "{} panels, one for each problem: largest error of the event times against the time of a run, both logarithmic, one \
-         curve for each of {}. Down and to the left is better. Last panel: time of a whole process.",
+         curve for each of {}. Down and to the left is better.{about_processes}",
         problems.len(),
         names.join(", ")
     );
@@ -120,19 +127,26 @@ fn processes(rows: &[Row], names: &[&str]) -> Panel {
         ),
         Axis::new("", 0.0, names.len() as f64 + 1.0).ticks(&bare),
     )
-    .title("whole process: start, compile, run")
-    .legend(Legend::Below);
-    for (i, (times, name)) in times.iter().zip(names).enumerate() {
-        let (color, dash, shape) = look(i);
+    .title("whole process: start, compile, run");
+    for (i, times) in times.iter().enumerate() {
+        let (color, _, shape) = look(i);
         let y = (names.len() - i) as f64;
-        // Only for the legend, which serves all panels.
-        panel.add(Curve::new([]).color(color).dash(dash).legend(name));
         panel.add(
             Markers::new(times.iter().map(|t| (*t, y)))
                 .color(color)
                 .shape(shape)
                 .size(5.5),
         );
+    }
+    panel
+}
+
+/// The legend, which serves all panels, under one.
+fn with_legend(panel: Panel, names: &[&str]) -> Panel {
+    let mut panel = panel.legend(Legend::Below);
+    for (i, name) in names.iter().enumerate() {
+        let (color, dash, _) = look(i);
+        panel.add(Curve::new([]).color(color).dash(dash).legend(name));
     }
     panel
 }

@@ -87,9 +87,31 @@ pub enum PeersError {
         /// Its exit status.
         status: std::process::ExitStatus,
     },
-    /// The figure or the files cannot be made.
+    /// The figure cannot be made.
     #[error(transparent)]
-    Figure(#[from] FigureError),
+    Figure(FigureError),
+    /// A folder for the files cannot be made.
+    #[error(
+        "cannot create folder {}: {source}; choose others with --report-dir and --figures-dir",
+        path.display()
+    )]
+    Folder {
+        /// The folder.
+        path: std::path::PathBuf,
+        /// What the operating system said.
+        source: std::io::Error,
+    },
+    /// A file cannot be written.
+    #[error(
+        "cannot write {}: {source}; choose folders that can be written to with --report-dir and --figures-dir",
+        path.display()
+    )]
+    Output {
+        /// The file.
+        path: std::path::PathBuf,
+        /// What the operating system said.
+        source: std::io::Error,
+    },
     /// The rows do not fit into a CSV file.
     #[error("cannot put the rows into CSV: {0}")]
     Csv(#[from] csv::Error),
@@ -98,5 +120,16 @@ pub enum PeersError {
 impl ProgramError for PeersError {
     fn is_usage(&self) -> bool {
         matches!(self, Self::Unknown { .. } | Self::Argument { .. })
+    }
+}
+
+impl From<FigureError> for PeersError {
+    /// The figures' programs call their folder by another option.
+    fn from(error: FigureError) -> Self {
+        match error {
+            FigureError::CreateDir { path, source } => Self::Folder { path, source },
+            FigureError::Write { path, source } => Self::Output { path, source },
+            other => Self::Figure(other),
+        }
     }
 }

@@ -189,7 +189,11 @@ pub fn readings_of(claim: &Claim, claims: &[Claim], tables: &[Table]) -> Vec<Rea
                 None => readings.push(ReadingValue {
                     reading: row.reading.clone(),
                     source: table.figure,
-                    values: vec![row.value.clone()],
+                    values: if detail {
+                        Vec::new()
+                    } else {
+                        vec![row.value.clone()]
+                    },
                     digits,
                     agrees,
                     note: row.status.clone(),
