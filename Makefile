@@ -59,10 +59,10 @@ bench-peers: ## Error against run time beside SciPy, numba, heyoka and pydiffsol
 	fi
 
 check: ## Formatting, lints and documentation, every warning an error
-	$(CARGO) fmt --check
-	$(CARGO) clippy --locked --all-targets -- -D warnings
-	$(CARGO) clippy --locked --all-targets --all-features -- -D warnings
-	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --locked --no-deps
+	$(CARGO) fmt --all --check
+	$(CARGO) clippy --locked --workspace --all-targets -- -D warnings
+	$(CARGO) clippy --locked --workspace --all-targets --all-features -- -D warnings
+	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --locked --workspace --no-deps
 
 clean: ## Remove what was built; figures/ and golden/ are part of the repository and stay
 	$(CARGO) clean

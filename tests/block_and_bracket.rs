@@ -267,7 +267,7 @@ fn set_1_is_periodic() {
         .x;
     let cycle = periodic_orbit(&model, x, period, &solver).unwrap();
     let mut multipliers: Vec<f64> =
-        nalgebra::DMatrix::from_column_slice(4, 4, cycle.monodromy.as_slice())
+        stickslip::nalgebra::DMatrix::from_column_slice(4, 4, cycle.monodromy.as_slice())
             .complex_eigenvalues()
             .iter()
             .map(|m| math::hypot(m.re, m.im))

@@ -1,11 +1,11 @@
 //! Every claim about the figures and about the spectra of Sect. 5.2 has a row, and every row that a claim speaks of is compared with it.
 
-use stickslip::figures::rows::Row;
-use stickslip::figures::{
+use replication::figures::rows::Row;
+use replication::figures::{
     FigureSpec, fig04::Fig04, fig06::Fig06, fig07::Fig07, fig08::Fig08, fig10::Fig10, fig11::Fig11,
     fig12::Fig12,
 };
-use stickslip::paper::published::claims;
+use replication::paper::published::claims;
 
 fn rows<F: FigureSpec>() -> Vec<Row> {
     F::numbers(&F::compute().unwrap())

@@ -3,12 +3,10 @@
 //! After a change that is meant, `INSTA_UPDATE=always cargo test --test goldens` rewrites the goldens and the
 //! figure programs rewrite the pictures; the diff shows what changed.
 
-mod common;
-
 use std::path::Path;
 
-use common::Numerically;
-use stickslip::figures::{FigureSpec, rows};
+use crate::common::Numerically;
+use replication::figures::{FigureSpec, rows};
 
 /// Relative difference up to which two numbers in a golden are the same.
 const TOLERANCE: f64 = 1e-10;
@@ -49,7 +47,7 @@ macro_rules! figures {
     ($($name:ident: $figure:ident),* $(,)?) => {$(
         mod $name {
             use super::*;
-            use stickslip::figures::$name::$figure;
+            use replication::figures::$name::$figure;
 
             #[test]
             fn numbers() {

@@ -3,12 +3,12 @@
 use std::fmt::Write as _;
 
 use proptest::prelude::*;
-use stickslip::math;
-use stickslip::paper::listing::{
+use replication::paper::listing::{
     Crossing, Defect, Defects, Direction, End, ListingError, Mode, Motion, Params, Run, Sample,
     Setup, Zone, run, run_with,
 };
-use stickslip::paper::published::published;
+use replication::paper::published::published;
+use stickslip::math;
 
 /// Samples of a run.
 fn samples(setup: &Setup) -> Vec<Sample> {

@@ -2,8 +2,8 @@
 
 use std::process::ExitCode;
 
-use stickslip::figures::cli;
-use stickslip::figures::fig04::Fig04;
+use replication::figures::cli;
+use replication::figures::fig04::Fig04;
 
 fn main() -> ExitCode {
     cli::main::<Fig04>()

@@ -2,8 +2,8 @@
 
 use std::process::ExitCode;
 
-use stickslip::figures::cli;
-use stickslip::figures::fig06::Fig06;
+use replication::figures::cli;
+use replication::figures::fig06::Fig06;
 
 fn main() -> ExitCode {
     cli::main::<Fig06>()

@@ -2,8 +2,8 @@
 
 use std::process::ExitCode;
 
-use stickslip::figures::cli;
-use stickslip::figures::fig07::Fig07;
+use replication::figures::cli;
+use replication::figures::fig07::Fig07;
 
 fn main() -> ExitCode {
     cli::main::<Fig07>()

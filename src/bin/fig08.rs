@@ -2,8 +2,8 @@
 
 use std::process::ExitCode;
 
-use stickslip::figures::cli;
-use stickslip::figures::fig08::Fig08;
+use replication::figures::cli;
+use replication::figures::fig08::Fig08;
 
 fn main() -> ExitCode {
     cli::main::<Fig08>()

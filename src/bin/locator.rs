@@ -2,8 +2,8 @@
 
 use std::process::ExitCode;
 
-use stickslip::figures::cli;
-use stickslip::figures::locator::Locator;
+use replication::figures::cli;
+use replication::figures::locator::Locator;
 
 fn main() -> ExitCode {
     cli::main::<Locator>()

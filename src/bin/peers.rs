@@ -3,5 +3,5 @@
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    stickslip::peers::main()
+    replication::peers::main()
 }

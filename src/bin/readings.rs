@@ -3,5 +3,5 @@
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    stickslip::readings::main()
+    replication::readings::main()
 }

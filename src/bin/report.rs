@@ -3,5 +3,5 @@
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    stickslip::report::cli::main()
+    replication::report::cli::main()
 }

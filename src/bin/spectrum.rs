@@ -3,5 +3,5 @@
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    stickslip::spectrum_cli::main()
+    replication::spectrum_cli::main()
 }

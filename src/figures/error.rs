@@ -17,32 +17,9 @@ pub enum FigureError {
         /// The computation's own error.
         source: Box<dyn std::error::Error + Send + Sync>,
     },
-    /// An axis whose ends do not make an interval.
-    #[error("axis '{label}' runs from {min} to {max}: both ends must be finite and min < max")]
-    Axis {
-        /// The axis label.
-        label: String,
-        /// Lower end, in the unit of the axis.
-        min: f64,
-        /// Upper end, in the unit of the axis.
-        max: f64,
-    },
-    /// The panels' own labels leave no room for what they are to show.
-    #[error(
-        "a panel of {figure} is only {width:.0} x {height:.0} px large once its labels are placed; \
-         enlarge the figure"
-    )]
-    NoRoom {
-        /// Name of the figure.
-        figure: String,
-        /// Width left for the plot rectangle, px.
-        width: f64,
-        /// Height left for the plot rectangle, px.
-        height: f64,
-    },
-    /// The drawing library refused.
-    #[error("cannot draw: {0}")]
-    Draw(String),
+    /// The drawing failed.
+    #[error(transparent)]
+    Plot(#[from] plot::PlotError),
     /// The folder for the output cannot be made.
     #[error("cannot create folder {}: {source}; choose another with --out-dir", path.display())]
     CreateDir {

@@ -3,11 +3,11 @@
 use super::error::FigureError;
 use super::rows::Row;
 use super::spec::FigureSpec;
-use super::style::{
+use plot::{
     Axis, BLACK, BLUE, Color, Curve, Dash, Figure, GREY, Guide, Legend, Note, Panel, Place,
     VERMILLION,
 };
-use crate::models::friction::{Force, Friction};
+use stickslip::models::friction::{Force, Friction};
 
 /// Fig. 6.
 pub struct Fig06;
@@ -96,9 +96,9 @@ impl FigureSpec for Fig06 {
             a.add(curve(graph, color, dash).legend(&format!("*μ*_0 = {}", graph.mu0)));
         }
         let [_, paper, _] = &data.by_mu0[..] else {
-            return Err(FigureError::Draw(
-                "three friction coefficients are needed".into(),
-            ));
+            return Err(
+                plot::PlotError::Draw("three friction coefficients are needed".into()).into(),
+            );
         };
         a.add(
             Note::new(Place::Fraction(0.76, 0.2), "sticking: |*T*| ≤ *μ*_0")
@@ -123,6 +123,7 @@ impl FigureSpec for Fig06 {
         )
         .columns(1.0, vec![(1.0, a.into()), (1.0, b.into())])
         .render()
+        .map_err(Into::into)
     }
 }
 

@@ -1,7 +1,7 @@
 //! Fig. 10: the block and the bracket, first set of parameters, published as two-periodic.
 
 use super::block_and_bracket::{BlockAndBracketFigure, Set};
-use crate::models::Caption;
+use stickslip::models::Caption;
 
 /// Fig. 10.
 #[derive(Debug)]

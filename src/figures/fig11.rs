@@ -1,7 +1,7 @@
 //! Fig. 11: the block and the bracket, second set of parameters, published as quasi-periodic.
 
 use super::block_and_bracket::{BlockAndBracketFigure, Set};
-use crate::models::Caption;
+use stickslip::models::Caption;
 
 /// Fig. 11.
 #[derive(Debug)]

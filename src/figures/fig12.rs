@@ -1,7 +1,7 @@
 //! Fig. 12: the block and the bracket, third set of parameters, published as chaotic.
 
 use super::block_and_bracket::{BlockAndBracketFigure, Set};
-use crate::models::Caption;
+use stickslip::models::Caption;
 
 /// Fig. 12.
 #[derive(Debug)]

@@ -7,14 +7,14 @@ use std::f64::consts::PI;
 use super::error::FigureError;
 use super::rows::Row;
 use super::spec::FigureSpec;
-use super::style::{
+use plot::{
     Axis, BLACK, BLUE, Color, Curve, Dash, Figure, GREEN, Legend, Markers, ORANGE, Panel, Shape,
     VERMILLION,
 };
-use crate::math;
-use crate::models::BeltOscillator;
-use crate::ode::{Dense, Dop853, Rk4, RungeKutta, Timed, dense_slopes, henon_step, stages};
-use crate::system::{Filippov, Side, State};
+use stickslip::math;
+use stickslip::models::BeltOscillator;
+use stickslip::ode::{Dense, Dop853, Rk4, RungeKutta, Timed, dense_slopes, henon_step, stages};
+use stickslip::system::{Filippov, Side, State};
 
 /// Error of the located event against step length.
 pub struct Locator;
@@ -139,6 +139,7 @@ impl FigureSpec for Locator {
         )
         .row(1.0, panel)
         .render()
+        .map_err(Into::into)
     }
 }
 

@@ -17,7 +17,6 @@ pub mod output;
 pub mod png;
 pub mod rows;
 mod spec;
-pub mod style;
 mod trace;
 
 pub use error::FigureError;

@@ -16,7 +16,7 @@ pub fn from_svg(svg: &str) -> Result<Vec<u8>, FigureError> {
     use resvg::{tiny_skia, usvg};
 
     let mut options = usvg::Options::default();
-    for (_, face) in &super::style::metrics::FACES {
+    for (_, face) in &plot::FACES {
         options.fontdb_mut().load_font_data(face.to_vec());
     }
     let tree = usvg::Tree::from_str(svg, &options).map_err(|e| FigureError::Png(e.to_string()))?;

@@ -226,7 +226,7 @@ fn rounded(v: f64) -> String {
     if !v.is_finite() {
         return format!("{v:?}");
     }
-    let power = crate::math::log10(v.abs()).floor() as i32;
+    let power = stickslip::math::log10(v.abs()).floor() as i32;
     if !(-4..DIGITS).contains(&power) {
         return format!("{v:.7e}");
     }

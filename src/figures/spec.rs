@@ -26,7 +26,7 @@ pub trait FigureSpec {
     /// The picture as SVG. Never computes.
     ///
     /// # Errors
-    /// [`FigureError::Axis`], [`FigureError::NoRoom`], [`FigureError::Draw`].
+    /// [`FigureError::Plot`].
     fn draw(data: &Self::Data) -> Result<String, FigureError>;
 
     /// Wraps an error of the computation behind this figure.

@@ -1,6 +1,6 @@
 //! Curves through orbits.
 
-use crate::orbit::Orbit;
+use stickslip::orbit::Orbit;
 
 /// Points per integration step: an order-8 step is long, and a curve through its ends alone would be polygonal.
 /// What cannot be seen is thinned out when the curve is drawn.

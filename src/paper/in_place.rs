@@ -5,7 +5,7 @@
 //! step of the same kind onto Σ, taken from beyond it, away from it when coming from above, with 0.166666 for 1/6;
 //! a stick phase in which the rider moves with the belt at its own pace. See [`super::listing`] for the original.
 
-use crate::system::{Filippov, Mode, Side, State};
+use stickslip::system::{Filippov, Mode, Side, State};
 
 /// The listing's rounded 1/6.
 const SIXTH: f64 = 0.166666;
@@ -219,7 +219,7 @@ fn in_place<const N: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::models::{BlockAndBracket, Caption, Reading};
+    use stickslip::models::{BlockAndBracket, Caption, Reading};
 
     #[test]
     fn a_constant_field_carries_three_steps_at_a_time() {

@@ -8,14 +8,13 @@
 
 use std::ops::ControlFlow;
 
-use crate::error::Error;
-use crate::filippov::{
+use stickslip::error::Error;
+use stickslip::filippov::{
     Observer, Options, Phase, Transition, TransitionKind, first_zero, run as integrate,
-    zero_on_dense,
 };
-use crate::models::ForcedOscillator;
-use crate::scalar::Scalar;
-use crate::system::{Filippov, Mode, Side, State};
+use stickslip::models::ForcedOscillator;
+use stickslip::scalar::Scalar;
+use stickslip::system::{Filippov, Mode, Side, State};
 
 /// The forced oscillator whose state moves `factor` times as fast as its clock says.
 struct Hastened<'a> {
@@ -71,7 +70,7 @@ impl SlipTimesThree {
 /// `z = x₁ − A sin(ωt)`, Eq. (24).
 ///
 /// # Errors
-/// Those of [`crate::run`]; [`Error::NotFound`] when a stick phase begins in no zone or finds no end.
+/// Those of [`stickslip::run`]; [`Error::NotFound`] when a stick phase begins in no zone or finds no end.
 pub fn run(
     model: &ForcedOscillator,
     zones: &[(f64, f64)],
@@ -162,9 +161,9 @@ fn upper_exit(
     let most = 1000;
     for k in 0..most {
         let from = f64::from(k) * window;
-        let mut ahead = |s: f64| room(from + s * window);
-        if let Some(bracket) = first_zero(&mut ahead, 0.0, 1.0) {
-            let later = from + window * zero_on_dense(&mut ahead, bracket);
+        let ahead = |s: f64| room(from + s * window);
+        if let Some(part) = first_zero(ahead, 0.0, 1.0) {
+            let later = from + window * part;
             let at = State::from([x[0] + model.belt_speed * later, model.belt_speed]);
             return Ok((t + later, at));
         }

@@ -1,7 +1,7 @@
 //! Ratios of times at equal accuracy.
 
 use super::row::Row;
-use crate::math;
+use stickslip::math;
 
 /// Errors below this are not told apart: rounding of the times themselves.
 const LEAST_ERROR: f64 = 1e-16;

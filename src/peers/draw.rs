@@ -4,8 +4,8 @@ use super::compare::front;
 use super::problem::Problem;
 use super::row::Row;
 use crate::figures::FigureError;
-use crate::figures::style::*;
-use crate::math;
+use plot::*;
+use stickslip::math;
 
 const LOOKS: [(Color, Dash, Shape); 8] = [
     (BLACK, Dash::Solid, Shape::Circle),
@@ -74,7 +74,7 @@ pub fn draw(rows: &[Row], problems: &[Problem]) -> Result<String, FigureError> {
         let weight = if line + 1 == lines { ROW + LEGEND } else { ROW };
         figure = figure.columns(weight, row);
     }
-    figure.render()
+    figure.render().map_err(Into::into)
 }
 
 fn look(place: usize) -> (Color, Dash, Shape) {

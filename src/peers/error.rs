@@ -49,7 +49,7 @@ pub enum PeersError {
         /// Tolerance.
         tolerance: f64,
         /// The solver's error.
-        source: crate::Error,
+        source: stickslip::Error,
     },
     /// A program cannot be started.
     #[error("cannot start {}: {source}; check --python, or leave it out to measure without peers", program.display())]

@@ -5,10 +5,10 @@ use std::ops::ControlFlow;
 
 use super::error::PeersError;
 use super::event::{Event, Kind};
-use crate::filippov::{Observer, Options, Transition, TransitionKind, run};
-use crate::models::{BeltOscillator, BlockAndBracket, Caption, ForcedOscillator, Reading};
-use crate::scalar::Scalar;
-use crate::system::{Filippov, Side, State};
+use stickslip::filippov::{Observer, Options, Transition, TransitionKind, run};
+use stickslip::models::{BeltOscillator, BlockAndBracket, Caption, ForcedOscillator, Reading};
+use stickslip::scalar::Scalar;
+use stickslip::system::{Filippov, Side, State};
 
 /// Textbook problem with a moving boundary: `x' = a` below, `−a` above, boundary `x − sin t`. Between events everything is a
 /// closed form.
@@ -69,8 +69,8 @@ macro_rules! reference {
 /// All problems, in the order of the figure's panels.
 ///
 /// # Errors
-/// [`crate::Error::Parameter`], if a caption had a parameter that is not allowed.
-pub fn problems() -> Result<Vec<Problem>, crate::Error> {
+/// [`stickslip::Error::Parameter`], if a caption had a parameter that is not allowed.
+pub fn problems() -> Result<Vec<Problem>, stickslip::Error> {
     let belt = BeltOscillator {
         belt_speed: 0.4,
         ..BeltOscillator::default()
@@ -174,7 +174,7 @@ impl Problem {
         start: [f64; N],
         options: &Options,
         events: &mut Vec<Event>,
-    ) -> Result<(), crate::Error> {
+    ) -> Result<(), stickslip::Error> {
         let start = State::from(start);
         let mut notes = Notes(events);
         run(system, self.t_start, start, self.t_end, options, &mut notes).map(|_| ())

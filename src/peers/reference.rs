@@ -51,9 +51,9 @@ fn parse(problem: &'static str, text: &str) -> Result<Vec<Event>, PeersError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::filippov::{Method, Options};
     use crate::peers::event::error;
     use crate::peers::problem::{System, problems};
+    use stickslip::filippov::{Method, Options};
 
     /// Every problem's error is below its bound.
     fn assert_meets(options: &Options, allowed: [(&str, f64); 7]) {

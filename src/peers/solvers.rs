@@ -1,6 +1,6 @@
 //! Our solvers: a table in which one line adds one.
 
-use crate::filippov::{Method, Options};
+use stickslip::filippov::{Method, Options};
 
 /// A solver of ours.
 #[derive(Clone, Copy, Debug)]

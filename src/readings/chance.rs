@@ -2,7 +2,7 @@
 
 use super::row::Row;
 use super::score::{self, Twelve};
-use crate::math;
+use stickslip::math;
 
 /// The generator `SplitMix64` (Steele, Lea & Flood, 2014).
 struct SplitMix(u64);

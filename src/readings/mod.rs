@@ -162,9 +162,9 @@ pub fn run(arguments: &Arguments) -> Result<String, ReadingsError> {
 mod tests {
     use super::*;
     use crate::figures::block_and_bracket::best_common;
-    use crate::models::Reading;
     use plan::{Group, Integrator, Part};
     use row::Row;
+    use stickslip::models::Reading;
 
     fn committed(name: &str) -> String {
         let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));

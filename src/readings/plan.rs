@@ -4,9 +4,9 @@ use super::scheme;
 use super::score::{CAP, FLOOR, Twelve};
 use super::search::CAPTIONS;
 use super::trajectory::{BOUND, MOST_STEPS, TOLERANCE};
-use crate::analysis::data_spectrum::{DataSettings, Neighbourhood};
-use crate::analysis::motion::Criterion;
-use crate::models::{Amplitude, CaptionOrder, Reading, Unloading};
+use stickslip::analysis::data_spectrum::{DataSettings, Neighbourhood};
+use stickslip::analysis::motion::Criterion;
+use stickslip::models::{Amplitude, CaptionOrder, Reading, Unloading};
 
 /// How the equations are integrated.
 #[derive(Clone, Copy, Debug, PartialEq)]

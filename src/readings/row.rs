@@ -2,7 +2,7 @@
 
 use super::score::Twelve;
 use super::verdict::Verdict;
-use crate::analysis::data_spectrum::Status;
+use stickslip::analysis::data_spectrum::Status;
 
 /// A line of `readings.csv`.
 #[derive(Clone, Debug, PartialEq)]

@@ -11,12 +11,12 @@
 
 use super::plan::{DT, Plan};
 use super::trajectory::{BOUND, Outcome, Trajectory};
-use crate::analysis::motion::{Class, Criterion, Evidence, Of};
-use crate::analysis::{Exponent, Growth, SpectrumOptions};
-use crate::math;
-use crate::models::BlockAndBracket;
 use crate::paper::in_place::{InPlace, Lost};
-use crate::system::State;
+use stickslip::analysis::motion::{Class, Criterion, Evidence, Of};
+use stickslip::analysis::{Exponent, Growth, SpectrumOptions};
+use stickslip::math;
+use stickslip::models::BlockAndBracket;
+use stickslip::system::State;
 
 type Scheme<'a> = InPlace<&'a BlockAndBracket, 4>;
 

@@ -6,8 +6,8 @@ use super::score::{self, Twelve};
 use super::store;
 use super::trajectory::{Outcome, follow};
 use super::verdict::Verdict;
-use crate::analysis::data_spectrum::{DataSettings, Series, data_spectrum};
-use crate::models::Caption;
+use stickslip::analysis::data_spectrum::{DataSettings, Series, data_spectrum};
+use stickslip::models::Caption;
 
 /// The captions of Figs. 10–12.
 pub const CAPTIONS: [Caption; 3] = [Caption::FIG10, Caption::FIG11, Caption::FIG12];

@@ -4,13 +4,13 @@ use std::ops::ControlFlow;
 
 use super::plan::{DT, Group, Integrator, Plan};
 use super::scheme;
-use crate::analysis::motion::{Class, Criterion, Evidence, Of};
-use crate::analysis::{Exponent, SpectrumOptions, lyapunov_spectrum_watched};
-use crate::error::Error;
-use crate::filippov::{AtRepelling, Observer, Options, StepRecord, run};
-use crate::models::{BlockAndBracket, Caption};
-use crate::orbit::Ending;
-use crate::system::State;
+use stickslip::analysis::motion::{Class, Criterion, Evidence, Of};
+use stickslip::analysis::{Exponent, SpectrumOptions, lyapunov_spectrum_watched};
+use stickslip::error::Error;
+use stickslip::filippov::{AtRepelling, Observer, Options, StepRecord, run};
+use stickslip::models::{BlockAndBracket, Caption};
+use stickslip::orbit::Ending;
+use stickslip::system::State;
 
 type X = State<f64, 4>;
 

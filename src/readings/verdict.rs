@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use crate::analysis::motion::{Class, UnknownClass};
+use stickslip::analysis::motion::{Class, UnknownClass};
 
 /// The verdict on an orbit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

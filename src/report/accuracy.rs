@@ -1,13 +1,13 @@
 //! "Estimated with high accuracy": the order and the error of the Hénon step against exact event times.
 
 use super::convergence::{PRINTED_STEP, order};
-use crate::error::Error;
-use crate::filippov::{Locator, Method, Options, TransitionKind, solve};
-use crate::models::ForcedOscillator;
-use crate::ode::{Rk4, Timed, henon_step};
-use crate::orbit::Orbit;
 use crate::paper::listing::{Defect, Defects, ListingError, Params, Run, Setup, run};
-use crate::system::{Filippov, Mode, Side, State};
+use stickslip::error::Error;
+use stickslip::filippov::{Locator, Method, Options, TransitionKind, solve};
+use stickslip::models::ForcedOscillator;
+use stickslip::ode::{Rk4, Timed, henon_step};
+use stickslip::orbit::Orbit;
+use stickslip::system::{Filippov, Mode, Side, State};
 
 /// Steps (s) at which orders are measured: their errors are well above rounding.
 const STEPS: [f64; 5] = [1.6e-2, 1.13e-2, 8e-3, 5.7e-3, 4e-3];

@@ -4,8 +4,8 @@ use rayon::prelude::*;
 
 use super::digits::Agreement;
 use super::matrix::{MatrixError, four_claims, four_digits};
-use crate::math;
 use crate::paper::listing::{Motion, Setup, run};
+use stickslip::math;
 
 /// Steps (s), from ten times the printed one to a tenth of it.
 const STEPS: [f64; 13] = [

@@ -91,7 +91,7 @@ fn significant(published: f64, decimals: usize) -> u32 {
 }
 
 fn ten_to(power: f64) -> f64 {
-    crate::math::pow(10.0, power)
+    stickslip::math::pow(10.0, power)
 }
 
 #[cfg(test)]

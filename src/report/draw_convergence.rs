@@ -2,8 +2,8 @@
 
 use super::convergence::{Convergence, PRINTED_STEP};
 use crate::figures::FigureError;
-use crate::figures::style::*;
-use crate::math;
+use plot::*;
+use stickslip::math;
 
 const DESCRIPTION: &str = "Left: distance of the listing's two stick lengths and two stick durations from their limit against its step, \
     both axes logarithmic; the points scatter below and along a line of slope one. Right: deviation from the published \
@@ -37,6 +37,7 @@ pub fn draw(data: &Convergence, published: [f64; 4]) -> Result<String, FigureErr
         ],
     )
     .render()
+    .map_err(Into::into)
 }
 
 /// Logarithm for an axis.

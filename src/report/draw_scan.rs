@@ -2,8 +2,8 @@
 
 use super::scan::{Class, Line, Parameter, Point, Scan};
 use crate::figures::FigureError;
-use crate::figures::style::*;
-use crate::math;
+use plot::*;
+use stickslip::math;
 
 const DESCRIPTION: &str = "One strip for each of eight parameters, multiplied by a factor from one half to two. At each factor a column \
     shows in which parts the starts escape, settle on slip only, on stick–slip, on stick–slip of period two, or on nothing periodic. At \
@@ -104,6 +104,7 @@ pub fn draw(scan: &Scan) -> Result<String, FigureError> {
     )
     .row(1.0, panel)
     .render()
+    .map_err(Into::into)
 }
 
 /// Abscissa of a factor: logarithm to the base of two.

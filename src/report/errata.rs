@@ -2,15 +2,15 @@
 
 use super::accuracy::Accuracy;
 use super::matrix::{Matrix, MatrixError};
-use crate::analysis::data_spectrum::{DataError, DataSettings, Series, data_spectrum};
-use crate::error::Error;
 use crate::figures::rows::{Row, Value};
-use crate::filippov::{Fate, Options, fate, solve};
-use crate::models::cubic::Cubic;
-use crate::models::{BeltOscillator, Caption, ForcedOscillator, Rig};
 use crate::paper::listing::{Defect, Defects, ListingError, Mode, Params, Setup, run, run_with};
 use crate::paper::published::{PublishedError, published};
-use crate::system::{Filippov, Side, State};
+use stickslip::analysis::data_spectrum::{DataError, DataSettings, Series, data_spectrum};
+use stickslip::error::Error;
+use stickslip::filippov::{Fate, Options, fate, solve};
+use stickslip::models::cubic::Cubic;
+use stickslip::models::{BeltOscillator, Caption, ForcedOscillator, Rig};
+use stickslip::system::{Filippov, Side, State};
 
 /// A number that shows a misprint.
 #[derive(Clone, Debug, PartialEq)]
@@ -386,7 +386,7 @@ fn shift_in_estimator() -> Result<Erratum, ErrataError> {
         Ok::<f64, DataError>(first.unwrap_or(f64::NAN))
     };
     let (one, two) = (with(1)?, with(2)?);
-    let truth = crate::math::ln(2.0);
+    let truth = stickslip::math::ln(2.0);
     Ok(erratum(
         "Eq. (25)",
         "the neighbours are taken m steps on, the reference point d steps",

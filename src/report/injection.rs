@@ -1,12 +1,12 @@
 //! The two defects that survive the listing's limit, put into the event-exact solver; and what the stated model does there.
 
-use crate::analysis::{Visibility, visibility};
-use crate::error::Error;
-use crate::filippov::{Options, Phase, TransitionKind, normal_component, solve};
-use crate::models::ForcedOscillator;
 use crate::paper::listing::{self, Defects, Direction, ListingError, Params, Setup};
 use crate::paper::slip_times_three::{self, SlipTimesThree};
-use crate::system::{Filippov, Mode, Side, State};
+use stickslip::analysis::{Visibility, visibility};
+use stickslip::error::Error;
+use stickslip::filippov::{Options, Phase, TransitionKind, normal_component, solve};
+use stickslip::models::ForcedOscillator;
+use stickslip::system::{Filippov, Mode, Side, State};
 
 const TOLERANCE: f64 = 1e-13;
 /// End of the runs (s), the listing's own.

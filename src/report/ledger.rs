@@ -13,10 +13,10 @@ use super::injection::{Exits, Injection, mended_listing_error};
 use super::matrix::{Cell, FOUR, Matrix, MatrixError, SUBSETS, list};
 use super::scan::{self, Scan};
 use super::spread::{self, Spread as Estimates, SpreadError};
-use crate::error::Error;
 use crate::figures::FigureError;
 use crate::figures::rows::{Row, Value};
 use crate::paper::published::{Claim, Digits, PublishedError, claims, published};
+use stickslip::error::Error;
 
 /// Everything the report says.
 #[derive(Clone, Debug, PartialEq)]

@@ -19,6 +19,7 @@ impl Origin {
                 "--porcelain",
                 "--",
                 "src",
+                "crates",
                 "data",
                 "assets",
                 "Cargo.toml",

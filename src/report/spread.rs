@@ -4,16 +4,16 @@ use std::ops::ControlFlow;
 
 use rayon::prelude::*;
 
-use crate::analysis::data_spectrum::{
-    DataError, DataSettings, Neighbourhood, Series, data_spectrum,
-};
-use crate::analysis::motion::Class;
-use crate::error::Error;
 use crate::figures::FigureError;
 use crate::figures::block_and_bracket::{Set, compute};
-use crate::filippov::{Observer, Options, StepRecord, run};
-use crate::models::{BlockAndBracket, Caption, Reading};
-use crate::system::State;
+use stickslip::analysis::data_spectrum::{
+    DataError, DataSettings, Neighbourhood, Series, data_spectrum,
+};
+use stickslip::analysis::motion::Class;
+use stickslip::error::Error;
+use stickslip::filippov::{Observer, Options, StepRecord, run};
+use stickslip::models::{BlockAndBracket, Caption, Reading};
+use stickslip::system::State;
 
 /// Begin and end of the series, and the time between two of its states: the paper's.
 const WINDOW: (f64, f64) = (3000.0, 12_000.0);

@@ -1,9 +1,9 @@
 //! The picture of a spectrum: how the exponents converge, and which directions the data have.
 
-use crate::analysis::data_spectrum::{DataSpectrum, Direction, Status};
 use crate::figures::FigureError;
-use crate::figures::style::*;
-use crate::math;
+use plot::*;
+use stickslip::analysis::data_spectrum::{DataSpectrum, Direction, Status};
+use stickslip::math;
 
 const COLOURS: [Color; 6] = [BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY];
 /// Part of the series after which the vertical axis must hold the running means.
@@ -30,6 +30,7 @@ pub fn draw(spectrum: &DataSpectrum, name: &str) -> Result<String, FigureError> 
             ],
         )
         .render()
+        .map_err(Into::into)
 }
 
 fn convergence(spectrum: &DataSpectrum) -> Panel {

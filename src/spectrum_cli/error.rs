@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
-use crate::analysis::data_spectrum::{DataError, readable};
 use crate::figures::FigureError;
 use crate::terminal::ProgramError;
+use stickslip::analysis::data_spectrum::{DataError, readable};
 
 /// Failure of the program `spectrum`.
 #[derive(Debug, thiserror::Error)]

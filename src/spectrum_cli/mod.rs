@@ -11,9 +11,9 @@ use std::str::FromStr;
 
 use clap::Parser;
 
-use crate::analysis::data_spectrum::{DataSettings, Neighbourhood, Series, data_spectrum_with};
 use crate::figures::output::{self, Artifact};
 use crate::terminal;
+use stickslip::analysis::data_spectrum::{DataSettings, Neighbourhood, Series, data_spectrum_with};
 
 pub use draw::draw;
 pub use error::SpectrumError;

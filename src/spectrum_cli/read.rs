@@ -6,7 +6,7 @@ use std::path::Path;
 use csv::StringRecord;
 
 use super::error::SpectrumError;
-use crate::analysis::data_spectrum::readable;
+use stickslip::analysis::data_spectrum::readable;
 
 /// Rows may be further apart in time than `dt` by this part of it.
 const UNEVEN: f64 = 0.01;

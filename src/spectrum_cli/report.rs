@@ -6,8 +6,10 @@ use serde_json::{Value, json};
 
 use super::error::SpectrumError;
 use super::read::Table;
-use crate::analysis::data_spectrum::{DataExponent, DataSpectrum, Neighbourhood, Status, readable};
 use crate::figures::FigureError;
+use stickslip::analysis::data_spectrum::{
+    DataExponent, DataSpectrum, Neighbourhood, Status, readable,
+};
 
 /// With a larger part of the reference points starved there is a warning.
 const STARVED: f64 = 0.1;

@@ -2,14 +2,14 @@
 
 use super::watch::Watch;
 use super::{Set, best_common};
-use crate::analysis::data_spectrum::{DataSettings, DataSpectrum, Series, data_spectrum};
-use crate::analysis::motion::{Class, Criterion, Evidence, Of};
-use crate::analysis::{Spectrum, SpectrumOptions, lyapunov_spectrum_watched};
-use crate::error::Error;
 use crate::figures::error::FigureError;
-use crate::filippov::{Options, run};
-use crate::models::{BlockAndBracket, Reading};
-use crate::system::State;
+use stickslip::analysis::data_spectrum::{DataSettings, DataSpectrum, Series, data_spectrum};
+use stickslip::analysis::motion::{Class, Criterion, Evidence, Of};
+use stickslip::analysis::{Spectrum, SpectrumOptions, lyapunov_spectrum_watched};
+use stickslip::error::Error;
+use stickslip::filippov::{Options, run};
+use stickslip::models::{BlockAndBracket, Reading};
+use stickslip::system::State;
 
 /// The series begins here, as in the paper.
 pub(super) const START: f64 = 3000.0;

@@ -2,12 +2,12 @@
 
 use super::Set;
 use super::compute::{Data, END, Literal, START};
-use crate::analysis::Exponent;
-use crate::analysis::data_spectrum::Status;
-use crate::analysis::motion::Class;
 use crate::figures::error::FigureError;
-use crate::figures::style::*;
 use crate::paper::published::published;
+use plot::*;
+use stickslip::analysis::Exponent;
+use stickslip::analysis::data_spectrum::Status;
+use stickslip::analysis::motion::Class;
 
 const COLOURS: [Color; 4] = [BLUE, VERMILLION, GREEN, PURPLE];
 /// Margin around a curve, as a fraction of its extent.
@@ -29,6 +29,7 @@ pub(super) fn draw(set: &Set, data: &Data) -> Result<String, FigureError> {
             vec![(1.0, running(data).into()), (1.0, table(set, data).into())],
         )
         .render()
+        .map_err(Into::into)
 }
 
 /// An interval that holds all values, with a margin.

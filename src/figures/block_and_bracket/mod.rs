@@ -15,7 +15,7 @@ pub use figure::BlockAndBracketFigure;
 use draw::draw;
 use numbers::numbers;
 
-use crate::models::Caption;
+use stickslip::models::Caption;
 
 /// What one of the three figures differs in.
 #[derive(Clone, Copy, Debug)]

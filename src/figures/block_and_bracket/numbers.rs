@@ -2,9 +2,9 @@
 
 use super::Set;
 use super::compute::{Data, Literal, Measured};
-use crate::analysis::Exponent;
-use crate::analysis::data_spectrum::DataSpectrum;
 use crate::figures::rows::Row;
+use stickslip::analysis::Exponent;
+use stickslip::analysis::data_spectrum::DataSpectrum;
 
 const EQUATIONS: &str = "exact/equations";
 const FROM_DATA: &str = "exact/data";

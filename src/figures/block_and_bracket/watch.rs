@@ -3,9 +3,9 @@
 use std::ops::ControlFlow;
 
 use super::compute::{DT, END, START};
-use crate::filippov::{Observer, StepRecord, Transition, TransitionKind};
-use crate::models::BlockAndBracket;
-use crate::system::State;
+use stickslip::filippov::{Observer, StepRecord, Transition, TransitionKind};
+use stickslip::models::BlockAndBracket;
+use stickslip::system::State;
 
 /// Parts a step is cut into to look for turning points and for the least normal force.
 const PARTS: u32 = 8;

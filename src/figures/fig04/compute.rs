@@ -1,15 +1,15 @@
 //! The orbits, the tangent points and the cycle.
 
-use num_dual::Dual;
+use stickslip::scalar::Dual;
 
-use crate::analysis::{PeriodicOrbit, Visibility, periodic_orbit, planar_multipliers};
-use crate::error::Error;
 use crate::figures::trace;
-use crate::filippov::{Options, TransitionKind, normal_component, solve};
-use crate::models::BeltOscillator;
-use crate::orbit::Orbit;
-use crate::scalar::Differentiable;
-use crate::system::{Filippov, Mode, Side, State};
+use stickslip::analysis::{PeriodicOrbit, Visibility, periodic_orbit, planar_multipliers};
+use stickslip::error::Error;
+use stickslip::filippov::{Options, TransitionKind, normal_component, solve};
+use stickslip::models::BeltOscillator;
+use stickslip::orbit::Orbit;
+use stickslip::scalar::Differentiable;
+use stickslip::system::{Filippov, Mode, Side, State};
 
 /// A tangent point on Σ.
 #[derive(Clone, Copy, Debug)]

@@ -1,9 +1,9 @@
 //! The picture of Fig. 4.
 
 use super::compute::Data;
-use crate::analysis::Visibility;
 use crate::figures::error::FigureError;
-use crate::figures::style::*;
+use plot::*;
+use stickslip::analysis::Visibility;
 
 const DESCRIPTION: &str = "Phase plane of a block on a belt, position against velocity. Orbits from six numbered \
     tangent points on the line of belt speed and from two further starts wind onto one limit cycle, which crosses that \
@@ -20,6 +20,7 @@ pub(super) fn draw(data: &Data) -> Result<String, FigureError> {
     .row(0.64, whole(data))
     .row(0.36, kink(data))
     .render()
+    .map_err(Into::into)
 }
 
 const ZONE_THICKNESS: f64 = 9.0;

@@ -1,9 +1,9 @@
 //! The rows of Fig. 4.
 
 use super::compute::Data;
-use crate::analysis::Visibility;
 use crate::figures::rows::Row;
 use crate::paper::published::published;
+use stickslip::analysis::Visibility;
 
 const READING: &str = "exact";
 

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use super::{Branches, Data, Fig07, Oscillation, Transition, Z_MAX};
 use crate::figures::error::FigureError;
 use crate::figures::spec::FigureSpec;
-use crate::figures::style::{
+use plot::{
     Axis, BLACK, BLUE, Band, Color, Curve, Dash, Figure, GREY, Guide, LIGHT_GREY, Legend, MID_GREY,
     Markers, Note, Panel, Region, VERMILLION,
 };
@@ -35,6 +35,7 @@ pub(super) fn svg(data: &Data) -> Result<String, FigureError> {
     )
     .row(1.08, branches(data))
     .render()
+        .map_err(Into::into)
 }
 
 fn transition(data: &Data) -> Panel {

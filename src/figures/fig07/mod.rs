@@ -8,9 +8,9 @@ use std::f64::consts::PI;
 use super::error::FigureError;
 use super::rows::Row;
 use super::spec::FigureSpec;
-use crate::error::Error;
-use crate::math;
-use crate::models::cubic::{Cubic, TangentPoint};
+use stickslip::error::Error;
+use stickslip::math;
+use stickslip::models::cubic::{Cubic, TangentPoint};
 
 /// Fig. 7.
 pub struct Fig07;

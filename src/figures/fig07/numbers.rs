@@ -4,8 +4,8 @@ use std::f64::consts::PI;
 
 use super::{Data, Oscillation, Transition};
 use crate::figures::rows::Row;
-use crate::math;
-use crate::models::cubic::Cubic;
+use stickslip::math;
+use stickslip::models::cubic::Cubic;
 
 const READING: &str = "exact";
 

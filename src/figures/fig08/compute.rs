@@ -3,18 +3,18 @@
 use rayon::prelude::*;
 
 use super::Fig08;
-use crate::analysis::{
-    Destination, Visibility, destination, periodic_orbit_forced, planar_multipliers, tangency,
-};
-use crate::error::Error;
 use crate::figures::error::FigureError;
 use crate::figures::spec::FigureSpec;
 use crate::figures::trace;
-use crate::filippov::{Options, TransitionKind, solve};
-use crate::models::ForcedOscillator;
 use crate::paper::listing::{self, Crossing, Motion, Params, Sample, Setup, StickPhase};
 use crate::paper::slip_times_three;
-use crate::system::{Mode, Side, State};
+use stickslip::analysis::{
+    Destination, Visibility, destination, periodic_orbit_forced, planar_multipliers, tangency,
+};
+use stickslip::error::Error;
+use stickslip::filippov::{Options, TransitionKind, solve};
+use stickslip::models::ForcedOscillator;
+use stickslip::system::{Mode, Side, State};
 
 /// The listing's settled motion.
 #[derive(Clone, Debug)]
@@ -198,7 +198,7 @@ fn exact(model: &ForcedOscillator, options: &Options) -> Result<Exact, Error> {
     };
     let (up, down) = (crossing(Side::Above)?, crossing(Side::Below)?);
     let mut multipliers =
-        planar_multipliers(&orbit.monodromy).map(|m| crate::math::hypot(m.re, m.im));
+        planar_multipliers(&orbit.monodromy).map(|m| stickslip::math::hypot(m.re, m.im));
     multipliers.sort_by(|one, other| other.total_cmp(one));
     let above = (down.t - up.t).rem_euclid(period);
     Ok(Exact {

@@ -2,7 +2,7 @@
 
 use super::compute::Data;
 use crate::figures::error::FigureError;
-use crate::figures::style::*;
+use plot::*;
 
 const DESCRIPTION: &str = "Left: the listing as printed. In the phase plane a closed trajectory of two forcing periods rides \
     the line of belt speed twice, over 0.4697 and 0.1663 metres, and crosses it twice without sticking on the left; \
@@ -57,6 +57,7 @@ pub(super) fn draw(data: &Data) -> Result<String, FigureError> {
         vec![(1.0, left_strip.into()), (1.0, right_strip.into())],
     )
     .render()
+    .map_err(Into::into)
 }
 
 /// The stick phases on the line of belt speed, with their lengths.

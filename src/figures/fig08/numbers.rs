@@ -1,9 +1,9 @@
 //! The rows of Fig. 8.
 
 use super::compute::Data;
-use crate::analysis::Visibility;
 use crate::figures::rows::Row;
 use crate::paper::listing::Motion;
+use stickslip::analysis::Visibility;
 
 const AS_PRINTED: &str = "as-printed";
 const LIMIT: &str = "slip-times-three";

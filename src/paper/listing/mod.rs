@@ -19,16 +19,16 @@
 //! that save a state and count `i` up are missing in print; both are taken to happen once per pass.
 //!
 //! A literal transcription into Python agrees with this module in every bit of all 633 001 steps if both
-//! take sine, cosine and power from the same library; with those of [`crate::math`] the states differ by
+//! take sine, cosine and power from the same library; with those of [`stickslip::math`] the states differ by
 //! less than 1e-15, and the four settled numbers not at all.
 //!
 //! ```
-//! use stickslip::paper::listing::{run, Setup};
+//! use replication::paper::listing::{run, Setup};
 //!
 //! let quick = Setup { h: 1e-3, ..Setup::default() };
 //! let outcome = run(&quick)?;
 //! println!("{:?}: {:?}", outcome.motion, outcome.four_numbers());
-//! # Ok::<(), stickslip::paper::listing::ListingError>(())
+//! # Ok::<(), replication::paper::listing::ListingError>(())
 //! ```
 
 mod defects;

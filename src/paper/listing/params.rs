@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use super::{Defects, ListingError};
-use crate::math;
+use stickslip::math;
 
 /// Steps a run may take at most: some minutes of computing.
 const MAX_STEPS: f64 = 1e9;

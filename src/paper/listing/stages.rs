@@ -42,7 +42,9 @@ impl Field {
     fn acceleration(&self, x: &State, xs: f64) -> f64 {
         let z = x[1] - xs;
         self.inverse_mass
-            * (-self.k1 * z + self.k2 * crate::math::pow(z, 3.0) + self.mu0 / (self.pole - x[2]))
+            * (-self.k1 * z
+                + self.k2 * stickslip::math::pow(z, 3.0)
+                + self.mu0 / (self.pole - x[2]))
     }
 }
 

@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use super::super::errata::Shown;
 use super::super::ledger::Ledger;
 use super::{Origin, heading};
-use crate::math;
+use stickslip::math;
 
 pub(super) fn errata(ledger: &Ledger) -> Markup {
     html! {

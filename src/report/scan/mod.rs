@@ -18,9 +18,9 @@ pub use stick_slip::StickSlip;
 use starts::starts;
 use variants::variants;
 
-use crate::error::Error;
-use crate::math;
-use crate::models::ForcedOscillator;
+use stickslip::error::Error;
+use stickslip::math;
+use stickslip::models::ForcedOscillator;
 
 /// One parameter over a factor of two either way.
 #[derive(Clone, Debug, PartialEq)]
@@ -66,7 +66,7 @@ impl Scan {
     /// Scans, and calls `tick` after each set of parameters.
     ///
     /// # Errors
-    /// Those of [`crate::filippov::solve`] except an escape.
+    /// Those of [`stickslip::filippov::solve`] except an escape.
     pub fn compute(published: [f64; 2], tick: &(dyn Fn() + Sync)) -> Result<Scan, Error> {
         let middle = (VALUES / 2) as f64;
         let jobs: Vec<(Parameter, f64)> = Parameter::ALL

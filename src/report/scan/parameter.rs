@@ -1,6 +1,6 @@
 //! The parameters that are changed.
 
-use crate::models::ForcedOscillator;
+use stickslip::models::ForcedOscillator;
 
 /// A parameter of the model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

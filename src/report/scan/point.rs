@@ -2,11 +2,11 @@
 
 use super::class::Class;
 use super::stick_slip::StickSlip;
-use crate::analysis::{Destination, destination};
-use crate::error::Error;
-use crate::filippov::{AtRepelling, Options, TransitionKind, solve};
-use crate::models::ForcedOscillator;
-use crate::system::{Mode, State};
+use stickslip::analysis::{Destination, destination};
+use stickslip::error::Error;
+use stickslip::filippov::{AtRepelling, Options, TransitionKind, solve};
+use stickslip::models::ForcedOscillator;
+use stickslip::system::{Mode, State};
 
 /// Forcing periods that a start is followed over.
 const FOLLOWED: usize = 60;

@@ -1,7 +1,7 @@
 //! The answer in words.
 
 use super::{Scan, VALUES};
-use crate::math;
+use stickslip::math;
 
 impl Scan {
     /// The answer in words.

@@ -1,8 +1,8 @@
 //! Where orbits start.
 
-use crate::error::Error;
-use crate::models::ForcedOscillator;
-use crate::system::State;
+use stickslip::error::Error;
+use stickslip::models::ForcedOscillator;
+use stickslip::system::State;
 
 /// Positions of the starts, in units of √(k1/k2), beyond which the spring drives bodies away; symmetrical.
 const POSITIONS: usize = 9;

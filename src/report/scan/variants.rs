@@ -2,8 +2,8 @@
 
 use super::point::Point;
 use super::starts::starts;
-use crate::error::Error;
-use crate::models::ForcedOscillator;
+use stickslip::error::Error;
+use stickslip::models::ForcedOscillator;
 
 /// The model as Eq. (17) prints it, with friction that drives slip on (it has the sign of a negative `mu0` here; where a
 /// start could go either way it goes up), and with the spring of Eq. (4), the opposite of Eq. (17)'s.

@@ -1,0 +1,377 @@
+//! The page: rows of panels.
+
+use plotters::drawing::IntoDrawingArea;
+
+use super::canvas::{Canvas, Naming};
+use super::panel::{Margins, Panel};
+use super::plot::Frame;
+use super::table::Table;
+use crate::error::PlotError;
+
+/// White border of the page, px.
+const BORDER: f64 = 8.0;
+/// Space between neighbouring cells, px.
+const GAP: f64 = 14.0;
+/// Smallest plot rectangle that still shows something, px.
+const SMALLEST: f64 = 24.0;
+
+/// What stands in a cell of the page.
+pub enum Cell {
+    /// Axes and curves.
+    Panel(Box<Panel>),
+    /// Text.
+    Table(Table),
+}
+
+impl From<Panel> for Cell {
+    fn from(panel: Panel) -> Self {
+        Cell::Panel(Box::new(panel))
+    }
+}
+
+impl From<Table> for Cell {
+    fn from(table: Table) -> Self {
+        Cell::Table(table)
+    }
+}
+
+impl Cell {
+    fn margins(&self, width: f64) -> Result<Margins, PlotError> {
+        match self {
+            Cell::Panel(panel) => panel.margins(width),
+            Cell::Table(_) => Ok(Margins {
+                left: 0.0,
+                right: 0.0,
+                top: 0.0,
+                bottom: 0.0,
+            }),
+        }
+    }
+}
+
+struct Row {
+    weight: f64,
+    cells: Vec<(f64, Cell)>,
+}
+
+/// A figure of one or more panels.
+pub struct Figure {
+    id: String,
+    title: String,
+    description: String,
+    size: (f64, f64),
+    rows: Vec<Row>,
+}
+
+/// Where a cell of the page lies and which margins it keeps.
+struct Placed<'f> {
+    frame: Frame,
+    margins: Margins,
+    cell: &'f Cell,
+}
+
+impl Figure {
+    /// An empty figure. `id` is unique among figures (`fig06`); `width` and `height` in px. `title` and
+    /// `description` are for readers who cannot see the picture and say what it shows.
+    pub fn new(id: &str, (width, height): (f64, f64), title: &str, description: &str) -> Self {
+        Self {
+            id: id.to_owned(),
+            title: title.to_owned(),
+            description: description.to_owned(),
+            size: (width, height),
+            rows: Vec::new(),
+        }
+    }
+
+    /// Adds a row with one cell. `weight` is its share of the height.
+    pub fn row(self, weight: f64, cell: impl Into<Cell>) -> Self {
+        self.columns(weight, vec![(1.0, cell.into())])
+    }
+
+    /// Adds a row of several cells, each with its share of the width.
+    pub fn columns(mut self, weight: f64, cells: Vec<(f64, Cell)>) -> Self {
+        self.rows.push(Row { weight, cells });
+        self
+    }
+
+    /// The SVG.
+    ///
+    /// # Errors
+    /// An axis without an interval, a figure too small for its labels.
+    pub fn render(&self) -> Result<String, PlotError> {
+        let placed = self.layout()?;
+        let mut svg = String::new();
+        let naming = Naming {
+            id: &self.id,
+            title: &self.title,
+            description: &self.description,
+        };
+        let (width, height) = self.size;
+        let canvas = Canvas::new(&mut svg, width, height, &naming)
+            .map_err(|error| PlotError::Draw(error.to_string()))?;
+        let page = canvas.into_drawing_area();
+        for place in &placed {
+            match place.cell {
+                Cell::Panel(panel) => panel.draw(&page, &place.frame, &place.margins)?,
+                Cell::Table(table) => table.draw(&page, &place.frame)?,
+            }
+        }
+        page.present()?;
+        drop(page);
+        Ok(svg)
+    }
+
+    /// Divides the page. Panels under one another get the same margins, so that their frames line up.
+    fn layout(&self) -> Result<Vec<Placed<'_>>, PlotError> {
+        let (width, height) = self.size;
+        let weights: f64 = self.rows.iter().map(|row| row.weight).sum();
+        let gaps = GAP * self.rows.len().saturating_sub(1) as f64;
+        let room = height - 2.0 * BORDER - gaps;
+        let mut rows: Vec<Vec<Placed<'_>>> = Vec::new();
+        let mut top = BORDER;
+        for row in &self.rows {
+            let bottom = top + room * row.weight / weights;
+            rows.push(place_row(row, width, top, bottom)?);
+            top = bottom + GAP;
+        }
+        line_up(&mut rows);
+        let placed: Vec<Placed<'_>> = rows.into_iter().flatten().collect();
+        for place in &placed {
+            let width = place.frame.width() - place.margins.left - place.margins.right;
+            let height = place.frame.height() - place.margins.top - place.margins.bottom;
+            if !(width >= SMALLEST && height >= SMALLEST) {
+                return Err(PlotError::NoRoom {
+                    figure: self.id.clone(),
+                    width,
+                    height,
+                });
+            }
+        }
+        Ok(placed)
+    }
+}
+
+fn place_row(
+    row: &Row,
+    page_width: f64,
+    top: f64,
+    bottom: f64,
+) -> Result<Vec<Placed<'_>>, PlotError> {
+    let weights: f64 = row.cells.iter().map(|(weight, _)| weight).sum();
+    let room = page_width - 2.0 * BORDER - GAP * row.cells.len().saturating_sub(1) as f64;
+    let mut left = BORDER;
+    let mut placed = Vec::new();
+    for (weight, cell) in &row.cells {
+        let right = left + room * weight / weights;
+        placed.push(Placed {
+            frame: Frame {
+                left,
+                top,
+                right,
+                bottom,
+            },
+            margins: cell.margins(right - left)?,
+            cell,
+        });
+        left = right + GAP;
+    }
+    // Frames beside one another begin and end at the same height.
+    let above = placed.iter().map(|p| p.margins.top).fold(0.0, f64::max);
+    let below = placed.iter().map(|p| p.margins.bottom).fold(0.0, f64::max);
+    for place in &mut placed {
+        if matches!(place.cell, Cell::Panel(_)) {
+            place.margins.top = above;
+            place.margins.bottom = below;
+        }
+    }
+    Ok(placed)
+}
+
+/// Gives panels whose cells begin (or end) at the same abscissa the same left (or right) margin.
+fn line_up(rows: &mut [Vec<Placed<'_>>]) {
+    let cells: Vec<(f64, f64, Margins)> = rows
+        .iter()
+        .flatten()
+        .filter(|p| matches!(p.cell, Cell::Panel(_)))
+        .map(|p| (p.frame.left, p.frame.right, p.margins))
+        .collect();
+    for place in rows.iter_mut().flatten() {
+        if matches!(place.cell, Cell::Table(_)) {
+            continue;
+        }
+        for (left, right, margins) in &cells {
+            if (left - place.frame.left).abs() < 0.5 {
+                place.margins.left = place.margins.left.max(margins.left);
+            }
+            if (right - place.frame.right).abs() < 0.5 {
+                place.margins.right = place.margins.right.max(margins.right);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::*;
+
+    fn unit() -> Panel {
+        Panel::new(Axis::new("*x*", 0.0, 1.0), Axis::new("*y*", 0.0, 1.0))
+    }
+
+    fn figure() -> Figure {
+        Figure::new("test", (400.0, 300.0), "A title", "A description")
+    }
+
+    /// Path data of the plot frames: the only paths here with more than a few points.
+    fn frames(svg: &str) -> Vec<String> {
+        let document = roxmltree::Document::parse(svg).unwrap();
+        let is_frame = |d: &&str| d.matches(['-', ' ']).count() > 6 && d.starts_with('M');
+        document
+            .descendants()
+            .filter_map(|node| node.attribute("d"))
+            .filter(is_frame)
+            .map(str::to_owned)
+            .collect()
+    }
+
+    #[test]
+    fn every_layer_draws_something_well_formed() {
+        let line = [(0.1, 0.1), (0.9, 0.8)];
+        let layers: Vec<(AnyLayer, &str)> = vec![
+            (Band::x(0.2, 0.3).into(), "<rect"),
+            (Band::y(0.2, 0.3).into(), "<rect"),
+            (Band::bar((0.2, 0.3), 0.5, 6.0).into(), "<rect"),
+            (
+                Band::rect((0.2, 0.3), (0.2, 0.3)).outline(BLUE, 1.0).into(),
+                "#0072b2",
+            ),
+            (
+                Curve::new(line).color(BLUE).dash(Dash::Dotted).into(),
+                "stroke-dasharray",
+            ),
+            (
+                Region::between(line, [(0.1, 0.0), (0.9, 0.0)])
+                    .fill(SKY)
+                    .into(),
+                "#56b4e9",
+            ),
+            (Guide::vertical(0.5).label("*t*_0", 0.5).into(), "t</tspan>"),
+            (Guide::horizontal(0.5).color(ORANGE).into(), "#e69f00"),
+            (
+                Markers::new(line)
+                    .shape(Shape::Up)
+                    .color(GREEN)
+                    .label(1, "end", (5.0, 5.0))
+                    .into(),
+                ">end<",
+            ),
+            (
+                Note::new((0.5, 0.5), "here").arrow((0.9, 0.9)).into(),
+                ">here<",
+            ),
+            (
+                Note::new(Place::Fraction(0.5, 0.5), "there")
+                    .leader((0.9, 0.9))
+                    .into(),
+                "#737373",
+            ),
+            (
+                Dimension::new((0.2, 0.2), (0.8, 0.2), "0.6 m")
+                    .shift(9.0)
+                    .into(),
+                ">0.6 m<",
+            ),
+            (
+                Inset::new((0.5, 0.5), (0.9, 0.9), unit().title("detail")).into(),
+                ">detail<",
+            ),
+        ];
+        for (layer, trace) in layers {
+            let mut panel = unit();
+            panel.add(layer);
+            let svg = figure().row(1.0, panel).render().unwrap();
+            roxmltree::Document::parse(&svg).unwrap();
+            let rects = if trace == "<rect" { 1 } else { 0 };
+            assert!(svg.matches(trace).count() > rects, "no {trace} in {svg}");
+        }
+    }
+
+    #[test]
+    fn what_lies_outside_the_axes_is_not_drawn() {
+        let empty = figure().row(1.0, unit()).render().unwrap();
+        let far = [(2.0, 2.0), (1e6, 3.0)];
+        let panel = unit()
+            .with(Curve::new(far))
+            .with(Markers::new(far).label(0, "far", (5.0, 5.0)))
+            .with(Band::rect((2.0, 3.0), (0.0, 1.0)))
+            .with(Region::between(far, [(2.0, 4.0), (1e6, 5.0)]));
+        assert_eq!(figure().row(1.0, panel).render().unwrap(), empty);
+    }
+
+    #[test]
+    fn legends_list_what_has_a_legend() {
+        for place in [
+            Legend::UpperLeft,
+            Legend::UpperMiddle,
+            Legend::UpperRight,
+            Legend::LowerLeft,
+            Legend::LowerMiddle,
+            Legend::LowerRight,
+            Legend::Below,
+        ] {
+            let panel = unit()
+                .legend(place)
+                .with(Curve::new([(0.0, 0.0), (1.0, 1.0)]).legend("line"))
+                .with(Guide::horizontal(0.5))
+                .with(Markers::new([(0.5, 0.5)]).legend("point"))
+                .with(Band::x(0.1, 0.2).legend("area"));
+            let svg = figure().row(1.0, panel).render().unwrap();
+            for text in ["line", "point", "area"] {
+                assert_eq!(svg.matches(&format!(">{text}<")).count(), 1, "{place:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn panels_under_one_another_line_up() {
+        let wide = Panel::new(Axis::new("", 0.0, 1.0), Axis::new("", 0.0, 1e6));
+        let narrow = Panel::new(Axis::new("", 0.0, 1.0), Axis::new("", 0.0, 1.0).bare());
+        let svg = figure().row(1.0, wide).row(1.0, narrow).render().unwrap();
+        let left_ends: Vec<String> = frames(&svg)
+            .iter()
+            .filter_map(|d| d.split(' ').next().map(str::to_owned))
+            .collect();
+        assert_eq!(left_ends.len(), 2);
+        assert_eq!(left_ends[0], left_ends[1]);
+    }
+
+    #[test]
+    fn tables_stand_beside_panels() {
+        let table = Table::new(["quantity", "value"])
+            .title("**Stick**")
+            .row(["*ℓ*_1", "0.4697"]);
+        let svg = figure()
+            .columns(1.0, vec![(1.0, unit().into()), (1.0, table.into())])
+            .render()
+            .unwrap();
+        assert!(svg.contains(">0.4697<"));
+    }
+
+    #[test]
+    fn a_page_without_room_is_refused() {
+        let error = Figure::new("tiny", (60.0, 60.0), "t", "d")
+            .row(1.0, unit())
+            .render()
+            .unwrap_err();
+        assert!(matches!(error, PlotError::NoRoom { .. }));
+        assert!(error.to_string().contains("tiny"));
+    }
+
+    #[test]
+    fn an_axis_without_an_interval_is_refused() {
+        let panel = Panel::new(Axis::new("*t*", 1.0, f64::NAN), Axis::new("", 0.0, 1.0));
+        let error = figure().row(1.0, panel).render().unwrap_err();
+        assert!(matches!(error, PlotError::Axis { .. }));
+    }
+}

@@ -1,0 +1,168 @@
+//! A text in a panel, with or without an arrow.
+
+use plotters_backend::text_anchor::{HPos, VPos};
+
+use super::{Layer, Place, TEXT};
+use crate::arrow;
+use crate::color::{BLACK, Color, GREY};
+use crate::elements::Words;
+use crate::error::PlotError;
+use crate::metrics;
+use crate::pen::Pen;
+use crate::plot::{Drawn, Frame, Plot};
+
+/// Space between a text and its arrow, px.
+const CLEARANCE: f64 = 3.0;
+
+/// A text in markup at a place.
+#[derive(Clone, Debug)]
+pub struct Note {
+    at: Place,
+    text: String,
+    offset: (f64, f64),
+    size: f64,
+    color: Color,
+    target: Option<Place>,
+    head: bool,
+}
+
+impl Note {
+    /// A text centred at `at`.
+    pub fn new(at: impl Into<Place>, text: &str) -> Self {
+        Self {
+            at: at.into(),
+            text: text.to_owned(),
+            offset: (0.0, 0.0),
+            size: TEXT,
+            color: BLACK,
+            target: None,
+            head: true,
+        }
+    }
+
+    /// Moves the text by `(right, up)` px. It then stands on that side of the place, instead of being
+    /// centred at it: to the right of it for an offset to the right, above it for an offset upwards.
+    pub fn offset(mut self, right: f64, up: f64) -> Self {
+        self.offset = (right, up);
+        self
+    }
+
+    /// Font size, px.
+    pub fn size(mut self, size: f64) -> Self {
+        self.size = size;
+        self
+    }
+
+    /// Colour of the text.
+    pub fn color(mut self, color: Color) -> Self {
+        self.color = color;
+        self
+    }
+
+    /// Adds an arrow from the text to a place.
+    pub fn arrow(mut self, target: impl Into<Place>) -> Self {
+        self.target = Some(target.into());
+        self.head = true;
+        self
+    }
+
+    /// Adds a thin line without a head from the text to a place.
+    pub fn leader(mut self, target: impl Into<Place>) -> Self {
+        self.target = Some(target.into());
+        self.head = false;
+        self
+    }
+
+    /// The box the text fills on the page, and how it is anchored.
+    fn layout(&self, plot: &Plot<'_, '_>) -> Result<(Frame, HPos, VPos), PlotError> {
+        let (x, y) = self.at.px(plot);
+        let (x, y) = (x + self.offset.0, y - self.offset.1);
+        let width = metrics::width(&self.text, self.size)?;
+        let height = metrics::CAP_HEIGHT * self.size;
+        let (h, v) = anchor_of(self.offset.0, self.offset.1);
+        let left = match h {
+            HPos::Left => x,
+            HPos::Center => x - width / 2.0,
+            HPos::Right => x - width,
+        };
+        let top = match v {
+            VPos::Top => y,
+            VPos::Center => y - height / 2.0,
+            VPos::Bottom => y - height,
+        };
+        let frame = Frame {
+            left,
+            top,
+            right: left + width,
+            bottom: top + height,
+        };
+        Ok((frame, h, v))
+    }
+}
+
+impl Layer for Note {
+    fn draw(&self, plot: &Plot<'_, '_>) -> Drawn {
+        let Some(target) = self.target else {
+            return Ok(());
+        };
+        let (text, _, _) = self.layout(plot)?;
+        let target = target.px(plot);
+        let centre = text.at(0.5, 0.5);
+        let (dx, dy) = (target.0 - centre.0, target.1 - centre.1);
+        // How far along the way from the centre to the target the line leaves the text's box.
+        let half = (
+            text.width() / 2.0 + CLEARANCE,
+            text.height() / 2.0 + CLEARANCE,
+        );
+        let leaves = (half.0 / dx.abs()).min(half.1 / dy.abs());
+        if leaves >= 1.0 {
+            return Ok(());
+        }
+        let start = (centre.0 + leaves * dx, centre.1 + leaves * dy);
+        let pen = Pen::new(if self.head { BLACK } else { GREY }, 0.8);
+        if self.head {
+            arrow::single(&plot.sheet, start, target, &pen)
+        } else {
+            plot.sheet.stroke(&[start, target], &pen)
+        }
+    }
+
+    fn annotate(&self, plot: &Plot<'_, '_>) -> Drawn {
+        let (text, h, v) = self.layout(plot)?;
+        let x = match h {
+            HPos::Left => text.left,
+            HPos::Center => (text.left + text.right) / 2.0,
+            HPos::Right => text.right,
+        };
+        let y = match v {
+            VPos::Top => text.top,
+            VPos::Center => (text.top + text.bottom) / 2.0,
+            VPos::Bottom => text.bottom,
+        };
+        let words = Words::new(&self.text, self.size)
+            .color(self.color)
+            .anchor(h, v)
+            .halo();
+        plot.sheet.words((x, y), words)
+    }
+}
+
+/// A text moved to one side of a point is anchored at the side that faces the point.
+pub(super) fn anchor_of(right: f64, up: f64) -> (HPos, VPos) {
+    const CENTRED: f64 = 2.0;
+    let h = if right > CENTRED {
+        HPos::Left
+    } else if right < -CENTRED {
+        HPos::Right
+    } else {
+        HPos::Center
+    };
+    let v = if up > CENTRED {
+        VPos::Bottom
+    } else if up < -CENTRED {
+        VPos::Top
+    } else {
+        VPos::Center
+    };
+    (h, v)
+}

@@ -1,0 +1,66 @@
+//! Figures for a journal, drawn over plotters, which nothing else knows; of what they show this crate knows nothing.
+//!
+//! A [`Figure`] is rows of [`Panel`]s; a panel has two [`Axis`]es and layers: [`Curve`], [`Markers`],
+//! [`Guide`], [`Band`], [`Region`], [`Note`], [`Dimension`], [`Inset`]. Sizes, widths and offsets are in px at the
+//! figure's nominal size (1 px = 1/96 inch; 658 px are a journal's text width), offsets `(right, up)`. Everything
+//! else is in the data's units.
+//!
+//! Texts are written in a small markup: `*x*_1` sets an italic x with the subscript 1, `_{…}` and `^{…}` put
+//! groups below and above the line, `**…**` is bold, a backslash takes the next character literally; Greek letters
+//! and signs are typed as they are.
+//!
+//! ```
+//! use plot::*;
+//!
+//! let mut panel = Panel::new(
+//!     Axis::new("*z*, m", -1.5, 1.5).step(0.5),
+//!     Axis::new("*σ*, m^2/s^4", -0.5, 1.0).step(0.5).minor(5),
+//! )
+//! .label("(a)")
+//! .legend(Legend::UpperRight);
+//! panel.add(Band::x(-0.2, 0.2).legend("stick zone"));
+//! panel.add(Guide::horizontal(0.0));
+//! let curve = (0..=300).map(|i| f64::from(i) / 100.0 - 1.5).map(|z| (z, z * z - 0.04));
+//! panel.add(Curve::new(curve).color(BLUE).dash(Dash::Dashed).legend("*μ*_0 = 0.2"));
+//! panel.add(Markers::new([(-0.2, 0.0), (0.2, 0.0)]).open().label(0, "2", (-6.0, 6.0)));
+//! panel.add(Note::new((0.8, -0.3), "tangent point").arrow((0.2, 0.0)));
+//! panel.add(Dimension::new((-0.2, 0.6), (0.2, 0.6), "0.4 m"));
+//! let svg = Figure::new("example", (400.0, 300.0), "A zone", "A parabola below zero between ±0.2.")
+//!     .row(1.0, panel)
+//!     .render()?;
+//! # assert!(svg.starts_with("<svg"));
+//! # Ok::<(), plot::PlotError>(())
+//! ```
+
+mod arrow;
+mod axis;
+mod canvas;
+mod color;
+mod elements;
+mod error;
+mod figure;
+mod layers;
+mod legend;
+mod math;
+mod metrics;
+mod panel;
+mod pen;
+mod plot;
+mod polyline;
+mod rich;
+mod table;
+
+pub use axis::{Axis, number};
+pub use color::{
+    BLACK, BLUE, Color, GREEN, GREY, LIGHT_BLUE, LIGHT_GREY, LIGHT_ORANGE, MID_GREY, ORANGE,
+    PURPLE, SKY, VERMILLION, WHITE,
+};
+pub use elements::Shape;
+pub use error::PlotError;
+pub use figure::{Cell, Figure};
+pub use layers::{AnyLayer, Band, Curve, Dimension, Guide, Inset, Markers, Note, Place, Region};
+pub use legend::Legend;
+pub use metrics::FACES;
+pub use panel::Panel;
+pub use pen::{Dash, Pen};
+pub use table::Table;

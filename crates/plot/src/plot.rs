@@ -1,0 +1,197 @@
+//! A panel's plot rectangle while it is being drawn: data coordinates on top of the page.
+
+use std::fmt;
+
+use plotters::coord::Shift;
+use plotters::coord::cartesian::Cartesian2d;
+use plotters::coord::types::RangedCoordf64;
+use plotters::drawing::{DrawingArea, DrawingAreaErrorKind};
+use plotters::element::{Polygon, Rectangle};
+use plotters::style::{RGBColor, ShapeStyle};
+
+use super::axis::Axis;
+use super::canvas::{Canvas, units};
+use super::color::Color;
+use super::elements::{Label, Mark, Stroke, Symbol, Words};
+use super::pen::Pen;
+use super::polyline::{self, Bounds, Point};
+use crate::error::PlotError;
+
+/// Nobody sees a curve move by less than this, px, even enlarged a few times.
+const TOLERANCE: f64 = 0.02;
+
+pub(super) type Drawn = Result<(), PlotError>;
+pub(super) type Page<'a> = DrawingArea<Canvas<'a>, Shift>;
+
+impl From<DrawingAreaErrorKind<fmt::Error>> for PlotError {
+    fn from(error: DrawingAreaErrorKind<fmt::Error>) -> Self {
+        PlotError::Draw(error.to_string())
+    }
+}
+
+/// A rectangle on the page, px from the upper left corner of the figure.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Frame {
+    pub(super) left: f64,
+    pub(super) top: f64,
+    pub(super) right: f64,
+    pub(super) bottom: f64,
+}
+
+impl Frame {
+    pub(super) fn width(&self) -> f64 {
+        self.right - self.left
+    }
+
+    pub(super) fn height(&self) -> f64 {
+        self.bottom - self.top
+    }
+
+    /// The point at fractions of width (from the left) and height (from below).
+    pub(super) fn at(&self, fx: f64, fy: f64) -> Point {
+        (
+            self.left + fx * self.width(),
+            self.bottom - fy * self.height(),
+        )
+    }
+}
+
+/// Draws on the page, in px.
+pub(super) struct Sheet<'p, 'a> {
+    pub(super) page: &'p Page<'a>,
+}
+
+impl Sheet<'_, '_> {
+    pub(super) fn stroke(&self, points: &[Point], pen: &Pen) -> Drawn {
+        let points = points.iter().map(backend).collect();
+        Ok(self.page.draw(&Stroke { points, pen: *pen })?)
+    }
+
+    pub(super) fn fill(&self, points: &[Point], color: Color) -> Drawn {
+        let points: Vec<(i32, i32)> = points.iter().map(backend).collect();
+        Ok(self.page.draw(&Polygon::new(points, solid(color)))?)
+    }
+
+    pub(super) fn rect(&self, frame: &Frame, color: Color) -> Drawn {
+        let corners = [
+            backend(&(frame.left, frame.top)),
+            backend(&(frame.right, frame.bottom)),
+        ];
+        Ok(self.page.draw(&Rectangle::new(corners, solid(color)))?)
+    }
+
+    pub(super) fn outline(&self, frame: &Frame, pen: &Pen) -> Drawn {
+        let Frame {
+            left,
+            top,
+            right,
+            bottom,
+        } = *frame;
+        self.stroke(
+            &[
+                (left, top),
+                (right, top),
+                (right, bottom),
+                (left, bottom),
+                (left, top),
+                (right, top),
+            ],
+            pen,
+        )
+    }
+
+    pub(super) fn words(&self, at: Point, words: Words) -> Drawn {
+        let at = backend(&at);
+        Ok(self.page.draw(&Label { at, words })?)
+    }
+
+    pub(super) fn symbol(&self, at: Point, symbol: &Symbol) -> Drawn {
+        let (at, symbol) = (backend(&at), *symbol);
+        Ok(self.page.draw(&Mark { at, symbol })?)
+    }
+}
+
+/// Draws in the data coordinates of a panel.
+pub(super) struct Plot<'p, 'a> {
+    pub(super) sheet: Sheet<'p, 'a>,
+    pub(super) frame: Frame,
+    pub(super) bounds: Bounds,
+    data: DrawingArea<Canvas<'a>, Cartesian2d<RangedCoordf64, RangedCoordf64>>,
+}
+
+impl<'p, 'a> Plot<'p, 'a> {
+    pub(super) fn new(page: &'p Page<'a>, frame: Frame, x: &Axis, y: &Axis) -> Self {
+        let mapping = Cartesian2d::new(
+            x.min..x.max,
+            y.min..y.max,
+            (
+                units(frame.left)..units(frame.right),
+                units(frame.bottom)..units(frame.top),
+            ),
+        );
+        Self {
+            sheet: Sheet { page },
+            frame,
+            bounds: Bounds {
+                x: (x.min, x.max),
+                y: (y.min, y.max),
+            },
+            data: page.apply_coord_spec(mapping),
+        }
+    }
+
+    /// px per data unit.
+    fn scale(&self) -> Point {
+        (
+            self.frame.width() / (self.bounds.x.1 - self.bounds.x.0),
+            self.frame.height() / (self.bounds.y.1 - self.bounds.y.0),
+        )
+    }
+
+    /// Where a data point lies on the page, px.
+    pub(super) fn px(&self, p: Point) -> Point {
+        let (sx, sy) = self.scale();
+        (
+            self.frame.left + (p.0 - self.bounds.x.0) * sx,
+            self.frame.bottom - (p.1 - self.bounds.y.0) * sy,
+        )
+    }
+
+    /// A polyline in data units, cut at the frame.
+    pub(super) fn stroke(&self, points: &[Point], pen: &Pen) -> Drawn {
+        for piece in polyline::clip_line(points, &self.bounds) {
+            let points = polyline::thin(&piece, self.scale(), TOLERANCE);
+            self.data.draw(&Stroke { points, pen: *pen })?;
+        }
+        Ok(())
+    }
+
+    /// A filled polygon in data units, cut at the frame.
+    pub(super) fn fill(&self, points: &[Point], color: Color) -> Drawn {
+        let cut = polyline::clip_area(points, &self.bounds);
+        if cut.len() < 3 {
+            return Ok(());
+        }
+        let corners = polyline::thin(&cut, self.scale(), TOLERANCE);
+        Ok(self.data.draw(&Polygon::new(corners, solid(color)))?)
+    }
+
+    /// A marker at a data point; nothing if the point lies outside the frame.
+    pub(super) fn symbol(&self, at: Point, symbol: &Symbol) -> Drawn {
+        if self.bounds.contains(at) {
+            self.data.draw(&Mark {
+                at,
+                symbol: *symbol,
+            })?;
+        }
+        Ok(())
+    }
+}
+
+fn backend(p: &Point) -> (i32, i32) {
+    (units(p.0), units(p.1))
+}
+
+fn solid(color: Color) -> ShapeStyle {
+    ShapeStyle::from(RGBColor(color.0, color.1, color.2)).filled()
+}

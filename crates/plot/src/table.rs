@@ -1,0 +1,89 @@
+//! A short table of text in the place of a panel.
+
+use plotters_backend::text_anchor::{HPos, VPos};
+
+use super::color::BLACK;
+use super::elements::Words;
+use super::metrics;
+use super::pen::Pen;
+use super::plot::{Drawn, Frame, Page, Sheet};
+use crate::error::PlotError;
+
+const SIZE: f64 = 11.0;
+const LINE: f64 = 17.0;
+const COLUMN_GAP: f64 = 16.0;
+const TITLE: f64 = 22.0;
+
+/// Rows of marked-up text under a header; the first column is set to the left, the others to the right.
+#[derive(Clone, Debug)]
+pub struct Table {
+    title: String,
+    rows: Vec<Vec<String>>,
+}
+
+impl Table {
+    /// A table with its header.
+    pub fn new<S: Into<String>>(header: impl IntoIterator<Item = S>) -> Self {
+        Self {
+            title: String::new(),
+            rows: vec![header.into_iter().map(Into::into).collect()],
+        }
+    }
+
+    /// A heading, in markup.
+    pub fn title(mut self, title: &str) -> Self {
+        self.title = title.to_owned();
+        self
+    }
+
+    /// Adds a row.
+    pub fn row<S: Into<String>>(mut self, cells: impl IntoIterator<Item = S>) -> Self {
+        self.rows.push(cells.into_iter().map(Into::into).collect());
+        self
+    }
+
+    fn widths(&self) -> Result<Vec<f64>, PlotError> {
+        let columns = self.rows.iter().map(Vec::len).max().unwrap_or(0);
+        let mut widths = vec![0.0_f64; columns];
+        for row in &self.rows {
+            for (cell, width) in row.iter().zip(&mut widths) {
+                *width = width.max(metrics::width(cell, SIZE)?);
+            }
+        }
+        Ok(widths)
+    }
+
+    /// Draws the table in the upper part of a cell, centred.
+    pub(super) fn draw(&self, page: &Page<'_>, cell: &Frame) -> Drawn {
+        let sheet = Sheet { page };
+        let widths = self.widths()?;
+        let total = widths.iter().sum::<f64>() + COLUMN_GAP * widths.len().saturating_sub(1) as f64;
+        let left = cell.left + (cell.width() - total) / 2.0;
+        let right = left + total;
+        let mut top = cell.top;
+        if !self.title.is_empty() {
+            let words = Words::new(&self.title, SIZE + 1.0).anchor(HPos::Left, VPos::Top);
+            sheet.words((left, top), words)?;
+            top += TITLE;
+        }
+        let rule =
+            |y: f64, width: f64| sheet.stroke(&[(left, y), (right, y)], &Pen::new(BLACK, width));
+        rule(top, 1.1)?;
+        for (i, row) in self.rows.iter().enumerate() {
+            let middle = top + (i as f64 + 0.5) * LINE + 0.5;
+            let mut x = left;
+            for (column, (cell, width)) in row.iter().zip(&widths).enumerate() {
+                let (at, h) = if column == 0 {
+                    (x, HPos::Left)
+                } else {
+                    (x + width, HPos::Right)
+                };
+                let words = Words::new(cell, SIZE).anchor(h, VPos::Center);
+                sheet.words((at, middle), words)?;
+                x += width + COLUMN_GAP;
+            }
+        }
+        rule(top + LINE, 0.6)?;
+        rule(top + self.rows.len() as f64 * LINE + 1.0, 1.1)
+    }
+}

@@ -1,0 +1,122 @@
+//! Sums of logarithms over time, their blocks and their running means.
+
+use super::settings::SpectrumOptions;
+use super::spectrum::{Exponent, Running};
+
+/// What tangent vectors have grown by since measuring began: sums of logarithms, one for each vector, and from them the
+/// exponents, their blocks and their running means. For growth that is measured otherwise than [`crate::analysis::lyapunov_spectrum`]
+/// does.
+#[derive(Clone, Debug)]
+pub struct Growth<const N: usize> {
+    /// Time measuring began.
+    begin: f64,
+    /// Sums of the logarithms; −∞ for an annihilated vector.
+    pub logs: [f64; N],
+    block_length: f64,
+    sample_length: f64,
+    /// Number of the sample that is due next.
+    next_sample: usize,
+    /// Start of the block under way: time since the beginning, and sums there.
+    block_start: (f64, [f64; N]),
+    next_block: usize,
+    /// Blocks completed, and for each vector the mean of their rates and the sum of squared deviations (Welford).
+    blocks: usize,
+    mean: [f64; N],
+    squares: [f64; N],
+    running: Vec<Running<N>>,
+}
+
+impl<const N: usize> Growth<N> {
+    /// Measures from time `begin` on, with the duration, blocks and samples of `settings`.
+    pub fn new(begin: f64, settings: &SpectrumOptions) -> Self {
+        Growth {
+            begin,
+            logs: [0.0; N],
+            block_length: settings.duration / settings.blocks as f64,
+            sample_length: settings.duration / settings.samples as f64,
+            next_sample: 1,
+            block_start: (0.0, [0.0; N]),
+            next_block: 1,
+            blocks: 0,
+            mean: [0.0; N],
+            squares: [0.0; N],
+            running: Vec::new(),
+        }
+    }
+
+    /// At the end of every step. What a transition at the same time adds belongs to the next block.
+    pub fn tick(&mut self, t: f64) {
+        let elapsed = t - self.begin;
+        if elapsed >= self.next_block as f64 * self.block_length {
+            self.end_block(elapsed);
+            self.next_block = (elapsed / self.block_length) as usize + 1;
+        }
+        if elapsed >= self.next_sample as f64 * self.sample_length {
+            self.sample(elapsed);
+            self.next_sample = (elapsed / self.sample_length) as usize + 1;
+        }
+    }
+
+    fn end_block(&mut self, elapsed: f64) {
+        let (from, before) = self.block_start;
+        self.block_start = (elapsed, self.logs);
+        self.blocks += 1;
+        for (j, before) in before.iter().enumerate() {
+            if self.logs[j].is_finite() {
+                let rate = (self.logs[j] - before) / (elapsed - from);
+                let deviation = rate - self.mean[j];
+                self.mean[j] += deviation / self.blocks as f64;
+                self.squares[j] += deviation * (rate - self.mean[j]);
+            }
+        }
+    }
+
+    fn sample(&mut self, elapsed: f64) {
+        self.running.push(Running {
+            elapsed,
+            exponents: self.logs.map(|log| log / elapsed),
+        });
+    }
+
+    /// The time measured up to `t`, the exponents in descending order, and the running ones in the same order.
+    pub fn finish(mut self, t: f64) -> (f64, [Exponent; N], Vec<Running<N>>) {
+        let elapsed = t - self.begin;
+        // Rounding can leave the last block a hair too short to count on its own.
+        if elapsed - self.block_start.0 > 0.5 * self.block_length {
+            self.end_block(elapsed);
+        }
+        if self
+            .running
+            .last()
+            .is_none_or(|last| last.elapsed < elapsed)
+        {
+            self.sample(elapsed);
+        } else if let Some(last) = self.running.last_mut() {
+            last.exponents = self.logs.map(|log| log / elapsed);
+        }
+        let mut order: [usize; N] = std::array::from_fn(|j| j);
+        order.sort_by(|&i, &j| self.logs[j].total_cmp(&self.logs[i]));
+        let exponents = order.map(|j| {
+            if self.logs[j] == f64::NEG_INFINITY {
+                Exponent::Annihilated
+            } else {
+                Exponent::Finite {
+                    value: self.logs[j] / elapsed,
+                    std_error: self.std_error(j),
+                }
+            }
+        });
+        for entry in &mut self.running {
+            entry.exponents = order.map(|j| entry.exponents[j]);
+        }
+        (elapsed, exponents, self.running)
+    }
+
+    fn std_error(&self, j: usize) -> f64 {
+        if self.blocks < 2 {
+            return f64::INFINITY;
+        }
+        let n = self.blocks as f64;
+        (self.squares[j] / (n * (n - 1.0))).sqrt()
+    }
+}

@@ -1,0 +1,165 @@
+//! The full Lyapunov spectrum from the equations, through slips, sticks and moving boundaries.
+//!
+//! # Method
+//! An orthonormal frame of tangent vectors is carried along the orbit and made orthonormal again after every step and every
+//! transition; the logarithms of the lengths that Gram–Schmidt finds, divided by time, tend to the exponents in descending
+//! order (Benettin, Galgani, Giorgilli & Strelcyn, *Meccanica* 15 (1980) 9; Shimada & Nagashima, *Prog. Theor. Phys.* 61
+//! (1979) 1605). Steps carry the frame by being run again on dual numbers, crossings and entries into stick by their
+//! saltation matrices (Müller, *Chaos, Solitons & Fractals* 5 (1995) 1671; Leine & Nijmeijer, *Dynamics and Bifurcations of
+//! Non-Smooth Mechanical Systems*, 2004, Ch. 7), with the boundary's own motion in them. Leaving stick changes no vector:
+//! the sliding field and the field that takes over agree there.
+//!
+//! # What stick does
+//! Entry into stick maps all states near Σ onto Σ. Its saltation matrix projects along `k = f_stick − f_slip` and has rank
+//! `N − 1`: a full frame loses one direction, and whatever Gram–Schmidt would still find for it is rounding. So the loss is not
+//! measured but known: the projection annihilates the frame's first vector that, together with those before it, spans a
+//! space that holds `k` — for a full frame the last one, unless a symmetry of the system has it otherwise. That vector's
+//! exponent is [`Exponent::Annihilated`], −∞, and it is never given a substitute.
+//!
+//! Further entries find `N − 1` vectors and map them onto Σ one to one, except where `k` lies in their span: a `k` that does
+//! so to rounding takes another direction with it, one that does not is an ordinary stretch. So in general one exponent is −∞
+//! however often the orbit sticks, and the other `N − 1` are those of the flow from Σ to Σ.
+//!
+//! # A check that does not use the frame's lengths
+//! The volume that the surviving vectors span also follows from Liouville's formula: the divergence of the fields,
+//! integrated by quadrature over the dense output, and for each transition the factor by which it changes volumes.
+//! [`Spectrum::volume_rate`] is that rate, and [`Spectrum::defect`] what the sum of the finite exponents differs from it.
+
+mod averages;
+mod carrier;
+mod frame;
+mod settings;
+mod spectrum;
+mod volume;
+
+use std::ops::ControlFlow;
+
+pub use averages::Growth;
+pub use settings::SpectrumOptions;
+pub use spectrum::{Exponent, Running, Spectrum};
+
+use crate::error::{Error, Point};
+use crate::filippov::{Observer, Phase, StepRecord, Summary, Transition, run};
+use crate::orbit::Ending;
+use crate::system::{Filippov, State};
+use carrier::Carrier;
+
+/// The Lyapunov spectrum of the orbit from `(t0, x0)`; memory does not grow with the length of the run.
+///
+/// The orbit first runs for `settings.transient` with the frame on it, so that the frame has turned into the directions
+/// that belong to the exponents, and is then measured for `settings.duration`. Directions that stick annihilated during the
+/// transient come back at its end: an orbit that sticks only on its way to an attractor that does not has `N` finite
+/// exponents.
+///
+/// Over a whole number of periods of a periodic orbit, after a transient that has brought orbit and frame onto it, the
+/// exponents are those of the Floquet multipliers to rounding; otherwise they are off by a term that falls as one over the
+/// duration.
+///
+/// ```
+/// use stickslip::analysis::{Exponent, SpectrumOptions, lyapunov_spectrum};
+/// use stickslip::{State, models::BeltOscillator};
+///
+/// // A slow belt: the block sticks in every period.
+/// let belt = BeltOscillator { belt_speed: 0.2, ..BeltOscillator::default() };
+/// let settings = SpectrumOptions::over(50.0, 500.0);
+/// let spectrum = lyapunov_spectrum(&belt, (0.0, State::from([0.5, 0.1])), &settings)?;
+/// assert!(spectrum.exponents[0].value().abs() < 0.02);
+/// assert_eq!(spectrum.exponents[1], Exponent::Annihilated);
+/// assert!(spectrum.stick_entries > 10);
+/// # Ok::<(), stickslip::Error>(())
+/// ```
+///
+/// # Errors
+/// [`Error::Option`]; those of [`run`]; [`Error::NoUniqueFuture`] where the orbit ends on a repelling part of Σ;
+/// [`Error::TangentSingular`] where it grazes Σ so exactly that tangent vectors have no image.
+pub fn lyapunov_spectrum<S: Filippov<N>, const N: usize>(
+    system: &S,
+    start: (f64, State<f64, N>),
+    settings: &SpectrumOptions,
+) -> Result<Spectrum<N>, Error> {
+    lyapunov_spectrum_watched(system, start, settings, &mut ())
+}
+
+/// [`lyapunov_spectrum`] with an observer that is told of the measured part of the run as well, for minima, sections and
+/// the like in the same pass. If it ends the run, the spectrum is that of the part so far.
+///
+/// # Errors
+/// As [`lyapunov_spectrum`].
+pub fn lyapunov_spectrum_watched<S: Filippov<N>, O: Observer<N>, const N: usize>(
+    system: &S,
+    (t0, x0): (f64, State<f64, N>),
+    settings: &SpectrumOptions,
+    watcher: &mut O,
+) -> Result<Spectrum<N>, Error> {
+    settings.check()?;
+    let mut carrier = Carrier::new(system, settings);
+    let mut begin = (t0, x0);
+    if settings.transient > 0.0 {
+        let t_end = t0 + settings.transient;
+        let reached = carried(system, begin, t_end, settings, &mut carrier)?;
+        begin = (reached.t, reached.x);
+    }
+    carrier.begin_measuring(begin.0);
+    let t_end = begin.0 + settings.duration;
+    let mut pair = Both { carrier, watcher };
+    let summary = carried(system, begin, t_end, settings, &mut pair)?;
+    Ok(pair.carrier.finish(summary))
+}
+
+/// Runs with a carrier on it and turns what stopped it into an error.
+fn carried<S: Filippov<N>, O: Observer<N> + Fallible, const N: usize>(
+    system: &S,
+    (t, x): (f64, State<f64, N>),
+    t_end: f64,
+    settings: &SpectrumOptions,
+    observer: &mut O,
+) -> Result<Summary<N>, Error> {
+    let summary = run(system, t, x, t_end, &settings.solver, observer)?;
+    if let Some(error) = observer.failure() {
+        return Err(error);
+    }
+    if summary.ending == Ending::Repelling {
+        return Err(Error::NoUniqueFuture {
+            t: summary.t,
+            x: Point::from(&summary.x),
+        });
+    }
+    Ok(summary)
+}
+
+/// An observer that can fail.
+trait Fallible {
+    fn failure(&mut self) -> Option<Error>;
+}
+
+impl<S, const N: usize> Fallible for Carrier<'_, S, N> {
+    fn failure(&mut self) -> Option<Error> {
+        self.failure.take()
+    }
+}
+
+/// Tells the carrier first, then the user's observer.
+struct Both<'a, 'b, S, O, const N: usize> {
+    carrier: Carrier<'a, S, N>,
+    watcher: &'b mut O,
+}
+
+impl<S, O, const N: usize> Fallible for Both<'_, '_, S, O, N> {
+    fn failure(&mut self) -> Option<Error> {
+        self.carrier.failure()
+    }
+}
+
+impl<S: Filippov<N>, O: Observer<N>, const N: usize> Observer<N> for Both<'_, '_, S, O, N> {
+    fn step(&mut self, step: &StepRecord<N>) -> ControlFlow<()> {
+        self.carrier.step(step)?;
+        self.watcher.step(step)
+    }
+    fn transition(&mut self, transition: &Transition<N>) -> ControlFlow<()> {
+        self.carrier.transition(transition)?;
+        self.watcher.transition(transition)
+    }
+    fn phase(&mut self, phase: &Phase<N>) -> ControlFlow<()> {
+        self.watcher.phase(phase)
+    }
+}

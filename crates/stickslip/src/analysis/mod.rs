@@ -1,0 +1,21 @@
+//! Analyses of systems and orbits: tangent points, monodromy by saltation, periodic orbits, attractors, Lyapunov spectra,
+//! classes of motion.
+
+pub mod data_spectrum;
+mod destination;
+mod lyapunov;
+mod monodromy;
+pub mod motion;
+mod periodic;
+mod tangency;
+mod tangent;
+
+pub use destination::{Destination, destination};
+pub use lyapunov::{
+    Exponent, Growth, Running, Spectrum, SpectrumOptions, lyapunov_spectrum,
+    lyapunov_spectrum_watched,
+};
+pub use monodromy::{Monodromy, monodromy};
+pub use periodic::{PeriodicOrbit, periodic_orbit, periodic_orbit_forced, planar_multipliers};
+pub use tangency::{Visibility, tangency, visibility};
+pub use tangent::saltation;

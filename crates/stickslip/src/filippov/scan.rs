@@ -1,0 +1,280 @@
+//! The first zero of a function over a step, none missed: found by resolving the function, not by its end signs.
+//!
+//! The function is sampled at nine Chebyshev points of the interval. The sums of its Chebyshev coefficients (those
+//! of the last two, the interpolant's tail, counted again as a margin for what it leaves out) then say
+//! for the whole interval that there is no zero, or that the function is monotone so that its ends
+//! decide; where they say neither, the interval is halved. So two crossings within a step, or a touch
+//! from which the function returns, are seen however close they lie, down to rounding.
+
+/// An interval at whose start the function is positive and at whose end it is not.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Bracket {
+    pub a: f64,
+    pub b: f64,
+}
+
+const NODES: usize = 9;
+
+/// cos(k π/8) for k = 0 … 15: all the cosines that the transform of nine points needs.
+const COS: [f64; 16] = {
+    let (c1, c2, c3) = (
+        0.923_879_532_511_286_7,
+        std::f64::consts::FRAC_1_SQRT_2,
+        0.382_683_432_365_089_8,
+    );
+    [
+        1.0, c1, c2, c3, 0.0, -c3, -c2, -c1, -1.0, -c1, -c2, -c3, 0.0, c3, c2, c1,
+    ]
+};
+
+/// Intervals narrower than this part of the step are not halved again: a parabola bends by 1e-16 over it.
+pub(crate) const NARROWEST: f64 = 1.5e-8;
+
+/// The nine points of the unit interval.
+const UNIT: [f64; NODES] = {
+    let mut nodes = [1.0; NODES];
+    let mut j = 0;
+    while j < NODES - 1 {
+        nodes[j] = 0.5 * (1.0 - COS[j]);
+        j += 1;
+    }
+    nodes
+};
+
+/// Whether `value` stays far from zero over the whole step: the cheap test that nearly every step passes.
+///
+/// Between nine Chebyshev points a polynomial leaves the range of its values by at most 1.2 times its half-width
+/// (Lebesgue constant 2.4); four times is asked for.
+#[inline(always)]
+pub(crate) fn far_from_zero(value: impl Fn(f64) -> f64) -> bool {
+    let first = value(UNIT[0]);
+    let (mut least, mut most) = (first, first);
+    for &s in &UNIT[1..] {
+        let v = value(s);
+        least = if v < least { v } else { least };
+        most = if v > most { v } else { most };
+    }
+    least + most > 4.0 * (most - least)
+}
+
+/// A bracket of the first zero of `value` in `[lo, hi]`, or `None` when there is none. Halves intervals until each is
+/// clear or holds a bracket: depth first, the left half first.
+pub(crate) fn first_bracket(
+    value: &mut impl FnMut(f64) -> f64,
+    lo: f64,
+    hi: f64,
+) -> Option<Bracket> {
+    // Each halving leaves one interval waiting, and NARROWEST allows 26 of them.
+    let mut waiting = [(0.0, 0.0); 32];
+    let mut count = 0;
+    let mut samples = Samples::take(value, lo, hi);
+    loop {
+        match samples.verdict() {
+            Verdict::Clear => {}
+            Verdict::Zero(bracket) => return Some(bracket),
+            Verdict::Unresolved => {
+                let (lo, hi) = (samples.nodes[0], samples.nodes[NODES - 1]);
+                if hi - lo <= NARROWEST {
+                    if let Some(bracket) = samples.first_sign_change() {
+                        return Some(bracket);
+                    }
+                } else {
+                    let middle = samples.nodes[NODES / 2];
+                    waiting[count] = (middle, hi);
+                    count += 1;
+                    samples = Samples::take(value, lo, middle);
+                    continue;
+                }
+            }
+        }
+        if count == 0 {
+            return None;
+        }
+        count -= 1;
+        samples = Samples::take(value, waiting[count].0, waiting[count].1);
+    }
+}
+
+/// The first zero of `value`, positive at `from`, in `[from, to]`; `None` where there is none. Two zeros in a row are seen however
+/// close they lie, down to rounding.
+///
+/// ```
+/// use stickslip::filippov::first_zero;
+///
+/// let zero = first_zero(|s| (s - 0.5) * (s - 0.500_001), 0.0, 1.0);
+/// assert!((zero.unwrap() - 0.5).abs() < 1e-9);
+/// assert_eq!(first_zero(|s| (s - 0.5) * (s - 0.5) + 1e-6, 0.0, 1.0), None);
+/// ```
+pub fn first_zero(mut value: impl FnMut(f64) -> f64, from: f64, to: f64) -> Option<f64> {
+    let bracket = first_bracket(&mut value, from, to)?;
+    Some(zero_in(&mut value, bracket))
+}
+
+/// The zero of `value` in a bracket (positive at `a`, not at `b`), to a few parts in 1e15 of the step: regula falsi,
+/// Illinois variant.
+pub(crate) fn zero_in(value: &mut impl FnMut(f64) -> f64, bracket: Bracket) -> f64 {
+    let (mut a, mut b) = (bracket.a, bracket.b);
+    let (mut at_a, mut at_b) = (value(a), value(b));
+    if at_a <= 0.0 {
+        return a;
+    }
+    let mut last_moved_a = None;
+    for _ in 0..100 {
+        if b - a <= 4.0 * f64::EPSILON * b || at_b == 0.0 {
+            break;
+        }
+        let falsi = b - at_b * (b - a) / (at_b - at_a);
+        let inside = falsi > a && falsi < b;
+        let middle = if inside { falsi } else { 0.5 * (a + b) };
+        let at_middle = value(middle);
+        let moves_a = at_middle > 0.0;
+        // An end that has stayed twice is given half its weight, or it would stay for ever.
+        let again = last_moved_a == Some(moves_a);
+        if moves_a {
+            (a, at_a) = (middle, at_middle);
+            at_b *= if again { 0.5 } else { 1.0 };
+        } else {
+            (b, at_b) = (middle, at_middle);
+            at_a *= if again { 0.5 } else { 1.0 };
+        }
+        last_moved_a = Some(moves_a);
+    }
+    b
+}
+
+enum Verdict {
+    Clear,
+    Zero(Bracket),
+    Unresolved,
+}
+
+/// The function at the nine points of an interval.
+#[derive(Clone, Copy)]
+struct Samples {
+    nodes: [f64; NODES],
+    values: [f64; NODES],
+}
+
+impl Samples {
+    #[inline(always)]
+    fn take(value: &mut impl FnMut(f64) -> f64, lo: f64, hi: f64) -> Self {
+        let half = 0.5 * (hi - lo);
+        let (mut nodes, mut values) = ([hi; NODES], [0.0; NODES]);
+        for j in 0..NODES {
+            if j < NODES - 1 {
+                nodes[j] = lo + half * (1.0 - COS[j]);
+            }
+            values[j] = value(nodes[j]);
+        }
+        Samples { nodes, values }
+    }
+
+    fn verdict(&self) -> Verdict {
+        let (first, last) = (0, NODES - 1);
+        if self.values[first] <= 0.0 {
+            let a = self.nodes[first];
+            return Verdict::Zero(Bracket { a, b: a });
+        }
+        let c = coefficients(&self.values);
+        if !c[0].is_finite() {
+            // Somewhere here the function is not defined; halving would find that out for ever.
+            return Verdict::Clear;
+        }
+        let tail = c[NODES - 2].abs() + c[NODES - 1].abs();
+        if c[0] > c[1..].iter().map(|c| c.abs()).sum::<f64>() + tail {
+            return Verdict::Clear;
+        }
+        if is_monotone(&c, tail) {
+            return if self.values[last] > 0.0 {
+                Verdict::Clear
+            } else {
+                Verdict::Zero(Bracket {
+                    a: self.nodes[first],
+                    b: self.nodes[last],
+                })
+            };
+        }
+        Verdict::Unresolved
+    }
+
+    fn first_sign_change(&self) -> Option<Bracket> {
+        let j = (1..NODES).find(|&j| self.values[j] <= 0.0)?;
+        Some(Bracket {
+            a: self.nodes[j - 1],
+            b: self.nodes[j],
+        })
+    }
+}
+
+/// Chebyshev coefficients of the interpolant through the values (argument running downwards: odd ones
+/// change sign, which no use here minds).
+fn coefficients(values: &[f64; NODES]) -> [f64; NODES] {
+    let n = NODES - 1;
+    let mut c = [0.0; NODES];
+    for (k, coefficient) in c.iter_mut().enumerate() {
+        let mut sum = 0.5 * (values[0] + values[n] * COS[(n * k) % 16]);
+        for j in 1..n {
+            sum += values[j] * COS[(j * k) % 16];
+        }
+        *coefficient = sum * if k == 0 || k == n { 1.0 } else { 2.0 } / n as f64;
+    }
+    c
+}
+
+/// Whether the derivative of the interpolant keeps one sign.
+fn is_monotone(c: &[f64; NODES], tail: f64) -> bool {
+    let mut d = [0.0; NODES + 1];
+    for k in (1..NODES).rev() {
+        d[k - 1] = d[k + 1] + 2.0 * k as f64 * c[k];
+    }
+    let rest: f64 = d[1..].iter().map(|d| d.abs()).sum();
+    // The derivative of T_8 reaches 64: what the tail leaves out may be that steep.
+    0.5 * d[0].abs() > rest + 64.0 * tail
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn zero_of(mut f: impl FnMut(f64) -> f64) -> Option<Bracket> {
+        first_bracket(&mut f, 0.0, 1.0)
+    }
+
+    #[test]
+    fn finds_pairs_of_crossings_down_to_rounding_and_no_others() {
+        for gap in [1e-2, 1e-6, 1e-10, 1e-13] {
+            for centre in [0.31, 0.5, 0.77123] {
+                let parabola = |g: f64| move |s: f64| (s - centre) * (s - centre) - g;
+                let bracket = zero_of(parabola(gap)).expect("two crossings");
+                let first = centre - gap.sqrt();
+                assert!(
+                    bracket.a <= first && first <= bracket.b + 1e-15,
+                    "{gap} {centre}"
+                );
+                assert!(bracket.b < centre + gap.sqrt());
+                assert_eq!(zero_of(parabola(-gap)), None);
+            }
+        }
+    }
+
+    #[test]
+    fn resolves_functions_that_nine_points_cannot() {
+        let wave = |s: f64| crate::math::cos(60.0 * s) + 1.0 - 1e-6;
+        let bracket = zero_of(wave).expect("cosine dips below");
+        let first = (std::f64::consts::PI - (2e-6_f64).sqrt()) / 60.0;
+        assert!(bracket.a <= first + 1e-9 && first - 1e-9 <= bracket.b);
+        assert_eq!(zero_of(|s| crate::math::cos(60.0 * s) + 1.0 + 1e-6), None);
+    }
+
+    #[test]
+    fn takes_the_first_of_many() {
+        let product = |s: f64| -(s - 0.2) * (s - 0.4) * (s - 0.6) * (s - 0.8) * (s - 0.9);
+        let bracket = zero_of(product).expect("five zeros");
+        assert!(bracket.a <= 0.2 && 0.2 <= bracket.b && bracket.b < 0.4);
+    }
+
+    #[test]
+    fn a_function_that_is_not_positive_at_the_start_is_zero_there() {
+        assert_eq!(zero_of(|s| s - 0.5), Some(Bracket { a: 0.0, b: 0.0 }));
+    }
+}

@@ -1,0 +1,171 @@
+//! Dense output: the solution inside a step as a polynomial.
+
+use super::linear::Linear;
+use super::step::{Stages, weigh};
+use super::tableau::RungeKutta;
+use crate::interval::Interval;
+use crate::system::State;
+use crate::taylor::MOST_ORDER;
+
+/// The solution over one step as a polynomial in `s = (t − t0)/h`, `0 ≤ s ≤ 1`.
+///
+/// Of a Runge–Kutta step: `u(s) = c0 + s (c1 + r (c2 + s (c3 + r (c4 + s (c5 + r (c6 + s c7))))))` with `r = 1 − s` (Hairer, Nørsett &
+/// Wanner, Sect. II.6). The first four coefficients are the cubic Hermite interpolant; RK4 has only those
+/// (order 3), DOP853 all eight (order 7). Of a Taylor step: its series, as accurate inside the step as at its end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dense<const N: usize> {
+    /// Time at the start of the step.
+    pub t0: f64,
+    /// Length of the step.
+    pub h: f64,
+    polynomial: Polynomial<N>,
+}
+
+// Kept in place, without a box: records of steps are copied and never allocate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Polynomial<const N: usize> {
+    RungeKutta([State<f64, N>; 8]),
+    /// Coefficients of the powers of `s`, up to the order given.
+    Series(usize, [State<f64, N>; MOST_ORDER + 1]),
+}
+
+impl<const N: usize> Dense<N> {
+    /// The polynomial of a finished step of length `h` from `(t0, x0)`, its slopes filled in by [`super::dense_slopes`].
+    #[inline(always)]
+    pub fn new<M: RungeKutta>(
+        t0: f64,
+        x0: &State<f64, N>,
+        h: f64,
+        step: &Stages<State<f64, N>>,
+    ) -> Self {
+        let zero = <State<f64, N> as Linear<f64>>::zero();
+        let mut c = [zero; 8];
+        let slope_at_end = &step.k[M::COEFFICIENTS.stages];
+        for i in 0..N {
+            let rise = step.end[i] - x0[i];
+            let bend = h * step.k[0][i] - rise;
+            c[0][i] = x0[i];
+            c[1][i] = rise;
+            c[2][i] = bend;
+            c[3][i] = rise - h * slope_at_end[i] - bend;
+        }
+        if M::COEFFICIENTS.dense_stages > 0 {
+            for (coefficient, weights) in c[4..].iter_mut().zip(&M::COEFFICIENTS.d) {
+                *coefficient = zero.add_scaled(h, &weigh(&step.k, weights));
+            }
+        }
+        Dense {
+            t0,
+            h,
+            polynomial: Polynomial::RungeKutta(c),
+        }
+    }
+
+    /// The series of a Taylor step: coefficients of the powers of `s`.
+    #[inline(always)]
+    pub(crate) fn of_series(
+        t0: f64,
+        h: f64,
+        order: usize,
+        coefficients: &[State<f64, N>; MOST_ORDER + 1],
+    ) -> Self {
+        Dense {
+            t0,
+            h,
+            polynomial: Polynomial::Series(order, *coefficients),
+        }
+    }
+
+    /// Whether the field was a number at every stage: the slope at the end enters the fourth coefficient, all further
+    /// ones the last.
+    #[inline(always)]
+    pub(crate) fn is_finite(&self) -> bool {
+        match &self.polynomial {
+            Polynomial::RungeKutta(c) => (0..N).all(|i| (c[3][i] + c[7][i]).is_finite()),
+            Polynomial::Series(_, c) => c.iter().all(|c| c.iter().all(|v| v.is_finite())),
+        }
+    }
+
+    /// The state at `t0 + s h`.
+    #[inline(always)]
+    pub fn at(&self, s: f64) -> State<f64, N> {
+        let c = match &self.polynomial {
+            Polynomial::RungeKutta(c) => c,
+            Polynomial::Series(order, c) => return power_series(&c[..=*order], s),
+        };
+        let r = 1.0 - s;
+        let mut x = c[7];
+        for i in 0..N {
+            x[i] = c[6][i] + s * x[i];
+            x[i] = c[5][i] + r * x[i];
+            x[i] = c[4][i] + s * x[i];
+            x[i] = c[3][i] + r * x[i];
+            x[i] = c[2][i] + s * x[i];
+            x[i] = c[1][i] + r * x[i];
+            x[i] = c[0][i] + s * x[i];
+        }
+        x
+    }
+
+    /// A box that holds the state throughout the step: the middle of a straight way, and as radius what every other term
+    /// of the polynomial can reach between 0 and 1.
+    #[inline(always)]
+    pub(crate) fn enclosure(&self) -> State<Interval, N> {
+        /// The largest values of `s r`, `s² r`, … `s⁴ r³`, rounded up.
+        const REACH: [f64; 6] = [0.25, 0.148_149, 0.0625, 0.034_561, 0.015_626, 0.008_394];
+        let c = match &self.polynomial {
+            Polynomial::RungeKutta(c) => c,
+            Polynomial::Series(order, c) => {
+                return State::from_fn(|i, _| {
+                    let reach = c[1..=*order].iter().map(|c| c[i].abs()).sum();
+                    Interval::around(c[0][i], reach)
+                });
+            }
+        };
+        State::from_fn(|i, _| {
+            let mut radius = 0.5 * c[1][i].abs();
+            for (term, reach) in c[2..].iter().zip(REACH) {
+                radius += reach * term[i].abs();
+            }
+            Interval::around(c[0][i] + 0.5 * c[1][i], radius)
+        })
+    }
+
+    /// The state at time `t`.
+    pub fn at_time(&self, t: f64) -> State<f64, N> {
+        self.at((t - self.t0) / self.h)
+    }
+}
+
+/// `Σ c_k s^k`.
+#[inline(always)]
+pub(crate) fn power_series<const N: usize>(c: &[State<f64, N>], s: f64) -> State<f64, N> {
+    let mut x = <State<f64, N> as Linear<f64>>::zero();
+    for c in c.iter().rev() {
+        for i in 0..N {
+            x[i] = c[i] + s * x[i];
+        }
+    }
+    x
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+        #[test]
+        fn the_enclosure_holds_the_whole_step(
+            terms in prop::array::uniform8(-1.0..1.0),
+            s in 0.0..=1.0,
+        ) {
+            let dense = Dense::<1> { t0: 0.0, h: 1.0, polynomial: Polynomial::RungeKutta(terms.map(|c| State::from([c]))) };
+            let range = dense.enclosure()[0];
+            let x = dense.at(s)[0];
+            prop_assert!(range.low <= x + 1e-15 && x - 1e-15 <= range.high);
+        }
+    }
+}

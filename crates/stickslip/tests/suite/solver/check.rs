@@ -1,0 +1,172 @@
+//! What holds of every orbit, whatever the system.
+
+use stickslip::filippov::boundary_gradient;
+use stickslip::{
+    Filippov, Locator, Mode, Options, Orbit, Side, State, StepRecord, Transition, TransitionKind,
+};
+
+/// Tolerance of the tests that compare with closed forms.
+pub const TIGHT: f64 = 1e-13;
+
+/// The three ways to locate an event, at [`TIGHT`].
+pub fn every_locator() -> [Options; 3] {
+    [Locator::Auto, Locator::Henon, Locator::RootSearch]
+        .map(|locator| super::tol(TIGHT).locator(locator))
+}
+
+/// The two of them that keep the tolerance however long the step: the paper's single Hénon step over all of it does not.
+pub const EXACT_LOCATORS: [Locator; 2] = [Locator::Auto, Locator::RootSearch];
+
+/// Kinds of the transitions, in order.
+pub fn kinds<const N: usize>(orbit: &Orbit<N>) -> Vec<TransitionKind> {
+    orbit.transitions.iter().map(|t| t.kind).collect()
+}
+
+/// Transitions other than touches, in order.
+pub fn changes<const N: usize>(orbit: &Orbit<N>) -> Vec<Transition<N>> {
+    let no_touch = |t: &&Transition<N>| t.kind != TransitionKind::Touch;
+    orbit.transitions.iter().filter(no_touch).copied().collect()
+}
+
+/// One unit in the last place of the boundary function at `(t, x)`: what it changes by when every component and the
+/// time change by one.
+pub fn ulp_of_boundary<S: Filippov<N>, const N: usize>(
+    system: &S,
+    t: f64,
+    x: &State<f64, N>,
+) -> f64 {
+    let (gradient, in_time) = boundary_gradient(system, t, x);
+    let by_state: f64 = gradient.iter().zip(x).map(|(g, x)| (g * x).abs()).sum();
+    // The boundary function's own terms may be as large as 1 where those of the state are small.
+    f64::EPSILON * (by_state + (in_time * t).abs() + 1.0)
+}
+
+/// Asserts what is true of any orbit: phases and steps join without gap or overlap, none is empty, the transitions
+/// belong to them, and states that should lie on Σ do.
+pub fn assert_consistent<S: Filippov<N>, const N: usize>(system: &S, orbit: &Orbit<N>) {
+    assert_steps_join(orbit);
+    assert_phases_join(orbit);
+    assert_transitions_match(orbit);
+    assert_on_boundary(system, orbit);
+}
+
+fn assert_steps_join<const N: usize>(orbit: &Orbit<N>) {
+    assert_eq!(orbit.counters.steps as usize, orbit.steps.len());
+    assert_eq!(orbit.steps[0].t_start, orbit.t_start);
+    for pair in orbit.steps.windows(2) {
+        assert_eq!(pair[0].t_end, pair[1].t_start);
+        if pair[0].mode == pair[1].mode || pair[1].mode != Mode::Stick {
+            assert_eq!(pair[0].x_end, pair[1].x_start);
+        } else {
+            // Entering stick, the state is put onto Σ: by rounding only.
+            let moved = (pair[0].x_end - pair[1].x_start).amax();
+            assert!(
+                moved <= 8.0 * f64::EPSILON * (1.0 + pair[0].x_end.amax()),
+                "{moved}"
+            );
+        }
+    }
+    for step in &orbit.steps {
+        // An event that rounding has put behind the end of a step may cut the next to nothing.
+        assert!(
+            step.t_start <= step.t_end,
+            "{} .. {}",
+            step.t_start,
+            step.t_end
+        );
+    }
+    let last = orbit.steps.last().expect("steps");
+    assert_eq!((last.t_end, last.x_end), (orbit.t_end, orbit.x_end));
+}
+
+fn assert_phases_join<const N: usize>(orbit: &Orbit<N>) {
+    let (first, last) = (orbit.phases[0], *orbit.phases.last().expect("phases"));
+    assert_eq!(
+        (first.t_start, first.x_start),
+        (orbit.t_start, orbit.x_start)
+    );
+    assert_eq!((last.t_end, last.x_end), (orbit.t_end, orbit.x_end));
+    for pair in orbit.phases.windows(2) {
+        assert_eq!(pair[0].t_end, pair[1].t_start);
+        assert_eq!(pair[0].x_end, pair[1].x_start);
+        assert_ne!(pair[0].mode, pair[1].mode, "at t = {}", pair[0].t_end);
+    }
+    for phase in &orbit.phases {
+        assert!(
+            phase.duration() > 0.0,
+            "empty phase at t = {}",
+            phase.t_start
+        );
+    }
+}
+
+fn assert_transitions_match<const N: usize>(orbit: &Orbit<N>) {
+    assert_eq!(orbit.counters.events as usize, orbit.transitions.len());
+    let changes = changes(orbit);
+    assert_eq!(changes.len(), orbit.phases.len() - 1);
+    for (change, pair) in changes.iter().zip(orbit.phases.windows(2)) {
+        assert_eq!((change.t, change.x), (pair[1].t_start, pair[1].x_start));
+        assert_eq!((change.from, change.to), (pair[0].mode, pair[1].mode));
+        let kind = match (change.from, change.to) {
+            (Mode::Slip(_), Mode::Slip(_)) => TransitionKind::Crossing,
+            (_, Mode::Stick) => TransitionKind::StickEntry,
+            (Mode::Stick, _) => TransitionKind::StickExit,
+        };
+        assert_eq!(change.kind, kind);
+    }
+    for pair in orbit.transitions.windows(2) {
+        assert!(
+            pair[0].t < pair[1].t,
+            "two transitions at t = {}",
+            pair[1].t
+        );
+    }
+}
+
+/// Rounding that one step of DOP853 may leave in the boundary function: its weights add up to 13.6 by size, each slope
+/// is rounded once, and taken at a state that is rounded as often.
+fn rounding_of_step<S: Filippov<N>, const N: usize>(system: &S, step: &StepRecord<N>) -> f64 {
+    let (gradient, _) = boundary_gradient(system, step.t_end, &step.x_end);
+    let side = match step.mode {
+        Mode::Slip(side) => side,
+        Mode::Stick => Side::Below,
+    };
+    let before = system.field(side, step.t_start, &step.x_start);
+    let after = system.field(side, step.t_end, &step.x_end);
+    let slope = (0..N).map(|i| gradient[i].abs() * before[i].abs().max(after[i].abs()));
+    32.0 * f64::EPSILON * (step.t_end - step.t_start) * slope.sum::<f64>()
+}
+
+fn assert_on_boundary<S: Filippov<N>, const N: usize>(system: &S, orbit: &Orbit<N>) {
+    let starts_of_other_phases = orbit
+        .steps
+        .windows(2)
+        .filter(|pair| pair[0].mode != pair[1].mode);
+    let landings = starts_of_other_phases.map(|pair| &pair[0]);
+    let sticks = orbit.steps.iter().filter(|step| step.mode == Mode::Stick);
+    for step in landings.chain(sticks) {
+        let ulp = ulp_of_boundary(system, step.t_end, &step.x_end);
+        let allowed = 4.0 * ulp + rounding_of_step(system, step);
+        let h = system.boundary(step.t_end, &step.x_end).abs();
+        assert!(
+            h <= allowed,
+            "t = {}: |h| = {h}, allowed {allowed}",
+            step.t_end
+        );
+    }
+}
+
+/// Asserts that every change of phase lies on Σ to four units in the last place, as every
+/// locator manages where steps are short or the rate across Σ is steady.
+pub fn assert_lands_on_boundary<S: Filippov<N>, const N: usize>(system: &S, orbit: &Orbit<N>) {
+    for change in changes(orbit) {
+        let ulp = ulp_of_boundary(system, change.t, &change.x);
+        let h = system.boundary(change.t, &change.x).abs();
+        assert!(
+            h <= 4.0 * ulp,
+            "{:?} at t = {}: |h| = {h}, ulp {ulp}",
+            change.kind,
+            change.t
+        );
+    }
+}

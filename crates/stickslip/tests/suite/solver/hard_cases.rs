@@ -1,0 +1,304 @@
+//! Cases that are easy to get wrong: on Σ to rounding only, at two-folds, at the edge of a field's domain, where
+//! transitions pile up, and where a step is long against what happens in it.
+
+use std::cell::Cell;
+use std::f64::consts::{FRAC_PI_2, PI};
+use std::ops::ControlFlow;
+
+use stickslip::TransitionKind::{Crossing, StickEntry, StickExit};
+use stickslip::{
+    AtRepelling, Ending, Error, Filippov, Locator, Mode, Observer, Options, Scalar, Side, State,
+    StepRecord, math, run, solve,
+};
+
+use super::check::{TIGHT, assert_consistent, kinds};
+use crate::solver::systems::{
+    BlowUp, Ceiling, Dip, Floor, Parabola, TurningLine, TwoFold, Zeno, coulomb_friction,
+};
+
+#[test]
+fn a_state_on_the_boundary_to_rounding_is_on_it() {
+    // The floor's Σ is where the velocity is zero; a velocity of 1e-17 is what rounding leaves of that.
+    for velocity in [0.0, 1e-17, -1e-17, 1e-300, -1e-300] {
+        let start = State::from([0.1, velocity]);
+        let orbit = solve(&Floor, 0.0, start, 1.0, &super::tol(TIGHT)).expect("runs");
+        assert_consistent(&Floor, &orbit);
+        assert_eq!(
+            orbit.phases.last().map(|p| p.mode),
+            Some(Mode::Stick),
+            "{velocity}"
+        );
+        let start = State::from([-2.2, velocity]);
+        let orbit = solve(&Floor, 0.0, start, 1.0, &super::tol(TIGHT)).expect("runs");
+        assert_consistent(&Floor, &orbit);
+    }
+}
+
+#[test]
+fn a_run_from_any_transition_of_the_floor_repeats_the_rest() {
+    let options = super::tol(TIGHT);
+    let orbit = solve(&Floor, 0.0, State::from([3.0, 0.0]), 20.0, &options).expect("runs");
+    for (k, start) in orbit.transitions.iter().enumerate() {
+        let again = solve(&Floor, start.t, start.x, 20.0, &options).expect("runs");
+        assert_consistent(&Floor, &again);
+        assert_eq!(
+            kinds(&again),
+            kinds(&orbit)[k + 1..],
+            "after transition {k}"
+        );
+        assert!((again.x_end - orbit.x_end).amax() < 1e-11);
+    }
+}
+
+#[test]
+fn a_two_fold_at_the_origin_is_one_to_rounding() {
+    // Stable sliding arrives at x₁ = 0 at time 1; behind it both fields lead away.
+    let system = TwoFold {
+        below: -1.0,
+        above: 1.0,
+    };
+    let orbit = solve(
+        &system,
+        0.0,
+        State::from([-1.0, 0.0]),
+        2.0,
+        &super::tol(TIGHT),
+    )
+    .expect("runs");
+    assert_eq!(orbit.ending, Ending::Repelling);
+    assert!((orbit.t_end - 1.0).abs() < 1e-14, "{}", orbit.t_end);
+}
+
+#[test]
+fn a_two_fold_invisible_from_both_sides_is_slid_on() {
+    // The weights of the sliding field are 0/0 there, with a limit: x₁' = 1 all the same.
+    let system = TwoFold {
+        below: 1.0,
+        above: -1.0,
+    };
+    let orbit = solve(
+        &system,
+        0.0,
+        State::from([0.0, 0.0]),
+        2.0,
+        &super::tol(TIGHT),
+    )
+    .expect("runs");
+    assert_consistent(&system, &orbit);
+    assert_eq!((orbit.phases.len(), orbit.phases[0].mode), (1, Mode::Stick));
+    assert!((orbit.x_end[0] - 2.0).abs() < 1e-14);
+}
+
+#[test]
+fn a_moving_boundary_that_becomes_repelling_ends_the_run_there() {
+    for speed in [0.7, 1.3] {
+        for tolerance in [1e-13, 1e-10, 1e-7] {
+            let system = TurningLine { speed };
+            let options = super::tol(tolerance);
+            let orbit = solve(&system, 0.0, State::from([0.1]), 3.0, &options).expect("runs");
+            assert_eq!(orbit.ending, Ending::Repelling);
+            assert!((orbit.t_end - FRAC_PI_2).abs() < 1e-13, "{}", orbit.t_end);
+            let options = options.at_repelling(AtRepelling::GoBelow);
+            let orbit = solve(&system, 0.0, State::from([0.1]), 3.0, &options).expect("runs");
+            let exact = speed * 4.5 - (1.0 - math::sin(3.0));
+            assert!((orbit.x_end[0] - exact).abs() < 100.0 * tolerance);
+        }
+    }
+}
+
+#[test]
+fn the_step_on_which_a_run_escapes_is_kept() {
+    let options = super::tol(1e-10).escape(1e3);
+    let failure = solve(&BlowUp, 0.0, State::from([0.5]), 10.0, &options).expect_err("escapes");
+    let Error::Escaped { t, .. } = failure.error else {
+        panic!("{}", failure.error)
+    };
+    assert_eq!(
+        failure.orbit.counters.steps as usize,
+        failure.orbit.steps.len()
+    );
+    assert_eq!(failure.orbit.t_end, t);
+}
+
+/// `x' = √(1 - x)`, which comes to rest at 1, its boundary far off and its uses counted.
+struct Rest {
+    looks: Cell<u64>,
+}
+
+impl Filippov<1> for Rest {
+    fn field<T: Scalar>(&self, _side: Side, _t: T, x: &State<T, 1>) -> State<T, 1> {
+        State::from([Scalar::sqrt(-x[0] + 1.0)])
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 1>) -> T {
+        self.looks.set(self.looks.get() + 1);
+        assert!(self.looks.get() < 1_000_000, "a step is searched for ever");
+        x[0] + 100.0
+    }
+}
+
+#[test]
+fn a_step_whose_dense_output_is_not_finite_is_not_searched_for_ever() {
+    let system = Rest {
+        looks: Cell::new(0),
+    };
+    // Until time 2 the solution is 1 - (1 - t/2)²; whatever comes then, an error or rest at 1, comes promptly.
+    if let Ok(orbit) = solve(&system, 0.0, State::from([0.0]), 2.5, &super::tol(1e-10)) {
+        assert!((orbit.x_end[0] - 1.0).abs() < 1e-8);
+    }
+}
+
+/// Ends a run that does not end itself.
+struct AtMost(usize);
+
+impl Observer<2> for AtMost {
+    fn step(&mut self, step: &StepRecord<2>) -> ControlFlow<()> {
+        assert!(step.t_start <= step.t_end);
+        self.0 -= 1;
+        if self.0 > 0 {
+            ControlFlow::Continue(())
+        } else {
+            ControlFlow::Break(())
+        }
+    }
+}
+
+#[test]
+fn a_pile_up_too_fast_to_be_counted_ends_the_run_all_the_same() {
+    for brake in [
+        0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.75, 0.8, 0.85, 0.9,
+    ] {
+        for tolerance in [1e-13, 1e-12, 1e-10, 1e-8] {
+            let mut at_most = AtMost(20_000);
+            let start = State::from([0.0, 1.0]);
+            let result = run(
+                &Zeno { brake },
+                0.0,
+                start,
+                100.0,
+                &super::tol(tolerance),
+                &mut at_most,
+            );
+            let error = result.map(|s| (s.t, s.counters)).expect_err("cannot go on");
+            let told = matches!(
+                error,
+                Error::EventPileUp { .. } | Error::StepCollapse { .. } | Error::NonFinite { .. }
+            );
+            assert!(told, "{brake} {tolerance}: {error}");
+        }
+    }
+}
+
+#[test]
+fn a_short_release_far_into_a_long_step_is_no_touch() {
+    // What ends the stick is known, at the release, to twice the width times the error of x₁: far better than to its
+    // slope at the start of the step, where q is as long as the step.
+    for (centre, width, tolerance) in [
+        (10.0, 5e-6, 1e-13),
+        (20.0, 1e-5, 1e-13),
+        (50.0, 1e-5, 1e-13),
+        (300.0, 1e-4, 1e-13),
+        (50.0, 1e-3, 1e-10),
+    ] {
+        let dip = Dip {
+            centre,
+            width,
+            amplitude: 0.0,
+        };
+        let options = super::tol(tolerance);
+        let orbit =
+            solve(&dip, 0.0, State::from([0.0, 0.0]), 1.5 * centre, &options).expect("runs");
+        assert_eq!(
+            kinds(&orbit),
+            [StickExit, StickEntry],
+            "width {width} at {centre}"
+        );
+    }
+}
+
+#[test]
+fn the_henon_locator_keeps_the_tolerance_in_adaptive_steps() {
+    let options = super::tol(TIGHT).locator(Locator::Henon);
+    // A circle 1e-2 beyond the ceiling: the rate across Σ changes by factors within a step.
+    let system = Ceiling { gap: 1e-2 };
+    for k in 0..12 {
+        let phase = 0.4 + 0.45 * f64::from(k);
+        let start = State::from([math::cos(phase), -math::sin(phase)]);
+        let orbit = solve(&system, 0.0, start, 2.0 * PI, &options).expect("runs");
+        assert_eq!(kinds(&orbit), [Crossing, Crossing]);
+        for (event, sign) in orbit.transitions.iter().zip([-1.0, 1.0]) {
+            let exact = 2.0 * PI - phase + sign * math::acos(0.99);
+            assert!(
+                (event.t - exact).abs() < 1e-11,
+                "phase {phase}: off by {}",
+                event.t - exact
+            );
+        }
+    }
+    let x0 = -1.635;
+    let short = Options {
+        first_step: Some(0.01),
+        longest_step: 0.05,
+        ..options
+    };
+    let orbit = solve(
+        &Parabola { level: 0.01 },
+        0.0,
+        State::from([x0, x0 * x0]),
+        4.0,
+        &short,
+    )
+    .expect("runs");
+    for (event, exact) in orbit.transitions.iter().zip([-0.1, 0.1]) {
+        assert!((event.x[0] - exact).abs() < 1e-12, "{}", event.x[0]);
+    }
+    let (vp, mu0) = (0.166, 0.05);
+    let belt = coulomb_friction(mu0, vp);
+    let start = State::from([0.0, -2.4]);
+    let end = |locator| {
+        solve(&belt, 0.0, start, 90.0, &options.locator(locator))
+            .expect("runs")
+            .transitions
+    };
+    let (by_henon, by_search) = (end(Locator::Henon), end(Locator::RootSearch));
+    assert_eq!(by_henon.len(), by_search.len());
+    for (one, other) in by_henon.iter().zip(&by_search) {
+        assert!(
+            (one.t - other.t).abs() < 1e-10,
+            "t = {}: {}",
+            other.t,
+            one.t - other.t
+        );
+    }
+}
+
+/// `x' = x cos t`, of which `exp(sin t)` is a solution, under a ceiling a little below its top.
+struct Swell {
+    level: f64,
+}
+
+impl Filippov<1> for Swell {
+    fn field<T: Scalar>(&self, _side: Side, t: T, x: &State<T, 1>) -> State<T, 1> {
+        State::from([x[0] * Scalar::cos(t)])
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 1>) -> T {
+        x[0] - self.level
+    }
+}
+
+#[test]
+fn a_graze_shallower_than_the_dense_output_is_exact_is_found() {
+    // Inside a step the dense output may err by many tolerances, where the steps' ends err by one: a solution that passes 25
+    // tolerances beyond the ceiling, little more than what still counts as a touch, must not look as if it stayed below.
+    for tolerance in [1e-12, 1e-11, 1e-10, 1e-9] {
+        let top = math::exp(1.0);
+        let gap = 25.0 * tolerance * top;
+        let system = Swell { level: top - gap };
+        for k in 0..300 {
+            let t = -1.5 + 0.009 * f64::from(k);
+            let start = State::from([math::exp(math::sin(t))]);
+            let options = super::tol(tolerance);
+            let orbit = solve(&system, t, start, 3.0, &options).expect("runs");
+            assert_eq!(kinds(&orbit), [Crossing, Crossing], "{tolerance} {t}");
+        }
+    }
+}

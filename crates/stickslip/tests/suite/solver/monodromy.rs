@@ -1,0 +1,184 @@
+//! The derivative of the flow map by saltation matrices against differences of the flow map itself.
+
+use nalgebra::SMatrix;
+use stickslip::TransitionKind::StickEntry;
+use stickslip::analysis::{monodromy, periodic_orbit, planar_multipliers};
+use stickslip::models::BeltOscillator;
+use stickslip::{Filippov, Mode, Side, State, math, solve};
+
+use super::check::{TIGHT, kinds};
+use crate::solver::systems::{Dip, Floor, MovingLine, Spiral, decaying_friction};
+
+/// Differences over five points with this change err by its fourth power times the fifth derivative, and by the run's
+/// tolerance over it (1e-8).
+const CHANGE: f64 = 1e-5;
+const ALLOWED: f64 = 1e-6;
+
+fn by_differences<S: Filippov<N>, const N: usize>(
+    system: &S,
+    t0: f64,
+    x0: State<f64, N>,
+    t_end: f64,
+) -> SMatrix<f64, N, N> {
+    let end = |x: State<f64, N>| {
+        let orbit = solve(system, t0, x, t_end, &super::tol(TIGHT)).expect("runs");
+        orbit.x_end
+    };
+    let columns: Vec<_> = (0..N)
+        .map(|j| {
+            let moved = |by: f64| {
+                let mut x = x0;
+                x[j] += by;
+                end(x)
+            };
+            let near = moved(CHANGE) - moved(-CHANGE);
+            let far = moved(2.0 * CHANGE) - moved(-2.0 * CHANGE);
+            (near * 8.0 - far) / (12.0 * CHANGE)
+        })
+        .collect();
+    SMatrix::from_columns(&columns)
+}
+
+fn assert_agree<S: Filippov<N>, const N: usize>(
+    what: &str,
+    system: &S,
+    (t0, x0): (f64, State<f64, N>),
+    t_end: f64,
+    stick_entries: usize,
+) -> SMatrix<f64, N, N> {
+    let options = super::tol(TIGHT);
+    let found = monodromy(system, t0, x0, t_end, &options).expect("runs");
+    let orbit = solve(system, t0, x0, t_end, &options).expect("runs");
+    assert_eq!(found.summary.x, orbit.x_end, "{what}");
+    let entries = kinds(&orbit).iter().filter(|k| **k == StickEntry).count();
+    assert_eq!(
+        (found.stick_entries, entries),
+        (stick_entries, stick_entries),
+        "{what}"
+    );
+    let exact = by_differences(system, t0, x0, t_end);
+    let error = (found.matrix - exact).amax() / exact.amax().max(1.0);
+    assert!(
+        error < ALLOWED,
+        "{what} to {t_end}: {} {exact}",
+        found.matrix
+    );
+    found.matrix
+}
+
+#[test]
+fn crossings_of_the_floor_and_of_the_circle() {
+    let m = assert_agree("floor", &Floor, (0.0, State::from([3.0, -0.1])), 8.0, 0);
+    assert!(m.determinant().abs() > 1e-3);
+    assert_agree(
+        "floor at rest",
+        &Floor,
+        (0.0, State::from([3.0, -0.1])),
+        14.0,
+        1,
+    );
+    assert_agree("spiral", &Spiral, (0.0, State::from([0.3, 0.2])), 2.0, 0);
+}
+
+#[test]
+fn stick_takes_one_from_the_rank() {
+    let cases = [
+        (decaying_friction(), [0.04, -0.01]),
+        (
+            BeltOscillator {
+                belt_speed: 0.4,
+                ..BeltOscillator::default()
+            },
+            [0.5, 1.5],
+        ),
+    ];
+    for (belt, start) in cases {
+        let start = State::from(start);
+        for (t_end, entries) in sticks_by(&belt, start, &[0.1, 2.0, 6.0, 9.0, 15.0, 25.0]) {
+            let m = assert_agree("belt", &belt, (0.0, start), t_end, entries);
+            if entries > 0 {
+                // What rounding leaves of a determinant that is zero: a few units of its two products.
+                let rounding = 100.0 * f64::EPSILON * m.amax() * m.amax();
+                assert!(
+                    m.determinant().abs() <= rounding,
+                    "{t_end}: {}",
+                    m.determinant()
+                );
+            } else {
+                assert!(m.determinant() > 0.1, "{t_end}: {}", m.determinant());
+            }
+        }
+    }
+}
+
+/// How often the orbit has entered stick by each of the times.
+fn sticks_by(belt: &BeltOscillator, start: State<f64, 2>, times: &[f64]) -> Vec<(f64, usize)> {
+    let orbit = solve(belt, 0.0, start, 100.0, &super::tol(TIGHT)).expect("runs");
+    let entered = |t: &f64| orbit.sticks().filter(|stick| stick.t_start < *t).count();
+    times.iter().map(|t| (*t, entered(t))).collect()
+}
+
+#[test]
+fn a_moving_boundary_is_crossed_slid_on_and_left() {
+    let crossed = assert_agree(
+        "moving",
+        &MovingLine { a: 0.3 },
+        (0.0, State::from([0.7])),
+        1.5,
+        0,
+    );
+    assert!(
+        (crossed[(0, 0)] - 1.0).abs() > 0.1,
+        "the crossing must matter"
+    );
+    let slid = assert_agree(
+        "moving",
+        &MovingLine { a: 0.9 },
+        (0.0, State::from([0.7])),
+        1.5,
+        1,
+    );
+    assert_eq!(slid[(0, 0)], 0.0);
+    let dip = Dip {
+        centre: 2.0,
+        width: 0.3,
+        amplitude: 0.5,
+    };
+    for (t_end, entries) in [(0.15, 0), (1.0, 1), (2.1, 1), (3.0, 2)] {
+        assert_agree("dip", &dip, (0.0, State::from([0.1, 0.3])), t_end, entries);
+    }
+}
+
+#[test]
+fn the_cycle_without_stick_has_the_multiplier_of_its_return_map() {
+    let belt = BeltOscillator::default();
+    let options = super::tol(TIGHT);
+    let guess = State::from([-0.27, -0.73]);
+    let cycle = periodic_orbit(&belt, guess, 7.7, &options).expect("converges");
+    let [trivial, other] = planar_multipliers(&cycle.monodromy);
+    // The monodromy is as exact as the orbit, whose error of some 1e-12 a turn it carries enlarged by its own norm.
+    assert!(
+        (trivial.re - 1.0).abs() < 1e-9 && trivial.im == 0.0,
+        "{trivial}"
+    );
+
+    let upward = |orbit: &stickslip::Orbit<2>| {
+        let to_above = |t: &&stickslip::Transition<2>| t.to == Mode::Slip(Side::Above);
+        orbit.transitions.iter().find(to_above).expect("crosses").x[0]
+    };
+    let turn = solve(&belt, 0.0, cycle.x, 10.0, &options).expect("runs");
+    let fixed = upward(&turn);
+    let mapped = |x: f64| {
+        let orbit = solve(&belt, 0.0, State::from([x, 1.0]), 10.0, &options).expect("runs");
+        assert_eq!(orbit.phases[0].mode, Mode::Slip(Side::Above));
+        upward(&orbit)
+    };
+    assert!((mapped(fixed) - fixed).abs() < 1e-11);
+    let slope = (mapped(fixed + CHANGE) - mapped(fixed - CHANGE)) / (2.0 * CHANGE);
+    assert!((slope - other.re).abs() < ALLOWED, "{slope} {other}");
+    assert!((other.re - 0.12629).abs() < 5e-6, "{other}");
+    // Liouville: the determinant is the product, and no friction law enters it but through its slope.
+    assert!(
+        (math::ln(cycle.monodromy.determinant()) - math::ln(trivial.re * other.re)).abs() < 1e-9
+    );
+}

@@ -1,0 +1,228 @@
+//! Measured orders of convergence: of the integrators, of event times, of the Hénon step, of the dense output.
+
+use std::f64::consts::PI;
+
+use stickslip::ode::{Dop853, Rk4, RungeKutta, Timed, henon_step};
+use stickslip::{Locator, Method, Options, Orbit, State, math, solve};
+
+use super::check::changes;
+use crate::solver::systems::{Breathing, Floor, decaying_friction};
+
+/// Least-squares slope of the logarithm of the error over that of the step.
+fn order(points: &[(f64, f64)]) -> f64 {
+    let n = points.len() as f64;
+    let logs: Vec<_> = points
+        .iter()
+        .map(|(h, e)| (math::ln(*h), math::ln(*e)))
+        .collect();
+    let mean = |f: &dyn Fn(&(f64, f64)) -> f64| logs.iter().map(f).sum::<f64>() / n;
+    let (x, y) = (mean(&|p| p.0), mean(&|p| p.1));
+    let above = logs.iter().map(|p| (p.0 - x) * (p.1 - y)).sum::<f64>();
+    let below = logs.iter().map(|p| (p.0 - x) * (p.0 - x)).sum::<f64>();
+    above / below
+}
+
+/// A method of fixed step, the order it should show, and step counts over a span that keep its error above rounding.
+#[derive(Clone, Copy)]
+enum Fixed {
+    Rk4,
+    Dop853,
+}
+
+impl Fixed {
+    fn method(self, step: f64) -> Method {
+        match self {
+            Fixed::Rk4 => Method::Rk4 { step },
+            Fixed::Dop853 => Method::Dop853Fixed { step },
+        }
+    }
+
+    fn assert_order(self, what: &str, points: &[(f64, f64)], more: f64) {
+        let found = order(points);
+        let (least, most) = match self {
+            Fixed::Rk4 => (3.8, 4.3),
+            Fixed::Dop853 => (7.5, 8.6),
+        };
+        let fits = least + more <= found && found <= most + more;
+        assert!(fits, "{what}: order {found} from {points:?}");
+    }
+}
+
+#[test]
+fn a_smooth_orbit_converges_with_the_order_of_the_method() {
+    for (fixed, counts) in [(Fixed::Rk4, 20..100), (Fixed::Dop853, 10..23)] {
+        let points: Vec<_> = counts
+            .step_by(3)
+            .map(|n| {
+                let step = 5.0 / f64::from(n);
+                let options = Options::default().method(fixed.method(step));
+                let orbit =
+                    solve(&Breathing, 0.0, State::from([1.0]), 5.0, &options).expect("runs");
+                (step, (orbit.x_end[0] - math::exp(math::sin(5.0))).abs())
+            })
+            .collect();
+        fixed.assert_order("smooth", &points, 0.0);
+    }
+}
+
+/// Error of an event time with `n + ½` steps to the first event, so that the cut falls alike for all `n`.
+fn event_errors(
+    fixed: Fixed,
+    locator: Locator,
+    counts: &[u32],
+    span: f64,
+    run: impl Fn(&Options) -> f64,
+) -> Vec<(f64, f64)> {
+    counts
+        .iter()
+        .map(|n| {
+            let step = span / (f64::from(*n) + 0.5);
+            let options = Options::default()
+                .method(fixed.method(step))
+                .locator(locator);
+            (step, run(&options).abs())
+        })
+        .collect()
+}
+
+#[test]
+fn the_touch_down_of_a_belt_oscillator_converges_with_the_order_of_the_method() {
+    let belt = decaying_friction();
+    let (slip, end) = (4.703_364_997_942_152, 9.230_770_458_082_98);
+    // Of DOP853 the error's leading terms cancel each other until it is lost in rounding; circles show its order below.
+    for (fixed, counts) in [(Fixed::Rk4, [48, 68, 96, 136, 192])] {
+        for locator in [Locator::Auto, Locator::Henon, Locator::RootSearch] {
+            // From the exit from stick, a tangent point, to the touch-down and to the exit.
+            let events = |options: &Options| {
+                let orbit =
+                    solve(&belt, 0.0, State::from([1.0, 0.2]), 20.0, options).expect("runs");
+                changes(&orbit)
+            };
+            // Where and when it touches down and leaves: of one number alone the leading term may vanish nearby.
+            let error = |options: &Options| {
+                let found = events(options);
+                let (touch_down, exit) = (found[0], found[1]);
+                let place = (touch_down.x[0] - 0.094_518_907_971_834_62).abs();
+                (touch_down.t - slip)
+                    .abs()
+                    .max((exit.t - end).abs())
+                    .max(place)
+            };
+            let points = event_errors(fixed, locator, &counts, slip, error);
+            fixed.assert_order(&format!("{locator:?} event"), &points, 0.0);
+        }
+    }
+}
+
+#[test]
+fn crossings_in_a_row_converge_with_the_order_of_the_method() {
+    for (fixed, counts) in [
+        (Fixed::Rk4, [8, 12, 17, 24, 34]),
+        (Fixed::Dop853, [2, 3, 4, 5, 6]),
+    ] {
+        for locator in [Locator::Auto, Locator::Henon, Locator::RootSearch] {
+            let events = |options: &Options| -> Orbit<2> {
+                solve(&Floor, 0.0, State::from([3.0, 0.0]), 14.0, options).expect("runs")
+            };
+            for k in 0..4 {
+                let error =
+                    |options: &Options| events(options).transitions[k].t - (k + 1) as f64 * PI;
+                let points = event_errors(fixed, locator, &counts, PI, error);
+                fixed.assert_order(&format!("{locator:?} crossing {k}"), &points, 0.0);
+            }
+        }
+    }
+}
+
+/// Worst error of one Hénon step on the unit circle `x' = v, v' = -x` with `v` as independent variable, by length.
+fn henon_errors<M: RungeKutta>(changes: &[f64]) -> Vec<(f64, f64)> {
+    let slope = &mut |at: &Timed<f64, 2>| {
+        let rate = -at.x[0];
+        Timed {
+            t: 1.0 / rate,
+            x: State::from([at.x[1] / rate, -at.x[0] / rate]),
+        }
+    };
+    changes
+        .iter()
+        .map(|change| {
+            // v falls from half the change to minus that: the middle of the circle's side, where even powers cancel.
+            let v0 = 0.5 * change;
+            let start = math::atan2(v0, (1.0 - v0 * v0).sqrt());
+            let from = Timed {
+                t: 0.0,
+                x: State::from([math::cos(start), v0]),
+            };
+            let to = henon_step::<M, f64, 2>(slope, &from, -change);
+            let v = v0 - change;
+            assert!(
+                (to.x[1] - v).abs() <= 4.0 * f64::EPSILON,
+                "lands to rounding: {}",
+                to.x[1] - v
+            );
+            let x = (1.0 - v * v).sqrt();
+            let t = start - math::atan2(v, x);
+            (*change, (to.t - t).abs().max((to.x[0] - x).abs()))
+        })
+        .collect()
+}
+
+#[test]
+fn one_henon_step_errs_by_one_order_more_than_the_method() {
+    Fixed::Rk4.assert_order(
+        "henon",
+        &henon_errors::<Rk4>(&[0.08, 0.06, 0.04, 0.03, 0.02]),
+        1.0,
+    );
+    Fixed::Dop853.assert_order(
+        "henon",
+        &henon_errors::<Dop853>(&[0.4, 0.34, 0.29, 0.25, 0.21]),
+        1.0,
+    );
+}
+
+#[test]
+fn the_dense_output_errs_by_the_fourth_power_of_the_step_and_by_the_eighth() {
+    for (fixed, counts) in [
+        (Fixed::Rk4, [24, 36, 50, 70, 100]),
+        (Fixed::Dop853, [4, 6, 8, 10, 13]),
+    ] {
+        let points: Vec<_> = counts
+            .iter()
+            .map(|n| {
+                let step = 5.0 / f64::from(*n);
+                let options = Options::default().method(fixed.method(step));
+                let orbit =
+                    solve(&Breathing, 0.0, State::from([1.0]), 5.0, &options).expect("runs");
+                let worst = (0..=1000)
+                    .map(|i| {
+                        let t = 5.0 * f64::from(i) / 1000.0;
+                        (orbit.at(t).expect("inside")[0] - math::exp(math::sin(t))).abs()
+                    })
+                    .fold(0.0, f64::max);
+                (step, worst)
+            })
+            .collect();
+        fixed.assert_order("dense", &points, 0.0);
+    }
+}
+
+#[test]
+fn the_adaptive_run_keeps_its_tolerance() {
+    for tolerance in [1e-6, 1e-9, 1e-12] {
+        let orbit = solve(
+            &Breathing,
+            0.0,
+            State::from([1.0]),
+            30.0,
+            &super::tol(tolerance),
+        )
+        .expect("runs");
+        let ends = orbit.steps.iter().fold(0.0f64, |worst, step| {
+            worst.max((step.x_end[0] - math::exp(math::sin(step.t_end))).abs())
+        });
+        // A step errs by at most atol + rtol |x| <= 3.8 tolerances, which the flow enlarges by at most e².
+        let steps = orbit.steps.len() as f64;
+        assert!(ends < steps * 3.8 * math::exp(2.0) * tolerance, "{ends}");
+    }
+}

@@ -1,0 +1,409 @@
+//! The Taylor stepper beyond what every stepper is tested for: exact to the last digits, nothing missed, kinks, memory.
+
+use std::f64::consts::PI;
+
+use stickslip::analysis::{Exponent, SpectrumOptions, lyapunov_spectrum};
+use stickslip::models::{BeltOscillator, BlockAndBracket, Caption, ForcedOscillator, Reading};
+use stickslip::{
+    Error, Filippov, Method, Options, Orbit, Scalar, Side, State, TransitionKind, math, run, solve,
+};
+
+fn taylor(tolerance: f64) -> Options {
+    Options::tol(tolerance).method(Method::Taylor)
+}
+
+const TIGHTEST: f64 = 1e-15;
+
+/// A table of data/references: kind, time, position.
+fn reference(table: &str) -> Vec<(&str, f64, f64)> {
+    let rows = table.lines().skip(1).map(|line| {
+        let fields: Vec<&str> = line.split(',').collect();
+        let number = |i: usize| fields[i].parse().expect("a number");
+        (fields[2], number(3), number(4))
+    });
+    rows.collect()
+}
+
+/// Largest error of the times of an orbit's transitions.
+fn worst_time(orbit: &Orbit<2>, table: &str) -> f64 {
+    let exact = reference(table);
+    assert_eq!(orbit.transitions.len(), exact.len());
+    let mut worst = 0.0f64;
+    for (found, (kind, t, x)) in orbit.transitions.iter().zip(&exact) {
+        let found_kind = format!("{:?}", found.kind).to_lowercase();
+        assert_eq!(found_kind.trim_start_matches("stick"), *kind);
+        assert!((found.x[0] - x).abs() < 1e-11);
+        worst = worst.max((found.t - t).abs());
+    }
+    worst
+}
+
+#[test]
+fn events_of_orbits_that_forget_errors_are_exact_to_1e_14() {
+    let decaying = BeltOscillator {
+        k1: -1.0,
+        k2: 0.0,
+        mu0: 1.0,
+        belt_speed: 0.2,
+        ..BeltOscillator::default()
+    };
+    let start = State::from([0.04, -0.01]);
+    let orbit = solve(&decaying, 0.0, start, 40.0, &taylor(TIGHTEST)).expect("runs");
+    let worst = worst_time(
+        &orbit,
+        include_str!("../../../../data/references/decay.csv"),
+    );
+    assert!(worst <= 1e-14, "{worst}");
+}
+
+#[test]
+fn events_of_an_orbit_that_enlarges_errors_by_thousands_are_exact_to_5e_13() {
+    let belt = BeltOscillator {
+        belt_speed: 0.4,
+        ..BeltOscillator::default()
+    };
+    let start = State::from([0.5, 1.5]);
+    let orbit = solve(&belt, 0.0, start, 30.0, &taylor(TIGHTEST)).expect("runs");
+    let worst = worst_time(
+        &orbit,
+        include_str!("../../../../data/references/belt_sensitive.csv"),
+    );
+    assert!(worst <= 5e-13, "{worst}");
+}
+
+/// `x'' = -x - 0.4 sgn x'`.
+struct Floor;
+
+impl Filippov<2> for Floor {
+    fn field<T: Scalar>(&self, side: Side, _t: T, x: &State<T, 2>) -> State<T, 2> {
+        State::from([x[1], -x[0] - 0.4 * side.sign()])
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 2>) -> T {
+        x[1]
+    }
+}
+
+#[test]
+fn swings_on_the_floor_end_at_multiples_of_pi_to_1e_14() {
+    let orbit = solve(
+        &Floor,
+        0.0,
+        State::from([3.0, 0.0]),
+        40.0,
+        &taylor(TIGHTEST),
+    )
+    .expect("runs");
+    assert_eq!(orbit.transitions.len(), 4);
+    for (k, event) in orbit.transitions.iter().enumerate() {
+        let error = (event.t - (k + 1) as f64 * PI).abs();
+        assert!(error <= 1e-14, "{k}: {error}");
+    }
+}
+
+fn fig11() -> BlockAndBracket {
+    BlockAndBracket::from_caption(&Caption::FIG11, &Reading::exact()).expect("allowed")
+}
+
+#[test]
+fn a_normal_force_that_is_clipped_ends_steps_where_it_is() {
+    // Unloaded until contact is lost in every turn.
+    let model = BlockAndBracket {
+        unloading: 3.0,
+        ..fig11()
+    };
+    let start = State::from([0.1, 0.1, 0.1, 0.1]);
+    let by_series = solve(&model, 0.0, start, 60.0, &taylor(1e-14)).expect("runs");
+    let by_slopes = solve(&model, 0.0, start, 60.0, &Options::tol(1e-14)).expect("runs");
+    let kinds = |orbit: &Orbit<4>| orbit.transitions.iter().map(|e| e.kind).collect::<Vec<_>>();
+    assert_eq!(kinds(&by_series), kinds(&by_slopes));
+    let lost = kinds(&by_series)
+        .iter()
+        .filter(|k| **k == TransitionKind::ContactLoss)
+        .count();
+    assert!(lost > 2, "{lost}");
+    for (one, other) in by_series.transitions.iter().zip(&by_slopes.transitions) {
+        assert!((one.t - other.t).abs() < 1e-9, "{} {}", one.t, other.t);
+    }
+}
+
+/// `x' = 1` and `y' = max(x, 0)` or `|x|`, by a comparison or by reading the value.
+struct Kink {
+    by_value: bool,
+}
+
+impl Filippov<2> for Kink {
+    fn field<T: Scalar>(&self, _side: Side, _t: T, x: &State<T, 2>) -> State<T, 2> {
+        let slope = if self.by_value {
+            if x[0].value() > 0.0 {
+                x[0]
+            } else {
+                T::constant(0.0)
+            }
+        } else {
+            x[0].max(T::constant(0.0))
+        };
+        State::from([T::constant(1.0), slope])
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 2>) -> T {
+        x[1] - 100.0
+    }
+}
+
+#[test]
+fn a_kink_inside_a_step_is_seen_however_the_field_branches() {
+    for by_value in [false, true] {
+        for x0 in [-1.0, -0.317, -1e-9, 0.0] {
+            let start = State::from([x0, 0.0]);
+            let orbit = solve(&Kink { by_value }, 0.0, start, 3.0, &taylor(1e-12)).expect("runs");
+            let end = x0 + 3.0;
+            // Seen by a comparison, the kink costs nothing; by the field's value, as much as the tolerance leaves open.
+            let allowed = if by_value { 1e-9 } else { 1e-14 };
+            assert!(
+                (orbit.x_end[1] - 0.5 * end * end).abs() <= allowed,
+                "{by_value} {x0}: {}",
+                orbit.x_end[1]
+            );
+        }
+    }
+}
+
+#[test]
+fn dense_output_is_as_exact_as_the_steps() {
+    let orbit = solve(&Floor, 0.0, State::from([3.0, 0.0]), 3.0, &taylor(TIGHTEST)).expect("runs");
+    for i in 0..=300 {
+        let t = 0.01 * f64::from(i);
+        let exact = 0.4 + 2.6 * math::cos(t);
+        let x = orbit.at(t).expect("covered");
+        assert!((x[0] - exact).abs() < 4e-15, "{t}: {}", x[0] - exact);
+    }
+}
+
+#[test]
+fn a_longer_run_allocates_no_more() {
+    let belt = BeltOscillator {
+        belt_speed: 0.2,
+        mu0: 0.5,
+        ..BeltOscillator::default()
+    };
+    let count = |t_end: f64| {
+        let info = allocation_counter::measure(|| {
+            let start = State::from([0.1, 0.2]);
+            run(&belt, 0.0, start, t_end, &taylor(1e-12), &mut ()).expect("runs");
+        });
+        info.count_total
+    };
+    assert_eq!(count(100.0), count(1000.0));
+}
+
+#[test]
+fn tangent_vectors_travel_along_taylor_steps() {
+    let belt = BeltOscillator {
+        belt_speed: 0.2,
+        ..BeltOscillator::default()
+    };
+    let settings = SpectrumOptions {
+        solver: taylor(1e-10),
+        ..SpectrumOptions::over(50.0, 300.0)
+    };
+    let start = (0.0, State::from([0.5, 0.1]));
+    let spectrum = lyapunov_spectrum(&belt, start, &settings).expect("runs");
+    assert!(spectrum.exponents[0].value().abs() < 0.02);
+    assert_eq!(spectrum.exponents[1], Exponent::Annihilated);
+}
+
+#[test]
+fn the_forced_oscillator_is_the_same_by_series_and_by_slopes() {
+    let model = ForcedOscillator::default();
+    let start = State::from([0.1, 0.2]);
+    let end = |options: &Options| solve(&model, 0.0, start, 5.0, options).map(|orbit| orbit.x_end);
+    let (one, other) = (end(&taylor(1e-13)), end(&Options::tol(1e-13)));
+    let difference = one.expect("runs") - other.expect("runs");
+    assert!(difference.amax() < 1e-10, "{difference}");
+}
+
+#[test]
+fn a_field_that_is_not_a_number_is_told_so() {
+    struct Nowhere;
+    impl Filippov<1> for Nowhere {
+        fn field<T: Scalar>(&self, _side: Side, t: T, x: &State<T, 1>) -> State<T, 1> {
+            State::from([Scalar::ln(-t + 1.0) * x[0] + 1.0])
+        }
+        fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 1>) -> T {
+            x[0] + 100.0
+        }
+    }
+    let failure =
+        solve(&Nowhere, 0.0, State::from([0.5]), 2.0, &taylor(1e-12)).expect_err("ends at 1");
+    let (Error::StepCollapse { t, .. } | Error::NonFinite { t, .. }) = failure.error else {
+        panic!("{}", failure.error);
+    };
+    assert!((t - 1.0).abs() < 1e-6, "{t}");
+}
+
+/// `x' = speed` and `y' = max(x, 0)`.
+struct Ramp {
+    speed: f64,
+}
+
+impl Filippov<2> for Ramp {
+    fn field<T: Scalar>(&self, _side: Side, _t: T, x: &State<T, 2>) -> State<T, 2> {
+        State::from([T::constant(self.speed), x[0].max(T::constant(0.0))])
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 2>) -> T {
+        x[1] - 100.0
+    }
+}
+
+#[test]
+fn a_kink_at_the_very_start_or_throughout_holds_nothing_up() {
+    // Downwards from the kink at time zero; and on it for ever.
+    for (speed, x) in [(-1.0, -3.0), (0.0, 0.0)] {
+        let orbit = solve(
+            &Ramp { speed },
+            0.0,
+            State::from([0.0, 0.0]),
+            3.0,
+            &taylor(1e-12),
+        )
+        .expect("runs");
+        // The ramp is left a few units of rounding behind its foot.
+        assert!(orbit.x_end[1].abs() < 1e-30);
+        assert!((orbit.x_end[0] - x).abs() < 1e-14);
+        assert!(orbit.steps.len() < 20, "{}", orbit.steps.len());
+    }
+}
+
+/// `x = sin t` on a circle's diameter: the boundary is the distance from the centre, which has no series there, less the radius.
+struct Pit {
+    radius: f64,
+}
+
+impl Filippov<2> for Pit {
+    fn field<T: Scalar>(&self, _side: Side, t: T, _x: &State<T, 2>) -> State<T, 2> {
+        State::from([t.cos(), T::constant(0.0)])
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 2>) -> T {
+        (x[0] * x[0] + x[1] * x[1]).sqrt() - self.radius
+    }
+}
+
+/// The same by reading the value.
+struct Gate {
+    radius: f64,
+}
+
+impl Filippov<2> for Gate {
+    fn field<T: Scalar>(&self, _side: Side, t: T, _x: &State<T, 2>) -> State<T, 2> {
+        State::from([t.cos(), T::constant(0.0)])
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 2>) -> T {
+        let distance = if x[0].value() < 0.25 {
+            -x[0] + 0.5
+        } else {
+            x[0]
+        };
+        distance - self.radius
+    }
+}
+
+/// Over the edge at `asin r` and back at `π − asin r`, both within the first step where that is long.
+fn out_and_back<S: Filippov<2>>(system: &S, radius: f64) {
+    for (tolerance, first_step, bound) in
+        [(1e-3, 0.1, 2e-2), (1e-3, 3.0, 2e-2), (1e-14, 3.0, 1e-13)]
+    {
+        let options = Options {
+            first_step: Some(first_step),
+            ..taylor(tolerance)
+        };
+        let orbit = solve(system, 0.0, State::from([0.0, 0.0]), 3.0, &options).expect("runs");
+        let times: Vec<f64> = orbit.transitions.iter().map(|event| event.t).collect();
+        let out = math::atan2(radius, (1.0 - radius * radius).sqrt());
+        assert_eq!(times.len(), 2, "first step {first_step}: {times:?}");
+        for (found, exact) in times.iter().zip([out, PI - out]) {
+            assert!(
+                (found - exact).abs() < bound,
+                "first step {first_step}: {times:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_boundary_without_a_series_at_the_start_is_met_all_the_same() {
+    out_and_back(&Pit { radius: 0.9 }, 0.9);
+}
+
+#[test]
+fn a_boundary_that_branches_by_value_is_met_on_the_other_branch() {
+    out_and_back(&Gate { radius: 0.9 }, 0.9);
+}
+
+/// `y = x² + y₀` above the floor `y = 0`, with its least value at `x = 0`.
+struct Graze;
+
+impl Filippov<2> for Graze {
+    fn field<T: Scalar>(&self, _side: Side, _t: T, x: &State<T, 2>) -> State<T, 2> {
+        State::from([T::constant(1.0), x[0] * 2.0])
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 2>) -> T {
+        x[1]
+    }
+}
+
+#[test]
+fn a_contact_cut_in_two_by_a_step_s_end_is_one_touch() {
+    // Below zero from 2e-6 before the turn to 2e-6 behind it.
+    let (depth, half_width) = (4e-12, 2e-6);
+    for (start, longest) in [
+        (-1.0, 1.0 - 3e-6),
+        (-1.0, 1.0 - 1e-6),
+        (-1.0, 1.0 - 1e-9),
+        (-1.0, 1.0 + 1e-9),
+        // Steps far shorter than the contact.
+        (-5e-6, 2e-7),
+    ] {
+        let options = taylor(1e-12).longest_step(longest);
+        let x = State::from([start, start * start - depth]);
+        let orbit = solve(&Graze, 0.0, x, -2.0 * start, &options).expect("runs");
+        let kinds: Vec<TransitionKind> = orbit.transitions.iter().map(|e| e.kind).collect();
+        assert_eq!(kinds, [TransitionKind::Touch], "steps of {longest}");
+        let off = (orbit.transitions[0].t + start).abs();
+        let bound = if longest > half_width {
+            1e-9
+        } else {
+            half_width
+        };
+        assert!(off < bound, "steps of {longest}: {off}");
+    }
+}
+
+/// `x = t` to a boundary at `x = 3/4` that is not defined beyond 1, and branches by value before.
+struct Brink;
+
+impl Filippov<1> for Brink {
+    fn field<T: Scalar>(&self, _side: Side, _t: T, _x: &State<T, 1>) -> State<T, 1> {
+        State::from([T::constant(1.0)])
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 1>) -> T {
+        if x[0].value() < 0.25 {
+            -x[0] + 0.616
+        } else {
+            (-x[0] + 1.0).sqrt() - 0.5
+        }
+    }
+}
+
+#[test]
+fn a_step_into_where_the_boundary_is_not_defined_hides_no_event() {
+    for first_step in [0.5, 1.5, 3.0] {
+        let options = Options {
+            first_step: Some(first_step),
+            ..taylor(1e-12)
+        };
+        let failure = solve(&Brink, 0.0, State::from([0.0]), 3.0, &options).expect_err("ends at 1");
+        assert!((failure.orbit.t_end - 1.0).abs() < 1e-9, "{failure}");
+        let times: Vec<f64> = failure.orbit.transitions.iter().map(|e| e.t).collect();
+        assert_eq!(times.len(), 1, "first step {first_step}: {times:?}");
+        assert!((times[0] - 0.75).abs() < 1e-12, "{times:?}");
+    }
+}

@@ -1,0 +1,12 @@
+//! The tests of the replication, in one binary.
+
+mod block_and_bracket;
+mod claims;
+mod cli;
+mod common;
+mod goldens;
+mod listing;
+mod peers;
+mod readings;
+mod report;
+mod spectrum_cli;
