@@ -1,9 +1,7 @@
 //! Where an orbit of a periodically forced system ends up.
 
-use std::ops::ControlFlow;
-
 use crate::error::{Error, Point};
-use crate::filippov::{Observer, Options, Phase, StepRecord, run};
+use crate::filippov::{Integration, Options, Progress, Summary};
 use crate::orbit::Ending;
 use crate::system::{Filippov, Mode, State};
 
@@ -37,7 +35,7 @@ const LONGEST_PATTERN: usize = 8;
 /// The escape bound in `options` decides what counts as escaping.
 ///
 /// # Errors
-/// Those of [`run`] except [`Error::Escaped`]; [`Error::NoUniqueFuture`] where Σ repels.
+/// Those of [`crate::run`] except [`Error::Escaped`]; [`Error::NoUniqueFuture`] where Σ repels.
 pub fn destination<S: Filippov<N>, const N: usize>(
     system: &S,
     (t0, x0): (f64, State<f64, N>),
@@ -55,7 +53,7 @@ pub fn destination<S: Filippov<N>, const N: usize>(
     strobe.states.push(x0);
     // A little beyond the last whole period, so that rounding cannot leave it out.
     let t_end = t0 + (periods as f64 + 1e-6) * period;
-    match run(system, t0, x0, t_end, options, &mut strobe) {
+    match strobe.follow(system, x0, t_end, options) {
         Ok(summary) if summary.ending == Ending::Repelling => {
             let (t, x) = (summary.t, Point::from(&summary.x));
             Err(Error::NoUniqueFuture { t, x })
@@ -77,6 +75,32 @@ struct Strobe<const N: usize> {
 impl<const N: usize> Strobe<N> {
     fn due(&self) -> f64 {
         self.t0 + self.states.len() as f64 * self.period
+    }
+
+    fn follow<S: Filippov<N>>(
+        &mut self,
+        system: &S,
+        x0: State<f64, N>,
+        t_end: f64,
+        options: &Options,
+    ) -> Result<Summary<N>, Error> {
+        let mut integration = Integration::new(system, self.t0, x0, t_end, options)?;
+        loop {
+            match integration.step()? {
+                Progress::Step => {
+                    let step = integration.last_step();
+                    while self.due() <= step.t_end {
+                        let state = step.dense.at_time(self.due());
+                        self.states.push(state);
+                    }
+                }
+                Progress::PhaseEnd(phase) if phase.mode == Mode::Stick => {
+                    self.stick_ends.push(phase.t_end);
+                }
+                Progress::PhaseEnd(_) | Progress::Transition(_) => {}
+                Progress::End(summary) => return Ok(summary),
+            }
+        }
     }
 
     fn verdict(&self, closeness: f64) -> Destination<N> {
@@ -102,22 +126,5 @@ impl<const N: usize> Strobe<N> {
                 }
             }
         }
-    }
-}
-
-impl<const N: usize> Observer<N> for Strobe<N> {
-    fn step(&mut self, step: &StepRecord<N>) -> ControlFlow<()> {
-        while self.due() <= step.t_end {
-            let state = step.dense.at_time(self.due());
-            self.states.push(state);
-        }
-        ControlFlow::Continue(())
-    }
-
-    fn phase(&mut self, phase: &Phase<N>) -> ControlFlow<()> {
-        if phase.mode == Mode::Stick {
-            self.stick_ends.push(phase.t_end);
-        }
-        ControlFlow::Continue(())
     }
 }

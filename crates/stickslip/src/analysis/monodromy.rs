@@ -1,12 +1,10 @@
 //! The derivative of the flow map, through slips, sticks and the transitions between them.
 
-use std::ops::ControlFlow;
-
 use nalgebra::SMatrix;
 
 use super::tangent::{Tangent, flatten};
 use crate::error::Error;
-use crate::filippov::{Observer, Options, StepRecord, Summary, Transition, TransitionKind, run};
+use crate::filippov::{Integration, Options, Progress, Summary, TransitionKind};
 use crate::system::{Filippov, State};
 
 /// The derivative ∂x(t)/∂x(t0) of the flow map along one orbit.
@@ -24,7 +22,7 @@ pub struct Monodromy<const N: usize> {
 /// transition contributes its saltation matrix.
 ///
 /// # Errors
-/// Those of [`run`].
+/// Those of [`crate::run`].
 pub fn monodromy<S: Filippov<N>, const N: usize>(
     system: &S,
     t0: f64,
@@ -32,50 +30,48 @@ pub fn monodromy<S: Filippov<N>, const N: usize>(
     t_end: f64,
     options: &Options,
 ) -> Result<Monodromy<N>, Error> {
-    let mut carrier = Carrier {
-        tangent: Tangent::new(system, options),
-        matrix: SMatrix::from_fn(|i, j| f64::from(u8::from(i == j))),
-        stick_entries: 0,
-    };
-    let summary = run(system, t0, x0, t_end, options, &mut carrier)?;
-    Ok(Monodromy {
-        matrix: carrier.matrix,
-        stick_entries: carrier.stick_entries,
-        summary,
-    })
-}
-
-/// Carries the columns of the derivative along a run.
-struct Carrier<'a, S, const N: usize> {
-    tangent: Tangent<'a, S>,
-    matrix: SMatrix<f64, N, N>,
-    stick_entries: usize,
-}
-
-impl<S: Filippov<N>, const N: usize> Observer<N> for Carrier<'_, S, N> {
-    fn step(&mut self, step: &StepRecord<N>) -> ControlFlow<()> {
-        for j in 0..N {
-            let column = self.matrix.column(j).into_owned();
-            let carried = self.tangent.carried(step, &column);
-            self.matrix.set_column(j, &carried);
-        }
-        ControlFlow::Continue(())
-    }
-
-    fn transition(&mut self, at: &Transition<N>) -> ControlFlow<()> {
-        let Some(jump) = self.tangent.jump(at) else {
-            return ControlFlow::Continue(());
-        };
-        self.matrix = jump.matrix * self.matrix;
-        if at.kind == TransitionKind::StickEntry {
-            self.stick_entries += 1;
-            // On Σ there is nothing across it; rounding would leave something.
-            for j in 0..N {
-                let mut column = self.matrix.column(j).into_owned();
-                flatten(&jump.gradient, &mut column);
-                self.matrix.set_column(j, &column);
+    let tangent = Tangent::new(system, options);
+    let mut matrix = SMatrix::from_fn(|i, j| f64::from(u8::from(i == j)));
+    let mut stick_entries = 0;
+    let mut integration = Integration::new(system, t0, x0, t_end, options)?;
+    loop {
+        match integration.step()? {
+            Progress::Step => {
+                let step = integration.last_step();
+                on_columns(&mut matrix, |column| {
+                    *column = tangent.carried(step, column)
+                });
+            }
+            Progress::Transition(at) => {
+                let Some(jump) = tangent.jump(&at) else {
+                    continue;
+                };
+                matrix = jump.matrix * matrix;
+                if at.kind == TransitionKind::StickEntry {
+                    stick_entries += 1;
+                    // On Σ there is nothing across it; rounding would leave something.
+                    on_columns(&mut matrix, |column| flatten(&jump.gradient, column));
+                }
+            }
+            Progress::PhaseEnd(_) => {}
+            Progress::End(summary) => {
+                return Ok(Monodromy {
+                    matrix,
+                    stick_entries,
+                    summary,
+                });
             }
         }
-        ControlFlow::Continue(())
+    }
+}
+
+fn on_columns<const N: usize>(
+    matrix: &mut SMatrix<f64, N, N>,
+    mut change: impl FnMut(&mut State<f64, N>),
+) {
+    for j in 0..N {
+        let mut column = matrix.column(j).into_owned();
+        change(&mut column);
+        matrix.set_column(j, &column);
     }
 }

@@ -4,14 +4,14 @@ use std::ops::ControlFlow;
 
 use rayon::prelude::*;
 
-use super::driver::{Summary, run};
+use super::batch::side_by_side;
 use super::observer::Observer;
 use super::options::{Method, Options};
-use super::taylor::lanes::side_by_side;
+use super::solve::{Summary, run};
 use crate::error::Error;
 use crate::system::{Filippov, State};
 
-/// Orbits that are under way or waiting to be told of at the same time: what bounds the memory.
+/// Orbits that are under way or waiting to be handed over at the same time: what bounds the memory.
 const WAVE: usize = 4096;
 /// Orbits that a thread takes at once: so many that most go side by side, so few that no thread waits long for the others.
 const MOST: usize = 128;
@@ -88,10 +88,10 @@ pub fn ensemble<S, O, const N: usize>(
                 (observers, outcomes)
             })
             .collect_into_vec(&mut outcomes);
-        let told = outcomes
+        let ended = outcomes
             .drain(..)
             .flat_map(|(observers, outcomes)| observers.into_iter().zip(outcomes));
-        for (k, (observer, outcome)) in told.enumerate() {
+        for (k, (observer, outcome)) in ended.enumerate() {
             if each(first + k, observer, outcome).is_break() {
                 return;
             }

@@ -4,6 +4,7 @@ use std::cell::Cell;
 
 use num_dual::Dual;
 
+use super::event::Event;
 use super::flow::Flow;
 use super::options::Locator;
 use super::scan::Bracket;
@@ -19,31 +20,6 @@ pub(crate) struct Origin<'a, F, const N: usize> {
     pub h: f64,
     /// Calls of the user's field by location.
     pub field_calls: Cell<u64>,
-}
-
-/// An event, or what only looked like one.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Located<const N: usize> {
-    /// The guard passes through zero.
-    Exit {
-        at: Timed<f64, N>,
-        /// Guard left at that state.
-        residual: f64,
-    },
-    /// The guard reaches zero and turns back, to within the touch tolerance; the state at the turning point.
-    Touch { at: Timed<f64, N>, residual: f64 },
-    /// Re-integrated, the guard does not reach zero in the bracket.
-    Nothing,
-}
-
-impl<const N: usize> Located<N> {
-    /// Whether it happens before time `t`.
-    pub(crate) fn is_before(&self, t: f64) -> bool {
-        match self {
-            Located::Exit { at, .. } | Located::Touch { at, .. } => at.t < t,
-            Located::Nothing => false,
-        }
-    }
 }
 
 /// What location is held to.
@@ -105,7 +81,8 @@ impl<F: Flow<N>, const N: usize> Origin<'_, F, N> {
         }
     }
 
-    /// Locates the zero of guard `i` within `bracket` (parts of the step); `estimate` is where the dense output has it.
+    /// Locates the zero of guard `i` within `bracket` (parts of the step); `estimate` is where the dense output has it. `None`
+    /// where the re-integrated step has no zero in the bracket.
     pub(crate) fn locate<M: RungeKutta>(
         &self,
         i: usize,
@@ -113,8 +90,16 @@ impl<F: Flow<N>, const N: usize> Origin<'_, F, N> {
         estimate: f64,
         locator: Locator,
         limits: Limits,
-    ) -> Located<N> {
+    ) -> Option<Event<N>> {
         let touch = limits.touch;
+        let event = |probe: Probe<N>, is_touch| {
+            Some(Event {
+                guard: i,
+                at: probe.at,
+                is_touch,
+                residual: probe.guard.abs(),
+            })
+        };
         let found = match locator {
             Locator::Auto => self.polish::<M>(i, self.probe::<M>(i, estimate)),
             Locator::Henon => {
@@ -130,28 +115,16 @@ impl<F: Flow<N>, const N: usize> Origin<'_, F, N> {
             Some(probe) => probe,
             None => match self.search::<M>(i, bracket, estimate) {
                 Search::Zero(probe) => probe,
-                Search::Turn(probe) if probe.guard.abs() <= touch => {
-                    return Located::Touch {
-                        at: probe.at,
-                        residual: probe.guard.abs(),
-                    };
-                }
-                Search::Turn(_) => return Located::Nothing,
+                Search::Turn(probe) if probe.guard.abs() <= touch => return event(probe, true),
+                Search::Turn(_) => return None,
             },
         };
         // How far the guard will go below zero before it turns back, if it does.
         if found.bend > 0.0 && found.rate * found.rate <= 2.0 * touch * found.bend {
             let s = (found.at.t - self.t) / self.h;
-            let turn = self.turning_point::<M>(i, s);
-            return Located::Touch {
-                at: turn.at,
-                residual: turn.guard.abs(),
-            };
+            return event(self.turning_point::<M>(i, s), true);
         }
-        Located::Exit {
-            at: found.at,
-            residual: found.guard.abs(),
-        }
+        event(found, false)
     }
 
     /// From a state hardly off the zero, one Hénon step onto it (again where the guard is curved and the first has left

@@ -61,6 +61,17 @@ impl<const N: usize> Dense<N> {
         }
     }
 
+    /// A state that does not move, from time `t0` on.
+    pub(crate) fn resting(t0: f64, x: State<f64, N>) -> Self {
+        let mut c = [<State<f64, N> as Linear<f64>>::zero(); 8];
+        c[0] = x;
+        Dense {
+            t0,
+            h: 1.0,
+            polynomial: Polynomial::RungeKutta(c),
+        }
+    }
+
     /// The series of a Taylor step: coefficients of the powers of `s`.
     #[inline(always)]
     pub(crate) fn of_series(

@@ -26,23 +26,21 @@
 //! [`Spectrum::volume_rate`] is that rate, and [`Spectrum::defect`] what the sum of the finite exponents differs from it.
 
 mod averages;
-mod carrier;
 mod frame;
+mod measurement;
 mod settings;
 mod spectrum;
 mod volume;
-
-use std::ops::ControlFlow;
 
 pub use averages::Growth;
 pub use settings::SpectrumOptions;
 pub use spectrum::{Exponent, Running, Spectrum};
 
 use crate::error::{Error, Point};
-use crate::filippov::{Observer, Phase, StepRecord, Summary, Transition, run};
+use crate::filippov::{Integration, Observer, Progress, Summary, tell};
 use crate::orbit::Ending;
 use crate::system::{Filippov, State};
-use carrier::Carrier;
+use measurement::Measurement;
 
 /// The Lyapunov spectrum of the orbit from `(t0, x0)`; memory does not grow with the length of the run.
 ///
@@ -70,7 +68,7 @@ use carrier::Carrier;
 /// ```
 ///
 /// # Errors
-/// [`Error::Option`]; those of [`run`]; [`Error::NoUniqueFuture`] where the orbit ends on a repelling part of Σ;
+/// [`Error::Option`]; those of [`crate::run`]; [`Error::NoUniqueFuture`] where the orbit ends on a repelling part of Σ;
 /// [`Error::TangentSingular`] where it grazes Σ so exactly that tangent vectors have no image.
 pub fn lyapunov_spectrum<S: Filippov<N>, const N: usize>(
     system: &S,
@@ -80,7 +78,7 @@ pub fn lyapunov_spectrum<S: Filippov<N>, const N: usize>(
     lyapunov_spectrum_watched(system, start, settings, &mut ())
 }
 
-/// [`lyapunov_spectrum`] with an observer that is told of the measured part of the run as well, for minima, sections and
+/// [`lyapunov_spectrum`] with an observer of the measured part of the run as well, for minima, sections and
 /// the like in the same pass. If it ends the run, the spectrum is that of the part so far.
 ///
 /// # Errors
@@ -92,74 +90,44 @@ pub fn lyapunov_spectrum_watched<S: Filippov<N>, O: Observer<N>, const N: usize>
     watcher: &mut O,
 ) -> Result<Spectrum<N>, Error> {
     settings.check()?;
-    let mut carrier = Carrier::new(system, settings);
+    let mut measurement = Measurement::new(system, settings);
     let mut begin = (t0, x0);
     if settings.transient > 0.0 {
         let t_end = t0 + settings.transient;
-        let reached = carried(system, begin, t_end, settings, &mut carrier)?;
+        let reached = follow(system, begin, t_end, settings, &mut measurement, &mut ())?;
         begin = (reached.t, reached.x);
     }
-    carrier.begin_measuring(begin.0);
+    measurement.begin_measuring(begin.0);
     let t_end = begin.0 + settings.duration;
-    let mut pair = Both { carrier, watcher };
-    let summary = carried(system, begin, t_end, settings, &mut pair)?;
-    Ok(pair.carrier.finish(summary))
+    let summary = follow(system, begin, t_end, settings, &mut measurement, watcher)?;
+    Ok(measurement.finish(summary))
 }
 
-/// Runs with a carrier on it and turns what stopped it into an error.
-fn carried<S: Filippov<N>, O: Observer<N> + Fallible, const N: usize>(
+/// Goes along an orbit with the frame first and `watcher` behind it.
+fn follow<S: Filippov<N>, O: Observer<N>, const N: usize>(
     system: &S,
     (t, x): (f64, State<f64, N>),
     t_end: f64,
     settings: &SpectrumOptions,
-    observer: &mut O,
+    measurement: &mut Measurement<'_, S, N>,
+    watcher: &mut O,
 ) -> Result<Summary<N>, Error> {
-    let summary = run(system, t, x, t_end, &settings.solver, observer)?;
-    if let Some(error) = observer.failure() {
-        return Err(error);
-    }
-    if summary.ending == Ending::Repelling {
-        return Err(Error::NoUniqueFuture {
-            t: summary.t,
-            x: Point::from(&summary.x),
-        });
-    }
-    Ok(summary)
-}
-
-/// An observer that can fail.
-trait Fallible {
-    fn failure(&mut self) -> Option<Error>;
-}
-
-impl<S, const N: usize> Fallible for Carrier<'_, S, N> {
-    fn failure(&mut self) -> Option<Error> {
-        self.failure.take()
-    }
-}
-
-/// Tells the carrier first, then the user's observer.
-struct Both<'a, 'b, S, O, const N: usize> {
-    carrier: Carrier<'a, S, N>,
-    watcher: &'b mut O,
-}
-
-impl<S, O, const N: usize> Fallible for Both<'_, '_, S, O, N> {
-    fn failure(&mut self) -> Option<Error> {
-        self.carrier.failure()
-    }
-}
-
-impl<S: Filippov<N>, O: Observer<N>, const N: usize> Observer<N> for Both<'_, '_, S, O, N> {
-    fn step(&mut self, step: &StepRecord<N>) -> ControlFlow<()> {
-        self.carrier.step(step)?;
-        self.watcher.step(step)
-    }
-    fn transition(&mut self, transition: &Transition<N>) -> ControlFlow<()> {
-        self.carrier.transition(transition)?;
-        self.watcher.transition(transition)
-    }
-    fn phase(&mut self, phase: &Phase<N>) -> ControlFlow<()> {
-        self.watcher.phase(phase)
+    let mut integration = Integration::new(system, t, x, t_end, &settings.solver)?;
+    let mut is_stopping = false;
+    loop {
+        let progress = integration.step()?;
+        match &progress {
+            Progress::Step => measurement.step(integration.last_step())?,
+            Progress::Transition(at) => measurement.transition(at)?,
+            Progress::PhaseEnd(_) => {}
+            Progress::End(summary) if summary.ending == Ending::Repelling => {
+                let (t, x) = (summary.t, Point::from(&summary.x));
+                return Err(Error::NoUniqueFuture { t, x });
+            }
+            Progress::End(_) => {}
+        }
+        if let Some(summary) = tell(&integration, progress, watcher, &mut is_stopping)? {
+            return Ok(summary);
+        }
     }
 }

@@ -4,19 +4,20 @@ use std::cell::Cell;
 
 use super::TaylorStepper;
 use super::piece::Piece;
-use crate::filippov::flow::{Flow, MOST_GUARDS};
+use crate::filippov::event::Event;
+use crate::filippov::flow::Flow;
 use crate::filippov::leaving::leaving;
-use crate::filippov::locate::{Located, Origin, uncertainty};
-use crate::filippov::march::{Run, Undefined};
+use crate::filippov::locate::{Origin, uncertainty};
+use crate::filippov::run::Run;
 use crate::filippov::scan;
+use crate::filippov::slopes::Undefined;
 use crate::ode::Timed;
 use crate::taylor::roots::{first_zero, slope_and_bend, value_and_slope};
 
-/// An event in a step.
-pub(super) struct Event<const N: usize> {
+/// An event with its part of the step, and what rounding took from its state.
+pub(super) struct Found<const N: usize> {
+    pub(super) event: Event<N>,
     pub(super) s: f64,
-    pub(super) guard: usize,
-    pub(super) located: Located<N>,
     pub(super) rest: Timed<f64, N>,
 }
 
@@ -28,19 +29,18 @@ impl<const N: usize> TaylorStepper<N> {
     ///
     /// # Errors
     /// A guard is not defined throughout the step.
-    pub(super) fn first_event<F: Flow<N>, O>(
+    pub(super) fn first_event<F: Flow<N>>(
         &self,
-        run: &mut Run<'_, O>,
+        run: &mut Run<N>,
         flow: &F,
         index: usize,
         piece: &Piece<N>,
-        orders: &[usize; MOST_GUARDS],
-    ) -> Result<Option<Event<N>>, Undefined> {
+    ) -> Result<Option<Found<N>>, Undefined> {
         let tape = &self.tapes[index];
-        let mut first: Option<Event<N>> = None;
+        let mut first: Option<Found<N>> = None;
         for &guard in F::GUARDS {
             let function = &tape.watched[guard];
-            let order = orders[guard];
+            let order = run.orders[guard];
             let found = if tape.value_read {
                 sampled_failure(run, flow, guard, piece, order)?
             } else if function.count == 0 {
@@ -65,15 +65,15 @@ impl<const N: usize> TaylorStepper<N> {
 
     /// The first zero of the guard with series `c`, of which `order` coefficients vanish at the start.
     #[inline(always)]
-    fn first_failure<F: Flow<N>, O>(
+    fn first_failure<F: Flow<N>>(
         &self,
-        run: &mut Run<'_, O>,
+        run: &mut Run<N>,
         flow: &F,
         guard: usize,
         piece: &Piece<N>,
         c: &[f64],
         order: usize,
-    ) -> Option<Event<N>> {
+    ) -> Option<Found<N>> {
         let start = Timed {
             t: piece.t,
             x: piece.x[0],
@@ -111,13 +111,13 @@ impl<const N: usize> TaylorStepper<N> {
 /// sampled, on the series of the state.
 #[cold]
 #[inline(never)]
-fn sampled_failure<F: Flow<N>, O, const N: usize>(
-    run: &mut Run<'_, O>,
+fn sampled_failure<F: Flow<N>, const N: usize>(
+    run: &mut Run<N>,
     flow: &F,
     guard: usize,
     piece: &Piece<N>,
     order: usize,
-) -> Result<Option<Event<N>>, Undefined> {
+) -> Result<Option<Found<N>>, Undefined> {
     let on_series = |s: f64| {
         let at = piece.at(s).0;
         flow.guard(guard, at.t, &at.x)
@@ -161,28 +161,38 @@ fn sampled_failure<F: Flow<N>, O, const N: usize>(
 
 #[cold]
 #[inline(never)]
-fn locate_on_series<F: Flow<N>, O, const N: usize>(
-    run: &mut Run<'_, O>,
+fn locate_on_series<F: Flow<N>, const N: usize>(
+    run: &mut Run<N>,
     flow: &F,
     guard: usize,
     piece: &Piece<N>,
     c: &[f64],
     s: f64,
-) -> Event<N> {
+) -> Found<N> {
     locate(run, flow, guard, piece, &|s| slope_and_bend(c, s), s)
 }
 
 /// The event at the part `s` of the step: an exit, or a touch where the guard, whose slope and bend `profile` tells, turns back
 /// within the touch tolerance.
-fn locate<F: Flow<N>, O, const N: usize>(
-    run: &mut Run<'_, O>,
+fn locate<F: Flow<N>, const N: usize>(
+    run: &mut Run<N>,
     flow: &F,
     guard: usize,
     piece: &Piece<N>,
     profile: &dyn Fn(f64) -> (f64, f64),
     s: f64,
-) -> Event<N> {
+) -> Found<N> {
     run.counters.locations += 1;
+    let found = |at, is_touch, left: f64, s, rest| Found {
+        event: Event {
+            guard,
+            at,
+            is_touch,
+            residual: left.abs(),
+        },
+        s,
+        rest,
+    };
     let (slope, bend) = profile(s);
     let (mut at, mut rest) = piece.at(s);
     if bend > 0.0 && s > 0.0 {
@@ -193,16 +203,7 @@ fn locate<F: Flow<N>, O, const N: usize>(
             (at, rest) = piece.at(s);
             at.x = flow.settle(at.t, at.x);
             let left: f64 = flow.guard(guard, at.t, &at.x);
-            let located = Located::Touch {
-                at,
-                residual: left.abs(),
-            };
-            return Event {
-                s,
-                guard,
-                located,
-                rest,
-            };
+            return found(at, true, left, s, rest);
         }
     }
     at.x = flow.settle(at.t, at.x);
@@ -214,16 +215,7 @@ fn locate<F: Flow<N>, O, const N: usize>(
     }
     at.x = flow.land(guard, at.t, at.x);
     let left: f64 = flow.guard(guard, at.t, &at.x);
-    let located = Located::Exit {
-        at,
-        residual: left.abs(),
-    };
-    Event {
-        s,
-        guard,
-        located,
-        rest,
-    }
+    found(at, false, left, s, rest)
 }
 
 /// A series holds a little beyond its step: a contact that the step's end cuts in two has its turning point there.

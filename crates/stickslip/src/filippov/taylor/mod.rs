@@ -1,21 +1,16 @@
-//! Taylor steps through one phase, and the first zero of its guards' series in each.
+//! Taylor steps, and the first zero of the guards' series in each.
 
 mod event;
 mod kink;
-pub(super) mod lanes;
 mod piece;
 mod step_size;
 
-use event::Event;
 use piece::{Piece, nowhere};
 
-use super::driver::Stepper;
 use super::flow::{Flow, MOST_GUARDS};
-use super::locate::Located;
-use super::march::{PhaseEnd, Run};
-use super::observer::{Observer, StepRecord};
+use super::observer::StepRecord;
 use super::options::Options;
-use super::stepper::SHORTEST;
+use super::run::{Run, Trial};
 use crate::error::Error;
 use crate::math;
 use crate::ode::{Dense, Timed};
@@ -51,37 +46,17 @@ pub(crate) struct TaylorStepper<const N: usize> {
     stale: [bool; TAPES],
     sketch: Sketch,
     series: Series<1>,
-    phase: Phase<N>,
-}
-
-/// The phase under way.
-struct Phase<const N: usize> {
-    mode: Mode,
-    /// Its tape.
+    /// The tape of the phase under way.
     index: usize,
+    /// Whether the phase, or the rest of one, has yet to begin.
+    is_new: bool,
     /// Where the last step ended, and what rounding took from that.
     end: Timed<f64, N>,
     rest: Timed<f64, N>,
-    /// How many derivatives of each guard vanish where it was last zero; see [`Run::march`].
-    orders: [usize; MOST_GUARDS],
     /// Whether the last step was rejected.
     rejected: bool,
     /// The step that the next series is scaled with.
     scale: f64,
-}
-
-impl<const N: usize> Default for Phase<N> {
-    fn default() -> Self {
-        Phase {
-            mode: Mode::Stick,
-            index: 0,
-            end: nowhere(),
-            rest: nowhere(),
-            orders: [0; MOST_GUARDS],
-            rejected: false,
-            scale: 0.0,
-        }
-    }
 }
 
 impl<const N: usize> TaylorStepper<N> {
@@ -95,14 +70,19 @@ impl<const N: usize> TaylorStepper<N> {
             stale: [true; TAPES],
             sketch: Sketch::default(),
             series: Series::new(),
-            phase: Phase::default(),
+            index: 0,
+            is_new: true,
+            end: nowhere(),
+            rest: nowhere(),
+            rejected: false,
+            scale: 0.0,
         }
     }
 
     /// Keeps its room and nothing else, for another orbit.
-    fn forget(&mut self) {
+    pub(super) fn forget(&mut self) {
         self.stale = [true; TAPES];
-        self.phase = Phase::default();
+        (self.end, self.rest) = (nowhere(), nowhere());
     }
 
     /// Makes sure that the tape holds at `(t, x)`.
@@ -121,27 +101,31 @@ impl<const N: usize> TaylorStepper<N> {
     }
 
     /// The tape that the next expansion is of.
-    fn tape(&self) -> &Tape {
-        &self.tapes[self.phase.index]
+    pub(super) fn tape(&self) -> &Tape {
+        &self.tapes[self.index]
     }
 
-    fn tape_mut(&mut self) -> &mut Tape {
-        &mut self.tapes[self.phase.index]
+    pub(super) fn tape_mut(&mut self) -> &mut Tape {
+        &mut self.tapes[self.index]
+    }
+
+    /// The order of the series, and the step that the next one is scaled with.
+    pub(super) fn order_and_scale(&self) -> (usize, f64) {
+        (self.order, self.scale)
     }
 
     /// Takes what a step needs of an expansion in which this orbit was the lane `lane`.
-    fn take_lane<const L: usize>(&mut self, of: &Series<L>, lane: usize) {
-        let tape = &self.tapes[self.phase.index];
+    pub(super) fn take_lane<const L: usize>(&mut self, of: &Series<L>, lane: usize) {
+        let tape = &self.tapes[self.index];
         self.series.take_lane(of, lane, &tape.results, self.order);
     }
 
     /// Expands the series at the end of the last step.
-    fn expand(&mut self) {
-        let Timed { t, x } = self.phase.end;
+    pub(super) fn expand(&mut self, run: &Run<N>) {
+        let Timed { t, x } = run.at;
         let x: [[f64; 1]; N] = std::array::from_fn(|i| [x[i]]);
-        let tape = &self.tapes[self.phase.index];
-        self.series
-            .expand(tape, t, &x, self.phase.scale, self.order);
+        let tape = &self.tapes[self.index];
+        self.series.expand(tape, t, &x, self.scale, self.order);
     }
 
     fn piece(&self, t: f64, rest: Timed<f64, N>, h: f64, scaled_with: f64) -> Piece<N> {
@@ -166,32 +150,27 @@ impl<const N: usize> TaylorStepper<N> {
 }
 
 impl<const N: usize> TaylorStepper<N> {
-    /// Begins a phase.
-    fn begin<F: Flow<N>, O>(
-        &mut self,
-        run: &mut Run<'_, O>,
-        flow: &F,
-        mode: Mode,
-        start: Timed<f64, N>,
-        orders: [usize; MOST_GUARDS],
-    ) {
-        let phase = &mut self.phase;
+    /// Forgets what belonged to the phase before.
+    pub(super) fn begin(&mut self) {
+        self.is_new = true;
+    }
+
+    /// Begins a phase, or the rest of one.
+    fn enter<F: Flow<N>>(&mut self, run: &mut Run<N>, flow: &F) {
+        let Timed { t, x } = run.at;
         // What rounding took belongs to the state that it was taken from.
-        if start.t != phase.end.t {
-            phase.rest.t = 0.0;
+        if t != self.end.t {
+            self.rest.t = 0.0;
         }
         for i in 0..N {
-            if start.x[i] != phase.end.x[i] {
-                phase.rest.x[i] = 0.0;
+            if x[i] != self.end.x[i] {
+                self.rest.x[i] = 0.0;
             }
         }
-        phase.mode = mode;
-        phase.index = tape_index(mode, flow.in_contact());
-        phase.end = start;
-        phase.orders = orders;
-        phase.rejected = false;
+        self.index = tape_index(run.mode, flow.in_contact());
+        self.is_new = false;
+        self.rejected = false;
         if run.h == 0.0 {
-            let Timed { t, x } = start;
             let field = &mut |t: f64, x: &State<f64, N>| flow.field(t, x);
             let slope = field(t, &x);
             run.h = run.choose_first_step(field, t, &x, &slope);
@@ -199,63 +178,49 @@ impl<const N: usize> TaylorStepper<N> {
         }
     }
 
-    /// Makes ready for the next expansion, or says that the end time is reached.
-    fn prepare<F: Flow<N>, O>(&mut self, run: &mut Run<'_, O>, flow: &F) -> Option<PhaseEnd<N>> {
-        let Timed { t, x } = self.phase.end;
-        if t >= run.t_end {
-            return Some(PhaseEnd::Time(Timed { t, x }));
+    /// Makes ready for the next expansion.
+    pub(super) fn prepare<F: Flow<N>>(&mut self, run: &mut Run<N>, flow: &F) {
+        if self.is_new {
+            self.enter(run, flow);
         }
-        self.phase.scale = run.h.min(run.options.longest_step);
-        if self.stale[self.phase.index] {
-            self.record(flow, self.phase.index, t, &x);
+        self.scale = run.h.min(run.options.longest_step);
+        if self.stale[self.index] {
+            let Timed { t, x } = run.at;
+            self.record(flow, self.index, t, &x);
             run.counters.field_calls += F::FIELD_CALLS;
         }
-        None
     }
 
-    /// One step on the series that was expanded; the phase's end, if the step has come to it.
-    fn step<F: Flow<N>, O: Observer<N>>(
+    /// Tries a step on the series that was expanded.
+    pub(super) fn advance<F: Flow<N>>(
         &mut self,
-        run: &mut Run<'_, O>,
+        run: &mut Run<N>,
         flow: &F,
-    ) -> Result<Option<PhaseEnd<N>>, Error> {
-        let Phase {
-            mode,
-            index,
-            end: Timed { t, x },
-            rest,
-            orders,
-            scale,
-            ..
-        } = self.phase;
+    ) -> Result<Trial<N>, Error> {
+        let Timed { t, x } = run.at;
+        let (index, rest, scale) = (self.index, self.rest, self.scale);
         if !self.tapes[index].choices.is_empty() && self.compares_otherwise(index) {
             self.record(flow, index, t, &x);
             run.counters.field_calls += F::FIELD_CALLS;
-            self.expand();
+            self.expand(run);
         }
         let last = self.order;
         if !(0..N).all(|i| (self.series.at(i, last) + self.series.at(i, last - 1)).is_finite()) {
-            run.reject_undefined(t, &x, SHRINK * scale)?;
-            if run.h <= SHORTEST * t.abs() || run.h < f64::MIN_POSITIVE {
-                return Err(run.collapsed(t, &x, &flow.field(t, &x), run.h));
+            run.reject_undefined(SHRINK * scale)?;
+            if run.is_too_short(run.h, false) {
+                return Err(run.collapsed(&flow.field(t, &x), run.h));
             }
-            return Ok(None);
+            return Ok(Trial::NoStep);
         }
-        let ratio = self.step_ratio(index, run.options, &x);
+        let ratio = self.step_ratio(index, &run.options, &x);
         // After a rejection the step does not grow at once.
-        run.h = scale
-            * if self.phase.rejected {
-                ratio.min(1.0)
-            } else {
-                ratio
-            };
-        let mut h = run.h.min(run.options.longest_step);
-        let is_last = t + 1.01 * h >= run.t_end;
+        run.h = scale * if self.rejected { ratio.min(1.0) } else { ratio };
+        let (mut h, is_last) = run.next_step();
         if is_last {
-            h = (run.t_end - t) - rest.t;
+            h -= rest.t;
         }
-        if !is_last && h <= SHORTEST * t.abs() || h < f64::MIN_POSITIVE {
-            return Err(run.collapsed(t, &x, &flow.field(t, &x), h));
+        if run.is_too_short(h, is_last) {
+            return Err(run.collapsed(&flow.field(t, &x), h));
         }
         let piece = self.piece(t, rest, h, scale);
         let (mut at, mut rest_there) = piece.at(1.0);
@@ -263,12 +228,12 @@ impl<const N: usize> TaylorStepper<N> {
             (at.t, rest_there.t) = (run.t_end, 0.0);
         }
         let mut part = 1.0;
-        let Ok(event) = self.first_event(run, flow, index, &piece, &orders) else {
-            self.phase.rejected = true;
-            run.reject_undefined(t, &x, h)?;
-            return Ok(None);
+        let Ok(event) = self.first_event(run, flow, index, &piece) else {
+            self.rejected = true;
+            run.reject_undefined(h)?;
+            return Ok(Trial::NoStep);
         };
-        let mut event = event.filter(|event| !is_last || event.located.is_before(at.t));
+        let mut event = event.filter(|event| !is_last || event.event.at.t < at.t);
         if !self.tapes[index].choices.is_empty() {
             let before = event.as_ref().map_or(1.0, |event| event.s);
             if let Some(kink) = self.first_kink(index, &piece, before) {
@@ -279,52 +244,26 @@ impl<const N: usize> TaylorStepper<N> {
             }
         }
         match &event {
-            Some(Event {
-                located: Located::Exit { at: there, .. } | Located::Touch { at: there, .. },
-                rest,
-                ..
-            }) => (at, rest_there) = (*there, *rest),
-            _ => at.x = flow.settle(at.t, at.x),
+            Some(found) => (at, rest_there) = (found.event.at, found.rest),
+            None => at.x = flow.settle(at.t, at.x),
         }
         let part = event.as_ref().map_or(part, |event| event.s);
-        self.phase.rejected = !piece.agrees(flow, part, &at, run.options);
-        if self.phase.rejected {
-            run.reject_undefined(t, &x, h)?;
-            return Ok(None);
+        self.rejected = !piece.agrees(flow, part, &at, &run.options);
+        if self.rejected {
+            run.reject_undefined(h)?;
+            return Ok(Trial::NoStep);
         }
-        (self.phase.end, self.phase.rest) = (at, rest_there);
+        (self.end, self.rest) = (at, rest_there);
         run.counters.steps += 1;
-        let record = StepRecord {
-            mode,
+        run.last = StepRecord {
+            mode: run.mode,
             t_start: t,
             t_end: at.t,
             x_start: x,
             x_end: at.x,
             dense: Dense::of_series(t, h, self.order, &piece.x),
         };
-        let event = event.map(|event| (event.guard, event.located));
-        run.conclude(flow, &record, event, &mut self.phase.orders)
-    }
-}
-
-impl<const N: usize> Stepper<N> for TaylorStepper<N> {
-    fn march<F: Flow<N>, O: Observer<N>>(
-        &mut self,
-        run: &mut Run<'_, O>,
-        flow: &F,
-        mode: Mode,
-        start: Timed<f64, N>,
-        orders: [usize; MOST_GUARDS],
-    ) -> Result<PhaseEnd<N>, Error> {
-        self.begin(run, flow, mode, start, orders);
-        loop {
-            if let Some(end) = self.prepare(run, flow) {
-                return Ok(end);
-            }
-            self.expand();
-            if let Some(end) = self.step(run, flow)? {
-                return Ok(end);
-            }
-        }
+        run.at = at;
+        Ok(Trial::Step(event.map(|found| found.event)))
     }
 }

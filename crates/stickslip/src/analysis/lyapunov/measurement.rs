@@ -1,6 +1,4 @@
-//! The observer that carries the frame.
-
-use std::ops::ControlFlow;
+//! A frame of tangent vectors that goes along with an orbit, and what is summed up of it.
 
 use super::super::tangent::{Jump, Tangent, flatten};
 use super::averages::Growth;
@@ -9,13 +7,12 @@ use super::settings::SpectrumOptions;
 use super::spectrum::Spectrum;
 use super::volume::growth;
 use crate::error::{Error, Point};
-use crate::filippov::{
-    Observer, StepRecord, Summary, Transition, TransitionKind, boundary_gradient,
-};
+use crate::filippov::{StepRecord, Summary, Transition, TransitionKind, boundary_gradient};
 use crate::math;
 use crate::system::{Filippov, Mode, State};
 
-pub(super) struct Carrier<'a, S, const N: usize> {
+/// The frame, and what is summed up of it.
+pub(super) struct Measurement<'a, S, const N: usize> {
     tangent: Tangent<'a, S>,
     settings: &'a SpectrumOptions,
     frame: Frame<N>,
@@ -27,16 +24,15 @@ pub(super) struct Carrier<'a, S, const N: usize> {
     stick_time: f64,
     stick_entries: usize,
     collapses: usize,
-    /// Whether no step has been seen since the run began.
+    /// Whether no step has been taken since the run began.
     is_fresh: bool,
     /// Whether this is still the transient.
     is_settling: bool,
-    pub(super) failure: Option<Error>,
 }
 
-impl<'a, S, const N: usize> Carrier<'a, S, N> {
+impl<'a, S, const N: usize> Measurement<'a, S, N> {
     pub(super) fn new(system: &'a S, settings: &'a SpectrumOptions) -> Self {
-        Carrier {
+        Measurement {
             tangent: Tangent::new(system, &settings.solver),
             settings,
             frame: Frame::generic(),
@@ -48,7 +44,6 @@ impl<'a, S, const N: usize> Carrier<'a, S, N> {
             collapses: 0,
             is_fresh: true,
             is_settling: true,
-            failure: None,
         }
     }
 
@@ -142,13 +137,7 @@ impl<'a, S, const N: usize> Carrier<'a, S, N> {
     }
 }
 
-impl<S: Filippov<N>, const N: usize> Carrier<'_, S, N> {
-    fn fail(&mut self, t: f64, x: &State<f64, N>) -> ControlFlow<()> {
-        let x = Point::from(x);
-        self.failure = Some(Error::TangentSingular { t, x });
-        ControlFlow::Break(())
-    }
-
+impl<S: Filippov<N>, const N: usize> Measurement<'_, S, N> {
     /// A run that begins in stick was on Σ before: nothing across it survives. (From where it came decides along which
     /// direction it was projected, and no exponent depends on that.)
     fn begin_on_boundary(&mut self, step: &StepRecord<N>) -> Option<()> {
@@ -196,23 +185,24 @@ impl<S: Filippov<N>, const N: usize> Carrier<'_, S, N> {
         // det(I + u vᵀ) = 1 + v·u.
         self.book(math::ln((jump.rate_after / jump.rate_before).abs()))
     }
-}
 
-impl<S: Filippov<N>, const N: usize> Observer<N> for Carrier<'_, S, N> {
-    fn step(&mut self, step: &StepRecord<N>) -> ControlFlow<()> {
-        if self.take(step).is_none() {
-            return self.fail(step.t_end, &step.x_end);
-        }
+    /// Takes the frame over a step.
+    pub(super) fn step(&mut self, step: &StepRecord<N>) -> Result<(), Error> {
+        self.take(step)
+            .ok_or_else(|| singular(step.t_end, &step.x_end))?;
         if !self.is_settling {
             self.growth.tick(step.t_end);
         }
-        ControlFlow::Continue(())
+        Ok(())
     }
 
-    fn transition(&mut self, at: &Transition<N>) -> ControlFlow<()> {
-        if self.jump(at).is_none() {
-            return self.fail(at.t, &at.x);
-        }
-        ControlFlow::Continue(())
+    /// Takes the frame through a transition.
+    pub(super) fn transition(&mut self, at: &Transition<N>) -> Result<(), Error> {
+        self.jump(at).ok_or_else(|| singular(at.t, &at.x))
     }
+}
+
+fn singular<const N: usize>(t: f64, x: &State<f64, N>) -> Error {
+    let x = Point::from(x);
+    Error::TangentSingular { t, x }
 }

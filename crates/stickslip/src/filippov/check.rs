@@ -1,0 +1,53 @@
+//! Whether a run can begin.
+
+use super::flow::boundary_gradient;
+use super::options::Options;
+use crate::error::{Error, Point};
+use crate::ode::Timed;
+use crate::system::{Filippov, Side};
+
+/// Checks options, times and start.
+pub(super) fn check<S: Filippov<N>, const N: usize>(
+    system: &S,
+    start: &Timed<f64, N>,
+    t_end: f64,
+    options: &Options,
+) -> Result<(), Error> {
+    options.check()?;
+    let Timed { t, x } = *start;
+    if !(t.is_finite() && t_end.is_finite() && t < t_end) {
+        return Err(Error::Interval { t0: t, t_end });
+    }
+    let outside = |what: &'static str| Error::StartOutsideDomain {
+        t,
+        x: Point::from(&x),
+        what,
+    };
+    if x.iter().any(|v| !v.is_finite()) {
+        return Err(outside("the start itself is not finite"));
+    }
+    let h = system.boundary(t, &x);
+    if !h.is_finite() {
+        return Err(outside("the boundary function is not finite there"));
+    }
+    if h == 0.0 {
+        let (gradient, in_time) = boundary_gradient(system, t, &x);
+        if gradient.iter().all(|&slope| slope == 0.0) && in_time == 0.0 {
+            return Err(outside(
+                "the boundary function is zero there and has no slope, so it marks no boundary",
+            ));
+        }
+    }
+    // On Σ both fields matter, off it only one need exist.
+    for side in [Side::Below, Side::Above] {
+        let matters = h * side.sign() >= 0.0;
+        if matters && system.field(side, t, &x).iter().any(|v| !v.is_finite()) {
+            return Err(outside("the field is not finite there"));
+        }
+    }
+    if x.iter().any(|v| v.abs() > options.escape) {
+        let (x, bound) = (Point::from(&x), options.escape);
+        return Err(Error::Escaped { t, x, bound });
+    }
+    Ok(())
+}

@@ -1,0 +1,145 @@
+//! What a run carries from step to step, and what can go wrong with a step.
+
+use super::event::Event;
+use super::flow::{Flow, MOST_GUARDS};
+use super::leaving::has_left;
+use super::observer::StepRecord;
+use super::options::Options;
+use super::pile_up::PileUp;
+use crate::error::{Error, Point};
+use crate::ode::Timed;
+use crate::ode::control::first_step;
+use crate::orbit::Counters;
+use crate::system::{Mode, State};
+
+/// Steps shorter than this part of the time no longer move it.
+pub(crate) const SHORTEST: f64 = 4.0 * f64::EPSILON;
+
+/// What a run carries from step to step, whatever makes the steps.
+pub(crate) struct Run<const N: usize> {
+    pub options: Options,
+    pub counters: Counters,
+    pub pile_up: PileUp,
+    pub t_end: f64,
+    /// Next step to try; 0 until the first is chosen. It is kept over events: the new field is usually as fast as the
+    /// old, and error control corrects it where it is not.
+    pub h: f64,
+    /// Where the last step ended.
+    pub at: Timed<f64, N>,
+    pub mode: Mode,
+    /// Sign of the contact function.
+    pub contact: f64,
+    /// How many derivatives of each guard vanish where it was last zero and has not left that yet; 0 elsewhere.
+    pub orders: [usize; MOST_GUARDS],
+    /// The last step; of no length before the first.
+    pub last: StepRecord<N>,
+}
+
+/// What came of a try to step.
+pub(crate) enum Trial<const N: usize> {
+    /// It was only prepared, or rejected: another try follows.
+    NoStep,
+    /// A step was taken, the run's last one now; the event at its end, if it has one.
+    Step(Option<Event<N>>),
+}
+
+impl<const N: usize> Run<N> {
+    /// The first step to try from `(t, x)`.
+    pub(crate) fn choose_first_step(
+        &self,
+        field: &mut impl FnMut(f64, &State<f64, N>) -> State<f64, N>,
+        t: f64,
+        x: &State<f64, N>,
+        slope: &State<f64, N>,
+    ) -> f64 {
+        let longest = self.options.longest_step.min(self.t_end - t);
+        if let Some(step) = self.options.fixed_step().or(self.options.first_step) {
+            return step.min(longest);
+        }
+        first_step(field, t, x, slope, &self.options.tolerance(), longest)
+    }
+
+    /// Length of the next step and whether it ends at the end time: a last step is stretched a little rather than followed by
+    /// one of rounding's length.
+    #[inline(always)]
+    pub(crate) fn next_step(&self) -> (f64, bool) {
+        let (t, h) = (self.at.t, self.h.min(self.options.longest_step));
+        if t + 1.01 * h >= self.t_end {
+            (self.t_end - t, true)
+        } else {
+            (h, false)
+        }
+    }
+
+    /// Whether a step no longer moves the time.
+    #[inline(always)]
+    pub(crate) fn is_too_short(&self, h: f64, is_last: bool) -> bool {
+        !is_last && h <= SHORTEST * self.at.t.abs() || h < f64::MIN_POSITIVE
+    }
+
+    /// What a step says that has shrunk until time no longer moves, right behind transitions that pile up: each was resolved.
+    pub(crate) fn collapsed(&self, slope: &State<f64, N>, step: f64) -> Error {
+        let Timed { t, x } = &self.at;
+        self.pile_up
+            .under_way(*t, x, &self.options)
+            .unwrap_or_else(|| self.collapse(slope, step))
+    }
+
+    /// The step shrank until time no longer moves.
+    pub(crate) fn collapse(&self, slope: &State<f64, N>, step: f64) -> Error {
+        if slope.iter().any(|v| !v.is_finite()) {
+            return self.non_finite(step);
+        }
+        Error::StepCollapse {
+            t: self.at.t,
+            x: Point::from(&self.at.x),
+            step,
+            rtol: self.options.rtol,
+            atol: self.options.atol,
+        }
+    }
+
+    /// The state is no number at the end of a step.
+    pub(crate) fn non_finite(&self, step: f64) -> Error {
+        let (t, x) = (self.at.t, Point::from(&self.at.x));
+        Error::NonFinite { t, x, step }
+    }
+
+    /// Shortens the next step after one on which the field was not defined throughout.
+    pub(crate) fn reject_undefined(&mut self, step: f64) -> Result<(), Error> {
+        if self.options.fixed_step().is_some() {
+            return Err(self.non_finite(step));
+        }
+        self.counters.rejected += 1;
+        self.h = 0.1 * step;
+        Ok(())
+    }
+
+    pub(crate) fn check_escape(&self) -> Result<(), Error> {
+        let bound = self.options.escape;
+        if self.at.x.iter().all(|v| v.abs() <= bound) {
+            return Ok(());
+        }
+        Err(Error::Escaped {
+            t: self.at.t,
+            x: Point::from(&self.at.x),
+            bound,
+        })
+    }
+
+    /// Counts a transition; too many within no time are a pile-up.
+    pub(crate) fn note_event(&mut self, velocity: &State<f64, N>) -> Result<(), Error> {
+        self.counters.events += 1;
+        self.pile_up.note(&self.at, velocity, &self.options)
+    }
+
+    /// Notes which guards have left their zero by now.
+    pub(crate) fn note_departures<F: Flow<N>>(&mut self, flow: &F) {
+        for &guard in F::GUARDS {
+            let departs = self.orders[guard] > 0;
+            if departs && has_left::<F, N>(flow, guard, &self.at, &self.options) {
+                self.orders[guard] = 0;
+            }
+        }
+    }
+}

@@ -1,0 +1,297 @@
+//! Runge–Kutta steps, and the search of each for the first event.
+
+use std::cell::Cell;
+
+use super::event::Event;
+use super::flow::{CONTACT, Flow};
+use super::leaving::{Leaving, leaving};
+use super::locate::{Limits, Origin, uncertainty};
+use super::observer::StepRecord;
+use super::options::Locator;
+use super::run::{Run, Trial};
+use super::scan::{Bracket, NARROWEST, far_from_zero, first_bracket, zero_in};
+use crate::error::Error;
+use crate::interval::Interval;
+use crate::ode::control::{squared_error, step_factor};
+use crate::ode::{Dense, RungeKutta, Stages, Timed, dense_slopes, stages};
+use crate::system::State;
+
+/// A guard is not a number in a part of the step.
+pub(crate) struct Undefined;
+
+/// What Runge–Kutta steps keep from one to the next: the slope at the state reached, if it is known.
+#[derive(Default)]
+pub(crate) struct Slopes<const N: usize> {
+    slope: Option<State<f64, N>>,
+}
+
+impl<const N: usize> Slopes<N> {
+    /// Forgets the slope of the flow before.
+    pub(crate) fn begin(&mut self) {
+        self.slope = None;
+    }
+
+    /// Tries a step.
+    pub(crate) fn advance<M: RungeKutta, F: Flow<N>>(
+        &mut self,
+        run: &mut Run<N>,
+        flow: &F,
+    ) -> Result<Trial<N>, Error> {
+        let field = &mut |t: f64, x: &State<f64, N>| flow.field(t, x);
+        let Timed { t, x } = run.at;
+        let slope = match self.slope {
+            Some(slope) => slope,
+            None => {
+                run.counters.field_calls += F::FIELD_CALLS;
+                field(t, &x)
+            }
+        };
+        if run.h == 0.0 {
+            run.h = run.choose_first_step(field, t, &x, &slope);
+            run.counters.field_calls += F::FIELD_CALLS;
+        }
+        self.slope = Some(slope);
+        let (h, is_last, mut step) = run.accepted_step::<M, F>(flow, slope)?;
+        let t_next = if is_last { run.t_end } else { t + h };
+        step.end = flow.settle(t_next, step.end);
+        dense_slopes::<M, f64, _>(field, t, &x, h, &mut step);
+        run.counters.field_calls += F::FIELD_CALLS * (1 + M::COEFFICIENTS.dense_stages as u64);
+        let dense = Dense::new::<M>(t, &x, h, &step);
+        if !dense.is_finite() {
+            // The solution comes to the edge of where the field is defined: a shorter step may stay inside.
+            run.reject_undefined(h)?;
+            return Ok(Trial::NoStep);
+        }
+        let origin = Origin {
+            flow,
+            t,
+            x,
+            slope,
+            h,
+            field_calls: Cell::new(0),
+        };
+        let found = run.first_event::<M, F>(&origin, &dense);
+        run.counters.field_calls += origin.field_calls.get();
+        let Ok(event) = found else {
+            run.reject_undefined(h)?;
+            return Ok(Trial::NoStep);
+        };
+        let event = event.filter(|event| !is_last || event.at.t < t_next);
+        let (at, next_slope) = match &event {
+            Some(event) => (event.at, None),
+            None => {
+                let (t, x) = (t_next, step.end);
+                (Timed { t, x }, Some(step.k[M::COEFFICIENTS.stages]))
+            }
+        };
+        run.counters.steps += 1;
+        if at.x.iter().any(|v| !v.is_finite()) {
+            return Err(run.non_finite(h));
+        }
+        run.last = StepRecord {
+            mode: run.mode,
+            t_start: t,
+            t_end: at.t,
+            x_start: x,
+            x_end: at.x,
+            dense,
+        };
+        run.at = at;
+        self.slope = next_slope;
+        Ok(Trial::Step(event))
+    }
+}
+
+impl<const N: usize> Run<N> {
+    /// The next step within the tolerance: its length, whether it ends at the end time, its slopes and end.
+    #[inline(always)]
+    fn accepted_step<M: RungeKutta, F: Flow<N>>(
+        &mut self,
+        flow: &F,
+        slope: State<f64, N>,
+    ) -> Result<(f64, bool, Stages<State<f64, N>>), Error> {
+        let field = &mut |t: f64, x: &State<f64, N>| flow.field(t, x);
+        let tolerance = self.options.tolerance();
+        let Timed { t, x } = self.at;
+        let mut rejected = false;
+        loop {
+            let (h, is_last) = self.next_step();
+            if self.is_too_short(h, is_last) {
+                return Err(self.collapse(&slope, h));
+            }
+            let step = stages::<M, f64, _>(field, t, &x, slope, h);
+            self.counters.field_calls += F::FIELD_CALLS * (M::COEFFICIENTS.stages as u64 - 1);
+            let error = squared_error::<M, N>(&step, &x, h, &tolerance);
+            if self.options.fixed_step().is_some() {
+                if error.is_finite() {
+                    return Ok((h, is_last, step));
+                }
+                return Err(self.non_finite(h));
+            }
+            if error <= 1.0 {
+                let factor = step_factor(error);
+                // After a rejection the step does not grow at once, and a last step cut short by the end time says
+                // nothing against the one that was planned.
+                let next = h * if rejected { factor.min(1.0) } else { factor };
+                self.h = if is_last { next.max(self.h) } else { next };
+                return Ok((h, is_last, step));
+            }
+            self.counters.rejected += 1;
+            rejected = true;
+            self.h = h * if error.is_finite() {
+                step_factor(error)
+            } else {
+                0.1
+            };
+        }
+    }
+
+    /// The first guard that fails in the step, and where.
+    ///
+    /// # Errors
+    /// No guard fails, but one is not a number at the step's end: a shorter step may not come to where it ends.
+    #[inline(always)]
+    fn first_event<M: RungeKutta, F: Flow<N>>(
+        &mut self,
+        origin: &Origin<'_, F, N>,
+        dense: &Dense<N>,
+    ) -> Result<Option<Event<N>>, Undefined> {
+        let mut first: Option<Event<N>> = None;
+        let mut is_undefined = false;
+        let reach = dense.enclosure();
+        // Written out rather than looped over, so that each guard's code is the guard's own.
+        macro_rules! consider {
+            ($guard:expr) => {
+                match self.first_failure::<M, F>($guard, origin, dense, &reach, self.orders[$guard])
+                {
+                    Ok(Some(event)) if first.is_none_or(|first| event.at.t < first.at.t) => {
+                        first = Some(event);
+                    }
+                    Ok(_) => {}
+                    Err(Undefined) => is_undefined = true,
+                }
+            };
+        }
+        consider!(0);
+        if F::GUARDS.contains(&1) {
+            consider!(1);
+        }
+        consider!(CONTACT);
+        match first {
+            Some(event) => Ok(Some(event)),
+            None if is_undefined => Err(Undefined),
+            None => Ok(None),
+        }
+    }
+
+    #[inline(always)]
+    fn first_failure<M: RungeKutta, F: Flow<N>>(
+        &mut self,
+        i: usize,
+        origin: &Origin<'_, F, N>,
+        dense: &Dense<N>,
+        reach: &State<Interval, N>,
+        order: usize,
+    ) -> Result<Option<Event<N>>, Undefined> {
+        let on_dense = |s: f64| origin.flow.guard(i, origin.t + s * origin.h, &dense.at(s));
+        let found = if order == 0 {
+            // Nearly every step ends here: far from any event, for certain or by samples.
+            let times = Interval::new(origin.t, origin.t + origin.h);
+            if origin.flow.is_clear(i, times, reach) {
+                return Ok(None);
+            }
+            if far_from_zero(on_dense) {
+                None
+            } else {
+                self.near_failure::<M, F>(i, origin, dense, on_dense)
+            }
+        } else {
+            let start = leaving(origin, i, order);
+            if self.resolves_departure(i, origin, &start, on_dense) {
+                self.near_failure::<M, F>(i, origin, dense, |s| start.value(s, || on_dense(s)))
+            } else {
+                None
+            }
+        };
+        if found.is_none() && !on_dense(1.0).is_finite() {
+            return Err(Undefined);
+        }
+        Ok(found)
+    }
+
+    /// The first zero of guard `i`, known to be worth a closer look; `value` is the guard over the step, its zero at the
+    /// start divided out.
+    #[cold]
+    #[inline(never)]
+    fn near_failure<M: RungeKutta, F: Flow<N>>(
+        &mut self,
+        i: usize,
+        origin: &Origin<'_, F, N>,
+        dense: &Dense<N>,
+        mut value: impl FnMut(f64) -> f64,
+    ) -> Option<Event<N>> {
+        let chosen = self.options.locator;
+        let mut locate = |bracket: Bracket, estimate: f64, locator: Locator| {
+            self.counters.locations += 1;
+            let near = Timed {
+                t: origin.t + estimate * origin.h,
+                x: dense.at(estimate),
+            };
+            let limits = self.limits(i, origin.flow, &near);
+            origin.locate::<M>(i, bracket, estimate, locator, limits)
+        };
+        let mut from = 0.0;
+        while let Some(bracket) = first_bracket(&mut value, from, 1.0) {
+            let estimate = zero_in(&mut value, bracket);
+            if let Some(found) = locate(bracket, estimate, chosen) {
+                return Some(found);
+            }
+            // A dip of the dense output that the re-integrated step does not have. The search goes on where the
+            // dense output is positive again; if it nowhere is, the step's end, where both agree, closes the bracket.
+            let Some(back) = first_bracket(&mut |s| -value(s), bracket.b, 1.0) else {
+                let rest = Bracket {
+                    a: bracket.b,
+                    b: 1.0,
+                };
+                return locate(rest, 1.0, Locator::RootSearch);
+            };
+            from = back.b.max(from + NARROWEST);
+        }
+        None
+    }
+
+    /// What an event of guard `i` near a state is held to. A step of fixed length is taken as it is: only error control
+    /// gives a Hénon step something to be compared with.
+    fn limits<F: Flow<N>>(&self, i: usize, flow: &F, near: &Timed<f64, N>) -> Limits {
+        let blur = uncertainty(flow, i, near, &self.options.tolerance());
+        let adaptive = self.options.fixed_step().is_none();
+        Limits {
+            touch: (self.options.touch * blur.by_tolerance).max(blur.by_rounding),
+            mismatch: if adaptive {
+                blur.by_tolerance.max(blur.by_rounding)
+            } else {
+                f64::INFINITY
+            },
+        }
+    }
+
+    /// Whether the step is long enough for the guard to rise out of rounding; a shorter one cannot hold an event that
+    /// means anything.
+    pub(crate) fn resolves_departure<F: Flow<N>>(
+        &self,
+        i: usize,
+        origin: &Origin<'_, F, N>,
+        start: &Leaving,
+        on_dense: impl Fn(f64) -> f64,
+    ) -> bool {
+        let at = Timed {
+            t: origin.t,
+            x: origin.x,
+        };
+        let tolerance = self.options.tolerance();
+        let floor = uncertainty(origin.flow, i, &at, &tolerance).by_rounding;
+        [0.25, 0.5, 1.0]
+            .iter()
+            .any(|&s| start.risen(s, on_dense(s)).abs() > floor)
+    }
+}

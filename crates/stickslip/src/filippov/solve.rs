@@ -1,0 +1,176 @@
+//! Runs as loops over [`Integration::step`]: one that keeps the whole orbit, one that keeps nothing.
+
+use super::integration::{Integration, Progress};
+use super::observer::{Observer, TransitionKind};
+use super::options::Options;
+use crate::error::Error;
+use crate::orbit::{Counters, Ending, Orbit};
+use crate::system::{Filippov, State};
+
+/// How and where a streamed run ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Summary<const N: usize> {
+    /// Why it ended.
+    pub ending: Ending,
+    /// Last time.
+    pub t: f64,
+    /// Last state.
+    pub x: State<f64, N>,
+    /// Work done.
+    pub counters: Counters,
+}
+
+/// A run that failed, with the orbit up to the failure.
+#[derive(Clone, Debug, thiserror::Error)]
+#[error("{error}")]
+pub struct Failure<const N: usize> {
+    /// What went wrong.
+    #[source]
+    pub error: Error,
+    /// What was computed before; its ending is [`Ending::Failed`].
+    pub orbit: Box<Orbit<N>>,
+}
+
+impl<const N: usize> From<Failure<N>> for Error {
+    fn from(failure: Failure<N>) -> Error {
+        failure.error
+    }
+}
+
+/// Integrates `system` from `(t0, x0)` to `t_end` and keeps the whole orbit.
+///
+/// The start may lie anywhere: on either side, on Σ, at a tangent point.
+///
+/// ```
+/// use stickslip::{models::BeltOscillator, solve, Options, State};
+///
+/// let belt = BeltOscillator { belt_speed: 0.4, ..BeltOscillator::default() };
+/// let orbit = solve(&belt, 0.0, State::from([0.5, 1.5]), 30.0, &Options::tol(1e-12))?;
+/// for stick in orbit.sticks() {
+///     let length = stick.displacement()[0];
+///     assert!((length - 0.4 * stick.duration()).abs() < 1e-14);
+/// }
+/// # Ok::<(), stickslip::Error>(())
+/// ```
+///
+/// # Errors
+/// [`Failure`] holds the [`Error`] and the orbit up to it; `?` turns it into the error alone.
+pub fn solve<S: Filippov<N>, const N: usize>(
+    system: &S,
+    t0: f64,
+    x0: State<f64, N>,
+    t_end: f64,
+    options: &Options,
+) -> Result<Orbit<N>, Failure<N>> {
+    let mut orbit = Orbit {
+        phases: Vec::new(),
+        transitions: Vec::new(),
+        steps: Vec::new(),
+        counters: Counters::default(),
+        ending: Ending::Failed,
+        t_start: t0,
+        t_end: t0,
+        x_start: x0,
+        x_end: x0,
+    };
+    match follow(system, t_end, options, &mut orbit) {
+        Ok(()) => Ok(orbit),
+        Err(error) => {
+            let orbit = Box::new(orbit);
+            Err(Failure { error, orbit })
+        }
+    }
+}
+
+/// Fills an orbit that holds its start and nothing else.
+fn follow<S: Filippov<N>, const N: usize>(
+    system: &S,
+    t_end: f64,
+    options: &Options,
+    orbit: &mut Orbit<N>,
+) -> Result<(), Error> {
+    let (t0, x0) = (orbit.t_start, orbit.x_start);
+    let mut integration = Integration::new(system, t0, x0, t_end, options)?;
+    loop {
+        let progress = integration.step();
+        orbit.counters = *integration.counters();
+        match progress {
+            Ok(Progress::Step) => {
+                let step = integration.last_step();
+                orbit.steps.push(*step);
+                (orbit.t_end, orbit.x_end) = (step.t_end, step.x_end);
+            }
+            Ok(Progress::PhaseEnd(phase)) => orbit.phases.push(phase),
+            Ok(Progress::Transition(transition)) => orbit.transitions.push(transition),
+            Ok(Progress::End(summary)) => {
+                orbit.ending = summary.ending;
+                return Ok(());
+            }
+            Err(error) => {
+                // The phase under way stays unfinished; what was reached of it is kept.
+                orbit.phases.extend(integration.phase());
+                return Err(error);
+            }
+        }
+    }
+}
+
+/// Integrates `system` from `(t0, x0)` to `t_end`, telling `observer` of every step, transition and phase and keeping
+/// nothing: for runs too long to hold.
+///
+/// # Errors
+/// [`Error::Option`], [`Error::Interval`] and [`Error::StartOutsideDomain`] before the first step;
+/// [`Error::NonFinite`], [`Error::StepCollapse`], [`Error::EventPileUp`] and [`Error::Escaped`] after it.
+pub fn run<S: Filippov<N>, O: Observer<N>, const N: usize>(
+    system: &S,
+    t0: f64,
+    x0: State<f64, N>,
+    t_end: f64,
+    options: &Options,
+    observer: &mut O,
+) -> Result<Summary<N>, Error> {
+    let mut integration = Integration::new(system, t0, x0, t_end, options)?;
+    let mut is_stopping = false;
+    loop {
+        let progress = integration.step()?;
+        if let Some(summary) = tell(&integration, progress, observer, &mut is_stopping)? {
+            return Ok(summary);
+        }
+    }
+}
+
+/// Tells `observer` of what happened; the end of the run, where it has come to one or the observer asks for it. One that asks at
+/// the end of a phase is still told of the transition behind it, which `is_stopping` remembers.
+pub(crate) fn tell<S, O: Observer<N>, const N: usize>(
+    integration: &Integration<'_, S, N>,
+    progress: Progress<N>,
+    observer: &mut O,
+    is_stopping: &mut bool,
+) -> Result<Option<Summary<N>>, Error> {
+    let is_inside = match progress {
+        Progress::Step => {
+            if observer.step(integration.last_step()).is_continue() {
+                return Ok(None);
+            }
+            // An orbit that has escaped is an error, to one who stops as well.
+            integration.run.check_escape()?;
+            true
+        }
+        Progress::PhaseEnd(phase) => {
+            *is_stopping = observer.phase(&phase).is_break();
+            return Ok(None);
+        }
+        Progress::Transition(at) => {
+            if observer.transition(&at).is_continue() && !*is_stopping {
+                return Ok(None);
+            }
+            at.kind == TransitionKind::Touch
+        }
+        Progress::End(summary) => return Ok(Some(summary)),
+    };
+    if is_inside && let Some(phase) = integration.phase() {
+        // It ends all the same.
+        let _ = observer.phase(&phase);
+    }
+    Ok(Some(integration.summary(Ending::Stopped)))
+}
