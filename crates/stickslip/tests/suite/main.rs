@@ -1,5 +1,10 @@
 //! The tests of the library, in one binary.
 
+#![allow(
+    clippy::duplicate_mod,
+    reason = "the solver's tests run by slopes and by series, over one copy of the systems"
+)]
+
 mod data_spectrum;
 mod ensemble;
 mod grazes;
