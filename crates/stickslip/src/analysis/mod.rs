@@ -1,6 +1,7 @@
 //! Analyses of systems and orbits: tangent points, monodromy by saltation, periodic orbits, attractors, Lyapunov spectra,
 //! classes of motion.
 
+#[cfg(feature = "data")]
 pub mod data_spectrum;
 mod destination;
 mod lyapunov;

@@ -5,6 +5,7 @@
     reason = "the solver's tests run by slopes and by series, over one copy of the systems"
 )]
 
+#[cfg(feature = "data")]
 mod data_spectrum;
 mod ensemble;
 mod grazes;
