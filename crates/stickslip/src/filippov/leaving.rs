@@ -1,9 +1,12 @@
 //! Leaving a zero of a guard: how a phase that starts on Σ, or at a tangent point, does not end at once.
 
 use super::flow::Flow;
-use super::locate::{Origin, uncertainty};
 use super::options::Options;
+use super::uncertainty::uncertainty;
 use crate::ode::Timed;
+
+/// Where in a step it is looked at whether a guard has risen out of rounding.
+pub(crate) const RISES: [f64; 3] = [0.25, 0.5, 1.0];
 
 /// A guard that is zero at the start of the step, where it has just been left. Its zero there is divided out:
 /// `(g − g₀ − …)/s^order` has the guard's other zeros and none at the start.
@@ -16,7 +19,7 @@ pub(crate) struct Leaving {
 
 impl Leaving {
     /// The guard without what rounding has left of it at the start.
-    pub(crate) fn risen(&self, s: f64, guard: f64) -> f64 {
+    fn risen(&self, s: f64, guard: f64) -> f64 {
         let mut rest = guard;
         let mut power = 1.0;
         for coefficient in &self.start[..self.order] {
@@ -35,19 +38,26 @@ impl Leaving {
     }
 }
 
-/// The guard's Taylor coefficients (in parts of the step) at a start from its own zero.
+/// The guard's Taylor coefficients at a start from its own zero, over a step of length `h`; `None` where the step, on which the
+/// guard is `on_step`, is too short for it to rise out of rounding, and so cannot hold an event that means anything.
 pub(crate) fn leaving<F: Flow<N>, const N: usize>(
-    origin: &Origin<'_, F, N>,
-    i: usize,
-    order: usize,
-) -> Leaving {
-    let [g, rate, bend, third] = origin.flow.jet(i, origin.t, &origin.x);
-    let h = origin.h;
-    let start = [g, rate * h, 0.5 * bend * h * h, third * h * h * h / 6.0];
-    Leaving {
+    flow: &F,
+    guard: usize,
+    at: &Timed<f64, N>,
+    (h, order): (f64, usize),
+    options: &Options,
+    on_step: impl Fn(f64) -> f64,
+) -> Option<Leaving> {
+    let [g, rate, bend, third] = flow.jet(guard, at.t, &at.x);
+    let start = Leaving {
         order: order.min(3),
-        start,
-    }
+        start: [g, rate * h, 0.5 * bend * h * h, third * h * h * h / 6.0],
+    };
+    let floor = uncertainty(flow, guard, at, &options.tolerance()).by_rounding;
+    let rises = RISES
+        .iter()
+        .any(|&s| start.risen(s, on_step(s)).abs() > floor);
+    rises.then_some(start)
 }
 
 /// Whether a guard that was zero at the start of the phase now stands clear of zero.

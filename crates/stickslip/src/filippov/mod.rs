@@ -5,6 +5,7 @@ mod check;
 mod ensemble;
 mod event;
 mod flow;
+mod guard;
 mod integration;
 mod leaving;
 mod locate;
@@ -19,6 +20,7 @@ mod solve;
 mod stepper;
 mod switch;
 mod taylor;
+mod uncertainty;
 
 pub use ensemble::{Start, ensemble};
 pub use flow::{boundary_gradient, normal_component, sliding_field};

@@ -1,15 +1,18 @@
 //! Runge–Kutta steps, and the search of each for the first event.
 
 use std::cell::Cell;
+use std::marker::PhantomData;
 
 use super::event::Event;
 use super::flow::{CONTACT, Flow};
-use super::leaving::{Leaving, leaving};
-use super::locate::{Limits, Origin, uncertainty};
+use super::guard::first_event;
+use super::leaving::leaving;
+use super::locate::{Limits, OnDense, Origin};
 use super::observer::StepRecord;
 use super::options::Locator;
 use super::run::{Run, Trial};
-use super::scan::{Bracket, NARROWEST, far_from_zero, first_bracket, zero_in};
+use super::scan::far_from_zero;
+use super::uncertainty::uncertainty;
 use crate::error::Error;
 use crate::interval::Interval;
 use crate::ode::control::{squared_error, step_factor};
@@ -194,24 +197,29 @@ impl<const N: usize> Run<N> {
         order: usize,
     ) -> Result<Option<Event<N>>, Undefined> {
         let on_dense = |s: f64| origin.flow.guard(i, origin.t + s * origin.h, &dense.at(s));
-        let found = if order == 0 {
+        let (is_near, start) = if order == 0 {
             // Nearly every step ends here: far from any event, for certain or by samples.
             let times = Interval::new(origin.t, origin.t + origin.h);
             if origin.flow.is_clear(i, times, reach) {
                 return Ok(None);
             }
-            if far_from_zero(on_dense) {
-                None
-            } else {
-                self.near_failure::<M, F>(i, origin, dense, on_dense)
-            }
+            (!far_from_zero(on_dense), None)
         } else {
-            let start = leaving(origin, i, order);
-            if self.resolves_departure(i, origin, &start, on_dense) {
-                self.near_failure::<M, F>(i, origin, dense, |s| start.value(s, || on_dense(s)))
-            } else {
-                None
-            }
+            let (t, x) = (origin.t, origin.x);
+            let (at, step) = (Timed { t, x }, (origin.h, order));
+            let start = leaving(origin.flow, i, &at, step, &self.options, on_dense);
+            (start.is_some(), start)
+        };
+        let found = if is_near {
+            self.near_failure(&OnDense {
+                origin,
+                dense,
+                guard: i,
+                start,
+                method: PhantomData::<M>,
+            })
+        } else {
+            None
         };
         if found.is_none() && !on_dense(1.0).is_finite() {
             return Err(Undefined);
@@ -219,45 +227,27 @@ impl<const N: usize> Run<N> {
         Ok(found)
     }
 
-    /// The first zero of guard `i`, known to be worth a closer look; `value` is the guard over the step, its zero at the
-    /// start divided out.
+    /// The first event of a guard that is worth a closer look.
     #[cold]
     #[inline(never)]
     fn near_failure<M: RungeKutta, F: Flow<N>>(
         &mut self,
-        i: usize,
-        origin: &Origin<'_, F, N>,
-        dense: &Dense<N>,
-        mut value: impl FnMut(f64) -> f64,
+        guard: &OnDense<'_, M, F, N>,
     ) -> Option<Event<N>> {
-        let chosen = self.options.locator;
-        let mut locate = |bracket: Bracket, estimate: f64, locator: Locator| {
+        first_event(guard, |bracket, estimate, is_rest| {
             self.counters.locations += 1;
             let near = Timed {
-                t: origin.t + estimate * origin.h,
-                x: dense.at(estimate),
+                t: guard.origin.t + estimate * guard.origin.h,
+                x: guard.dense.at(estimate),
             };
-            let limits = self.limits(i, origin.flow, &near);
-            origin.locate::<M>(i, bracket, estimate, locator, limits)
-        };
-        let mut from = 0.0;
-        while let Some(bracket) = first_bracket(&mut value, from, 1.0) {
-            let estimate = zero_in(&mut value, bracket);
-            if let Some(found) = locate(bracket, estimate, chosen) {
-                return Some(found);
-            }
-            // A dip of the dense output that the re-integrated step does not have. The search goes on where the
-            // dense output is positive again; if it nowhere is, the step's end, where both agree, closes the bracket.
-            let Some(back) = first_bracket(&mut |s| -value(s), bracket.b, 1.0) else {
-                let rest = Bracket {
-                    a: bracket.b,
-                    b: 1.0,
-                };
-                return locate(rest, 1.0, Locator::RootSearch);
+            let limits = self.limits(guard.guard, guard.origin.flow, &near);
+            let locator = if is_rest {
+                Locator::RootSearch
+            } else {
+                self.options.locator
             };
-            from = back.b.max(from + NARROWEST);
-        }
-        None
+            guard.locate(bracket, estimate, locator, limits)
+        })
     }
 
     /// What an event of guard `i` near a state is held to. A step of fixed length is taken as it is: only error control
@@ -273,25 +263,5 @@ impl<const N: usize> Run<N> {
                 f64::INFINITY
             },
         }
-    }
-
-    /// Whether the step is long enough for the guard to rise out of rounding; a shorter one cannot hold an event that
-    /// means anything.
-    pub(crate) fn resolves_departure<F: Flow<N>>(
-        &self,
-        i: usize,
-        origin: &Origin<'_, F, N>,
-        start: &Leaving,
-        on_dense: impl Fn(f64) -> f64,
-    ) -> bool {
-        let at = Timed {
-            t: origin.t,
-            x: origin.x,
-        };
-        let tolerance = self.options.tolerance();
-        let floor = uncertainty(origin.flow, i, &at, &tolerance).by_rounding;
-        [0.25, 0.5, 1.0]
-            .iter()
-            .any(|&s| start.risen(s, on_dense(s)).abs() > floor)
     }
 }

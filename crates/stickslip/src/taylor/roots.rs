@@ -42,12 +42,17 @@ const INVERSE_BINOMIAL: [[f64; ROOM]; ROOM] = {
 /// begins there.
 #[inline(always)]
 pub(crate) fn first_zero(c: &[f64]) -> Option<f64> {
-    // No power exceeds 1: nearly every step ends here.
+    if is_positive(c) { None } else { search(c) }
+}
+
+/// Whether `Σ c_k s^k` is positive throughout by the size of its coefficients alone, as nearly always: no power exceeds 1.
+#[inline(always)]
+pub(crate) fn is_positive(c: &[f64]) -> bool {
     let mut least = c[0];
     for &c in &c[1..] {
         least += if c < 0.0 { c } else { 0.0 };
     }
-    if least > 0.0 { None } else { search(c) }
+    least > 0.0
 }
 
 #[cold]

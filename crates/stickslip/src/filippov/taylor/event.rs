@@ -1,18 +1,17 @@
-//! The first event of a step.
-
-use std::cell::Cell;
+//! The first event of a Taylor step.
 
 use super::TaylorStepper;
 use super::piece::Piece;
 use crate::filippov::event::Event;
 use crate::filippov::flow::Flow;
-use crate::filippov::leaving::leaving;
-use crate::filippov::locate::{Origin, uncertainty};
+use crate::filippov::guard::{Probe, StepGuard, first_event, turning_point, turns_back};
+use crate::filippov::leaving::{Leaving, RISES, leaving};
 use crate::filippov::run::Run;
-use crate::filippov::scan;
+use crate::filippov::scan::Bracket;
 use crate::filippov::slopes::Undefined;
+use crate::filippov::uncertainty::uncertainty;
 use crate::ode::Timed;
-use crate::taylor::roots::{first_zero, slope_and_bend, value_and_slope};
+use crate::taylor::roots::{first_zero, is_positive, slope_and_bend, value_and_slope};
 
 /// An event with its part of the step, and what rounding took from its state.
 pub(super) struct Found<const N: usize> {
@@ -23,6 +22,109 @@ pub(super) struct Found<const N: usize> {
 
 /// Where it is looked at whether a guard is defined.
 const SAMPLES: [f64; 8] = [0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0];
+
+/// A series holds a little beyond its step.
+const BEYOND: f64 = 1.05;
+
+/// A guard over a Taylor step by its own series: its first zero is isolated for certain.
+struct OfSeries<'a, F, const N: usize> {
+    flow: &'a F,
+    guard: usize,
+    piece: &'a Piece<N>,
+    /// Coefficients of the powers of `s`.
+    c: &'a [f64],
+    /// How many of them vanish at the start.
+    order: usize,
+    /// Whether the guard is below zero from the start on.
+    fails_at_once: bool,
+}
+
+impl<F: Flow<N>, const N: usize> StepGuard<N> for OfSeries<'_, F, N> {
+    const BEYOND: f64 = BEYOND;
+
+    fn length(&self) -> f64 {
+        1.0
+    }
+
+    fn value(&self, s: f64) -> f64 {
+        value_and_slope(&self.c[self.order..], s).0
+    }
+
+    fn first_zero(&self, _from: f64) -> Option<Bracket> {
+        let s = if self.fails_at_once {
+            0.0
+        } else {
+            first_zero(&self.c[self.order..])?
+        };
+        Some(Bracket { a: s, b: s })
+    }
+
+    fn zero_in(&self, bracket: Bracket) -> f64 {
+        bracket.a
+    }
+
+    fn probe(&self, s: f64) -> Probe<N> {
+        let (slope, bend) = slope_and_bend(self.c, s);
+        on_piece(self.flow, self.guard, self.piece, s, slope, bend)
+    }
+}
+
+/// A guard over a Taylor step by its values on the series of the state.
+struct Sampled<'a, F, const N: usize> {
+    flow: &'a F,
+    guard: usize,
+    piece: &'a Piece<N>,
+    /// Its zero at the start, if it has one there.
+    start: Option<Leaving>,
+}
+
+impl<F: Flow<N>, const N: usize> Sampled<'_, F, N> {
+    fn on_series(&self, s: f64) -> f64 {
+        let at = self.piece.at(s).0;
+        self.flow.guard(self.guard, at.t, &at.x)
+    }
+}
+
+impl<F: Flow<N>, const N: usize> StepGuard<N> for Sampled<'_, F, N> {
+    const BEYOND: f64 = BEYOND;
+
+    fn length(&self) -> f64 {
+        1.0
+    }
+
+    fn value(&self, s: f64) -> f64 {
+        match &self.start {
+            Some(start) => start.value(s, || self.on_series(s)),
+            None => self.on_series(s),
+        }
+    }
+
+    fn probe(&self, s: f64) -> Probe<N> {
+        let (at, h) = (self.piece.at(s).0, self.piece.h);
+        let [_, rate, bend, _] = self.flow.jet(self.guard, at.t, &at.x);
+        on_piece(self.flow, self.guard, self.piece, s, rate * h, bend * h * h)
+    }
+}
+
+/// A probe of a guard whose slope and bend in `s` are known.
+fn on_piece<F: Flow<N>, const N: usize>(
+    flow: &F,
+    guard: usize,
+    piece: &Piece<N>,
+    s: f64,
+    slope: f64,
+    bend: f64,
+) -> Probe<N> {
+    let mut at = piece.at(s).0;
+    at.x = flow.settle(at.t, at.x);
+    Probe {
+        s,
+        at,
+        guard: flow.guard(guard, at.t, &at.x),
+        rate: slope,
+        bend,
+    }
+}
 
 impl<const N: usize> TaylorStepper<N> {
     /// The first guard that fails in the step, and where.
@@ -49,7 +151,7 @@ impl<const N: usize> TaylorStepper<N> {
                 let c = piece.polynomial(&self.series, tape, function);
                 let c = &c[..=self.order];
                 if c[self.order].is_finite() {
-                    self.first_failure(run, flow, guard, piece, c, order)
+                    first_failure(run, flow, guard, piece, c, order)
                 } else {
                     sampled_failure(run, flow, guard, piece, order)?
                 }
@@ -62,51 +164,60 @@ impl<const N: usize> TaylorStepper<N> {
         }
         Ok(first)
     }
-
-    /// The first zero of the guard with series `c`, of which `order` coefficients vanish at the start.
-    #[inline(always)]
-    fn first_failure<F: Flow<N>>(
-        &self,
-        run: &mut Run<N>,
-        flow: &F,
-        guard: usize,
-        piece: &Piece<N>,
-        c: &[f64],
-        order: usize,
-    ) -> Option<Found<N>> {
-        let start = Timed {
-            t: piece.t,
-            x: piece.x[0],
-        };
-        let blur = || uncertainty(flow, guard, &start, &run.options.tolerance());
-        let mut order = order.min(3);
-        if order == 0 && c[0] <= 0.0 {
-            // A guard left below zero ends the phase at once, unless rounding alone has put it there and it rises.
-            if c[1] <= 0.0 || -c[0] > blur().by_rounding {
-                return Some(locate_on_series(run, flow, guard, piece, c, 0.0));
-            }
-            order = 1;
-        }
-        if order > 0 {
-            let floor = blur().by_rounding;
-            // A step over which the guard does not rise out of rounding cannot hold an event that means anything.
-            let risen = |s: f64| {
-                let power = (0..order).fold(1.0, |power, _| power * s);
-                (value_and_slope(&c[order..], s).0 * power).abs()
-            };
-            if ![0.25, 0.5, 1.0].iter().any(|&s| risen(s) > floor) {
-                return None;
-            }
-            if c[order] <= 0.0 {
-                return Some(locate_on_series(run, flow, guard, piece, c, 0.0));
-            }
-        }
-        let s = first_zero(&c[order..])?;
-        Some(locate_on_series(run, flow, guard, piece, c, s))
-    }
 }
 
-/// The first zero of a guard whose series says nothing of the step, because it is not finite (a root at zero, as a distance has
+/// The first event of the guard with series `c`, of which `order` coefficients vanish at the start.
+#[inline(always)]
+fn first_failure<F: Flow<N>, const N: usize>(
+    run: &mut Run<N>,
+    flow: &F,
+    guard: usize,
+    piece: &Piece<N>,
+    c: &[f64],
+    order: usize,
+) -> Option<Found<N>> {
+    let (t, x) = (piece.t, piece.x[0]);
+    let blur = || uncertainty(flow, guard, &Timed { t, x }, &run.options.tolerance());
+    let mut order = order.min(3);
+    let mut fails_at_once = false;
+    if order == 0 && c[0] <= 0.0 {
+        // A guard left below zero ends the phase at once, unless rounding alone has put it there and it rises.
+        fails_at_once = c[1] <= 0.0 || -c[0] > blur().by_rounding;
+        order = 1;
+    }
+    if order > 0 && !fails_at_once {
+        let floor = blur().by_rounding;
+        // A step over which the guard does not rise out of rounding cannot hold an event that means anything.
+        let risen = |s: f64| {
+            let power = (0..order).fold(1.0, |power, _| power * s);
+            (value_and_slope(&c[order..], s).0 * power).abs()
+        };
+        if !RISES.iter().any(|&s| risen(s) > floor) {
+            return None;
+        }
+        fails_at_once = c[order] <= 0.0;
+    }
+    // Nearly every step ends here.
+    if !fails_at_once && is_positive(&c[order..]) {
+        return None;
+    }
+    locate(
+        run,
+        flow,
+        piece,
+        guard,
+        &OfSeries {
+            flow,
+            guard,
+            piece,
+            c,
+            order,
+            fails_at_once,
+        },
+    )
+}
+
+/// The first event of a guard whose series says nothing of the step, because it is not finite (a root at zero, as a distance has
 /// at the place that it is measured from) or because it belongs to a branch that was taken by value. The guard itself is
 /// sampled, on the series of the state.
 #[cold]
@@ -118,119 +229,70 @@ fn sampled_failure<F: Flow<N>, const N: usize>(
     piece: &Piece<N>,
     order: usize,
 ) -> Result<Option<Found<N>>, Undefined> {
-    let on_series = |s: f64| {
-        let at = piece.at(s).0;
-        flow.guard(guard, at.t, &at.x)
+    let mut sampled = Sampled {
+        flow,
+        guard,
+        piece,
+        start: None,
     };
+    let on_series = |s| sampled.on_series(s);
     // A step into where the guard is not defined says nothing of it; a shorter one may.
     if on_series(0.0).is_finite() && !SAMPLES.iter().all(|&s| on_series(s).is_finite()) {
         return Err(Undefined);
     }
-    let departure = if order > 0 {
-        let origin = Origin {
-            flow,
-            t: piece.t,
-            x: piece.x[0],
-            slope: flow.field(piece.t, &piece.x[0]),
-            h: piece.h,
-            field_calls: Cell::new(0),
-        };
-        let start = leaving(&origin, guard, order);
-        if !run.resolves_departure(guard, &origin, &start, on_series) {
+    if order > 0 {
+        let (t, x) = (piece.t, piece.x[0]);
+        let (at, step) = (Timed { t, x }, (piece.h, order));
+        let start = leaving(flow, guard, &at, step, &run.options, on_series);
+        if start.is_none() {
             return Ok(None);
         }
-        Some(start)
-    } else {
-        None
-    };
-    let mut value = |s: f64| match &departure {
-        Some(start) => start.value(s, || on_series(s)),
-        None => on_series(s),
-    };
-    let Some(bracket) = scan::first_bracket(&mut value, 0.0, 1.0) else {
-        return Ok(None);
-    };
-    let s = scan::zero_in(&mut value, bracket);
-    let profile = |s: f64| {
-        let at = piece.at(s).0;
-        let [_, rate, bend, _] = flow.jet(guard, at.t, &at.x);
-        (rate * piece.h, bend * piece.h * piece.h)
-    };
-    Ok(Some(locate(run, flow, guard, piece, &profile, s)))
+        sampled.start = start;
+    }
+    Ok(locate(run, flow, piece, guard, &sampled))
 }
 
+/// The first event of a guard over the step: an exit, where the state is made to land on Σ, or a touch where the guard turns
+/// back within the touch tolerance.
 #[cold]
 #[inline(never)]
-fn locate_on_series<F: Flow<N>, const N: usize>(
+fn locate<F: Flow<N>, G: StepGuard<N>, const N: usize>(
     run: &mut Run<N>,
     flow: &F,
-    guard: usize,
     piece: &Piece<N>,
-    c: &[f64],
-    s: f64,
-) -> Found<N> {
-    locate(run, flow, guard, piece, &|s| slope_and_bend(c, s), s)
-}
-
-/// The event at the part `s` of the step: an exit, or a touch where the guard, whose slope and bend `profile` tells, turns back
-/// within the touch tolerance.
-fn locate<F: Flow<N>, const N: usize>(
-    run: &mut Run<N>,
-    flow: &F,
-    guard: usize,
-    piece: &Piece<N>,
-    profile: &dyn Fn(f64) -> (f64, f64),
-    s: f64,
-) -> Found<N> {
-    run.counters.locations += 1;
-    let found = |at, is_touch, left: f64, s, rest| Found {
-        event: Event {
-            guard,
+    i: usize,
+    guard: &G,
+) -> Option<Found<N>> {
+    first_event(guard, |_, s, _| {
+        run.counters.locations += 1;
+        let zero = guard.probe(s);
+        if zero.bend > 0.0 && s > 0.0 {
+            let blur = uncertainty(flow, i, &zero.at, &run.options.tolerance());
+            let touch = (run.options.touch * blur.by_tolerance).max(blur.by_rounding);
+            if turns_back(&zero, touch) {
+                let turn = turning_point(guard, s);
+                return Some(Found {
+                    event: turn.event(i, true),
+                    s: turn.s,
+                    rest: piece.at(turn.s).1,
+                });
+            }
+        }
+        // The series knows the guard to the rounding of its largest term, the guard itself may be known far better.
+        let change = -zero.guard / zero.rate;
+        let (mut at, rest) = if change.abs() <= 1e-6 && s + change >= 0.0 {
+            piece.at(s + change)
+        } else {
+            (zero.at, piece.at(s).1)
+        };
+        at.x = flow.land(i, at.t, at.x);
+        let left: f64 = flow.guard(i, at.t, &at.x);
+        let event = Event {
+            guard: i,
             at,
-            is_touch,
+            is_touch: false,
             residual: left.abs(),
-        },
-        s,
-        rest,
-    };
-    let (slope, bend) = profile(s);
-    let (mut at, mut rest) = piece.at(s);
-    if bend > 0.0 && s > 0.0 {
-        let blur = uncertainty(flow, guard, &at, &run.options.tolerance());
-        let touch = (run.options.touch * blur.by_tolerance).max(blur.by_rounding);
-        if slope * slope <= 2.0 * touch * bend {
-            let s = turning_point(profile, s);
-            (at, rest) = piece.at(s);
-            at.x = flow.settle(at.t, at.x);
-            let left: f64 = flow.guard(guard, at.t, &at.x);
-            return found(at, true, left, s, rest);
-        }
-    }
-    at.x = flow.settle(at.t, at.x);
-    // The series knows the guard to the rounding of its largest term, the guard itself may be known far better.
-    let left: f64 = flow.guard(guard, at.t, &at.x);
-    let change = -left / slope;
-    if change.abs() <= 1e-6 && s + change >= 0.0 {
-        (at, rest) = piece.at(s + change);
-    }
-    at.x = flow.land(guard, at.t, at.x);
-    let left: f64 = flow.guard(guard, at.t, &at.x);
-    found(at, false, left, s, rest)
-}
-
-/// A series holds a little beyond its step: a contact that the step's end cuts in two has its turning point there.
-const BEYOND: f64 = 1.05;
-
-/// Where the guard turns near its zero at `s`, by Newton's iteration on its slope.
-fn turning_point(profile: &dyn Fn(f64) -> (f64, f64), mut s: f64) -> f64 {
-    let mut steepness = f64::INFINITY;
-    for _ in 0..30 {
-        let (slope, bend) = profile(s);
-        if slope == 0.0 || slope.abs() >= steepness || bend <= 0.0 {
-            break;
-        }
-        steepness = slope.abs();
-        s = (s - slope / bend).clamp(0.0, BEYOND);
-    }
-    s
+        };
+        Some(Found { event, s, rest })
+    })
 }

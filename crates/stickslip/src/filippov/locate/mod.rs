@@ -1,0 +1,143 @@
+//! Where exactly, inside a Runge–Kutta step, a guard reaches zero: the guard on the dense output says about where, steps made
+//! again to that place say exactly.
+
+mod henon;
+mod root_search;
+
+use std::cell::Cell;
+use std::marker::PhantomData;
+
+use super::event::Event;
+use super::flow::Flow;
+use super::guard::{Probe, StepGuard, turning_point, turns_back};
+use super::leaving::Leaving;
+use super::options::Locator;
+use super::scan::Bracket;
+use crate::ode::{Dense, RungeKutta, Timed, stages};
+use crate::system::State;
+use root_search::Search;
+
+/// Start of an accepted step: what re-integration from there needs.
+pub(crate) struct Origin<'a, F, const N: usize> {
+    pub flow: &'a F,
+    pub t: f64,
+    pub x: State<f64, N>,
+    pub slope: State<f64, N>,
+    pub h: f64,
+    /// Calls of the user's field by location.
+    pub field_calls: Cell<u64>,
+}
+
+impl<F: Flow<N>, const N: usize> Origin<'_, F, N> {
+    fn count(&self, evaluations: u64) {
+        let calls = self.field_calls.get() + F::FIELD_CALLS * evaluations;
+        self.field_calls.set(calls);
+    }
+}
+
+/// What location is held to.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Limits {
+    /// Contacts no deeper than this are touches.
+    pub touch: f64,
+    /// A Hénon step over a whole step and an ordinary one may differ by this much in the guard.
+    pub mismatch: f64,
+}
+
+/// A guard over a Runge–Kutta step: its values on the dense output, its probes on steps made again.
+pub(crate) struct OnDense<'a, M, F, const N: usize> {
+    pub origin: &'a Origin<'a, F, N>,
+    pub dense: &'a Dense<N>,
+    pub guard: usize,
+    /// Its zero at the start, if it has one there.
+    pub start: Option<Leaving>,
+    pub method: PhantomData<M>,
+}
+
+impl<M: RungeKutta, F: Flow<N>, const N: usize> StepGuard<N> for OnDense<'_, M, F, N> {
+    const BEYOND: f64 = 1.5;
+
+    fn length(&self) -> f64 {
+        self.origin.h
+    }
+
+    #[inline(always)]
+    fn value(&self, s: f64) -> f64 {
+        let origin = self.origin;
+        let on_dense = || {
+            let t = origin.t + s * origin.h;
+            origin.flow.guard(self.guard, t, &self.dense.at(s))
+        };
+        match &self.start {
+            Some(start) => start.value(s, on_dense),
+            None => on_dense(),
+        }
+    }
+
+    fn probe(&self, s: f64) -> Probe<N> {
+        self.look(self.reach(s))
+    }
+}
+
+impl<M: RungeKutta, F: Flow<N>, const N: usize> OnDense<'_, M, F, N> {
+    /// Time and state at the part `s` of the step, by a step of that length.
+    fn reach(&self, s: f64) -> Timed<f64, N> {
+        let origin = self.origin;
+        let field = &mut |t: f64, x: &State<f64, N>| origin.flow.field(t, x);
+        let part = s * origin.h;
+        origin.count(M::COEFFICIENTS.stages as u64 - 1);
+        let x = stages::<M, f64, _>(field, origin.t, &origin.x, origin.slope, part).end;
+        let t = origin.t + part;
+        Timed {
+            t,
+            x: origin.flow.settle(t, x),
+        }
+    }
+
+    fn look(&self, at: Timed<f64, N>) -> Probe<N> {
+        // Three passes through the field on dual numbers.
+        self.origin.count(3);
+        let [guard, rate, bend, _] = self.origin.flow.jet(self.guard, at.t, &at.x);
+        Probe {
+            s: (at.t - self.origin.t) / self.origin.h,
+            at,
+            guard,
+            rate,
+            bend,
+        }
+    }
+
+    /// Locates the zero within `bracket` (parts of the step); `estimate` is where the dense output has it. `None` where the
+    /// re-integrated step has no zero in the bracket.
+    pub(crate) fn locate(
+        &self,
+        bracket: Bracket,
+        estimate: f64,
+        locator: Locator,
+        limits: Limits,
+    ) -> Option<Event<N>> {
+        let touch = limits.touch;
+        let found = match locator {
+            Locator::Auto => self.polish(self.probe(estimate)),
+            Locator::Henon => {
+                let (t, x) = (self.origin.t, self.origin.x);
+                self.whole_henon_step(self.look(Timed { t, x }), limits.mismatch)
+            }
+            Locator::RootSearch => None,
+        };
+        let found = match found {
+            Some(probe) => probe,
+            None => match self.search(bracket, estimate) {
+                Search::Zero(probe) => probe,
+                Search::Turn(probe) if probe.guard.abs() <= touch => {
+                    return Some(probe.event(self.guard, true));
+                }
+                Search::Turn(_) => return None,
+            },
+        };
+        if !turns_back(&found, touch) {
+            return Some(found.event(self.guard, false));
+        }
+        Some(turning_point(self, found.s).event(self.guard, true))
+    }
+}

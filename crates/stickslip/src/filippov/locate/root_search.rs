@@ -1,0 +1,61 @@
+//! A safeguarded root search on re-integrated steps.
+
+use super::OnDense;
+use crate::filippov::flow::Flow;
+use crate::filippov::guard::{Probe, StepGuard, turning_point};
+use crate::filippov::scan::Bracket;
+use crate::ode::RungeKutta;
+
+/// What the search has found.
+pub(super) enum Search<const N: usize> {
+    Zero(Probe<N>),
+    Turn(Probe<N>),
+}
+
+impl<M: RungeKutta, F: Flow<N>, const N: usize> OnDense<'_, M, F, N> {
+    /// Newton's iteration on re-integrated steps, held in a bracket by bisection.
+    pub(super) fn search(&self, bracket: Bracket, estimate: f64) -> Search<N> {
+        let (mut a, mut b) = (bracket.a, bracket.b);
+        let end = self.probe(b);
+        if end.guard > 0.0 {
+            let turn = turning_point(self, estimate);
+            if turn.guard > 0.0 {
+                return Search::Turn(turn);
+            }
+            if turn.s <= a || turn.s > b.max(1.0) {
+                // The turning point that was found belongs to another dip than the bracket's.
+                return Search::Turn(turn);
+            }
+            b = turn.s;
+        }
+        let mut s = estimate.clamp(a, b);
+        let mut here = self.probe(s);
+        for _ in 0..200 {
+            if here.guard == 0.0 {
+                break;
+            }
+            if here.guard > 0.0 {
+                a = s;
+            } else {
+                b = s;
+            }
+            let newton = s - here.guard / (here.rate * self.origin.h);
+            let next = if newton > a && newton < b {
+                newton
+            } else {
+                0.5 * (a + b)
+            };
+            if next == s || next <= a || next >= b {
+                break;
+            }
+            let there = self.probe(next);
+            let stalled = (next - s).abs() <= 2.0 * f64::EPSILON * s.abs()
+                && there.guard.abs() >= here.guard.abs();
+            (s, here) = (next, there);
+            if stalled {
+                break;
+            }
+        }
+        Search::Zero(here)
+    }
+}
