@@ -39,7 +39,7 @@ pub fn monodromy<S: Filippov<N>, const N: usize>(
             Progress::Step => {
                 let step = integration.last_step();
                 on_columns(&mut matrix, |column| {
-                    *column = tangent.carried(step, column)
+                    *column = tangent.carried(&step, column)
                 });
             }
             Progress::Transition(at) => {

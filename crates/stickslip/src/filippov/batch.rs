@@ -5,7 +5,7 @@
 //! the bits that it would have alone.
 
 use super::ensemble::Start;
-use super::integration::Integration;
+use super::integration::{Integration, Progress};
 use super::observer::Observer;
 use super::options::Options;
 use super::solve::{Summary, tell};
@@ -62,7 +62,7 @@ impl<'a, S: Filippov<N>, O: Observer<N>, const N: usize> Member<'a, S, O, N> {
         while let Some(progress) = self.integration.prepare()? {
             let ended = tell(
                 &self.integration,
-                progress,
+                &progress,
                 self.observer,
                 &mut self.is_stopping,
             )?;
@@ -75,10 +75,10 @@ impl<'a, S: Filippov<N>, O: Observer<N>, const N: usize> Member<'a, S, O, N> {
 
     /// A step on the series that was expanded, and on to the next.
     fn step(&mut self) -> Result<Option<Summary<N>>, Error> {
-        if let Some(progress) = self.integration.advance()? {
+        if self.integration.advance()? {
             let ended = tell(
                 &self.integration,
-                progress,
+                &Progress::Step,
                 self.observer,
                 &mut self.is_stopping,
             )?;

@@ -60,20 +60,22 @@ pub struct Integration<'a, S, const N: usize> {
     pub(super) stepper: Stepper<N>,
     /// Where the phase under way began.
     from: Timed<f64, N>,
-    due: Due<N>,
+    due: Due,
 }
 
 /// What the next call begins with.
 #[derive(Clone, Copy)]
-enum Due<const N: usize> {
+enum Due {
     /// The first step of a phase, or of the rest of one.
     Begin,
     /// Another step.
     Step,
-    /// What the last step has come to.
-    After(Option<Event<N>>),
-    /// The phase has ended where this guard fails; the rules decide what follows.
-    Switch { guard: usize, residual: f64 },
+    /// Another step, after one without an event.
+    Passed,
+    /// The event that the last step has come to.
+    Event,
+    /// The phase has ended at the event; the rules decide what follows.
+    Switch,
     /// Nothing: the run has ended.
     End(Ending),
 }
@@ -103,7 +105,6 @@ impl<'a, S: Filippov<N>, const N: usize> Integration<'a, S, N> {
         stepper: Stepper<N>,
     ) -> Result<Self, Error> {
         check(system, &start, t_end, options)?;
-        let (t, x) = (start.t, start.x);
         let run = Run {
             options: *options,
             counters: Counters::default(),
@@ -114,14 +115,9 @@ impl<'a, S: Filippov<N>, const N: usize> Integration<'a, S, N> {
             mode: Mode::Stick,
             contact: contact_sign(system, &start),
             orders: [0; MOST_GUARDS],
-            last: StepRecord {
-                mode: Mode::Stick,
-                t_start: t,
-                t_end: t,
-                x_start: x,
-                x_end: x,
-                dense: Dense::resting(t, x),
-            },
+            last: (Mode::Stick, start, start),
+            dense: Dense::resting(start.t, start.x),
+            event: None,
         };
         let mut integration = Integration {
             system,
@@ -143,19 +139,21 @@ impl<'a, S: Filippov<N>, const N: usize> Integration<'a, S, N> {
     /// # Errors
     /// [`Error::NonFinite`], [`Error::StepCollapse`], [`Error::EventPileUp`] and [`Error::Escaped`]; the integration stays where it
     /// has come to.
+    #[inline]
     pub fn step(&mut self) -> Result<Progress<N>, Error> {
         loop {
             if let Some(progress) = self.prepare()? {
                 return Ok(progress);
             }
             self.stepper.expand(&self.run);
-            if let Some(progress) = self.advance()? {
-                return Ok(progress);
+            if self.advance()? {
+                return Ok(Progress::Step);
             }
         }
     }
 
     /// Goes on to where a step is taken next, or to what is to be said before.
+    #[inline(always)]
     pub(super) fn prepare(&mut self) -> Result<Option<Progress<N>>, Error> {
         match self.due {
             Due::Step => {}
@@ -164,12 +162,18 @@ impl<'a, S: Filippov<N>, const N: usize> Integration<'a, S, N> {
                 self.stepper.begin();
                 self.due = Due::Step;
             }
-            Due::After(event) => {
-                if let Some(progress) = self.conclude(event)? {
-                    return Ok(Some(progress));
+            Due::Passed => {
+                self.run.check_escape()?;
+                if self.run.orders != [0; MOST_GUARDS] {
+                    self.work(Work::NoteDepartures)?;
+                }
+                self.due = Due::Step;
+            }
+            Due::Event | Due::Switch => {
+                if let Some(event) = self.run.event {
+                    return self.conclude(&event).map(Some);
                 }
             }
-            Due::Switch { guard, residual } => return self.switch(guard, residual).map(Some),
             Due::End(ending) => return Ok(Some(Progress::End(self.summary(ending)))),
         }
         if self.run.at.t >= self.run.t_end {
@@ -182,20 +186,20 @@ impl<'a, S: Filippov<N>, const N: usize> Integration<'a, S, N> {
         Ok(None)
     }
 
-    /// Tries a step; nothing where it is rejected.
-    pub(super) fn advance(&mut self) -> Result<Option<Progress<N>>, Error> {
-        Ok(match self.work(Work::Advance)? {
-            Trial::NoStep => None,
-            Trial::Step(event) => {
-                self.due = Due::After(event);
-                Some(Progress::Step)
-            }
-        })
+    /// Tries a step, and says whether it was taken.
+    #[inline(always)]
+    pub(super) fn advance(&mut self) -> Result<bool, Error> {
+        self.due = match self.work(Work::Advance)? {
+            Trial::NoStep => return Ok(false),
+            Trial::Step => Due::Passed,
+            Trial::Event => Due::Event,
+        };
+        Ok(true)
     }
 
     /// Does what depends on the mode, with the flow of the mode.
     #[inline(always)]
-    fn work(&mut self, work: Work) -> Result<Trial<N>, Error> {
+    fn work(&mut self, work: Work) -> Result<Trial, Error> {
         let (system, contact) = (self.system, self.run.contact);
         let (stepper, run) = (&mut self.stepper, &mut self.run);
         match run.mode {
@@ -217,16 +221,13 @@ impl<'a, S: Filippov<N>, const N: usize> Integration<'a, S, N> {
         }
     }
 
-    /// What the last step has come to; nothing where the phase goes on.
-    fn conclude(&mut self, event: Option<Event<N>>) -> Result<Option<Progress<N>>, Error> {
+    /// What the event that the last step has come to leads to.
+    #[cold]
+    fn conclude(&mut self, event: &Event<N>) -> Result<Progress<N>, Error> {
         self.run.check_escape()?;
-        let Some(event) = event else {
-            if self.run.orders != [0; MOST_GUARDS] {
-                self.work(Work::NoteDepartures)?;
-            }
-            self.due = Due::Step;
-            return Ok(None);
-        };
+        if let Due::Switch = self.due {
+            return self.switch(event);
+        }
         let mode = self.run.mode;
         let (guard, residual) = (event.guard, event.residual);
         if event.is_touch {
@@ -234,11 +235,11 @@ impl<'a, S: Filippov<N>, const N: usize> Integration<'a, S, N> {
             self.run.orders[guard] = 2;
             self.due = Due::Step;
             let touch = self.transition(TransitionKind::Touch, mode, residual);
-            return Ok(Some(Progress::Transition(touch)));
+            return Ok(Progress::Transition(touch));
         }
         if guard != CONTACT {
-            self.due = Due::Switch { guard, residual };
-            return Ok(Some(Progress::PhaseEnd(self.phase_so_far())));
+            self.due = Due::Switch;
+            return Ok(Progress::PhaseEnd(self.phase_so_far()));
         }
         self.note_event(mode)?;
         let kind = if self.run.contact > 0.0 {
@@ -250,13 +251,13 @@ impl<'a, S: Filippov<N>, const N: usize> Integration<'a, S, N> {
         self.run.orders[CONTACT] = 1;
         self.due = Due::Begin;
         let change = self.transition(kind, mode, residual);
-        Ok(Some(Progress::Transition(change)))
+        Ok(Progress::Transition(change))
     }
 
-    /// From the end of a phase, where `guard` fails, to the next mode or to the end of the run.
-    fn switch(&mut self, guard: usize, residual: f64) -> Result<Progress<N>, Error> {
+    /// From the end of a phase to the next mode or to the end of the run.
+    fn switch(&mut self, event: &Event<N>) -> Result<Progress<N>, Error> {
         let from = self.run.mode;
-        let tangent = (from == Mode::Stick).then(|| Stick::<S>::side_of_guard(guard));
+        let tangent = (from == Mode::Stick).then(|| Stick::<S>::side_of_guard(event.guard));
         let departure = self.departure(tangent);
         let Some((to, orders)) = next_mode(departure, self.run.options.at_repelling) else {
             self.due = Due::End(Ending::Repelling);
@@ -269,7 +270,7 @@ impl<'a, S: Filippov<N>, const N: usize> Integration<'a, S, N> {
         Ok(Progress::Transition(self.transition(
             kind(from, to),
             from,
-            residual,
+            event.residual,
         )))
     }
 
@@ -342,13 +343,14 @@ impl<S, const N: usize> Integration<'_, S, N> {
     }
 
     /// The last step, with the solution over it; of no length before the first.
-    pub fn last_step(&self) -> &StepRecord<N> {
-        &self.run.last
+    #[inline(always)]
+    pub fn last_step(&self) -> StepRecord<N> {
+        self.run.last_step()
     }
 
     /// The phase under way as far as it has come; `None` between phases.
     pub fn phase(&self) -> Option<Phase<N>> {
-        let is_open = !matches!(self.due, Due::Switch { .. } | Due::End(_));
+        let is_open = !matches!(self.due, Due::Switch | Due::End(_));
         (is_open && self.from.t < self.run.at.t).then(|| self.phase_so_far())
     }
 

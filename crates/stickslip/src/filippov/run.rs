@@ -7,8 +7,8 @@ use super::observer::StepRecord;
 use super::options::Options;
 use super::pile_up::PileUp;
 use crate::error::{Error, Point};
-use crate::ode::Timed;
 use crate::ode::control::first_step;
+use crate::ode::{Dense, Timed};
 use crate::orbit::Counters;
 use crate::system::{Mode, State};
 
@@ -31,19 +31,52 @@ pub(crate) struct Run<const N: usize> {
     pub contact: f64,
     /// How many derivatives of each guard vanish where it was last zero and has not left that yet; 0 elsewhere.
     pub orders: [usize; MOST_GUARDS],
-    /// The last step; of no length before the first.
-    pub last: StepRecord<N>,
+    /// The last step's mode, start and end (which [`Run::at`] leaves when a stick phase begins on Σ), and the solution over it.
+    pub last: (Mode, Timed<f64, N>, Timed<f64, N>),
+    pub dense: Dense<N>,
+    /// The last event.
+    pub event: Option<Event<N>>,
 }
 
 /// What came of a try to step.
-pub(crate) enum Trial<const N: usize> {
+#[derive(Clone, Copy)]
+pub(crate) enum Trial {
     /// It was only prepared, or rejected: another try follows.
     NoStep,
-    /// A step was taken, the run's last one now; the event at its end, if it has one.
-    Step(Option<Event<N>>),
+    /// A step was taken, the run's last one now.
+    Step,
+    /// A step was taken that ends at an event, the run's last one now.
+    Event,
 }
 
 impl<const N: usize> Run<N> {
+    /// Takes the step to `at`, and the event there, as the last one.
+    #[inline(always)]
+    pub(crate) fn accept(&mut self, at: Timed<f64, N>, event: Option<Event<N>>) -> Trial {
+        self.last = (self.mode, self.at, at);
+        self.at = at;
+        // Nothing is moved that is not there: this is done once a step.
+        if event.is_none() {
+            return Trial::Step;
+        }
+        self.event = event;
+        Trial::Event
+    }
+
+    /// The last step; of no length before the first.
+    #[inline(always)]
+    pub(crate) fn last_step(&self) -> StepRecord<N> {
+        let (mode, from, to) = self.last;
+        StepRecord {
+            mode,
+            t_start: from.t,
+            t_end: to.t,
+            x_start: from.x,
+            x_end: to.x,
+            dense: self.dense,
+        }
+    }
+
     /// The first step to try from `(t, x)`.
     pub(crate) fn choose_first_step(
         &self,

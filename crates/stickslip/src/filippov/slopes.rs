@@ -8,7 +8,6 @@ use super::flow::{CONTACT, Flow};
 use super::guard::first_event;
 use super::leaving::leaving;
 use super::locate::{Limits, OnDense, Origin};
-use super::observer::StepRecord;
 use super::options::Locator;
 use super::run::{Run, Trial};
 use super::scan::far_from_zero;
@@ -39,7 +38,7 @@ impl<const N: usize> Slopes<N> {
         &mut self,
         run: &mut Run<N>,
         flow: &F,
-    ) -> Result<Trial<N>, Error> {
+    ) -> Result<Trial, Error> {
         let field = &mut |t: f64, x: &State<f64, N>| flow.field(t, x);
         let Timed { t, x } = run.at;
         let slope = match self.slope {
@@ -91,17 +90,9 @@ impl<const N: usize> Slopes<N> {
         if at.x.iter().any(|v| !v.is_finite()) {
             return Err(run.non_finite(h));
         }
-        run.last = StepRecord {
-            mode: run.mode,
-            t_start: t,
-            t_end: at.t,
-            x_start: x,
-            x_end: at.x,
-            dense,
-        };
-        run.at = at;
+        run.dense.become_copy(&dense);
         self.slope = next_slope;
-        Ok(Trial::Step(event))
+        Ok(run.accept(at, event))
     }
 }
 

@@ -97,8 +97,8 @@ fn follow<S: Filippov<N>, const N: usize>(
         match progress {
             Ok(Progress::Step) => {
                 let step = integration.last_step();
-                orbit.steps.push(*step);
                 (orbit.t_end, orbit.x_end) = (step.t_end, step.x_end);
+                orbit.steps.push(step);
             }
             Ok(Progress::PhaseEnd(phase)) => orbit.phases.push(phase),
             Ok(Progress::Transition(transition)) => orbit.transitions.push(transition),
@@ -133,7 +133,7 @@ pub fn run<S: Filippov<N>, O: Observer<N>, const N: usize>(
     let mut is_stopping = false;
     loop {
         let progress = integration.step()?;
-        if let Some(summary) = tell(&integration, progress, observer, &mut is_stopping)? {
+        if let Some(summary) = tell(&integration, &progress, observer, &mut is_stopping)? {
             return Ok(summary);
         }
     }
@@ -141,15 +141,16 @@ pub fn run<S: Filippov<N>, O: Observer<N>, const N: usize>(
 
 /// Tells `observer` of what happened; the end of the run, where it has come to one or the observer asks for it. One that asks at
 /// the end of a phase is still told of the transition behind it, which `is_stopping` remembers.
+#[inline(always)]
 pub(crate) fn tell<S, O: Observer<N>, const N: usize>(
     integration: &Integration<'_, S, N>,
-    progress: Progress<N>,
+    progress: &Progress<N>,
     observer: &mut O,
     is_stopping: &mut bool,
 ) -> Result<Option<Summary<N>>, Error> {
     let is_inside = match progress {
         Progress::Step => {
-            if observer.step(integration.last_step()).is_continue() {
+            if observer.step(&integration.last_step()).is_continue() {
                 return Ok(None);
             }
             // An orbit that has escaped is an error, to one who stops as well.
@@ -157,16 +158,16 @@ pub(crate) fn tell<S, O: Observer<N>, const N: usize>(
             true
         }
         Progress::PhaseEnd(phase) => {
-            *is_stopping = observer.phase(&phase).is_break();
+            *is_stopping = observer.phase(phase).is_break();
             return Ok(None);
         }
         Progress::Transition(at) => {
-            if observer.transition(&at).is_continue() && !*is_stopping {
+            if observer.transition(at).is_continue() && !*is_stopping {
                 return Ok(None);
             }
             at.kind == TransitionKind::Touch
         }
-        Progress::End(summary) => return Ok(Some(summary)),
+        Progress::End(summary) => return Ok(Some(*summary)),
     };
     if is_inside && let Some(phase) = integration.phase() {
         // It ends all the same.

@@ -87,7 +87,7 @@ impl<const N: usize> Stepper<N> {
         work: Work,
         run: &mut Run<N>,
         flow: &F,
-    ) -> Result<Trial<N>, Error> {
+    ) -> Result<Trial, Error> {
         match (work, self) {
             (Work::NoteDepartures, _) => run.note_departures(flow),
             (Work::Prepare, Stepper::Taylor(series)) => series.prepare(run, flow),

@@ -72,19 +72,27 @@ impl<const N: usize> Dense<N> {
         }
     }
 
-    /// The series of a Taylor step: coefficients of the powers of `s`.
+    /// Becomes the series of a Taylor step: coefficients of the powers of `s`.
     #[inline(always)]
-    pub(crate) fn of_series(
+    pub(crate) fn become_series(
+        &mut self,
         t0: f64,
         h: f64,
         order: usize,
         coefficients: &[State<f64, N>; MOST_ORDER + 1],
-    ) -> Self {
-        Dense {
-            t0,
-            h,
-            polynomial: Polynomial::Series(order, *coefficients),
-        }
+    ) {
+        (self.t0, self.h) = (t0, h);
+        self.polynomial = Polynomial::Series(order, *coefficients);
+    }
+
+    /// Becomes a copy of another one, of which no more is copied than its method needs.
+    #[inline(always)]
+    pub(crate) fn become_copy(&mut self, of: &Self) {
+        (self.t0, self.h) = (of.t0, of.h);
+        self.polynomial = match &of.polynomial {
+            Polynomial::RungeKutta(c) => Polynomial::RungeKutta(*c),
+            Polynomial::Series(order, c) => Polynomial::Series(*order, *c),
+        };
     }
 
     /// Whether the field was a number at every stage: the slope at the end enters the fourth coefficient, all further

@@ -117,7 +117,7 @@ fn follow<S: Filippov<N>, O: Observer<N>, const N: usize>(
     loop {
         let progress = integration.step()?;
         match &progress {
-            Progress::Step => measurement.step(integration.last_step())?,
+            Progress::Step => measurement.step(&integration.last_step())?,
             Progress::Transition(at) => measurement.transition(at)?,
             Progress::PhaseEnd(_) => {}
             Progress::End(summary) if summary.ending == Ending::Repelling => {
@@ -126,7 +126,7 @@ fn follow<S: Filippov<N>, O: Observer<N>, const N: usize>(
             }
             Progress::End(_) => {}
         }
-        if let Some(summary) = tell(&integration, progress, watcher, &mut is_stopping)? {
+        if let Some(summary) = tell(&integration, &progress, watcher, &mut is_stopping)? {
             return Ok(summary);
         }
     }

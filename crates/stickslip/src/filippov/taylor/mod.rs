@@ -8,12 +8,11 @@ mod step_size;
 use piece::{Piece, nowhere};
 
 use super::flow::{Flow, MOST_GUARDS};
-use super::observer::StepRecord;
 use super::options::Options;
 use super::run::{Run, Trial};
 use crate::error::Error;
 use crate::math;
-use crate::ode::{Dense, Timed};
+use crate::ode::Timed;
 use crate::system::{Mode, Side, State};
 use crate::taylor::MOST_ORDER;
 use crate::taylor::series::Series;
@@ -196,7 +195,7 @@ impl<const N: usize> TaylorStepper<N> {
         &mut self,
         run: &mut Run<N>,
         flow: &F,
-    ) -> Result<Trial<N>, Error> {
+    ) -> Result<Trial, Error> {
         let Timed { t, x } = run.at;
         let (index, rest, scale) = (self.index, self.rest, self.scale);
         if !self.tapes[index].choices.is_empty() && self.compares_otherwise(index) {
@@ -255,15 +254,7 @@ impl<const N: usize> TaylorStepper<N> {
         }
         (self.end, self.rest) = (at, rest_there);
         run.counters.steps += 1;
-        run.last = StepRecord {
-            mode: run.mode,
-            t_start: t,
-            t_end: at.t,
-            x_start: x,
-            x_end: at.x,
-            dense: Dense::of_series(t, h, self.order, &piece.x),
-        };
-        run.at = at;
-        Ok(Trial::Step(event.map(|found| found.event)))
+        run.dense.become_series(t, h, self.order, &piece.x);
+        Ok(run.accept(at, event.map(|found| found.event)))
     }
 }
