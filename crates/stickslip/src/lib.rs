@@ -1,4 +1,110 @@
 //! Event-exact integration of dry-friction (Filippov) systems.
+//!
+//! A Filippov system has two smooth vector fields, one on either side of a boundary Σ. A block on a moving belt is one: friction
+//! pushes it forward while it is slower than the belt and back while it is faster, and Σ is where both are equally fast. The
+//! orbit slips on one side, crosses Σ, or sticks to it for a while (*slides* on it, in Filippov's words) where both fields push
+//! towards it.
+//!
+//! # Two functions
+//! You write the field of each side and a function that is zero on Σ, for any [`Scalar`]. Everything else is derived:
+//!
+//! ```
+//! use stickslip::{Filippov, Mode, Options, Scalar, Side, State, solve};
+//!
+//! /// A block on a belt of speed 0.2, held by a spring; friction decays with slip speed.
+//! struct Block;
+//!
+//! impl Filippov<2> for Block {
+//!     fn field<T: Scalar>(&self, side: Side, _t: T, x: &State<T, 2>) -> State<T, 2> {
+//!         let slip_speed = (x[1] - 0.2) * side.sign();
+//!         let friction = T::constant(side.sign()) / (slip_speed + 1.0);
+//!         State::from([x[1], -x[0] - friction])
+//!     }
+//!     fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 2>) -> T {
+//!         x[1] - 0.2
+//!     }
+//! }
+//!
+//! fn main() -> Result<(), stickslip::Error> {
+//!     let orbit = solve(&Block, 0.0, State::from([0.04, -0.01]), 40.0, &Options::tol(1e-12))?;
+//!     assert_eq!(orbit.phases[1].mode, Mode::Stick);
+//!     println!("{} transitions, x(20) = {}", orbit.transitions.len(), orbit.at(20.0)?);
+//!     Ok(())
+//! }
+//! ```
+//!
+//! # Step by step
+//! [`solve`] keeps the whole [`Orbit`]; [`run`] tells an [`Observer`] and keeps nothing. Both are loops over
+//! [`Integration::step`], which you can write yourself:
+//!
+//! ```
+//! use stickslip::{Integration, Options, Progress, State, models::BeltOscillator};
+//!
+//! fn main() -> Result<(), stickslip::Error> {
+//!     let belt = BeltOscillator::default();
+//!     let start = State::from([0.5, 1.5]);
+//!     let mut integration = Integration::new(&belt, 0.0, start, 20.0, &Options::default())?;
+//!     // A section: where the position rises through zero.
+//!     let mut returns = Vec::new();
+//!     loop {
+//!         let before = integration.x()[0];
+//!         match integration.step()? {
+//!             Progress::Step if before < 0.0 && integration.x()[0] >= 0.0 => {
+//!                 let step = integration.last_step();
+//!                 let length = step.t_end - step.t_start;
+//!                 let rising = |s: f64| -step.dense.at_time(step.t_start + s * length)[0];
+//!                 if let Some(s) = stickslip::filippov::first_zero(rising, 0.0, 1.0) {
+//!                     returns.push(step.t_start + s * length);
+//!                 }
+//!             }
+//!             Progress::End(_) => break,
+//!             _ => {}
+//!         }
+//!     }
+//!     assert!(returns.len() >= 2);
+//!     Ok(())
+//! }
+//! ```
+//!
+//! # Spectra
+//! [`analysis`] has tangent points, monodromy matrices through stick and crossing, periodic orbits, and Lyapunov spectra:
+//!
+//! ```
+//! use stickslip::analysis::{Exponent, SpectrumOptions, lyapunov_spectrum};
+//! use stickslip::{State, models::BeltOscillator};
+//!
+//! fn main() -> Result<(), stickslip::Error> {
+//!     let belt = BeltOscillator { belt_speed: 0.2, ..BeltOscillator::default() };
+//!     let settings = SpectrumOptions::over(50.0, 500.0);
+//!     let spectrum = lyapunov_spectrum(&belt, (0.0, State::from([0.5, 0.1])), &settings)?;
+//!     // Stick forgets one direction altogether.
+//!     assert_eq!(spectrum.exponents[1], Exponent::Annihilated);
+//!     Ok(())
+//! }
+//! ```
+//!
+//! # Ensembles
+//! [`ensemble`] integrates many starts or parameters on all cores, each with the bits that it has alone; its page has an
+//! example, and so have `examples/sweep.rs` and `examples/ensemble.rs`.
+//!
+//! # Errors
+//! Every failure is an [`Error`] with the values that explain it; [`solve`] hands back the orbit up to it:
+//!
+//! ```
+//! use stickslip::{Error, Options, State, models::BeltOscillator, solve};
+//!
+//! let tight = Options::default().escape(1.0);
+//! match solve(&BeltOscillator::default(), 0.0, State::from([0.5, 0.9]), 50.0, &tight) {
+//!     Err(failure) => {
+//!         assert!(matches!(failure.error, Error::Escaped { .. }));
+//!         println!("{failure}; it came to t = {}", failure.orbit.t_end);
+//!     }
+//!     Ok(_) => unreachable!("the belt takes the block further than that"),
+//! }
+//! ```
+//!
+//! # Features
+//! `data`: Lyapunov spectra from time series, `analysis::data_spectrum`. Off by default, for the search tree that it needs.
 
 pub mod analysis;
 pub mod error;

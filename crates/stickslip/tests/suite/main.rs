@@ -8,6 +8,7 @@
 #[cfg(feature = "data")]
 mod data_spectrum;
 mod ensemble;
+mod examples;
 mod grazes;
 mod lyapunov_equations;
 mod no_allocation;
