@@ -1,4 +1,4 @@
-//! The tests of the solver with Taylor steps.
+//! The tests of the solver that depend on the method, with Taylor steps, and what holds of these alone.
 
 #[path = "check.rs"]
 mod check;
@@ -8,8 +8,8 @@ mod errors;
 mod hard_cases;
 #[path = "monodromy.rs"]
 mod monodromy;
-#[path = "orders.rs"]
-mod orders;
+#[path = "own_events.rs"]
+mod own_events;
 #[path = "problems/mod.rs"]
 mod problems;
 #[path = "properties.rs"]
@@ -17,10 +17,14 @@ mod properties;
 #[path = "restarts.rs"]
 mod restarts;
 
-use stickslip::{Method, Options};
+use stickslip::{Locator, Method, Options};
 
 /// What every test runs that does not say otherwise.
 const METHOD: Method = Method::Taylor;
+
+/// The ways in which it locates events: one, its own. `own_events` shows that the choice changes nothing, so that no test need
+/// run for every locator.
+const LOCATORS: &[Locator] = &[Locator::Auto];
 
 fn tol(tolerance: f64) -> Options {
     Options::tol(tolerance).method(METHOD)

@@ -4,8 +4,12 @@
 mod check;
 #[path = "errors.rs"]
 mod errors;
+#[path = "every_method.rs"]
+mod every_method;
 #[path = "hard_cases.rs"]
 mod hard_cases;
+#[path = "locators.rs"]
+mod locators;
 #[path = "monodromy.rs"]
 mod monodromy;
 #[path = "orders.rs"]
@@ -17,10 +21,13 @@ mod properties;
 #[path = "restarts.rs"]
 mod restarts;
 
-use stickslip::{Method, Options};
+use stickslip::{Locator, Method, Options};
 
 /// What every test runs that does not say otherwise.
 const METHOD: Method = Method::Dop853;
+
+/// The ways in which it locates events.
+const LOCATORS: &[Locator] = &[Locator::Auto, Locator::Henon, Locator::RootSearch];
 
 fn tol(tolerance: f64) -> Options {
     Options::tol(tolerance).method(METHOD)

@@ -8,14 +8,18 @@ use stickslip::{
 /// Tolerance of the tests that compare with closed forms.
 pub const TIGHT: f64 = 1e-13;
 
-/// The three ways to locate an event, at [`TIGHT`].
-pub fn every_locator() -> [Options; 3] {
-    [Locator::Auto, Locator::Henon, Locator::RootSearch]
-        .map(|locator| super::tol(TIGHT).locator(locator))
+/// The ways in which the method locates an event, at [`TIGHT`].
+pub fn every_locator() -> impl Iterator<Item = Options> {
+    super::LOCATORS
+        .iter()
+        .map(|locator| super::tol(TIGHT).locator(*locator))
 }
 
-/// The two of them that keep the tolerance however long the step: the paper's single Hénon step over all of it does not.
-pub const EXACT_LOCATORS: [Locator; 2] = [Locator::Auto, Locator::RootSearch];
+/// Those of them that keep the tolerance however long the step: the paper's single Hénon step over all of it does not.
+pub fn exact_locators() -> Vec<Locator> {
+    let all = super::LOCATORS.iter().copied();
+    all.filter(|locator| *locator != Locator::Henon).collect()
+}
 
 /// Kinds of the transitions, in order.
 pub fn kinds<const N: usize>(orbit: &Orbit<N>) -> Vec<TransitionKind> {

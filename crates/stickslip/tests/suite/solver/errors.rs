@@ -2,15 +2,14 @@
 
 use std::time::{Duration, Instant};
 
-use stickslip::models::{BeltOscillator, ForcedOscillator};
 use stickslip::{
-    Error, Failure, Filippov, Locator, Method, Options, Orbit, Scalar, Side, State, TransitionKind,
-    math, solve,
+    Error, Failure, Filippov, Method, Options, Orbit, Scalar, Side, State, TransitionKind, math,
+    solve,
 };
 
 use crate::solver::systems::{BlowUp, Line, Wall, Zeno, decaying_friction};
 
-fn failure<S: Filippov<N>, const N: usize>(
+pub fn failure<S: Filippov<N>, const N: usize>(
     system: &S,
     t0: f64,
     x0: State<f64, N>,
@@ -41,7 +40,7 @@ fn line(t0: f64, x0: f64, t_end: f64, options: &Options) -> Error {
     failure.error
 }
 
-fn assert_says(error: &impl std::fmt::Display, words: &[&str]) {
+pub fn assert_says(error: &impl std::fmt::Display, words: &[&str]) {
     let message = error.to_string();
     for word in words {
         assert!(message.contains(word), "{message:?} lacks {word:?}");
@@ -49,7 +48,7 @@ fn assert_says(error: &impl std::fmt::Display, words: &[&str]) {
 }
 
 /// What is kept of a failed run: phases, steps and transitions that join and reach the end of the orbit.
-fn assert_kept<const N: usize>(orbit: &Orbit<N>) {
+pub fn assert_kept<const N: usize>(orbit: &Orbit<N>) {
     let (last, step) = (
         orbit.phases.last().expect("phases"),
         orbit.steps.last().expect("steps"),
@@ -202,7 +201,7 @@ fn starts_outside_the_domain() {
 
 #[test]
 fn a_solution_that_becomes_infinite_is_followed_to_within_rounding_of_that_time() {
-    for locator in [Locator::Auto, Locator::Henon, Locator::RootSearch] {
+    for &locator in super::LOCATORS {
         let failure = failure(
             &BlowUp,
             0.0,
@@ -219,15 +218,6 @@ fn a_solution_that_becomes_infinite_is_followed_to_within_rounding_of_that_time(
         assert_eq!(failure.orbit.t_end, t);
         assert!((failure.orbit.at(1.0).expect("covered")[0] - 1.0).abs() < 1e-10);
     }
-    let fixed = Options::default().method(Method::Rk4 { step: 0.01 });
-    let failure = failure(&BlowUp, 0.0, State::from([0.5]), 10.0, &fixed);
-    assert!(
-        matches!(failure.error, Error::NonFinite { step: 0.01, .. }),
-        "{}",
-        failure.error
-    );
-    assert_says(&failure.error, &["0.01", "pole", "too long"]);
-    assert_kept(&failure.orbit);
 }
 
 #[test]
@@ -393,92 +383,4 @@ fn times_outside_an_orbit() {
         );
         assert_says(&error, &[&t.to_string(), "covers 0 to 1"]);
     }
-}
-
-#[test]
-fn parameters_out_of_range() {
-    let belt = BeltOscillator::default();
-    let forced = ForcedOscillator::default();
-    for bad in [-1.0, f64::NAN, f64::INFINITY] {
-        let cases = [
-            (BeltOscillator { mass: bad, ..belt }.checked().err(), "mass"),
-            (BeltOscillator { mu0: bad, ..belt }.checked().err(), "mu0"),
-            (
-                BeltOscillator { delta: bad, ..belt }.checked().err(),
-                "delta",
-            ),
-            (
-                BeltOscillator {
-                    belt_speed: bad,
-                    ..belt
-                }
-                .checked()
-                .err(),
-                "belt_speed",
-            ),
-            (
-                ForcedOscillator {
-                    mass: bad,
-                    ..forced
-                }
-                .checked()
-                .err(),
-                "mass",
-            ),
-            (
-                ForcedOscillator { mu0: bad, ..forced }.checked().err(),
-                "mu0",
-            ),
-            (
-                ForcedOscillator {
-                    delta: bad,
-                    ..forced
-                }
-                .checked()
-                .err(),
-                "delta",
-            ),
-            (
-                ForcedOscillator {
-                    belt_speed: bad,
-                    ..forced
-                }
-                .checked()
-                .err(),
-                "belt_speed",
-            ),
-            (
-                ForcedOscillator {
-                    omega: bad,
-                    ..forced
-                }
-                .checked()
-                .err(),
-                "omega",
-            ),
-        ];
-        for (error, name) in cases {
-            let error = error.unwrap_or_else(|| panic!("{name} = {bad} was taken"));
-            assert!(
-                matches!(error, Error::Parameter { name: n, .. } if n == name),
-                "{error}"
-            );
-            assert_says(&error, &[name, &bad.to_string(), "must be"]);
-        }
-    }
-    assert!(BeltOscillator { mass: 0.0, ..belt }.checked().is_err());
-    for bad in [f64::NAN, f64::NEG_INFINITY] {
-        assert!(BeltOscillator { k1: bad, ..belt }.checked().is_err());
-        assert!(BeltOscillator { k2: bad, ..belt }.checked().is_err());
-        assert!(
-            ForcedOscillator {
-                amplitude: bad,
-                ..forced
-            }
-            .checked()
-            .is_err()
-        );
-    }
-    assert_eq!(belt.checked(), Ok(belt));
-    assert_eq!(forced.checked(), Ok(forced));
 }

@@ -3,7 +3,7 @@
 use stickslip::TransitionKind::{StickEntry, StickExit};
 use stickslip::{Options, State, solve};
 
-use super::super::check::{EXACT_LOCATORS, TIGHT, assert_consistent, kinds};
+use super::super::check::{TIGHT, assert_consistent, exact_locators, kinds};
 use crate::solver::systems::Dip;
 
 fn release(width: f64, centre: f64, amplitude: f64, options: &Options) {
@@ -35,7 +35,7 @@ fn a_short_release_is_found_in_a_long_step() {
     for width in [0.3, 1e-2, 1e-3, 1e-4, 5e-6] {
         for centre in [0.77, 1.5, 3.3, 5.0] {
             for longest in [f64::INFINITY, 2.0, 0.31] {
-                for locator in EXACT_LOCATORS {
+                for locator in exact_locators() {
                     let options = super::super::tol(TIGHT)
                         .locator(locator)
                         .longest_step(longest);
@@ -50,7 +50,7 @@ fn a_short_release_is_found_in_a_long_step() {
 fn a_short_release_from_a_moving_boundary_is_found() {
     for width in [0.3, 1e-2, 1e-3] {
         for centre in [0.77, 3.3] {
-            for locator in EXACT_LOCATORS {
+            for locator in exact_locators() {
                 let options = super::super::tol(TIGHT).locator(locator);
                 release(width, centre, 0.5, &options);
             }

@@ -1,12 +1,12 @@
 //! Systems in closed form: a spiral that is crossed, a line that is slid on, and one that moves.
 
 use stickslip::TransitionKind::{Crossing, StickEntry};
-use stickslip::{Locator, Mode, Side, State, math, solve};
+use stickslip::{Mode, Side, State, math, solve};
 
 use super::super::check::{
     TIGHT, assert_consistent, assert_lands_on_boundary, every_locator, kinds,
 };
-use crate::solver::systems::{Line, MovingLine, Spiral};
+use crate::solver::systems::{Breathing, Line, MovingLine, Spiral};
 
 #[test]
 fn the_spiral_crosses_the_circle_at_time_one() {
@@ -139,7 +139,7 @@ fn nothing_depends_on_how_long_the_steps_are() {
     let start = std::f64::consts::FRAC_PI_2;
     let exact = reference(0.3, 30.0);
     for longest in [0.01, 0.1, 0.37, 1.0, 5.0] {
-        for locator in [Locator::Auto, Locator::Henon, Locator::RootSearch] {
+        for &locator in super::super::LOCATORS {
             let options = super::super::tol(TIGHT)
                 .locator(locator)
                 .longest_step(longest);
@@ -151,5 +151,25 @@ fn nothing_depends_on_how_long_the_steps_are() {
                 "{longest} {locator:?}"
             );
         }
+    }
+}
+
+#[test]
+fn the_adaptive_run_keeps_its_tolerance() {
+    for tolerance in [1e-6, 1e-9, 1e-12] {
+        let orbit = solve(
+            &Breathing,
+            0.0,
+            State::from([1.0]),
+            30.0,
+            &super::super::tol(tolerance),
+        )
+        .expect("runs");
+        let ends = orbit.steps.iter().fold(0.0f64, |worst, step| {
+            worst.max((step.x_end[0] - math::exp(math::sin(step.t_end))).abs())
+        });
+        // A step errs by at most atol + rtol |x| <= 3.8 tolerances, which the flow enlarges by at most e².
+        let steps = orbit.steps.len() as f64;
+        assert!(ends < steps * 3.8 * math::exp(2.0) * tolerance, "{ends}");
     }
 }

@@ -3,5 +3,5 @@
 mod belt;
 mod circles;
 mod dips;
-mod grazing;
+pub mod grazing;
 mod lines;

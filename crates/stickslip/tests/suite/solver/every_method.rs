@@ -1,0 +1,139 @@
+//! What does not depend on the method that the other tests run: methods of fixed step, which a test names itself, and
+//! the models' parameters. It runs once, not once for every method.
+
+use stickslip::TransitionKind::Touch;
+use stickslip::models::{BeltOscillator, ForcedOscillator};
+use stickslip::{Error, Method, Options, State};
+
+use super::check::{TIGHT, kinds};
+use super::errors::{assert_kept, assert_says, failure};
+use super::problems::grazing::{assert_two_crossings, parabola};
+use crate::solver::systems::BlowUp;
+
+#[test]
+fn grazes_and_crossings_exactly_at_the_end_of_a_step_are_seen_once() {
+    // Steps, starts and gaps are powers of two: every number of the run is exact.
+    for step in [0.5, 0.25, 0.125, 0.0625] {
+        for method in [Method::Rk4 { step }, Method::Dop853Fixed { step }] {
+            for &locator in super::LOCATORS {
+                let options = super::tol(TIGHT).method(method).locator(locator);
+                let at_rest = kinds(&parabola(0.0, -1.0, 3.0, &options));
+                assert!(
+                    at_rest.is_empty() || at_rest == [Touch],
+                    "{method:?} {locator:?}: {at_rest:?}"
+                );
+                assert_eq!(kinds(&parabola(-1e-10, -1.0, 3.0, &options)), []);
+                assert_two_crossings(&parabola(1e-10, -1.0, 3.0, &options), -1.0, 1e-10, locator);
+                // Crossings at the ends of steps: x = ±0.5 and, with the shorter steps, ±0.0625.
+                assert_two_crossings(&parabola(0.25, -1.0, 3.0, &options), -1.0, 0.25, locator);
+                assert_two_crossings(
+                    &parabola(1.0 / 256.0, -1.0, 3.0, &options),
+                    -1.0,
+                    1.0 / 256.0,
+                    locator,
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn fixed_steps_into_a_pole_are_told_with_their_length() {
+    let fixed = Options::default().method(Method::Rk4 { step: 0.01 });
+    let failure = failure(&BlowUp, 0.0, State::from([0.5]), 10.0, &fixed);
+    assert!(
+        matches!(failure.error, Error::NonFinite { step: 0.01, .. }),
+        "{}",
+        failure.error
+    );
+    assert_says(&failure.error, &["0.01", "pole", "too long"]);
+    assert_kept(&failure.orbit);
+}
+
+#[test]
+fn parameters_out_of_range() {
+    let belt = BeltOscillator::default();
+    let forced = ForcedOscillator::default();
+    for bad in [-1.0, f64::NAN, f64::INFINITY] {
+        let cases = [
+            (BeltOscillator { mass: bad, ..belt }.checked().err(), "mass"),
+            (BeltOscillator { mu0: bad, ..belt }.checked().err(), "mu0"),
+            (
+                BeltOscillator { delta: bad, ..belt }.checked().err(),
+                "delta",
+            ),
+            (
+                BeltOscillator {
+                    belt_speed: bad,
+                    ..belt
+                }
+                .checked()
+                .err(),
+                "belt_speed",
+            ),
+            (
+                ForcedOscillator {
+                    mass: bad,
+                    ..forced
+                }
+                .checked()
+                .err(),
+                "mass",
+            ),
+            (
+                ForcedOscillator { mu0: bad, ..forced }.checked().err(),
+                "mu0",
+            ),
+            (
+                ForcedOscillator {
+                    delta: bad,
+                    ..forced
+                }
+                .checked()
+                .err(),
+                "delta",
+            ),
+            (
+                ForcedOscillator {
+                    belt_speed: bad,
+                    ..forced
+                }
+                .checked()
+                .err(),
+                "belt_speed",
+            ),
+            (
+                ForcedOscillator {
+                    omega: bad,
+                    ..forced
+                }
+                .checked()
+                .err(),
+                "omega",
+            ),
+        ];
+        for (error, name) in cases {
+            let error = error.unwrap_or_else(|| panic!("{name} = {bad} was taken"));
+            assert!(
+                matches!(error, Error::Parameter { name: n, .. } if n == name),
+                "{error}"
+            );
+            assert_says(&error, &[name, &bad.to_string(), "must be"]);
+        }
+    }
+    assert!(BeltOscillator { mass: 0.0, ..belt }.checked().is_err());
+    for bad in [f64::NAN, f64::NEG_INFINITY] {
+        assert!(BeltOscillator { k1: bad, ..belt }.checked().is_err());
+        assert!(BeltOscillator { k2: bad, ..belt }.checked().is_err());
+        assert!(
+            ForcedOscillator {
+                amplitude: bad,
+                ..forced
+            }
+            .checked()
+            .is_err()
+        );
+    }
+    assert_eq!(belt.checked(), Ok(belt));
+    assert_eq!(forced.checked(), Ok(forced));
+}
