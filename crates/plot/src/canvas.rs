@@ -194,6 +194,14 @@ impl<'a> Canvas<'a> {
             units(words.size),
             words.color.hex()
         )?;
+        // A viewer without the font sets the text in another; legends and tables hold only what is as wide as computed.
+        let wide = units(metrics::width(&words.markup, words.size).map_err(|_| fmt::Error)?);
+        if wide > 0 {
+            write!(
+                self.out,
+                " textLength=\"{wide}\" lengthAdjust=\"spacingAndGlyphs\""
+            )?;
+        }
         if words.upwards {
             write!(self.out, " transform=\"rotate(-90 {x} {y})\"")?;
         }
@@ -437,6 +445,13 @@ mod tests {
         assert!(svg.contains(
             "<tspan font-style=\"italic\">x</tspan><tspan font-size=\"720\" dy=\"240\">1</tspan><tspan dy=\"-240\"> + 2</tspan>"
         ));
+    }
+
+    #[test]
+    fn a_text_is_as_wide_as_computed_in_any_font() {
+        let svg = document(|canvas| drawn(canvas.words((50, 50), &Words::new("*x*_1 + 2", 10.0))));
+        let wide = units(metrics::width("*x*_1 + 2", 10.0).unwrap());
+        assert!(svg.contains(&format!(" textLength=\"{wide}\" lengthAdjust=")));
     }
 
     #[test]

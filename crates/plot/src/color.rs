@@ -39,6 +39,12 @@ impl Color {
         format!("#{:02x}{:02x}{:02x}", self.0, self.1, self.2)
     }
 
+    /// The colour on white, two fifths of it: for a broad curve under others.
+    pub fn pale(self) -> Self {
+        let mixed = |part: u8| (255 - (255 - u16::from(part)) * 2 / 5) as u8;
+        Self(mixed(self.0), mixed(self.1), mixed(self.2))
+    }
+
     /// The form plotters' backends exchange.
     pub(super) fn backend(self) -> BackendColor {
         BackendColor {
