@@ -61,6 +61,39 @@ fn measures_ours_alone_without_python() {
 }
 
 #[test]
+fn the_committed_picture_is_that_of_the_committed_table() {
+    let folder = tempfile::tempdir().unwrap();
+    let top = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut command = cargo_bin_cmd!("peers");
+    command
+        .arg("redraw")
+        .arg("--report-dir")
+        .arg(top.join("report"));
+    command.arg("--figures-dir").arg(folder.path());
+    command.assert().success().stdout(contains("bench.svg"));
+    let drawn = std::fs::read_to_string(folder.path().join("bench.svg")).unwrap();
+    let committed = std::fs::read_to_string(top.join("figures/bench.svg")).unwrap();
+    // Not assert_eq: nobody wants two whole pictures in the terminal.
+    assert!(
+        drawn == committed,
+        "run `cargo run --release --bin peers -- redraw`"
+    );
+}
+
+#[test]
+fn without_a_table_nothing_is_redrawn() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut command = cargo_bin_cmd!("peers");
+    command.arg("redraw").arg("--report-dir").arg(folder.path());
+    command
+        .arg("--figures-dir")
+        .arg(folder.path().join("figures"));
+    let told = contains("cannot read").and(contains("--report-dir"));
+    command.assert().code(1).stderr(told);
+    assert!(!folder.path().join("figures").exists());
+}
+
+#[test]
 fn one_problem_prints_its_events() {
     let mut command = cargo_bin_cmd!("peers");
     command.args(["one", "--problem", "decay", "--tolerance", "1e-12"]);

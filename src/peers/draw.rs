@@ -49,8 +49,8 @@ pub fn draw(rows: &[Row], problems: &[Problem]) -> Result<String, FigureError> {
     let mut about_processes = "";
     if rows.iter().any(|row| row.process.is_some()) {
         let letter = format!("({})", char::from(b'a' + problems.len() as u8));
-        panels.push(processes(rows, &names).label(&letter));
-        about_processes = " Last panel: time of a whole process.";
+        panels.push(processes(rows, &names, problems).label(&letter));
+        about_processes = " Last panel: time of a whole process, one line for each solver.";
     }
     if let Some(last) = panels.pop() {
         panels.push(with_legend(last, &names));
@@ -111,32 +111,70 @@ fn work_precision(rows: &[&Row], names: &[&str]) -> Panel {
     panel
 }
 
-fn processes(rows: &[Row], names: &[&str]) -> Panel {
-    let times: Vec<Vec<f64>> = names
+/// A line for every solver; filled marks are of the first problem that was timed so, open ones of the others.
+fn processes(rows: &[Row], names: &[&str], problems: &[Problem]) -> Panel {
+    let timed = |problem: &&'static str| {
+        let mut rows = rows.iter();
+        rows.any(|row| row.problem == *problem && row.process.is_some())
+    };
+    let of: Vec<&'static str> = problems
+        .iter()
+        .map(|problem| problem.name)
+        .filter(timed)
+        .collect();
+    // What the marks mean: the letters of the problems' own panels.
+    let letters = |of: &[&str]| -> String {
+        let places = problems
+            .iter()
+            .enumerate()
+            .filter(|(_, problem)| of.contains(&problem.name));
+        let letters: Vec<String> = places
+            .map(|(i, _)| format!("({})", char::from(b'a' + i as u8)))
+            .collect();
+        letters.join(", ")
+    };
+    let title = match of.split_first() {
+        Some((first, others)) if !others.is_empty() => format!(
+            "whole process; filled: {}, open: {}",
+            letters(&[first]),
+            letters(others)
+        ),
+        _ => format!("whole process of {}", letters(&of)),
+    };
+    let times: Vec<Vec<(&str, f64)>> = names
         .iter()
         .map(|name| {
             let own = rows.iter().filter(|row| row.solver == *name);
-            own.filter_map(|row| row.process).map(math::log10).collect()
+            own.filter_map(|row| Some((row.problem, math::log10(row.process?))))
+                .collect()
         })
         .collect();
-    let bare: Vec<(f64, &str)> = Vec::new();
+    let lines: Vec<(f64, &str)> = names
+        .iter()
+        .enumerate()
+        .map(|(i, name)| ((names.len() - i) as f64, *name))
+        .collect();
     let mut panel = Panel::new(
         Axis::decades(
-            "time of a process, s",
-            range(times.iter().flatten().copied()),
+            "time to start, compile and run once, s",
+            range(times.iter().flatten().map(|(_, time)| *time)),
         ),
-        Axis::new("", 0.0, names.len() as f64 + 1.0).ticks(&bare),
+        Axis::new("solver", 0.0, names.len() as f64 + 1.0).ticks(&lines),
     )
-    .title("whole process: start, compile, run");
+    .title(&title);
     for (i, times) in times.iter().enumerate() {
         let (color, _, shape) = look(i);
         let y = (names.len() - i) as f64;
-        panel.add(
-            Markers::new(times.iter().map(|t| (*t, y)))
+        for filled in [true, false] {
+            let own = times
+                .iter()
+                .filter(|(problem, _)| (of.first() == Some(problem)) == filled);
+            let marks = Markers::new(own.map(|(_, t)| (*t, y)))
                 .color(color)
                 .shape(shape)
-                .size(5.5),
-        );
+                .size(5.5);
+            panel.add(if filled { marks } else { marks.open() });
+        }
     }
     panel
 }

@@ -101,6 +101,22 @@ pub enum PeersError {
         /// What the operating system said.
         source: std::io::Error,
     },
+    /// A file cannot be read.
+    #[error("cannot read {}: {source}; choose its folder with --report-dir", path.display())]
+    Input {
+        /// The file.
+        path: std::path::PathBuf,
+        /// What the operating system said.
+        source: std::io::Error,
+    },
+    /// A table of measurements that does not have the form that this program writes.
+    #[error("bench.csv, line {line}: {cause}; measure again with `peers`")]
+    Table {
+        /// Line, counted from 1.
+        line: usize,
+        /// What is wrong.
+        cause: String,
+    },
     /// A file cannot be written.
     #[error(
         "cannot write {}: {source}; choose folders that can be written to with --report-dir and --figures-dir",

@@ -8,12 +8,13 @@ mod error;
 mod event;
 mod measure;
 mod problem;
+mod readme;
 mod reference;
 mod report;
 mod row;
 mod solvers;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
@@ -39,6 +40,7 @@ Files written:
   bench.csv  solver,problem,setting,tolerance,error,events,median_s,min_s,compile_s,process_s,note
   bench.txt  what is printed: ratios of times at equal error, times of whole processes
   bench.svg  the work-precision figure
+  README.md  its table of speeds, when all problems were measured beside peers into the default folders
 
 An error is the largest of all event times, against references of 30 digits (data/references). A run that finds other events
 than the reference has failed, and says so in its note. Times are medians of rounds in which all solvers take turns, warm;
@@ -47,6 +49,7 @@ compilation is told separately.
 Examples:
   peers
   peers --python target/peers-venv/bin/python
+  peers redraw
   peers --rounds 3 --process-rounds 0 --problems decay,forced --report-dir out --figures-dir out";
 
 /// Arguments of the program.
@@ -60,11 +63,25 @@ pub struct Arguments {
     all: All,
 }
 
-/// Solving a single problem.
+/// What is done without measuring.
 #[derive(Debug, Subcommand)]
 enum Single {
     /// Solve one problem once and print its events: what is timed as a whole process
     One(One),
+    /// Draw bench.svg anew from bench.csv, without measuring
+    Redraw(Folders),
+}
+
+/// Where the files are.
+#[derive(Debug, Args)]
+pub struct Folders {
+    /// Folder for bench.csv and bench.txt; made if it does not exist
+    #[arg(long, value_name = "DIR", default_value = "report")]
+    pub report_dir: PathBuf,
+
+    /// Folder for bench.svg; made if it does not exist
+    #[arg(long, value_name = "DIR", default_value = "figures")]
+    pub figures_dir: PathBuf,
 }
 
 #[derive(Debug, Args)]
@@ -122,13 +139,9 @@ pub struct All {
     )]
     pub numbers: PathBuf,
 
-    /// Folder for bench.csv and bench.txt; made if it does not exist
-    #[arg(long, value_name = "DIR", default_value = "report")]
-    pub report_dir: PathBuf,
-
-    /// Folder for bench.svg; made if it does not exist
-    #[arg(long, value_name = "DIR", default_value = "figures")]
-    pub figures_dir: PathBuf,
+    /// Where the files go.
+    #[command(flatten)]
+    pub folders: Folders,
 }
 
 /// Everything the program does. Exit code 0 on success, 1 if something failed, 2 for a wrong command line.
@@ -136,6 +149,7 @@ pub fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let outcome = match &arguments.command {
         Some(Single::One(one)) => solve_one(one),
+        Some(Single::Redraw(folders)) => redraw(folders),
         None => run(&arguments.all),
     };
     terminal::finish("report", outcome)
@@ -162,7 +176,7 @@ pub fn run(all: &All) -> Result<String, PeersError> {
     };
     let as_processes = pick(&known, &all.process_problems)?;
     // Said before a long computation, not after it.
-    for folder in [&all.report_dir, &all.figures_dir] {
+    for folder in [&all.folders.report_dir, &all.folders.figures_dir] {
         output::write_all(folder, &[])?;
     }
     let mut peers = match &all.python {
@@ -232,18 +246,60 @@ fn head(all: &All, versions: &[(String, String)]) -> String {
 }
 
 fn write(all: &All, rows: &[Row], text: &str, problems: &[Problem]) -> Result<String, PeersError> {
-    let svg = draw::draw(rows, problems)?;
+    let table = row::csv(rows)?;
+    // From the digits that the table has, so that the picture can be drawn from it again.
+    let svg = draw::draw(&row::read(&table, problems)?, problems)?;
     let tables = [
-        Artifact::text("bench.csv", row::csv(rows)?),
+        Artifact::text("bench.csv", table),
         Artifact::text("bench.txt", text),
     ];
-    let mut paths = output::write_all(&all.report_dir, &tables)?;
-    paths.extend(output::write_all(
-        &all.figures_dir,
-        &[Artifact::text("bench.svg", svg)],
-    )?);
+    let mut paths = output::write_all(&all.folders.report_dir, &tables)?;
+    let picture = Artifact::text("bench.svg", svg);
+    paths.extend(output::write_all(&all.folders.figures_dir, &[picture])?);
+    // A part of the problems, or ours alone, says nothing of the table there.
+    if all.problems.is_empty() && all.python.is_some() {
+        paths.extend(write_readme(&all.folders, rows)?);
+    }
     Ok(output::listing(&paths))
 }
+
+/// The figure from the table of an earlier run: after a change of the drawing nothing need be measured again.
+fn redraw(folders: &Folders) -> Result<String, PeersError> {
+    let path = folders.report_dir.join("bench.csv");
+    let table = std::fs::read_to_string(&path).map_err(|source| PeersError::Input {
+        path: path.clone(),
+        source,
+    })?;
+    let known = all_problems()?;
+    let rows = row::read(&table, &known)?;
+    let measured = |problem: &Problem| rows.iter().any(|row| row.problem == problem.name);
+    let problems: Vec<Problem> = known.into_iter().filter(measured).collect();
+    let picture = Artifact::text("bench.svg", draw::draw(&rows, &problems)?);
+    let mut paths = output::write_all(&folders.figures_dir, &[picture])?;
+    paths.extend(write_readme(folders, &rows)?);
+    Ok(output::listing(&paths))
+}
+
+/// The project's README gets the measurements that are written into the project's own folder of tables.
+fn write_readme(folders: &Folders, rows: &[Row]) -> Result<Vec<PathBuf>, PeersError> {
+    if folders.report_dir != Path::new(TABLES) {
+        return Ok(Vec::new());
+    }
+    let top = PathBuf::new();
+    let Ok(text) = std::fs::read_to_string(top.join(README)) else {
+        return Ok(Vec::new());
+    };
+    let Some(new) = readme::MARKS.put(&text, &readme::block(rows, OURS)) else {
+        return Ok(Vec::new());
+    };
+    Ok(output::write_all(&top, &[Artifact::text(README, new)])?)
+}
+
+const README: &str = "README.md";
+/// Where the project keeps its tables, and the default of `--report-dir`.
+const TABLES: &str = "report";
+/// The solver of ours that the README compares with.
+const OURS: &str = "stickslip Taylor";
 
 fn all_problems() -> Result<Vec<Problem>, PeersError> {
     problems().map_err(|source| PeersError::Solve {

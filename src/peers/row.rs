@@ -1,6 +1,7 @@
 //! What was measured of one solver at one setting on one problem.
 
 use super::error::PeersError;
+use super::problem::Problem;
 
 /// A row of report/bench.csv.
 #[derive(Clone, Debug, PartialEq)]
@@ -91,6 +92,82 @@ pub fn csv(rows: &[Row]) -> Result<String, PeersError> {
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
+/// The rows of such a CSV, each with its median in the place of its rounds.
+///
+/// # Errors
+/// [`PeersError::Table`] with the line that is not as [`csv`] writes it, or that is of none of the problems.
+pub fn read(text: &str, problems: &[Problem]) -> Result<Vec<Row>, PeersError> {
+    let mut reader = csv::ReaderBuilder::new()
+        .has_headers(false)
+        .flexible(true)
+        .from_reader(text.as_bytes());
+    let mut rows = Vec::new();
+    for (index, record) in reader.records().enumerate() {
+        let wrong = |cause: String| PeersError::Table {
+            line: index + 1,
+            cause,
+        };
+        let record = record.map_err(|error| wrong(error.to_string()))?;
+        let cells: Vec<&str> = record.iter().collect();
+        if index == 0 {
+            if cells != HEAD {
+                return Err(wrong(format!("the head should be {}", HEAD.join(","))));
+            }
+            continue;
+        }
+        let [
+            solver,
+            problem,
+            setting,
+            tolerance,
+            error,
+            events,
+            seconds,
+            _,
+            compile,
+            process,
+            note,
+        ] = cells[..]
+        else {
+            return Err(wrong(format!(
+                "{} cells where {} are due",
+                cells.len(),
+                HEAD.len()
+            )));
+        };
+        let number = |cell: &str| match cell {
+            "" => Ok(None),
+            _ => cell
+                .parse::<f64>()
+                .map(Some)
+                .map_err(|_| wrong(format!("'{cell}' is no number"))),
+        };
+        let known = problems.iter().find(|known| known.name == problem);
+        rows.push(Row {
+            solver: solver.into(),
+            problem: known
+                .map(|known| known.name)
+                .ok_or_else(|| wrong(format!("'{problem}' is none of the problems")))?,
+            setting: setting.into(),
+            tolerance: number(tolerance)?,
+            error: number(error)?,
+            events: match events {
+                "" => None,
+                _ => Some(
+                    events
+                        .parse()
+                        .map_err(|_| wrong(format!("'{events}' is no count")))?,
+                ),
+            },
+            seconds: number(seconds)?.into_iter().collect(),
+            compile: number(compile)?,
+            process: number(process)?,
+            note: note.into(),
+        });
+    }
+    Ok(rows)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -115,6 +192,50 @@ mod tests {
         assert_eq!(
             lines[1],
             "one,decay,\"a, b\",1.000e-9,,3,2.000e-6,1.000e-6,,,failed"
+        );
+    }
+
+    #[test]
+    fn a_file_is_read_as_it_was_written() {
+        let problems = crate::peers::problems().unwrap();
+        let text = include_str!("../../report/bench.csv");
+        let rows = read(text, &problems).unwrap();
+        assert!(rows.len() > 100);
+        let shortest = HEAD.iter().position(|name| *name == "min_s").unwrap();
+        // The shortest of the rounds is not kept: that column has the median again.
+        for (one, other) in csv(&rows).unwrap().lines().zip(text.lines()).skip(1) {
+            let apart = |line: &str| -> Vec<String> {
+                let mut reader = csv::ReaderBuilder::new()
+                    .has_headers(false)
+                    .from_reader(line.as_bytes());
+                let record = reader.records().next().unwrap().unwrap();
+                record.iter().map(str::to_owned).collect()
+            };
+            let (mut one, mut other) = (apart(one), apart(other));
+            one.remove(shortest);
+            other.remove(shortest);
+            assert_eq!(one, other);
+        }
+    }
+
+    #[test]
+    fn a_damaged_file_is_refused_with_its_line() {
+        let problems = crate::peers::problems().unwrap();
+        let head = HEAD.join(",");
+        for (line, cause) in [
+            ("one,drift,,,,,,,,,", "'drift' is none"),
+            ("one,decay,,x,,,,,,,", "'x' is no number"),
+            ("one,decay,,,,2.5,,,,,", "'2.5' is no count"),
+            ("one,decay", "2 cells"),
+        ] {
+            let error = read(&format!("{head}\n{line}\n"), &problems).unwrap_err();
+            let told = error.to_string();
+            assert!(told.contains("line 2") && told.contains(cause), "{told}");
+        }
+        let error = read("solver,problem\n", &problems).unwrap_err().to_string();
+        assert!(
+            error.contains("line 1") && error.contains("median_s"),
+            "{error}"
         );
     }
 }
