@@ -9,6 +9,7 @@ use super::error::FigureError;
 use super::output::{self, Artifact};
 use super::spec::FigureSpec;
 use super::{png, rows};
+use crate::paper::published::Claims;
 use crate::terminal::{self, Progress};
 
 /// Arguments of a figure program.
@@ -68,20 +69,21 @@ pub fn run<F: FigureSpec>(arguments: &Arguments) -> Result<String, FigureError> 
         // Said before a long computation, not after it.
         return Err(FigureError::PngNotBuilt);
     }
+    let claims = Claims::committed()?;
     let data = F::compute()?;
     let rows = F::numbers(&data);
     let svg = F::draw(&data)?;
     let rendered = arguments.png.then(|| png::from_svg(&svg)).transpose()?;
     let mut artifacts = vec![
         artifact::<F>("svg", svg.into_bytes()),
-        artifact::<F>("csv", rows::csv(&rows)?.into_bytes()),
+        artifact::<F>("csv", rows::csv(&rows, claims)?.into_bytes()),
     ];
     artifacts.extend(rendered.map(|bytes| artifact::<F>("png", bytes)));
     let paths = output::write_all(&arguments.out_dir, &artifacts)?;
     Ok(format!(
         "{}\n\n{}\n{}",
         F::TITLE,
-        rows::table(&rows),
+        rows::table(&rows, claims),
         output::listing(&paths)
     ))
 }

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use crate::paper::published::PublishedError;
 use crate::terminal::ProgramError;
 
 /// Failure of computing, drawing or writing a figure. Every variant says what was being done, with
@@ -17,6 +18,9 @@ pub enum FigureError {
         /// The computation's own error.
         source: Box<dyn std::error::Error + Send + Sync>,
     },
+    /// The table of what the paper publishes is not sound.
+    #[error(transparent)]
+    Published(#[from] PublishedError),
     /// The drawing failed.
     #[error(transparent)]
     Plot(#[from] plot::PlotError),

@@ -1,8 +1,10 @@
 //! Fig. 6: the friction law of Eq. (2).
 
 use super::error::FigureError;
-use super::rows::Row;
+use super::rows::{Part, Row};
 use super::spec::FigureSpec;
+use crate::paper::claim_id::ClaimId;
+use crate::paper::reading::Reading;
 use plot::{
     Axis, BLACK, BLUE, Color, Curve, Dash, Figure, GREY, Guide, Legend, Note, Panel, Place,
     VERMILLION,
@@ -71,20 +73,24 @@ impl FigureSpec for Fig06 {
 
     fn numbers(data: &Data) -> Vec<Row> {
         let graphs = || data.by_mu0.iter().chain(&data.by_delta);
-        let decreasing = graphs().all(|graph| decreases(&graph.points));
-        let word = if decreasing {
-            "both branches decrease"
-        } else {
-            "a branch does not decrease"
+        let decreasing = Part {
+            what: "both branches of T(v) decrease with |v|",
+            holds: graphs().all(|graph| decreases(&graph.points)),
         };
-        let mut rows = vec![
-            Row::word("fig06.friction_law", "exact", word)
-                .published("monotonically decreasing branches", decreasing),
-        ];
+        let mut rows = vec![Row::statement(
+            ClaimId::Fig06FrictionLaw,
+            Reading::Exact,
+            vec![decreasing],
+        )];
         for (panel, graphs) in [("a", &data.by_mu0), ("b", &data.by_delta)] {
             for (i, graph) in graphs.iter().enumerate() {
                 let id = format!("fig06{panel}.force_at_1.{}", i + 1);
-                rows.push(Row::number(&id, "exact", graph.law.coefficient(1.0), "N"));
+                rows.push(Row::number(
+                    id,
+                    Reading::Exact,
+                    graph.law.coefficient(1.0),
+                    "N",
+                ));
             }
         }
         rows

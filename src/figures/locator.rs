@@ -7,6 +7,7 @@ use std::f64::consts::PI;
 use super::error::FigureError;
 use super::rows::Row;
 use super::spec::FigureSpec;
+use crate::paper::reading::Reading;
 use plot::{
     Axis, BLACK, BLUE, Color, Curve, Dash, Figure, GREEN, Legend, Markers, ORANGE, Panel, Shape,
     VERMILLION,
@@ -96,10 +97,10 @@ impl FigureSpec for Locator {
         let mut rows = Vec::new();
         for way in ways {
             let id = |what: &str| format!("locator.{}.{what}", way.id);
-            rows.push(Row::number(&id("order"), "exact", way.order, "1"));
+            rows.push(Row::number(id("order"), Reading::Exact, way.order, "1"));
             for (place, what) in TOLD {
                 if let Some((_, error)) = way.errors.get(place) {
-                    rows.push(Row::number(&id(what), "exact", *error, "s"));
+                    rows.push(Row::number(id(what), Reading::Exact, *error, "s"));
                 }
             }
         }

@@ -1,7 +1,6 @@
 //! The paper's figures: `compute() -> data`, `numbers(&data)`, `draw(&data)`.
 
 pub mod block_and_bracket;
-mod claims;
 pub mod cli;
 mod error;
 pub mod fig04;

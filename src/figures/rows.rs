@@ -3,6 +3,18 @@
 use std::fmt::{self, Write};
 
 use super::error::FigureError;
+use crate::paper::claim_id::ClaimId;
+use crate::paper::published::Claims;
+use crate::paper::reading::Reading;
+
+/// A part of a statement, and whether it holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Part {
+    /// What it says.
+    pub what: &'static str,
+    /// Whether the computation bears it out.
+    pub holds: bool,
+}
 
 /// What a row states.
 #[derive(Clone, Debug, PartialEq)]
@@ -12,8 +24,10 @@ pub enum Value {
     Number(f64),
     /// How many of something.
     Count(u64),
-    /// A statement in a word, such as `holds` or `quasi-periodic`.
+    /// A class or kind in a word, such as `quasi-periodic`.
     Word(String),
+    /// A statement, part by part.
+    Statement(Vec<Part>),
 }
 
 impl fmt::Display for Value {
@@ -23,70 +37,199 @@ impl fmt::Display for Value {
             Value::Number(v) => write!(f, "{v:?}"),
             Value::Count(n) => write!(f, "{n}"),
             Value::Word(word) => f.write_str(word),
+            Value::Statement(parts) => {
+                let holding = parts.iter().filter(|part| part.holds).count();
+                match holding {
+                    _ if holding == parts.len() => f.write_str("holds"),
+                    0 => f.write_str("fails"),
+                    _ => write!(f, "{holding} of {} parts hold", parts.len()),
+                }
+            }
         }
     }
+}
+
+/// What a row speaks of.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Quantity {
+    /// What a claim publishes.
+    Claim(ClaimId),
+    /// One of the numbers that a claim publishes together; counted from 1 in the order in which they were computed.
+    Member(ClaimId, usize),
+    /// Something else that belongs to a claim; the paper gives no value for it.
+    Detail(ClaimId, String),
+    /// Something that no claim speaks of.
+    Other(String),
+}
+
+impl Quantity {
+    /// The claim, if it belongs to one.
+    pub fn claim(&self) -> Option<ClaimId> {
+        match self {
+            Quantity::Claim(id) | Quantity::Member(id, _) | Quantity::Detail(id, _) => Some(*id),
+            Quantity::Other(_) => None,
+        }
+    }
+}
+
+impl fmt::Display for Quantity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Quantity::Claim(id) => id.fmt(f),
+            Quantity::Member(id, k) => write!(f, "{id}.{k}"),
+            Quantity::Detail(id, detail) => write!(f, "{id}.{detail}"),
+            Quantity::Other(name) => f.write_str(name),
+        }
+    }
+}
+
+impl From<ClaimId> for Quantity {
+    fn from(id: ClaimId) -> Self {
+        Quantity::Claim(id)
+    }
+}
+
+impl From<&str> for Quantity {
+    fn from(name: &str) -> Self {
+        Quantity::Other(name.to_owned())
+    }
+}
+
+impl From<String> for Quantity {
+    fn from(name: String) -> Self {
+        Quantity::Other(name)
+    }
+}
+
+/// What the paper says where a row stands, and whether it is the row's value.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Comparison {
+    /// In the paper's own digits or words.
+    pub published: String,
+    /// A number, rounded to the published digits, is the published one; a count or a word is the published one; a statement holds in
+    /// all its parts.
+    pub agrees: bool,
 }
 
 /// One line of a figure's table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
-    /// Name of the quantity, such as `eq23.mu0_critical.2`.
-    pub id: String,
-    /// How the paper was understood: `as-printed`, `exact`, …
-    pub reading: String,
+    /// What it speaks of.
+    pub quantity: Quantity,
+    /// How the paper was understood.
+    pub reading: Reading,
     /// What was found.
     pub value: Value,
-    /// What the paper says, in its own digits or words.
-    pub published: Option<String>,
     /// Unit of the value; empty for a word, `1` for a pure number.
-    pub unit: String,
-    /// Whether the value, rounded to the published digits, is the published one; nothing where the paper
-    /// says nothing.
-    pub agrees: Option<bool>,
+    pub unit: &'static str,
     /// What the value is worth, in a word such as `unidentified`; nothing where that goes without saying.
-    pub status: Option<String>,
+    pub status: Option<&'static str>,
 }
 
 impl Row {
     /// A number with its unit. Negative zero becomes zero.
-    pub fn number(id: &str, reading: &str, value: f64, unit: &str) -> Self {
-        Self::new(id, reading, Value::Number(value + 0.0), unit)
+    pub fn number(
+        quantity: impl Into<Quantity>,
+        reading: Reading,
+        value: f64,
+        unit: &'static str,
+    ) -> Self {
+        Self::new(quantity, reading, Value::Number(value + 0.0), unit)
     }
 
     /// A number of things.
-    pub fn count(id: &str, reading: &str, value: u64) -> Self {
-        Self::new(id, reading, Value::Count(value), "1")
+    pub fn count(quantity: impl Into<Quantity>, reading: Reading, value: u64) -> Self {
+        Self::new(quantity, reading, Value::Count(value), "1")
     }
 
     /// A word.
-    pub fn word(id: &str, reading: &str, value: &str) -> Self {
-        Self::new(id, reading, Value::Word(value.to_owned()), "")
+    pub fn word(quantity: impl Into<Quantity>, reading: Reading, value: &str) -> Self {
+        Self::new(quantity, reading, Value::Word(value.to_owned()), "")
     }
 
-    fn new(id: &str, reading: &str, value: Value, unit: &str) -> Self {
+    /// A statement of the paper, part by part.
+    pub fn statement(claim: ClaimId, reading: Reading, parts: Vec<Part>) -> Self {
+        Self::new(claim, reading, Value::Statement(parts), "")
+    }
+
+    /// The members of a set, each a row.
+    pub fn members<'a>(
+        claim: ClaimId,
+        reading: Reading,
+        values: impl IntoIterator<Item = &'a f64>,
+        unit: &'static str,
+    ) -> Vec<Self> {
+        (1..)
+            .zip(values)
+            .map(|(k, value)| Row::number(Quantity::Member(claim, k), reading, *value, unit))
+            .collect()
+    }
+
+    fn new(
+        quantity: impl Into<Quantity>,
+        reading: Reading,
+        value: Value,
+        unit: &'static str,
+    ) -> Self {
         Self {
-            id: id.to_owned(),
-            reading: reading.to_owned(),
+            quantity: quantity.into(),
+            reading,
             value,
-            published: None,
-            unit: unit.to_owned(),
-            agrees: None,
+            unit,
             status: None,
         }
     }
 
     /// With a word on what the value is worth.
     #[must_use]
-    pub fn status(mut self, word: &str) -> Self {
-        self.status = Some(word.to_owned());
+    pub fn status(mut self, word: &'static str) -> Self {
+        self.status = Some(word);
         self
     }
 
-    /// What the paper says, and whether the value agrees with it.
-    pub fn published(mut self, published: &str, agrees: bool) -> Self {
-        self.published = Some(published.to_owned());
-        self.agrees = Some(agrees);
-        self
+    /// Against the paper; nothing where the paper gives no value.
+    pub fn comparison(&self, claims: &Claims) -> Option<Comparison> {
+        let claim = match self.quantity {
+            Quantity::Claim(id) | Quantity::Member(id, _) => claims.of(id),
+            Quantity::Detail(..) | Quantity::Other(_) => return None,
+        };
+        let (published, agrees) = match (&self.quantity, &self.value) {
+            (Quantity::Member(..), Value::Number(value)) => {
+                let distance = |published: &f64| (value - published).abs();
+                let members = claim.values().iter().copied();
+                let nearest = members.min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+                (format!("{nearest:?}"), claim.agrees_with(nearest, *value))
+            }
+            (_, Value::Number(value)) => (claim.published.clone(), claim.agrees(*value)),
+            (_, Value::Count(_) | Value::Word(_)) => (
+                claim.published.clone(),
+                self.value.to_string() == claim.published,
+            ),
+            (_, Value::Statement(parts)) => {
+                ("stated".to_owned(), parts.iter().all(|part| part.holds))
+            }
+        };
+        Some(Comparison { published, agrees })
+    }
+}
+
+/// A row with its comparison, as text.
+struct Line {
+    id: String,
+    reading: &'static str,
+    published: Option<String>,
+    agrees: Option<bool>,
+}
+
+impl Line {
+    fn of(row: &Row, claims: &Claims) -> Self {
+        let comparison = row.comparison(claims);
+        Line {
+            id: row.quantity.to_string(),
+            reading: row.reading.name(),
+            agrees: comparison.as_ref().map(|one| one.agrees),
+            published: comparison.map(|one| one.published),
+        }
     }
 
     fn agreement(&self) -> &'static str {
@@ -107,7 +250,7 @@ fn have_status(rows: &[Row]) -> bool {
 ///
 /// # Errors
 /// [`FigureError::Csv`] if the writer refuses a field.
-pub fn csv(rows: &[Row]) -> Result<String, FigureError> {
+pub fn csv(rows: &[Row], claims: &Claims) -> Result<String, FigureError> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     let columns = if have_status(rows) { 7 } else { 6 };
     let header = [
@@ -121,15 +264,16 @@ pub fn csv(rows: &[Row]) -> Result<String, FigureError> {
     ];
     writer.write_record(&header[..columns])?;
     for row in rows {
+        let line = Line::of(row, claims);
         let value = row.value.to_string();
         let fields = [
-            row.id.as_str(),
-            row.reading.as_str(),
+            line.id.as_str(),
+            line.reading,
             value.as_str(),
-            row.published.as_deref().unwrap_or(""),
-            row.unit.as_str(),
-            row.agreement(),
-            row.status.as_deref().unwrap_or(""),
+            line.published.as_deref().unwrap_or(""),
+            row.unit,
+            line.agreement(),
+            row.status.unwrap_or(""),
         ];
         writer.write_record(&fields[..columns])?;
     }
@@ -141,7 +285,7 @@ pub fn csv(rows: &[Row]) -> Result<String, FigureError> {
 }
 
 /// The rows in aligned columns for the terminal, numbers rounded to eight digits.
-pub fn table(rows: &[Row]) -> String {
+pub fn table(rows: &[Row], claims: &Claims) -> String {
     let header = [
         "id",
         "reading",
@@ -153,22 +297,23 @@ pub fn table(rows: &[Row]) -> String {
     ]
     .map(str::to_owned);
     let lines = rows.iter().map(|row| {
+        let line = Line::of(row, claims);
         [
-            row.id.clone(),
-            row.reading.clone(),
+            line.id,
+            line.reading.to_owned(),
             match &row.value {
                 Value::Number(v) => rounded(*v),
                 other => other.to_string(),
             },
-            row.published.clone().unwrap_or_else(|| "–".into()),
-            row.unit.clone(),
-            match row.agrees {
+            line.published.unwrap_or_else(|| "–".into()),
+            row.unit.to_owned(),
+            match line.agrees {
                 Some(true) => "yes",
                 Some(false) => "NO",
                 None => "–",
             }
             .to_owned(),
-            row.status.clone().unwrap_or_else(|| "–".into()),
+            row.status.unwrap_or("–").to_owned(),
         ]
     });
     let columns = if have_status(rows) { 7 } else { 6 };
@@ -176,20 +321,18 @@ pub fn table(rows: &[Row]) -> String {
 }
 
 /// The rows as a golden: one line each, full precision, without the unit.
-pub fn golden(rows: &[Row]) -> String {
+pub fn golden(rows: &[Row], claims: &Claims) -> String {
     let header = ["id", "reading", "value", "published", "agrees", "status"].map(str::to_owned);
     let lines = rows.iter().map(|row| {
+        let line = Line::of(row, claims);
+        let agreement = line.agreement();
         [
-            row.id.clone(),
-            row.reading.clone(),
+            line.id,
+            line.reading.to_owned(),
             row.value.to_string(),
-            row.published.clone().unwrap_or_else(|| "-".into()),
-            match row.agreement() {
-                "" => "-",
-                said => said,
-            }
-            .to_owned(),
-            row.status.clone().unwrap_or_else(|| "-".into()),
+            line.published.unwrap_or_else(|| "-".into()),
+            if agreement.is_empty() { "-" } else { agreement }.to_owned(),
+            row.status.unwrap_or("-").to_owned(),
         ]
     });
     let columns = if have_status(rows) { 6 } else { 5 };
@@ -243,24 +386,34 @@ fn rounded(v: f64) -> String {
 mod tests {
     use super::*;
 
+    fn claims() -> &'static Claims {
+        Claims::committed().unwrap()
+    }
+
     fn rows() -> Vec<Row> {
         vec![
-            Row::number("fig08.stick_length.1", "exact", 1.0 / 3.0, "m").published("0.4697", false),
-            Row::number("fig11.lambda.4", "exact", f64::NEG_INFINITY, "1/t"),
-            Row::count("fig07c.branches.below", "exact", 6),
-            Row::word("fig12.class", "as-printed", "periodic, \"slow\"").published("chaotic", true),
+            Row::number(ClaimId::Fig08StickLength1, Reading::Exact, 1.0 / 3.0, "m"),
+            Row::number("fig11.multiplier", Reading::Exact, f64::NEG_INFINITY, "1/t"),
+            Row::count("fig07c.branches.below", Reading::Exact, 6),
+            Row::word(
+                ClaimId::Fig12Class,
+                Reading::AsPrinted,
+                "periodic, \"slow\"",
+            ),
+            Row::word(ClaimId::Fig12Class, Reading::Exact, "chaotic"),
         ]
     }
 
     #[test]
     fn csv_has_full_precision_and_quotes() {
         assert_eq!(
-            csv(&rows()).unwrap(),
+            csv(&rows(), claims()).unwrap(),
             "id,reading,value,published,unit,agrees\n\
              fig08.stick_length.1,exact,0.3333333333333333,0.4697,m,false\n\
-             fig11.lambda.4,exact,-inf,,1/t,\n\
+             fig11.multiplier,exact,-inf,,1/t,\n\
              fig07c.branches.below,exact,6,,1,\n\
-             fig12.class,as-printed,\"periodic, \"\"slow\"\"\",chaotic,,true\n"
+             fig12.class,as-printed,\"periodic, \"\"slow\"\"\",chaotic,,false\n\
+             fig12.class,exact,chaotic,chaotic,,true\n"
         );
     }
 
@@ -268,15 +421,16 @@ mod tests {
     fn a_status_adds_a_column() {
         let mut rows = rows();
         rows[1] = rows[1].clone().status("annihilated");
-        let text = csv(&rows).unwrap();
+        let text = csv(&rows, claims()).unwrap();
         assert!(text.starts_with("id,reading,value,published,unit,agrees,status\n"));
         assert!(text.contains("-inf,,1/t,,annihilated\n") && text.contains("0.4697,m,false,\n"));
-        assert!(table(&rows).contains("annihilated") && golden(&rows).contains("annihilated"));
+        assert!(table(&rows, claims()).contains("annihilated"));
+        assert!(golden(&rows, claims()).contains("annihilated"));
     }
 
     #[test]
     fn the_table_is_aligned_and_rounded() {
-        let table = table(&rows());
+        let table = table(&rows(), claims());
         let lines: Vec<&str> = table.lines().collect();
         assert!(lines[1].contains("  0.33333333  ") && lines[1].ends_with("NO"));
         assert!(lines[2].contains("-inf"));
@@ -286,9 +440,42 @@ mod tests {
 
     #[test]
     fn goldens_keep_every_digit() {
-        let golden = golden(&rows());
+        let golden = golden(&rows(), claims());
         assert!(golden.contains("0.3333333333333333"));
-        assert_eq!(golden.lines().count(), 5);
+        assert_eq!(golden.lines().count(), 6);
+    }
+
+    #[test]
+    fn a_member_is_held_against_the_nearest_published_one() {
+        let rows = Row::members(
+            ClaimId::Eq13CriticalMu0,
+            Reading::Exact,
+            &[1e-14, 0.38],
+            "N",
+        );
+        let of = |row: &Row| row.comparison(claims()).unwrap();
+        assert_eq!(of(&rows[0]).published, "0.0");
+        assert!(of(&rows[0]).agrees && !of(&rows[1]).agrees);
+        assert_eq!(rows[1].quantity.to_string(), "eq13.mu0_critical.2");
+    }
+
+    #[test]
+    fn a_statement_holds_with_all_its_parts() {
+        let part = |holds| Part {
+            what: "something",
+            holds,
+        };
+        let of = |parts: &[bool]| {
+            let parts = parts.iter().map(|&holds| part(holds)).collect();
+            let row = Row::statement(ClaimId::S4Arcs, Reading::Exact, parts);
+            (
+                row.value.to_string(),
+                row.comparison(claims()).unwrap().agrees,
+            )
+        };
+        assert_eq!(of(&[true, true]), ("holds".into(), true));
+        assert_eq!(of(&[true, false]), ("1 of 2 parts hold".into(), false));
+        assert_eq!(of(&[false]), ("fails".into(), false));
     }
 
     #[test]

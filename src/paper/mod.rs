@@ -7,7 +7,10 @@
 //! Nothing here is a good way to integrate a friction oscillator; it is here so that a published number
 //! can be traced to the arithmetic that made it.
 
+pub mod claim_id;
 pub mod in_place;
 pub mod listing;
+pub mod pattern;
 pub mod published;
+pub mod reading;
 pub mod slip_times_three;

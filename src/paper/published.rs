@@ -4,6 +4,9 @@
 //! first two can be compared with a number; the rest is there so that a report can name it.
 
 use std::str::FromStr;
+use std::sync::LazyLock;
+
+use super::claim_id::ClaimId;
 
 /// The table, as it is in the repository.
 const CLAIMS: &str = include_str!("../../data/claims.csv");
@@ -69,8 +72,8 @@ impl FromStr for Digits {
 /// One published quantity.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Claim {
-    /// Its name here, e.g. `fig08.stick_length.1`.
-    pub id: String,
+    /// Its name here.
+    pub id: ClaimId,
     /// Where the paper says it.
     pub place: String,
     /// What sort of claim it is.
@@ -83,44 +86,160 @@ pub struct Claim {
     pub unit: String,
     /// What it says, in words.
     pub what: String,
+    /// The published numbers; none for a claim in words.
+    values: Vec<f64>,
 }
 
 impl Claim {
-    /// The published numbers; none for a claim in words or by a formula.
-    pub fn values(&self) -> Vec<f64> {
-        if self.digits == Digits::None {
-            return Vec::new();
+    /// The claim that a row states.
+    ///
+    /// # Errors
+    /// [`PublishedError`] with the column at fault.
+    pub(crate) fn of_record(record: &csv::StringRecord) -> Result<Claim, PublishedError> {
+        let fields: Vec<&str> = record.iter().collect();
+        let [id, place, kind, published, digits, unit, what] = fields.as_slice() else {
+            return Err(PublishedError::Malformed {
+                reason: format!("a row has {} fields, the table has 7 columns", record.len()),
+            });
+        };
+        let wrong = |column, value: &str, allowed| PublishedError::Field {
+            id: (*id).to_owned(),
+            column,
+            value: value.to_owned(),
+            allowed,
+        };
+        let digits_of = digits.parse().map_err(|()| {
+            wrong(
+                "digits",
+                digits,
+                "a number of decimals up to 17, `exact` or empty",
+            )
+        })?;
+        let values = match digits_of {
+            Digits::None => Vec::new(),
+            Digits::Decimals(_) | Digits::Exact => published
+                .split(';')
+                .map(|text| text.trim().parse())
+                .collect::<Result<_, _>>()
+                .map_err(|_| wrong("published", published, "numbers with `;` between them"))?,
+        };
+        let claim = Claim {
+            id: ClaimId::named(id).ok_or_else(|| PublishedError::Unknown {
+                name: (*id).to_owned(),
+            })?,
+            place: (*place).to_owned(),
+            kind: kind
+                .parse()
+                .map_err(|()| wrong("kind", kind, "value, set, curve or statement"))?,
+            published: (*published).to_owned(),
+            digits: digits_of,
+            unit: (*unit).to_owned(),
+            what: (*what).to_owned(),
+            values,
+        };
+        if claim.kind == Kind::Value && claim.values().len() != 1 {
+            return Err(wrong(
+                "published",
+                published,
+                "one number, with its digits, for a value",
+            ));
         }
-        let parsed: Result<Vec<f64>, _> = self
-            .published
-            .split(';')
-            .map(|text| text.trim().parse())
-            .collect();
-        parsed.unwrap_or_default()
+        Ok(claim)
     }
 
-    /// Whether `value` is the published number, or one of a set.
+    /// The published numbers; none for a claim in words.
+    pub fn values(&self) -> &[f64] {
+        &self.values
+    }
+
+    /// Whether `value` is the published number, or one of a set. See [`Claim::agrees_with`].
+    pub fn agrees(&self, value: f64) -> bool {
+        let mut all = self.values.iter();
+        all.any(|published| self.agrees_with(*published, value))
+    }
+
+    /// Whether `value` is `published`, one of the claim's numbers.
     ///
     /// Printed decimals: `value` rounded to as many is the printed number, nothing less. Exact: equal up
     /// to a relative difference of 1e-12 (absolute where the exact value is 0). Never true of a claim
     /// without numbers.
-    pub fn agrees(&self, value: f64) -> bool {
-        self.values()
-            .into_iter()
-            .any(|published| match self.digits {
-                Digits::Decimals(decimals) => format!("{value:.decimals$}")
-                    .parse::<f64>()
-                    .is_ok_and(|rounded| rounded == published),
-                Digits::Exact => {
-                    let scale = if published == 0.0 {
-                        1.0
-                    } else {
-                        published.abs()
-                    };
-                    (value - published).abs() <= EXACT_TOLERANCE * scale
+    pub fn agrees_with(&self, published: f64, value: f64) -> bool {
+        match self.digits {
+            Digits::Decimals(decimals) => format!("{value:.decimals$}")
+                .parse::<f64>()
+                .is_ok_and(|rounded| rounded == published),
+            Digits::Exact => {
+                let scale = if published == 0.0 {
+                    1.0
+                } else {
+                    published.abs()
+                };
+                (value - published).abs() <= EXACT_TOLERANCE * scale
+            }
+            Digits::None => false,
+        }
+    }
+}
+
+/// The whole table: a claim for every [`ClaimId`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Claims {
+    /// In the order of [`ClaimId::ALL`].
+    all: Vec<Claim>,
+}
+
+impl Claims {
+    /// The table in the repository.
+    ///
+    /// # Errors
+    /// [`PublishedError`] where it is malformed.
+    pub fn committed() -> Result<&'static Claims, PublishedError> {
+        static COMMITTED: LazyLock<Result<Claims, PublishedError>> =
+            LazyLock::new(|| Claims::parse(CLAIMS));
+        COMMITTED.as_ref().map_err(Clone::clone)
+    }
+
+    /// Reads a table with the columns `id, where, kind, published, digits, unit, what it says`.
+    ///
+    /// # Errors
+    /// [`PublishedError`] with the row and the column at fault, with a name that is none of [`ClaimId`], stands twice or is missing.
+    pub fn parse(table: &str) -> Result<Claims, PublishedError> {
+        let mut reader = csv::Reader::from_reader(table.as_bytes());
+        let rows = reader
+            .records()
+            .map(|record| Claim::of_record(&record.map_err(malformed)?))
+            .collect::<Result<Vec<Claim>, _>>()?;
+        let all = ClaimId::ALL
+            .iter()
+            .map(|id| {
+                let mut of = rows.iter().filter(|claim| claim.id == *id);
+                match (of.next(), of.next()) {
+                    (Some(claim), None) => Ok(claim.clone()),
+                    (None, _) => Err(PublishedError::Missing { id: *id }),
+                    (Some(_), Some(_)) => Err(PublishedError::Twice { id: *id }),
                 }
-                Digits::None => false,
             })
+            .collect::<Result<_, _>>()?;
+        Ok(Claims { all })
+    }
+
+    /// The claim of a name.
+    pub fn of(&self, id: ClaimId) -> &Claim {
+        // `parse` has put them in the order of the variants, all of them.
+        &self.all[id as usize]
+    }
+
+    /// The one number that a claim publishes; not a number where it publishes none or several.
+    pub fn value(&self, id: ClaimId) -> f64 {
+        match self.of(id).values() {
+            [value] => *value,
+            _ => f64::NAN,
+        }
+    }
+
+    /// All of them, in the order of the table.
+    pub fn iter(&self) -> std::slice::Iter<'_, Claim> {
+        self.all.iter()
     }
 }
 
@@ -148,46 +267,26 @@ pub enum PublishedError {
         /// What it may hold.
         allowed: &'static str,
     },
-    /// No row has this name.
-    #[error("no published value is called {id:?}; see data/claims.csv for the names")]
+    /// A row has a name that nothing in the program asks for.
+    #[error(
+        "{name:?} is the name of no claim; correct it, or add it to ClaimId in src/paper/claim_id.rs"
+    )]
     Unknown {
-        /// The name asked for.
-        id: String,
+        /// The name.
+        name: String,
     },
-}
-
-/// All published quantities, in the order of the table.
-///
-/// # Errors
-///
-/// [`PublishedError`] where the table is malformed.
-pub fn claims() -> Result<Vec<Claim>, PublishedError> {
-    parse(CLAIMS)
-}
-
-/// The published quantity called `id`.
-///
-/// # Errors
-///
-/// [`PublishedError::Unknown`] where there is none of that name; others where the table is malformed.
-pub fn published(id: &str) -> Result<Claim, PublishedError> {
-    claims()?
-        .into_iter()
-        .find(|claim| claim.id == id)
-        .ok_or_else(|| PublishedError::Unknown { id: id.to_owned() })
-}
-
-/// Reads a table with the columns `id, where, kind, published, digits, unit, what it says`.
-///
-/// # Errors
-///
-/// [`PublishedError`] with the row and the column at fault.
-pub fn parse(table: &str) -> Result<Vec<Claim>, PublishedError> {
-    let mut reader = csv::Reader::from_reader(table.as_bytes());
-    reader
-        .records()
-        .map(|record| claim(&record.map_err(malformed)?))
-        .collect()
+    /// There is no row for a claim.
+    #[error("data/claims.csv has no row {id}; add it")]
+    Missing {
+        /// The claim.
+        id: ClaimId,
+    },
+    /// There are two rows for a claim.
+    #[error("data/claims.csv has two rows {id}; take one out")]
+    Twice {
+        /// The claim.
+        id: ClaimId,
+    },
 }
 
 fn malformed(error: csv::Error) -> PublishedError {
@@ -196,59 +295,23 @@ fn malformed(error: csv::Error) -> PublishedError {
     }
 }
 
-fn claim(record: &csv::StringRecord) -> Result<Claim, PublishedError> {
-    let fields: Vec<&str> = record.iter().collect();
-    let [id, place, kind, published, digits, unit, what] = fields.as_slice() else {
-        return Err(PublishedError::Malformed {
-            reason: format!("a row has {} fields, the table has 7 columns", record.len()),
-        });
-    };
-    let wrong = |column, value: &str, allowed| PublishedError::Field {
-        id: (*id).to_owned(),
-        column,
-        value: value.to_owned(),
-        allowed,
-    };
-    let claim = Claim {
-        id: (*id).to_owned(),
-        place: (*place).to_owned(),
-        kind: kind
-            .parse()
-            .map_err(|()| wrong("kind", kind, "value, set, curve or statement"))?,
-        published: (*published).to_owned(),
-        digits: digits.parse().map_err(|()| {
-            wrong(
-                "digits",
-                digits,
-                "a number of decimals up to 17, `exact` or empty",
-            )
-        })?,
-        unit: (*unit).to_owned(),
-        what: (*what).to_owned(),
-    };
-    if claim.kind == Kind::Value && claim.values().len() != 1 {
-        return Err(wrong(
-            "published",
-            published,
-            "one number, with its digits, for a value",
-        ));
-    }
-    Ok(claim)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    const HEADER: &str = "id,where,kind,published,digits,unit,what it says\n";
+    /// The claim of a row that has no name yet.
+    fn one(rest: &str) -> Claim {
+        row(&format!("eq12.critical_points,{rest}")).unwrap()
+    }
 
-    fn one(row: &str) -> Claim {
-        parse(&format!("{HEADER}{row}")).unwrap().remove(0)
+    fn row(row: &str) -> Result<Claim, PublishedError> {
+        let fields: Vec<&str> = row.split(',').collect();
+        Claim::of_record(&csv::StringRecord::from(fields))
     }
 
     #[test]
     fn printed_decimals_are_compared_by_rounding() {
-        let claim = one("a,Fig. 1,value,0.4697,4,m,a length");
+        let claim = one("Fig. 1,value,0.4697,4,m,a length");
         assert!(claim.agrees(0.46965001));
         assert!(claim.agrees(0.46974999));
         assert!(!claim.agrees(0.46964999));
@@ -258,69 +321,68 @@ mod tests {
 
     #[test]
     fn a_sign_in_print_is_a_sign() {
-        assert!(one("a,Fig. 1,value,+0.0025,4,1/t,x").agrees(0.00249));
+        assert!(one("Fig. 1,value,+0.0025,4,1/t,x").agrees(0.00249));
         // Rounded, a small number of either sign is the printed "-0.0000".
-        let zero = one("a,Fig. 1,value,-0.0000,4,1/t,x");
+        let zero = one("Fig. 1,value,-0.0000,4,1/t,x");
         assert!(zero.agrees(-0.00004) && zero.agrees(0.00004) && !zero.agrees(0.00006));
     }
 
     #[test]
     fn an_exact_set_holds_its_members_only() {
-        let set = one("a,Eq. (1),set,0;0.5;-0.5,exact,m,x");
+        let set = one("Eq. (1),set,0;0.5;-0.5,exact,m,x");
         assert!(set.agrees(0.0) && set.agrees(-0.5) && set.agrees(0.5 * (1.0 + 1e-13)));
         assert!(!set.agrees(0.5 * (1.0 + 1e-11)) && !set.agrees(0.25));
+        assert!(!set.agrees_with(0.5, -0.5));
     }
 
     #[test]
     fn words_agree_with_no_number() {
-        assert!(!one("a,Fig. 1,statement,2,,,two of them").agrees(2.0));
+        assert!(!one("Fig. 1,statement,2,,,two of them").agrees(2.0));
     }
 
     #[test]
-    fn malformed_tables_are_typed_errors() {
-        let parse_row = |row: &str| parse(&format!("{HEADER}{row}"));
+    fn malformed_rows_are_typed_errors() {
         assert!(matches!(
-            parse_row("a,b,value"),
+            row("a,b,value"),
             Err(PublishedError::Malformed { .. })
         ));
-        assert!(matches!(
-            parse("id,kind\na,value\n"),
-            Err(PublishedError::Malformed { .. })
-        ));
-        for (row, expected) in [
-            ("a,b,number,1,4,m,x", "kind"),
-            ("a,b,value,1,four,m,x", "digits"),
-            ("a,b,value,1,99,m,x", "digits"),
-            ("a,b,value,one,4,m,x", "published"),
+        for (rest, expected) in [
+            ("b,number,1,4,m,x", "kind"),
+            ("b,value,1,four,m,x", "digits"),
+            ("b,value,1,99,m,x", "digits"),
+            ("b,value,one,4,m,x", "published"),
+            ("b,value,1;2,4,m,x", "published"),
+            ("b,set,1;two,4,m,x", "published"),
         ] {
-            match parse_row(row) {
+            match row(&format!("eq12.critical_points,{rest}")) {
                 Err(PublishedError::Field { column, .. }) => assert_eq!(column, expected),
-                other => panic!("{row}: {other:?}"),
+                other => panic!("{rest}: {other:?}"),
             }
         }
     }
 
     #[test]
-    fn the_table_in_the_repository_is_sound() {
-        let all = claims().unwrap();
-        let mut ids: Vec<&str> = all.iter().map(|claim| claim.id.as_str()).collect();
-        ids.sort_unstable();
-        ids.dedup();
-        assert_eq!(ids.len(), all.len(), "a name occurs twice");
-        for claim in &all {
-            assert!(
-                claim.digits == Digits::None || !claim.values().is_empty(),
-                "{}: {:?} has digits but no numbers",
-                claim.id,
-                claim.published
-            );
+    fn the_table_has_every_claim_once_and_no_other() {
+        let claims = Claims::committed().unwrap();
+        assert_eq!(claims.iter().count(), ClaimId::ALL.len());
+        for (claim, id) in claims.iter().zip(ClaimId::ALL) {
+            assert_eq!(claims.of(*id), claim);
+            assert_eq!(claim.id, *id);
         }
-        assert_eq!(
-            published("fig08.stick_length.1").unwrap().values(),
-            [0.4697]
-        );
+        assert_eq!(claims.value(ClaimId::Fig08StickLength1), 0.4697);
+        let one_line = CLAIMS.lines().nth(1).unwrap();
+        let without = CLAIMS.replacen(one_line, "", 1);
+        let missing = PublishedError::Missing {
+            id: ClaimId::Eq12CriticalPoints,
+        };
+        assert_eq!(Claims::parse(&without), Err(missing));
+        let twice = PublishedError::Twice {
+            id: ClaimId::Eq12CriticalPoints,
+        };
+        assert_eq!(Claims::parse(&format!("{CLAIMS}{one_line}\n")), Err(twice));
+        let stranger = one_line.replacen("eq12.", "eq99.", 1);
         assert!(matches!(
-            published("fig99"),
+            Claims::parse(&format!("{CLAIMS}{stranger}\n")),
             Err(PublishedError::Unknown { .. })
         ));
     }

@@ -48,7 +48,7 @@ pub enum Literal {
 /// What the figure shows.
 #[derive(Clone, Debug)]
 pub struct Data {
-    /// The model in the reading `exact`.
+    /// The model with the corrected equations.
     pub model: BlockAndBracket,
     /// Its motion.
     pub exact: Measured,
@@ -62,6 +62,8 @@ pub struct Data {
     pub curve: Vec<[f64; 4]>,
     /// Its section points, the first few.
     pub turns: Vec<[f64; 4]>,
+    /// All section points: where the block turns back.
+    pub section: Vec<[f64; 4]>,
     /// The reading `as-printed`.
     pub literal: Literal,
 }
@@ -72,7 +74,7 @@ pub struct Data {
 /// [`FigureError::Compute`].
 pub fn compute(set: &Set) -> Result<Data, FigureError> {
     let failed = |source: Box<dyn std::error::Error + Send + Sync>| FigureError::Compute {
-        figure: set.figure,
+        figure: set.figure.name(),
         source,
     };
     // Two independent runs, each of them sequential: the same bits on any number of threads.
@@ -84,7 +86,8 @@ pub fn compute(set: &Set) -> Result<Data, FigureError> {
         data_spectrum(&series, &DataSettings::default()).map_err(|error| failed(error.into()))?;
     let best_of_readings =
         data_spectrum(&series, &best_common()).map_err(|error| failed(error.into()))?;
-    let turns = watched.section.iter().take(16).map(|(_, x)| *x).collect();
+    let section: Vec<[f64; 4]> = watched.section.iter().map(|(_, x)| *x).collect();
+    let turns = section.iter().take(16).copied().collect();
     Ok(Data {
         model,
         exact,
@@ -93,6 +96,7 @@ pub fn compute(set: &Set) -> Result<Data, FigureError> {
         samples,
         curve: watched.curve,
         turns,
+        section,
         literal: literal.map_err(|error| failed(error.into()))?,
     })
 }

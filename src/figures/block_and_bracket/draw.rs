@@ -1,9 +1,11 @@
 //! The picture of Figs. 10, 11 and 12.
 
 use super::Set;
+use super::against_equations::{compare, worth};
 use super::compute::{Data, END, Literal, START};
 use crate::figures::error::FigureError;
-use crate::paper::published::published;
+use crate::paper::claim_id::ClaimId;
+use crate::paper::published::{Claims, PublishedError};
 use plot::*;
 use stickslip::analysis::Exponent;
 use stickslip::analysis::data_spectrum::Status;
@@ -14,22 +16,48 @@ const COLOURS: [Color; 4] = [BLUE, VERMILLION, GREEN, PURPLE];
 const MARGIN: f64 = 0.06;
 /// Running exponents before this part of the time still swing; they may leave the panel.
 const SETTLED: f64 = 0.12;
+/// Width of the curves from data, px.
+const BROAD: f64 = 4.5;
+
+/// What the picture shows, for readers who cannot see it.
+fn description(set: &Set, data: &Data) -> String {
+    let exact = &data.exact;
+    let exponents: Vec<String> = exact
+        .spectrum
+        .exponents
+        .iter()
+        .map(|exponent| four(exponent.value()))
+        .collect();
+    format!(
+        "{} From the equations these come to {}; of {} section points {} are distinct, and the motion is {}.",
+        set.description,
+        exponents.join(", "),
+        exact.evidence.returns,
+        exact.evidence.distinct,
+        exact.class
+    )
+}
 
 pub(super) fn draw(set: &Set, data: &Data) -> Result<String, FigureError> {
-    Figure::new(set.figure, (880.0, 690.0), set.title, set.description)
-        .columns(
-            0.6,
-            vec![
-                (1.0, block(set, data).into()),
-                (1.0, bracket(set, data).into()),
-            ],
-        )
-        .columns(
-            0.4,
-            vec![(1.0, running(data).into()), (1.0, table(set, data).into())],
-        )
-        .render()
-        .map_err(Into::into)
+    Figure::new(
+        set.figure.name(),
+        (880.0, 690.0),
+        set.title,
+        &description(set, data),
+    )
+    .columns(
+        0.6,
+        vec![
+            (1.0, block(set, data).into()),
+            (1.0, bracket(set, data).into()),
+        ],
+    )
+    .columns(
+        0.4,
+        vec![(1.0, running(data).into()), (1.0, table(set, data)?.into())],
+    )
+    .render()
+    .map_err(Into::into)
 }
 
 /// An interval that holds all values, with a margin.
@@ -63,7 +91,7 @@ fn block(set: &Set, data: &Data) -> Panel {
     )
     .label("(a)")
     .title(&format!(
-        "block, exact reading, *t* = {} … {END}",
+        "block, corrected equations, *t* = {} … {END}",
         END - set.shown
     ))
     .legend(Legend::Below);
@@ -92,7 +120,7 @@ fn bracket(set: &Set, data: &Data) -> Panel {
     )
     .label("(b)")
     .title(&format!(
-        "bracket, exact reading, *t* = {} … {END}",
+        "bracket, corrected equations, *t* = {} … {END}",
         END - set.shown
     ))
     .legend(Legend::Below);
@@ -134,12 +162,20 @@ fn running(data: &Data) -> Panel {
         ),
     )
     .label("(c)")
-    .title(&format!(
-        "exponents; solid: equations, dashed: data{}",
-        annihilated(data)
-    ))
+    .title(&format!("exponents{}", annihilated(data)))
     .legend(Legend::Below);
     panel.add(Guide::horizontal(0.0).color(GREY).width(0.6));
+    // Broad and pale, under the equations' curves: where both agree, both are seen.
+    for &i in &reliable {
+        let rows = data.from_data.convergence.iter();
+        let points = rows.map(|at| (at.t, at.exponents[i]));
+        panel.add(
+            Curve::new(points)
+                .color(COLOURS[i].pale())
+                .width(BROAD)
+                .legend(&format!("*λ*_{}, data", i + 1)),
+        );
+    }
     for (i, exponent) in data.exact.spectrum.exponents.iter().enumerate() {
         if *exponent == Exponent::Annihilated {
             continue;
@@ -148,13 +184,8 @@ fn running(data: &Data) -> Panel {
         panel.add(
             Curve::new(points)
                 .color(COLOURS[i])
-                .legend(&format!("*λ*_{}", i + 1)),
+                .legend(&format!("*λ*_{}, equations", i + 1)),
         );
-    }
-    for &i in &reliable {
-        let rows = data.from_data.convergence.iter();
-        let points = rows.map(|at| (at.t, at.exponents[i]));
-        panel.add(Curve::new(points).color(COLOURS[i]).dash(Dash::Dashed));
     }
     panel
 }
@@ -179,15 +210,14 @@ fn four(value: f64) -> String {
     }
 }
 
-fn table(set: &Set, data: &Data) -> Table {
-    let said = |id: &str| {
-        let claim = published(&format!("{}.{id}", set.figure));
-        claim.map_or_else(|_| String::new(), |claim| claim.published)
-    };
+fn table(set: &Set, data: &Data) -> Result<Table, PublishedError> {
+    let claims = Claims::committed()?;
+    let said = |id: ClaimId| claims.of(id).published.clone();
     let mut table = Table::new(["", "published", "from equations", "from data"])
         .title("**(d)**  per unit of *t*; in brackets: unidentified");
+    let comparisons = compare(&data.from_data, &data.exact.spectrum.exponents);
     for i in 0..4 {
-        let printed = said(&format!("lambda.{}", i + 1)).replace('-', "−");
+        let printed = said(set.figure.exponents()[i]).replace('-', "−");
         let exponent = &data.exact.spectrum.exponents[i];
         let equations = match exponent.std_error() {
             Some(error) => format!("{} ± {}", four(exponent.value()), four(error)),
@@ -204,7 +234,11 @@ fn table(set: &Set, data: &Data) -> Table {
                     Status::Starved | Status::Unstable | Status::Unpredictable => {
                         format!("{value} {}", e.status.word())
                     }
-                    Status::Ok | Status::Annihilated => value,
+                    Status::Ok => match worth(&data.from_data, i, &comparisons) {
+                        "ok" => value,
+                        word => format!("{value} {word}"),
+                    },
+                    Status::Annihilated => value,
                 }
             });
         table = table.row([format!("*λ*_{}", i + 1), printed, equations, by_data]);
@@ -217,7 +251,7 @@ fn table(set: &Set, data: &Data) -> Table {
         Literal::Bounded(measured) => format!("{}", measured.class),
     };
     let rows = [
-        ("class", said("class"), exact.class.to_string()),
+        ("class", said(set.figure.class()), exact.class.to_string()),
         (
             "section points",
             blank(),
@@ -243,5 +277,5 @@ fn table(set: &Set, data: &Data) -> Table {
     for (name, printed, found) in rows {
         table = table.row([name.to_owned(), printed, found, blank()]);
     }
-    table
+    Ok(table)
 }

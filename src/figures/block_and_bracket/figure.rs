@@ -16,7 +16,7 @@ pub trait BlockAndBracketFigure {
 }
 
 impl<F: BlockAndBracketFigure> FigureSpec for F {
-    const NAME: &'static str = F::SET.figure;
+    const NAME: &'static str = F::SET.figure.name();
     const TITLE: &'static str = <F as BlockAndBracketFigure>::TITLE;
     const ABOUT: &'static str = <F as BlockAndBracketFigure>::ABOUT;
     type Data = Data;

@@ -1,6 +1,7 @@
 //! What Figs. 10, 11 and 12 share: the block and the bracket with the parameters of one caption, its exponents from the
 //! equations and from data, and the class of its motion.
 
+mod against_equations;
 mod best_common;
 mod compute;
 mod draw;
@@ -8,20 +9,23 @@ mod figure;
 mod numbers;
 mod watch;
 
+pub use against_equations::{Comparison, compare};
 pub(crate) use best_common::best_common;
 pub use compute::{Data, Literal, Measured, compute};
 pub use figure::BlockAndBracketFigure;
 
 use draw::draw;
+pub use numbers::DIVERGES;
 use numbers::numbers;
 
+use crate::paper::claim_id::SpectrumFigure;
 use stickslip::models::Caption;
 
 /// What one of the three figures differs in.
 #[derive(Clone, Copy, Debug)]
 pub struct Set {
-    /// Name of the figure, `fig10`.
-    pub figure: &'static str,
+    /// Which of the three.
+    pub figure: SpectrumFigure,
     /// Its parameters.
     pub caption: Caption,
     /// Length of the orbit drawn, at the end of the run.

@@ -1,75 +1,88 @@
 //! The rows of Figs. 10, 11 and 12.
 
 use super::Set;
+use super::against_equations::{compare, worth};
 use super::compute::{Data, Literal, Measured};
-use crate::figures::rows::Row;
+use crate::figures::rows::{Part, Row};
+use crate::paper::claim_id::{ClaimId, SpectrumFigure};
+use crate::paper::reading::Reading;
 use stickslip::analysis::Exponent;
-use stickslip::analysis::data_spectrum::DataSpectrum;
+use stickslip::analysis::data_spectrum::{DataExponent, DataSpectrum, Status};
 
-const EQUATIONS: &str = "exact/equations";
-const FROM_DATA: &str = "exact/data";
-const BEST: &str = "best-of-readings";
-const EXACT: &str = "exact";
-const AS_PRINTED: &str = "as-printed";
-const AS_PRINTED_EQUATIONS: &str = "as-printed/equations";
+/// What becomes of an orbit that leaves every bound, in the place of a class.
+pub const DIVERGES: &str = "diverges";
 
 pub(super) fn numbers(set: &Set, data: &Data) -> Vec<Row> {
     let figure = set.figure;
-    let mut rows = exponents(figure, EQUATIONS, &data.exact);
+    let mut rows = exponents(figure, Reading::CorrectedEquations, &data.exact);
     rows.extend(from_data(figure, data));
-    rows.extend(data_exponents(figure, BEST, &data.best_of_readings));
+    rows.extend(data_exponents(
+        figure,
+        Reading::BestOfReadings,
+        &data.best_of_readings,
+        &data.exact.spectrum.exponents,
+    ));
     if let Literal::Bounded(measured) = &data.literal {
-        rows.extend(exponents(figure, AS_PRINTED_EQUATIONS, measured));
+        rows.extend(exponents(figure, Reading::AsPrintedEquations, measured));
     }
-    rows.extend(motion(figure, EXACT, &data.exact));
+    rows.extend(motion(figure, Reading::Corrected, &data.exact));
     rows.extend(as_printed(figure, &data.literal));
-    rows.extend(statements(figure, &data.exact));
+    rows.extend(statements(
+        figure,
+        Reading::CorrectedEquations,
+        &signs_of(&data.exact),
+    ));
+    rows.extend(statements(
+        figure,
+        Reading::CorrectedData,
+        &signs_in_data(&data.from_data),
+    ));
     rows
 }
 
-/// Name of the `i`-th exponent, counted from 0.
-fn lambda(figure: &str, i: usize) -> String {
-    format!("{figure}.lambda.{}", i + 1)
-}
-
-fn exponents(figure: &str, reading: &str, measured: &Measured) -> Vec<Row> {
+fn exponents(figure: SpectrumFigure, reading: Reading, measured: &Measured) -> Vec<Row> {
     let exponents = &measured.spectrum.exponents;
     let mut rows: Vec<Row> = exponents
         .iter()
-        .enumerate()
-        .map(|(i, exponent)| {
-            let id = lambda(figure, i);
+        .zip(figure.exponents())
+        .map(|(exponent, id)| {
             let status = match exponent {
                 Exponent::Finite { .. } => "ok",
                 Exponent::Annihilated => "annihilated",
             };
-            Row::number(&id, reading, exponent.value(), "1/t")
-                .against(&id)
-                .status(status)
+            Row::number(id, reading, exponent.value(), "1/t").status(status)
         })
         .collect();
     for (i, exponent) in exponents.iter().enumerate() {
         if let Some(error) = exponent.std_error() {
-            let id = format!("{figure}.std_error.{}", i + 1);
-            rows.push(Row::number(&id, reading, error, "1/t"));
+            let id = format!("{}.std_error.{}", figure.name(), i + 1);
+            rows.push(Row::number(id, reading, error, "1/t"));
         }
     }
     rows
 }
 
 /// The exponents, then what they are worth: standard error (statistical only), change with neighbourhoods of twice the size,
-/// the fit of fixed rank, and the neighbourhoods.
-fn data_exponents(figure: &str, reading: &str, spectrum: &DataSpectrum) -> Vec<Row> {
+/// the fit of fixed rank, how far those that the data tell are off the equations' and how far they may be, and the
+/// neighbourhoods.
+fn data_exponents(
+    figure: SpectrumFigure,
+    reading: Reading,
+    spectrum: &DataSpectrum,
+    equations: &[Exponent; 4],
+) -> Vec<Row> {
+    let comparisons = compare(spectrum, equations);
     let exponents = spectrum.exponents.iter().enumerate();
-    let mut rows: Vec<Row> = exponents
-        .clone()
-        .map(|(i, exponent)| {
-            let id = lambda(figure, i);
-            Row::number(&id, reading, exponent.value, "1/t")
-                .against(&id)
-                .status(exponent.status.word())
+    let mut rows: Vec<Row> = spectrum
+        .exponents
+        .iter()
+        .zip(figure.exponents())
+        .enumerate()
+        .map(|(i, (exponent, id))| {
+            Row::number(id, reading, exponent.value, "1/t").status(worth(spectrum, i, &comparisons))
         })
         .collect();
+    let name = |quantity: &str| format!("{}.{quantity}", figure.name());
     for (i, exponent) in exponents {
         let fixed = exponent.fixed_rank.unwrap_or((f64::NAN, f64::NAN));
         let worth = [
@@ -79,17 +92,23 @@ fn data_exponents(figure: &str, reading: &str, spectrum: &DataSpectrum) -> Vec<R
             ("fixed_rank_std_error", fixed.1),
         ];
         let known = worth.into_iter().filter(|(_, value)| value.is_finite());
-        rows.extend(known.map(|(name, value)| {
-            Row::number(&format!("{figure}.{name}.{}", i + 1), reading, value, "1/t")
+        rows.extend(known.map(|(what, value)| {
+            Row::number(name(&format!("{what}.{}", i + 1)), reading, value, "1/t")
         }));
     }
-    let name = |quantity: &str| format!("{figure}.{quantity}");
+    for one in &comparisons {
+        let place = one.place + 1;
+        let off = name(&format!("off_equations.{place}"));
+        let allowed = name(&format!("off_equations_allowed.{place}"));
+        rows.push(Row::number(off, reading, one.difference(), "1/t"));
+        rows.push(Row::number(allowed, reading, one.allowed, "1/t"));
+    }
     let relative = spectrum.mean_eps / spectrum.spread;
-    let count = |quantity: &str, value: usize| Row::count(&name(quantity), reading, value as u64);
+    let count = |quantity: &str, value: usize| Row::count(name(quantity), reading, value as u64);
     rows.extend([
-        Row::number(&name("mean_eps"), reading, relative, "spread"),
+        Row::number(name("mean_eps"), reading, relative, "spread"),
         Row::number(
-            &name("residual_ratio"),
+            name("residual_ratio"),
             reading,
             spectrum.residual_ratio,
             "1",
@@ -102,75 +121,111 @@ fn data_exponents(figure: &str, reading: &str, spectrum: &DataSpectrum) -> Vec<R
     rows
 }
 
-fn from_data(figure: &str, data: &Data) -> Vec<Row> {
-    let mut rows = data_exponents(figure, FROM_DATA, &data.from_data);
-    let samples = format!("{figure}.samples");
-    rows.push(Row::count(&samples, FROM_DATA, data.samples as u64));
+fn from_data(figure: SpectrumFigure, data: &Data) -> Vec<Row> {
+    let equations = &data.exact.spectrum.exponents;
+    let reading = Reading::CorrectedData;
+    let mut rows = data_exponents(figure, reading, &data.from_data, equations);
+    let samples = format!("{}.samples", figure.name());
+    rows.push(Row::count(samples, reading, data.samples as u64));
     rows
 }
 
-fn motion(figure: &str, reading: &str, measured: &Measured) -> Vec<Row> {
-    let name = |quantity: &str| format!("{figure}.{quantity}");
-    let class = name("class");
+fn motion(figure: SpectrumFigure, reading: Reading, measured: &Measured) -> Vec<Row> {
+    let name = |quantity: &str| format!("{}.{quantity}", figure.name());
     let evidence = &measured.evidence;
     vec![
-        Row::word(&class, reading, &measured.class.to_string()).against(&class),
-        Row::count(&name("section_returns"), reading, evidence.returns as u64),
-        Row::count(&name("section_points"), reading, evidence.distinct as u64),
-        Row::number(&name("return_time"), reading, evidence.return_time, "t"),
-        Row::count(&name("zero_exponents"), reading, evidence.zeros as u64),
+        Row::word(figure.class(), reading, &measured.class.to_string()),
+        Row::count(name("section_returns"), reading, evidence.returns as u64),
+        Row::count(name("section_points"), reading, evidence.distinct as u64),
+        Row::number(name("return_time"), reading, evidence.return_time, "t"),
+        Row::count(name("zero_exponents"), reading, evidence.zeros as u64),
         Row::number(
-            &name("stick_fraction"),
+            name("stick_fraction"),
             reading,
             measured.spectrum.stick_fraction,
             "1",
         ),
         Row::count(
-            &name("stick_entries"),
+            name("stick_entries"),
             reading,
             measured.spectrum.stick_entries as u64,
         ),
         Row::number(
-            &name("min_normal_force"),
+            name("min_normal_force"),
             reading,
             measured.least_force,
             "mg",
         ),
-        Row::count(&name("contact_losses"), reading, measured.contact_losses),
+        Row::count(name("contact_losses"), reading, measured.contact_losses),
     ]
 }
 
-fn as_printed(figure: &str, literal: &Literal) -> Vec<Row> {
-    let when = format!("{figure}.diverges_at");
-    let class = format!("{figure}.class");
+fn as_printed(figure: SpectrumFigure, literal: &Literal) -> Vec<Row> {
+    let when = format!("{}.diverges_at", figure.name());
     match literal {
         Literal::Diverges(t) => vec![
-            Row::number(&when, AS_PRINTED, *t, "t"),
-            Row::word(&class, AS_PRINTED, "diverges").against(&class),
+            Row::number(when, Reading::AsPrinted, *t, "t"),
+            Row::word(figure.class(), Reading::AsPrinted, DIVERGES),
         ],
         Literal::Bounded(measured) => {
-            let mut rows = vec![Row::word(&when, AS_PRINTED, "never")];
-            rows.extend(motion(figure, AS_PRINTED, measured));
+            let mut rows = vec![Row::word(when, Reading::AsPrinted, "never")];
+            rows.extend(motion(figure, Reading::AsPrinted, measured));
             rows
         }
     }
 }
 
-/// What Sect. 5.2 says of the spectra, member by member where it speaks of each.
-fn statements(figure: &str, measured: &Measured) -> Vec<Row> {
-    let evidence = &measured.evidence;
-    let zero = format!("s5.zero_exponent.{figure}");
-    let mut rows = vec![Row::statement(&zero, EQUATIONS, evidence.zeros >= 1)];
+/// What of a spectrum Sect. 5.2 speaks of.
+struct Signs {
+    /// Exponents that are zero within their errors.
+    zeros: usize,
+    /// Whether the first is positive beyond its error.
+    positive: bool,
+}
+
+fn signs_of(measured: &Measured) -> Signs {
+    Signs {
+        zeros: measured.evidence.zeros,
+        positive: measured.evidence.positive,
+    }
+}
+
+/// Of the exponents that the data tell, by their own errors: three standard errors and the change with neighbourhoods of twice the size.
+fn signs_in_data(spectrum: &DataSpectrum) -> Signs {
+    let told = spectrum
+        .exponents
+        .iter()
+        .filter(|exponent| exponent.status == Status::Ok);
+    let error = |exponent: &DataExponent| 3.0 * exponent.stderr + exponent.eps_sensitivity.abs();
+    Signs {
+        zeros: told.filter(|one| one.value.abs() <= error(one)).count(),
+        positive: spectrum
+            .exponents
+            .first()
+            .is_some_and(|first| first.status == Status::Ok && first.value > error(first)),
+    }
+}
+
+/// What Sect. 5.2 says of the spectra.
+fn statements(figure: SpectrumFigure, reading: Reading, signs: &Signs) -> Vec<Row> {
+    let statement = |id, what, holds| Row::statement(id, reading, vec![Part { what, holds }]);
+    let mut rows = vec![statement(
+        ClaimId::S5ZeroExponent,
+        "an exponent is zero within its error",
+        signs.zeros >= 1,
+    )];
     match figure {
-        "fig11" => {
-            let id = "s5.two_zero_exponents";
-            rows.push(Row::statement(id, EQUATIONS, evidence.zeros == 2));
-        }
-        "fig12" => {
-            let id = "s5.positive_exponent";
-            rows.push(Row::statement(id, EQUATIONS, evidence.positive));
-        }
-        _ => {}
+        SpectrumFigure::Fig10 => {}
+        SpectrumFigure::Fig11 => rows.push(statement(
+            ClaimId::S5TwoZeroExponents,
+            "two exponents are zero within their errors",
+            signs.zeros == 2,
+        )),
+        SpectrumFigure::Fig12 => rows.push(statement(
+            ClaimId::S5PositiveExponent,
+            "the first exponent is positive beyond its error",
+            signs.positive,
+        )),
     }
     rows
 }

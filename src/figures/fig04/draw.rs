@@ -5,17 +5,28 @@ use crate::figures::error::FigureError;
 use plot::*;
 use stickslip::analysis::Visibility;
 
-const DESCRIPTION: &str = "Phase plane of a block on a belt, position against velocity. Orbits from six numbered \
-    tangent points on the line of belt speed and from two further starts wind onto one limit cycle, which crosses that \
-    line without sticking. Tangent points 1, 3 and 5 are visible, 2, 4 and 6 invisible. An enlargement shows the \
-    cycle's kink where it crosses the line near the third tangent point.";
+/// What the picture shows, for readers who cannot see it.
+fn description(data: &Data) -> String {
+    let sticks = match data.cycle.sticks {
+        0 => "without sticking".to_owned(),
+        count => format!("sticking {count} times"),
+    };
+    format!(
+        "Phase plane of a block on a belt, position against velocity. Orbits from {} numbered tangent points on the line of belt speed and \
+         from further starts wind onto one limit cycle, which crosses that line {sticks}. Of the tangent points, {}. An enlargement shows \
+         the cycle's kink where it crosses the line, at {:.3} metres.",
+        data.tangents.len(),
+        data.kinds(),
+        data.cycle.left
+    )
+}
 
 pub(super) fn draw(data: &Data) -> Result<String, FigureError> {
     Figure::new(
         "fig04",
         (658.0, 640.0),
         "Fig. 4: orbits of the belt oscillator and its limit cycle",
-        DESCRIPTION,
+        &description(data),
     )
     .row(0.64, whole(data))
     .row(0.36, kink(data))

@@ -6,11 +6,10 @@ use super::Fig08;
 use crate::figures::error::FigureError;
 use crate::figures::spec::FigureSpec;
 use crate::figures::trace;
-use crate::paper::listing::{self, Crossing, Motion, Params, Sample, Setup, StickPhase};
-use crate::paper::slip_times_three;
-use stickslip::analysis::{
-    Destination, Visibility, destination, periodic_orbit_forced, planar_multipliers, tangency,
-};
+use crate::paper::listing::{self, Params, Sample, Setup};
+use crate::paper::pattern::{Pattern, two_periodic};
+use crate::paper::slip_times_three::{self, Injected};
+use stickslip::analysis::{Destination, destination, periodic_orbit_forced, planar_multipliers};
 use stickslip::error::Error;
 use stickslip::filippov::{Options, TransitionKind, solve};
 use stickslip::models::ForcedOscillator;
@@ -19,16 +18,8 @@ use stickslip::system::{Mode, Side, State};
 /// The listing's settled motion.
 #[derive(Clone, Debug)]
 pub struct AsPrinted {
-    /// Lengths of the two stick phases (m), then their durations (s).
-    pub four_numbers: Option<[f64; 4]>,
-    /// Class of the motion.
-    pub motion: Motion,
-    /// The stick phases of one pattern.
-    pub sticks: Vec<StickPhase>,
-    /// The crossings of Σ without stick in one pattern (those that only mend the exit's side left out).
-    pub deflections: Vec<Crossing>,
-    /// How the tangent point lies at which each of the stick phases ends, by the stated model's fields.
-    pub exits: Vec<Option<Visibility>>,
+    /// What it settles on.
+    pub pattern: Pattern,
     /// Where the body sticks in the plotted window: time and position at the start and at the end of each stretch.
     pub stuck: Vec<[(f64, f64); 2]>,
     /// Part of the time in stick phases, in the plotted window, in which the body is in no stick zone.
@@ -40,8 +31,8 @@ pub struct AsPrinted {
 /// The stated model's attractor.
 #[derive(Clone, Debug)]
 pub struct Exact {
-    /// Stick phases in one period.
-    pub sticks: usize,
+    /// What it settles on.
+    pub pattern: Pattern,
     /// Position of the upward crossing (m).
     pub left: f64,
     /// Position of the downward crossing (m).
@@ -65,6 +56,8 @@ pub struct Shares {
     pub slip_only: f64,
     /// Any periodic motion with stick.
     pub stick_slip: f64,
+    /// Of these the motions of the caption's kind, [`two_periodic`].
+    pub stick_slip_two: f64,
     /// Any other periodic motion without stick.
     pub other: f64,
     /// Escape.
@@ -80,10 +73,12 @@ pub struct Data {
     pub model: ForcedOscillator,
     /// Stick zones (lower end, upper end) in z (m).
     pub zones: Vec<(f64, f64)>,
+    /// The listing's step (s).
+    pub step: f64,
     /// The listing.
     pub as_printed: AsPrinted,
-    /// The listing's limit: lengths (m), then durations (s).
-    pub slip_times_three: Option<[f64; 4]>,
+    /// The listing's limit.
+    pub slip_times_three: Pattern,
     /// The stated model.
     pub exact: Exact,
     /// Where its starts end up.
@@ -95,18 +90,18 @@ const TOLERANCE: f64 = 1e-13;
 const SETTLED: f64 = 63.3;
 /// Forcing periods in the picture.
 const SHOWN: f64 = 2.0;
+/// Forcing periods in which a pattern of any length shows itself.
+const REPEATED: f64 = 24.0;
 
 pub(super) fn compute() -> Result<Data, FigureError> {
     let model = ForcedOscillator::default()
         .checked()
         .map_err(Fig08::failed)?;
     let zones = model.stick_zones().map_err(Fig08::failed)?;
-    let start = State::from([Params::default().x1, model.belt_speed]);
     let options = Options::tol(TOLERANCE);
-    let limit = slip_times_three::run(&model, &zones, start, SETTLED, &options)
-        .map_err(Fig08::failed)?
-        .four_numbers(model.period());
+    let limit = slip_times_three::settled(Injected::BOTH).map_err(Fig08::failed)?;
     Ok(Data {
+        step: Setup::default().h,
         as_printed: as_printed(&model, &zones)?,
         slip_times_three: limit,
         exact: exact(&model, &options).map_err(Fig08::failed)?,
@@ -142,35 +137,15 @@ fn as_printed(model: &ForcedOscillator, zones: &[(f64, f64)]) -> Result<AsPrinte
         sticking = sticks;
     };
     let run = listing::run_with(&Setup::default(), keep).map_err(Fig08::failed)?;
-    let sticks = run.settled_phases().to_vec();
-    let exits = sticks
-        .iter()
-        .map(|stick| {
-            let x = State::from([stick.exit.x1, model.belt_speed]);
-            [Side::Below, Side::Above]
-                .into_iter()
-                .find_map(|side| tangency(model, side, stick.exit.t, &x))
+    let pattern = Pattern::of_listing(&run).ok_or_else(|| {
+        Fig08::failed(Error::NotFound {
+            what: "a motion of the listing that repeats",
+            t: 0.0,
+            span: SETTLED,
         })
-        .collect();
-    // One pattern back from the end of its last stick phase.
-    let pattern = match run.motion {
-        Motion::StickSlip { period, .. } => period as f64 * run.forcing_period,
-        _ => 0.0,
-    };
-    let end = sticks.last().map_or(0.0, |stick| stick.exit.t);
-    let within = |t: f64| t > end - pattern && t <= end;
-    let deflections = run
-        .crossings
-        .iter()
-        .filter(|crossing| !crossing.after_exit && within(crossing.at.t))
-        .copied()
-        .collect();
+    })?;
     Ok(AsPrinted {
-        four_numbers: run.four_numbers(),
-        motion: run.motion,
-        sticks,
-        deflections,
-        exits,
+        pattern,
         stuck,
         outside_zones: f64::from(steps_outside) / f64::from(steps_stuck.max(1)),
         trajectory,
@@ -184,7 +159,12 @@ fn exact(model: &ForcedOscillator, options: &Options) -> Result<Exact, Error> {
     let settled = solve(model, 0.0, start, whole, options)?;
     let orbit = periodic_orbit_forced(model, 0.0, settled.x_end, period, options)?;
     let turns = solve(model, 0.0, orbit.x, SHOWN * period, options)?;
-    let first_turn = |t: f64| t < period;
+    let many = solve(model, 0.0, orbit.x, REPEATED * period, options)?;
+    let pattern = Pattern::of_phases(&many.phases, many.t_end, period).ok_or(Error::NotFound {
+        what: "a motion that repeats",
+        t: 0.0,
+        span: REPEATED * period,
+    })?;
     let crossing = |to: Side| {
         turns
             .transitions
@@ -202,10 +182,7 @@ fn exact(model: &ForcedOscillator, options: &Options) -> Result<Exact, Error> {
     multipliers.sort_by(|one, other| other.total_cmp(one));
     let above = (down.t - up.t).rem_euclid(period);
     Ok(Exact {
-        sticks: turns
-            .sticks()
-            .filter(|stick| first_turn(stick.t_start))
-            .count(),
+        pattern,
         left: up.x[0],
         right: down.x[0],
         below: period - above,
@@ -254,7 +231,11 @@ fn shares(model: &ForcedOscillator) -> Result<Shares, Error> {
         ..Shares::default()
     };
     let mut counts = [0_u32; 5];
+    let mut two = 0_u32;
     for end in &ends {
+        if let Destination::Periodic { period, sticks, .. } = end {
+            two += u32::from(two_periodic(*sticks, *period));
+        }
         let class = match end {
             Destination::Periodic {
                 period: 1,
@@ -272,5 +253,6 @@ fn shares(model: &ForcedOscillator) -> Result<Shares, Error> {
         counts.map(|count| f64::from(count) * each);
     (shares.slip_only, shares.other, shares.stick_slip) = (slip_only, other, stick_slip);
     (shares.escapes, shares.unsettled) = (escapes, unsettled);
+    shares.stick_slip_two = f64::from(two) * each;
     Ok(shares)
 }

@@ -2,12 +2,57 @@
 
 use super::compute::Data;
 use crate::figures::error::FigureError;
+use crate::paper::pattern::Crossing;
 use plot::*;
+use stickslip::math;
 
-const DESCRIPTION: &str = "Left: the listing as printed. In the phase plane a closed trajectory of two forcing periods rides \
-    the line of belt speed twice, over 0.4697 and 0.1663 metres, and crosses it twice without sticking on the left; \
-    below, its position against time among the oscillating stick zones. Right: the stated model with the \
-    same parameters, solved accurately. A closed orbit of one forcing period crosses the line twice and never sticks.";
+/// What the picture shows, for readers who cannot see it.
+fn description(data: &Data) -> String {
+    let printed = &data.as_printed.pattern;
+    let exact = &data.exact.pattern;
+    let list = |numbers: Vec<String>| numbers.join(" and ");
+    let rides: Vec<String> = printed
+        .sticks_of_one()
+        .map(|stick| format!("{:.4}", stick.length()))
+        .collect();
+    let left: Vec<String> = printed.deflections().iter().map(position).collect();
+    let there: Vec<String> = exact.crossings_of_one().map(position).collect();
+    format!(
+        "Left: the listing as printed. In the phase plane a closed trajectory of {} rides the line of belt speed {}, over {} metres, and \
+         crosses it without sticking {} on the left, at {} metres, enlarged in a corner; below, its position against time among the \
+         oscillating stick zones. Right: the stated model with the same parameters, solved accurately. A closed orbit of {} crosses the \
+         line {}, at {} metres, and {} sticks.",
+        periods(printed.period),
+        times(rides.len()),
+        list(rides),
+        times(left.len()),
+        list(left),
+        periods(exact.period),
+        times(there.len()),
+        list(there),
+        times(exact.sticks_of_one().count()),
+    )
+}
+
+fn position(crossing: &Crossing) -> String {
+    number(crossing.at.x1, 3)
+}
+
+fn times(count: usize) -> String {
+    match count {
+        0 => "never".into(),
+        1 => "once".into(),
+        2 => "twice".into(),
+        more => format!("{more} times"),
+    }
+}
+
+fn periods(count: usize) -> String {
+    match count {
+        1 => "1 forcing period".into(),
+        more => format!("{more} forcing periods"),
+    }
+}
 
 pub(super) fn draw(data: &Data) -> Result<String, FigureError> {
     let printed = &data.as_printed.trajectory;
@@ -17,23 +62,21 @@ pub(super) fn draw(data: &Data) -> Result<String, FigureError> {
         data,
         trajectory: printed,
         origin: start(printed),
-        crossings: data
-            .as_printed
-            .deflections
-            .iter()
-            .map(|crossing| crossing.at.x1)
-            .collect(),
         colour: BLUE,
     };
     let exact_side = Side {
         data,
         trajectory: exact,
         origin: start(exact),
-        crossings: vec![data.exact.left, data.exact.right],
         colour: VERMILLION,
     };
-    let mut left = printed_side.plane("(a)", "listing as printed, *h* = 10^{−4} s", "deflection");
+    let power = number(math::log10(data.step), 0);
+    let mut left = printed_side.plane(
+        "(a)",
+        &format!("listing as printed, *h* = 10^{{{power}}} s"),
+    );
     add_stick_phases(&mut left, data);
+    add_deflections(&mut left, &printed_side);
     let mut left_strip = printed_side.strip("(c)");
     for stretch in &data.as_printed.stuck {
         let ends = stretch.map(|(t, x1)| (t - printed_side.origin, x1));
@@ -42,14 +85,26 @@ pub(super) fn draw(data: &Data) -> Result<String, FigureError> {
     let outside = 100.0 * data.as_printed.outside_zones;
     let text = format!("{outside:.0} % of the stick time lies in no stick zone");
     left_strip.add(Note::new(Place::Fraction(0.5, 0.0), &text).offset(0.0, 6.0));
-    let mut right = exact_side.plane("(b)", "stated model, exact", "crossing");
-    right.add(Note::new((0.03, -0.03), "no stick phase"));
+    let mut right = exact_side.plane("(b)", "stated model, exact");
+    let belt = data.model.belt_speed;
+    let crossings = data.exact.pattern.crossings_of_one();
+    right.add(
+        Markers::new(crossings.map(|crossing| (crossing.at.x1, belt)))
+            .open()
+            .legend("crossing"),
+    );
+    let sticks = match data.exact.pattern.sticks_of_one().count() {
+        0 => "no stick phase".to_owned(),
+        1 => "1 stick phase".to_owned(),
+        more => format!("{more} stick phases"),
+    };
+    right.add(Note::new((0.03, -0.03), &sticks));
     let right_strip = exact_side.strip("(d)");
     Figure::new(
         "fig08",
         (880.0, 680.0),
         "Fig. 8: stick–slip as printed, and the stated model solved exactly",
-        DESCRIPTION,
+        &description(data),
     )
     .columns(0.6, vec![(1.0, left.into()), (1.0, right.into())])
     .columns(
@@ -63,7 +118,7 @@ pub(super) fn draw(data: &Data) -> Result<String, FigureError> {
 /// The stick phases on the line of belt speed, with their lengths.
 fn add_stick_phases(panel: &mut Panel, data: &Data) {
     let belt = data.model.belt_speed;
-    for (i, stick) in data.as_printed.sticks.iter().enumerate() {
+    for (i, stick) in data.as_printed.pattern.sticks_of_one().enumerate() {
         let ends = [(stick.entry.x1, belt), (stick.exit.x1, belt)];
         let thick = Curve::new(ends).color(ORANGE).width(3.4);
         panel.add(if i == 0 {
@@ -76,23 +131,62 @@ fn add_stick_phases(panel: &mut Panel, data: &Data) {
     }
 }
 
+/// The deflections, which lie too near each other for the panel's scale: small, and enlarged in a corner.
+fn add_deflections(panel: &mut Panel, side: &Side<'_>) {
+    let belt = side.data.model.belt_speed;
+    let deflections = side.data.as_printed.pattern.deflections();
+    let points = || deflections.iter().map(|crossing| (crossing.at.x1, belt));
+    panel.add(Markers::new(points()).size(4.0).open());
+    let positions = || deflections.iter().map(|crossing| crossing.at.x1);
+    let least = positions().fold(f64::INFINITY, f64::min);
+    let most = positions().fold(f64::NEG_INFINITY, f64::max);
+    if most < least {
+        return;
+    }
+    let (middle, reach) = (0.5 * (least + most), (0.5 * (most - least)).max(0.005));
+    let (from, to) = (middle - 3.0 * reach, middle + 3.0 * reach);
+    let ticks: Vec<(f64, String)> = positions().map(|x1| (x1, number(x1, 3))).collect();
+    let ticks: Vec<(f64, &str)> = ticks
+        .iter()
+        .map(|(x1, text)| (*x1, text.as_str()))
+        .collect();
+    let mut detail = Panel::new(
+        Axis::new("", from, to).ticks(&ticks),
+        Axis::new("", belt - 0.1, belt + 0.1).ticks(&[]),
+    );
+    detail.add(
+        Guide::horizontal(belt)
+            .color(GREY)
+            .width(0.7)
+            .dash(Dash::Dashed),
+    );
+    let curve = side.trajectory.iter().map(|&(_, x1, x2)| (x1, x2));
+    detail.add(Curve::new(curve).color(side.colour).width(1.4));
+    detail.add(Markers::new(points()).open());
+    panel.add(Inset::new((0.03, 0.72), (0.42, 0.98), detail));
+    // The legend has the symbol once; it is the large one.
+    panel.add(
+        Markers::new([])
+            .open()
+            .legend("deflection, enlarged in the corner"),
+    );
+}
+
 /// One half of the figure.
 struct Side<'a> {
     data: &'a Data,
     trajectory: &'a [(f64, f64, f64)],
     /// Time that the lower panel counts from.
     origin: f64,
-    /// Positions at which the orbit crosses Σ.
-    crossings: Vec<f64>,
     colour: Color,
 }
 
 impl Side<'_> {
-    fn plane(&self, label: &str, title: &str, crossing: &str) -> Panel {
+    fn plane(&self, label: &str, title: &str) -> Panel {
         let belt = self.data.model.belt_speed;
         let mut panel = Panel::new(
             Axis::new("*x*_1, m", -1.0, 1.0).step(0.5).minor(5),
-            Axis::new("*x*_2, m/s", -2.0, 1.8).step(1.0).minor(5),
+            Axis::new("*x*_2, m/s", -2.0, 2.6).step(1.0).minor(5),
         )
         .label(label)
         .title(title)
@@ -111,8 +205,6 @@ impl Side<'_> {
         }
         let curve = self.trajectory.iter().map(|&(_, x1, x2)| (x1, x2));
         panel.add(Curve::new(curve).color(self.colour).width(1.4));
-        let on_belt = self.crossings.iter().map(|&x1| (x1, belt));
-        panel.add(Markers::new(on_belt).open().legend(crossing));
         panel
     }
 

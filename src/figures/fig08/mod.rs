@@ -18,10 +18,9 @@ impl FigureSpec for Fig08 {
     const NAME: &'static str = "fig08";
     const TITLE: &'static str =
         "Stick–slip of the forced oscillator: as printed, and exact (Fig. 8)";
-    const ABOUT: &'static str = "Left: the Appendix's listing run as printed at h = 1e-4, its settled trajectory of two forcing \
-        periods with two stick phases and two deflections. Right: the stated model, Eq. (17), with the same parameters, \
-        solved accurately: a slip-only orbit of one period. Below each, position against time with the oscillating \
-        stick zones. Numbers: stick lengths and durations as printed and for the listing's limit (slip three times \
+    const ABOUT: &'static str = "Left: the Appendix's listing run as printed, at its own step: its settled trajectory with its stick phases and \
+        deflections. Right: the stated model, Eq. (17), with the same parameters, solved accurately, from the listing's \
+        start. Below each, position against time with the oscillating stick zones. Numbers: stick lengths and durations as printed and for the listing's limit (slip three times \
         too fast, exit tested at one end), the exact orbit's crossings and slip durations, and where a grid of \
         starts ends up.";
     type Data = Data;

@@ -1,66 +1,80 @@
 //! The rows of Fig. 8.
 
 use super::compute::Data;
-use crate::figures::rows::Row;
-use crate::paper::listing::Motion;
-use stickslip::analysis::Visibility;
-
-const AS_PRINTED: &str = "as-printed";
-const LIMIT: &str = "slip-times-three";
-const EXACT: &str = "exact";
-
-/// The four published numbers in the order in which the paper gives them.
-const FOUR: [(&str, &str); 4] = [
-    ("fig08.stick_length.1", "m"),
-    ("fig08.stick_length.2", "m"),
-    ("fig08.stick_duration.1", "s"),
-    ("fig08.stick_duration.2", "s"),
-];
+use crate::figures::rows::{Part, Row};
+use crate::paper::claim_id::ClaimId;
+use crate::paper::pattern::Pattern;
+use crate::paper::reading::Reading::{self, AsPrinted, Exact, SlipTimesThree};
 
 pub(super) fn numbers(data: &Data) -> Vec<Row> {
-    let mut rows = four(AS_PRINTED, data.as_printed.four_numbers);
-    rows.extend(four(LIMIT, data.slip_times_three));
+    let mut rows = Vec::new();
+    for (reading, pattern) in [
+        (AsPrinted, &data.as_printed.pattern),
+        (SlipTimesThree, &data.slip_times_three),
+        (Exact, &data.exact.pattern),
+    ] {
+        rows.extend(four(reading, pattern));
+        let deflections = pattern.deflections().len() as u64;
+        rows.push(Row::count(ClaimId::Fig08Deflections, reading, deflections));
+    }
+    rows.extend(two_periodic(data));
     rows.extend(as_printed(data));
     rows.extend(exact(data));
     rows.extend(shares(data));
     rows
 }
 
-fn four(reading: &str, found: Option<[f64; 4]>) -> Vec<Row> {
-    FOUR.iter()
-        .enumerate()
-        .map(|(i, (id, unit))| match found {
-            Some(values) => Row::number(id, reading, values[i], unit).against(id),
-            None => Row::word(id, reading, "no two stick phases").against(id),
+/// Lengths and durations, or how many stick phases there are instead of two.
+fn four(reading: Reading, pattern: &Pattern) -> Vec<Row> {
+    let found = pattern.four_numbers();
+    (0..4)
+        .map(|i| {
+            let (id, unit) = (ClaimId::FOUR[i], ["m", "m", "s", "s"][i]);
+            match found {
+                Some(values) => Row::number(id, reading, values[i], unit),
+                None => {
+                    let count = pattern.sticks_of_one().count();
+                    Row::word(id, reading, &format!("{count} stick phases"))
+                }
+            }
         })
         .collect()
 }
 
+fn two_periodic(data: &Data) -> Vec<Row> {
+    let row = |reading, what, holds| {
+        Row::statement(
+            ClaimId::Fig08TwoPeriodic,
+            reading,
+            vec![Part { what, holds }],
+        )
+    };
+    let of_motion =
+        "the settled motion sticks and repeats after two forcing periods and not after one";
+    vec![
+        row(AsPrinted, of_motion, data.as_printed.pattern.two_periodic()),
+        row(
+            SlipTimesThree,
+            of_motion,
+            data.slip_times_three.two_periodic(),
+        ),
+        // Any attractor that the grid of starts finds may be the caption's.
+        row(
+            Exact,
+            "a start of the grid leads to a motion that sticks and repeats after two forcing periods and not after one",
+            data.shares.stick_slip_two > 0.0,
+        ),
+    ]
+}
+
 fn as_printed(data: &Data) -> Vec<Row> {
     let found = &data.as_printed;
-    let period_two = matches!(found.motion, Motion::StickSlip { period: 2, .. });
-    let visible = !found.exits.is_empty()
-        && found
-            .exits
-            .iter()
-            .all(|exit| *exit == Some(Visibility::Visible));
+    let sticks = found.pattern.sticks_of_one().count() as u64;
     vec![
-        Row::count(
-            "fig08.sticks_per_pattern",
-            AS_PRINTED,
-            found.sticks.len() as u64,
-        ),
-        Row::statement("fig08.two_periodic", AS_PRINTED, period_two),
-        Row::count(
-            "fig08.deflections",
-            AS_PRINTED,
-            found.deflections.len() as u64,
-        )
-        .against("fig08.deflections"),
-        Row::statement("fig08.exit_at_visible", AS_PRINTED, visible),
+        Row::count("fig08.sticks_per_pattern", AsPrinted, sticks),
         Row::number(
             "fig08.stick_time_outside_zones",
-            AS_PRINTED,
+            AsPrinted,
             found.outside_zones,
             "1",
         ),
@@ -69,37 +83,31 @@ fn as_printed(data: &Data) -> Vec<Row> {
 
 fn exact(data: &Data) -> Vec<Row> {
     let exact = &data.exact;
+    let number = |name: &str, value, unit| Row::number(format!("fig08.{name}"), Exact, value, unit);
     vec![
-        // The settled orbit closes after one period; only another attractor could be stick–slip of period two.
-        Row::statement("fig08.two_periodic", EXACT, data.shares.stick_slip > 0.0),
-        Row::count("fig08.sticks_per_period", EXACT, exact.sticks as u64),
-        Row::number("fig08.slip_duration.below", EXACT, exact.below, "s"),
-        Row::number("fig08.slip_duration.above", EXACT, exact.above, "s"),
-        Row::number("fig08.crossing.left", EXACT, exact.left, "m"),
-        Row::number("fig08.crossing.right", EXACT, exact.right, "m"),
-        Row::number(
-            "fig08.multiplier.modulus.1",
-            EXACT,
-            exact.multipliers[0],
-            "1",
+        Row::count(
+            "fig08.sticks_per_period",
+            Exact,
+            exact.pattern.sticks_of_one().count() as u64,
         ),
-        Row::number(
-            "fig08.multiplier.modulus.2",
-            EXACT,
-            exact.multipliers[1],
-            "1",
-        ),
+        number("slip_duration.below", exact.below, "s"),
+        number("slip_duration.above", exact.above, "s"),
+        number("crossing.left", exact.left, "m"),
+        number("crossing.right", exact.right, "m"),
+        number("multiplier.modulus.1", exact.multipliers[0], "1"),
+        number("multiplier.modulus.2", exact.multipliers[1], "1"),
     ]
 }
 
 fn shares(data: &Data) -> Vec<Row> {
     let shares = &data.shares;
-    let share = |name: &str, value| Row::number(&format!("fig08.share.{name}"), EXACT, value, "1");
+    let share = |name: &str, value| Row::number(format!("fig08.share.{name}"), Exact, value, "1");
     vec![
-        Row::count("fig08.share.starts", EXACT, shares.starts as u64),
+        Row::count("fig08.share.starts", Exact, shares.starts as u64),
         share("slip_only_period_one", shares.slip_only),
         share("slip_only_longer_period", shares.other),
         share("stick_slip", shares.stick_slip),
+        share("stick_slip_period_two", shares.stick_slip_two),
         share("escapes", shares.escapes),
         share("unsettled", shares.unsettled),
     ]
