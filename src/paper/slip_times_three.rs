@@ -3,11 +3,13 @@
 //! Two defects of the Appendix survive the limit. Its in-place stages carry the state three steps along the field
 //! while the clock advances one, so that a slip runs three times too fast against the forcing; a stick phase keeps its own
 //! pace. And a stick phase ends only where the body meets the upper end of the zone it entered; the lower end,
-//! which may sweep past it, is never looked at. [`run`] puts just these two into the event-exact solver: if the
-//! published numbers come out of it, these two are what made them. [`run_hastened`] with the factor 1 has the second alone.
+//! which may sweep past it, is never looked at. [`run`] puts these into the event-exact solver, both or either of them
+//! ([`Injected`]): what comes out owes nothing to the listing's arithmetic, nor to any published number.
 
 use std::ops::ControlFlow;
 
+use crate::paper::listing::Params;
+use crate::paper::pattern::Pattern;
 use stickslip::error::Error;
 use stickslip::filippov::{
     Observer, Options, Phase, Transition, TransitionKind, first_zero, run as integrate,
@@ -22,9 +24,6 @@ struct Hastened<'a> {
     factor: f64,
 }
 
-/// In-place stages move the state by h/2 + h/2 + h + h along the field and the clock by h.
-const FACTOR: f64 = 3.0;
-
 impl Filippov<2> for Hastened<'_> {
     fn field<T: Scalar>(&self, side: Side, t: T, x: &State<T, 2>) -> State<T, 2> {
         self.model.field(side, t, x).map(|rate| rate * self.factor)
@@ -34,77 +33,108 @@ impl Filippov<2> for Hastened<'_> {
     }
 }
 
-/// Phases of a run of [`run`].
-#[derive(Clone, Debug, PartialEq)]
-pub struct SlipTimesThree {
-    /// Slip and stick phases in order of time.
-    pub phases: Vec<Phase<2>>,
+/// Where a stick phase ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Release {
+    /// At the upper end of the zone that it began in, as in the listing.
+    UpperEnd,
+    /// At either end, as in the stated model.
+    EitherEnd,
 }
 
-impl SlipTimesThree {
-    /// The two longest stick phases among those that end within the last two forcing periods: their lengths (m), the longer
-    /// first, then their durations (s). `None` when there are not two.
-    pub fn four_numbers(&self, forcing_period: f64) -> Option<[f64; 4]> {
-        let sticks: Vec<&Phase<2>> = self
-            .phases
-            .iter()
-            .filter(|phase| phase.mode == Mode::Stick)
-            .collect();
-        // The phase exactly two periods before the last belongs to the pattern before.
-        let from = sticks.last()?.t_end - 1.99 * forcing_period;
-        let mut lengths: Vec<(f64, f64)> = sticks
-            .iter()
-            .filter(|phase| phase.t_end > from)
-            .map(|phase| (phase.displacement()[0], phase.duration()))
-            .collect();
-        lengths.sort_by(|one, other| other.0.total_cmp(&one.0));
-        match lengths[..] {
-            [first, second, ..] => Some([first.0, second.0, first.1, second.1]),
-            _ => None,
-        }
-    }
+/// What is put into the event-exact solver.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Injected {
+    /// How many times too fast a slip runs.
+    pub slip: f64,
+    /// Where a stick phase ends.
+    pub release: Release,
 }
 
-/// Runs the forced oscillator with its slips hastened threefold and its stick phases ended at the upper end of their zone
-/// only, from `(0, x0)` on Σ in a stick phase to `t_end`. `zones` are the stick zones (lower end, upper end) in
-/// `z = x₁ − A sin(ωt)`, Eq. (24).
+impl Injected {
+    /// Both defects that survive the listing's limit. In-place stages move the state by h/2 + h/2 + h + h along the field and
+    /// the clock by h.
+    pub const BOTH: Injected = Injected {
+        slip: 3.0,
+        release: Release::UpperEnd,
+    };
+    /// The hastened slip alone.
+    pub const SLIP_ALONE: Injected = Injected {
+        release: Release::EitherEnd,
+        ..Injected::BOTH
+    };
+    /// The one-sided exit alone.
+    pub const EXIT_ALONE: Injected = Injected {
+        slip: 1.0,
+        ..Injected::BOTH
+    };
+    /// Neither: the stated model.
+    pub const NONE: Injected = Injected {
+        slip: 1.0,
+        release: Release::EitherEnd,
+    };
+}
+
+/// Tolerance of the runs of [`settled`].
+const TOLERANCE: f64 = 1e-13;
+/// Their end (s), the listing's own.
+const END: f64 = 63.3;
+/// Beyond 10 m or 10 m/s the softening spring drives the body away for good.
+const ESCAPE: f64 = 10.0;
+
+/// What Fig. 8's oscillator settles on from the listing's start with what is `injected`, over the time that the listing runs.
+///
+/// # Errors
+/// Those of [`run`]; [`Error::NotFound`] when nothing repeats.
+pub fn settled(injected: Injected) -> Result<Pattern, Error> {
+    let model = ForcedOscillator::default();
+    let zones = model.stick_zones()?;
+    let start = State::from([Params::default().x1, model.belt_speed]);
+    let options = Options::tol(TOLERANCE).escape(ESCAPE);
+    let phases = run(injected, &model, &zones, start, END, &options)?;
+    Pattern::of_phases(&phases, END, model.period()).ok_or(Error::NotFound {
+        what: "a motion that repeats",
+        t: 0.0,
+        span: END,
+    })
+}
+
+/// Runs the forced oscillator with what is `injected`, from `(0, x0)` on Σ in a stick phase to `t_end`, and returns its phases in order
+/// of time. `zones` are the stick zones (lower end, upper end) in `z = x₁ − A sin(ωt)`, Eq. (24).
 ///
 /// # Errors
 /// Those of [`stickslip::run`]; [`Error::NotFound`] when a stick phase begins in no zone or finds no end.
 pub fn run(
+    injected: Injected,
     model: &ForcedOscillator,
     zones: &[(f64, f64)],
     x0: State<f64, 2>,
     t_end: f64,
     options: &Options,
-) -> Result<SlipTimesThree, Error> {
-    run_hastened(FACTOR, model, zones, x0, t_end, options)
-}
-
-/// As [`run`], with slips `factor` times too fast instead of three times; 1 leaves the exit as the only defect.
-///
-/// # Errors
-/// As [`run`].
-pub fn run_hastened(
-    factor: f64,
-    model: &ForcedOscillator,
-    zones: &[(f64, f64)],
-    x0: State<f64, 2>,
-    t_end: f64,
-    options: &Options,
-) -> Result<SlipTimesThree, Error> {
-    let hastened = Hastened { model, factor };
-    let mut collected = UntilStick { phases: Vec::new() };
+) -> Result<Vec<Phase<2>>, Error> {
+    let hastened = Hastened {
+        model,
+        factor: injected.slip,
+    };
+    let mut collected = Until {
+        phases: Vec::new(),
+        event: TransitionKind::StickEntry,
+    };
     let (mut t, mut x) = (0.0, x0);
     loop {
-        let (released, at) = upper_exit(model, zones, t, &x)?;
-        collected.phases.push(Phase {
-            mode: Mode::Stick,
-            t_start: t,
-            t_end: released,
-            x_start: x,
-            x_end: at,
-        });
+        let (released, at) = match injected.release {
+            Release::UpperEnd => upper_exit(model, zones, t, &x)?,
+            Release::EitherEnd => either_exit(model, t, &x, t_end, options)?,
+        };
+        if released > t {
+            collected.phases.push(Phase {
+                mode: Mode::Stick,
+                t_start: t,
+                t_end: released,
+                x_start: x,
+                x_end: at,
+            });
+        }
         if released >= t_end {
             break;
         }
@@ -114,28 +144,45 @@ pub fn run_hastened(
         }
         (t, x) = (slip.t, slip.x);
     }
-    Ok(SlipTimesThree {
-        phases: collected.phases,
-    })
+    Ok(collected.phases)
 }
 
-/// Keeps slip phases and stops where a stick phase begins.
-struct UntilStick {
+/// Keeps phases and stops at the first event of a kind.
+struct Until {
     phases: Vec<Phase<2>>,
+    event: TransitionKind,
 }
 
-impl Observer<2> for UntilStick {
+impl Observer<2> for Until {
     fn phase(&mut self, phase: &Phase<2>) -> ControlFlow<()> {
         self.phases.push(*phase);
         ControlFlow::Continue(())
     }
     fn transition(&mut self, transition: &Transition<2>) -> ControlFlow<()> {
-        if transition.kind == TransitionKind::StickEntry {
+        if transition.kind == self.event {
             ControlFlow::Break(())
         } else {
             ControlFlow::Continue(())
         }
     }
+}
+
+/// Where the stated model releases a body from `(t, x)` on Σ, at once if it does not stick there.
+fn either_exit(
+    model: &ForcedOscillator,
+    t: f64,
+    x: &State<f64, 2>,
+    t_end: f64,
+    options: &Options,
+) -> Result<(f64, State<f64, 2>), Error> {
+    let mut stick = Until {
+        phases: Vec::new(),
+        event: TransitionKind::StickExit,
+    };
+    integrate(model, t, *x, t_end, options, &mut stick)?;
+    let first = stick.phases.first();
+    let sticks = first.filter(|phase| phase.mode == Mode::Stick);
+    Ok(sticks.map_or((t, *x), |phase| (phase.t_end, phase.x_end)))
 }
 
 /// Where a body that rides the belt from `(t, x)` meets the upper end of its zone.

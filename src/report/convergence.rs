@@ -7,14 +7,34 @@ use super::matrix::{MatrixError, four_claims, four_digits};
 use crate::paper::listing::{Motion, Setup, run};
 use stickslip::math;
 
-/// Steps (s), from ten times the printed one to a tenth of it.
-const STEPS: [f64; 13] = [
-    1e-3, 7e-4, 5e-4, 3.5e-4, 2.5e-4, 1.5e-4, 1e-4, 7e-5, 5e-5, 3.5e-5, 2.5e-5, 1.5e-5, 1e-5,
+/// Steps (s), from ten times the printed one to a hundredth of it. The finest come first, since they take longest.
+const STEPS: [f64; 16] = [
+    1e-6,
+    2.5e-6,
+    5e-6,
+    1e-5,
+    1.5e-5,
+    2.5e-5,
+    3.5e-5,
+    5e-5,
+    7e-5,
+    PRINTED_STEP,
+    1.5e-4,
+    2.5e-4,
+    3.5e-4,
+    5e-4,
+    7e-4,
+    1e-3,
 ];
+/// Steps below this are fine ones (s): the bound found on the others is tried on them.
+pub const FINE: f64 = 0.99e-5;
+/// A fitted slope that is no further from one tells of first order. The error scatters between nothing and its bound, so that a
+/// slope over three decades is not known much better.
+pub const SLOPE_OFF: f64 = 0.25;
 /// Steps around the printed one, the printed one in the middle.
 const AROUND: usize = 21;
 /// They reach this far to either side of it, as a fraction.
-const REACH: f64 = 0.05;
+pub const REACH: f64 = 0.05;
 /// The printed step (s).
 pub const PRINTED_STEP: f64 = 1e-4;
 
@@ -42,6 +62,61 @@ impl AtStep {
     }
 }
 
+/// How one of the four numbers approaches a limit as the step goes to zero.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Approach {
+    /// The bound C of |error| ≤ C h: the largest |error|/h over all steps but the printed one, those around it too (m/s for a
+    /// length, 1 for a duration).
+    pub bound: f64,
+    /// The same over the steps from 1e-5 s on.
+    pub coarse: f64,
+    /// The same over the finer steps.
+    pub fine: f64,
+    /// Slope of log|error| against log h over the steps that span three decades, the printed one left out, by least squares.
+    pub slope: f64,
+    /// Standard error of that slope.
+    pub slope_error: f64,
+    /// Least and largest error/h, with its sign: where the grid of steps happens to meet Σ makes it anything in between.
+    pub scatter: (f64, f64),
+}
+
+impl Approach {
+    /// Fits errors (with their signs) at steps, `(h, error)`: `decades` are those that span three decades, `around` those around the
+    /// printed one; the printed one is left out.
+    pub fn fit(decades: &[(f64, f64)], around: &[(f64, f64)]) -> Approach {
+        let others = |errors: &[(f64, f64)]| -> Vec<(f64, f64)> {
+            let not_printed = |at: &&(f64, f64)| at.0 != PRINTED_STEP;
+            errors.iter().filter(not_printed).copied().collect()
+        };
+        let decades = others(decades);
+        let all = [decades.clone(), others(around)].concat();
+        let largest = |keep: fn(f64) -> bool| {
+            let kept = all.iter().filter(|at| keep(at.0));
+            kept.map(|(h, e)| (e / h).abs()).fold(0.0, f64::max)
+        };
+        let per_step = || all.iter().map(|(h, e)| e / h);
+        let sizes: Vec<(f64, f64)> = decades.iter().map(|&(h, e)| (h, e.abs())).collect();
+        let (slope, slope_error) = slope(&sizes);
+        Approach {
+            bound: largest(|_| true),
+            coarse: largest(|h| h >= FINE),
+            fine: largest(|h| h < FINE),
+            slope,
+            slope_error,
+            scatter: (
+                per_step().fold(f64::INFINITY, f64::min),
+                per_step().fold(f64::NEG_INFINITY, f64::max),
+            ),
+        }
+    }
+
+    /// Whether the errors vanish at first order: their slope is one within a quarter, and the finer steps keep within the bound that
+    /// was found without them.
+    pub fn first_order(&self) -> bool {
+        (self.slope - 1.0).abs() <= SLOPE_OFF && self.fine <= self.coarse
+    }
+}
+
 /// How the listing's numbers approach their limit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Convergence {
@@ -50,14 +125,15 @@ pub struct Convergence {
     /// How far the limit agrees with the published numbers: these digits come from the continuous cause, the others
     /// from the step.
     pub limit_digits: [Agreement; 4],
-    /// Over two decades of steps.
+    /// Over three decades of steps, in ascending order.
     pub steps: Vec<AtStep>,
     /// Around the printed step.
     pub around: Vec<AtStep>,
-    /// Slopes of log|error| against log h over `steps`, by least squares.
-    pub orders: [f64; 4],
-    /// Largest |error|/h over `steps`.
-    pub largest_per_step: [f64; 4],
+    /// How each number approaches the limit.
+    pub approach: [Approach; 4],
+    /// How each number approaches what the listing itself gives at the finest step, over the other steps; nothing of the injected
+    /// solver is in it.
+    pub own_approach: [Approach; 4],
 }
 
 impl Convergence {
@@ -73,6 +149,7 @@ impl Convergence {
         let all: Vec<f64> = STEPS.into_iter().chain(around).collect();
         let mut steps: Vec<AtStep> = all
             .par_iter()
+            .with_max_len(1)
             .map(|&h| -> Result<AtStep, MatrixError> {
                 let outcome = run(&Setup {
                     h,
@@ -89,22 +166,70 @@ impl Convergence {
             })
             .collect::<Result<_, _>>()?;
         let around = steps.split_off(STEPS.len());
-        Ok(Convergence {
+        Ok(Convergence::new(
             limit,
-            limit_digits: four_digits(&claims, &limit),
-            orders: std::array::from_fn(|i| order(&errors(&steps, &limit, i))),
-            largest_per_step: std::array::from_fn(|i| {
-                let per_step = errors(&steps, &limit, i).into_iter().map(|(h, e)| e / h);
-                per_step.fold(0.0, f64::max)
+            four_digits(&claims, &limit),
+            steps,
+            around,
+        ))
+    }
+
+    /// Sets runs of the listing, in ascending order of their steps, against a limit.
+    pub fn new(
+        limit: [f64; 4],
+        limit_digits: [Agreement; 4],
+        steps: Vec<AtStep>,
+        around: Vec<AtStep>,
+    ) -> Convergence {
+        let own = steps.first().and_then(|finest| finest.numbers);
+        let finest = steps.first().map_or(0.0, |finest| finest.h);
+        let own_errors = |steps: &[AtStep], i: usize| -> Vec<(f64, f64)> {
+            let limit = own.unwrap_or([f64::NAN; 4]);
+            // The finest step errs by its own part of the bound, so that a difference is held against both steps.
+            let errors = errors(steps, &limit, i).into_iter();
+            errors.map(|(h, e)| (h, e * h / (h + finest))).collect()
+        };
+        let coarser = steps.get(1..).unwrap_or_default();
+        Convergence {
+            limit,
+            limit_digits,
+            approach: std::array::from_fn(|i| {
+                Approach::fit(&errors(&steps, &limit, i), &errors(&around, &limit, i))
+            }),
+            own_approach: std::array::from_fn(|i| {
+                Approach::fit(&own_errors(coarser, i), &own_errors(&around, i))
             }),
             steps,
             around,
-        })
+        }
     }
 
-    /// Steps (s) and errors of number `i`, from 0.
+    /// Steps (s) and distances from the limit of number `i`, from 0, over three decades.
     pub fn errors(&self, i: usize) -> Vec<(f64, f64)> {
-        errors(&self.steps, &self.limit, i)
+        distances(&self.steps, &self.limit, i)
+    }
+
+    /// The same around the printed step.
+    pub fn errors_around(&self, i: usize) -> Vec<(f64, f64)> {
+        distances(&self.around, &self.limit, i)
+    }
+
+    /// The listing at the finest step.
+    pub fn finest(&self) -> Option<&AtStep> {
+        self.steps.first()
+    }
+
+    /// The listing at the printed step.
+    pub fn printed(&self) -> Option<&AtStep> {
+        self.steps.iter().find(|at| at.h == PRINTED_STEP)
+    }
+
+    /// The largest of the four bounds.
+    pub fn largest_bound(&self) -> f64 {
+        self.approach
+            .iter()
+            .map(|one| one.bound)
+            .fold(0.0, f64::max)
     }
 
     /// How many of the steps around the printed one give all four numbers.
@@ -112,31 +237,62 @@ impl Convergence {
         self.around.iter().filter(|at| at.gives_digits()).count()
     }
 
-    /// Which digits come from where.
+    /// By how much the steps around the printed one move number `i`, from 0.
+    pub fn moved_around(&self, i: usize) -> f64 {
+        let numbers = || self.around.iter().filter_map(|at| Some(at.numbers?[i]));
+        numbers().fold(f64::NEG_INFINITY, f64::max) - numbers().fold(f64::INFINITY, f64::min)
+    }
+
+    /// How the numbers approach the limit, and what the alignment of the grid of steps does.
     pub fn sentence(&self) -> String {
+        let each = |of: fn(&Approach) -> String| self.approach.each_ref().map(of).join(", ");
+        let decades = |at: Option<&AtStep>| at.map_or(0.0, |at| at.h);
+        let moved: Vec<String> = (0..4)
+            .map(|i| format!("{:.1}", self.moved_around(i) / 1e-4))
+            .collect();
         let digits: Vec<String> = self.limit_digits.iter().map(Agreement::to_string).collect();
-        let orders: Vec<String> = self.orders.iter().map(|o| format!("{o:.2}")).collect();
-        let worst = self.largest_per_step.iter().copied().fold(0.0, f64::max);
         format!(
-            "As the step goes to zero the listing's four numbers approach the limit with orders {}, never further from it than {worst:.1} h; \
-             the limit has {} of the printed digits. The rest is the step's: of {} steps within {} % of the printed one, {} give all four \
-             numbers to all digits.",
-            orders.join(", "),
-            digits.join(", "),
+            "From h = {:e} to {:e} s the listing's four numbers keep within {} h of the limit, the printed step left out of this fit; the slopes of \
+             log |error| against log h are {}. Where the grid of steps meets Σ scatters the error between nothing and that bound: {} steps within \
+             {} % of the printed one move the numbers by {} units of 1e-4, and {} of them {} all four to all printed digits. The limit has {} of \
+             the printed digits.",
+            decades(self.steps.last()),
+            decades(self.finest()),
+            each(|one| format!("{:.1}", one.bound)),
+            each(|one| format!("{:.2} ± {:.2}", one.slope, one.slope_error)),
             self.around.len(),
             100.0 * REACH,
-            self.steps_that_give_digits()
+            moved.join(", "),
+            self.steps_that_give_digits(),
+            if self.steps_that_give_digits() == 1 {
+                "gives"
+            } else {
+                "give"
+            },
+            digits.join(", "),
         )
     }
 }
 
+/// Steps (s) and distances of number `i` from the limit.
+fn distances(steps: &[AtStep], limit: &[f64; 4], i: usize) -> Vec<(f64, f64)> {
+    let signed = errors(steps, limit, i).into_iter();
+    signed.map(|(h, e)| (h, e.abs())).collect()
+}
+
+/// Steps (s) and errors of number `i`, with their signs.
 fn errors(steps: &[AtStep], limit: &[f64; 4], i: usize) -> Vec<(f64, f64)> {
-    let of = |at: &AtStep| Some((at.h, (at.numbers?[i] - limit[i]).abs()));
+    let of = |at: &AtStep| Some((at.h, at.numbers?[i] - limit[i]));
     steps.iter().filter_map(of).collect()
 }
 
 /// Least-squares slope of the logarithms.
 pub(super) fn order(points: &[(f64, f64)]) -> f64 {
+    slope(points).0
+}
+
+/// Least-squares slope of the logarithms, and its standard error.
+fn slope(points: &[(f64, f64)]) -> (f64, f64) {
     let logs: Vec<(f64, f64)> = points
         .iter()
         .filter(|point| point.1 > 0.0)
@@ -149,5 +305,8 @@ pub(super) fn order(points: &[(f64, f64)]) -> f64 {
     );
     let above: f64 = logs.iter().map(|p| (p.0 - x) * (p.1 - y)).sum();
     let below: f64 = logs.iter().map(|p| (p.0 - x) * (p.0 - x)).sum();
-    above / below
+    let slope = above / below;
+    let left = |p: &(f64, f64)| p.1 - y - slope * (p.0 - x);
+    let rest: f64 = logs.iter().map(|p| left(p) * left(p)).sum();
+    (slope, (rest / (n - 2.0) / below).sqrt())
 }

@@ -1,14 +1,27 @@
 //! The picture of the listing's approach to its limit.
 
-use super::convergence::{Convergence, PRINTED_STEP};
+use super::convergence::{Convergence, PRINTED_STEP, REACH};
 use crate::figures::FigureError;
 use plot::*;
 use stickslip::math;
 
-const DESCRIPTION: &str = "Left: distance of the listing's two stick lengths and two stick durations from their limit against its step, \
-    both axes logarithmic; the points scatter below and along a line of slope one. Right: deviation from the published \
-    numbers, in units of their last printed digit, for 21 steps within five per cent of the printed one; only at the printed \
-    step itself do all four lie within half a unit.";
+/// What the picture shows, for readers who cannot see it.
+fn description(data: &Convergence) -> String {
+    let bounds: Vec<String> = data
+        .approach
+        .iter()
+        .map(|one| format!("{:.1}", one.bound))
+        .collect();
+    let (all, good) = (data.around.len(), data.steps_that_give_digits());
+    format!(
+        "Left: distance of the listing's two stick lengths and two stick durations from their limit against its step, both axes \
+         logarithmic; the points scatter below and along lines of slope one, the bounds {} times h, of which the largest is drawn; the \
+         printed step is left out of the bounds and marked, the steps around it are drawn smaller. Right: deviation from the published numbers, in units of their last printed \
+         digit, for {all} steps within {} per cent of the printed one; at {good} of them all four lie within half a unit.",
+        bounds.join(", "),
+        100.0 * REACH
+    )
+}
 
 /// What the four numbers are called, and how they are drawn.
 const NAMES: [(&str, Color, Shape); 4] = [
@@ -27,7 +40,7 @@ pub fn draw(data: &Convergence, published: [f64; 4]) -> Result<String, FigureErr
         "convergence",
         (760.0, 400.0),
         "The listing as printed for smaller and smaller steps",
-        DESCRIPTION,
+        &description(data),
     )
     .columns(
         1.0,
@@ -51,23 +64,29 @@ fn approach(data: &Convergence) -> Panel {
             .map(|k| (f64::from(k), format!("10^{{{}}}", number(f64::from(k), 0))))
             .collect()
     };
-    let (steps, errors) = (powers(-5, -3), powers(-7, -2));
+    let (steps, errors) = (powers(-6, -3), powers(-7, -2));
     let steps: Vec<(f64, &str)> = steps.iter().map(|(v, t)| (*v, t.as_str())).collect();
     let errors: Vec<(f64, &str)> = errors.iter().map(|(v, t)| (*v, t.as_str())).collect();
     let mut panel = Panel::new(
-        Axis::new("step *h*, s", -5.15, -2.85).ticks(&steps),
+        Axis::new("step *h*, s", -6.15, -2.85).ticks(&steps),
         Axis::new("distance from the limit", -7.0, -2.0).ticks(&errors),
     )
     .label("(a)")
     .title("as printed, *h* → 0")
     .legend(Legend::Below);
-    let largest = data.largest_per_step.iter().copied().fold(0.0, f64::max);
-    let line = [-5.15, -2.85].map(|h: f64| (h, h + math::log10(largest)));
+    let largest = data.largest_bound();
+    let line = [-6.15, -2.85].map(|h: f64| (h, h + math::log10(largest)));
     panel.add(
         Curve::new(line)
             .color(GREY)
             .dash(Dash::Dashed)
-            .legend(&format!("{largest:.1} *h*")),
+            .legend(&format!("the largest bound, {largest:.1} *h*")),
+    );
+    panel.add(
+        Guide::vertical(math::log10(PRINTED_STEP))
+            .color(GREY)
+            .width(0.6)
+            .legend("printed step, not in the fit"),
     );
     for (i, (name, color, shape)) in NAMES.into_iter().enumerate() {
         panel.add(
@@ -76,6 +95,12 @@ fn approach(data: &Convergence) -> Panel {
                 .color(color)
                 .size(6.0)
                 .legend(name),
+        );
+        panel.add(
+            Markers::new(data.errors_around(i).into_iter().map(log))
+                .shape(shape)
+                .color(color)
+                .size(2.5),
         );
     }
     panel

@@ -1,18 +1,12 @@
-//! Which of the listing's defects make the numbers of Fig. 8: every subset of them is run.
+//! What the listing does at its printed step with every subset of its defects. That is a statement on the listing alone; what makes the
+//! numbers of Fig. 8 is shown in [`super::cause`].
 
 use rayon::prelude::*;
 
 use super::digits::{Agreement, agreement};
+use crate::paper::claim_id::ClaimId;
 use crate::paper::listing::{Defect, Defects, ListingError, Motion, Setup, run};
-use crate::paper::published::{Claim, PublishedError, published};
-
-/// The four numbers of Sect. 4.2, in the order in which a run gives them.
-pub const FOUR: [&str; 4] = [
-    "fig08.stick_length.1",
-    "fig08.stick_length.2",
-    "fig08.stick_duration.1",
-    "fig08.stick_duration.2",
-];
+use crate::paper::published::{Claim, Claims, PublishedError};
 
 /// Subsets of the defects.
 pub const SUBSETS: usize = 1 << Defect::ALL.len();
@@ -39,11 +33,7 @@ impl Cell {
 
     /// Whether the motion is the published one: stick–slip, two stick phases in two forcing periods.
     pub fn gives_class(&self) -> bool {
-        self.motion
-            == Motion::StickSlip {
-                sticks: 2,
-                period: 2,
-            }
+        self.motion == Motion::PUBLISHED
     }
 
     fn has(&self, defect: Defect) -> bool {
@@ -167,10 +157,10 @@ impl Matrix {
             .collect()
     }
 
-    /// Which defects are necessary and which sufficient for the published digits, and for the published class.
+    /// Which defects the listing needs, and which suffice in it, for the published digits and for the published class.
     pub fn sentence(&self) -> String {
         format!(
-            "Of all {SUBSETS} subsets of the listing's defects {}; {}.",
+            "Of all {SUBSETS} subsets of the defects, run in the listing at its printed step, {}; {}.",
             self.about(
                 "the four published numbers to all printed digits",
                 Cell::gives_digits
@@ -188,7 +178,20 @@ impl Matrix {
         let necessary = self.necessary(property);
         let conditions = match &minimal[..] {
             [only] if only.present == necessary => {
-                format!("{} are necessary and together sufficient", list(&necessary))
+                let with: Vec<&Cell> = self
+                    .cells
+                    .iter()
+                    .filter(|cell| necessary.iter().all(|&one| cell.has(one)))
+                    .collect();
+                let lost = with.iter().filter(|cell| !property(cell)).count();
+                let others = match lost {
+                    0 => "sufficient whatever else is present".to_owned(),
+                    _ => format!(
+                        "sufficient by themselves (with others added, {lost} of the {} subsets that contain them lose it)",
+                        with.len()
+                    ),
+                };
+                format!("{} are necessary and together {others}", list(&necessary))
             }
             several => {
                 let sets: Vec<String> = several
@@ -224,8 +227,8 @@ pub fn list(defects: &[Defect]) -> String {
 /// # Errors
 /// [`PublishedError`] if the table lacks one.
 pub fn four_claims() -> Result<[Claim; 4], PublishedError> {
-    let [a, b, c, d] = FOUR.map(published);
-    Ok([a?, b?, c?, d?])
+    let claims = Claims::committed()?;
+    Ok(ClaimId::FOUR.map(|id| claims.of(id).clone()))
 }
 
 /// How far four numbers agree with the published ones.

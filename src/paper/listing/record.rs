@@ -3,6 +3,7 @@
 use super::regime::{self, Strobe};
 use super::step::{Event, Machine};
 use super::{End, Motion, Setup, Zone};
+use crate::paper::pattern::Pattern;
 
 /// How much a pattern is shortened, in forcing periods, so as not to count its first phase twice.
 const PATTERN_MARGIN: f64 = 0.01;
@@ -115,26 +116,9 @@ impl Run {
         self.phases_in_last(period)
     }
 
-    /// The settled regime in the four numbers of Sect. 4.2: the lengths in metres of its two longest stick
-    /// phases, the longer first, then their durations in seconds.
-    ///
-    /// They are looked for over one pattern or, where it is shorter, the two forcing periods the paper
-    /// speaks of. None unless the motion is [`Motion::StickSlip`] with two phases there.
+    /// The four numbers of [`Pattern::four_numbers`]; none unless the motion is [`Motion::StickSlip`] with two phases there.
     pub fn four_numbers(&self) -> Option<[f64; 4]> {
-        let Motion::StickSlip { period, .. } = self.motion else {
-            return None;
-        };
-        let mut phases = self.phases_in_last(period.max(2)).to_vec();
-        phases.sort_by(|a, b| b.length().total_cmp(&a.length()));
-        match phases.as_slice() {
-            [first, second, ..] => Some([
-                first.length(),
-                second.length(),
-                first.duration(),
-                second.duration(),
-            ]),
-            _ => None,
-        }
+        Pattern::of_listing(self)?.four_numbers()
     }
 
     /// The complete phases that ended within so many forcing periods before the last one's end.

@@ -46,6 +46,12 @@ pub enum Motion {
 impl Motion {
     /// Patterns longer than this many forcing periods are not looked for: the paper's run has 38 periods.
     pub const LONGEST_PATTERN: usize = 8;
+
+    /// What Sect. 4.2 says of Fig. 8: two stick phases in two forcing periods.
+    pub const PUBLISHED: Motion = Motion::StickSlip {
+        sticks: 2,
+        period: 2,
+    };
 }
 
 /// How closely a pattern has to repeat, in steps.

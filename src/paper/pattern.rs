@@ -1,0 +1,359 @@
+//! What is measured of Fig. 8's motion: one definition for the listing, for its limit and for the exact solution.
+
+use super::listing::{Direction, Instant, Motion, Run};
+use stickslip::filippov::Phase;
+use stickslip::system::{Mode, Side};
+
+/// How much a pattern is shortened, in forcing periods, so as not to count its first event twice.
+const MARGIN: f64 = 0.01;
+/// Patterns longer than this many forcing periods are not looked for, as in [`Motion`].
+const LONGEST: usize = Motion::LONGEST_PATTERN;
+/// Forcing periods compared at least before a pattern counts as repeating.
+const LEAST_COMPARED: usize = 6;
+/// Events of an accurate solution a pattern apart that differ by no more are the same (m, s).
+const SAME: f64 = 1e-6;
+
+/// Whether a motion is what the caption of Fig. 8 says: it has stick phases and repeats after two forcing periods and not
+/// after one. `period` is the fewest forcing periods after which it repeats.
+pub fn two_periodic(sticks: usize, period: usize) -> bool {
+    sticks > 0 && period == 2
+}
+
+/// A stick phase, whole.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stick {
+    /// Where it begins.
+    pub entry: Instant,
+    /// Where it ends.
+    pub exit: Instant,
+}
+
+impl Stick {
+    /// The way it goes (m).
+    pub fn length(&self) -> f64 {
+        self.exit.x1 - self.entry.x1
+    }
+
+    /// The time it takes (s).
+    pub fn duration(&self) -> f64 {
+        self.exit.t - self.entry.t
+    }
+}
+
+/// A passage through Σ without stick. The ends of stick phases are none.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Crossing {
+    /// Where.
+    pub at: Instant,
+    /// Which way.
+    pub direction: Direction,
+}
+
+/// A settled motion by what it does on Σ.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pattern {
+    /// The fewest forcing periods after which the motion repeats.
+    pub period: usize,
+    /// Forcing period (s).
+    pub forcing_period: f64,
+    /// The stick phases that end within the last [`Pattern::period`] forcing periods, or within the last two if that is one, in
+    /// order of time.
+    pub sticks: Vec<Stick>,
+    /// The crossings without stick within the same time.
+    pub crossings: Vec<Crossing>,
+    /// The time at which the pattern ends (s): the end of the last stick phase; without stick the last crossing.
+    pub end: f64,
+}
+
+impl Pattern {
+    /// Of a run of the listing: its period is that of [`Run::motion`]. The first step after a stick phase is no crossing, but the
+    /// wrong side of its release put right. `None` unless the motion has settled and reaches Σ.
+    pub fn of_listing(run: &Run) -> Option<Pattern> {
+        let (Motion::StickSlip { period, .. } | Motion::SlipOnly { period }) = run.motion else {
+            return None;
+        };
+        let stick = |phase: &super::listing::StickPhase| Stick {
+            entry: phase.entry,
+            exit: phase.exit,
+        };
+        // A motion that has settled without stick may have stuck on its way.
+        let sticks = match run.motion {
+            Motion::StickSlip { .. } => run.phases.iter().map(stick).collect(),
+            _ => Vec::new(),
+        };
+        let crossings = run.crossings.iter().filter(|one| !one.after_exit);
+        let crossings = crossings.map(|one| Crossing {
+            at: one.at,
+            direction: one.direction,
+        });
+        Events::new(sticks, crossings.collect(), run.forcing_period).pattern(period)
+    }
+
+    /// Of an accurate solution, from its phases in order of time; a phase ends where the next begins. Its period is the fewest forcing
+    /// periods after which all that happens on Σ, entries, ends and crossings, repeats within 1e-6 m and 1e-6 s, over the last six forcing
+    /// periods at least. `None` if nothing repeats within eight. The first phase, and one that the end of the run at `t_end` cuts short, are
+    /// no whole stick phases.
+    pub fn of_phases(phases: &[Phase<2>], t_end: f64, forcing_period: f64) -> Option<Pattern> {
+        let whole = |phase: &&Phase<2>| phase.mode == Mode::Stick && phase.t_end != t_end;
+        let sticks = phases.iter().skip(1).filter(whole);
+        let sticks = sticks.map(|phase| Stick {
+            entry: Instant {
+                t: phase.t_start,
+                x1: phase.x_start[0],
+            },
+            exit: Instant {
+                t: phase.t_end,
+                x1: phase.x_end[0],
+            },
+        });
+        let crossings = phases.windows(2).filter_map(|pair| {
+            let direction = match (pair[0].mode, pair[1].mode) {
+                (Mode::Slip(Side::Below), Mode::Slip(Side::Above)) => Direction::Up,
+                (Mode::Slip(Side::Above), Mode::Slip(Side::Below)) => Direction::Down,
+                _ => return None,
+            };
+            let at = Instant {
+                t: pair[1].t_start,
+                x1: pair[1].x_start[0],
+            };
+            Some(Crossing { at, direction })
+        });
+        let events = Events::new(sticks.collect(), crossings.collect(), forcing_period);
+        let period = (1..=LONGEST).find(|&period| events.repeat_after(period))?;
+        events.pattern(period)
+    }
+
+    /// The four numbers of Sect. 4.2: the lengths (m) of the two longest stick phases within two forcing periods, or within the
+    /// pattern if that is longer, the longer first, then their durations (s). `None` if there are not two.
+    pub fn four_numbers(&self) -> Option<[f64; 4]> {
+        let mut sticks = self.sticks.clone();
+        sticks.sort_by(|one, other| other.length().total_cmp(&one.length()));
+        match sticks.as_slice() {
+            [first, second, ..] => Some([
+                first.length(),
+                second.length(),
+                first.duration(),
+                second.duration(),
+            ]),
+            _ => None,
+        }
+    }
+
+    /// [`two_periodic`] of this motion.
+    pub fn two_periodic(&self) -> bool {
+        two_periodic(self.sticks.len(), self.period)
+    }
+
+    /// The stick phases of one pattern.
+    pub fn sticks_of_one(&self) -> impl Iterator<Item = &Stick> {
+        let from = self.begin();
+        self.sticks.iter().filter(move |stick| stick.exit.t > from)
+    }
+
+    /// The crossings of one pattern.
+    pub fn crossings_of_one(&self) -> impl Iterator<Item = &Crossing> {
+        let from = self.begin();
+        self.crossings
+            .iter()
+            .filter(move |crossing| crossing.at.t > from)
+    }
+
+    /// The deflections of Sect. 4.2: the crossings of one pattern at `x1 < 0`. Spring and shaken support have their middle at `x1 = 0`, so
+    /// that this is the left half of the phase plane. A pattern is the shortest part that repeats, so each is a point of the closed
+    /// trajectory of its own; where the trajectory releases the body from stick it is not crossing Σ.
+    pub fn deflections(&self) -> Vec<Crossing> {
+        let left = |crossing: &&Crossing| crossing.at.x1 < 0.0;
+        self.crossings_of_one().filter(left).copied().collect()
+    }
+
+    /// Whether another motion is of the same kind: as many stick phases in a pattern of as many forcing periods, and as many deflections.
+    pub fn same_motion(&self, other: &Pattern) -> bool {
+        let kind = |one: &Pattern| {
+            (
+                one.sticks_of_one().count(),
+                one.period,
+                one.deflections().len(),
+            )
+        };
+        kind(self) == kind(other)
+    }
+
+    /// The time after which what happens belongs to the last pattern.
+    fn begin(&self) -> f64 {
+        begin(self.end, self.period, self.forcing_period)
+    }
+}
+
+/// What happens exactly `periods` before the end belongs to the pattern before; a clock may jitter around that.
+fn begin(end: f64, periods: usize, forcing_period: f64) -> f64 {
+    end - (periods as f64 - MARGIN) * forcing_period
+}
+
+/// What may happen on Σ.
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    Entry,
+    Exit,
+    Crossing(Direction),
+}
+
+/// All that happens on Σ up to the end of the last stick phase, or to the last crossing where there is no stick.
+struct Events {
+    sticks: Vec<Stick>,
+    crossings: Vec<Crossing>,
+    forcing_period: f64,
+    end: Option<f64>,
+}
+
+impl Events {
+    fn new(sticks: Vec<Stick>, crossings: Vec<Crossing>, forcing_period: f64) -> Events {
+        let last_exit = sticks.last().map(|stick| stick.exit.t);
+        let last_crossing = crossings.last().map(|crossing| crossing.at.t);
+        // A motion that has not stuck for longer than any pattern does not stick any more.
+        let span = LONGEST as f64 * forcing_period;
+        let current = last_exit.filter(|exit| last_crossing.is_none_or(|last| last - exit <= span));
+        Events {
+            sticks: if current.is_some() {
+                sticks
+            } else {
+                Vec::new()
+            },
+            crossings,
+            forcing_period,
+            end: current.or(last_crossing),
+        }
+    }
+
+    /// In order of time.
+    fn ordered(&self) -> Vec<(Kind, Instant)> {
+        let sticks = self.sticks.iter();
+        let mut all: Vec<(Kind, Instant)> = sticks
+            .flat_map(|stick| [(Kind::Entry, stick.entry), (Kind::Exit, stick.exit)])
+            .collect();
+        let crossings = self.crossings.iter();
+        all.extend(crossings.map(|one| (Kind::Crossing(one.direction), one.at)));
+        all.retain(|(_, at)| self.end.is_some_and(|end| at.t <= end));
+        all.sort_by(|one, other| one.1.t.total_cmp(&other.1.t));
+        all
+    }
+
+    /// Whether each of the last events has happened so many forcing periods before as well.
+    fn repeat_after(&self, period: usize) -> bool {
+        let Some(end) = self.end else { return false };
+        let all = self.ordered();
+        let since = |periods: usize| {
+            let from = begin(end, periods, self.forcing_period);
+            all.iter().filter(|(_, at)| at.t > from).count()
+        };
+        let compared = since((2 * period).max(LEAST_COMPARED));
+        let shift = period as f64 * self.forcing_period;
+        let earlier = all.iter().rev().skip(since(period));
+        let same = |((kind, at), (was, before)): (&(Kind, Instant), &(Kind, Instant))| {
+            kind == was
+                && (at.x1 - before.x1).abs() <= SAME
+                && (at.t - before.t - shift).abs() <= SAME
+        };
+        let mut pairs = all.iter().rev().zip(earlier).take(compared);
+        let enough = pairs.len() == compared;
+        enough && pairs.all(same)
+    }
+
+    fn pattern(self, period: usize) -> Option<Pattern> {
+        let end = self.end?;
+        let from = begin(end, period.max(2), self.forcing_period);
+        let within = |t: f64| t > from && t <= end;
+        let Events {
+            mut sticks,
+            mut crossings,
+            forcing_period,
+            ..
+        } = self;
+        sticks.retain(|stick| within(stick.exit.t));
+        crossings.retain(|crossing| within(crossing.at.t));
+        Some(Pattern {
+            period,
+            forcing_period,
+            sticks,
+            crossings,
+            end,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use stickslip::system::State;
+
+    /// Phases of a motion that repeats after so many periods of length one: each has a stick phase of the given length and a crossing
+    /// upwards at -0.2 and one downwards at 0.3 in between.
+    fn motion(lengths: &[f64], periods: usize) -> Vec<Phase<2>> {
+        let mut phases: Vec<Phase<2>> = Vec::new();
+        let mut add = |mode, t: f64, x1: f64| {
+            let x = State::from([x1, 1.0]);
+            if let Some(last) = phases.last_mut() {
+                (last.t_end, last.x_end) = (t, x);
+            }
+            phases.push(Phase {
+                mode,
+                t_start: t,
+                t_end: t,
+                x_start: x,
+                x_end: x,
+            });
+        };
+        for k in 0..periods {
+            let t = k as f64;
+            let length = lengths[k % lengths.len()];
+            add(Mode::Slip(Side::Below), t, 0.3);
+            add(Mode::Slip(Side::Above), t + 0.1, -0.2);
+            add(Mode::Slip(Side::Below), t + 0.2, 0.3);
+            if length > 0.0 {
+                add(Mode::Stick, t + 0.3, 0.0);
+                add(Mode::Slip(Side::Above), t + 0.3 + length, length);
+            } else {
+                add(Mode::Slip(Side::Above), t + 0.3, -0.1);
+            }
+        }
+        phases
+    }
+
+    #[test]
+    fn the_period_is_the_shortest_that_repeats() {
+        for (lengths, period) in [
+            (&[0.4][..], 1),
+            (&[0.4, 0.1], 2),
+            (&[0.4, 0.4, 0.1], 3),
+            (&[0.4, 0.4], 1),
+            (&[0.0], 1),
+            (&[0.0, 0.3], 2),
+        ] {
+            let pattern = Pattern::of_phases(&motion(lengths, 20), 20.0, 1.0).unwrap();
+            assert_eq!(pattern.period, period, "{lengths:?}");
+            let sticks = lengths.iter().any(|&l| l > 0.0);
+            assert_eq!(pattern.two_periodic(), sticks && period == 2);
+        }
+        // Nothing repeats in lengths that are all different, nor in a motion too short to tell.
+        let growing: Vec<f64> = (0..20).map(|k| 0.01 * f64::from(k + 1)).collect();
+        assert_eq!(Pattern::of_phases(&motion(&growing, 20), 20.0, 1.0), None);
+        assert_eq!(Pattern::of_phases(&motion(&[0.4, 0.1], 5), 5.0, 1.0), None);
+        assert_eq!(Pattern::of_phases(&[], 0.0, 1.0), None);
+    }
+
+    #[test]
+    fn numbers_and_deflections_are_those_of_the_pattern() {
+        let two = Pattern::of_phases(&motion(&[0.1, 0.4], 20), 20.0, 1.0).unwrap();
+        let numbers = two.four_numbers().unwrap();
+        for (found, wanted) in numbers.into_iter().zip([0.4, 0.1, 0.4, 0.1]) {
+            assert!((found - wanted).abs() < 1e-12, "{numbers:?}");
+        }
+        assert_eq!(two.deflections().len(), 2);
+        // One period long: its stick phase comes twice in two periods, its crossing is one point.
+        let one = Pattern::of_phases(&motion(&[0.4], 20), 20.0, 1.0).unwrap();
+        assert_eq!((one.sticks.len(), one.sticks_of_one().count()), (2, 1));
+        assert_eq!(one.deflections().len(), 1);
+        assert!(one.four_numbers().is_some() && !one.same_motion(&two));
+        let none = Pattern::of_phases(&motion(&[0.0], 20), 20.0, 1.0).unwrap();
+        assert_eq!((none.four_numbers(), none.deflections().len()), (None, 2));
+    }
+}
