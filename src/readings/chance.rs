@@ -2,6 +2,7 @@
 
 use super::row::Row;
 use super::score::{self, Twelve};
+use super::spread::median;
 use stickslip::math;
 
 /// The generator `SplitMix64` (Steele, Lea & Flood, 2014).
@@ -74,12 +75,12 @@ pub fn nearest(rows: &[&Row], target: &Twelve) -> f64 {
 /// Orders of the columns other than the published one.
 pub const ORDERS: [[usize; 3]; 5] = [[0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
 
-/// Rows with most of the classes wanted of the three figures, given by the figure that has them published, and how many
+/// Rows with most of the kinds of motion wanted of the three figures, given by the figure that has them published, and how many
 /// those are.
-pub fn by_class<'a>(rows: &[&'a Row], wanted: [usize; 3]) -> (usize, Vec<&'a Row>) {
+pub fn by_kind<'a>(rows: &[&'a Row], wanted: [usize; 3]) -> (usize, Vec<&'a Row>) {
     let right = |row: &Row| {
         (0..3)
-            .filter(|&f| row.classes[f].is_published(wanted[f]))
+            .filter(|&f| row.classes[f].is_of_kind(wanted[f]))
             .count()
     };
     let most = rows.iter().map(|row| right(row)).max().unwrap_or(0);
@@ -87,16 +88,58 @@ pub fn by_class<'a>(rows: &[&'a Row], wanted: [usize; 3]) -> (usize, Vec<&'a Row
     (most, kept.collect())
 }
 
-/// Of the 27 ways to give each figure one of the three classes, how many some row has entirely.
+/// Of the 27 ways to give each figure one of the three kinds of motion, how many some row has entirely.
 pub fn assignments_met(rows: &[&Row]) -> usize {
     let every = (0..27).map(|i| [i / 9, i / 3 % 3, i % 3]);
-    every
-        .filter(|&wanted| by_class(rows, wanted).0 == 3)
-        .count()
+    every.filter(|&wanted| by_kind(rows, wanted).0 == 3).count()
+}
+
+/// How well random targets are met, beside the published exponents.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Level {
+    /// Distance of the nearest row to the published exponents.
+    pub published: f64,
+    /// Least of the distances of the nearest rows to the random targets.
+    pub least: f64,
+    /// Their median.
+    pub median: f64,
+    /// Random targets that are met as well as the published exponents, or better.
+    pub as_near: usize,
+    /// Random targets drawn.
+    pub draws: usize,
+}
+
+impl Level {
+    /// With all rows, whatever their motions.
+    pub(super) fn exponents_only(search: &[&Row], target: &Twelve, draws: usize) -> Level {
+        Level::of(search, target, draws)
+    }
+
+    /// With the rows that have most of the published kinds of motion.
+    pub(super) fn kinds_first(search: &[&Row], target: &Twelve, draws: usize) -> Level {
+        Level::of(&by_kind(search, [0, 1, 2]).1, target, draws)
+    }
+
+    fn of(rows: &[&Row], target: &Twelve, draws: usize) -> Level {
+        let published = nearest(rows, target);
+        let random = random(rows, draws);
+        Level {
+            published,
+            least: random.first().copied().unwrap_or(f64::NAN),
+            median: median(&random).unwrap_or(f64::NAN),
+            as_near: random.iter().filter(|&&one| one <= published).count(),
+            draws: random.len(),
+        }
+    }
+
+    /// Random targets that are met as well as the published exponents, in per cent of all.
+    pub fn percent(&self) -> f64 {
+        100.0 * self.as_near as f64 / self.draws.max(1) as f64
+    }
 }
 
 /// Distances of the nearest rows to random targets of the published classes, ascending.
-pub fn random(rows: &[&Row], draws: usize) -> Vec<f64> {
+fn random(rows: &[&Row], draws: usize) -> Vec<f64> {
     let mut generator = SplitMix(SEED);
     let mut all: Vec<f64> = (0..draws)
         .map(|_| nearest(rows, &generator.target()))

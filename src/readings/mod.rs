@@ -6,12 +6,15 @@
 //! by the same search, and how far the estimator's settings alone move an exponent.
 
 mod chance;
+mod committed;
+mod counts;
 mod error;
 mod plan;
 mod row;
 mod scheme;
 mod score;
 mod search;
+mod spread;
 mod store;
 mod summary;
 mod trajectory;
@@ -28,8 +31,12 @@ use rayon::prelude::*;
 
 use crate::figures::output::{Artifact, write_all};
 use crate::terminal::{self, Progress};
+pub use chance::Level;
+pub use committed::Committed;
+pub use counts::{DigitsMet, Pairs};
 pub use error::ReadingsError;
 use plan::Plan;
+pub use spread::{ExponentSpread, Values, described, spread_settings};
 use store::{Store, TABLE};
 
 /// Name of the summary.
@@ -198,7 +205,7 @@ mod tests {
             .iter()
             .filter(|row| row.key[0] == Part::Search.name())
             .collect();
-        let best = summary::least(&search, Row::classes_first).unwrap();
+        let best = summary::least(&search, Row::kinds_first).unwrap();
         let recommended = Group {
             reading: Reading::exact(),
             integrator: Integrator::Exact,

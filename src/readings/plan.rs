@@ -3,6 +3,7 @@
 use super::scheme;
 use super::score::{CAP, FLOOR, Twelve};
 use super::search::CAPTIONS;
+use super::spread::spread_settings;
 use super::trajectory::{BOUND, MOST_STEPS, TOLERANCE};
 use stickslip::analysis::data_spectrum::{DataSettings, Neighbourhood};
 use stickslip::analysis::motion::Criterion;
@@ -79,7 +80,7 @@ const FORMAT: u32 = 3;
 /// First line of every table.
 pub const MARKER: &str = "# stickslip readings";
 /// Most neighbours in a ball of a tenth of the spread.
-const MANY: usize = 400;
+pub(super) const MANY: usize = 400;
 
 impl Plan {
     /// The window of the paper, all readings.
@@ -116,6 +117,16 @@ impl Plan {
             ),
             search: vec![settings(0.1, 40, 1, false), settings(0.2, 40, 3, true)],
             spread: vec![settings(0.1, 40, 3, false), settings(0.2, 80, 2, false)],
+        }
+    }
+
+    /// Nothing but these settings of the spread.
+    #[cfg(test)]
+    pub fn with_spread_alone(self, spread: Vec<DataSettings>) -> Plan {
+        Plan {
+            search: Vec::new(),
+            spread,
+            ..self
         }
     }
 
@@ -266,7 +277,7 @@ pub fn reading_name(reading: &Reading) -> String {
 
 /// Reference points all over the series, so far apart that each map begins where the one before it ends. The search varies
 /// the neighbourhoods itself and needs no second estimate of each.
-fn everywhere(step: usize) -> DataSettings {
+pub(super) fn everywhere(step: usize) -> DataSettings {
     DataSettings {
         step,
         stride: step,
@@ -302,40 +313,6 @@ fn search_settings() -> Vec<DataSettings> {
         // A thousand reference points in all: λ2 of Fig. 10 looks like a transient of so many.
         settings(0.02, 40, 45, false),
     ]
-}
-
-/// What a reasonable reader of Eq. (25) could have chosen: neighbourhoods by count and by radius, none so small that it
-/// starves, in combination with steps and regularisations.
-fn spread_settings() -> Vec<DataSettings> {
-    let neighbourhoods = [
-        Neighbourhood::Nearest(12),
-        Neighbourhood::Nearest(40),
-        Neighbourhood::Nearest(120),
-        Neighbourhood::Ball {
-            eps: 0.1,
-            min: 12,
-            max: MANY,
-        },
-        Neighbourhood::Ball {
-            eps: 0.2,
-            min: 40,
-            max: 2 * MANY,
-        },
-    ];
-    let mut all = Vec::new();
-    for neighbours in neighbourhoods {
-        for step in [1, 3, 5] {
-            for ridge in [0.0, 1e-3] {
-                all.push(DataSettings {
-                    neighbours,
-                    ridge,
-                    affine: true,
-                    ..everywhere(step)
-                });
-            }
-        }
-    }
-    all
 }
 
 /// The name of settings in the table.

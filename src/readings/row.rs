@@ -42,15 +42,15 @@ impl Row {
         text + ",classes_right,fig10.distance,fig11.distance,fig12.distance,distance\n"
     }
 
-    /// How many classes are the published ones.
-    pub fn classes_right(&self) -> usize {
-        let right = |&f: &usize| self.classes[f].is_published(f);
+    /// How many motions are of the published kind ([`Verdict::is_of_kind`]); the table's column for it is named `classes_right`.
+    pub fn kinds_right(&self) -> usize {
+        let right = |&f: &usize| self.classes[f].is_of_kind(f);
         (0..3).filter(right).count()
     }
 
-    /// What the recommended row has least of: classes wrong, then distance of all exponents.
-    pub fn classes_first(&self) -> (usize, f64) {
-        (3 - self.classes_right(), self.scores[3])
+    /// What the recommended row has least of: kinds of motion wrong, then distance of all exponents.
+    pub fn kinds_first(&self) -> (usize, f64) {
+        (3 - self.kinds_right(), self.scores[3])
     }
 
     /// The line. Numbers read back to the same bits.
@@ -68,7 +68,7 @@ impl Row {
                 text += &format!(",{}", self.statuses[figure][k]);
             }
         }
-        text += &format!(",{}", self.classes_right());
+        text += &format!(",{}", self.kinds_right());
         for score in self.scores {
             text += &format!(",{score}");
         }
@@ -104,7 +104,7 @@ impl Row {
                 row.statuses[figure][k] = known(status).then(|| status.to_owned())?;
             }
         }
-        if next()? != row.classes_right().to_string() {
+        if next()? != row.kinds_right().to_string() {
             return None;
         }
         for score in &mut row.scores {

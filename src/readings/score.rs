@@ -1,6 +1,7 @@
 //! How far twelve exponents are from the published ones.
 
-use crate::paper::published::{PublishedError, published};
+use crate::paper::claim_id::SpectrumFigure;
+use crate::paper::published::{Claims, PublishedError};
 
 /// The twelve exponents of Figs. 10–12, each figure's in descending order.
 pub type Twelve = [[f64; 4]; 3];
@@ -16,15 +17,11 @@ pub const CAP: f64 = 3.0;
 /// # Errors
 /// [`PublishedError`] if the table of claims lacks one.
 pub fn target() -> Result<Twelve, PublishedError> {
+    let claims = Claims::committed()?;
     let mut all = [[0.0; 4]; 3];
     for (figure, row) in all.iter_mut().enumerate() {
         for (k, value) in row.iter_mut().enumerate() {
-            let id = format!("fig{}.lambda.{}", figure + 10, k + 1);
-            *value = published(&id)?
-                .values()
-                .first()
-                .copied()
-                .unwrap_or(f64::NAN);
+            *value = claims.value(SpectrumFigure::ALL[figure].exponents()[k]);
         }
     }
     Ok(all)

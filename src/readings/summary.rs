@@ -2,26 +2,29 @@
 
 use std::fmt::Write;
 
-use super::chance;
+use super::chance::{self, Level};
+use super::counts::{Pairs, Published, digits_of};
+use super::error::ReadingsError;
 use super::plan::{DT, Part, Plan};
 use super::row::Row;
 use super::score::{CAP, FLOOR, Twelve};
-use crate::paper::published::{PublishedError, published};
+use super::spread::{ExponentSpread, described, median};
 
 /// The text of `readings.txt`.
 ///
 /// # Errors
-/// [`PublishedError`] if a published exponent is missing.
-pub fn summary(plan: &Plan, rows: &[Row], target: &Twelve) -> Result<String, PublishedError> {
+/// [`ReadingsError::Published`] if a published exponent is missing, [`ReadingsError::Class`] if a published class is none.
+pub fn summary(plan: &Plan, rows: &[Row], target: &Twelve) -> Result<String, ReadingsError> {
+    let published = Published::read()?;
     let of = |part: Part| -> Vec<&Row> {
         let is = |row: &&Row| row.key[0] == part.name();
         rows.iter().filter(is).collect()
     };
     let (search, spread) = (of(Part::Search), of(Part::Spread));
     let mut text = String::new();
-    text += &tried(plan, &search);
+    text += &tried(plan, &search, &published);
     if !search.is_empty() {
-        text += &best(&search, target)?;
+        text += &best(&search, target, &published);
         text += &level(plan, &search, target);
     }
     if !spread.is_empty() {
@@ -35,7 +38,7 @@ macro_rules! line {
     ($text:expr, $($rest:tt)*) => { let _ = writeln!($text, $($rest)*); };
 }
 
-fn tried(plan: &Plan, search: &[&Row]) -> String {
+fn tried(plan: &Plan, search: &[&Row], published: &Published) -> String {
     let mut text = String::new();
     let total: usize = plan
         .groups
@@ -61,26 +64,28 @@ fn tried(plan: &Plan, search: &[&Row]) -> String {
     if search.is_empty() {
         return text;
     }
-    let mut systems: Vec<(&[String], [bool; 3])> = search
-        .iter()
-        .map(|row| {
-            (
-                &row.key[1..3],
-                [0, 1, 2].map(|f| row.classes[f].is_published(f)),
-            )
-        })
-        .collect();
-    systems.dedup();
-    let right = |f: usize| systems.iter().filter(|one| one.1[f]).count();
-    let all = systems.iter().filter(|one| one.1 == [true; 3]).count();
+    let pairs = Pairs::count(search, published);
+    let classes = published.classes.map(|class| class.to_string());
     line!(
         text,
-        "Of {} pairs of reading and integrator, Fig. 10 is periodic in {}, Fig. 11 quasi-periodic in {}, Fig. 12 chaotic in {}, all \
-         three as published in {all}.",
-        systems.len(),
-        right(0),
-        right(1),
-        right(2)
+        "Of {} pairs of reading and integrator, Fig. 10 is {} as captioned in {}, Fig. 11 {} in {}, Fig. 12 {} in {}, all three as captioned in {}.",
+        pairs.all,
+        classes[0],
+        pairs.class[0],
+        classes[1],
+        pairs.class[1],
+        classes[2],
+        pairs.class[2],
+        pairs.classes
+    );
+    line!(
+        text,
+        "In kind, periodic with any number of loops passing for Fig. 10: Fig. 10 in {}, Fig. 11 in {}, Fig. 12 in {}, all three in {}. Ranking and \
+         chance level below go by kind.",
+        pairs.kind[0],
+        pairs.kind[1],
+        pairs.kind[2],
+        pairs.kinds
     );
     line!(
         text,
@@ -90,27 +95,26 @@ fn tried(plan: &Plan, search: &[&Row]) -> String {
     text
 }
 
-fn best(search: &[&Row], target: &Twelve) -> Result<String, PublishedError> {
+fn best(search: &[&Row], target: &Twelve, published: &Published) -> String {
     let mut text = String::new();
     for figure in 0..3 {
-        let key = |row: &Row| {
-            (
-                !row.classes[figure].is_published(figure),
-                row.scores[figure],
-            )
-        };
+        let key = |row: &Row| (!row.classes[figure].is_of_kind(figure), row.scores[figure]);
         if let Some(row) = least(search, key) {
-            line!(text, "Best for Fig. {} alone (class first):", figure + 10);
+            line!(
+                text,
+                "Best for Fig. {} alone (kind of motion first):",
+                figure + 10
+            );
             describe(&mut text, row);
             exponents(&mut text, row, target, figure);
             line!(text, "  distance {:.3}\n", row.scores[figure]);
         }
     }
-    let by_class = least(search, Row::classes_first);
+    let by_kind = least(search, Row::kinds_first);
     let by_exponents = least(search, |row| ((), row.scores[3]));
     for (what, row) in [
-        ("Best common setting (classes first):", by_class),
-        ("Nearest exponents, classes aside:", by_exponents),
+        ("Best common setting (kinds of motion first):", by_kind),
+        ("Nearest exponents, motions aside:", by_exponents),
     ] {
         let Some(row) = row else { continue };
         line!(text, "{what}");
@@ -118,21 +122,18 @@ fn best(search: &[&Row], target: &Twelve) -> Result<String, PublishedError> {
         for figure in 0..3 {
             exponents(&mut text, row, target, figure);
         }
-        let mut printed = 0;
-        for figure in 0..3 {
-            for k in 0..4 {
-                let claim = published(&format!("fig{}.lambda.{}", figure + 10, k + 1))?;
-                printed += usize::from(claim.agrees(row.exponents[figure][k]));
-            }
-        }
         line!(
             text,
-            "  distance {:.3}; {} of 3 classes; {printed} of 12 exponents to the printed digits\n",
+            "  distance {:.3}; {} of 3 kinds of motion, {} of 3 classes; {} of 12 exponents to the printed digits\n",
             row.scores[3],
-            row.classes_right()
+            row.kinds_right(),
+            (0..3)
+                .filter(|&f| row.classes[f].is(published.classes[f]))
+                .count(),
+            digits_of(row, published)
         );
     }
-    Ok(text)
+    text
 }
 
 /// The first of the rows with the least key.
@@ -185,7 +186,7 @@ fn level(plan: &Plan, search: &[&Row], target: &Twelve) -> String {
     );
     line!(
         text,
-        "Exponents only: distance of the nearest of the same configurations (classes aside) to"
+        "Exponents only: distance of the nearest of the same configurations (motions aside) to"
     );
     let own = chance::nearest(search, target);
     line!(text, "  the published exponents             {own:.3}");
@@ -197,20 +198,20 @@ fn level(plan: &Plan, search: &[&Row], target: &Twelve) -> String {
             columns(order)
         );
     }
-    text += &random(plan, search, own);
+    text += &random(&Level::exponents_only(search, target, plan.draws));
     line!(
         text,
-        "Classes first: classes met, and distance of the nearest of the configurations that meet so many (a different set in each line), to"
+        "Kinds of motion first: kinds met, and distance of the nearest of the configurations that meet so many (a different set in each line), to"
     );
     let published = [0, 1, 2];
-    let (most, right) = chance::by_class(search, published);
+    let (most, right) = chance::by_kind(search, published);
     let own = chance::nearest(&right, target);
     line!(
         text,
         "  the published figures               {most} of 3  {own:.3}"
     );
     for order in chance::ORDERS {
-        let (most, rows) = chance::by_class(search, order);
+        let (most, rows) = chance::by_kind(search, order);
         let distance = chance::nearest(&rows, &order.map(|figure| target[figure]));
         line!(
             text,
@@ -220,20 +221,13 @@ fn level(plan: &Plan, search: &[&Row], target: &Twelve) -> String {
     }
     line!(
         text,
-        "  Of the 27 ways to give three figures these classes, {} are met entirely by some configuration; {} configurations meet {most} \
-         classes as published.",
+        "  Of the 27 ways to give three figures these kinds of motion, {} are met entirely by some configuration; {} configurations meet {most} \
+         kinds as published.",
         chance::assignments_met(search),
         right.len()
     );
-    text += &random(plan, &right, own);
+    text += &random(&Level::kinds_first(search, target, plan.draws));
     text
-}
-
-/// Median of values in ascending order: of an even count the mean of the middle two.
-fn median(sorted: &[f64]) -> Option<f64> {
-    let upper = sorted.get(sorted.len() / 2)?;
-    let lower = sorted.get((sorted.len() - 1) / 2)?;
-    Some(0.5 * (lower + upper))
 }
 
 fn columns(order: [usize; 3]) -> String {
@@ -241,22 +235,23 @@ fn columns(order: [usize; 3]) -> String {
 }
 
 /// How well random targets of the published classes are met.
-fn random(plan: &Plan, rows: &[&Row], own: f64) -> String {
+fn random(level: &Level) -> String {
     let mut text = String::new();
-    let random = chance::random(rows, plan.draws);
-    let as_near = random.iter().filter(|&&distance| distance <= own).count();
-    if let (Some(first), Some(median)) = (random.first(), median(&random)) {
+    if level.draws > 0 {
         line!(
             text,
-            "  {} random targets of the same classes: least {first:.3}, median {median:.3}",
-            random.len()
+            "  {} random targets of the same classes: least {:.3}, median {:.3}",
+            level.draws,
+            level.least,
+            level.median
         );
     }
     line!(
         text,
-        "  {as_near} of {} random targets ({:.1} %) are met as well as the published ones.\n",
-        random.len(),
-        100.0 * as_near as f64 / random.len().max(1) as f64
+        "  {} of {} random targets ({:.1} %) are met as well as the published ones.\n",
+        level.as_near,
+        level.draws,
+        level.percent()
     );
     text
 }
@@ -270,10 +265,7 @@ fn own_spread(spread: &[&Row], target: &Twelve) -> String {
         spread[0].key[2],
         spread.len()
     );
-    line!(
-        text,
-        "(eps, neighbour counts, d and ridge, affine), same three series throughout:"
-    );
+    line!(text, "({}), same three series throughout:", described());
     line!(
         text,
         "  exponent          min    median       max   published   unidentified   starved or unpredictable"
@@ -282,21 +274,8 @@ fn own_spread(spread: &[&Row], target: &Twelve) -> String {
     let mut widths = [Vec::new(), Vec::new()];
     for (figure, published) in target.iter().enumerate() {
         for (k, published) in published.iter().enumerate() {
-            let mut values: Vec<f64> = spread
-                .iter()
-                .map(|row| row.exponents[figure][k])
-                .filter(|value| value.is_finite())
-                .collect();
-            values.sort_by(f64::total_cmp);
-            let having = |statuses: &[&str]| {
-                let has = |row: &&&Row| statuses.contains(&row.statuses[figure][k].as_str());
-                spread.iter().filter(has).count()
-            };
-            let unidentified = having(&["unidentified"]);
-            let doubtful = having(&["starved", "unpredictable"]);
-            let (Some(min), Some(median), Some(max)) =
-                (values.first(), median(&values), values.last())
-            else {
+            let of = ExponentSpread::of(spread, figure, k);
+            let Some(values) = of.values else {
                 line!(
                     text,
                     "  fig{}.lambda.{}   no finite value",
@@ -305,14 +284,19 @@ fn own_spread(spread: &[&Row], target: &Twelve) -> String {
                 );
                 continue;
             };
-            widths[usize::from(2 * unidentified > spread.len())].push(max - min);
+            widths[usize::from(of.mostly_unidentified())].push(values.largest - values.least);
             line!(
                 text,
-                "  fig{}.lambda.{}  {min:>9.4} {median:>9.4} {max:>9.4}   {:>9.4}   {unidentified:>2} of {:<15} {doubtful}",
+                "  fig{}.lambda.{}  {:>9.4} {:>9.4} {:>9.4}   {:>9.4}   {:>2} of {:<15} {}",
                 figure + 10,
                 k + 1,
+                values.least,
+                values.median,
+                values.largest,
                 published,
-                spread.len()
+                of.unidentified,
+                of.settings,
+                of.doubtful
             );
         }
     }
@@ -339,14 +323,6 @@ fn own_spread(spread: &[&Row], target: &Twelve) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_median_of_an_even_count_lies_between_the_middle_two() {
-        assert_eq!(median(&[]), None);
-        assert_eq!(median(&[3.0]), Some(3.0));
-        assert_eq!(median(&[1.0, 2.0, 5.0]), Some(2.0));
-        assert_eq!(median(&[1.0, 2.0, 5.0, 9.0]), Some(3.5));
-    }
 
     #[test]
     fn nothing_is_ranked_where_nothing_was_tried() {

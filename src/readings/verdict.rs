@@ -17,12 +17,18 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// Whether it is what the paper says of figure 10, 11 or 12 (0, 1, 2). Any period passes for Fig. 10's "two-periodic".
-    pub fn is_published(self, figure: usize) -> bool {
+    /// Whether it is this class, loops and all.
+    pub fn is(self, class: Class) -> bool {
+        self == Verdict::Motion(class)
+    }
+
+    /// Whether it is of the kind that the paper says of figure 10, 11 or 12 (0, 1, 2): periodic with any number of loops passes for Fig.
+    /// 10's "two-periodic". The search ranks by kind.
+    pub fn is_of_kind(self, figure: usize) -> bool {
         self.kind() == Some(figure)
     }
 
-    /// The figure whose published class it is.
+    /// The figure whose published kind of motion it is.
     pub fn kind(self) -> Option<usize> {
         match self {
             Verdict::Motion(Class::Periodic(_)) => Some(0),

@@ -5,9 +5,19 @@ use crate::figures::FigureError;
 use plot::*;
 use stickslip::math;
 
-const DESCRIPTION: &str = "One strip for each of eight parameters, multiplied by a factor from one half to two. At each factor a column \
-    shows in which parts the starts escape, settle on slip only, on stick–slip, on stick–slip of period two, or on nothing periodic. At \
-    the printed values, the middle, no start leads to stick–slip; stick–slip of period two is marked by triangles.";
+/// What the picture shows, for readers who cannot see it.
+fn description(scan: &Scan) -> String {
+    let sticking = scan.printed().map_or(0, |point| {
+        point.counts[Class::StickSlip as usize] + point.counts[Class::StickSlipTwo as usize]
+    });
+    format!(
+        "One strip for each of {} parameters, multiplied by a factor from one half to two. At each factor a column shows in which parts the \
+         starts escape, settle on slip only, on stick–slip, on stick–slip of period two, or on nothing periodic. At the printed values, the \
+         middle, {sticking} of {} starts lead to stick–slip; stick–slip of period two is marked by triangles.",
+        scan.lines.len(),
+        scan.starts
+    )
+}
 
 /// Height of a strip; the rest is space between strips.
 const HEIGHT: f64 = 0.8;
@@ -100,7 +110,7 @@ pub fn draw(scan: &Scan) -> Result<String, FigureError> {
         "scan",
         (700.0, 560.0),
         "Where starts lead as each parameter of Fig. 8 is changed",
-        DESCRIPTION,
+        &description(scan),
     )
     .row(1.0, panel)
     .render()

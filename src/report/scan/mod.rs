@@ -1,5 +1,6 @@
 //! Whether the stated model of Fig. 8 has a stick–slip attractor near the printed parameters.
 
+mod chaos;
 mod class;
 mod parameter;
 mod point;
@@ -10,12 +11,13 @@ mod variants;
 
 use rayon::prelude::*;
 
+pub use chaos::{COUNTED, Chaos, Followed};
 pub use class::Class;
 pub use parameter::Parameter;
 pub use point::Point;
 pub use stick_slip::StickSlip;
 
-use starts::starts;
+pub(in crate::report) use starts::starts;
 use variants::variants;
 
 use stickslip::error::Error;
@@ -42,6 +44,8 @@ pub struct Scan {
     pub lines: Vec<Line>,
     /// The printed parameters under other readings of the equations, by name.
     pub variants: Vec<(&'static str, Point)>,
+    /// What starts do with the spring of Eq. (4), where none settles.
+    pub chaos: Chaos,
 }
 
 /// A motion found by the scan, and where.
@@ -91,6 +95,7 @@ impl Scan {
             .into_iter();
         Ok(Scan {
             variants: variants()?,
+            chaos: Chaos::compute(published)?,
             starts: starts(&ForcedOscillator::default())?.len(),
             published,
             lines: Parameter::ALL

@@ -2,6 +2,7 @@
 
 use super::class::Class;
 use super::stick_slip::StickSlip;
+use crate::paper::pattern::two_periodic;
 use stickslip::analysis::{Destination, destination};
 use stickslip::error::Error;
 use stickslip::filippov::{AtRepelling, Options, TransitionKind, solve};
@@ -34,7 +35,7 @@ impl Point {
     ///
     /// # Errors
     /// Those of [`solve`] except an escape.
-    pub(super) fn compute(
+    pub(in crate::report) fn compute(
         model: &ForcedOscillator,
         starts: &[State<f64, 2>],
         factor: f64,
@@ -53,7 +54,7 @@ impl Point {
                 Destination::Escapes { .. } => Class::Escape,
                 Destination::Unsettled => Class::Unsettled,
                 Destination::Periodic { sticks: 0, .. } => Class::SlipOnly,
-                Destination::Periodic { period, x, .. } => {
+                Destination::Periodic { period, x, sticks } => {
                     let motion = StickSlip {
                         period,
                         lengths: lengths(model, &x, period, &options)?,
@@ -61,7 +62,7 @@ impl Point {
                     if !stick_slip.iter().any(|known| known.is(&motion)) {
                         stick_slip.push(motion);
                     }
-                    if period == 2 {
+                    if two_periodic(sticks, period) {
                         Class::StickSlipTwo
                     } else {
                         Class::StickSlip

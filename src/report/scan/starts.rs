@@ -12,7 +12,7 @@ const REACH: f64 = 1.2;
 const VELOCITIES: [f64; 4] = [-1.6, -0.8, 0.0, 1.2];
 
 /// Starts: a grid, points on the belt, and the ends of the stick zones, of which one is the paper's start.
-pub(super) fn starts(model: &ForcedOscillator) -> Result<Vec<State<f64, 2>>, Error> {
+pub(in crate::report) fn starts(model: &ForcedOscillator) -> Result<Vec<State<f64, 2>>, Error> {
     let unit = (model.k1 / model.k2).sqrt();
     let speeds = || VELOCITIES.into_iter().chain([model.belt_speed]);
     let middle = (POSITIONS / 2) as f64;

@@ -14,11 +14,7 @@ pub(super) fn variants() -> Result<Vec<(&'static str, Point)>, Error> {
         mu0: -printed.mu0,
         ..printed
     };
-    let double_well = ForcedOscillator {
-        k1: -printed.k1,
-        k2: -printed.k2,
-        ..printed
-    };
+    let double_well = double_well();
     Ok(vec![
         (
             "+T as Eq. (17) prints it",
@@ -29,4 +25,14 @@ pub(super) fn variants() -> Result<Vec<(&'static str, Point)>, Error> {
             Point::compute(&double_well, &starts, 1.0, double_well.k1)?,
         ),
     ])
+}
+
+/// The printed model with the spring of Eq. (4), the opposite of Eq. (17)'s.
+pub(super) fn double_well() -> ForcedOscillator {
+    let printed = ForcedOscillator::default();
+    ForcedOscillator {
+        k1: -printed.k1,
+        k2: -printed.k2,
+        ..printed
+    }
 }

@@ -1,0 +1,271 @@
+//! With the spring of Eq. (4) no start settles: what these motions are instead.
+
+use std::ops::ControlFlow;
+
+use super::starts::starts;
+use super::variants::double_well;
+use stickslip::analysis::{SpectrumOptions, lyapunov_spectrum_watched};
+use stickslip::error::Error;
+use stickslip::filippov::{Observer, Options, Phase};
+use stickslip::models::ForcedOscillator;
+use stickslip::system::{Mode, State};
+
+/// Of the scan's starts one in so many is followed.
+const EVERY: usize = 10;
+/// Forcing periods that go by before measuring.
+const TRANSIENT: f64 = 100.0;
+/// Forcing periods measured.
+const MEASURED: u32 = 2000;
+/// Forcing periods that stick phases are counted in.
+pub const COUNTED: u32 = 200;
+const TOLERANCE: f64 = 1e-10;
+/// A spring that pulls back for large stretches keeps a body far inside this (m, m/s).
+const ESCAPE: f64 = 1e3;
+/// Standard errors that a positive exponent has to be above zero.
+const STANDARD_ERRORS: f64 = 4.0;
+/// Stick phases whose lengths are that near to published ones, relatively, are near.
+const NEAR: f64 = 0.1;
+
+/// One start, followed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Followed {
+    /// Position (m) and velocity (m/s) at the start.
+    pub start: [f64; 2],
+    /// First Lyapunov exponent (1/s), from the equations; −∞ if stick takes even that direction away.
+    pub lambda: f64,
+    /// Its standard error (1/s), from the means of blocks of a hundred forcing periods.
+    pub std_error: f64,
+    /// Lengths of the stick phases within the 2000 forcing periods measured (m), in order of time.
+    pub lengths: Vec<f64>,
+}
+
+impl Followed {
+    /// Stick phases in [`COUNTED`] forcing periods, on the average over all that were measured.
+    pub fn sticks(&self) -> f64 {
+        self.lengths.len() as f64 * f64::from(COUNTED) / f64::from(MEASURED)
+    }
+
+    /// Whether the first exponent is positive by several standard errors.
+    pub fn is_chaotic(&self) -> bool {
+        self.lambda > STANDARD_ERRORS * self.std_error
+    }
+
+    /// The shortest and the longest stick phase (m); nothing without stick.
+    pub fn range(&self) -> Option<(f64, f64)> {
+        let lengths = || self.lengths.iter().copied();
+        Some((lengths().reduce(f64::min)?, lengths().reduce(f64::max)?))
+    }
+
+    /// How far the stick phases are from the published lengths: of two that follow each other the larger of the relative differences
+    /// from the published pair, in either order, where that is least; infinite with fewer than two.
+    pub fn distance(&self, published: [f64; 2]) -> f64 {
+        let off = |found: f64, wanted: f64| (found / wanted - 1.0).abs();
+        let [first, second] = published;
+        let of = |pair: &[f64]| {
+            let forward = off(pair[0], first).max(off(pair[1], second));
+            let backward = off(pair[0], second).max(off(pair[1], first));
+            forward.min(backward)
+        };
+        self.lengths
+            .windows(2)
+            .map(of)
+            .fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// Some of the starts with the spring of Eq. (4).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Chaos {
+    /// Of the scan's starts every tenth, from the first on.
+    pub followed: Vec<Followed>,
+    /// The published lengths (m).
+    pub published: [f64; 2],
+}
+
+impl Chaos {
+    /// Follows every tenth of the scan's starts.
+    ///
+    /// # Errors
+    /// Those of [`stickslip::analysis::lyapunov_spectrum`].
+    pub(super) fn compute(published: [f64; 2]) -> Result<Chaos, Error> {
+        let model = double_well();
+        let followed = starts(&ForcedOscillator::default())?
+            .into_iter()
+            .step_by(EVERY)
+            .map(|x| follow(&model, x))
+            .collect::<Result<_, Error>>()?;
+        Ok(Chaos {
+            followed,
+            published,
+        })
+    }
+
+    /// Whether all of them stick.
+    pub fn all_stick(&self) -> bool {
+        self.followed.iter().all(|one| !one.lengths.is_empty())
+    }
+
+    /// Whether all of them are chaotic.
+    pub fn all_chaotic(&self) -> bool {
+        self.followed.iter().all(Followed::is_chaotic)
+    }
+
+    /// The least distance of any of them from the published lengths.
+    pub fn distance(&self) -> f64 {
+        let each = self.followed.iter().map(|one| one.distance(self.published));
+        each.fold(f64::INFINITY, f64::min)
+    }
+
+    /// Whether any of them has two stick phases in succession with lengths near the published ones.
+    pub fn is_near(&self) -> bool {
+        self.distance() <= NEAR
+    }
+
+    /// What these motions are, in words.
+    pub fn sentence(&self) -> String {
+        let followed = &self.followed;
+        let over = |keep: fn(&Followed) -> bool| followed.iter().filter(|one| keep(one)).count();
+        let all = followed.len();
+        let some = |count: usize, verb: &str, none: &str| match count {
+            _ if count == all => verb.to_owned(),
+            0 => none.to_owned(),
+            _ => format!("{verb} from {count} of {all} starts"),
+        };
+        let least_and_most = |of: fn(&Followed) -> f64| {
+            let values = || followed.iter().map(of);
+            (
+                values().fold(f64::INFINITY, f64::min),
+                values().fold(f64::NEG_INFINITY, f64::max),
+            )
+        };
+        let (low, high) = least_and_most(|one| one.lambda);
+        let (_, error) = least_and_most(|one| one.std_error);
+        let (few, many) = least_and_most(Followed::sticks);
+        let lengths: Vec<(f64, f64)> = followed.iter().filter_map(Followed::range).collect();
+        let shortest = lengths
+            .iter()
+            .map(|one| one.0)
+            .fold(f64::INFINITY, f64::min);
+        let longest = lengths.iter().map(|one| one.1).fold(0.0, f64::max);
+        let [first, second] = self.published;
+        let near = if self.is_near() {
+            "near the published lengths"
+        } else {
+            "nowhere near the published lengths"
+        };
+        let sticks = some(
+            over(|one| !one.lengths.is_empty()),
+            "sticks",
+            "does not stick",
+        );
+        let chaotic = some(over(Followed::is_chaotic), "chaotically", "not chaotically");
+        let nearest = if self.distance().is_finite() {
+            format!(
+                "two in succession come no nearer to both than {:.0} %",
+                100.0 * self.distance()
+            )
+        } else {
+            "no two of them follow each other".to_owned()
+        };
+        let of_stick = if lengths.is_empty() {
+            "no stick phase".to_owned()
+        } else {
+            format!("{few:.0} to {many:.0} stick phases of {shortest:.4} to {longest:.4} m")
+        };
+        format!(
+            "With the spring of Eq. (4) the block {sticks}, {chaotic}, and {near}: from {all} starts, every {EVERY}th of the scan's, λ1 = {low:.2} to \
+             {high:.2} 1/s with standard errors up to {error:.2}, and in {COUNTED} forcing periods {of_stick}; published are {first} and {second} m, and \
+             {nearest}."
+        )
+    }
+}
+
+/// Follows one start.
+fn follow(model: &ForcedOscillator, x: State<f64, 2>) -> Result<Followed, Error> {
+    let period = model.period();
+    let (transient, measured) = (TRANSIENT * period, f64::from(MEASURED) * period);
+    let settings =
+        SpectrumOptions::over(transient, measured).solver(Options::tol(TOLERANCE).escape(ESCAPE));
+    let mut sticks = Sticks {
+        from: transient,
+        lengths: Vec::new(),
+    };
+    let spectrum = lyapunov_spectrum_watched(model, (0.0, x), &settings, &mut sticks)?;
+    let first = spectrum.exponents[0];
+    Ok(Followed {
+        start: x.into(),
+        lambda: first.value(),
+        std_error: first.std_error().unwrap_or(f64::INFINITY),
+        lengths: sticks.lengths,
+    })
+}
+
+/// Keeps the lengths of the stick phases that begin after some time.
+struct Sticks {
+    from: f64,
+    lengths: Vec<f64>,
+}
+
+impl Observer<2> for Sticks {
+    fn phase(&mut self, phase: &Phase<2>) -> ControlFlow<()> {
+        if phase.mode == Mode::Stick && phase.t_start >= self.from {
+            self.lengths.push(phase.displacement()[0]);
+        }
+        ControlFlow::Continue(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn followed(lambda: f64, lengths: &[f64]) -> Followed {
+        Followed {
+            start: [0.0, 0.0],
+            lambda,
+            std_error: 0.02,
+            lengths: lengths.to_vec(),
+        }
+    }
+
+    fn of(followed: Vec<Followed>) -> Chaos {
+        let published = [0.4697, 0.1663];
+        Chaos {
+            followed,
+            published,
+        }
+    }
+
+    #[test]
+    fn the_sentence_says_what_was_found() {
+        let short = || followed(0.4, &[0.01, 0.05]);
+        let sentence = of(vec![short(), short()]).sentence();
+        assert!(
+            sentence.contains("block sticks, chaotically, and nowhere near the published lengths"),
+            "{sentence}"
+        );
+        // Each part turns with what it speaks of.
+        let regular = of(vec![short(), followed(0.05, &[0.01])]).sentence();
+        assert!(
+            regular.contains("sticks, chaotically from 1 of 2 starts, and nowhere near"),
+            "{regular}"
+        );
+        let slips = of(vec![followed(0.4, &[]), followed(0.4, &[])]).sentence();
+        assert!(
+            slips.contains("does not stick, chaotically, and nowhere near"),
+            "{slips}"
+        );
+        let found = of(vec![short(), followed(0.4, &[0.02, 0.16, 0.46])]).sentence();
+        assert!(
+            found.contains("chaotically, and near the published lengths"),
+            "{found}"
+        );
+    }
+
+    #[test]
+    fn model_2_with_the_spring_of_eq_4_sticks_chaotically() {
+        let found = Chaos::compute([0.4697, 0.1663]).unwrap();
+        assert!(found.followed.len() >= 5);
+        assert!(found.all_stick() && found.all_chaotic() && !found.is_near());
+    }
+}
