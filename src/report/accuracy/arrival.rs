@@ -1,0 +1,197 @@
+//! Arrival on Σ from slip, Eq. (14): the stated method, its parts and the listing.
+
+use super::errors::EventErrors;
+use super::{AccuracyError, TOLERANCE};
+use crate::paper::listing::{Defects, Params, Run, Setup, run};
+use stickslip::error::Error;
+use stickslip::filippov::{Locator, Method, Options, TransitionKind, solve};
+use stickslip::models::ForcedOscillator;
+use stickslip::ode::{Rk4, Timed, henon_step};
+use stickslip::orbit::Orbit;
+use stickslip::system::{Filippov, Mode, Side, State};
+
+/// How long before the event a run starts (s), not a multiple of any step.
+const LEAD: f64 = 0.2003;
+/// Part of a step that a single Hénon step has to make.
+const PART: f64 = 0.7;
+/// End of the run that lets the motion settle (s).
+const SETTLED: f64 = 63.3;
+
+/// A crossing on the settled orbit, and a state some time before it.
+pub(super) struct Arrival {
+    from: Side,
+    t0: f64,
+    x0: State<f64, 2>,
+    /// The event's time, exact to rounding.
+    t: f64,
+    /// The orbit between.
+    orbit: Orbit<2>,
+}
+
+impl Arrival {
+    /// The last crossing from one side on the settled orbit.
+    pub(super) fn from(model: &ForcedOscillator, from: Side) -> Result<Arrival, Error> {
+        let options = Options::tol(TOLERANCE);
+        let start = State::from([Params::default().x1, model.belt_speed]);
+        let settled = solve(model, 0.0, start, SETTLED, &options)?;
+        let crossing = settled
+            .transitions
+            .iter()
+            .rfind(|at| at.kind == TransitionKind::Crossing && at.from == Mode::Slip(from))
+            .ok_or(Error::NotFound {
+                what: "a crossing of Σ",
+                t: 0.0,
+                span: SETTLED,
+            })?;
+        let t0 = crossing.t - LEAD;
+        let x0 = settled.at(t0)?;
+        // Afresh from that state, so that it alone decides.
+        let orbit = solve(model, t0, x0, crossing.t + LEAD, &options)?;
+        let t = first_transition(&orbit, t0)?;
+        Ok(Arrival {
+            from,
+            t0,
+            x0,
+            t,
+            orbit,
+        })
+    }
+
+    /// The step near `h` that cuts the way to the event into n + ½ parts, so that the last cut falls alike for all of them.
+    fn step(&self, h: f64) -> f64 {
+        let lead = self.t - self.t0;
+        lead / ((lead / h).round() + 0.5)
+    }
+
+    /// RK4 with fixed steps, then one Hénon step onto Σ from the state before the crossing.
+    pub(super) fn stated(&self, model: &ForcedOscillator) -> Result<EventErrors, Error> {
+        EventErrors::measure("arrival by RK4 and Hénon step from", self.from, |h| {
+            let step = self.step(h);
+            let options = Options::default()
+                .method(Method::Rk4 { step })
+                .locator(Locator::Henon);
+            let orbit = solve(model, self.t0, self.x0, self.t + 2.0 * step, &options)?;
+            Ok((first_transition(&orbit, self.t0)? - self.t).abs())
+        })
+    }
+
+    /// The same with the step that Sect. 3 prints for it: `vp − x2` from below, `x2 − vp` from above.
+    pub(super) fn as_in_the_text(&self, model: &ForcedOscillator) -> Result<EventErrors, Error> {
+        EventErrors::measure(
+            "arrival by the step that Sect. 3 prints, from",
+            self.from,
+            |h| {
+                let step = self.step(h);
+                let mut at = Timed {
+                    t: self.t0,
+                    x: self.x0,
+                };
+                let gap = |at: &Timed<f64, 2>| model.boundary(at.t, &at.x);
+                loop {
+                    let next = henon_step::<Rk4, f64, 2>(
+                        &mut |at| in_time(model, self.from, at),
+                        &at,
+                        step,
+                    );
+                    if gap(&next) * self.from.sign() <= 0.0 {
+                        break;
+                    }
+                    if next.t > self.t + LEAD {
+                        let (t, span) = (self.t0, 2.0 * LEAD);
+                        let what = "a crossing of Σ";
+                        return Err(Error::NotFound { what, t, span });
+                    }
+                    at = next;
+                }
+                // Both are positive: from above it leads away from Σ.
+                let change = gap(&at).abs();
+                let end = henon_step::<Rk4, f64, 2>(
+                    &mut |at| in_velocity(model, self.from, at),
+                    &at,
+                    change,
+                );
+                Ok((end.t - self.t).abs())
+            },
+        )
+    }
+
+    /// One Hénon step alone from an exact state: a step errs by one order more.
+    pub(super) fn single(&self, model: &ForcedOscillator) -> Result<EventErrors, Error> {
+        EventErrors::measure(
+            "arrival by one Hénon step of RK4 alone from",
+            self.from,
+            |h| {
+                let t = self.t - PART * h;
+                let x = self.orbit.at(t)?;
+                let change = model.belt_speed - x[1];
+                let mut slope = |at: &Timed<f64, 2>| in_velocity(model, self.from, at);
+                let end = henon_step::<Rk4, f64, 2>(&mut slope, &Timed { t, x }, change);
+                Ok((end.t - self.t).abs())
+            },
+        )
+    }
+
+    /// The listing with these defects.
+    pub(super) fn listing(
+        &self,
+        method: &'static str,
+        defects: Defects,
+    ) -> Result<EventErrors, AccuracyError> {
+        EventErrors::measure(method, self.from, |h| {
+            let params = Params {
+                t0: self.t0,
+                x1: self.x0[0],
+                x2: self.x0[1],
+                ..Params::default()
+            };
+            let outcome = run(&Setup {
+                params,
+                defects,
+                h,
+                window_start: 0.0,
+                end: 2.0 * LEAD,
+            })?;
+            let found = first_on_belt(&outcome).ok_or(Error::NotFound {
+                what: "a crossing of Σ by the listing",
+                t: self.t0,
+                span: 2.0 * LEAD,
+            })?;
+            Ok((found - self.t).abs())
+        })
+    }
+}
+
+/// Slope with the time as independent variable.
+fn in_time(model: &ForcedOscillator, side: Side, at: &Timed<f64, 2>) -> Timed<f64, 2> {
+    Timed {
+        t: 1.0,
+        x: model.field(side, at.t, &at.x),
+    }
+}
+
+/// Eq. (14): slope with the velocity as independent variable.
+fn in_velocity(model: &ForcedOscillator, side: Side, at: &Timed<f64, 2>) -> Timed<f64, 2> {
+    let f = model.field(side, at.t, &at.x);
+    Timed {
+        t: 1.0 / f[1],
+        x: f / f[1],
+    }
+}
+
+fn first_transition(orbit: &Orbit<2>, t: f64) -> Result<f64, Error> {
+    let what = "a crossing of Σ";
+    let first = orbit.transitions.first().map(|at| at.t);
+    let span = 2.0 * LEAD;
+    first.ok_or(Error::NotFound { what, t, span })
+}
+
+/// When the listing first reaches the belt's speed.
+fn first_on_belt(run: &Run) -> Option<f64> {
+    let crossing = run.crossings.first().map(|crossing| crossing.at.t);
+    let entry = run.phases.first().map(|phase| phase.entry.t);
+    let unfinished = run.unfinished.map(|(entry, _)| entry.t);
+    [crossing, entry, unfinished]
+        .into_iter()
+        .flatten()
+        .reduce(f64::min)
+}

@@ -1,0 +1,125 @@
+//! The paper's misprints, each with the computation that shows it: a run of the solver or of the listing that could have come out
+//! otherwise.
+
+mod bracket;
+mod captions;
+mod estimator;
+mod listing;
+mod section_four;
+mod sections_two_three;
+
+use super::accuracy::Accuracy;
+use super::evidence::{Arcs, ZoneOscillates};
+use super::matrix::Matrix;
+use crate::figures::rows::Value;
+use crate::paper::listing::ListingError;
+use crate::paper::published::PublishedError;
+use stickslip::error::Error;
+use stickslip::filippov::Failure;
+
+/// What a computation shows of a misprint.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shown {
+    /// What it is.
+    pub what: String,
+    /// A number, a count or a word.
+    pub value: Value,
+    /// Its unit: `1` for a pure number, empty for a word.
+    pub unit: &'static str,
+}
+
+/// A misprint or defect.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Erratum {
+    /// Where.
+    pub place: String,
+    /// What stands there, in our words.
+    pub printed: String,
+    /// What should.
+    pub correct: String,
+    /// The computation's results.
+    pub shown: Vec<Shown>,
+    /// Whether they bear it out.
+    pub holds: bool,
+}
+
+/// Why the errata could not be computed.
+#[derive(Debug, thiserror::Error)]
+pub enum ErrataError {
+    /// The solver failed.
+    #[error(transparent)]
+    Solver(#[from] Error),
+    /// The listing cannot run.
+    #[error(transparent)]
+    Listing(#[from] ListingError),
+    /// The table of claims lacks a number.
+    #[error(transparent)]
+    Published(#[from] PublishedError),
+}
+
+impl<const N: usize> From<Failure<N>> for ErrataError {
+    fn from(failure: Failure<N>) -> ErrataError {
+        ErrataError::Solver(failure.error)
+    }
+}
+
+/// What has been computed already and shows misprints too.
+#[derive(Clone, Copy, Debug)]
+pub struct Sources<'a> {
+    /// The listing with every subset of its defects.
+    pub matrix: &'a Matrix,
+    /// Errors of the times of events.
+    pub accuracy: &'a Accuracy,
+    /// Sides of the slip phases.
+    pub arcs: &'a Arcs,
+    /// How the stick zone moves.
+    pub oscillation: &'a ZoneOscillates,
+}
+
+/// All of them, in the order of the paper.
+///
+/// # Errors
+/// [`ErrataError`].
+pub fn errata(sources: &Sources) -> Result<Vec<Erratum>, ErrataError> {
+    let mut all = sections_two_three::errata(sources.accuracy)?;
+    all.extend(section_four::errata(sources.arcs, sources.oscillation)?);
+    all.extend(estimator::errata());
+    all.extend(bracket::errata()?);
+    all.extend(captions::errata()?);
+    all.extend(listing::errata(sources.matrix)?);
+    Ok(all)
+}
+
+fn number(what: impl Into<String>, value: f64, unit: &'static str) -> Shown {
+    Shown {
+        what: what.into(),
+        value: Value::Number(value),
+        unit,
+    }
+}
+
+fn count(what: impl Into<String>, value: usize) -> Shown {
+    Shown {
+        what: what.into(),
+        value: Value::Count(value as u64),
+        unit: "1",
+    }
+}
+
+fn word(what: impl Into<String>, value: impl Into<String>) -> Shown {
+    Shown {
+        what: what.into(),
+        value: Value::Word(value.into()),
+        unit: "",
+    }
+}
+
+fn erratum(place: &str, printed: &str, correct: &str, shown: Vec<Shown>, holds: bool) -> Erratum {
+    Erratum {
+        place: place.to_owned(),
+        printed: printed.to_owned(),
+        correct: correct.to_owned(),
+        shown,
+        holds,
+    }
+}

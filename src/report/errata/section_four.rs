@@ -1,0 +1,343 @@
+//! Misprints of Sect. 4: signs of friction and springs, lengths and durations, regions and directions.
+
+use rayon::prelude::*;
+
+use super::{ErrataError, Erratum, count, erratum, number, word};
+use crate::paper::claim_id::ClaimId;
+use crate::paper::listing::{Params, Setup, run};
+use crate::paper::published::Claims;
+use crate::report::evidence::{Arcs, ZoneOscillates};
+use stickslip::error::Error;
+use stickslip::filippov::{Options, solve};
+use stickslip::models::{BeltOscillator, ForcedOscillator};
+use stickslip::orbit::{Ending, Orbit};
+use stickslip::system::{Filippov, Side, State};
+
+/// Beyond 10 m or 10 m/s the softening spring drives the body away for good.
+const ESCAPE: f64 = 10.0;
+const TOLERANCE: f64 = 1e-12;
+/// Forcing periods that starts are followed over.
+const FOLLOWED: f64 = 6.0;
+
+pub(super) fn errata(
+    arcs: &Arcs,
+    oscillation: &ZoneOscillates,
+) -> Result<Vec<Erratum>, ErrataError> {
+    Ok(vec![
+        sign_of_friction()?,
+        spring_signs()?,
+        lengths_and_durations()?,
+        start_of_fig08()?,
+        regions_of_arcs(arcs),
+        direction_of_oscillation(oscillation),
+    ])
+}
+
+/// Starts of both models: positions (m) and velocities (m/s).
+fn starts() -> Vec<State<f64, 2>> {
+    let positions = (0..9).map(|k| 0.25 * f64::from(k) - 1.0);
+    positions
+        .flat_map(|x1| [-0.8, 0.0, 0.4, 0.8].map(|x2| State::from([x1, x2])))
+        .collect()
+}
+
+/// The orbit as far as it goes before it escapes, and whether it does.
+fn follow<S: Filippov<2>>(
+    system: &S,
+    x: State<f64, 2>,
+    span: f64,
+) -> Result<(Orbit<2>, bool), Error> {
+    match solve(
+        system,
+        0.0,
+        x,
+        span,
+        &Options::tol(TOLERANCE).escape(ESCAPE),
+    ) {
+        Ok(orbit) => Ok((orbit, false)),
+        Err(failure) if matches!(failure.error, Error::Escaped { .. }) => {
+            Ok((*failure.orbit, true))
+        }
+        Err(failure) => Err(failure.into()),
+    }
+}
+
+/// Stick phases of model 2 from all starts, and orbits that end where Σ repels.
+fn sticks_and_ends(model: &ForcedOscillator) -> Result<(usize, usize), Error> {
+    let found = starts()
+        .into_par_iter()
+        .map(|x| {
+            let (orbit, _) = follow(model, x, FOLLOWED * model.period())?;
+            Ok((
+                orbit.sticks().count(),
+                usize::from(orbit.ending == Ending::Repelling),
+            ))
+        })
+        .collect::<Result<Vec<(usize, usize)>, Error>>()?;
+    Ok(found
+        .into_iter()
+        .fold((0, 0), |sum, one| (sum.0 + one.0, sum.1 + one.1)))
+}
+
+fn sign_of_friction() -> Result<Erratum, Error> {
+    let model = ForcedOscillator::default().checked()?;
+    let printed = ForcedOscillator {
+        mu0: -model.mu0,
+        ..model
+    };
+    let (with_plus, with_minus) = (sticks_and_ends(&printed)?, sticks_and_ends(&model)?);
+    Ok(erratum(
+        "Eq. (17)",
+        "friction enters with +T(v)",
+        "-T(v), as in Eq. (4), Eq. (18) and the listing",
+        vec![
+            count("starts followed", starts().len()),
+            count("stick phases with +T", with_plus.0),
+            count(
+                "orbits with +T that end where both fields lead away from Σ",
+                with_plus.1,
+            ),
+            count("stick phases with -T", with_minus.0),
+        ],
+        with_plus.0 == 0 && with_plus.1 > 0 && with_minus.0 > 0,
+    ))
+}
+
+fn spring_signs() -> Result<Erratum, Error> {
+    let first = BeltOscillator::default();
+    // The same mass, belt and friction, and no forcing: what differs is the spring.
+    let second = ForcedOscillator {
+        mass: first.mass,
+        belt_speed: first.belt_speed,
+        amplitude: 0.0,
+        ..ForcedOscillator::default()
+    };
+    let mut sigma = 0.0_f64;
+    for k in -150..=150 {
+        let x = State::from([f64::from(k) / 100.0, first.belt_speed]);
+        let product = |below: f64, above: f64| below * above;
+        let one = |side| first.field(side, 0.0, &x)[1];
+        let other = |side| second.field(side, 0.0, &x)[1];
+        let difference = product(one(Side::Below), one(Side::Above))
+            - product(other(Side::Below), other(Side::Above));
+        sigma = sigma.max(difference.abs());
+    }
+    let span = FOLLOWED * ForcedOscillator::default().period();
+    let (mut escapes_first, mut escapes_second) = (0, 0);
+    for x in starts() {
+        escapes_first += usize::from(follow(&first, x, span)?.1);
+        escapes_second += usize::from(follow(&second, x, span)?.1);
+    }
+    Ok(erratum(
+        "Eq. (1) against Eq. (17)",
+        "the springs of the two models have opposite signs, without a word: a double well in the first, a softening spring that \
+         lets bodies escape in the second",
+        "sigma, the only function both share, cannot tell them apart; the dynamics can",
+        vec![
+            number("largest difference of sigma, |z| <= 1.5", sigma, "m²/s⁴"),
+            count(
+                "starts followed without forcing, all else equal",
+                starts().len(),
+            ),
+            count(
+                "those that escape with the spring of Eq. (1)",
+                escapes_first,
+            ),
+            count(
+                "those that escape with the spring of Eq. (17)",
+                escapes_second,
+            ),
+        ],
+        sigma < 1e-14 && escapes_first == 0 && escapes_second > 0,
+    ))
+}
+
+fn lengths_and_durations() -> Result<Erratum, ErrataError> {
+    let claims = Claims::committed()?;
+    let model = ForcedOscillator::default();
+    let belt = model.belt_speed;
+    let outcome = run(&Setup::default())?;
+    let numbers = outcome.four_numbers().unwrap_or([f64::NAN; 4]);
+    let mut rows = Vec::new();
+    let (mut least, mut least_of_listing) = (f64::INFINITY, f64::INFINITY);
+    for k in 0..2 {
+        let (length, duration) = (
+            claims.value(ClaimId::FOUR[k]),
+            claims.value(ClaimId::FOUR[k + 2]),
+        );
+        let excess = duration - length / belt;
+        let of_listing = numbers[k + 2] - numbers[k] / belt;
+        least = least.min(excess);
+        least_of_listing = least_of_listing.min(of_listing);
+        let n = k + 1;
+        rows.push(number(
+            format!("published duration {n} less length {n}/vp"),
+            excess,
+            "s",
+        ));
+        rows.push(number(
+            format!("the same of the listing's run, phase {n}"),
+            of_listing,
+            "s",
+        ));
+    }
+    let mut largest = 0.0_f64;
+    let mut phases = 0;
+    for x in starts() {
+        let (orbit, _) = follow(&model, x, FOLLOWED * model.period())?;
+        for stick in orbit.sticks() {
+            phases += 1;
+            let excess = stick.duration() - stick.displacement()[0] / belt;
+            largest = largest.max(excess.abs());
+        }
+    }
+    // Half a unit of the last printed digit in either number.
+    let rounding = 0.5e-4 + 0.5e-4 / belt;
+    rows.push(number(
+        "largest difference that rounding of print explains",
+        rounding,
+        "s",
+    ));
+    rows.push(count("stick phases of the stated model", phases));
+    rows.push(number("largest difference among them", largest, "s"));
+    Ok(erratum(
+        "Sect. 4.2",
+        "the stick phases' durations are longer than their lengths over the belt's speed",
+        "equal: the body rides the belt",
+        rows,
+        least > rounding && least_of_listing > rounding && phases > 0 && largest < 1e-9,
+    ))
+}
+
+fn start_of_fig08() -> Result<Erratum, ErrataError> {
+    let listed = Params::default();
+    let captioned = Params {
+        x1: listed.tangent_points[2],
+        ..listed
+    };
+    let mut rows = vec![
+        number("x1 at the start by the caption", captioned.x1, "m"),
+        number("x1 at the start by the listing", listed.x1, "m"),
+    ];
+    let claims = Claims::committed()?;
+    let mut give_all = 0;
+    let mut entries = Vec::new();
+    for (name, params) in [("caption", captioned), ("listing", listed)] {
+        let outcome = run(&Setup {
+            params,
+            ..Setup::default()
+        })?;
+        let numbers = outcome.four_numbers();
+        let agree = numbers.is_some_and(|numbers| {
+            let mut pairs = claims.iter().zip(numbers);
+            pairs.all(|(claim, value)| claim.agrees(value))
+        });
+        give_all += usize::from(agree);
+        let first = outcome
+            .phases
+            .first()
+            .map_or(f64::NAN, |phase| phase.exit.t);
+        rows.push(number(
+            format!("first release of the listing from the {name}'s start"),
+            first,
+            "s",
+        ));
+        entries.push(first);
+    }
+    rows.push(count(
+        "starts of the two that settle on all four published numbers",
+        give_all,
+    ));
+    Ok(erratum(
+        "Fig. 8 caption",
+        "the start is the third tangent point",
+        "the listing starts from T[3], the fourth; the orbits differ until they settle",
+        rows,
+        entries
+            .windows(2)
+            .all(|pair| (pair[0] - pair[1]).abs() > 1e-3),
+    ))
+}
+
+fn regions_of_arcs(arcs: &Arcs) -> Erratum {
+    erratum(
+        "Sect. 4.2",
+        "S1 holds the upper arcs of the trajectory and S2 the lower ones",
+        "S1 = {x2 < vp} holds the lower ones, S2 the upper",
+        vec![
+            number(
+                "listing: largest velocity in S1",
+                arcs.listing.highest_in_s1,
+                "m/s",
+            ),
+            number("least velocity in S2", arcs.listing.lowest_in_s2, "m/s"),
+            number(
+                "stated model: largest velocity in S1",
+                arcs.model.highest_in_s1,
+                "m/s",
+            ),
+            number("least velocity in S2", arcs.model.lowest_in_s2, "m/s"),
+        ],
+        !arcs.listing.s1_is_upper() && !arcs.model.s1_is_upper(),
+    )
+}
+
+fn direction_of_oscillation(found: &ZoneOscillates) -> Erratum {
+    erratum(
+        "Sect. 4.2",
+        "the stick zone oscillates along x2",
+        "along x1: on the discontinuity zone x2 is always vp",
+        vec![
+            number(
+                "travel of the zone's end in x1 over a period",
+                found.travel_x1,
+                "m",
+            ),
+            number("twice the amplitude A", found.twice_amplitude, "m"),
+            number("travel in x2", found.travel_x2, "m/s"),
+            word(
+                "which of them oscillates",
+                match (found.travel_x1 > 0.0, found.travel_x2 > 0.0) {
+                    (true, true) => "both",
+                    (true, false) => "x1",
+                    (false, true) => "x2",
+                    (false, false) => "neither",
+                },
+            ),
+        ],
+        (found.travel_x1 - found.twice_amplitude).abs() < 1e-12 && found.travel_x2 == 0.0,
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn friction_with_the_other_sign_is_what_decides() {
+        let found = sign_of_friction().unwrap();
+        assert!(found.holds, "{found:?}");
+    }
+
+    #[test]
+    fn springs_lengths_and_starts_hold() {
+        for found in [
+            spring_signs().unwrap(),
+            lengths_and_durations().unwrap(),
+            start_of_fig08().unwrap(),
+        ] {
+            assert!(found.holds, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn a_zone_that_moved_in_x2_would_be_no_misprint() {
+        let found = ZoneOscillates::compute().unwrap();
+        assert!(direction_of_oscillation(&found).holds);
+        let other = ZoneOscillates {
+            travel_x2: 0.1,
+            ..found
+        };
+        assert!(!direction_of_oscillation(&other).holds);
+    }
+}

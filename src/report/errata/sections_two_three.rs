@@ -1,0 +1,310 @@
+//! Misprints of Sects. 2 and 3: friction as a coefficient, critical points, the Hénon steps.
+
+use super::{ErrataError, Erratum, Shown, count, erratum, number, word};
+use crate::paper::claim_id::ClaimId;
+use crate::paper::published::Claims;
+use crate::report::accuracy::{Accuracy, EventErrors};
+use stickslip::analysis::tangency;
+use stickslip::error::Error;
+use stickslip::filippov::{Fate, Options, TransitionKind, fate, normal_component, solve};
+use stickslip::models::BeltOscillator;
+use stickslip::system::{Filippov, Side, State};
+
+pub(super) fn errata(accuracy: &Accuracy) -> Result<Vec<Erratum>, ErrataError> {
+    Ok(vec![
+        unit_of_mu0(),
+        critical_points()?,
+        negative_friction()?,
+        wrong_reference()?,
+        step_from_above(accuracy),
+        time_in_stick(accuracy),
+    ])
+}
+
+/// Places between the outer tangent points at which it is seen whether a body sticks.
+const PLACES: u32 = 400;
+
+/// The least μ0 (N) at which a body on the belt of model 1 sticks wherever it is put between the outer tangent points, by halving.
+fn least_holding(model: &BeltOscillator) -> f64 {
+    let reach = (model.k1 / model.k2).sqrt();
+    let holds = |mu0: f64| {
+        let model = BeltOscillator { mu0, ..*model };
+        (0..=PLACES).all(|k| {
+            let part = 2.0 * f64::from(k) / f64::from(PLACES) - 1.0;
+            let x = State::from([reach * part, model.belt_speed]);
+            fate(&model, 0.0, &x) == Fate::Stick
+        })
+    };
+    let (mut low, mut high) = (0.0, 10.0);
+    for _ in 0..40 {
+        let middle = 0.5 * (low + high);
+        if holds(middle) {
+            high = middle;
+        } else {
+            low = middle;
+        }
+    }
+    high
+}
+
+/// A coefficient would not scale with the spring, and would with the mass.
+fn unit_of_mu0() -> Erratum {
+    let printed = BeltOscillator::default();
+    let plain = least_holding(&printed);
+    let stiffer = least_holding(&BeltOscillator {
+        k1: 2.0,
+        k2: 2.0,
+        ..printed
+    });
+    let heavier = least_holding(&BeltOscillator {
+        mass: 2.0,
+        ..printed
+    });
+    erratum(
+        "Eq. (2), (13)",
+        "mu0 is called a coefficient of static friction, although the normal force mg has been left out of T",
+        "mu0 is a force in newtons; the coefficient is mu0/(mg)",
+        vec![
+            number(
+                "least mu0 at which the body sticks all over the zone",
+                plain,
+                "N",
+            ),
+            number(
+                "its ratio with a spring twice as stiff, 1 for a coefficient",
+                stiffer / plain,
+                "1",
+            ),
+            number(
+                "its ratio with twice the mass, 1/2 for a coefficient",
+                heavier / plain,
+                "1",
+            ),
+        ],
+        (stiffer / plain - 2.0).abs() < 1e-9 && (heavier / plain - 1.0).abs() < 1e-9,
+    )
+}
+
+/// Eq. (12) finds where σ is stationary, and calls that tangent points.
+fn critical_points() -> Result<Erratum, ErrataError> {
+    let model = BeltOscillator::default();
+    let points = Claims::committed()?
+        .of(ClaimId::Eq12CriticalPoints)
+        .values();
+    let mut least_sigma = f64::INFINITY;
+    let (mut tangent, mut sticks, mut slips) = (0, 0, 0);
+    for &x1 in points {
+        let x = State::from([x1, model.belt_speed]);
+        let normal = |side| normal_component(&model, 0.0, &x, &model.field(side, 0.0, &x));
+        let sigma = normal(Side::Below) * normal(Side::Above);
+        least_sigma = least_sigma.min(sigma.abs());
+        let is_tangent = [Side::Below, Side::Above]
+            .into_iter()
+            .any(|side| tangency(&model, side, 0.0, &x).is_some());
+        tangent += usize::from(is_tangent);
+        match fate(&model, 0.0, &x) {
+            Fate::Stick => sticks += 1,
+            Fate::Slip(_) => slips += 1,
+            Fate::Repelling => {}
+        }
+    }
+    Ok(erratum(
+        "Eq. (12)",
+        "the points where sigma is stationary are called tangent points",
+        "critical points of sigma; they are tangent points only for the values of mu0 in Eq. (13), and the tangent points for the mu0 of Fig. 4 are those of Eq. (16)",
+        vec![
+            count("points of Eq. (12)", points.len()),
+            count(
+                "those at which a field is tangent, for the mu0 of Fig. 4",
+                tangent,
+            ),
+            count(
+                "those at which a body put on the belt sticks, inside a zone",
+                sticks,
+            ),
+            count(
+                "those at which it slips off at once, outside the zones",
+                slips,
+            ),
+            number(
+                "least |sigma| among them, 0 at a tangent point",
+                least_sigma,
+                "m²/s⁴",
+            ),
+        ],
+        !points.is_empty() && tangent == 0 && least_sigma > 1e-6,
+    ))
+}
+
+/// Eq. (13) has a negative value of μ0 too, at which the continuous stick zone is said to exist as well.
+fn negative_friction() -> Result<Erratum, ErrataError> {
+    let values = Claims::committed()?.of(ClaimId::Eq13CriticalMu0).values();
+    let along = |mu0: f64| {
+        let model = BeltOscillator {
+            mu0,
+            ..BeltOscillator::default()
+        };
+        let outer = 2.0 / 3f64.sqrt();
+        let fates = (0..PLACES).map(|k| {
+            let part = 2.0 * (f64::from(k) + 0.5) / f64::from(PLACES) - 1.0;
+            fate(&model, 0.0, &State::from([outer * part, model.belt_speed]))
+        });
+        let fates: Vec<Fate> = fates.collect();
+        let of = |wanted| fates.iter().filter(|found| **found == wanted).count();
+        (of(Fate::Stick), of(Fate::Repelling))
+    };
+    let positive = values.iter().copied().fold(0.0, f64::max);
+    let negative = values.iter().copied().fold(0.0, f64::min);
+    let (sticks, repels) = (along(positive), along(negative));
+    Ok(erratum(
+        "Sect. 2 on Eq. (13)",
+        "at mu0(2) and mu0(3), which is negative, the stick zone is continuous",
+        "at mu0(2) only: a negative mu0 drives slip on, and both fields lead away from the zone",
+        vec![
+            count(
+                format!("of {PLACES} places of the zone, sticking at mu0(2)"),
+                sticks.0,
+            ),
+            count("sticking at mu0(3)", repels.0),
+            count("repelling at mu0(3)", repels.1),
+        ],
+        sticks.0 == PLACES as usize && repels == (0, PLACES as usize),
+    ))
+}
+
+/// Sect. 3 names Eq. (12) for the system that is to be solved.
+fn wrong_reference() -> Result<Erratum, ErrataError> {
+    // What has a solution: the orbit of Eq. (5) through each member of Eq. (12), off the belt's speed.
+    const SPAN: f64 = 30.0;
+    let points = Claims::committed()?
+        .of(ClaimId::Eq12CriticalPoints)
+        .values();
+    let crossings = |belt_speed: f64| -> Result<usize, Error> {
+        let model = BeltOscillator {
+            belt_speed,
+            ..BeltOscillator::default()
+        };
+        let mut found = 0;
+        for &x1 in points {
+            let orbit = solve(
+                &model,
+                0.0,
+                State::from([x1, 0.5 * belt_speed]),
+                SPAN,
+                &Options::tol(1e-12),
+            )?;
+            let changes = orbit.transitions.iter();
+            found += changes
+                .filter(|at| at.kind != TransitionKind::Touch)
+                .count();
+        }
+        Ok(found)
+    };
+    let (printed, slower) = (crossings(1.0)?, crossings(0.3)?);
+    Ok(erratum(
+        "Sect. 3",
+        "the discontinuous dynamical system is said to be given by Eq. (12), a set of five numbers",
+        "by Eq. (5): from one and the same set of points it moves differently for another speed of the belt, which Eq. (12) does not contain",
+        vec![
+            count("members of Eq. (12)", points.len()),
+            count(
+                format!("transitions on Σ of Eq. (5) from these, over {SPAN} s, vp = 1"),
+                printed,
+            ),
+            count("the same for vp = 0.3", slower),
+        ],
+        printed > 0 && printed != slower,
+    ))
+}
+
+fn step_from_above(accuracy: &Accuracy) -> Erratum {
+    let [_, text] = &accuracy.text;
+    let [_, stated] = &accuracy.stated;
+    let listing = &accuracy.printed_sign;
+    erratum(
+        "Sect. 3 and listing line 66",
+        "coming from x2 > vp the Hénon step in velocity is x2 - vp",
+        "vp - x2 from either side",
+        vec![
+            off("event time off at h = 1e-4 s, step of the text", text),
+            off("the same in the listing, all else mended", listing),
+            off("with the sign mended", stated),
+        ],
+        !text.is_accurate() && !listing.is_accurate() && stated.is_accurate(),
+    )
+}
+
+fn off(what: &str, errors: &EventErrors) -> Shown {
+    number(what, errors.at_printed_step, "s")
+}
+
+/// Eq. (15) takes an acceleration for a velocity: on the belt it is one that vanishes where the step ends.
+fn time_in_stick(accuracy: &Accuracy) -> Erratum {
+    let release = &accuracy.release;
+    let [below, above] = &release.belt.literal;
+    let corrected = &release.belt.corrected;
+    let shown = vec![
+        off(
+            "release of model 1 off at h = 1e-4 s, 1/f2 of the field below",
+            below,
+        ),
+        off("with the field above", above),
+        off("with 1/x2", corrected),
+        word(
+            "with 1/x2 and a tangent point that moves (model 2), accurate",
+            if release.forced.corrected.is_accurate() {
+                "yes"
+            } else {
+                "no"
+            },
+        ),
+        off("there off by", &release.forced.corrected),
+        off(
+            "with the distance to the moving point as variable",
+            &release.moving,
+        ),
+    ];
+    erratum(
+        "Eq. (15)",
+        "in a stick phase dt/dx1 is 1/f2",
+        "1/x2 = 1/vp, as in the listing; where the tangent points move, 1/(vp − Aω cos ωt) with the distance to the point as variable",
+        shown,
+        corrected.is_accurate()
+            && !release.belt.literal_is_accurate()
+            && release.moving.is_accurate(),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn critical_points_are_tangent_at_the_critical_friction() {
+        // Then the erratum would not hold.
+        let model = BeltOscillator {
+            mu0: 2.0 / (3.0 * 3f64.sqrt()),
+            ..BeltOscillator::default()
+        };
+        let x = State::from([1.0 / 3f64.sqrt(), model.belt_speed]);
+        let sides = [Side::Below, Side::Above];
+        assert!(
+            sides
+                .into_iter()
+                .any(|side| tangency(&model, side, 0.0, &x).is_some())
+        );
+        assert!(critical_points().unwrap().holds);
+    }
+
+    #[test]
+    fn friction_is_a_force() {
+        let found = unit_of_mu0();
+        assert!(found.holds, "{found:?}");
+    }
+
+    #[test]
+    fn the_others_hold() {
+        assert!(negative_friction().unwrap().holds);
+        assert!(wrong_reference().unwrap().holds, "{:?}", wrong_reference());
+    }
+}
