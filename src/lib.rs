@@ -1,6 +1,7 @@
 //! The replication of one paper with the library [`stickslip`]: its figures, its claims, its readings.
 
 pub mod figures;
+mod marked;
 pub mod paper;
 pub mod peers;
 pub mod readings;

@@ -6,11 +6,12 @@ use std::process::ExitCode;
 use clap::Parser;
 
 use super::ledger::{Ledger, LedgerError, TICKS};
-use super::matrix::four_claims;
 use super::page::{Origin, Picture, Report, page};
 use super::{draw_convergence, draw_scan, readme, tables};
 use crate::figures::FigureError;
 use crate::figures::output::{Artifact, listing, write_all};
+use crate::paper::claim_id::ClaimId;
+use crate::paper::published::Claims;
 use crate::terminal::{self, ProgramError, Progress};
 
 const ABOUT: &str = "Computes what becomes of every claim of the paper, and why: values under each reading, digits in agreement, \
@@ -22,7 +23,7 @@ Files written:
   report/claims.csv        every claim with its readings, verdict, evidence and cause
   figures/convergence.svg  the listing as printed for smaller and smaller steps, and .csv
   figures/scan.svg         where starts lead as each parameter of Fig. 8 is changed, and .csv
-  README.md                its table of verdicts, where the folder has a README.md with the marks for it
+  README.md                its verdicts, where the folder has a README.md with the marks for it
 
 Exit codes: 0 done, 1 something failed, 2 wrong command line.
 
@@ -92,6 +93,7 @@ pub fn run(
     let [convergence, scan] = pictures;
     let report = Report {
         ledger,
+        claims: Claims::committed().map_err(LedgerError::from)?,
         convergence,
         scan,
         origin: Origin::ask(),
@@ -106,12 +108,12 @@ const README: &str = "README.md";
 /// The README with the present table, if there is one with marks for it.
 fn new_readme(folder: &Path, ledger: &Ledger) -> Option<String> {
     let readme = std::fs::read_to_string(folder.join(README)).ok()?;
-    readme::with_table(&readme, &readme::table(ledger))
+    readme::MARKS.put(&readme, &readme::block(ledger))
 }
 
 fn convergence_picture(ledger: &Ledger) -> Result<Picture, ReportError> {
-    let claims = four_claims().map_err(LedgerError::from)?;
-    let published = claims.map(|claim| claim.values().into_iter().sum());
+    let claims = Claims::committed().map_err(LedgerError::from)?;
+    let published = ClaimId::FOUR.map(|id| claims.value(id));
     Ok(Picture {
         title: "The listing as printed for smaller and smaller steps",
         about: "Left: the four numbers of Fig. 8 approach what the event-exact solver gives with the two defects that do not vanish with \

@@ -45,7 +45,8 @@ pub fn agreement(claim: &Claim, value: f64) -> Option<Agreement> {
     let distance = |published: &f64| (value - published).abs();
     let published = claim
         .values()
-        .into_iter()
+        .iter()
+        .copied()
         .min_by(|one, other| distance(one).total_cmp(&distance(other)))?;
     match claim.digits {
         Digits::None => None,
@@ -97,14 +98,19 @@ fn ten_to(power: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::paper::published::parse;
 
     fn of(published: &str, digits: &str, value: f64) -> String {
-        let row =
-            format!("id,where,kind,published,digits,unit,what\na,b,set,{published},{digits},m,x\n");
-        agreement(&parse(&row).unwrap()[0], value)
-            .unwrap()
-            .to_string()
+        let row = [
+            "eq12.critical_points",
+            "b",
+            "set",
+            published,
+            digits,
+            "m",
+            "x",
+        ];
+        let claim = Claim::of_record(&csv::StringRecord::from(row.to_vec())).unwrap();
+        agreement(&claim, value).unwrap().to_string()
     }
 
     #[test]

@@ -1,48 +1,53 @@
 //! The ledger: every claim of the paper, what the readings give for it, and what that comes to.
 
 use super::accuracy::{Accuracy, AccuracyError};
+use super::cause::Cause;
 use super::checks::check;
-use super::convergence;
-use super::convergence::Convergence;
-use super::digits::Agreement;
-use super::digits::agreement;
-use super::entry::{Cause, Entry, ReadingValue, Role, Spread, Verdict, verdict};
-use super::errata::{ErrataError, Erratum, errata};
-use super::figures::{self, Computed, Sign, Table, kind_of_motion, readings_of, signs_of_class};
-use super::injection::{Exits, Injection, mended_listing_error};
-use super::matrix::{Cell, FOUR, Matrix, MatrixError, SUBSETS, list};
+use super::convergence::{self, Convergence};
+use super::correction::Correction;
+use super::entry::Entry;
+use super::errata::{ErrataError, Erratum, Sources, errata};
+use super::evidence::{Evidence, EvidenceError};
+use super::figures::{self, Computed, signs};
+use super::finding::Finding;
+use super::injection::Injection;
+use super::matrix::{Matrix, MatrixError, SUBSETS};
+use super::remark::Remark;
 use super::scan::{self, Scan};
-use super::spread::{self, Spread as Estimates, SpreadError};
+use super::spread::{self, Spread, SpreadError};
+use super::statements::Statements;
+use super::verdict::Verdict;
 use crate::figures::FigureError;
-use crate::figures::rows::{Row, Value};
-use crate::paper::published::{Claim, Digits, PublishedError, claims, published};
+use crate::figures::fig08::Shares;
+use crate::paper::claim_id::{ClaimId, SpectrumFigure};
+use crate::paper::published::{Claims, PublishedError};
+use crate::paper::reading::{Reading, Role};
 use stickslip::error::Error;
 
 /// Everything the report says.
-#[derive(Clone, Debug, PartialEq)]
 pub struct Ledger {
     /// One entry for each claim, in the order of the table of claims.
     pub entries: Vec<Entry>,
-    /// The figures' tables.
-    pub tables: Vec<Table>,
     /// Which defects of the listing make the numbers of Fig. 8.
     pub matrix: Matrix,
     /// The listing's approach to its limit.
     pub convergence: Convergence,
-    /// The limit's defects in the event-exact solver.
+    /// The two defects in the event-exact solver, together and alone.
     pub injection: Injection,
-    /// How far the mended listing's crossings are from those of the event-exact orbit (m).
-    pub mended_listing_error: f64,
-    /// Ends of stick phases of the stated model.
-    pub exits: Exits,
+    /// What makes Fig. 8.
+    pub cause: Cause,
     /// Whether the stated model has a stick–slip attractor near the printed parameters.
     pub scan: Scan,
     /// The Hénon step's order and error.
     pub accuracy: Accuracy,
-    /// The estimator's spread in Figs. 10–12.
-    pub spread: Estimates,
+    /// The estimator's spread in Figs. 10–12, and what the search over their readings found.
+    pub spread: Spread,
+    /// Evidence for statements.
+    pub statements: Statements,
     /// The paper's misprints.
     pub errata: Vec<Erratum>,
+    /// The figures' data.
+    pub computed: Computed,
 }
 
 /// Why the ledger could not be made.
@@ -60,7 +65,10 @@ pub enum LedgerError {
     /// The accuracy could not be measured.
     #[error(transparent)]
     Accuracy(#[from] AccuracyError),
-    /// The spread could not be measured.
+    /// Evidence for a statement could not be computed.
+    #[error(transparent)]
+    Evidence(#[from] EvidenceError),
+    /// The estimator's spread could not be told.
     #[error(transparent)]
     Spread(#[from] SpreadError),
     /// The errata could not be computed.
@@ -71,7 +79,7 @@ pub enum LedgerError {
     Published(#[from] PublishedError),
 }
 
-/// How often [`Ledger::compute`] calls its `tick`.
+/// Times that [`Ledger::compute`] calls `tick`.
 pub const TICKS: usize =
     figures::FIGURES + SUBSETS + convergence::RUNS + scan::POINTS + spread::JOBS;
 
@@ -81,54 +89,50 @@ impl Ledger {
     /// # Errors
     /// [`LedgerError`] of the first part that fails.
     pub fn compute(tick: &(dyn Fn() + Sync)) -> Result<Ledger, LedgerError> {
-        let computed = figures::compute(tick)?;
+        let claims = Claims::committed()?;
+        let computed = Computed::compute(tick)?;
         let matrix = Matrix::compute(tick)?;
         let injection = Injection::compute()?;
         let convergence = Convergence::compute(injection.numbers, tick)?;
-        let exits = Exits::compute()?;
-        let exact = &computed.fig08.exact;
-        let mended_listing_error =
-            mended_listing_error(exact.left, exact.right).map_err(MatrixError::from)?;
-        let length = |id| Ok::<f64, PublishedError>(published(id)?.values().into_iter().sum());
-        let scan = Scan::compute([length(FOUR[0])?, length(FOUR[1])?], tick)?;
+        let cause = Cause::new(
+            &computed.fig08.as_printed.pattern,
+            Ok(injection.both.clone()),
+            &convergence,
+            ClaimId::FOUR.map(|id| claims.value(id)),
+        );
+        let lengths = [ClaimId::Fig08StickLength1, ClaimId::Fig08StickLength2];
+        let scan = Scan::compute(lengths.map(|id| claims.value(id)), tick)?;
         let accuracy = Accuracy::compute()?;
-        let spread = Estimates::compute(tick)?;
-        let rows: Vec<&Row> = computed
-            .tables
-            .iter()
-            .flat_map(|table| &table.rows)
-            .collect();
-        let errata = errata(&matrix, &accuracy, &rows)?;
-        let claims = claims()?;
-        let sources = Sources {
-            claims: &claims,
-            computed: &computed,
+        let spread = Spread::compute(tick)?;
+        let statements = Statements::compute(&computed)?;
+        let errata = errata(&Sources {
             matrix: &matrix,
-            injection: &injection,
-            mended_listing_error,
-            exits,
-            scan: &scan,
             accuracy: &accuracy,
-            spread: &spread,
-        };
-        let entries = claims.iter().map(|claim| sources.entry(claim)).collect();
-        Ok(Ledger {
-            entries,
-            tables: computed.tables,
+            arcs: &statements.arcs,
+            oscillation: &statements.zone_oscillates,
+        })?;
+        let mut ledger = Ledger {
+            entries: Vec::new(),
             matrix,
             convergence,
             injection,
-            mended_listing_error,
-            exits,
+            cause,
             scan,
             accuracy,
             spread,
+            statements,
             errata,
-        })
+            computed,
+        };
+        ledger.entries = claims
+            .iter()
+            .map(|claim| ledger.judged_anew(claims, claim.id))
+            .collect();
+        Ok(ledger)
     }
 
     /// How many claims have each verdict.
-    pub fn counts(&self) -> [(Verdict, usize); 4] {
+    pub fn counts(&self) -> [(Verdict, usize); Verdict::COUNT] {
         Verdict::ALL.map(|verdict| {
             let with = self.entries.iter().filter(|entry| entry.verdict == verdict);
             (verdict, with.count())
@@ -136,319 +140,178 @@ impl Ledger {
     }
 
     /// The entry of a claim.
-    pub fn entry(&self, id: &str) -> Option<&Entry> {
-        self.entries.iter().find(|entry| entry.claim.id == id)
+    pub fn entry(&self, id: ClaimId) -> &Entry {
+        // `compute` has made one for each, in the order of the variants.
+        &self.entries[id as usize]
     }
-}
 
-/// What entries are made from.
-struct Sources<'a> {
-    claims: &'a [Claim],
-    computed: &'a Computed,
-    matrix: &'a Matrix,
-    injection: &'a Injection,
-    mended_listing_error: f64,
-    exits: Exits,
-    scan: &'a Scan,
-    accuracy: &'a Accuracy,
-    spread: &'a Estimates,
-}
+    /// Where the starts of Fig. 8's grid end up in the stated model.
+    pub fn shares(&self) -> Shares {
+        self.computed.fig08.shares
+    }
 
-impl Sources<'_> {
-    fn entry(&self, claim: &Claim) -> Entry {
-        let mut readings = readings_of(claim, self.claims, &self.computed.tables);
-        readings.extend(self.computed_here(claim));
-        let verdict = verdict(&readings, self.class_right(claim, &readings));
-        let decimals = match claim.digits {
-            Digits::Decimals(decimals) => decimals + 1,
-            _ => 6,
+    /// What the same computations come to for a claim as `claims` has it: with the published table its entry, with a changed one what
+    /// would be said if the paper had printed that.
+    pub fn judged_anew(&self, claims: &Claims, id: ClaimId) -> Entry {
+        let claim = claims.of(id);
+        let mut findings: Vec<Finding> = self
+            .computed
+            .tables
+            .iter()
+            .flat_map(|table| Finding::of_rows(claims, claim, table.figure, &table.rows))
+            .collect();
+        findings.extend(self.statement(id));
+        let has_corrected = |one: &Finding| one.reading.role() == Role::Corrected;
+        let corrections = if findings.iter().any(has_corrected) {
+            self.corrections(id)
+        } else {
+            Vec::new()
         };
-        let check = check(&claim.id).map(|check| format!("check: {check}"));
-        let mut evidence: Vec<String> = check.into_iter().collect();
-        evidence.extend(readings.iter().map(|one| one.line(decimals)));
-        let spread = (verdict == Verdict::ClassOnly)
-            .then(|| self.spread_of(claim, &readings))
-            .flatten();
-        evidence.extend(self.further(claim, verdict, &readings, spread.as_ref()));
-        let cause = (verdict == Verdict::AsPrintedOnly).then(|| self.cause(claim, &readings));
         Entry {
+            verdict: Verdict::of(claim.kind, &findings),
+            check: check(id),
+            corrections,
+            remark: id
+                .exponent()
+                .map(|(figure, k)| self.remark(claims.value(id), figure, k)),
+            further: self.further(id),
             claim: claim.clone(),
-            readings,
-            verdict,
-            evidence,
-            cause,
-            spread,
+            findings,
         }
     }
 
-    /// Readings that no figure has.
-    fn computed_here(&self, claim: &Claim) -> Vec<ReadingValue> {
-        if let Some(i) = FOUR.iter().position(|id| *id == claim.id) {
-            return self.four_numbers(claim, i);
+    /// What the evidence says of a statement that no figure's table answers.
+    fn statement(&self, id: ClaimId) -> Vec<Finding> {
+        use ClaimId::*;
+        let all = &self.statements;
+        match id {
+            S2Sigma => exact(&all.sigma_of_belt),
+            Eq19Sigma => exact(&all.sigma_of_forced),
+            S2InnerPoints => exact(&all.inner_points),
+            Fig07bOscillation => exact(&all.beside_curves),
+            S4ZoneAttracts => exact(&all.zone_attracts),
+            S4NoStickAtZero => exact(&all.no_friction),
+            S4ZoneLocation => exact(&all.zone_location),
+            S4ExactLengths => exact(&all.exact_lengths),
+            S4UntilTangent => exact(&all.until_tangent),
+            S4Arcs => exact(&all.arcs),
+            S4ZoneOscillates => exact(&all.zone_oscillates),
+            S6OscillatingBoundary => exact(&all.oscillating_boundary),
+            S5Samples => exact(&all.samples),
+            S5Shapes => vec![evidence(Reading::CorrectedEquations, &all.shapes)],
+            S4FoundByAppendix => {
+                // The claim is the first part; the second, what the program without its defects finds, is told beside it.
+                let found = &all.found_by_appendix;
+                let printed = found.parts().into_iter().take(1).collect();
+                vec![Finding::statement(Reading::AsPrinted, REPORT, printed).noted(found.line())]
+            }
+            Fig08ExitAtVisible => {
+                let listing = vec![all.exits.of_listing()];
+                let mut findings = exact(&all.exits);
+                findings.push(
+                    Finding::statement(Reading::AsPrinted, REPORT, listing).by_construction(),
+                );
+                findings
+            }
+            S3ReleaseAccuracy => self.accuracy.release_findings(),
+            AbstractAccuracy => self.accuracy.findings(),
+            // Figures' tables.
+            Eq12CriticalPoints
+            | Eq13CriticalMu0
+            | S2BoundaryTangentPoints
+            | S2DegenerateZone
+            | S2ContinuousZone
+            | Eq16TangentPoints
+            | Fig04Visibility
+            | Fig04NoStick
+            | Fig04Deflection
+            | Fig06FrictionLaw
+            | Eq22CriticalPoints
+            | Eq23CriticalMu0
+            | Fig07aTangency
+            | Fig07cBranches
+            | Eq24TangentPoints
+            | Fig08StickLength1
+            | Fig08StickLength2
+            | Fig08StickDuration1
+            | Fig08StickDuration2
+            | Fig08TwoPeriodic
+            | Fig08Deflections
+            | Fig10Lambda1
+            | Fig10Lambda2
+            | Fig10Lambda3
+            | Fig10Lambda4
+            | Fig10Class
+            | Fig11Lambda1
+            | Fig11Lambda2
+            | Fig11Lambda3
+            | Fig11Lambda4
+            | Fig11Class
+            | Fig12Lambda1
+            | Fig12Lambda2
+            | Fig12Lambda3
+            | Fig12Lambda4
+            | Fig12Class
+            | S5ZeroExponent
+            | S5TwoZeroExponents
+            | S5PositiveExponent => Vec::new(),
         }
-        let injection = self.injection;
-        let statement =
-            |reading, holds| word(reading, if holds { "holds" } else { "fails" }, holds);
-        let count = |reading, n: usize| counted(claim, reading, n);
-        match claim.id.as_str() {
-            "fig08.two_periodic" => {
-                let same = injection.sticks == 2 && injection.period_two;
-                vec![statement("slip-times-three", same)]
+    }
+
+    /// The corrections that a claim's corrected readings carry. An orbit that never leaves the belt knows nothing of the clipped force.
+    fn corrections(&self, id: ClaimId) -> Vec<Correction> {
+        let figure = SpectrumFigure::ALL
+            .into_iter()
+            .position(|one| one.class() == id || one.exponents().contains(&id));
+        let lifts_off = figure.is_none_or(|f| self.computed.bracket[f].exact.contact_losses > 0);
+        Correction::of(id)
+            .iter()
+            .copied()
+            .filter(|one| lifts_off || *one != Correction::ClippedNormalForce)
+            .collect()
+    }
+
+    fn remark(&self, published: f64, figure: SpectrumFigure, k: usize) -> Remark {
+        let figure = figure as usize;
+        Remark {
+            published,
+            sign: signs(&self.computed.bracket[figure])[k],
+            range: self.spread.range(figure, k),
+        }
+    }
+
+    /// Lines of evidence besides the findings.
+    fn further(&self, id: ClaimId) -> Vec<String> {
+        match id {
+            ClaimId::Fig10Class => vec![self.spread.mended_sentence()],
+            ClaimId::Fig12Class => vec![format!(
+                "the class rests on a section that does not close and on the positive exponent; by the section's dimension alone: {}",
+                self.statements.shapes.line()
+            )],
+            ClaimId::Fig08TwoPeriodic => vec![self.scan.sentence(), self.scan.chaos.sentence()],
+            ClaimId::AbstractAccuracy => {
+                let accuracy = &self.accuracy;
+                let arrival = accuracy.lines_of_arrival();
+                arrival.chain(accuracy.lines_of_release()).collect()
             }
-            "fig08.deflections" => {
-                let exact = &self.computed.fig08.exact;
-                let left = [exact.left, exact.right].into_iter().filter(|x1| *x1 < 0.0);
-                vec![
-                    count("exact", left.count()),
-                    count("slip-times-three", injection.deflections),
-                ]
-            }
-            "fig08.exit_at_visible" => {
-                let exits = self.exits;
-                let all = exits.all > 0 && exits.visible == exits.all;
-                let injected = injection.sticks > 0 && injection.visible_exits == injection.sticks;
-                vec![
-                    statement("exact", all).noted(format!(
-                        "{} of {} ends of stick phases, transient in the stated model",
-                        exits.visible, exits.all
-                    )),
-                    statement("slip-times-three", injected),
-                ]
-            }
-            "abstract.accuracy" => vec![
-                statement("exact", self.accuracy.stated_is_accurate()),
-                statement("as-printed", self.accuracy.as_printed_is_accurate()),
-            ],
+            ClaimId::S3ReleaseAccuracy => self.accuracy.lines_of_release().collect(),
             _ => Vec::new(),
         }
     }
-
-    /// The stated model's, and those of the mended listing with the least set of defects that gives all four.
-    fn four_numbers(&self, claim: &Claim, i: usize) -> Vec<ReadingValue> {
-        let sticks = self.computed.fig08.exact.sticks;
-        let mut readings = vec![word("exact", &format!("{sticks} stick phases"), false)];
-        let least = self.matrix.minimal(Cell::gives_digits);
-        // The mended listing stands for an accurate solver as long as it errs by less than the last printed digit shows.
-        let accurate = self.mended_listing_error < 0.5e-4;
-        if let Some(numbers) = least
-            .first()
-            .and_then(|cell| cell.numbers)
-            .filter(|_| accurate)
-        {
-            readings.push(ReadingValue {
-                reading: "least-set".into(),
-                source: "report",
-                values: vec![Value::Number(numbers[i])],
-                digits: agreement(claim, numbers[i]),
-                agrees: claim.agrees(numbers[i]),
-                note: None,
-            });
-        }
-        readings
-    }
-
-    /// Whether the kind of motion or the sign is that of the paper; nothing where a claim has neither.
-    fn class_right(&self, claim: &Claim, readings: &[ReadingValue]) -> Option<bool> {
-        if let Some((figure, i)) = exponent(&claim.id) {
-            let class = published(&format!("fig{}.class", figure + 10)).ok()?;
-            let expected = signs_of_class(&class.published)?;
-            return Some(self.computed.signs[figure][i] == expected[i]);
-        }
-        if !claim.id.ends_with(".class") {
-            return None;
-        }
-        let stated = readings.iter().find(|one| one.role() == Role::Stated)?;
-        Some(kind_of_motion(&stated.text()) == kind_of_motion(&claim.published))
-    }
-
-    fn spread_of(&self, claim: &Claim, readings: &[ReadingValue]) -> Option<Spread> {
-        let (figure, i) = exponent(&claim.id)?;
-        let figure = self.spread.figures.get(figure)?;
-        // The figure's own two estimates use more reference points, whose number is as little stated.
-        let from_data = readings
-            .iter()
-            .filter(|one| one.reading != "exact/equations");
-        let own = from_data
-            .filter_map(ReadingValue::number)
-            .filter(|v| v.is_finite());
-        let (least, largest) = own.fold(figure.range(i)?, |(least, largest), v| {
-            (least.min(v), largest.max(v))
-        });
-        Some(Spread {
-            least,
-            largest,
-            over: format!(
-                "{} settings of the data estimator on one accurate trajectory, besides the figure's two ({})",
-                figure.estimates.len(),
-                spread::described()
-            ),
-        })
-    }
-
-    /// Lines of evidence besides the readings.
-    fn further(
-        &self,
-        claim: &Claim,
-        verdict: Verdict,
-        readings: &[ReadingValue],
-        spread: Option<&Spread>,
-    ) -> Vec<String> {
-        let mut lines = Vec::new();
-        if let Some((figure, i)) = exponent(&claim.id) {
-            let sign = match self.computed.signs[figure][i] {
-                Sign::Positive => "positive",
-                Sign::Zero => "zero within its error",
-                Sign::Negative => "negative",
-            };
-            lines.push(format!("from the equations the exponent is {sign}"));
-            let class = published(&format!("fig{}.class", figure + 10));
-            let expected = class
-                .ok()
-                .and_then(|class| signs_of_class(&class.published));
-            let printed = claim.values().first().copied();
-            if expected.is_some_and(|signs| signs[i] == Sign::Zero) {
-                lines.push(match printed {
-                    Some(0.0) => "the captioned kind of motion demands a zero here: what agrees is that it is one".into(),
-                    _ => format!(
-                        "the captioned kind of motion demands a zero here; printed is {}",
-                        claim.published
-                    ),
-                });
-            }
-        }
-        if let Some(spread) = spread {
-            lines.push(spread_line(claim, spread));
-        }
-        if claim.id == "fig10.class" {
-            let mended: Vec<String> = self
-                .spread
-                .mended
-                .iter()
-                .map(|(entry, class)| format!("{entry}: {class}"))
-                .collect();
-            lines.push(format!(
-                "the caption's entries contradict each other; mended one at a time, {}",
-                mended.join(", ")
-            ));
-        }
-        if claim.id == "fig08.two_periodic" {
-            lines.push(self.scan.sentence());
-        }
-        if claim.id == "abstract.accuracy" {
-            let accuracy = self.accuracy;
-            let all = accuracy.stated.iter().chain(&accuracy.single);
-            let all = all
-                .chain([&accuracy.printed_sign])
-                .chain(&accuracy.as_printed);
-            lines.extend(all.map(super::accuracy::EventErrors::line));
-        }
-        if verdict == Verdict::NotReproduced {
-            lines.extend(nearest(claim, readings));
-        }
-        lines
-    }
-
-    fn cause(&self, claim: &Claim, readings: &[ReadingValue]) -> Cause {
-        let with = |name: &str| {
-            let outcome = readings.iter().find(|one| one.reading == name);
-            outcome.map_or_else(|| "nothing".into(), |one| one.line(5))
-        };
-        let least = |property| {
-            let cells = self.matrix.minimal(property);
-            cells
-                .first()
-                .map(|cell| cell.present.clone())
-                .unwrap_or_default()
-        };
-        let (all, class) = (least(Cell::gives_digits), least(Cell::gives_class));
-        let continuous = format!(
-            "{} make the class; in the event-exact solver, as they act when the step goes to zero: {}",
-            list(&class),
-            with("slip-times-three")
-        );
-        let (defects, text) = if FOUR.contains(&claim.id.as_str()) {
-            let text = format!(
-                "put into the mended listing, whose crossings are within {:.0e} m of the exact orbit's, {} give: {}. Of these {continuous}; \
-                 the rest of the digits is the finite step's",
-                self.mended_listing_error,
-                list(&all),
-                with("least-set")
-            );
-            (all, text)
-        } else {
-            (class, continuous)
-        };
-        Cause {
-            defects: defects.iter().map(|defect| defect.name()).collect(),
-            text,
-        }
-    }
 }
 
-impl ReadingValue {
-    fn noted(mut self, note: String) -> Self {
-        self.note = Some(note);
-        self
+const REPORT: &str = "report";
+
+/// A statement of the stated model, and what the listing makes of it where that was looked at.
+fn exact(found: &dyn Evidence) -> Vec<Finding> {
+    let mut findings = vec![evidence(Reading::Exact, found)];
+    let printed = found.as_printed();
+    if !printed.is_empty() {
+        findings.push(Finding::statement(Reading::AsPrinted, REPORT, printed));
     }
+    findings
 }
 
-fn word(reading: &str, word: &str, agrees: bool) -> ReadingValue {
-    ReadingValue {
-        reading: reading.into(),
-        source: "report",
-        values: vec![Value::Word(word.into())],
-        digits: None,
-        agrees,
-        note: None,
-    }
-}
-
-fn counted(claim: &Claim, reading: &str, n: usize) -> ReadingValue {
-    ReadingValue {
-        values: vec![Value::Count(n as u64)],
-        ..word(reading, "", n.to_string() == claim.published)
-    }
-}
-
-/// Figure, from 0 for Fig. 10, and index, from 0, of a published exponent.
-fn exponent(id: &str) -> Option<(usize, usize)> {
-    let rest = id.strip_prefix("fig1")?;
-    let (figure, index) = rest.split_once(".lambda.")?;
-    let (figure, index): (usize, usize) = (figure.parse().ok()?, index.parse().ok()?);
-    (figure < 3 && (1..=4).contains(&index)).then(|| (figure, index - 1))
-}
-
-fn spread_line(claim: &Claim, spread: &Spread) -> String {
-    format!(
-        "moves from {:.5} to {:.5} over {}, which the paper does not state; the published value lies {} that range",
-        spread.least,
-        spread.largest,
-        spread.over,
-        if spread.holds(claim) {
-            "within"
-        } else {
-            "outside"
-        }
-    )
-}
-
-/// The tested reading nearest to a published number.
-fn nearest(claim: &Claim, readings: &[ReadingValue]) -> Option<String> {
-    let published = *claim.values().first()?;
-    let distance = |one: &&ReadingValue| {
-        one.number()
-            .map_or(f64::INFINITY, |v| (v - published).abs())
-    };
-    let best = readings
-        .iter()
-        .min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
-    let none = Agreement {
-        agreeing: 0,
-        printed: 1,
-    };
-    Some(format!(
-        "nearest: {} ({} digits)",
-        best.reading,
-        best.digits.unwrap_or(none)
-    ))
+fn evidence(reading: Reading, found: &dyn Evidence) -> Finding {
+    Finding::statement(reading, REPORT, found.parts()).noted(found.line())
 }

@@ -2,37 +2,38 @@
 
 use super::entry::Entry;
 use super::ledger::Ledger;
-use super::matrix::FOUR;
 use super::scan::Class;
 use crate::figures::FigureError;
+use crate::paper::claim_id::ClaimId;
 use crate::paper::published::{Digits, Kind};
+use crate::paper::reading::{Reading, Role};
 
-/// The claims: what is published, what each reading gives, verdict, evidence, cause.
+/// The claims: what is published, what each reading gives, verdict, corrections, remarks, evidence.
 ///
 /// # Errors
 /// [`FigureError::Csv`] if the writer refuses a field.
 pub fn claims(ledger: &Ledger) -> Result<String, FigureError> {
-    let mut readings: Vec<&str> = Vec::new();
-    for reading in ledger.entries.iter().flat_map(|entry| &entry.readings) {
-        if !readings.contains(&reading.reading.as_str()) {
-            readings.push(&reading.reading);
-        }
-    }
     let mut header = vec!["id", "where", "kind", "published", "digits", "unit"];
-    header.extend(&readings);
+    header.extend(Reading::ALL.map(Reading::name));
     header.extend([
         "digits_in_agreement",
         "verdict",
-        "evidence",
-        "cause",
+        "corrections",
+        "sign_agrees",
         "least_over_unstated",
+        "median_over_unstated",
         "largest_over_unstated",
+        "settings",
+        "unidentified",
+        "within_unstated",
+        "cause",
+        "evidence",
     ]);
-    let rows = ledger.entries.iter().map(|entry| claim(entry, &readings));
-    text(std::iter::once(header.iter().map(|&name| name.to_owned()).collect()).chain(rows))
+    let header = header.into_iter().map(str::to_owned).collect();
+    text(std::iter::once(header).chain(ledger.entries.iter().map(|entry| claim(ledger, entry))))
 }
 
-fn claim(entry: &Entry, readings: &[&str]) -> Vec<String> {
+fn claim(ledger: &Ledger, entry: &Entry) -> Vec<String> {
     let claim = &entry.claim;
     let kind = match claim.kind {
         Kind::Value => "value",
@@ -46,37 +47,53 @@ fn claim(entry: &Entry, readings: &[&str]) -> Vec<String> {
         Digits::None => String::new(),
     };
     let mut row = vec![
-        claim.id.clone(),
+        claim.id.to_string(),
         claim.place.clone(),
         kind.into(),
         claim.published.clone(),
         digits,
         claim.unit.clone(),
     ];
-    row.extend(readings.iter().map(|name| {
-        // Two figures may give the same reading; each value is there once.
+    row.extend(Reading::ALL.map(|reading| {
+        // Several figures may give the same reading; each value is there once.
         let mut texts: Vec<String> = Vec::new();
-        for one in entry.readings.iter().filter(|one| one.reading == *name) {
+        for one in entry.findings.iter().filter(|one| one.reading == reading) {
             let text = one.text();
             if !texts.contains(&text) {
                 texts.push(text);
             }
         }
-        texts.join(" | ")
+        texts.join(" / ")
     }));
-    let agreement = entry.readings.iter().filter_map(|one| {
-        let digits = one.digits?;
-        Some(format!("{} {digits}", one.reading))
-    });
-    row.push(agreement.collect::<Vec<_>>().join("; "));
+    let agreement = [Role::Stated, Role::Corrected, Role::AsPrinted].map(|role| entry.digits(role));
+    let best = agreement
+        .into_iter()
+        .flatten()
+        .max_by_key(|one| one.agreeing);
+    row.push(best.map_or_else(String::new, |digits| digits.to_string()));
     row.push(entry.verdict.to_string());
-    row.push(entry.evidence.join(" | "));
-    row.push(entry.cause.as_ref().map_or_else(String::new, |cause| {
-        format!("{}: {}", cause.defects.join(", "), cause.text)
-    }));
-    let spread = entry.spread.as_ref();
-    row.push(spread.map_or_else(String::new, |spread| format!("{:?}", spread.least)));
-    row.push(spread.map_or_else(String::new, |spread| format!("{:?}", spread.largest)));
+    let corrections: Vec<&str> = entry
+        .corrections
+        .iter()
+        .map(|one| one.description())
+        .collect();
+    row.push(corrections.join(" | "));
+    let remark = entry.remark.as_ref();
+    let said = |text: Option<String>| text.unwrap_or_default();
+    row.push(said(remark.map(|one| one.sign_agrees().to_string())));
+    let range = remark.and_then(|one| one.range);
+    row.push(said(range.map(|range| format!("{:?}", range.least))));
+    row.push(said(range.map(|range| format!("{:?}", range.median))));
+    row.push(said(range.map(|range| format!("{:?}", range.largest))));
+    row.push(said(range.map(|range| range.settings.to_string())));
+    row.push(said(range.map(|range| range.unidentified.to_string())));
+    row.push(said(remark.map(|one| one.within_range().to_string())));
+    row.push(if entry.asks_for_cause() {
+        ledger.cause.status().to_string()
+    } else {
+        String::new()
+    });
+    row.push(entry.lines().join(" | "));
     row
 }
 
@@ -87,8 +104,8 @@ fn claim(entry: &Entry, readings: &[&str]) -> Vec<String> {
 pub fn convergence(ledger: &Ledger) -> Result<String, FigureError> {
     let convergence = &ledger.convergence;
     let mut header = vec!["h".to_owned(), "all_digits".to_owned()];
-    header.extend(FOUR.map(str::to_owned));
-    header.extend(FOUR.map(|id| format!("{id}.error")));
+    header.extend(ClaimId::FOUR.map(|id| id.to_string()));
+    header.extend(ClaimId::FOUR.map(|id| format!("{id}.error")));
     let limit = convergence.limit;
     let mut rows = vec![header];
     let mut zero = vec!["0".to_owned(), "false".to_owned()];

@@ -2,19 +2,39 @@
 
 use maud::{Markup, html};
 
-use super::super::entry::{Entry, ReadingValue, Verdict};
+use super::super::correction::Correction;
+use super::super::entry::Entry;
+use super::super::finding::Finding;
 use super::super::ledger::Ledger;
-use super::super::readme::{minus, shown};
+use super::super::paper_part::PaperPart;
+use super::super::readme::{decimals, minus, shown};
+use super::super::remark::Remark;
+use super::super::verdict::Verdict;
 use super::heading;
+use crate::paper::published::Kind;
+use crate::paper::reading::{Reading, Role};
 
 pub(super) fn section(ledger: &Ledger) -> Markup {
     html! {
         section.claims aria-labelledby="claims" {
             (heading("claims"))
-            dl {
-                @for verdict in Verdict::ALL {
-                    dt { (mark(verdict)) }
-                    dd { (meaning(verdict)) }
+            dl.words {
+                @for (verdict, count) in ledger.counts() {
+                    dt { (mark(verdict)) " " (count) }
+                    dd { (verdict.meaning()) }
+                }
+            }
+            (counts(ledger))
+            h3 #corrections { "Corrections" }
+            dl { @for one in Correction::ALL { dt { (one.label()) } dd { (one.description()) } } }
+            details {
+                summary { "What the readings are" }
+                dl {
+                    @for reading in Reading::ALL { dt { (reading) } dd { (reading.meaning()) } }
+                    dt { "unidentified, starved, unstable, unpredictable" }
+                    dd { "what the estimator itself says of an exponent from data: the data do not determine it, or too few neighbours do" }
+                    dt { "biased" }
+                    dd { "the estimator says it is determined, and it is off the exponent from the equations by more than its own errors explain" }
                 }
             }
             fieldset.filter {
@@ -27,26 +47,17 @@ pub(super) fn section(ledger: &Ledger) -> Markup {
                     }
                 }
             }
-            p.soft {
-                b { "exact" } ": the stated model solved accurately (" b { "/equations" } ", " b { "/data" } ": exponents from the equations, and by \
-                Eqs. (25)–(26) from the sampled motion). " b { "as-printed" } ": the paper's program or equations to the letter. "
-                b { "slip-times-three" } ": the event-exact solver with the program's two defects that outlast a vanishing step. "
-                b { "least-set" } ": the mended program with the fewest defects that give all four numbers. "
-                b { "best-of-readings" } ": what a search over 1248 ways to read Figs. 10–12 ranks first. "
-                b { "unidentified" } ": the data do not determine that exponent."
-            }
             table.sortable.cards {
-                caption { "Every quantity and statement that the paper publishes, in its order." }
+                caption { "Every quantity and statement that the paper publishes, in its order. The evidence is folded under each claim." }
                 thead {
                     tr {
                         th scope="col" { "Claim" }
                         th scope="col" { "Published" }
                         th scope="col" { "Found" }
                         th scope="col" { "Verdict" }
-                        th scope="col" { "Evidence" }
                     }
                 }
-                tbody { @for (place, entry) in ledger.entries.iter().enumerate() { (row(place, entry)) } }
+                tbody { @for (place, entry) in ledger.entries.iter().enumerate() { (row(ledger, place, entry)) } }
             }
         }
     }
@@ -57,52 +68,89 @@ pub(super) fn mark(verdict: Verdict) -> Markup {
     html! { span class={ "mark " (key(verdict)) } { (verdict) } }
 }
 
-fn row(place: usize, entry: &Entry) -> Markup {
-    let claim = &entry.claim;
+/// How many claims of each part of the paper have each verdict.
+fn counts(ledger: &Ledger) -> Markup {
+    let count = |part: PaperPart, verdict: Option<Verdict>| {
+        let entries = ledger.entries.iter();
+        let of = entries.filter(|entry| PaperPart::of(entry.claim.id) == part);
+        of.filter(|entry| verdict.is_none_or(|verdict| entry.verdict == verdict))
+            .count()
+    };
+    let blank = |count: usize| {
+        if count == 0 {
+            String::new()
+        } else {
+            count.to_string()
+        }
+    };
     html! {
-        tr class=(key(entry.verdict)) id={ "claim-" (claim.id) } {
-            th scope="row" data-key=(place) {
-                code { (claim.id) }
-                br;
-                (claim.what)
-                br;
-                span.soft { (claim.place) }
-            }
-            td data-column="Published" { (published(entry)) }
-            td data-column="Found" {
-                ul.found {
-                    @for reading in &entry.readings {
-                        li {
-                            (reading.reading) ": " b { (worth(entry, reading)) }
-                            @if let Some(digits) = reading.digits { span.soft { " (" (digits) " digits)" } }
-                        }
+        div.scroll tabindex="0" role="group" aria-label="Claims by part of the paper and verdict" {
+            table.counts {
+                thead {
+                    tr {
+                        th scope="col" { "Part of the paper" }
+                        th.number scope="col" { "claims" }
+                        @for verdict in Verdict::ALL { th.number scope="col" { (verdict) } }
                     }
                 }
-            }
-            td data-column="Verdict" data-key=(entry.verdict as usize) { (mark(entry.verdict)) }
-            td data-column="Evidence" {
-                @if let Some(cause) = &entry.cause { p { b { "Cause: " } (cause.text) } }
-                @if let Some(spread) = &entry.spread {
-                    p {
-                        "From " (rounded(spread.least)) " to " (rounded(spread.largest)) " over " (spread.over) ": "
-                        b { @if spread.holds(&entry.claim) { "holds" } @else { "does not hold" } }
-                        " the published value."
-                    }
-                }
-                @match &entry.evidence[..] {
-                    [] => {}
-                    [only] => p { (only) },
-                    [first, rest @ ..] => {
-                        p { (first) }
-                        details {
-                            summary { "more (" (rest.len()) ")" }
-                            ul { @for line in rest { li { (line) } } }
+                tbody {
+                    @for part in PaperPart::ALL {
+                        tr {
+                            th scope="row" { (part.name()) }
+                            td.number { (count(part, None)) }
+                            @for verdict in Verdict::ALL { td.number { (blank(count(part, Some(verdict)))) } }
                         }
                     }
                 }
             }
         }
     }
+}
+
+fn row(ledger: &Ledger, place: usize, entry: &Entry) -> Markup {
+    let claim = &entry.claim;
+    html! {
+        tr class=(key(entry.verdict)) id={ "claim-" (claim.id) } {
+            th scope="row" data-key=(place) {
+                (claim.what)
+                " " span.soft { (claim.place) " · " code { (claim.id) } }
+                details {
+                    summary { "evidence" }
+                    ul { @for line in entry.lines() { li { (line) } } }
+                    @if entry.asks_for_cause() { p { "Cause: " a href="#cause" { (ledger.cause.status()) } "." } }
+                }
+            }
+            td data-column="Published" { (published(entry)) }
+            td data-column="Found" {
+                ul.found { @for one in deciding(entry) { li { (one.reading) ": " b { (worth(entry, one)) } @if one.by_construction { " by construction: no evidence" } } } }
+                @if let Some(remark) = &entry.remark { p.soft { (remarked(remark)) } }
+            }
+            td data-column="Verdict" data-key=(entry.verdict as usize) {
+                (mark(entry.verdict))
+                @if !entry.corrections.is_empty() && matches!(entry.verdict, Verdict::WithCorrections | Verdict::InKind) {
+                    span.soft { " (" a href="#corrections" { (labels(&entry.corrections)) } ")" }
+                }
+            }
+        }
+    }
+}
+
+/// Short names of corrections.
+fn labels(corrections: &[Correction]) -> String {
+    let labels: Vec<String> = corrections.iter().map(|one| one.label()).collect();
+    labels.join(", ")
+}
+
+/// One finding of each reading that can decide, each different value once.
+fn deciding(entry: &Entry) -> Vec<&Finding> {
+    let mut kept: Vec<&Finding> = Vec::new();
+    for one in &entry.findings {
+        let known = |other: &&Finding| other.reading == one.reading && other.text() == one.text();
+        if one.reading.role() != Role::Beside && !kept.iter().any(known) {
+            kept.push(one);
+        }
+    }
+    kept
 }
 
 /// What the paper says, with its unit; long closed-form numbers to six decimals.
@@ -111,44 +159,67 @@ fn published(entry: &Entry) -> String {
     if claim.published.is_empty() {
         return "stated".to_owned();
     }
-    let short = |part: &str| match part.trim().parse::<f64>() {
-        Ok(value) if part.trim().len() > LONG => minus(&format!("{value:.6}…")),
-        _ => minus(part.trim()),
+    let mut parts: Vec<(&str, &f64)> = claim.published.split(';').zip(claim.values()).collect();
+    if claim.kind == Kind::Set {
+        parts.sort_by(|one, other| other.1.total_cmp(one.1));
+    }
+    let texts: Vec<String> = parts
+        .into_iter()
+        .map(|(text, value)| match text.len() {
+            0..=SHORT => minus(text),
+            _ => decimals(*value, 6) + "…",
+        })
+        .collect();
+    let text = if texts.is_empty() {
+        claim.published.clone()
+    } else {
+        texts.join("; ")
     };
-    let parts: Vec<String> = claim.published.split(';').map(short).collect();
-    let text = parts.join("; ");
     match claim.unit.as_str() {
         "" | "1" => text,
         unit => format!("{text} {unit}"),
     }
 }
 
-/// More characters than a printed number has.
-const LONG: usize = 12;
+/// A number with more characters is a closed form in full precision; of these a reader wants the first digits.
+const SHORT: usize = 8;
 
 /// Name of a verdict in the style sheet.
 fn key(verdict: Verdict) -> &'static str {
     match verdict {
         Verdict::Reproduced => "reproduced",
+        Verdict::WithCorrections => "corrected",
         Verdict::AsPrintedOnly => "printed",
-        Verdict::ClassOnly => "class",
+        Verdict::InKind => "kind",
         Verdict::NotReproduced => "missed",
     }
 }
 
-fn meaning(verdict: Verdict) -> &'static str {
-    match verdict {
-        Verdict::Reproduced => {
-            "the stated model, solved accurately, gives it to all published digits, or the statement holds"
+/// What is remarked of an exponent beside the verdict.
+fn remarked(remark: &Remark) -> String {
+    let sign = format!(
+        "sign: {}{}",
+        remark.sign,
+        if remark.sign_agrees() {
+            ", as published"
+        } else {
+            ", not as published"
         }
-        Verdict::AsPrintedOnly => {
-            "the printed program or formula gives it, the stated model does not, and putting exactly the named defects into an \
-             accurate solver, or into the mended program where it is shown to be as accurate, gives it too"
-        }
-        Verdict::ClassOnly => {
-            "the kind of motion is right, or the exponent has the sign that the captioned kind demands; the digits are not"
-        }
-        Verdict::NotReproduced => "no tested reading gives it",
+    );
+    match &remark.range {
+        Some(range) => format!(
+            "{sign}; over {} estimator settings {} to {} ({} of them leave it unidentified): published value {}",
+            range.settings,
+            rounded(range.least),
+            rounded(range.largest),
+            range.unidentified,
+            if remark.within_range() {
+                "inside"
+            } else {
+                "outside"
+            }
+        ),
+        None => sign,
     }
 }
 
@@ -162,10 +233,11 @@ fn rounded(value: f64) -> String {
 }
 
 /// A reading's values and, in brackets, what they are worth.
-fn worth(entry: &Entry, reading: &ReadingValue) -> String {
-    let note = reading.note.as_ref();
-    match note.filter(|note| *note != "ok" && *note != "annihilated") {
-        Some(note) => format!("{} ({note})", shown(entry, reading)),
-        None => shown(entry, reading),
+fn worth(entry: &Entry, finding: &Finding) -> String {
+    let status = finding.note.as_ref();
+    match status.filter(|note| finding.digits.is_some() && *note != "ok" && *note != "annihilated")
+    {
+        Some(note) => format!("{} ({note})", shown(entry, finding)),
+        None => shown(entry, finding),
     }
 }

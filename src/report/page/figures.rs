@@ -3,23 +3,44 @@
 use maud::{Markup, PreEscaped, html};
 
 use super::super::figures::Table;
-use super::super::ledger::Ledger;
+use super::super::readme::{decimals, minus};
+use super::Report;
 use super::heading;
-use crate::figures::rows::{Row, Value};
+use crate::figures::rows::{Comparison, Row, Value};
 
-pub(super) fn section(ledger: &Ledger) -> Markup {
+/// Figures of the paper that hold nothing to compute, and why.
+const NOTHING_TO_COMPUTE: [(&str, &str); 5] = [
+    (
+        "Fig. 1",
+        "a drawing of the oscillator on the belt; what it defines is Eqs. (1)–(3)",
+    ),
+    (
+        "Fig. 2",
+        "a block diagram of the procedure; what it does is the Appendix's listing, which is run here",
+    ),
+    ("Fig. 3", "the second half of that diagram"),
+    (
+        "Fig. 5",
+        "a drawing of the forced oscillator; what it defines is Eqs. (17), (18)",
+    ),
+    (
+        "Fig. 9",
+        "a drawing of the block and the bracket; what it defines is Eqs. (27), (28)",
+    ),
+];
+
+pub(super) fn section(report: &Report) -> Markup {
     html! {
-        section aria-labelledby="figures" {
+        section.figures aria-labelledby="figures" {
             (heading("figures"))
-            @for table in &ledger.tables {
+            @for table in &report.ledger.computed.tables {
                 h3 id=(table.figure) { (table.title) }
                 (figure(table.title, table.about, &table.svg))
-                (numbers(table))
-                p.soft {
-                    "All numbers: " a href={ "../golden/" (table.figure) ".snap" } { "golden/" (table.figure) ".snap" }
-                    ", " a href={ "../figures/" (table.figure) ".csv" } { "figures/" (table.figure) ".csv" } "."
-                }
+                (numbers(report, table))
+                p.soft { "All its numbers: " code { "golden/" (table.figure) ".snap" } " and " code { "figures/" (table.figure) ".csv" } " of the project." }
             }
+            h3 { "Figures that hold nothing to compute" }
+            dl { @for (name, why) in NOTHING_TO_COMPUTE { dt { (name) } dd { (why) "." } } }
         }
     }
 }
@@ -37,16 +58,17 @@ pub(super) fn figure(title: &str, about: &str, svg: &str) -> Markup {
 }
 
 /// Rows that the paper says something of.
-fn numbers(table: &Table) -> Markup {
-    let rows: Vec<&Row> = table
+fn numbers(report: &Report, table: &Table) -> Markup {
+    let rows: Vec<(&Row, Comparison)> = table
         .rows
         .iter()
-        .filter(|row| row.published.is_some())
+        .filter_map(|row| Some((row, row.comparison(report.claims)?)))
         .collect();
+    let agreeing = rows.iter().filter(|(_, one)| one.agrees).count();
     html! {
         @if !rows.is_empty() {
             details {
-                summary { "Published against computed: " (agreeing(&rows)) " of " (rows.len()) " rows agree" }
+                summary { "Published against computed: " (agreeing) " of " (rows.len()) " rows agree" }
                 table.cards {
                     thead {
                         tr {
@@ -58,13 +80,13 @@ fn numbers(table: &Table) -> Markup {
                         }
                     }
                     tbody {
-                        @for row in rows {
+                        @for (row, comparison) in rows {
                             tr {
-                                th scope="row" { code { (row.id) } }
+                                th scope="row" { code { (row.quantity) } }
                                 td data-column="Reading" { (row.reading) }
-                                td.number data-column="Published" { (row.published.as_deref().unwrap_or_default()) }
+                                td.number data-column="Published" { (minus(&comparison.published)) }
                                 td.number data-column="Computed" { (shown(row)) }
-                                td data-column="Agrees" { @if row.agrees == Some(true) { "yes" } @else { "no" } }
+                                td data-column="Agrees" { @if comparison.agrees { "yes" } @else { "no" } }
                             }
                         }
                     }
@@ -74,19 +96,15 @@ fn numbers(table: &Table) -> Markup {
     }
 }
 
-fn agreeing(rows: &[&Row]) -> usize {
-    rows.iter().filter(|row| row.agrees == Some(true)).count()
-}
-
 /// Two digits more than a reader compares; all are in the golden.
 fn shown(row: &Row) -> String {
     let value = match &row.value {
         Value::Number(v) if *v == f64::NEG_INFINITY => "−∞".to_owned(),
         Value::Number(v) if v.is_nan() => "–".to_owned(),
-        Value::Number(v) => format!("{v:.6}"),
+        Value::Number(v) => decimals(*v, 6),
         other => other.to_string(),
     };
-    match row.status.as_deref() {
+    match row.status {
         None | Some("ok") => value,
         Some(status) => format!("{value} ({status})"),
     }

@@ -4,11 +4,12 @@ mod claims;
 mod figures;
 mod injection;
 mod text;
-mod verdict;
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::ledger::Ledger;
+use super::sentences::sentences;
+use crate::paper::published::Claims;
 
 /// A picture of the report's own.
 #[derive(Clone, Debug)]
@@ -31,10 +32,11 @@ pub struct Origin {
 }
 
 /// Everything on the page.
-#[derive(Clone, Debug)]
 pub struct Report {
     /// Claims, figures, matrix, convergence, scan, errata.
     pub ledger: Ledger,
+    /// What the paper publishes.
+    pub claims: &'static Claims,
     /// The convergence of the listing for small steps.
     pub convergence: Picture,
     /// What becomes of the stated model as each parameter changes.
@@ -50,7 +52,7 @@ const SORT: &str = include_str!("../../../assets/report/sort.js");
 const SECTIONS: [(&str, &str); 8] = [
     ("claims", "Claims"),
     ("figures", "Figures"),
-    ("cause", "Cause by injection"),
+    ("cause", "What makes Fig. 8"),
     ("existence", "Does the stated model stick and slip?"),
     ("errata", "Errata"),
     ("methods", "Methods"),
@@ -93,25 +95,25 @@ fn document(report: &Report) -> Markup {
                 }
                 main {
                     (claims::section(&report.ledger))
-                    (figures::section(&report.ledger))
+                    (figures::section(report))
                     (injection::cause(report))
                     (injection::existence(report))
                     (text::errata(&report.ledger))
-                    (text::methods())
+                    (text::methods(&report.ledger))
                     (text::cite())
                     (text::remake(&report.origin))
                 }
-                footer { p { "MIT licence. Every number given as found on this page was computed by the run that wrote it." } }
+                footer { p { "MIT licence. Every number given as found on this page was computed by the run that wrote it, or comes from the committed search whose file and hash stand beside it." } }
                 script { (PreEscaped(SORT)) }
             }
         }
     }
 }
 
-/// The verdict in three sentences.
+/// The verdict in a few sentences.
 fn opening(ledger: &Ledger) -> Markup {
     html! {
-        div.verdict { @for sentence in verdict::sentences(ledger) { p { (sentence) } } }
+        div.verdict { @for sentence in sentences(ledger) { p { (sentence) } } }
     }
 }
 

@@ -5,6 +5,7 @@ use maud::{Markup, html};
 use super::super::errata::Shown;
 use super::super::ledger::Ledger;
 use super::{Origin, heading};
+use crate::figures::rows::Value;
 use stickslip::math;
 
 pub(super) fn errata(ledger: &Ledger) -> Markup {
@@ -41,9 +42,12 @@ pub(super) fn errata(ledger: &Ledger) -> Markup {
     }
 }
 
-/// Six significant digits with the unit.
+/// A number with six significant digits and its unit, a count or a word as it is.
 fn value(shown: &Shown) -> String {
-    let v = shown.value;
+    let v = match &shown.value {
+        Value::Number(v) => *v,
+        Value::Count(_) | Value::Word(_) | Value::Statement(_) => return shown.value.to_string(),
+    };
     let size = v.abs();
     let text = if v.fract() == 0.0 && size < 1e6 {
         format!("{v}")
@@ -60,7 +64,7 @@ fn value(shown: &Shown) -> String {
     .replace('-', "−")
 }
 
-pub(super) fn methods() -> Markup {
+pub(super) fn methods(ledger: &Ledger) -> Markup {
     html! {
         section aria-labelledby="methods" {
             (heading("methods"))
@@ -68,8 +72,8 @@ pub(super) fn methods() -> Markup {
                 b { "Two readings side by side. " }
                 i { "As printed" } " is what the paper's own program or formula literally says: the Appendix's listing is carried "
                 "statement by statement, Python's aliasing of lists included, with each of its defects as a switch. "
-                i { "Exact" } " is the model that the paper states, solved accurately. A claim is "
-                "reproduced by the second or not at all; what only the first gives is told so, with its cause."
+                i { "Exact" } " is the model that the paper states, solved accurately; " i { "corrected" } " is the same with corrections that are "
+                "listed wherever a verdict rests on them. What only the program gives is told so, with its cause."
             }
             p {
                 b { "The solver. " }
@@ -91,7 +95,7 @@ pub(super) fn methods() -> Markup {
                 "Eqs. (25)–(26) (Sano & Sawada 1985) by QR and singular values, never by the normal equations. Data on a curve or a torus "
                 "determine only as many exponents as it has dimensions; any beyond is marked unidentified, with its value in brackets. "
                 "The paper states neither radius nor step nor counts of neighbours: the table of claims tells how far an exponent moves "
-                "over the reasonable range of these."
+                "over the settings that a reader could have chosen. These estimates come from the committed search: " (ledger.spread.source()) "."
             }
             p {
                 b { "Digits. " }
@@ -112,7 +116,7 @@ pub(super) fn cite() -> Markup {
                 "Filippov-type discontinuous dynamical systems with dry friction. Nonlinear Dynamics 73 (2013) 723–736. "
                 "doi:10.1007/s11071-013-0826-7"
             }
-            p { "This replication and the library under it (" a href="../CITATION.cff" { "CITATION.cff" } "):" }
+            p { "This replication and the library under it (" code { "CITATION.cff" } "):" }
             pre { "stickslip " (env!("CARGO_PKG_VERSION")) ": " (env!("CARGO_PKG_DESCRIPTION")) "." }
         }
     }
@@ -132,7 +136,7 @@ pub(super) fn remake(origin: &Origin) -> Markup {
                 dt { "Version" } dd { "stickslip " (env!("CARGO_PKG_VERSION")) }
                 dt { "Commit" } dd { code { (or_unknown(&origin.commit)) } }
                 dt { "Compiler" } dd { (or_unknown(&origin.compiler)) " (1.89 or newer is needed)" }
-                dt { "Libraries" } dd { (libraries().join(", ")) "; all in " a href="../Cargo.lock" { "Cargo.lock" } }
+                dt { "Libraries" } dd { (libraries().join(", ")) "; all in " code { "Cargo.lock" } }
             }
         }
     }
