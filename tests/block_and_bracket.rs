@@ -1,19 +1,13 @@
-//! Model 3: its derivation, its stick condition, the published classes and its spectra.
+//! Model 3: its derivation, its stick condition, its readings. What its figures compute is tested in
+//! `report/block_and_bracket.rs`, on one computation.
 
 use std::fmt::Write;
-use std::ops::ControlFlow;
 
 use proptest::prelude::*;
-use stickslip::analysis::{
-    Exponent, Spectrum, SpectrumOptions, lyapunov_spectrum_watched, periodic_orbit,
-};
 use stickslip::models::{
     Amplitude, BlockAndBracket, Caption, CaptionOrder, Reading, Rig, Unloading,
 };
-use stickslip::{
-    Error, Fate, Filippov, Observer, Options, Side, State, StepRecord, Transition, TransitionKind,
-    fate, math, run, solve,
-};
+use stickslip::{Error, Fate, Filippov, Options, Side, State, fate, run, solve};
 
 fn rig() -> Rig {
     Rig {
@@ -196,129 +190,6 @@ fn run_to_the_letter_the_first_two_sets_diverge() {
             );
         }
     }
-}
-
-/// Where stick phases end, and the least contact force seen.
-struct Watch<'a> {
-    model: &'a BlockAndBracket,
-    exits: Vec<(f64, State<f64, 4>)>,
-    least_contact: f64,
-}
-
-impl Observer<4> for Watch<'_> {
-    fn step(&mut self, step: &StepRecord<4>) -> ControlFlow<()> {
-        let contact = self.model.unclipped_normal_force(&step.x_end);
-        self.least_contact = self.least_contact.min(contact);
-        ControlFlow::Continue(())
-    }
-    fn transition(&mut self, at: &Transition<4>) -> ControlFlow<()> {
-        if at.kind == TransitionKind::StickExit {
-            self.exits.push((at.t, at.x));
-        }
-        ControlFlow::Continue(())
-    }
-}
-
-/// As in the paper: what comes after t = 3000, for 9000 time units.
-fn measured(caption: &Caption) -> (BlockAndBracket, Spectrum<4>, Vec<(f64, State<f64, 4>)>, f64) {
-    let model = exact(caption);
-    let settings = SpectrumOptions::over(3000.0, 9000.0);
-    let mut watch = Watch {
-        model: &model,
-        exits: Vec::new(),
-        least_contact: f64::INFINITY,
-    };
-    let start = (0.0, State::from(caption.start));
-    let spectrum = lyapunov_spectrum_watched(&model, start, &settings, &mut watch).unwrap();
-    let (exits, least) = (watch.exits, watch.least_contact);
-    assert_eq!(spectrum.exponents[3], Exponent::Annihilated);
-    // The clip at N = 0 is a kink in the field that steps run over at their tolerance of 1e-10.
-    assert!(spectrum.defect().abs() < 1e-7, "{}", spectrum.defect());
-    (model, spectrum, exits, least)
-}
-
-#[track_caller]
-fn close(found: f64, wanted: f64, tolerance: f64) {
-    let off = (found - wanted).abs();
-    assert!(
-        off <= tolerance,
-        "{found} is {off:e} off {wanted}, allowed {tolerance:e}"
-    );
-}
-
-#[test]
-fn set_1_is_periodic() {
-    let (model, spectrum, exits, _) = measured(&Caption::FIG10);
-    let [.., (t0, _), (t1, x)] = exits[..] else {
-        panic!("no stick");
-    };
-    let period = t1 - t0;
-    close(period, 8.51, 5e-3);
-    // One exit per period, all at the same state.
-    assert_eq!(exits.len(), (9000.0 / period) as usize);
-    for (_, other) in &exits {
-        assert!((other - x).amax() < 1e-7);
-    }
-    assert!((0.0015..0.0025).contains(&spectrum.stick_fraction));
-    // Floquet: from a point off Σ, half a period later.
-    let solver = Options::tol(1e-12);
-    let x = run(&model, 0.0, x, 0.5 * period, &solver, &mut ())
-        .unwrap()
-        .x;
-    let cycle = periodic_orbit(&model, x, period, &solver).unwrap();
-    let mut multipliers: Vec<f64> =
-        stickslip::nalgebra::DMatrix::from_column_slice(4, 4, cycle.monodromy.as_slice())
-            .complex_eigenvalues()
-            .iter()
-            .map(|m| math::hypot(m.re, m.im))
-            .collect();
-    multipliers.sort_by(|a, b| b.total_cmp(a));
-    close(multipliers[0], 1.0, 1e-8);
-    // A pair of one size (complex), and the direction that stick annihilates.
-    close(multipliers[1], multipliers[2], 1e-8);
-    assert!(multipliers[3] < 1e-8);
-    let pair = math::ln(multipliers[1]) / cycle.period;
-    close(pair, -0.0115, 5e-5);
-    // End effects of 9000 time units: a vector's growth over a broken period, and the turning of the pair's plane,
-    // both factors of less than 30.
-    let bound = math::ln(30.0) / 9000.0;
-    close(spectrum.exponents[0].value(), 0.0, bound);
-    close(spectrum.exponents[1].value(), pair, bound);
-    close(spectrum.exponents[2].value(), pair, bound);
-}
-
-#[test]
-fn set_2_is_quasi_periodic() {
-    let (_, spectrum, exits, least) = measured(&Caption::FIG11);
-    assert!(least > 0.2, "{least}");
-    assert!((0.05..0.065).contains(&spectrum.stick_fraction));
-    // Exits fill a curve: hardly two of them share a cell of 1e-4.
-    let mut cells: Vec<i64> = exits.iter().map(|(_, x)| (x[0] * 1e4) as i64).collect();
-    cells.sort_unstable();
-    cells.dedup();
-    assert!(
-        cells.len() > exits.len() / 2,
-        "{} of {}",
-        cells.len(),
-        exits.len()
-    );
-    let bound = math::ln(30.0) / 9000.0;
-    close(spectrum.exponents[0].value(), 0.0, bound);
-    close(spectrum.exponents[1].value(), 0.0, bound);
-    close(spectrum.exponents[2].value(), -0.0079, bound);
-}
-
-#[test]
-fn set_3_is_chaotic_and_lifts_off() {
-    let (_, spectrum, _, least) = measured(&Caption::FIG12);
-    assert!(least < -1.0, "{least}");
-    let [first, second, third, _] = spectrum.exponents;
-    // Sixteen standard errors from zero; eight are asked for.
-    let error = first.std_error().unwrap();
-    assert!(first.value() > 8.0 * error);
-    close(first.value(), 0.015, 4.0 * error);
-    close(second.value(), 0.0, 1e-3);
-    close(third.value(), -0.038, 4.0 * third.std_error().unwrap());
 }
 
 /// The chaotic run to the last bit, for as long as a difference in one bit stays below the figures' tolerance; and those

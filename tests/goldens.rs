@@ -1,77 +1,59 @@
-//! The numbers of every figure against `golden/`, and the pictures against `figures/`.
+//! The numbers of every figure against `golden/`, and the pictures against `figures/`; each figure is computed once, by the report.
 //!
-//! After a change that is meant, `INSTA_UPDATE=always cargo test --test goldens` rewrites the goldens and the
-//! figure programs rewrite the pictures; the diff shows what changed.
+//! The snapshots are the golden. The tables in `figures/*.csv` hold the same rows for other programs; that they are current is checked
+//! by `make figures` leaving the tree clean.
 
 use std::path::Path;
 
-use crate::common::Numerically;
+use crate::common::{Numerically, assert_golden};
+use crate::report::with;
+use replication::figures::locator::Locator;
 use replication::figures::{FigureSpec, rows};
+use replication::paper::published::Claims;
+use replication::report::figures::Table;
 
 /// Relative difference up to which two numbers in a golden are the same.
 const TOLERANCE: f64 = 1e-10;
 
-fn numbers_are_the_golden_ones<F: FigureSpec>() {
-    let data = F::compute().unwrap();
-    let text = rows::golden(&F::numbers(&data));
-    let mut settings = insta::Settings::clone_current();
-    settings.set_snapshot_path("../golden");
-    settings.set_prepend_module_to_snapshot(false);
-    settings.set_omit_expression(true);
-    settings.set_comparator(Box::new(Numerically {
-        tolerance: TOLERANCE,
-    }));
-    settings.bind(|| insta::assert_snapshot!(F::NAME, text));
-}
-
-fn the_committed_picture_is_the_drawn_one<F: FigureSpec>() {
-    let data = F::compute().unwrap();
-    let first = F::draw(&data).unwrap();
-    assert!(first == F::draw(&data).unwrap(), "two drawings differ");
-    let csv = rows::csv(&F::numbers(&data)).unwrap();
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("figures");
-    for (extension, drawn) in [("svg", first), ("csv", csv)] {
-        let path = folder.join(format!("{}.{extension}", F::NAME));
-        let committed = std::fs::read_to_string(&path).unwrap();
-        // Not assert_eq: nobody wants two whole pictures in the terminal.
-        assert!(
-            committed == drawn,
-            "{} is not what the program draws now; run `cargo run --release --bin {}` and look at the difference",
-            path.display(),
-            F::NAME
-        );
-    }
+fn is_golden(table: &Table) {
+    let text = rows::golden(&table.rows, Claims::committed().unwrap());
+    assert_golden(table.figure, text, TOLERANCE);
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("figures/{}.svg", table.figure));
+    let committed = std::fs::read_to_string(&path).unwrap();
+    // Not assert_eq: nobody wants two whole pictures in the terminal.
+    assert!(
+        committed == table.svg,
+        "{} is not what the program draws now; run `make figures` and look at the difference",
+        path.display()
+    );
 }
 
 macro_rules! figures {
-    ($($name:ident: $figure:ident),* $(,)?) => {$(
-        mod $name {
-            use super::*;
-            use replication::figures::$name::$figure;
-
-            #[test]
-            fn numbers() {
-                numbers_are_the_golden_ones::<$figure>();
-            }
-
-            #[test]
-            fn picture() {
-                the_committed_picture_is_the_drawn_one::<$figure>();
-            }
+    ($($name:ident),* $(,)?) => {$(
+        #[test]
+        fn $name() {
+            with(|report| {
+                let tables = &report.ledger.computed.tables;
+                let table = tables.iter().find(|table| table.figure == stringify!($name));
+                is_golden(table.unwrap());
+            });
         }
     )*};
 }
 
-figures!(
-    fig04: Fig04,
-    fig06: Fig06,
-    fig07: Fig07,
-    fig08: Fig08,
-    fig10: Fig10,
-    fig11: Fig11,
-    fig12: Fig12,
-    locator: Locator,
-);
+figures!(fig04, fig06, fig07, fig08, fig10, fig11, fig12);
+
+#[test]
+fn locator() {
+    let data = Locator::compute().unwrap();
+    is_golden(&Table {
+        figure: Locator::NAME,
+        title: Locator::TITLE,
+        about: Locator::ABOUT,
+        svg: Locator::draw(&data).unwrap(),
+        rows: Locator::numbers(&data),
+    });
+}
 
 #[test]
 fn the_comparison_lets_rounding_pass_and_nothing_else() {

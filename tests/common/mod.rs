@@ -55,3 +55,13 @@ impl Comparator for Numerically {
         Box::new(*self)
     }
 }
+
+/// Compares with `golden/<name>.snap`, numbers up to a relative difference.
+pub fn assert_golden(name: &str, text: String, tolerance: f64) {
+    let mut settings = insta::Settings::clone_current();
+    settings.set_snapshot_path(concat!(env!("CARGO_MANIFEST_DIR"), "/golden"));
+    settings.set_prepend_module_to_snapshot(false);
+    settings.set_omit_expression(true);
+    settings.set_comparator(Box::new(Numerically { tolerance }));
+    settings.bind(|| insta::assert_snapshot!(name, text));
+}

@@ -1,0 +1,52 @@
+//! The cause of Fig. 8's numbers is shown, and would not be with another limit.
+
+use super::with;
+use replication::paper::listing::{Setup, run};
+use replication::paper::pattern::Pattern;
+use replication::report::cause::{Cause, Status};
+use replication::report::convergence::Convergence;
+use replication::report::matrix::four_claims;
+
+#[test]
+fn all_three_parts_hold() {
+    with(|report| {
+        let cause = &report.ledger.cause;
+        assert_eq!(cause.status(), Status::Shown, "{}", cause.sentence());
+        assert!(cause.motion.holds() && cause.first_order() && cause.is_step_error());
+        // What is left at the printed step is no rounding: it is far more than the finest step leaves.
+        let step = cause.step.as_ref().unwrap();
+        let largest = step.left.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+        assert!(largest > 1e-4, "{step:?}");
+    });
+}
+
+#[test]
+fn a_wrong_limit_is_not_approached_and_leaves_no_step_error() {
+    let published = four_claims().unwrap().map(|claim| claim.values()[0]);
+    let printed = Pattern::of_listing(&run(&Setup::default()).unwrap()).unwrap();
+    with(|report| {
+        let right = &report.ledger.convergence;
+        // The published numbers themselves, and each number wrong by itself by a fifth of its last printed digit.
+        let mut wrong = vec![published];
+        for i in 0..4 {
+            for off in [-2e-5, 2e-5] {
+                let mut limit = right.limit;
+                limit[i] += off;
+                wrong.push(limit);
+            }
+        }
+        for limit in wrong {
+            let convergence = Convergence::new(
+                limit,
+                right.limit_digits,
+                right.steps.clone(),
+                right.around.clone(),
+            );
+            let both = Ok(report.ledger.injection.both.clone());
+            let cause = Cause::new(&printed, both, &convergence, published);
+            assert!(!cause.first_order(), "{limit:?}: {}", cause.sentence());
+            assert!(!cause.is_step_error(), "{limit:?}: {}", cause.sentence());
+            assert_eq!(cause.status(), Status::ShownInPart);
+        }
+    });
+}
