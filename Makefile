@@ -19,13 +19,14 @@ build-figures:
 $(FIGURES): build-figures
 	$(CARGO) run --locked --release --quiet --bin $@ -- --out-dir figures
 
-report: build-figures ## Compute the ledger of claims: report/claims.csv, figures/convergence.*, figures/scan.*
+report: build-figures ## The verdict on every claim: report/index.html, report/claims.csv, figures/{convergence,scan}.*, README
 	$(CARGO) run --locked --release --quiet --bin report
 
 test: ## Run all tests; the test profile is optimised, see Cargo.toml
 	$(CARGO) test --locked
 
-golden: ## Rewrite golden/ on purpose; look at the diff before committing it
+golden: ## Rewrite golden/ and what repeats it (figures/, report/, README) on purpose; look at the diff before committing it
+	$(MAKE) figures report
 	INSTA_UPDATE=always $(CARGO) test --locked
 
 # A search that was stopped goes on where it was; one that is complete is never taken for a new one.
