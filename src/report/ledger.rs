@@ -6,7 +6,7 @@ use super::checks::check;
 use super::convergence::{self, Convergence};
 use super::correction::Correction;
 use super::entry::Entry;
-use super::errata::{ErrataError, Erratum, Sources, errata};
+use super::errata::{Erratum, Sources, errata};
 use super::evidence::{Evidence, EvidenceError};
 use super::figures::{self, Computed, signs};
 use super::finding::Finding;
@@ -65,15 +65,12 @@ pub enum LedgerError {
     /// The accuracy could not be measured.
     #[error(transparent)]
     Accuracy(#[from] AccuracyError),
-    /// Evidence for a statement could not be computed.
+    /// Evidence for a statement or an erratum could not be computed.
     #[error(transparent)]
     Evidence(#[from] EvidenceError),
     /// The estimator's spread could not be told.
     #[error(transparent)]
     Spread(#[from] SpreadError),
-    /// The errata could not be computed.
-    #[error(transparent)]
-    Errata(#[from] ErrataError),
     /// The table of claims is not sound.
     #[error(transparent)]
     Published(#[from] PublishedError),

@@ -4,7 +4,8 @@ use std::ops::ControlFlow;
 
 use rayon::prelude::*;
 
-use super::{ErrataError, Erratum, count, erratum, number};
+use super::{Erratum, count, erratum, number};
+use crate::report::evidence::EvidenceError;
 use stickslip::error::Error;
 use stickslip::filippov::{Observer, Options, StepRecord, run, solve};
 use stickslip::models::{BlockAndBracket, Caption, Reading, Rig, Unloading};
@@ -22,7 +23,7 @@ const FIGURES: [(&str, Caption); 3] = [
     ("Fig. 12", Caption::FIG12),
 ];
 
-pub(super) fn errata() -> Result<Vec<Erratum>, ErrataError> {
+pub(super) fn errata() -> Result<Vec<Erratum>, EvidenceError> {
     Ok(vec![
         signs()?,
         friction_counted_twice()?,
@@ -132,7 +133,7 @@ fn of_rig(rig: &Rig, start: &State<f64, 4>) -> Result<State<f64, 4>, Error> {
 }
 
 /// Newton's law in SI units against the two ways to write the normal force with ξ6.
-fn friction_counted_twice() -> Result<Erratum, ErrataError> {
+fn friction_counted_twice() -> Result<Erratum, EvidenceError> {
     let rig = rig(9.81, 1.0).checked()?;
     let start = State::from([0.0, 0.01, 0.0, -0.05]);
     let newton = of_rig(&rig, &start)?;
@@ -153,7 +154,7 @@ fn friction_counted_twice() -> Result<Erratum, ErrataError> {
         start: start.into(),
     };
     let caption = caption(&plain);
-    let with = |unloading| -> Result<f64, ErrataError> {
+    let with = |unloading| -> Result<f64, EvidenceError> {
         let reading = Reading {
             unloading,
             ..Reading::exact()
@@ -180,7 +181,7 @@ fn friction_counted_twice() -> Result<Erratum, ErrataError> {
 }
 
 /// Two rigs of other time units have the same Eq. (27).
-fn unit_of_time() -> Result<Erratum, ErrataError> {
+fn unit_of_time() -> Result<Erratum, EvidenceError> {
     let slow = rig(9.81, 1.0).checked()?;
     // Four times the stiffness and, so that the length unit stays, four times gravity; speeds double.
     let fast = Rig {
@@ -226,7 +227,7 @@ const SAMPLES: u32 = 4000;
 const PART: f64 = 1e-2;
 
 /// Spreads (standard deviations) of the sampled states along their principal directions, the largest first.
-fn spreads(caption: &Caption) -> Result<[f64; 4], ErrataError> {
+fn spreads(caption: &Caption) -> Result<[f64; 4], EvidenceError> {
     let model = BlockAndBracket::from_caption(caption, &Reading::exact())?;
     let options = Options::tol(TOLERANCE);
     let orbit = solve(&model, 0.0, State::from(caption.start), SAMPLED, &options)?;
@@ -250,7 +251,7 @@ fn spreads(caption: &Caption) -> Result<[f64; 4], ErrataError> {
     Ok(values.map(|value| value.max(0.0).sqrt()))
 }
 
-fn four_states() -> Result<Erratum, ErrataError> {
+fn four_states() -> Result<Erratum, EvidenceError> {
     let mut shown = Vec::new();
     let mut holds = true;
     for (name, caption) in FIGURES {

@@ -4,7 +4,8 @@ use std::ops::ControlFlow;
 
 use rayon::prelude::*;
 
-use super::{ErrataError, Erratum, Shown, erratum, number, word};
+use super::{Erratum, Shown, erratum, number, word};
+use crate::report::evidence::EvidenceError;
 use stickslip::analysis::motion::{Class, Criterion, Evidence, Of};
 use stickslip::error::Error;
 use stickslip::filippov::{Observer, Options, StepRecord, run};
@@ -19,7 +20,7 @@ const WINDOW: (f64, f64) = (3000.0, 4500.0);
 /// Static friction (mg) tried where the heading's order leaves none.
 const FRICTIONS: [f64; 4] = [0.3, 0.7, 1.0, 2.0];
 
-pub(super) fn errata() -> Result<Vec<Erratum>, ErrataError> {
+pub(super) fn errata() -> Result<Vec<Erratum>, EvidenceError> {
     Ok(vec![order_of_captions()?, caption_of_fig10()?])
 }
 
@@ -111,7 +112,7 @@ impl Outcome {
     }
 }
 
-fn order_of_captions() -> Result<Erratum, ErrataError> {
+fn order_of_captions() -> Result<Erratum, EvidenceError> {
     let figures = [("Fig. 11", Caption::FIG11), ("Fig. 12", Caption::FIG12)];
     let mut shown = Vec::new();
     let mut holds = true;
@@ -152,7 +153,7 @@ fn order_of_captions() -> Result<Erratum, ErrataError> {
     ))
 }
 
-fn caption_of_fig10() -> Result<Erratum, ErrataError> {
+fn caption_of_fig10() -> Result<Erratum, EvidenceError> {
     let [_, _, _, xi4, _, mu0, xi6, ..] = Caption::FIG10.numbers;
     let mended = [
         ("xi6", 6, mu0 * (xi4 - 1.0)),

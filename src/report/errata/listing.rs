@@ -1,10 +1,11 @@
 //! The defects of the Appendix's listing, each mended alone.
 
-use super::{ErrataError, Erratum, Shown, count, number, word};
+use super::{Erratum, Shown, count, number, word};
 use crate::paper::listing::{Defect, Defects, ListingError, Params, Setup, run};
+use crate::report::evidence::EvidenceError;
 use crate::report::matrix::{Cell, Matrix};
 
-pub(super) fn errata(matrix: &Matrix) -> Result<Vec<Erratum>, ErrataError> {
+pub(super) fn errata(matrix: &Matrix) -> Result<Vec<Erratum>, EvidenceError> {
     Defect::ALL
         .into_iter()
         .map(|defect| of_defect(matrix, defect))
@@ -12,7 +13,7 @@ pub(super) fn errata(matrix: &Matrix) -> Result<Vec<Erratum>, ErrataError> {
 }
 
 /// What changes when a defect alone is mended; the test of the start changes something for another start only.
-fn of_defect(matrix: &Matrix, defect: Defect) -> Result<Erratum, ErrataError> {
+fn of_defect(matrix: &Matrix, defect: Defect) -> Result<Erratum, EvidenceError> {
     let (printed, mended) = (matrix.all(), matrix.mended(defect));
     let mut shown = changes(printed, mended);
     let mut holds = mended.motion != printed.motion || mended.numbers != printed.numbers;

@@ -9,13 +9,9 @@ mod section_four;
 mod sections_two_three;
 
 use super::accuracy::Accuracy;
-use super::evidence::{Arcs, ZoneOscillates};
+use super::evidence::{Arcs, EvidenceError, ZoneOscillates};
 use super::matrix::Matrix;
 use crate::figures::rows::Value;
-use crate::paper::listing::ListingError;
-use crate::paper::published::PublishedError;
-use stickslip::error::Error;
-use stickslip::filippov::Failure;
 
 /// What a computation shows of a misprint.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,26 +39,6 @@ pub struct Erratum {
     pub holds: bool,
 }
 
-/// Why the errata could not be computed.
-#[derive(Debug, thiserror::Error)]
-pub enum ErrataError {
-    /// The solver failed.
-    #[error(transparent)]
-    Solver(#[from] Error),
-    /// The listing cannot run.
-    #[error(transparent)]
-    Listing(#[from] ListingError),
-    /// The table of claims lacks a number.
-    #[error(transparent)]
-    Published(#[from] PublishedError),
-}
-
-impl<const N: usize> From<Failure<N>> for ErrataError {
-    fn from(failure: Failure<N>) -> ErrataError {
-        ErrataError::Solver(failure.error)
-    }
-}
-
 /// What has been computed already and shows misprints too.
 #[derive(Clone, Copy, Debug)]
 pub struct Sources<'a> {
@@ -79,8 +55,8 @@ pub struct Sources<'a> {
 /// All of them, in the order of the paper.
 ///
 /// # Errors
-/// [`ErrataError`].
-pub fn errata(sources: &Sources) -> Result<Vec<Erratum>, ErrataError> {
+/// [`EvidenceError`].
+pub fn errata(sources: &Sources) -> Result<Vec<Erratum>, EvidenceError> {
     let mut all = sections_two_three::errata(sources.accuracy)?;
     all.extend(section_four::errata(sources.arcs, sources.oscillation)?);
     all.extend(estimator::errata());

@@ -2,11 +2,11 @@
 
 use rayon::prelude::*;
 
-use super::{ErrataError, Erratum, count, erratum, number, word};
+use super::{Erratum, count, erratum, number, word};
 use crate::paper::claim_id::ClaimId;
 use crate::paper::listing::{Params, Setup, run};
 use crate::paper::published::Claims;
-use crate::report::evidence::{Arcs, ZoneOscillates};
+use crate::report::evidence::{Arcs, EvidenceError, ZoneOscillates};
 use stickslip::error::Error;
 use stickslip::filippov::{Options, solve};
 use stickslip::models::{BeltOscillator, ForcedOscillator};
@@ -22,7 +22,7 @@ const FOLLOWED: f64 = 6.0;
 pub(super) fn errata(
     arcs: &Arcs,
     oscillation: &ZoneOscillates,
-) -> Result<Vec<Erratum>, ErrataError> {
+) -> Result<Vec<Erratum>, EvidenceError> {
     Ok(vec![
         sign_of_friction()?,
         spring_signs()?,
@@ -152,7 +152,7 @@ fn spring_signs() -> Result<Erratum, Error> {
     ))
 }
 
-fn lengths_and_durations() -> Result<Erratum, ErrataError> {
+fn lengths_and_durations() -> Result<Erratum, EvidenceError> {
     let claims = Claims::committed()?;
     let model = ForcedOscillator::default();
     let belt = model.belt_speed;
@@ -209,7 +209,7 @@ fn lengths_and_durations() -> Result<Erratum, ErrataError> {
     ))
 }
 
-fn start_of_fig08() -> Result<Erratum, ErrataError> {
+fn start_of_fig08() -> Result<Erratum, EvidenceError> {
     let listed = Params::default();
     let captioned = Params {
         x1: listed.tangent_points[2],

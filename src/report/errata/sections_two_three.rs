@@ -1,16 +1,17 @@
 //! Misprints of Sects. 2 and 3: friction as a coefficient, critical points, the Hénon steps.
 
-use super::{ErrataError, Erratum, Shown, count, erratum, number, word};
+use super::{Erratum, Shown, count, erratum, number, word};
 use crate::paper::claim_id::ClaimId;
 use crate::paper::published::Claims;
 use crate::report::accuracy::{Accuracy, EventErrors};
+use crate::report::evidence::EvidenceError;
 use stickslip::analysis::tangency;
 use stickslip::error::Error;
 use stickslip::filippov::{Fate, Options, TransitionKind, fate, normal_component, solve};
 use stickslip::models::BeltOscillator;
 use stickslip::system::{Filippov, Side, State};
 
-pub(super) fn errata(accuracy: &Accuracy) -> Result<Vec<Erratum>, ErrataError> {
+pub(super) fn errata(accuracy: &Accuracy) -> Result<Vec<Erratum>, EvidenceError> {
     Ok(vec![
         unit_of_mu0(),
         critical_points()?,
@@ -86,7 +87,7 @@ fn unit_of_mu0() -> Erratum {
 }
 
 /// Eq. (12) finds where σ is stationary, and calls that tangent points.
-fn critical_points() -> Result<Erratum, ErrataError> {
+fn critical_points() -> Result<Erratum, EvidenceError> {
     let model = BeltOscillator::default();
     let points = Claims::committed()?
         .of(ClaimId::Eq12CriticalPoints)
@@ -137,7 +138,7 @@ fn critical_points() -> Result<Erratum, ErrataError> {
 }
 
 /// Eq. (13) has a negative value of μ0 too, at which the continuous stick zone is said to exist as well.
-fn negative_friction() -> Result<Erratum, ErrataError> {
+fn negative_friction() -> Result<Erratum, EvidenceError> {
     let values = Claims::committed()?.of(ClaimId::Eq13CriticalMu0).values();
     let along = |mu0: f64| {
         let model = BeltOscillator {
@@ -173,7 +174,7 @@ fn negative_friction() -> Result<Erratum, ErrataError> {
 }
 
 /// Sect. 3 names Eq. (12) for the system that is to be solved.
-fn wrong_reference() -> Result<Erratum, ErrataError> {
+fn wrong_reference() -> Result<Erratum, EvidenceError> {
     // What has a solution: the orbit of Eq. (5) through each member of Eq. (12), off the belt's speed.
     const SPAN: f64 = 30.0;
     let points = Claims::committed()?
