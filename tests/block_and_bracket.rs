@@ -33,7 +33,7 @@ fn exact(caption: &Caption) -> BlockAndBracket {
 }
 
 /// From the nondimensional state to metres and metres per second.
-fn in_metres(rig: &Rig, x: &State<f64, 4>) -> State<f64, 4> {
+fn in_metres(rig: &Rig, x: &State<4>) -> State<4> {
     let (length, speed) = (rig.length_unit(), rig.length_unit() / rig.time_unit());
     State::from([x[0] * length, x[1] * speed, x[2] * length, x[3] * speed])
 }
@@ -46,11 +46,11 @@ proptest! {
         let x = State::from(x);
         for side in [Side::Below, Side::Above] {
             // Beyond Σ the friction law has a pole at |v| = 1/δ; only the own side is asked for.
-            if scaled.boundary(0.0, &x) * side.sign() < 0.0 {
+            if scaled.boundary(0.0, x.as_ref()) * side.sign() < 0.0 {
                 continue;
             }
-            let wanted = scaled.field(side, 0.0, &x);
-            let slope = rig.field(side, 0.0, &in_metres(&rig, &x)) * rig.time_unit();
+            let wanted = State::from(scaled.field(side, 0.0, x.as_ref()));
+            let slope = State::from(rig.field(side, 0.0, in_metres(&rig, &x).as_ref())) * rig.time_unit();
             let unit = in_metres(&rig, &State::from([1.0; 4]));
             for i in 0..4 {
                 // A handful of roundings on terms of size 30.
@@ -71,7 +71,7 @@ proptest! {
         let x = State::from([x1, model.belt_speed, x3, x4]);
         // T that makes x2' vanish, and the most that static friction gives.
         let needed = -x1 / model.coupling - 0.2 * (x[1] + x4) - x3;
-        let most = model.mu0 * model.normal_force(&x);
+        let most = model.mu0 * model.normal_force(x.as_ref());
         prop_assume!((needed.abs() - most).abs() > 1e-9);
         let wanted = if needed.abs() < most {
             Fate::Stick
@@ -145,8 +145,8 @@ fn readings_are_data() {
     // Clipping acts on friction, not on the contact that is reported.
     let x = State::from([0.0, 0.0, 1.0, 0.0]);
     let model = exact(&Caption::FIG12);
-    assert!(model.unclipped_normal_force(&x) < -1.0);
-    assert_eq!(model.normal_force(&x), 0.0);
+    assert!(model.unclipped_normal_force(x.as_ref()) < -1.0);
+    assert_eq!(model.normal_force(x.as_ref()), 0.0);
 }
 
 #[test]

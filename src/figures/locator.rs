@@ -155,20 +155,20 @@ const LOOKS: [(Color, Dash, Shape); 5] = [
 /// A step that crosses the event.
 struct Step<'a> {
     model: &'a BeltOscillator,
-    from: Timed<f64, 2>,
+    from: Timed<2>,
     h: f64,
 }
 
 impl Step<'_> {
-    fn field(&self, x: &State<f64, 2>) -> State<f64, 2> {
+    fn field(&self, x: &State<2>) -> State<2> {
         // The block is slower than the belt.
-        self.model.field(Side::Below, 0.0, x)
+        self.model.field(Side::Below, 0.0, x.as_ref()).into()
     }
 
     /// Where the dense output of one step of `M` meets Σ.
     fn on_dense<M: RungeKutta>(&self) -> f64 {
         let Timed { t, x } = self.from;
-        let field = &mut |_: f64, x: &State<f64, 2>| self.field(x);
+        let field = &mut |_: f64, x: &State<2>| self.field(x);
         let slope = self.field(&x);
         let mut step = stages::<M, f64, _>(field, t, &x, slope, self.h);
         dense_slopes::<M, f64, _>(field, t, &x, self.h, &mut step);
@@ -179,21 +179,21 @@ impl Step<'_> {
     /// Where the straight line between the ends of one step of RK4 meets Σ. (Of order 8 it errs as much.)
     fn chord(&self) -> f64 {
         let Timed { t, x } = self.from;
-        let field = &mut |_: f64, x: &State<f64, 2>| self.field(x);
+        let field = &mut |_: f64, x: &State<2>| self.field(x);
         let end = stages::<Rk4, f64, _>(field, t, &x, self.field(&x), self.h).end;
         t + self.h * (BELT_SPEED - x[1]) / (end[1] - x[1])
     }
 
     /// One Hénon step from the step's start onto Σ.
     fn henon<M: RungeKutta>(&self) -> f64 {
-        let mut slope = |at: &Timed<f64, 2>| {
+        let mut slope = |at: &Timed<2>| {
             let f = self.field(&at.x);
             Timed {
                 t: 1.0 / f[1],
                 x: f / f[1],
             }
         };
-        henon_step::<M, f64, 2>(&mut slope, &self.from, BELT_SPEED - self.from.x[1]).t
+        henon_step::<M, 2>(&mut slope, &self.from, BELT_SPEED - self.from.x[1]).t
     }
 }
 

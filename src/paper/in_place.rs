@@ -5,7 +5,7 @@
 //! step of the same kind onto Σ, taken from beyond it, away from it when coming from above, with 0.166666 for 1/6;
 //! a stick phase in which the rider moves with the belt at its own pace. See [`super::listing`] for the original.
 
-use stickslip::system::{Filippov, Mode, Side, State};
+use stickslip::system::{Filippov, Mode, Side, State, components};
 
 /// The listing's rounded 1/6.
 const SIXTH: f64 = 0.166666;
@@ -34,14 +34,14 @@ pub struct InPlace<S, const N: usize> {
     h: f64,
     bound: f64,
     t: f64,
-    x: State<f64, N>,
+    x: State<N>,
     mode: Mode,
 }
 
 impl<S: Filippov<N>, const N: usize> InPlace<S, N> {
     /// From `(0, x)`, with step `h`, until a component exceeds `bound`. A start on Σ sticks if both fields push
     /// towards it, and goes to the side above otherwise, as in the listing.
-    pub fn start(system: S, x: State<f64, N>, h: f64, bound: f64) -> Self {
+    pub fn start(system: S, x: State<N>, h: f64, bound: f64) -> Self {
         let mut scheme = InPlace {
             system,
             h,
@@ -50,7 +50,7 @@ impl<S: Filippov<N>, const N: usize> InPlace<S, N> {
             x,
             mode: Mode::Stick,
         };
-        let gap = scheme.system.boundary(0.0, &x);
+        let gap = scheme.system.boundary(0.0, components(&x));
         scheme.mode = if gap < 0.0 {
             Mode::Slip(Side::Below)
         } else if gap == 0.0 && scheme.released().is_none() {
@@ -62,7 +62,7 @@ impl<S: Filippov<N>, const N: usize> InPlace<S, N> {
     }
 
     /// The same motion from a neighbouring state, in the same mode at the same time.
-    pub fn displaced(&self, by: &State<f64, N>) -> Self
+    pub fn displaced(&self, by: &State<N>) -> Self
     where
         S: Clone,
     {
@@ -78,7 +78,7 @@ impl<S: Filippov<N>, const N: usize> InPlace<S, N> {
     }
 
     /// State.
-    pub fn x(&self) -> &State<f64, N> {
+    pub fn x(&self) -> &State<N> {
         &self.x
     }
 
@@ -108,8 +108,10 @@ impl<S: Filippov<N>, const N: usize> InPlace<S, N> {
 
     fn slip(&mut self, side: Side) {
         let system = &self.system;
-        let moved = in_place(self.h, self.t, self.x, |t, x| system.field(side, t, x));
-        let gap = self.system.boundary(self.t, &moved);
+        let moved = in_place(self.h, self.t, self.x, |t, x| {
+            State::from(system.field(side, t, components(x)))
+        });
+        let gap = self.system.boundary(self.t, components(&moved));
         if gap * side.sign() > 0.0 {
             self.t += self.h;
             self.x = moved;
@@ -126,17 +128,17 @@ impl<S: Filippov<N>, const N: usize> InPlace<S, N> {
     }
 
     /// Lines 116–127: velocity as the independent variable, every stage moving the state itself, the second not its velocity.
-    fn henon(&mut self, side: Side, origin: State<f64, N>, to_go: f64) {
+    fn henon(&mut self, side: Side, origin: State<N>, to_go: f64) {
         let system = &self.system;
         let start = self.t;
-        let slope = |t: f64, x: &State<f64, N>| {
-            let f = system.field(side, t, x);
+        let slope = |t: f64, x: &State<N>| {
+            let f = State::from(system.field(side, t, components(x)));
             let per_velocity = 1.0 / f[VELOCITY];
             (per_velocity, f * per_velocity)
         };
         let half = to_go * 0.5;
         let mut x = origin;
-        let shift = |x: &mut State<f64, N>, by: f64, k: &State<f64, N>, velocity: f64| {
+        let shift = |x: &mut State<N>, by: f64, k: &State<N>, velocity: f64| {
             for i in (0..N).filter(|&i| i != VELOCITY) {
                 x[i] += by * k[i];
             }
@@ -174,9 +176,10 @@ impl<S: Filippov<N>, const N: usize> InPlace<S, N> {
 
     /// The side whose field does not push towards Σ, if there is one.
     fn released(&self) -> Option<Side> {
-        if self.system.field(Side::Below, self.t, &self.x)[VELOCITY] <= 0.0 {
+        let x = components(&self.x);
+        if self.system.field(Side::Below, self.t, x)[VELOCITY] <= 0.0 {
             Some(Side::Below)
-        } else if self.system.field(Side::Above, self.t, &self.x)[VELOCITY] >= 0.0 {
+        } else if self.system.field(Side::Above, self.t, x)[VELOCITY] >= 0.0 {
             Some(Side::Above)
         } else {
             None
@@ -185,9 +188,9 @@ impl<S: Filippov<N>, const N: usize> InPlace<S, N> {
 }
 
 /// Filippov's combination of the fields that keeps the velocity.
-fn sliding<S: Filippov<N>, const N: usize>(system: &S, t: f64, x: &State<f64, N>) -> State<f64, N> {
-    let below = system.field(Side::Below, t, x);
-    let above = system.field(Side::Above, t, x);
+fn sliding<S: Filippov<N>, const N: usize>(system: &S, t: f64, x: &State<N>) -> State<N> {
+    let velocity = |side| State::from(system.field(side, t, components(x)));
+    let (below, above) = (velocity(Side::Below), velocity(Side::Above));
     let gap = below[VELOCITY] - above[VELOCITY];
     let weight = if gap == 0.0 {
         0.5
@@ -201,9 +204,9 @@ fn sliding<S: Filippov<N>, const N: usize>(system: &S, t: f64, x: &State<f64, N>
 fn in_place<const N: usize>(
     h: f64,
     t: f64,
-    start: State<f64, N>,
-    field: impl Fn(f64, &State<f64, N>) -> State<f64, N>,
-) -> State<f64, N> {
+    start: State<N>,
+    field: impl Fn(f64, &State<N>) -> State<N>,
+) -> State<N> {
     let half = h / 2.0;
     let mut x = start;
     let k1 = field(t, &x);

@@ -25,10 +25,10 @@ struct Hastened<'a> {
 }
 
 impl Filippov<2> for Hastened<'_> {
-    fn field<T: Scalar>(&self, side: Side, t: T, x: &State<T, 2>) -> State<T, 2> {
+    fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; 2]) -> [T; 2] {
         self.model.field(side, t, x).map(|rate| rate * self.factor)
     }
-    fn boundary<T: Scalar>(&self, t: T, x: &State<T, 2>) -> T {
+    fn boundary<T: Scalar>(&self, t: T, x: &[T; 2]) -> T {
         self.model.boundary(t, x)
     }
 }
@@ -108,7 +108,7 @@ pub fn run(
     injected: Injected,
     model: &ForcedOscillator,
     zones: &[(f64, f64)],
-    x0: State<f64, 2>,
+    x0: State<2>,
     t_end: f64,
     options: &Options,
 ) -> Result<Vec<Phase<2>>, Error> {
@@ -171,10 +171,10 @@ impl Observer<2> for Until {
 fn either_exit(
     model: &ForcedOscillator,
     t: f64,
-    x: &State<f64, 2>,
+    x: &State<2>,
     t_end: f64,
     options: &Options,
-) -> Result<(f64, State<f64, 2>), Error> {
+) -> Result<(f64, State<2>), Error> {
     let mut stick = Until {
         phases: Vec::new(),
         event: TransitionKind::StickExit,
@@ -190,8 +190,8 @@ fn upper_exit(
     model: &ForcedOscillator,
     zones: &[(f64, f64)],
     t: f64,
-    x: &State<f64, 2>,
-) -> Result<(f64, State<f64, 2>), Error> {
+    x: &State<2>,
+) -> Result<(f64, State<2>), Error> {
     let z = x[0] - model.support(t);
     // The body may enter on the very end of a zone, a rounding beside it.
     let slack = 1e-9;

@@ -20,12 +20,12 @@ pub struct MovingBoundary {
 
 impl Filippov<1> for MovingBoundary {
     #[inline(always)]
-    fn field<T: Scalar>(&self, side: Side, _t: T, _x: &State<T, 1>) -> State<T, 1> {
-        State::from([T::constant(-self.speed * side.sign())])
+    fn field<T: Scalar>(&self, side: Side, _t: T, _x: &[T; 1]) -> [T; 1] {
+        [T::constant(-self.speed * side.sign())]
     }
 
     #[inline(always)]
-    fn boundary<T: Scalar>(&self, t: T, x: &State<T, 1>) -> T {
+    fn boundary<T: Scalar>(&self, t: T, x: &[T; 1]) -> T {
         x[0] - t.sin()
     }
 }

@@ -31,7 +31,7 @@ pub const SAME: f64 = 1e-3;
 const OVERDUE: usize = 8;
 
 /// A return to `x₂ = 0` from above between two states.
-fn crossing(before: &State<f64, 4>, after: &State<f64, 4>) -> Option<State<f64, 4>> {
+fn crossing(before: &State<4>, after: &State<4>) -> Option<State<4>> {
     let falls = before[1] > 0.0 && after[1] <= 0.0;
     falls.then(|| before + (after - before) * (before[1] / (before[1] - after[1])))
 }
@@ -63,7 +63,7 @@ impl<'a> Neighbour<'a> {
     }
 
     /// Goes on until the neighbour returns, and starts it again from `base`, in the direction it has been found in.
-    fn follow(&mut self, base: &Scheme<'a>, at: &State<f64, 4>, passes: usize) {
+    fn follow(&mut self, base: &Scheme<'a>, at: &State<4>, passes: usize) {
         let Some(mut scheme) = self.scheme.take() else {
             return;
         };
@@ -103,7 +103,7 @@ impl<'a> Neighbour<'a> {
 }
 
 /// Follows the scheme. Every so many passes are a point, as the listing counts its records.
-pub fn follow(system: &BlockAndBracket, start: State<f64, 4>, h: f64, plan: &Plan) -> Outcome {
+pub fn follow(system: &BlockAndBracket, start: State<4>, h: f64, plan: &Plan) -> Outcome {
     let passes = |t: f64| (t / h).round() as usize;
     let (first, every) = (passes(plan.from), passes(DT).max(1));
     let last = first + (plan.points - 1) * every;

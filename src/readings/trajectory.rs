@@ -12,7 +12,7 @@ use stickslip::models::{BlockAndBracket, Caption};
 use stickslip::orbit::Ending;
 use stickslip::system::State;
 
-type X = State<f64, 4>;
+type X = State<4>;
 
 /// Larger components mean that the orbit has left for good.
 pub const BOUND: f64 = 1e3;

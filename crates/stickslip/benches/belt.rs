@@ -19,7 +19,7 @@ fn model() -> BeltOscillator {
     }
 }
 
-fn start() -> State<f64, 2> {
+fn start() -> State<2> {
     State::from([0.5, 1.5])
 }
 
@@ -69,11 +69,11 @@ fn report_methods(model: &BeltOscillator) {
 }
 
 /// So many field calls in a dependent chain.
-fn chain(model: &BeltOscillator, calls: u64) -> State<f64, 2> {
+fn chain(model: &BeltOscillator, calls: u64) -> State<2> {
     let base = State::from([0.5, 0.2]);
     let mut x = start();
     for _ in 0..calls {
-        x = base + model.field(Side::Below, 0.0, &x) * 1e-3;
+        x = base + State::from(model.field(Side::Below, 0.0, x.as_ref())) * 1e-3;
     }
     x
 }

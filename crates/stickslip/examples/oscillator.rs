@@ -1,6 +1,6 @@
 //! A new oscillator: two functions, and what happens on its way.
 
-use stickslip::{Error, Filippov, Options, Scalar, Side, State, solve};
+use stickslip::{Error, Filippov, Options, Scalar, Side, solve};
 
 /// A block on a belt, held by a spring; friction decays with slip speed.
 struct Block {
@@ -8,12 +8,12 @@ struct Block {
 }
 
 impl Filippov<2> for Block {
-    fn field<T: Scalar>(&self, side: Side, _t: T, x: &State<T, 2>) -> State<T, 2> {
+    fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T; 2]) -> [T; 2] {
         let slip_speed = (x[1] - self.belt_speed) * side.sign();
         let friction = T::constant(side.sign()) / (slip_speed + 1.0);
-        State::from([x[1], -x[0] - friction])
+        [x[1], -x[0] - friction]
     }
-    fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 2>) -> T {
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
         x[1] - self.belt_speed
     }
 }
@@ -21,7 +21,7 @@ impl Filippov<2> for Block {
 /// Runs the example; public for the test that runs them all.
 pub fn main() -> Result<(), Error> {
     let block = Block { belt_speed: 0.2 };
-    let start = State::from([0.04, -0.01]);
+    let start = [0.04, -0.01];
     let orbit = solve(&block, 0.0, start, 40.0, &Options::tol(1e-12))?;
     for at in &orbit.transitions {
         println!("{:?} at t = {:.6}, x = {:.6}", at.kind, at.t, at.x[0]);

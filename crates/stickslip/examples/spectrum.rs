@@ -1,8 +1,8 @@
 //! A Lyapunov spectrum from the equations: a limit cycle with stick has one exponent zero and one direction annihilated.
 
+use stickslip::Error;
 use stickslip::analysis::{SpectrumOptions, lyapunov_spectrum};
 use stickslip::models::BeltOscillator;
-use stickslip::{Error, State};
 
 /// Runs the example; public for the test that runs them all.
 pub fn main() -> Result<(), Error> {
@@ -11,7 +11,7 @@ pub fn main() -> Result<(), Error> {
         ..BeltOscillator::default()
     };
     let settings = SpectrumOptions::over(50.0, 500.0);
-    let spectrum = lyapunov_spectrum(&belt, (0.0, State::from([0.5, 0.1])), &settings)?;
+    let spectrum = lyapunov_spectrum(&belt, (0.0, [0.5, 0.1]), &settings)?;
     for (number, exponent) in spectrum.exponents.iter().enumerate() {
         println!("exponent {}: {:.6}", number + 1, exponent.value());
     }

@@ -1,7 +1,7 @@
 //! A sweep of a parameter, as CSV on standard output: how much of the time the block sticks, against the belt's speed.
 
 use stickslip::models::BeltOscillator;
-use stickslip::{Error, Options, State, solve};
+use stickslip::{Error, Options, solve};
 
 /// Runs the example; public for the test that runs them all.
 pub fn main() -> Result<(), Error> {
@@ -11,13 +11,7 @@ pub fn main() -> Result<(), Error> {
             belt_speed: 0.1 * f64::from(k),
             ..BeltOscillator::default()
         };
-        let orbit = solve(
-            &belt,
-            0.0,
-            State::from([0.5, 0.1]),
-            100.0,
-            &Options::default(),
-        )?;
+        let orbit = solve(&belt, 0.0, [0.5, 0.1], 100.0, &Options::default())?;
         let stuck: f64 = orbit.sticks().map(|stick| stick.duration()).sum();
         let share = stuck / (orbit.t_end - orbit.t_start);
         println!("{},{share},{}", belt.belt_speed, orbit.transitions.len());

@@ -1,24 +1,24 @@
 //! Any number of states: a block whose friction coefficient wears on as it slips, stepped by hand.
 
-use stickslip::{Error, Filippov, Integration, Options, Progress, Scalar, Side, State};
+use stickslip::{Error, Filippov, Integration, Options, Progress, Scalar, Side};
 
 /// Position, velocity and friction coefficient.
 struct Wearing;
 
 impl Filippov<3> for Wearing {
-    fn field<T: Scalar>(&self, side: Side, _t: T, x: &State<T, 3>) -> State<T, 3> {
+    fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T; 3]) -> [T; 3] {
         let slip_speed = (x[1] - 0.3) * side.sign();
         let wear = -(x[2] - 0.2) * slip_speed * 0.05;
-        State::from([x[1], -x[0] - x[2] * side.sign(), wear])
+        [x[1], -x[0] - x[2] * side.sign(), wear]
     }
-    fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 3>) -> T {
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 3]) -> T {
         x[1] - 0.3
     }
 }
 
 /// Runs the example; public for the test that runs them all.
 pub fn main() -> Result<(), Error> {
-    let start = State::from([0.0, 0.0, 0.6]);
+    let start = [0.0, 0.0, 0.6];
     let mut integration = Integration::new(&Wearing, 0.0, start, 60.0, &Options::default())?;
     loop {
         match integration.step()? {

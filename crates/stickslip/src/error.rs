@@ -28,8 +28,8 @@ impl fmt::Display for Point {
     }
 }
 
-impl<const N: usize> From<&crate::system::State<f64, N>> for Point {
-    fn from(x: &crate::system::State<f64, N>) -> Self {
+impl<const N: usize> From<&crate::system::State<N>> for Point {
+    fn from(x: &crate::system::State<N>) -> Self {
         Point(x.iter().copied().collect())
     }
 }

@@ -9,24 +9,24 @@
 //! You write the field of each side and a function that is zero on Σ, for any [`Scalar`]. Everything else is derived:
 //!
 //! ```
-//! use stickslip::{Filippov, Mode, Options, Scalar, Side, State, solve};
+//! use stickslip::{Filippov, Mode, Options, Scalar, Side, solve};
 //!
 //! /// A block on a belt of speed 0.2, held by a spring; friction decays with slip speed.
 //! struct Block;
 //!
 //! impl Filippov<2> for Block {
-//!     fn field<T: Scalar>(&self, side: Side, _t: T, x: &State<T, 2>) -> State<T, 2> {
+//!     fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T; 2]) -> [T; 2] {
 //!         let slip_speed = (x[1] - 0.2) * side.sign();
 //!         let friction = T::constant(side.sign()) / (slip_speed + 1.0);
-//!         State::from([x[1], -x[0] - friction])
+//!         [x[1], -x[0] - friction]
 //!     }
-//!     fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 2>) -> T {
+//!     fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
 //!         x[1] - 0.2
 //!     }
 //! }
 //!
 //! fn main() -> Result<(), stickslip::Error> {
-//!     let orbit = solve(&Block, 0.0, State::from([0.04, -0.01]), 40.0, &Options::tol(1e-12))?;
+//!     let orbit = solve(&Block, 0.0, [0.04, -0.01], 40.0, &Options::tol(1e-12))?;
 //!     assert_eq!(orbit.phases[1].mode, Mode::Stick);
 //!     println!("{} transitions, x(20) = {}", orbit.transitions.len(), orbit.at(20.0)?);
 //!     Ok(())
@@ -38,12 +38,11 @@
 //! [`Integration::step`], which you can write yourself:
 //!
 //! ```
-//! use stickslip::{Integration, Options, Progress, State, models::BeltOscillator};
+//! use stickslip::{Integration, Options, Progress, models::BeltOscillator};
 //!
 //! fn main() -> Result<(), stickslip::Error> {
 //!     let belt = BeltOscillator::default();
-//!     let start = State::from([0.5, 1.5]);
-//!     let mut integration = Integration::new(&belt, 0.0, start, 20.0, &Options::default())?;
+//!     let mut integration = Integration::new(&belt, 0.0, [0.5, 1.5], 20.0, &Options::default())?;
 //!     // A section: where the position rises through zero.
 //!     let mut returns = Vec::new();
 //!     loop {
@@ -71,12 +70,12 @@
 //!
 //! ```
 //! use stickslip::analysis::{Exponent, SpectrumOptions, lyapunov_spectrum};
-//! use stickslip::{State, models::BeltOscillator};
+//! use stickslip::{models::BeltOscillator};
 //!
 //! fn main() -> Result<(), stickslip::Error> {
 //!     let belt = BeltOscillator { belt_speed: 0.2, ..BeltOscillator::default() };
 //!     let settings = SpectrumOptions::over(50.0, 500.0);
-//!     let spectrum = lyapunov_spectrum(&belt, (0.0, State::from([0.5, 0.1])), &settings)?;
+//!     let spectrum = lyapunov_spectrum(&belt, (0.0, [0.5, 0.1]), &settings)?;
 //!     // Stick forgets one direction altogether.
 //!     assert_eq!(spectrum.exponents[1], Exponent::Annihilated);
 //!     Ok(())
@@ -91,10 +90,10 @@
 //! Every failure is an [`Error`] with the values that explain it; [`solve`] hands back the orbit up to it:
 //!
 //! ```
-//! use stickslip::{Error, Options, State, models::BeltOscillator, solve};
+//! use stickslip::{Error, Options, models::BeltOscillator, solve};
 //!
 //! let tight = Options::default().escape(1.0);
-//! match solve(&BeltOscillator::default(), 0.0, State::from([0.5, 0.9]), 50.0, &tight) {
+//! match solve(&BeltOscillator::default(), 0.0, [0.5, 0.9], 50.0, &tight) {
 //!     Err(failure) => {
 //!         assert!(matches!(failure.error, Error::Escaped { .. }));
 //!         println!("{failure}; it came to t = {}", failure.orbit.t_end);
@@ -107,6 +106,7 @@
 //! `data`: Lyapunov spectra from time series, `analysis::data_spectrum`. Off by default, for the search tree that it needs.
 
 pub mod analysis;
+mod dual;
 pub mod error;
 pub mod filippov;
 mod interval;

@@ -53,9 +53,9 @@ pub struct Orbit<const N: usize> {
     /// Last time.
     pub t_end: f64,
     /// State at the start.
-    pub x_start: State<f64, N>,
+    pub x_start: State<N>,
     /// State at the end.
-    pub x_end: State<f64, N>,
+    pub x_end: State<N>,
 }
 
 impl<const N: usize> Orbit<N> {
@@ -64,7 +64,7 @@ impl<const N: usize> Orbit<N> {
     ///
     /// # Errors
     /// [`Error::OutsideOrbit`] when the orbit does not cover `t`.
-    pub fn at(&self, t: f64) -> Result<State<f64, N>, Error> {
+    pub fn at(&self, t: f64) -> Result<State<N>, Error> {
         if !(self.t_start..=self.t_end).contains(&t) {
             let (from, to) = (self.t_start, self.t_end);
             return Err(Error::OutsideOrbit { t, from, to });
@@ -81,10 +81,7 @@ impl<const N: usize> Orbit<N> {
     ///
     /// # Errors
     /// [`Error::OutsideOrbit`] for the first time that the orbit does not cover.
-    pub fn sample(
-        &self,
-        times: impl IntoIterator<Item = f64>,
-    ) -> Result<Vec<State<f64, N>>, Error> {
+    pub fn sample(&self, times: impl IntoIterator<Item = f64>) -> Result<Vec<State<N>>, Error> {
         times.into_iter().map(|t| self.at(t)).collect()
     }
 

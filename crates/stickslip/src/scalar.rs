@@ -3,8 +3,7 @@
 use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-pub use num_dual::Dual;
-use num_dual::{Dual3, DualNum};
+pub use crate::dual::Dual;
 
 use crate::math;
 
@@ -18,10 +17,6 @@ use crate::math;
 pub trait Scalar:
     Copy
     + Debug
-    + PartialEq
-    + Send
-    + Sync
-    + 'static
     + Neg<Output = Self>
     + Add<Output = Self>
     + Sub<Output = Self>
@@ -46,6 +41,10 @@ pub trait Scalar:
     fn exp(self) -> Self;
     /// Natural logarithm.
     fn ln(self) -> Self;
+    /// `1/self`: what to write for `1.0 / x`.
+    fn recip(self) -> Self {
+        Self::constant(1.0) / self
+    }
     /// Integer power by repeated multiplication.
     fn powi(self, n: i32) -> Self {
         let mut base = self;
@@ -89,10 +88,6 @@ pub trait Scalar:
     }
 }
 
-/// A [`Scalar`] that dual numbers can be built over; `f64` and every dual number of this crate's.
-pub trait Differentiable: Scalar + DualNum<Primitive = f64> {}
-impl<T: Scalar + DualNum<Primitive = f64>> Differentiable for T {}
-
 impl Scalar for f64 {
     #[inline(always)]
     fn constant(value: f64) -> Self {
@@ -121,141 +116,5 @@ impl Scalar for f64 {
     #[inline(always)]
     fn ln(self) -> Self {
         math::ln(self)
-    }
-}
-
-/// First derivatives. The elementary functions are applied here through [`Scalar`] rather than by the
-/// dual number's own methods, because those would call the platform's C library.
-impl<T: Differentiable> Scalar for Dual<T> {
-    #[inline(always)]
-    fn constant(value: f64) -> Self {
-        Dual::new(T::constant(value), T::constant(0.0))
-    }
-    #[inline(always)]
-    fn value(self) -> f64 {
-        self.re.value()
-    }
-    #[inline(always)]
-    fn exceeds(self, other: Self) -> bool {
-        self.re.exceeds(other.re)
-    }
-    #[inline(always)]
-    fn sin(self) -> Self {
-        Dual::new(Scalar::sin(self.re), self.eps * Scalar::cos(self.re))
-    }
-    #[inline(always)]
-    fn cos(self) -> Self {
-        Dual::new(Scalar::cos(self.re), -(self.eps * Scalar::sin(self.re)))
-    }
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        let root = Scalar::sqrt(self.re);
-        Dual::new(root, self.eps / (root * 2.0))
-    }
-    #[inline(always)]
-    fn exp(self) -> Self {
-        let e = Scalar::exp(self.re);
-        Dual::new(e, self.eps * e)
-    }
-    #[inline(always)]
-    fn ln(self) -> Self {
-        Dual::new(Scalar::ln(self.re), self.eps / self.re)
-    }
-}
-
-/// `f ∘ x` to third order from the values of `f` and its first three derivatives at `x.re`
-/// (Faà di Bruno).
-#[inline(always)]
-fn compose3<T: Differentiable>(x: Dual3<T>, f: [T; 4]) -> Dual3<T> {
-    let [f0, f1, f2, f3] = f;
-    Dual3::new(
-        f0,
-        f1 * x.v1,
-        f2 * x.v1 * x.v1 + f1 * x.v2,
-        f3 * x.v1 * x.v1 * x.v1 + f2 * x.v1 * x.v2 * 3.0 + f1 * x.v3,
-    )
-}
-
-impl<T: Differentiable> Scalar for Dual3<T> {
-    fn constant(value: f64) -> Self {
-        let zero = T::constant(0.0);
-        Dual3::new(T::constant(value), zero, zero, zero)
-    }
-    fn value(self) -> f64 {
-        self.re.value()
-    }
-    fn exceeds(self, other: Self) -> bool {
-        self.re.exceeds(other.re)
-    }
-    fn sin(self) -> Self {
-        let (s, c) = (Scalar::sin(self.re), Scalar::cos(self.re));
-        compose3(self, [s, c, -s, -c])
-    }
-    fn cos(self) -> Self {
-        let (s, c) = (Scalar::sin(self.re), Scalar::cos(self.re));
-        compose3(self, [c, -s, -c, s])
-    }
-    fn sqrt(self) -> Self {
-        let root = Scalar::sqrt(self.re);
-        let d1 = T::constant(0.5) / root;
-        let d2 = -(d1 * 0.5) / self.re;
-        let d3 = -(d2 * 1.5) / self.re;
-        compose3(self, [root, d1, d2, d3])
-    }
-    fn exp(self) -> Self {
-        let e = Scalar::exp(self.re);
-        compose3(self, [e, e, e, e])
-    }
-    fn ln(self) -> Self {
-        let inverse = T::constant(1.0) / self.re;
-        let square = inverse * inverse;
-        compose3(
-            self,
-            [
-                Scalar::ln(self.re),
-                inverse,
-                -square,
-                square * inverse * 2.0,
-            ],
-        )
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// f(t) = ln(sqrt(exp(sin t) + cos t + 2)) + t^-3, written once for every scalar.
-    fn f<T: Scalar>(t: T) -> T {
-        Scalar::ln(Scalar::sqrt(
-            Scalar::exp(Scalar::sin(t)) + Scalar::cos(t) + 2.0,
-        )) + Scalar::powi(t, -3)
-    }
-
-    #[test]
-    fn third_order_duals_agree_with_nested_first_order_ones() {
-        let t = 0.7;
-        let third = f(Dual3::new(t, 1.0, 0.0, 0.0));
-        let nested = f(Dual::new(
-            Dual::new(Dual::new(t, 1.0), Dual::new(1.0, 0.0)),
-            Dual::new(Dual::new(1.0, 0.0), Dual::new(0.0, 0.0)),
-        ));
-        approx::assert_relative_eq!(third.re, f(t), max_relative = 1e-15);
-        approx::assert_relative_eq!(third.v1, nested.re.re.eps, max_relative = 1e-13);
-        approx::assert_relative_eq!(third.v2, nested.re.eps.eps, max_relative = 1e-13);
-        approx::assert_relative_eq!(third.v3, nested.eps.eps.eps, max_relative = 1e-13);
-        let h = 1e-4;
-        approx::assert_relative_eq!(
-            third.v1,
-            (f(t + h) - f(t - h)) / (2.0 * h),
-            max_relative = 1e-7
-        );
-    }
-
-    #[test]
-    fn max_and_min_compare_by_value_and_keep_the_derivative() {
-        let (a, b) = (Dual::new(1.0, 5.0), Dual::new(2.0, 7.0));
-        assert_eq!(Scalar::max(a, b).eps, 7.0);
-        assert_eq!(Scalar::min(a, b).eps, 5.0);
     }
 }

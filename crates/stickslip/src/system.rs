@@ -4,8 +4,14 @@ use nalgebra::SVector;
 
 use crate::scalar::Scalar;
 
-/// State vector with `N` components of type `T`, on the stack.
-pub type State<T, const N: usize> = SVector<T, N>;
+/// A state: `N` components, on the stack. It is a vector of nalgebra, and `[f64; N]` where a function asks for one.
+pub type State<const N: usize> = SVector<f64, N>;
+
+/// The components of a state, as the functions of a [`Filippov`] system take them.
+#[inline(always)]
+pub fn components<const N: usize>(x: &State<N>) -> &[f64; N] {
+    &x.data.0[0]
+}
 
 /// Side of the discontinuity boundary Σ = {h = 0}.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -53,49 +59,49 @@ pub enum Mode {
 /// side's formula should extend smoothly across it: write friction by `side`, not by the sign of a velocity.
 ///
 /// ```
-/// use stickslip::{Filippov, Scalar, Side, State};
+/// use stickslip::{Filippov, Scalar, Side};
 ///
 /// /// x'' = -x - 0.4 sgn x': a block on a floor.
 /// struct Block;
 /// impl Filippov<2> for Block {
-///     fn field<T: Scalar>(&self, side: Side, _t: T, x: &State<T, 2>) -> State<T, 2> {
-///         State::from([x[1], -x[0] - 0.4 * side.sign()])
+///     fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T; 2]) -> [T; 2] {
+///         [x[1], -x[0] - 0.4 * side.sign()]
 ///     }
-///     fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 2>) -> T {
+///     fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
 ///         x[1]
 ///     }
 /// }
 /// ```
 pub trait Filippov<const N: usize> {
     /// The vector field of `side` at time `t` and state `x`: dx/dt.
-    fn field<T: Scalar>(&self, side: Side, t: T, x: &State<T, N>) -> State<T, N>;
+    fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; N]) -> [T; N];
 
     /// The boundary function h: negative on [`Side::Below`], positive on [`Side::Above`], zero on Σ.
     /// It may depend on time: Σ then moves. It must be a number wherever the orbit goes: a step at whose end it is not is taken
     /// again shorter, until the run ends with an error.
-    fn boundary<T: Scalar>(&self, t: T, x: &State<T, N>) -> T;
+    fn boundary<T: Scalar>(&self, t: T, x: &[T; N]) -> T;
 
     /// A function whose sign is that of the normal force (in any unit), for systems that can lose contact. Its zeros are
     /// located like all events and recorded as [`crate::TransitionKind::ContactLoss`] and
     /// [`crate::TransitionKind::ContactGain`], so that a field that is clipped there is never stepped across its kink.
     /// The default, `None`, never loses contact.
     #[inline(always)]
-    fn contact<T: Scalar>(&self, _t: T, _x: &State<T, N>) -> Option<T> {
+    fn contact<T: Scalar>(&self, _t: T, _x: &[T; N]) -> Option<T> {
         None
     }
 }
 
 impl<const N: usize, S: Filippov<N>> Filippov<N> for &S {
     #[inline(always)]
-    fn field<T: Scalar>(&self, side: Side, t: T, x: &State<T, N>) -> State<T, N> {
+    fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; N]) -> [T; N] {
         (**self).field(side, t, x)
     }
     #[inline(always)]
-    fn boundary<T: Scalar>(&self, t: T, x: &State<T, N>) -> T {
+    fn boundary<T: Scalar>(&self, t: T, x: &[T; N]) -> T {
         (**self).boundary(t, x)
     }
     #[inline(always)]
-    fn contact<T: Scalar>(&self, t: T, x: &State<T, N>) -> Option<T> {
+    fn contact<T: Scalar>(&self, t: T, x: &[T; N]) -> Option<T> {
         (**self).contact(t, x)
     }
 }

@@ -78,7 +78,10 @@ impl<'a> Watch<'a> {
 
     /// Golden-section search for the least normal force between two times.
     fn least(&self, step: &StepRecord<4>, mut from: f64, mut to: f64) -> f64 {
-        let force = |t: f64| self.model.unclipped_normal_force(&step.dense.at_time(t));
+        let force = |t: f64| {
+            self.model
+                .unclipped_normal_force(step.dense.at_time(t).as_ref())
+        };
         let (mut one, mut other) = (to - KEPT * (to - from), from + KEPT * (to - from));
         let (mut at_one, mut at_other) = (force(one), force(other));
         for _ in 0..REFINEMENTS {
@@ -98,7 +101,7 @@ impl<'a> Watch<'a> {
     fn scan(&mut self, step: &StepRecord<4>) {
         let span = step.t_end - step.t_start;
         let at = |k: u32| step.t_start + span * f64::from(k) / f64::from(PARTS);
-        let state = |k: u32| -> State<f64, 4> {
+        let state = |k: u32| -> State<4> {
             match k {
                 0 => step.x_start,
                 PARTS => step.x_end,
@@ -111,7 +114,7 @@ impl<'a> Watch<'a> {
             if before[1] > 0.0 && after[1] <= 0.0 {
                 self.turn(step, at(k - 1), at(k));
             }
-            let force = self.model.unclipped_normal_force(&after);
+            let force = self.model.unclipped_normal_force(after.as_ref());
             if force < self.least_force {
                 let within = self.least(step, at(k - 1), at((k + 1).min(PARTS)));
                 self.least_force = force.min(within);

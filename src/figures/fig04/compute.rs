@@ -8,7 +8,7 @@ use stickslip::error::Error;
 use stickslip::filippov::{Options, TransitionKind, normal_component, solve};
 use stickslip::models::BeltOscillator;
 use stickslip::orbit::Orbit;
-use stickslip::scalar::Differentiable;
+use stickslip::scalar::Scalar;
 use stickslip::system::{Filippov, Mode, Side, State};
 
 /// A tangent point on Σ.
@@ -99,7 +99,7 @@ pub(super) fn compute() -> Result<Data, Error> {
     let stationary = stationary(&model);
     // At rest friction adds the same to either side, so the mean of the two normal components is the spring's.
     let spring = |x1: f64| {
-        let on_belt = State::from([x1, model.belt_speed]);
+        let on_belt = [x1, model.belt_speed];
         0.5 * (normal(&model, Side::Below, &on_belt) + normal(&model, Side::Above, &on_belt))
     };
     Ok(Data {
@@ -115,7 +115,7 @@ pub(super) fn compute() -> Result<Data, Error> {
 }
 
 /// The normal component of a side's field on Σ.
-fn normal<T: Differentiable>(model: &BeltOscillator, side: Side, x: &State<T, 2>) -> T {
+fn normal<T: Scalar>(model: &BeltOscillator, side: Side, x: &[T; 2]) -> T {
     let t = T::constant(0.0);
     normal_component(model, t, x, &model.field(side, t, x))
 }
@@ -123,7 +123,7 @@ fn normal<T: Differentiable>(model: &BeltOscillator, side: Side, x: &State<T, 2>
 /// The zeros of ∂σ/∂x₁ (Eq. 11) on Σ: bracketed on a grid that holds none of them, then bisected to the last bit.
 fn stationary(model: &BeltOscillator) -> Vec<f64> {
     let slope = |x1: f64| {
-        let x = State::from([Dual::new(x1, 1.0), Dual::new(model.belt_speed, 0.0)]);
+        let x = [Dual::new(x1, 1.0), Dual::new(model.belt_speed, 0.0)];
         (normal(model, Side::Below, &x) * normal(model, Side::Above, &x)).eps
     };
     let grid: Vec<f64> = (0..=300).map(|k| 1.507 - 0.01 * f64::from(k)).collect();
@@ -192,7 +192,7 @@ fn describe(
     };
     let (up, down) = (crossing(Side::Above)?, crossing(Side::Below)?);
     let [trivial, multiplier] = planar_multipliers(&found.monodromy);
-    let acceleration = |side| model.field(side, up.t, &up.x)[1];
+    let acceleration = |side| model.field(side, up.t, up.x.as_ref())[1];
     Ok(Cycle {
         period: found.period,
         multiplier: multiplier.re,

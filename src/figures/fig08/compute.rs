@@ -204,7 +204,7 @@ const ESCAPE: f64 = 10.0;
 fn shares(model: &ForcedOscillator) -> Result<Shares, Error> {
     let (columns, rows) = GRID;
     let options = Options::tol(1e-9).escape(ESCAPE);
-    let starts: Vec<State<f64, 2>> = (0..columns)
+    let starts: Vec<State<2>> = (0..columns)
         .flat_map(|i| {
             (0..rows).map(move |j| {
                 let part = |k: u32, of: u32| f64::from(k) / f64::from(of - 1);

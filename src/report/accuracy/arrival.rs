@@ -21,7 +21,7 @@ const SETTLED: f64 = 63.3;
 pub(super) struct Arrival {
     from: Side,
     t0: f64,
-    x0: State<f64, 2>,
+    x0: State<2>,
     /// The event's time, exact to rounding.
     t: f64,
     /// The orbit between.
@@ -86,13 +86,10 @@ impl Arrival {
                     t: self.t0,
                     x: self.x0,
                 };
-                let gap = |at: &Timed<f64, 2>| model.boundary(at.t, &at.x);
+                let gap = |at: &Timed<2>| model.boundary(at.t, at.x.as_ref());
                 loop {
-                    let next = henon_step::<Rk4, f64, 2>(
-                        &mut |at| in_time(model, self.from, at),
-                        &at,
-                        step,
-                    );
+                    let next =
+                        henon_step::<Rk4, 2>(&mut |at| in_time(model, self.from, at), &at, step);
                     if gap(&next) * self.from.sign() <= 0.0 {
                         break;
                     }
@@ -105,11 +102,8 @@ impl Arrival {
                 }
                 // Both are positive: from above it leads away from Σ.
                 let change = gap(&at).abs();
-                let end = henon_step::<Rk4, f64, 2>(
-                    &mut |at| in_velocity(model, self.from, at),
-                    &at,
-                    change,
-                );
+                let end =
+                    henon_step::<Rk4, 2>(&mut |at| in_velocity(model, self.from, at), &at, change);
                 Ok((end.t - self.t).abs())
             },
         )
@@ -124,8 +118,8 @@ impl Arrival {
                 let t = self.t - PART * h;
                 let x = self.orbit.at(t)?;
                 let change = model.belt_speed - x[1];
-                let mut slope = |at: &Timed<f64, 2>| in_velocity(model, self.from, at);
-                let end = henon_step::<Rk4, f64, 2>(&mut slope, &Timed { t, x }, change);
+                let mut slope = |at: &Timed<2>| in_velocity(model, self.from, at);
+                let end = henon_step::<Rk4, 2>(&mut slope, &Timed { t, x }, change);
                 Ok((end.t - self.t).abs())
             },
         )
@@ -162,16 +156,16 @@ impl Arrival {
 }
 
 /// Slope with the time as independent variable.
-fn in_time(model: &ForcedOscillator, side: Side, at: &Timed<f64, 2>) -> Timed<f64, 2> {
+fn in_time(model: &ForcedOscillator, side: Side, at: &Timed<2>) -> Timed<2> {
     Timed {
         t: 1.0,
-        x: model.field(side, at.t, &at.x),
+        x: model.field(side, at.t, at.x.as_ref()).into(),
     }
 }
 
 /// Eq. (14): slope with the velocity as independent variable.
-fn in_velocity(model: &ForcedOscillator, side: Side, at: &Timed<f64, 2>) -> Timed<f64, 2> {
-    let f = model.field(side, at.t, &at.x);
+fn in_velocity(model: &ForcedOscillator, side: Side, at: &Timed<2>) -> Timed<2> {
+    let f = State::from(model.field(side, at.t, at.x.as_ref()));
     Timed {
         t: 1.0 / f[1],
         x: f / f[1],

@@ -93,14 +93,14 @@ fn release<S: Filippov<2>>(
         let target = event.x1 + shift(event.t, t + h);
         (Timed { t, x }, target - x[0])
     };
-    let with = |method, side, slope: &dyn Fn(&Timed<f64, 2>) -> f64| {
+    let with = |method, side, slope: &dyn Fn(&Timed<2>) -> f64| {
         EventErrors::measure(method, side, |h| {
             let (at, step) = before(h);
-            let mut swapped = |at: &Timed<f64, 2>| Timed {
+            let mut swapped = |at: &Timed<2>| Timed {
                 t: slope(at),
                 x: State::from([1.0, 0.0]),
             };
-            let end = henon_step::<Rk4, f64, 2>(&mut swapped, &at, step);
+            let end = henon_step::<Rk4, 2>(&mut swapped, &at, step);
             Ok::<f64, Error>((end.t - event.t).abs())
         })
     };
@@ -108,7 +108,7 @@ fn release<S: Filippov<2>>(
         with(
             "release by Eq. (15) as printed with the field",
             side,
-            &|at| 1.0 / system.field(side, at.t, &at.x)[1],
+            &|at| 1.0 / system.field(side, at.t, at.x.as_ref())[1],
         )
     };
     Ok(Release {
@@ -126,7 +126,7 @@ fn moving(model: &ForcedOscillator, event: &Event) -> Result<EventErrors, Error>
         let t = event.t - PART * h;
         let x = State::from([event.x1 - PART * h * model.belt_speed, model.belt_speed]);
         let gap = x[0] - rest - model.support(t);
-        let mut swapped = |at: &Timed<f64, 2>| {
+        let mut swapped = |at: &Timed<2>| {
             let speed = model.amplitude * model.omega * stickslip::math::cos(model.omega * at.t);
             let rate = 1.0 / (at.x[1] - speed);
             Timed {
@@ -134,7 +134,7 @@ fn moving(model: &ForcedOscillator, event: &Event) -> Result<EventErrors, Error>
                 x: State::from([at.x[1] * rate, 0.0]),
             }
         };
-        let end = henon_step::<Rk4, f64, 2>(&mut swapped, &Timed { t, x }, -gap);
+        let end = henon_step::<Rk4, 2>(&mut swapped, &Timed { t, x }, -gap);
         Ok((end.t - event.t).abs())
     })
 }

@@ -124,7 +124,7 @@ fn rig(gravity: f64, stiffness: f64) -> Rig {
 const RIG_SPAN: f64 = 40.0;
 
 /// The state of a rig after [`RIG_SPAN`], in the units of Eq. (27).
-fn of_rig(rig: &Rig, start: &State<f64, 4>) -> Result<State<f64, 4>, Error> {
+fn of_rig(rig: &Rig, start: &State<4>) -> Result<State<4>, Error> {
     let (length, time) = (rig.length_unit(), rig.time_unit());
     let units = State::from([length, length / time, length, length / time]);
     let x = start.component_mul(&units);
@@ -234,10 +234,7 @@ fn spreads(caption: &Caption) -> Result<[f64; 4], EvidenceError> {
     let times = (0..SAMPLES).map(|k| SAMPLED * f64::from(k) / f64::from(SAMPLES));
     let states = orbit.sample(times)?;
     let n = f64::from(SAMPLES);
-    let mean = states
-        .iter()
-        .fold(State::<f64, 4>::zeros(), |sum, x| sum + x)
-        / n;
+    let mean = states.iter().fold(State::<4>::zeros(), |sum, x| sum + x) / n;
     let covariance = states
         .iter()
         .map(|x| (x - mean) * (x - mean).transpose())

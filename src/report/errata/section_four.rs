@@ -34,7 +34,7 @@ pub(super) fn errata(
 }
 
 /// Starts of both models: positions (m) and velocities (m/s).
-fn starts() -> Vec<State<f64, 2>> {
+fn starts() -> Vec<State<2>> {
     let positions = (0..9).map(|k| 0.25 * f64::from(k) - 1.0);
     positions
         .flat_map(|x1| [-0.8, 0.0, 0.4, 0.8].map(|x2| State::from([x1, x2])))
@@ -42,11 +42,7 @@ fn starts() -> Vec<State<f64, 2>> {
 }
 
 /// The orbit as far as it goes before it escapes, and whether it does.
-fn follow<S: Filippov<2>>(
-    system: &S,
-    x: State<f64, 2>,
-    span: f64,
-) -> Result<(Orbit<2>, bool), Error> {
+fn follow<S: Filippov<2>>(system: &S, x: State<2>, span: f64) -> Result<(Orbit<2>, bool), Error> {
     match solve(
         system,
         0.0,
@@ -114,7 +110,7 @@ fn spring_signs() -> Result<Erratum, Error> {
     };
     let mut sigma = 0.0_f64;
     for k in -150..=150 {
-        let x = State::from([f64::from(k) / 100.0, first.belt_speed]);
+        let x = [f64::from(k) / 100.0, first.belt_speed];
         let product = |below: f64, above: f64| below * above;
         let one = |side| first.field(side, 0.0, &x)[1];
         let other = |side| second.field(side, 0.0, &x)[1];

@@ -96,7 +96,10 @@ fn critical_points() -> Result<Erratum, EvidenceError> {
     let (mut tangent, mut sticks, mut slips) = (0, 0, 0);
     for &x1 in points {
         let x = State::from([x1, model.belt_speed]);
-        let normal = |side| normal_component(&model, 0.0, &x, &model.field(side, 0.0, &x));
+        let normal = |side| {
+            let x = x.as_ref();
+            normal_component(&model, 0.0, x, &model.field(side, 0.0, x))
+        };
         let sigma = normal(Side::Below) * normal(Side::Above);
         least_sigma = least_sigma.min(sigma.abs());
         let is_tangent = [Side::Below, Side::Above]

@@ -208,10 +208,10 @@ mod tests {
     /// Model 2 with S1 above Σ and S2 below, as Sect. 4.2 has it.
     struct Exchanged(ForcedOscillator);
     impl Filippov<2> for Exchanged {
-        fn field<T: Scalar>(&self, side: Side, t: T, x: &State<T, 2>) -> State<T, 2> {
+        fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; 2]) -> [T; 2] {
             self.0.field(side.opposite(), t, x)
         }
-        fn boundary<T: Scalar>(&self, t: T, x: &State<T, 2>) -> T {
+        fn boundary<T: Scalar>(&self, t: T, x: &[T; 2]) -> T {
             -self.0.boundary(t, x)
         }
     }

@@ -17,7 +17,7 @@ pub(super) const TOLERANCE: f64 = 1e-13;
 pub(super) const ESCAPE: f64 = 10.0;
 
 /// The starts, none of them at the belt's speed.
-pub(super) fn starts() -> Vec<State<f64, 2>> {
+pub(super) fn starts() -> Vec<State<2>> {
     let part = |k: u32, of: u32| 2.0 * f64::from(k) / f64::from(of - 1) - 1.0;
     (0..STARTS.0)
         .flat_map(|i| {
@@ -29,11 +29,7 @@ pub(super) fn starts() -> Vec<State<f64, 2>> {
 }
 
 /// The orbit from `(t0, x)` over [`FOLLOWED`] forcing periods, as far as it goes before it escapes.
-pub(super) fn follow(
-    model: &ForcedOscillator,
-    t0: f64,
-    x: State<f64, 2>,
-) -> Result<Orbit<2>, Error> {
+pub(super) fn follow(model: &ForcedOscillator, t0: f64, x: State<2>) -> Result<Orbit<2>, Error> {
     let options = Options::tol(TOLERANCE).escape(ESCAPE);
     match solve(model, t0, x, t0 + FOLLOWED * model.period(), &options) {
         Ok(orbit) => Ok(orbit),

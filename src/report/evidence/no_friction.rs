@@ -72,7 +72,7 @@ fn tally(model: &ForcedOscillator) -> Result<Tally, Error> {
         let t = model.period() * f64::from(k) / f64::from(TIMES);
         ON_BOUNDARY.map(|z| (t, State::from([z + model.support(t), model.belt_speed])))
     });
-    let all: Vec<(f64, State<f64, 2>)> = off.chain(on).collect();
+    let all: Vec<(f64, State<2>)> = off.chain(on).collect();
     let tallies = all
         .par_iter()
         .map(|&(t, x)| of_orbit(model, t, x))
@@ -93,7 +93,7 @@ fn tally(model: &ForcedOscillator) -> Result<Tally, Error> {
     }))
 }
 
-fn of_orbit(model: &ForcedOscillator, t: f64, x: State<f64, 2>) -> Result<Tally, Error> {
+fn of_orbit(model: &ForcedOscillator, t: f64, x: State<2>) -> Result<Tally, Error> {
     let orbit = follow(model, t, x)?;
     let mut tally = Tally {
         orbits: 1,
@@ -106,8 +106,10 @@ fn of_orbit(model: &ForcedOscillator, t: f64, x: State<f64, 2>) -> Result<Tally,
         largest_kink: 0.0,
         least_sigma: f64::INFINITY,
     };
-    let normal =
-        |t: f64, x: &State<f64, 2>, side| normal_component(model, t, x, &model.field(side, t, x));
+    let normal = |t: f64, x: &State<2>, side| {
+        let x = x.as_ref();
+        normal_component(model, t, x, &model.field(side, t, x))
+    };
     let start = (x[1] == model.belt_speed).then_some((t, x));
     let crossings = orbit
         .transitions

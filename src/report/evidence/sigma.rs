@@ -5,7 +5,7 @@ use stickslip::scalar::Dual;
 use super::{Evidence, Part, small};
 use stickslip::filippov::{Fate, fate, normal_component};
 use stickslip::models::{BeltOscillator, ForcedOscillator};
-use stickslip::scalar::Differentiable;
+use stickslip::scalar::Scalar;
 use stickslip::system::{Filippov, Side, State};
 
 /// Differences within this are rounding, relative to the terms that are subtracted.
@@ -126,7 +126,7 @@ impl Sigma {
     ) {
         for z in positions() {
             let position = z + offset;
-            let seeded = State::from([Dual::new(position, 1.0), Dual::new(belt_speed, 0.0)]);
+            let seeded = [Dual::new(position, 1.0), Dual::new(belt_speed, 0.0)];
             let found = product(system, Dual::new(t, 0.0), &seeded);
             // What the support adds is lost in the sum: the polynomial is taken where the body is.
             let expected = printed(position - offset);
@@ -145,7 +145,7 @@ impl Sigma {
 }
 
 /// The product of the two fields' normal components.
-fn product<S: Filippov<2>, T: Differentiable>(system: &S, t: T, x: &State<T, 2>) -> T {
+fn product<S: Filippov<2>, T: Scalar>(system: &S, t: T, x: &[T; 2]) -> T {
     let of = |side| normal_component(system, t, x, &system.field(side, t, x));
     of(Side::Below) * of(Side::Above)
 }

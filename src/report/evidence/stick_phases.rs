@@ -73,7 +73,7 @@ pub(super) fn of_model(model: &ForcedOscillator) -> Result<Vec<Stick>, Error> {
     Ok(runs.into_iter().flatten().collect())
 }
 
-fn of_start(model: &ForcedOscillator, x: State<f64, 2>) -> Result<Vec<Stick>, Error> {
+fn of_start(model: &ForcedOscillator, x: State<2>) -> Result<Vec<Stick>, Error> {
     let orbit = follow(model, 0.0, x)?;
     let mut sticks = Vec::new();
     for at in &orbit.transitions {

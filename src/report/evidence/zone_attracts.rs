@@ -117,7 +117,7 @@ fn zone(model: &ForcedOscillator) -> (usize, usize, f64) {
         let x = State::from([outer * part, model.belt_speed]);
         attracting += usize::from(fate(&model, 0.0, &x) == Fate::Stick);
         for side in [Side::Below, Side::Above] {
-            least = least.min(-side.sign() * model.field(side, 0.0, &x)[1]);
+            least = least.min(-side.sign() * model.field(side, 0.0, x.as_ref())[1]);
         }
     }
     (PLACES as usize, attracting, least)

@@ -6,7 +6,7 @@ use super::stick_ends::stick_ends;
 use super::{Evidence, Part, TangentSet, small};
 use crate::paper::published::PublishedError;
 use stickslip::models::ForcedOscillator;
-use stickslip::system::{Filippov, State};
+use stickslip::system::Filippov;
 
 /// Times in one forcing period; a quarter and three quarters of it are among them.
 const TIMES: u32 = 48;
@@ -77,7 +77,7 @@ fn speed_on_boundary(model: &ForcedOscillator, t: f64, x1: f64) -> f64 {
     let (mut low, mut high) = (-10.0, 10.0);
     for _ in 0..80 {
         let middle = 0.5 * (low + high);
-        if model.boundary(t, &State::from([x1, middle])) < 0.0 {
+        if model.boundary(t, &[x1, middle]) < 0.0 {
             low = middle;
         } else {
             high = middle;

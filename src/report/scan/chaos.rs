@@ -181,7 +181,7 @@ impl Chaos {
 }
 
 /// Follows one start.
-fn follow(model: &ForcedOscillator, x: State<f64, 2>) -> Result<Followed, Error> {
+fn follow(model: &ForcedOscillator, x: State<2>) -> Result<Followed, Error> {
     let period = model.period();
     let (transient, measured) = (TRANSIENT * period, f64::from(MEASURED) * period);
     let settings =

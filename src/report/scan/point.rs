@@ -37,7 +37,7 @@ impl Point {
     /// Those of [`solve`] except an escape.
     pub(in crate::report) fn compute(
         model: &ForcedOscillator,
-        starts: &[State<f64, 2>],
+        starts: &[State<2>],
         factor: f64,
         value: f64,
     ) -> Result<Point, Error> {
@@ -97,7 +97,7 @@ impl Point {
 /// easily taken for one of twice the period.
 fn settled(
     model: &ForcedOscillator,
-    x: State<f64, 2>,
+    x: State<2>,
     options: &Options,
 ) -> Result<Destination<2>, Error> {
     let follow = |x, periods, closeness| {
@@ -114,7 +114,7 @@ fn settled(
 /// Lengths of the stick phases that end within one pattern of a periodic motion (m), the longest first.
 fn lengths(
     model: &ForcedOscillator,
-    x: &State<f64, 2>,
+    x: &State<2>,
     period: usize,
     options: &Options,
 ) -> Result<Vec<f64>, Error> {

@@ -20,7 +20,7 @@ pub enum Destination<const N: usize> {
         /// Stick phases that end within one such pattern.
         sticks: usize,
         /// The last state at a whole forcing period.
-        x: State<f64, N>,
+        x: State<N>,
     },
     /// Nothing repeats within eight forcing periods.
     Unsettled,
@@ -38,12 +38,13 @@ const LONGEST_PATTERN: usize = 8;
 /// Those of [`crate::run`] except [`Error::Escaped`]; [`Error::NoUniqueFuture`] where Σ repels.
 pub fn destination<S: Filippov<N>, const N: usize>(
     system: &S,
-    (t0, x0): (f64, State<f64, N>),
+    (t0, x0): (f64, impl Into<State<N>>),
     period: f64,
     periods: usize,
     closeness: f64,
     options: &Options,
 ) -> Result<Destination<N>, Error> {
+    let x0 = x0.into();
     let mut strobe = Strobe {
         t0,
         period,
@@ -68,7 +69,7 @@ pub fn destination<S: Filippov<N>, const N: usize>(
 struct Strobe<const N: usize> {
     t0: f64,
     period: f64,
-    states: Vec<State<f64, N>>,
+    states: Vec<State<N>>,
     stick_ends: Vec<f64>,
 }
 
@@ -80,7 +81,7 @@ impl<const N: usize> Strobe<N> {
     fn follow<S: Filippov<N>>(
         &mut self,
         system: &S,
-        x0: State<f64, N>,
+        x0: State<N>,
         t_end: f64,
         options: &Options,
     ) -> Result<Summary<N>, Error> {

@@ -26,7 +26,7 @@ pub struct Monodromy<const N: usize> {
 pub fn monodromy<S: Filippov<N>, const N: usize>(
     system: &S,
     t0: f64,
-    x0: State<f64, N>,
+    x0: impl Into<State<N>>,
     t_end: f64,
     options: &Options,
 ) -> Result<Monodromy<N>, Error> {
@@ -67,7 +67,7 @@ pub fn monodromy<S: Filippov<N>, const N: usize>(
 
 fn on_columns<const N: usize>(
     matrix: &mut SMatrix<f64, N, N>,
-    mut change: impl FnMut(&mut State<f64, N>),
+    mut change: impl FnMut(&mut State<N>),
 ) {
     for j in 0..N {
         let mut column = matrix.column(j).into_owned();

@@ -6,7 +6,7 @@ use super::monodromy::{Monodromy, monodromy};
 use crate::error::{Error, Point};
 use crate::filippov::{Options, sliding_field};
 use crate::orbit::Ending;
-use crate::system::{Filippov, Side, State};
+use crate::system::{Filippov, Side, State, components};
 
 /// A periodic orbit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,7 +14,7 @@ pub struct PeriodicOrbit<const N: usize> {
     /// Time at which the orbit is at `x`.
     pub t: f64,
     /// A state on it.
-    pub x: State<f64, N>,
+    pub x: State<N>,
     /// Period.
     pub period: f64,
     /// Monodromy matrix over one period; its eigenvalues are the Floquet multipliers.
@@ -34,11 +34,11 @@ const MOST: usize = 30;
 pub fn periodic_orbit_forced<S: Filippov<N>, const N: usize>(
     system: &S,
     t: f64,
-    x: State<f64, N>,
+    x: impl Into<State<N>>,
     period: f64,
     options: &Options,
 ) -> Result<PeriodicOrbit<N>, Error> {
-    shoot(system, t, x, period, None, options)
+    shoot(system, t, x.into(), period, None, options)
 }
 
 /// The periodic orbit near `x`, with a period near `period`, of a system that does not depend on time, by Newton's
@@ -48,36 +48,35 @@ pub fn periodic_orbit_forced<S: Filippov<N>, const N: usize>(
 /// Those of [`crate::run`]; [`Error::NotConverged`] when the iteration does not reach 100 tolerances.
 ///
 /// ```
-/// use stickslip::{analysis::{periodic_orbit, planar_multipliers}, models::BeltOscillator, Options, State};
+/// use stickslip::{analysis::{periodic_orbit, planar_multipliers}, models::BeltOscillator, Options};
 /// let belt = BeltOscillator::default();
-/// let cycle = periodic_orbit(&belt, State::from([-0.27, -0.73]), 7.7, &Options::tol(1e-12))?;
+/// let cycle = periodic_orbit(&belt, [-0.27, -0.73], 7.7, &Options::tol(1e-12))?;
 /// let [trivial, other] = planar_multipliers(&cycle.monodromy);
 /// assert!((trivial.re - 1.0).abs() < 1e-9 && other.re.abs() < 1.0); // stable
 /// # Ok::<(), stickslip::Error>(())
 /// ```
 pub fn periodic_orbit<S: Filippov<N>, const N: usize>(
     system: &S,
-    x: State<f64, N>,
+    x: impl Into<State<N>>,
     period: f64,
     options: &Options,
 ) -> Result<PeriodicOrbit<N>, Error> {
+    let x = x.into();
     let slope = slope_at(system, 0.0, &x);
     shoot(system, 0.0, x, period, Some(slope), options)
 }
 
 /// The vector that moves a state: of its side's field, or on Σ the sliding one.
-fn slope_at<S: Filippov<N>, const N: usize>(
-    system: &S,
-    t: f64,
-    x: &State<f64, N>,
-) -> State<f64, N> {
+fn slope_at<S: Filippov<N>, const N: usize>(system: &S, t: f64, x: &State<N>) -> State<N> {
+    let x = components(x);
     let h = system.boundary(t, x);
-    if h == 0.0 {
+    let slope = if h == 0.0 {
         sliding_field(system, t, x)
     } else {
         let side = if h < 0.0 { Side::Below } else { Side::Above };
         system.field(side, t, x)
-    }
+    };
+    slope.into()
 }
 
 /// Newton's iteration; with `phase` (the flow's direction at the guess, along which no correction is made) the period
@@ -85,9 +84,9 @@ fn slope_at<S: Filippov<N>, const N: usize>(
 fn shoot<S: Filippov<N>, const N: usize>(
     system: &S,
     t: f64,
-    mut x: State<f64, N>,
+    mut x: State<N>,
     mut period: f64,
-    phase: Option<State<f64, N>>,
+    phase: Option<State<N>>,
     options: &Options,
 ) -> Result<PeriodicOrbit<N>, Error> {
     let wanted = 100.0 * options.atol.max(options.rtol);
@@ -137,9 +136,9 @@ fn correction<S: Filippov<N>, const N: usize>(
     system: &S,
     t_end: f64,
     turn: &Monodromy<N>,
-    gap: &State<f64, N>,
-    phase: Option<&State<f64, N>>,
-) -> Option<(State<f64, N>, f64)> {
+    gap: &State<N>,
+    phase: Option<&State<N>>,
+) -> Option<(State<N>, f64)> {
     let unknowns = N + usize::from(phase.is_some());
     let mut matrix = DMatrix::<f64>::zeros(unknowns, unknowns);
     let mut right = DVector::<f64>::zeros(unknowns);

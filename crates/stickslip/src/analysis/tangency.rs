@@ -30,7 +30,7 @@ pub fn tangency<S: Filippov<N>, const N: usize>(
     system: &S,
     side: Side,
     t: f64,
-    x: &State<f64, N>,
+    x: &State<N>,
 ) -> Option<Visibility> {
     let lie = LieDerivatives::new(system, side, t, x, 0.0);
     let is_tangent = lie.values[1].abs() <= lie.floors[1];
@@ -42,7 +42,7 @@ pub fn visibility<S: Filippov<N>, const N: usize>(
     system: &S,
     side: Side,
     t: f64,
-    x: &State<f64, N>,
+    x: &State<N>,
 ) -> Visibility {
     of_tangent(&LieDerivatives::new(system, side, t, x, 0.0), side)
 }

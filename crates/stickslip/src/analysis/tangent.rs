@@ -1,16 +1,16 @@
 //! How tangent vectors travel along a run: through steps by the steps themselves on dual numbers, through transitions by
 //! saltation.
 
+use crate::dual::Dual;
 use nalgebra::SMatrix;
-use num_dual::Dual;
 
 use crate::filippov::{
     Method, Options, StepRecord, Transition, TransitionKind, boundary_gradient, sliding_field,
 };
 use crate::ode::control::squared_error;
 use crate::ode::{Dop853, Rk4, RungeKutta, Stages, Tolerance, stages};
-use crate::scalar::Differentiable;
-use crate::system::{Filippov, Mode, State};
+use crate::scalar::Scalar;
+use crate::system::{Filippov, Mode, State, components};
 
 /// The saltation matrix of a transition at `(t, x)` from the vector `before` to `after`:
 /// `S = I + (f⁺ − f⁻) ∇hᵀ / (∂h/∂t + ∇h·f⁻)`.
@@ -21,9 +21,9 @@ use crate::system::{Filippov, Mode, State};
 pub fn saltation<S: Filippov<N>, const N: usize>(
     system: &S,
     t: f64,
-    x: &State<f64, N>,
-    before: &State<f64, N>,
-    after: &State<f64, N>,
+    x: &State<N>,
+    before: &State<N>,
+    after: &State<N>,
 ) -> SMatrix<f64, N, N> {
     let (gradient, in_time) = boundary_gradient(system, t, x);
     let mut rate = in_time;
@@ -37,12 +37,12 @@ pub fn saltation<S: Filippov<N>, const N: usize>(
 
 /// The field that rules in `mode`.
 #[inline(always)]
-pub(crate) fn field_in<S: Filippov<N>, T: Differentiable, const N: usize>(
+pub(crate) fn field_in<S: Filippov<N>, T: Scalar, const N: usize>(
     system: &S,
     mode: Mode,
     t: T,
-    x: &State<T, N>,
-) -> State<T, N> {
+    x: &[T; N],
+) -> [T; N] {
     match mode {
         Mode::Slip(side) => system.field(side, t, x),
         Mode::Stick => sliding_field(system, t, x),
@@ -54,13 +54,13 @@ pub(crate) struct Jump<const N: usize> {
     /// Saltation matrix.
     pub matrix: SMatrix<f64, N, N>,
     /// Field after less field before.
-    pub kick: State<f64, N>,
+    pub kick: State<N>,
     /// Rate of the boundary function before.
     pub rate_before: f64,
     /// The same after: zero on entry into stick.
     pub rate_after: f64,
     /// Gradient of the boundary function.
-    pub gradient: State<f64, N>,
+    pub gradient: State<N>,
 }
 
 /// Tolerances per step up to which a tangent vector may be off; a step that is right for the state mostly leaves it within
@@ -82,7 +82,7 @@ pub(crate) struct Tangent<'a, S> {
 struct Piece<const N: usize> {
     mode: Mode,
     t: f64,
-    x: State<f64, N>,
+    x: State<N>,
     h: f64,
 }
 
@@ -103,8 +103,8 @@ impl<'a, S> Tangent<'a, S> {
     pub(crate) fn carried<const N: usize>(
         &self,
         step: &StepRecord<N>,
-        vector: &State<f64, N>,
-    ) -> State<f64, N>
+        vector: &State<N>,
+    ) -> State<N>
     where
         S: Filippov<N>,
     {
@@ -128,24 +128,26 @@ impl<'a, S> Tangent<'a, S> {
     fn advanced<M: RungeKutta, const N: usize>(
         &self,
         piece: &Piece<N>,
-        vector: &State<f64, N>,
+        vector: &State<N>,
         halvings: u32,
-    ) -> (State<f64, N>, State<f64, N>)
+    ) -> (State<N>, State<N>)
     where
         S: Filippov<N>,
     {
-        let mut field =
-            |t: Dual<f64>, x: &State<Dual<f64>, N>| field_in(self.system, piece.mode, t, x);
-        let start = State::from_fn(|i, _| Dual::new(piece.x[i], vector[i]));
+        let mut field = |t: Dual<f64>, x: &[Dual<f64>; N]| field_in(self.system, piece.mode, t, x);
+        let start: [_; N] = std::array::from_fn(|i| Dual::new(piece.x[i], vector[i]));
         let (t, h) = (Dual::new(piece.t, 0.0), Dual::new(piece.h, 0.0));
         let slope = field(t, &start);
         let step = stages::<M, _, _>(&mut field, t, &start, slope, h);
-        let end = (step.end.map(|v| v.re), step.end.map(|v| v.eps));
+        let end = (
+            State::from(step.end.map(|v| v.re)),
+            State::from(step.end.map(|v| v.eps)),
+        );
         if halvings == 0 {
             return end;
         }
         let of_vector = Stages {
-            k: step.k.map(|k| k.map(|v| v.eps)),
+            k: step.k.map(|k| State::from(k.map(|v| v.eps))),
             end: end.1,
         };
         let tolerance = Tolerance {
@@ -183,8 +185,8 @@ impl<'a, S> Tangent<'a, S> {
             | TransitionKind::ContactGain => return None,
             TransitionKind::Crossing | TransitionKind::StickEntry => {}
         }
-        let before = field_in(self.system, at.from, at.t, &at.x);
-        let after = field_in(self.system, at.to, at.t, &at.x);
+        let velocity = |mode| State::from(field_in(self.system, mode, at.t, components(&at.x)));
+        let (before, after) = (velocity(at.from), velocity(at.to));
         let kick = after - before;
         if kick.iter().all(|v| *v == 0.0) {
             return None;
@@ -201,7 +203,7 @@ impl<'a, S> Tangent<'a, S> {
 }
 
 /// Takes out of `vector` what it has across a boundary of this gradient.
-pub(crate) fn flatten<const N: usize>(gradient: &State<f64, N>, vector: &mut State<f64, N>) {
+pub(crate) fn flatten<const N: usize>(gradient: &State<N>, vector: &mut State<N>) {
     let square = gradient.norm_squared();
     let across: f64 = (0..N).map(|i| gradient[i] * vector[i]).sum();
     for i in 0..N {
@@ -220,10 +222,10 @@ mod tests {
         friction: f64,
     }
     impl Filippov<2> for Block {
-        fn field<T: Scalar>(&self, side: Side, _t: T, x: &State<T, 2>) -> State<T, 2> {
-            State::from([x[1], -x[0] - self.friction * side.sign()])
+        fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T; 2]) -> [T; 2] {
+            [x[1], -x[0] - self.friction * side.sign()]
         }
-        fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 2>) -> T {
+        fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
             x[1]
         }
     }

@@ -141,11 +141,10 @@ impl Lanes {
             let integration = &mut members[one].integration;
             return integration.stepper.expand(&integration.run);
         }
-        let lanes: [Option<(&TaylorStepper<N>, Timed<f64, N>)>; LANES] =
-            std::array::from_fn(|lane| {
-                let integration = &members[*group.get(lane)?].integration;
-                Some((integration.stepper.series()?, integration.run.at))
-            });
+        let lanes: [Option<(&TaylorStepper<N>, Timed<N>)>; LANES] = std::array::from_fn(|lane| {
+            let integration = &members[*group.get(lane)?].integration;
+            Some((integration.stepper.series()?, integration.run.at))
+        });
         let Some(first) = lanes[0] else { return };
         // Lanes without an orbit do the first one's work again.
         let lanes = lanes.map(|lane| lane.unwrap_or(first));

@@ -4,12 +4,12 @@ use super::flow::boundary_gradient;
 use super::options::Options;
 use crate::error::{Error, Point};
 use crate::ode::Timed;
-use crate::system::{Filippov, Side};
+use crate::system::{Filippov, Side, components};
 
 /// Checks options, times and start.
 pub(super) fn check<S: Filippov<N>, const N: usize>(
     system: &S,
-    start: &Timed<f64, N>,
+    start: &Timed<N>,
     t_end: f64,
     options: &Options,
 ) -> Result<(), Error> {
@@ -26,7 +26,7 @@ pub(super) fn check<S: Filippov<N>, const N: usize>(
     if x.iter().any(|v| !v.is_finite()) {
         return Err(outside("the start itself is not finite"));
     }
-    let h = system.boundary(t, &x);
+    let h = system.boundary(t, components(&x));
     if !h.is_finite() {
         return Err(outside("the boundary function is not finite there"));
     }
@@ -41,7 +41,12 @@ pub(super) fn check<S: Filippov<N>, const N: usize>(
     // On Σ both fields matter, off it only one need exist.
     for side in [Side::Below, Side::Above] {
         let matters = h * side.sign() >= 0.0;
-        if matters && system.field(side, t, &x).iter().any(|v| !v.is_finite()) {
+        if matters
+            && system
+                .field(side, t, components(&x))
+                .iter()
+                .any(|v| !v.is_finite())
+        {
             return Err(outside("the field is not finite there"));
         }
     }

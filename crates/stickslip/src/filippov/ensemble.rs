@@ -25,7 +25,7 @@ pub struct Start<S, const N: usize> {
     /// First time.
     pub t: f64,
     /// First state.
-    pub x: State<f64, N>,
+    pub x: State<N>,
 }
 
 /// Integrates every start to `t_end` on all threads and tells `each` of every orbit's number, observer and outcome, in the

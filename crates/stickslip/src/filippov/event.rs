@@ -6,7 +6,7 @@ use crate::ode::Timed;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Event<const N: usize> {
     pub guard: usize,
-    pub at: Timed<f64, N>,
+    pub at: Timed<N>,
     /// Whether the guard turns back there, to within the touch tolerance, and does not pass through zero.
     pub is_touch: bool,
     /// Size of the guard left at that state.

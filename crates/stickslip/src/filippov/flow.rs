@@ -1,22 +1,21 @@
 //! The smooth flow of one mode, and the guards that end it.
 
-use num_dual::{Dual, Dual3};
-
+use crate::dual::{Dual, Dual3};
 use crate::interval::Interval;
 use crate::ode::{Linear, Timed};
-use crate::scalar::Differentiable;
-use crate::system::{Filippov, Side, State};
+use crate::scalar::Scalar;
+use crate::system::{Filippov, Side, State, components};
 
 /// Rate of the boundary function along the vector `f` at `(t, x)`: `∂h/∂t + ∇h·f`, the normal component of the
 /// field relative to a moving Σ (the first Lie derivative where `f` is a field of the system).
 #[inline(always)]
-pub fn normal_component<S: Filippov<N>, T: Differentiable, const N: usize>(
+pub fn normal_component<S: Filippov<N>, T: Scalar, const N: usize>(
     system: &S,
     t: T,
-    x: &State<T, N>,
-    f: &State<T, N>,
+    x: &[T; N],
+    f: &[T; N],
 ) -> T {
-    let along = State::<Dual<T>, N>::from_fn(|i, _| Dual::new(x[i], f[i]));
+    let along: [_; N] = std::array::from_fn(|i| Dual::new(x[i], f[i]));
     system.boundary(Dual::new(t, T::constant(1.0)), &along).eps
 }
 
@@ -26,17 +25,17 @@ pub fn normal_component<S: Filippov<N>, T: Differentiable, const N: usize>(
 /// Components that both fields share come out exactly as they are. Where both normal components vanish (a two-fold) or
 /// agree, every combination is as tangent as any other; the mean is taken.
 #[inline(always)]
-pub fn sliding_field<S: Filippov<N>, T: Differentiable, const N: usize>(
+pub fn sliding_field<S: Filippov<N>, T: Scalar, const N: usize>(
     system: &S,
     t: T,
-    x: &State<T, N>,
-) -> State<T, N> {
+    x: &[T; N],
+) -> [T; N] {
     let below = system.field(Side::Below, t, x);
     let above = system.field(Side::Above, t, x);
     let a1 = normal_component(system, t, x, &below);
     let a2 = normal_component(system, t, x, &above);
     let weight = a1.divided_or(a1 - a2, 0.5);
-    State::from_fn(|i, _| below[i] + weight * (above[i] - below[i]))
+    std::array::from_fn(|i| below[i] + weight * (above[i] - below[i]))
 }
 
 /// Room for the guards of a mode: its own, and the one that all modes share.
@@ -47,10 +46,10 @@ pub(crate) const CONTACT: usize = 2;
 
 /// The contact function with its present sign; a constant, which no search is made for, where there is none.
 #[inline(always)]
-fn contact_guard<S: Filippov<N>, T: Differentiable, const N: usize>(
+fn contact_guard<S: Filippov<N>, T: Scalar, const N: usize>(
     system: &S,
     t: T,
-    x: &State<T, N>,
+    x: &[T; N],
     sign: f64,
 ) -> T {
     match system.contact(t, x) {
@@ -69,7 +68,7 @@ fn is_positive(range: Interval) -> bool {
 fn contact_is_clear<S: Filippov<N>, const N: usize>(
     system: &S,
     t: Interval,
-    x: &State<Interval, N>,
+    x: &[Interval; N],
     sign: f64,
 ) -> bool {
     Interval::decided(|| system.contact(t, x))
@@ -85,37 +84,50 @@ pub(crate) trait Flow<const N: usize> {
     /// Whether the contact function is positive now.
     fn in_contact(&self) -> bool;
     /// dx/dt.
-    fn field<T: Differentiable>(&self, t: T, x: &State<T, N>) -> State<T, N>;
+    fn field<T: Scalar>(&self, t: T, x: &[T; N]) -> [T; N];
     /// Guard `i`: positive while the mode holds, zero where it ends.
-    fn guard<T: Differentiable>(&self, i: usize, t: T, x: &State<T, N>) -> T;
+    fn guard<T: Scalar>(&self, i: usize, t: T, x: &[T; N]) -> T;
     /// Whether guard `i` is certain to stay positive over a range of times and states; `false` says nothing.
-    fn is_clear(&self, i: usize, t: Interval, x: &State<Interval, N>) -> bool;
+    fn is_clear(&self, i: usize, t: Interval, x: &[Interval; N]) -> bool;
     /// Takes out the rounding by which `x` has drifted off the set that the flow lives on.
-    fn settle(&self, t: f64, x: State<f64, N>) -> State<f64, N>;
+    fn settle(&self, t: f64, x: State<N>) -> State<N>;
     /// Takes out the rounding by which `x`, where guard `i` has become zero, is off the boundary.
-    fn land(&self, i: usize, t: f64, x: State<f64, N>) -> State<f64, N>;
+    fn land(&self, i: usize, t: f64, x: State<N>) -> State<N>;
+
+    /// dx/dt at a state.
+    #[inline(always)]
+    fn velocity(&self, t: f64, x: &State<N>) -> State<N> {
+        self.field(t, components(x)).into()
+    }
+
+    /// Guard `i` at a state.
+    #[inline(always)]
+    fn guard_at(&self, i: usize, t: f64, x: &State<N>) -> f64 {
+        self.guard(i, t, components(x))
+    }
 
     /// Rate of guard `i` along the vector `f`.
     #[inline(always)]
-    fn rate<T: Differentiable>(&self, i: usize, t: T, x: &State<T, N>, f: &State<T, N>) -> T {
-        let along = State::<Dual<T>, N>::from_fn(|j, _| Dual::new(x[j], f[j]));
+    fn rate<T: Scalar>(&self, i: usize, t: T, x: &[T; N], f: &[T; N]) -> T {
+        let along: [_; N] = std::array::from_fn(|j| Dual::new(x[j], f[j]));
         self.guard(i, Dual::new(t, T::constant(1.0)), &along).eps
     }
 
     /// Slope of time and state with guard `i` as independent variable: `(1, f)/rate`.
     #[inline(always)]
-    fn swapped(&self, i: usize, at: &Timed<f64, N>) -> Timed<f64, N> {
-        let f = self.field(at.t, &at.x);
-        let per_guard = 1.0 / self.rate(i, at.t, &at.x, &f);
+    fn swapped(&self, i: usize, at: &Timed<N>) -> Timed<N> {
+        let x = components(&at.x);
+        let f = self.field(at.t, x);
+        let per_guard = 1.0 / self.rate(i, at.t, x, &f);
         Timed {
             t: per_guard,
-            x: <State<f64, N> as Linear<f64>>::zero().add_scaled(per_guard, &f),
+            x: State::from([0.0; N]).add_scaled(per_guard, &State::from(f)),
         }
     }
 
     /// Value and first three time derivatives of guard `i` along the flow.
-    fn jet<T: Differentiable>(&self, i: usize, t: T, x: &State<T, N>) -> [T; 4] {
-        let path = flow_path(t, x, |t, x| self.field(t, x));
+    fn jet(&self, i: usize, t: f64, x: &State<N>) -> [f64; 4] {
+        let path = flow_path(t, components(x), |t, x| self.field(t, x));
         let g = self.guard(i, path.0, &path.1);
         [g.re, g.v1, g.v2, g.v3]
     }
@@ -123,17 +135,17 @@ pub(crate) trait Flow<const N: usize> {
 
 /// The solution through `(t, x)` as third-order dual numbers in time: `x`, `ẋ`, `ẍ`, `x⃛`. Each pass through the field
 /// makes one more derivative right.
-pub(crate) fn flow_path<T: Differentiable, const N: usize>(
+pub(crate) fn flow_path<T: Scalar, const N: usize>(
     t: T,
-    x: &State<T, N>,
-    field: impl Fn(Dual3<T>, &State<Dual3<T>, N>) -> State<Dual3<T>, N>,
-) -> (Dual3<T>, State<Dual3<T>, N>) {
+    x: &[T; N],
+    field: impl Fn(Dual3<T>, &[Dual3<T>; N]) -> [Dual3<T>; N],
+) -> (Dual3<T>, [Dual3<T>; N]) {
     let zero = T::constant(0.0);
     let time = Dual3::new(t, T::constant(1.0), zero, zero);
     let mut path = x.map(|v| Dual3::new(v, zero, zero, zero));
     for _ in 0..3 {
         let slope = field(time, &path);
-        path = State::from_fn(|i, _| Dual3::new(x[i], slope[i].re, slope[i].v1, slope[i].v2));
+        path = std::array::from_fn(|i| Dual3::new(x[i], slope[i].re, slope[i].v1, slope[i].v2));
     }
     (time, path)
 }
@@ -158,12 +170,12 @@ impl<S: Filippov<N>, const ABOVE: bool, const N: usize> Flow<N> for Slip<'_, S, 
     }
 
     #[inline(always)]
-    fn field<T: Differentiable>(&self, t: T, x: &State<T, N>) -> State<T, N> {
+    fn field<T: Scalar>(&self, t: T, x: &[T; N]) -> [T; N] {
         self.system.field(Self::SIDE, t, x)
     }
 
     #[inline(always)]
-    fn guard<T: Differentiable>(&self, i: usize, t: T, x: &State<T, N>) -> T {
+    fn guard<T: Scalar>(&self, i: usize, t: T, x: &[T; N]) -> T {
         if i == CONTACT {
             contact_guard(self.system, t, x, self.contact)
         } else {
@@ -172,7 +184,7 @@ impl<S: Filippov<N>, const ABOVE: bool, const N: usize> Flow<N> for Slip<'_, S, 
     }
 
     #[inline(always)]
-    fn is_clear(&self, i: usize, t: Interval, x: &State<Interval, N>) -> bool {
+    fn is_clear(&self, i: usize, t: Interval, x: &[Interval; N]) -> bool {
         if i == CONTACT {
             return contact_is_clear(self.system, t, x, self.contact);
         }
@@ -180,11 +192,11 @@ impl<S: Filippov<N>, const ABOVE: bool, const N: usize> Flow<N> for Slip<'_, S, 
             .is_some_and(|h| is_positive(h * Self::SIDE.sign()))
     }
 
-    fn settle(&self, _t: f64, x: State<f64, N>) -> State<f64, N> {
+    fn settle(&self, _t: f64, x: State<N>) -> State<N> {
         x
     }
 
-    fn land(&self, i: usize, t: f64, x: State<f64, N>) -> State<f64, N> {
+    fn land(&self, i: usize, t: f64, x: State<N>) -> State<N> {
         if i == CONTACT {
             x
         } else {
@@ -217,12 +229,12 @@ impl<S: Filippov<N>, const N: usize> Flow<N> for Stick<'_, S> {
     }
 
     #[inline(always)]
-    fn field<T: Differentiable>(&self, t: T, x: &State<T, N>) -> State<T, N> {
+    fn field<T: Scalar>(&self, t: T, x: &[T; N]) -> [T; N] {
         sliding_field(self.system, t, x)
     }
 
     #[inline(always)]
-    fn guard<T: Differentiable>(&self, i: usize, t: T, x: &State<T, N>) -> T {
+    fn guard<T: Scalar>(&self, i: usize, t: T, x: &[T; N]) -> T {
         if i == CONTACT {
             return contact_guard(self.system, t, x, self.contact);
         }
@@ -232,16 +244,16 @@ impl<S: Filippov<N>, const N: usize> Flow<N> for Stick<'_, S> {
     }
 
     #[inline(always)]
-    fn is_clear(&self, i: usize, t: Interval, x: &State<Interval, N>) -> bool {
+    fn is_clear(&self, i: usize, t: Interval, x: &[Interval; N]) -> bool {
         // The other guards take derivatives, which intervals do not have.
         i == CONTACT && contact_is_clear(self.system, t, x, self.contact)
     }
 
-    fn settle(&self, t: f64, x: State<f64, N>) -> State<f64, N> {
+    fn settle(&self, t: f64, x: State<N>) -> State<N> {
         project(self.system, t, x)
     }
 
-    fn land(&self, _i: usize, t: f64, x: State<f64, N>) -> State<f64, N> {
+    fn land(&self, _i: usize, t: f64, x: State<N>) -> State<N> {
         project(self.system, t, x)
     }
 }
@@ -250,25 +262,20 @@ impl<S: Filippov<N>, const N: usize> Flow<N> for Stick<'_, S> {
 pub fn boundary_gradient<S: Filippov<N>, const N: usize>(
     system: &S,
     t: f64,
-    x: &State<f64, N>,
-) -> (State<f64, N>, f64) {
+    x: &State<N>,
+) -> (State<N>, f64) {
     let frozen = Dual::new(t, 0.0);
     let gradient = State::from_fn(|i, _| {
-        let seeded =
-            State::<Dual<f64>, N>::from_fn(|j, _| Dual::new(x[j], f64::from(u8::from(i == j))));
+        let seeded = std::array::from_fn(|j| Dual::new(x[j], f64::from(u8::from(i == j))));
         system.boundary(frozen, &seeded).eps
     });
-    let constant = x.map(|v| Dual::new(v, 0.0));
+    let constant = components(x).map(|v| Dual::new(v, 0.0));
     (gradient, system.boundary(Dual::new(t, 1.0), &constant).eps)
 }
 
 /// One Newton step from `x` onto Σ along the gradient of the boundary function.
-pub(crate) fn project<S: Filippov<N>, const N: usize>(
-    system: &S,
-    t: f64,
-    x: State<f64, N>,
-) -> State<f64, N> {
-    let h = system.boundary(t, &x);
+pub(crate) fn project<S: Filippov<N>, const N: usize>(system: &S, t: f64, x: State<N>) -> State<N> {
+    let h = system.boundary(t, components(&x));
     if h == 0.0 {
         return x;
     }

@@ -35,7 +35,7 @@ pub(crate) trait StepGuard<const N: usize> {
 pub(crate) struct Probe<const N: usize> {
     /// Part of the step.
     pub s: f64,
-    pub at: Timed<f64, N>,
+    pub at: Timed<N>,
     pub guard: f64,
     pub rate: f64,
     pub bend: f64,

@@ -1,7 +1,5 @@
 //! The one loop: an integration that goes on step by step and says what happens.
 
-use num_dual::Dual;
-
 use super::check::check;
 use super::event::Event;
 use super::flow::{CONTACT, MOST_GUARDS, Slip, Stick, project, sliding_field};
@@ -13,10 +11,11 @@ use super::run::{Run, Trial};
 use super::solve::Summary;
 use super::stepper::{Stepper, Work};
 use super::switch::{kind, next_mode};
+use crate::dual::Dual;
 use crate::error::Error;
 use crate::ode::{Dense, Timed};
 use crate::orbit::{Counters, Ending};
-use crate::system::{Filippov, Mode, Side, State};
+use crate::system::{Filippov, Mode, Side, State, components};
 
 /// What happened in an integration; see [`Integration::step`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,10 +36,10 @@ pub enum Progress<const N: usize> {
 /// over [`Integration::step`].
 ///
 /// ```
-/// use stickslip::{Integration, Options, Progress, State, models::BeltOscillator};
+/// use stickslip::{Integration, Options, Progress, models::BeltOscillator};
 ///
 /// let belt = BeltOscillator::default();
-/// let mut integration = Integration::new(&belt, 0.0, State::from([0.5, 1.5]), 20.0, &Options::default())?;
+/// let mut integration = Integration::new(&belt, 0.0, [0.5, 1.5], 20.0, &Options::default())?;
 /// let mut highest = f64::NEG_INFINITY;
 /// let summary = loop {
 ///     match integration.step()? {
@@ -59,7 +58,7 @@ pub struct Integration<'a, S, const N: usize> {
     pub(super) run: Run<N>,
     pub(super) stepper: Stepper<N>,
     /// Where the phase under way began.
-    from: Timed<f64, N>,
+    from: Timed<N>,
     due: Due,
 }
 
@@ -88,18 +87,21 @@ impl<'a, S: Filippov<N>, const N: usize> Integration<'a, S, N> {
     pub fn new(
         system: &'a S,
         t0: f64,
-        x0: State<f64, N>,
+        x0: impl Into<State<N>>,
         t_end: f64,
         options: &Options,
     ) -> Result<Self, Error> {
-        let start = Timed { t: t0, x: x0 };
+        let start = Timed {
+            t: t0,
+            x: x0.into(),
+        };
         Self::with_stepper(system, start, t_end, options, Stepper::new(options))
     }
 
     /// [`Integration::new`] with a stepper's room that another integration with the same options has left.
     pub(super) fn with_stepper(
         system: &'a S,
-        start: Timed<f64, N>,
+        start: Timed<N>,
         t_end: f64,
         options: &Options,
         stepper: Stepper<N>,
@@ -291,16 +293,16 @@ impl<'a, S: Filippov<N>, const N: usize> Integration<'a, S, N> {
     fn note_event(&mut self, mode: Mode) -> Result<(), Error> {
         let Timed { t, x } = &self.run.at;
         let velocity = match mode {
-            Mode::Slip(side) => self.system.field(side, *t, x),
-            Mode::Stick => sliding_field(self.system, *t, x),
+            Mode::Slip(side) => self.system.field(side, *t, components(x)),
+            Mode::Stick => sliding_field(self.system, *t, components(x)),
         };
-        self.run.note_event(&velocity)
+        self.run.note_event(&velocity.into())
     }
 
     /// Off Σ the side decides; on it, to rounding, the rules.
     fn first_mode(&mut self) -> Option<(Mode, [usize; MOST_GUARDS])> {
         let Timed { t, x } = &self.run.at;
-        let h = self.system.boundary(*t, x);
+        let h = self.system.boundary(*t, components(x));
         let side = if h < 0.0 { Side::Below } else { Side::Above };
         if !LieDerivatives::new(self.system, side, *t, x, self.slack()).on_boundary() {
             return Some((Mode::Slip(side), [0; MOST_GUARDS]));
@@ -333,7 +335,7 @@ impl<S, const N: usize> Integration<'_, S, N> {
     }
 
     /// The state reached.
-    pub fn x(&self) -> &State<f64, N> {
+    pub fn x(&self) -> &State<N> {
         &self.run.at.x
     }
 
@@ -381,11 +383,11 @@ impl<S, const N: usize> Integration<'_, S, N> {
 }
 
 /// Sign of the contact function; where it is zero, of its rate along the mean of the two fields.
-fn contact_sign<S: Filippov<N>, const N: usize>(system: &S, at: &Timed<f64, N>) -> f64 {
-    let below = system.field(Side::Below, at.t, &at.x);
-    let above = system.field(Side::Above, at.t, &at.x);
-    let path =
-        State::<Dual<f64>, N>::from_fn(|i, _| Dual::new(at.x[i], 0.5 * (below[i] + above[i])));
+fn contact_sign<S: Filippov<N>, const N: usize>(system: &S, at: &Timed<N>) -> f64 {
+    let x = components(&at.x);
+    let below = system.field(Side::Below, at.t, x);
+    let above = system.field(Side::Above, at.t, x);
+    let path = std::array::from_fn(|i| Dual::new(x[i], 0.5 * (below[i] + above[i])));
     match system.contact(Dual::new(at.t, 1.0), &path) {
         Some(contact) if contact.re < 0.0 || contact.re == 0.0 && contact.eps < 0.0 => -1.0,
         _ => 1.0,

@@ -43,7 +43,7 @@ impl Leaving {
 pub(crate) fn leaving<F: Flow<N>, const N: usize>(
     flow: &F,
     guard: usize,
-    at: &Timed<f64, N>,
+    at: &Timed<N>,
     (h, order): (f64, usize),
     options: &Options,
     on_step: impl Fn(f64) -> f64,
@@ -64,9 +64,9 @@ pub(crate) fn leaving<F: Flow<N>, const N: usize>(
 pub(crate) fn has_left<F: Flow<N>, const N: usize>(
     flow: &F,
     i: usize,
-    at: &Timed<f64, N>,
+    at: &Timed<N>,
     options: &Options,
 ) -> bool {
     let floor = uncertainty(flow, i, at, &options.tolerance()).by_rounding;
-    flow.guard(i, at.t, &at.x) > 4.0 * floor
+    flow.guard_at(i, at.t, &at.x) > 4.0 * floor
 }

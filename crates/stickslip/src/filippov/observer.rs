@@ -15,9 +15,9 @@ pub struct Phase<const N: usize> {
     /// Time at the end.
     pub t_end: f64,
     /// State at the start.
-    pub x_start: State<f64, N>,
+    pub x_start: State<N>,
     /// State at the end.
-    pub x_end: State<f64, N>,
+    pub x_end: State<N>,
 }
 
 impl<const N: usize> Phase<N> {
@@ -28,7 +28,7 @@ impl<const N: usize> Phase<N> {
 
     /// Change of the state over the phase. For a body on a belt of speed `vp` the position's change in
     /// a stick phase is `vp · duration`.
-    pub fn displacement(&self) -> State<f64, N> {
+    pub fn displacement(&self) -> State<N> {
         self.x_end - self.x_start
     }
 }
@@ -56,7 +56,7 @@ pub struct Transition<const N: usize> {
     /// Time.
     pub t: f64,
     /// State, on Σ.
-    pub x: State<f64, N>,
+    pub x: State<N>,
     /// What happened.
     pub kind: TransitionKind,
     /// Mode before.
@@ -78,9 +78,9 @@ pub struct StepRecord<const N: usize> {
     /// Time at the end.
     pub t_end: f64,
     /// State at the start.
-    pub x_start: State<f64, N>,
+    pub x_start: State<N>,
     /// State at the end.
-    pub x_end: State<f64, N>,
+    pub x_end: State<N>,
     /// The solution in between; good from `t_start` to `t_end`.
     pub dense: Dense<N>,
 }

@@ -33,8 +33,8 @@ impl PileUp {
     /// Counts a transition, where the state moves with `velocity`.
     pub(crate) fn note<const N: usize>(
         &mut self,
-        at: &Timed<f64, N>,
-        velocity: &State<f64, N>,
+        at: &Timed<N>,
+        velocity: &State<N>,
         options: &Options,
     ) -> Result<(), Error> {
         if at.t - self.since > options.pile_up_span * at.t.abs().max(1.0) {
@@ -64,7 +64,7 @@ impl PileUp {
     pub(crate) fn under_way<const N: usize>(
         &self,
         t: f64,
-        x: &State<f64, N>,
+        x: &State<N>,
         options: &Options,
     ) -> Option<Error> {
         let span = t - self.since;

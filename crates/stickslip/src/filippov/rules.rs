@@ -6,10 +6,10 @@
 //! side; invisible: it does not), the third at a cusp. Four cases follow, one of them with no
 //! unique continuation, which is reported and never chosen silently.
 
-use num_dual::Dual;
+use crate::dual::Dual;
 
 use super::flow::{MOST_GUARDS, flow_path, normal_component};
-use crate::system::{Filippov, Side, State};
+use crate::system::{Filippov, Side, State, components};
 
 /// What a point of Σ leads to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,7 +50,7 @@ impl LieDerivatives {
         system: &S,
         side: Side,
         t: f64,
-        x: &State<f64, N>,
+        x: &State<N>,
         slack: f64,
     ) -> Self {
         let mut values = [0.0; 4];
@@ -58,7 +58,7 @@ impl LieDerivatives {
         // Direction N is time.
         for direction in 0..=N {
             let seed = |at: usize| f64::from(u8::from(at == direction));
-            let seeded = State::<Dual<f64>, N>::from_fn(|i, _| Dual::new(x[i], seed(i)));
+            let seeded = std::array::from_fn(|i| Dual::new(x[i], seed(i)));
             let path = flow_path(Dual::new(t, seed(N)), &seeded, |t, x| {
                 system.field(side, t, x)
             });
@@ -102,26 +102,26 @@ fn first_derivative<S: Filippov<N>, const N: usize>(
     system: &S,
     side: Side,
     t: f64,
-    x: &State<f64, N>,
+    x: &State<N>,
     slack: f64,
 ) -> (f64, f64) {
     // The derivative's value, and its change in a direction.
-    let along = |t: Dual<f64>, x: &State<Dual<f64>, N>| {
+    let along = |t: Dual<f64>, x: &[_; N]| {
         let f = system.field(side, t, x);
         (normal_component(system, t, x, &f), f)
     };
     let (mut spread, mut shift) = (0.0, 0.0);
     for direction in 0..N {
         let seed = |at: usize| f64::from(u8::from(at == direction));
-        let seeded = State::from_fn(|i, _| Dual::new(x[i], seed(i)));
+        let seeded = std::array::from_fn(|i| Dual::new(x[i], seed(i)));
         let change = along(Dual::new(t, 0.0), &seeded).0.eps.abs();
         spread += change * x[direction].abs();
         shift += change * slack;
     }
-    let (rate, f) = along(Dual::new(t, 1.0), &x.map(|x| Dual::new(x, 0.0)));
+    let (rate, f) = along(Dual::new(t, 1.0), &components(x).map(|x| Dual::new(x, 0.0)));
     spread += rate.eps.abs() * t.abs();
     // Its change along the field itself is the second derivative.
-    let flowing = State::from_fn(|i, _| Dual::new(x[i], f[i].re));
+    let flowing = std::array::from_fn(|i| Dual::new(x[i], f[i].re));
     let drift = along(Dual::new(t, 1.0), &flowing).0.eps.abs() * t.abs();
     let floor = ULPS * f64::EPSILON * (spread + rate.re.abs() + drift) + shift;
     (rate.re, floor)
@@ -143,7 +143,7 @@ impl Leading {
         system: &S,
         side: Side,
         t: f64,
-        x: &State<f64, N>,
+        x: &State<N>,
         slack: f64,
         tangent: bool,
     ) -> Self {
@@ -196,7 +196,7 @@ pub(crate) fn departure(below: Leading, above: Leading) -> Departure {
 /// assert_eq!(fate(&belt, 0.0, &State::from([0.0, 1.0])), Fate::Stick);
 /// assert_eq!(fate(&belt, 0.0, &State::from([1.5, 1.0])), Fate::Slip(Side::Below));
 /// ```
-pub fn fate<S: Filippov<N>, const N: usize>(system: &S, t: f64, x: &State<f64, N>) -> Fate {
+pub fn fate<S: Filippov<N>, const N: usize>(system: &S, t: f64, x: &State<N>) -> Fate {
     let of = |side| Leading::new(system, side, t, x, 0.0, false);
     departure(of(Side::Below), of(Side::Above)).fate
 }

@@ -25,14 +25,14 @@ pub(crate) struct Run<const N: usize> {
     /// old, and error control corrects it where it is not.
     pub h: f64,
     /// Where the last step ended.
-    pub at: Timed<f64, N>,
+    pub at: Timed<N>,
     pub mode: Mode,
     /// Sign of the contact function.
     pub contact: f64,
     /// How many derivatives of each guard vanish where it was last zero and has not left that yet; 0 elsewhere.
     pub orders: [usize; MOST_GUARDS],
     /// The last step's mode, start and end (which [`Run::at`] leaves when a stick phase begins on Σ), and the solution over it.
-    pub last: (Mode, Timed<f64, N>, Timed<f64, N>),
+    pub last: (Mode, Timed<N>, Timed<N>),
     pub dense: Dense<N>,
     /// The last event.
     pub event: Option<Event<N>>,
@@ -52,7 +52,7 @@ pub(crate) enum Trial {
 impl<const N: usize> Run<N> {
     /// Takes the step to `at`, and the event there, as the last one.
     #[inline(always)]
-    pub(crate) fn accept(&mut self, at: Timed<f64, N>, event: Option<Event<N>>) -> Trial {
+    pub(crate) fn accept(&mut self, at: Timed<N>, event: Option<Event<N>>) -> Trial {
         self.last = (self.mode, self.at, at);
         self.at = at;
         // Nothing is moved that is not there: this is done once a step.
@@ -80,10 +80,10 @@ impl<const N: usize> Run<N> {
     /// The first step to try from `(t, x)`.
     pub(crate) fn choose_first_step(
         &self,
-        field: &mut impl FnMut(f64, &State<f64, N>) -> State<f64, N>,
+        field: &mut impl FnMut(f64, &State<N>) -> State<N>,
         t: f64,
-        x: &State<f64, N>,
-        slope: &State<f64, N>,
+        x: &State<N>,
+        slope: &State<N>,
     ) -> f64 {
         let longest = self.options.longest_step.min(self.t_end - t);
         if let Some(step) = self.options.fixed_step().or(self.options.first_step) {
@@ -111,7 +111,7 @@ impl<const N: usize> Run<N> {
     }
 
     /// What a step says that has shrunk until time no longer moves, right behind transitions that pile up: each was resolved.
-    pub(crate) fn collapsed(&self, slope: &State<f64, N>, step: f64) -> Error {
+    pub(crate) fn collapsed(&self, slope: &State<N>, step: f64) -> Error {
         let Timed { t, x } = &self.at;
         self.pile_up
             .under_way(*t, x, &self.options)
@@ -119,7 +119,7 @@ impl<const N: usize> Run<N> {
     }
 
     /// The step shrank until time no longer moves.
-    pub(crate) fn collapse(&self, slope: &State<f64, N>, step: f64) -> Error {
+    pub(crate) fn collapse(&self, slope: &State<N>, step: f64) -> Error {
         if slope.iter().any(|v| !v.is_finite()) {
             return self.non_finite(step);
         }
@@ -161,7 +161,7 @@ impl<const N: usize> Run<N> {
     }
 
     /// Counts a transition; too many within no time are a pile-up.
-    pub(crate) fn note_event(&mut self, velocity: &State<f64, N>) -> Result<(), Error> {
+    pub(crate) fn note_event(&mut self, velocity: &State<N>) -> Result<(), Error> {
         self.counters.events += 1;
         self.pile_up.note(&self.at, velocity, &self.options)
     }

@@ -24,7 +24,7 @@ pub(crate) struct Undefined;
 /// What Runge–Kutta steps keep from one to the next: the slope at the state reached, if it is known.
 #[derive(Default)]
 pub(crate) struct Slopes<const N: usize> {
-    slope: Option<State<f64, N>>,
+    slope: Option<State<N>>,
 }
 
 impl<const N: usize> Slopes<N> {
@@ -39,7 +39,7 @@ impl<const N: usize> Slopes<N> {
         run: &mut Run<N>,
         flow: &F,
     ) -> Result<Trial, Error> {
-        let field = &mut |t: f64, x: &State<f64, N>| flow.field(t, x);
+        let field = &mut |t: f64, x: &State<N>| flow.velocity(t, x);
         let Timed { t, x } = run.at;
         let slope = match self.slope {
             Some(slope) => slope,
@@ -102,9 +102,9 @@ impl<const N: usize> Run<N> {
     fn accepted_step<M: RungeKutta, F: Flow<N>>(
         &mut self,
         flow: &F,
-        slope: State<f64, N>,
-    ) -> Result<(f64, bool, Stages<State<f64, N>>), Error> {
-        let field = &mut |t: f64, x: &State<f64, N>| flow.field(t, x);
+        slope: State<N>,
+    ) -> Result<(f64, bool, Stages<State<N>>), Error> {
+        let field = &mut |t: f64, x: &State<N>| flow.velocity(t, x);
         let tolerance = self.options.tolerance();
         let Timed { t, x } = self.at;
         let mut rejected = false;
@@ -184,10 +184,14 @@ impl<const N: usize> Run<N> {
         i: usize,
         origin: &Origin<'_, F, N>,
         dense: &Dense<N>,
-        reach: &State<Interval, N>,
+        reach: &[Interval; N],
         order: usize,
     ) -> Result<Option<Event<N>>, Undefined> {
-        let on_dense = |s: f64| origin.flow.guard(i, origin.t + s * origin.h, &dense.at(s));
+        let on_dense = |s: f64| {
+            origin
+                .flow
+                .guard_at(i, origin.t + s * origin.h, &dense.at(s))
+        };
         let (is_near, start) = if order == 0 {
             // Nearly every step ends here: far from any event, for certain or by samples.
             let times = Interval::new(origin.t, origin.t + origin.h);
@@ -243,7 +247,7 @@ impl<const N: usize> Run<N> {
 
     /// What an event of guard `i` near a state is held to. A step of fixed length is taken as it is: only error control
     /// gives a Hénon step something to be compared with.
-    fn limits<F: Flow<N>>(&self, i: usize, flow: &F, near: &Timed<f64, N>) -> Limits {
+    fn limits<F: Flow<N>>(&self, i: usize, flow: &F, near: &Timed<N>) -> Limits {
         let blur = uncertainty(flow, i, near, &self.options.tolerance());
         let adaptive = self.options.fixed_step().is_none();
         Limits {

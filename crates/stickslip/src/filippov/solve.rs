@@ -15,7 +15,7 @@ pub struct Summary<const N: usize> {
     /// Last time.
     pub t: f64,
     /// Last state.
-    pub x: State<f64, N>,
+    pub x: State<N>,
     /// Work done.
     pub counters: Counters,
 }
@@ -42,10 +42,10 @@ impl<const N: usize> From<Failure<N>> for Error {
 /// The start may lie anywhere: on either side, on Σ, at a tangent point.
 ///
 /// ```
-/// use stickslip::{models::BeltOscillator, solve, Options, State};
+/// use stickslip::{models::BeltOscillator, solve, Options};
 ///
 /// let belt = BeltOscillator { belt_speed: 0.4, ..BeltOscillator::default() };
-/// let orbit = solve(&belt, 0.0, State::from([0.5, 1.5]), 30.0, &Options::tol(1e-12))?;
+/// let orbit = solve(&belt, 0.0, [0.5, 1.5], 30.0, &Options::tol(1e-12))?;
 /// for stick in orbit.sticks() {
 ///     let length = stick.displacement()[0];
 ///     assert!((length - 0.4 * stick.duration()).abs() < 1e-14);
@@ -58,10 +58,11 @@ impl<const N: usize> From<Failure<N>> for Error {
 pub fn solve<S: Filippov<N>, const N: usize>(
     system: &S,
     t0: f64,
-    x0: State<f64, N>,
+    x0: impl Into<State<N>>,
     t_end: f64,
     options: &Options,
 ) -> Result<Orbit<N>, Failure<N>> {
+    let x0 = x0.into();
     let mut orbit = Orbit {
         phases: Vec::new(),
         transitions: Vec::new(),
@@ -124,7 +125,7 @@ fn follow<S: Filippov<N>, const N: usize>(
 pub fn run<S: Filippov<N>, O: Observer<N>, const N: usize>(
     system: &S,
     t0: f64,
-    x0: State<f64, N>,
+    x0: impl Into<State<N>>,
     t_end: f64,
     options: &Options,
     observer: &mut O,

@@ -1,10 +1,9 @@
 //! How well a guard can be known at a state.
 
-use num_dual::Dual;
+use crate::dual::Dual;
 
 use super::flow::Flow;
 use crate::ode::{Timed, Tolerance};
-use crate::system::State;
 
 /// How well guard `i` is known at a state, given how well the state is: by the tolerance of the integration, and by
 /// rounding alone.
@@ -20,14 +19,14 @@ const ULPS: f64 = 64.0;
 pub(crate) fn uncertainty<F: Flow<N>, const N: usize>(
     flow: &F,
     i: usize,
-    at: &Timed<f64, N>,
+    at: &Timed<N>,
     tolerance: &Tolerance,
 ) -> Uncertainty {
     let (mut by_tolerance, mut by_rounding) = (0.0, 0.0);
     // Direction N is time, which no tolerance blurs.
     for direction in 0..=N {
         let seed = |at: usize| f64::from(u8::from(at == direction));
-        let x = State::<Dual<f64>, N>::from_fn(|k, _| Dual::new(at.x[k], seed(k)));
+        let x = std::array::from_fn(|k| Dual::new(at.x[k], seed(k)));
         let slope = flow.guard(i, Dual::new(at.t, seed(N)), &x).eps.abs();
         if direction < N {
             let size = at.x[direction].abs();

@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use crate::scalar::Scalar;
-use crate::system::{Filippov, Side, State};
+use crate::system::{Filippov, Side};
 
 /// Eq. (3)–(5): `m ẍ = k1 x − k2 x³ − T(ẋ − vp)` with dry friction `T(v) = sgn(v) μ0/(1 + δ|v|)`.
 ///
@@ -56,15 +56,15 @@ impl BeltOscillator {
 
 impl Filippov<2> for BeltOscillator {
     #[inline(always)]
-    fn field<T: Scalar>(&self, side: Side, _t: T, x: &State<T, 2>) -> State<T, 2> {
+    fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T; 2]) -> [T; 2] {
         let slip_speed = (x[1] - self.belt_speed) * side.sign();
         let friction = T::constant(self.mu0 * side.sign()) / (slip_speed * self.delta + 1.0);
         let spring = x[0] * (x[0] * x[0] * -self.k2 + self.k1);
-        State::from([x[1], (spring - friction) / self.mass])
+        [x[1], (spring - friction) / self.mass]
     }
 
     #[inline(always)]
-    fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 2>) -> T {
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
         x[1] - self.belt_speed
     }
 }

@@ -3,7 +3,7 @@
 use crate::error::Error;
 use crate::math;
 use crate::scalar::Scalar;
-use crate::system::{Filippov, Side, State};
+use crate::system::{Filippov, Side};
 
 /// Eq. (17)–(18): `m ẍ = k2 z³ − k1 z − T(ẋ − vp)`, `z = x − A sin(ωt)`, with dry friction
 /// `T(v) = sgn(v) μ0/(1 + δ|v|)`.
@@ -78,16 +78,16 @@ impl ForcedOscillator {
 
 impl Filippov<2> for ForcedOscillator {
     #[inline(always)]
-    fn field<T: Scalar>(&self, side: Side, t: T, x: &State<T, 2>) -> State<T, 2> {
+    fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; 2]) -> [T; 2] {
         let slip_speed = (x[1] - self.belt_speed) * side.sign();
         let friction = T::constant(self.mu0 * side.sign()) / (slip_speed * self.delta + 1.0);
         let z = x[0] - (t * self.omega).sin() * self.amplitude;
         let spring = z * (z * z * self.k2 - self.k1);
-        State::from([x[1], (spring - friction) / self.mass])
+        [x[1], (spring - friction) / self.mass]
     }
 
     #[inline(always)]
-    fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 2>) -> T {
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
         x[1] - self.belt_speed
     }
 }

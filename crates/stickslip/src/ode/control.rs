@@ -33,8 +33,8 @@ const SAFETY: f64 = 0.9;
 /// The square, because the next step waits for it and a root would take as long as two calls of a small field. DOP853's combination of its estimates of orders 5 and 3 (Hairer, Nørsett & Wanner, Eq. II.10.17).
 #[inline(always)]
 pub(crate) fn squared_error<M: RungeKutta, const N: usize>(
-    step: &Stages<State<f64, N>>,
-    x0: &State<f64, N>,
+    step: &Stages<State<N>>,
+    x0: &State<N>,
     h: f64,
     tolerance: &Tolerance,
 ) -> f64 {
@@ -46,9 +46,9 @@ pub(crate) fn squared_error<M: RungeKutta, const N: usize>(
             f64::NAN
         };
     };
-    let fifth: State<f64, N> = weigh(&step.k, &embedded.e5);
-    let eighth: State<f64, N> = weigh(&step.k, &M::COEFFICIENTS.b);
-    let third: State<f64, N> = eighth.add_scaled(-1.0, &weigh(&step.k, &embedded.third_order));
+    let fifth: State<N> = weigh(&step.k, &embedded.e5);
+    let eighth: State<N> = weigh(&step.k, &M::COEFFICIENTS.b);
+    let third: State<N> = eighth.add_scaled(-1.0, &weigh(&step.k, &embedded.third_order));
     let (mut sum5, mut sum3) = (0.0, 0.0);
     for i in 0..N {
         let scale = tolerance.scale(x0[i].abs().max(step.end[i].abs()));
@@ -87,14 +87,14 @@ pub(crate) fn step_factor(squared_error: f64) -> f64 {
 /// A first step such that an explicit Euler step and the change of slope over it stay near 1 % (Hairer,
 /// Nørsett & Wanner, Sect. II.4). Calls `f` once.
 pub(crate) fn first_step<const N: usize>(
-    f: &mut impl FnMut(f64, &State<f64, N>) -> State<f64, N>,
+    f: &mut impl FnMut(f64, &State<N>) -> State<N>,
     t: f64,
-    x: &State<f64, N>,
-    slope: &State<f64, N>,
+    x: &State<N>,
+    slope: &State<N>,
     tolerance: &Tolerance,
     longest: f64,
 ) -> f64 {
-    let norm = |v: &State<f64, N>| {
+    let norm = |v: &State<N>| {
         let mut sum = 0.0;
         for i in 0..N {
             let q = v[i] / tolerance.scale(x[i].abs());

@@ -24,21 +24,16 @@ pub struct Dense<const N: usize> {
 // Kept in place, without a box: records of steps are copied and never allocate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Polynomial<const N: usize> {
-    RungeKutta([State<f64, N>; 8]),
+    RungeKutta([State<N>; 8]),
     /// Coefficients of the powers of `s`, up to the order given.
-    Series(usize, [State<f64, N>; MOST_ORDER + 1]),
+    Series(usize, [State<N>; MOST_ORDER + 1]),
 }
 
 impl<const N: usize> Dense<N> {
     /// The polynomial of a finished step of length `h` from `(t0, x0)`, its slopes filled in by [`super::dense_slopes`].
     #[inline(always)]
-    pub fn new<M: RungeKutta>(
-        t0: f64,
-        x0: &State<f64, N>,
-        h: f64,
-        step: &Stages<State<f64, N>>,
-    ) -> Self {
-        let zero = <State<f64, N> as Linear<f64>>::zero();
+    pub fn new<M: RungeKutta>(t0: f64, x0: &State<N>, h: f64, step: &Stages<State<N>>) -> Self {
+        let zero = <State<N> as Linear<f64>>::zero();
         let mut c = [zero; 8];
         let slope_at_end = &step.k[M::COEFFICIENTS.stages];
         for i in 0..N {
@@ -62,8 +57,8 @@ impl<const N: usize> Dense<N> {
     }
 
     /// A state that does not move, from time `t0` on.
-    pub(crate) fn resting(t0: f64, x: State<f64, N>) -> Self {
-        let mut c = [<State<f64, N> as Linear<f64>>::zero(); 8];
+    pub(crate) fn resting(t0: f64, x: State<N>) -> Self {
+        let mut c = [<State<N> as Linear<f64>>::zero(); 8];
         c[0] = x;
         Dense {
             t0,
@@ -79,7 +74,7 @@ impl<const N: usize> Dense<N> {
         t0: f64,
         h: f64,
         order: usize,
-        coefficients: &[State<f64, N>; MOST_ORDER + 1],
+        coefficients: &[State<N>; MOST_ORDER + 1],
     ) {
         (self.t0, self.h) = (t0, h);
         self.polynomial = Polynomial::Series(order, *coefficients);
@@ -107,7 +102,7 @@ impl<const N: usize> Dense<N> {
 
     /// The state at `t0 + s h`.
     #[inline(always)]
-    pub fn at(&self, s: f64) -> State<f64, N> {
+    pub fn at(&self, s: f64) -> State<N> {
         let c = match &self.polynomial {
             Polynomial::RungeKutta(c) => c,
             Polynomial::Series(order, c) => return power_series(&c[..=*order], s),
@@ -129,19 +124,19 @@ impl<const N: usize> Dense<N> {
     /// A box that holds the state throughout the step: the middle of a straight way, and as radius what every other term
     /// of the polynomial can reach between 0 and 1.
     #[inline(always)]
-    pub(crate) fn enclosure(&self) -> State<Interval, N> {
+    pub(crate) fn enclosure(&self) -> [Interval; N] {
         /// The largest values of `s r`, `s² r`, … `s⁴ r³`, rounded up.
         const REACH: [f64; 6] = [0.25, 0.148_149, 0.0625, 0.034_561, 0.015_626, 0.008_394];
         let c = match &self.polynomial {
             Polynomial::RungeKutta(c) => c,
             Polynomial::Series(order, c) => {
-                return State::from_fn(|i, _| {
+                return std::array::from_fn(|i| {
                     let reach = c[1..=*order].iter().map(|c| c[i].abs()).sum();
                     Interval::around(c[0][i], reach)
                 });
             }
         };
-        State::from_fn(|i, _| {
+        std::array::from_fn(|i| {
             let mut radius = 0.5 * c[1][i].abs();
             for (term, reach) in c[2..].iter().zip(REACH) {
                 radius += reach * term[i].abs();
@@ -151,15 +146,15 @@ impl<const N: usize> Dense<N> {
     }
 
     /// The state at time `t`.
-    pub fn at_time(&self, t: f64) -> State<f64, N> {
+    pub fn at_time(&self, t: f64) -> State<N> {
         self.at((t - self.t0) / self.h)
     }
 }
 
 /// `Σ c_k s^k`.
 #[inline(always)]
-pub(crate) fn power_series<const N: usize>(c: &[State<f64, N>], s: f64) -> State<f64, N> {
-    let mut x = <State<f64, N> as Linear<f64>>::zero();
+pub(crate) fn power_series<const N: usize>(c: &[State<N>], s: f64) -> State<N> {
+    let mut x = <State<N> as Linear<f64>>::zero();
     for c in c.iter().rev() {
         for i in 0..N {
             x[i] = c[i] + s * x[i];

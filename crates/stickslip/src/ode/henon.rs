@@ -5,7 +5,6 @@
 use super::linear::Timed;
 use super::step::stages;
 use super::tableau::RungeKutta;
-use crate::scalar::Scalar;
 
 /// One step of method `M` with the value η of a function `η(t, x)` as the independent variable, over `change`
 /// in η: time and state where η has changed by that much.
@@ -13,12 +12,12 @@ use crate::scalar::Scalar;
 /// `slope` gives `(dt/dη, dx/dη) = (1, f)/η̇`, where `η̇ = ∂η/∂t + ∇η·f` is the rate of η along the field. The step has
 /// the order of `M`; where η is a coordinate of the state, its value is met to rounding.
 #[inline]
-pub fn henon_step<M: RungeKutta, T: Scalar, const N: usize>(
-    slope: &mut impl FnMut(&Timed<T, N>) -> Timed<T, N>,
-    from: &Timed<T, N>,
-    change: T,
-) -> Timed<T, N> {
+pub fn henon_step<M: RungeKutta, const N: usize>(
+    slope: &mut impl FnMut(&Timed<N>) -> Timed<N>,
+    from: &Timed<N>,
+    change: f64,
+) -> Timed<N> {
     let first = slope(from);
-    let autonomous = &mut |_: T, at: &Timed<T, N>| slope(at);
-    stages::<M, T, Timed<T, N>>(autonomous, T::constant(0.0), from, first, change).end
+    let autonomous = &mut |_: f64, at: &Timed<N>| slope(at);
+    stages::<M, f64, Timed<N>>(autonomous, 0.0, from, first, change).end
 }

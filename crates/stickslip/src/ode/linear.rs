@@ -11,10 +11,10 @@ pub trait Linear<T: Scalar>: Copy {
     fn add_scaled(self, factor: T, other: &Self) -> Self;
 }
 
-impl<T: Scalar, const N: usize> Linear<T> for State<T, N> {
+impl<T: Scalar, const N: usize> Linear<T> for [T; N] {
     #[inline(always)]
     fn zero() -> Self {
-        State::from([T::constant(0.0); N])
+        [T::constant(0.0); N]
     }
     #[inline(always)]
     fn add_scaled(mut self, factor: T, other: &Self) -> Self {
@@ -25,25 +25,39 @@ impl<T: Scalar, const N: usize> Linear<T> for State<T, N> {
     }
 }
 
-/// Time and state together: the unknowns of the Hénon step, in which another variable is independent.
-#[derive(Clone, Copy, Debug)]
-pub struct Timed<T, const N: usize> {
-    /// Time.
-    pub t: T,
-    /// State.
-    pub x: State<T, N>,
+impl<const N: usize> Linear<f64> for State<N> {
+    #[inline(always)]
+    fn zero() -> Self {
+        State::from([0.0; N])
+    }
+    #[inline(always)]
+    fn add_scaled(mut self, factor: f64, other: &Self) -> Self {
+        for i in 0..N {
+            self[i] += factor * other[i];
+        }
+        self
+    }
 }
 
-impl<T: Scalar, const N: usize> Linear<T> for Timed<T, N> {
+/// Time and state together: the unknowns of the Hénon step, in which another variable is independent.
+#[derive(Clone, Copy, Debug)]
+pub struct Timed<const N: usize> {
+    /// Time.
+    pub t: f64,
+    /// State.
+    pub x: State<N>,
+}
+
+impl<const N: usize> Linear<f64> for Timed<N> {
     #[inline(always)]
     fn zero() -> Self {
         Timed {
-            t: T::constant(0.0),
-            x: Linear::<T>::zero(),
+            t: 0.0,
+            x: State::zero(),
         }
     }
     #[inline(always)]
-    fn add_scaled(self, factor: T, other: &Self) -> Self {
+    fn add_scaled(self, factor: f64, other: &Self) -> Self {
         Timed {
             t: self.t + factor * other.t,
             x: self.x.add_scaled(factor, &other.x),

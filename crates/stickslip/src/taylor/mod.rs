@@ -8,7 +8,6 @@
 //! with the field has its own series, a polynomial in time whose first zero in the step is isolated for certain
 //! ([`roots`]). Knows nothing of discontinuities.
 
-mod dual_num;
 pub(crate) mod recorder;
 pub(crate) mod roots;
 pub(crate) mod series;

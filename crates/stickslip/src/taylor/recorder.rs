@@ -45,11 +45,6 @@ impl Recorded {
         sketch.form(self.form)
     }
 
-    /// The value, without noting that it was read.
-    pub(super) fn peek(self) -> f64 {
-        self.now
-    }
-
     fn function(self, op: fn(u32) -> Op, now: f64, offset: u32) -> Self {
         on_sketch(|sketch| {
             let form = match sketch.function(self.form, op) {

@@ -138,11 +138,11 @@ impl Tape {
         &mut self,
         sketch: &mut Sketch,
         t: f64,
-        x: &State<f64, N>,
-        functions: impl FnOnce(Recorded, &State<Recorded, N>) -> (State<Recorded, N>, [Recorded; W]),
+        x: &State<N>,
+        functions: impl FnOnce(Recorded, &[Recorded; N]) -> ([Recorded; N], [Recorded; W]),
     ) {
         let (field, watched) = recording(sketch, N + 1, || {
-            let state = State::from_fn(|i, _| Recorded::input(i, x[i]));
+            let state = std::array::from_fn(|i| Recorded::input(i, x[i]));
             functions(Recorded::input(N, t), &state)
         });
         let field: [Form; N] = std::array::from_fn(|i| field[i].form(sketch));

@@ -43,14 +43,14 @@ fn henon(points: usize) -> Vec<[f64; 2]> {
 
 /// A flow by the library's Runge–Kutta step, four steps to a sample, after a transient.
 fn flow<const N: usize>(
-    field: impl Fn(&State<f64, N>) -> [f64; N],
+    field: impl Fn(&State<N>) -> [f64; N],
     start: [f64; N],
     dt: f64,
     points: usize,
 ) -> Vec<[f64; N]> {
     const SUBSTEPS: usize = 4;
     const TRANSIENT: usize = 2000;
-    let mut slope = |_: f64, x: &State<f64, N>| State::from(field(x));
+    let mut slope = |_: f64, x: &State<N>| State::from(field(x));
     let mut x = State::from(start);
     let mut rows = Vec::with_capacity(points);
     for i in 0..TRANSIENT + points {
@@ -66,7 +66,7 @@ fn flow<const N: usize>(
 }
 
 fn lorenz(points: usize) -> Vec<[f64; 3]> {
-    let field = |x: &State<f64, 3>| {
+    let field = |x: &State<3>| {
         [
             10.0 * (x[1] - x[0]),
             x[0] * (28.0 - x[2]) - x[1],
@@ -77,13 +77,13 @@ fn lorenz(points: usize) -> Vec<[f64; 3]> {
 }
 
 fn roessler(points: usize) -> Vec<[f64; 3]> {
-    let field = |x: &State<f64, 3>| [-x[1] - x[2], x[0] + 0.2 * x[1], 0.2 + x[2] * (x[0] - 5.7)];
+    let field = |x: &State<3>| [-x[1] - x[2], x[0] + 0.2 * x[1], 0.2 + x[2] * (x[0] - 5.7)];
     flow(field, [1.0, 1.0, 0.0], 0.1, points)
 }
 
 /// Van der Pol's cycle and a driven linear oscillator: a closed curve in four dimensions.
 fn cycle(points: usize) -> Vec<[f64; 4]> {
-    let field = |x: &State<f64, 4>| {
+    let field = |x: &State<4>| {
         [
             x[1],
             (1.0 - x[0] * x[0]) * x[1] - x[0],

@@ -211,7 +211,7 @@ struct Edge {
 }
 
 impl Filippov<2> for Edge {
-    fn field<T: Scalar>(&self, side: Side, _t: T, x: &State<T, 2>) -> State<T, 2> {
+    fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T; 2]) -> [T; 2] {
         let room = -x[0] + self.edge;
         let push = match self.kind {
             0 => room.sqrt(),
@@ -222,9 +222,9 @@ impl Filippov<2> for Edge {
             _ if x[1].value() < 0.3 => T::constant(0.0),
             _ => T::constant(0.1),
         };
-        State::from([x[1], -x[0] * side.sign() * 0.5 - x[0] + push * 0.1])
+        [x[1], -x[0] * side.sign() * 0.5 - x[0] + push * 0.1]
     }
-    fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 2>) -> T {
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
         x[0] - 0.1
     }
 }

@@ -61,7 +61,7 @@ impl Spiral {
         self.size * math::cos(self.phase()) - self.gap
     }
 
-    fn at(&self, t: f64) -> State<f64, 2> {
+    fn at(&self, t: f64) -> State<2> {
         let angle = self.frequency * (t - self.top) + self.phase();
         let radius = self.size * math::exp(self.growth * (t - self.top));
         State::from([radius * math::cos(angle), -radius * math::sin(angle)])
@@ -83,10 +83,10 @@ impl Spiral {
 struct AtRest(Spiral);
 
 impl Filippov<2> for AtRest {
-    fn field<T: Scalar>(&self, _side: Side, _t: T, x: &State<T, 2>) -> State<T, 2> {
-        State::from(self.0.slope([x[0], x[1]]))
+    fn field<T: Scalar>(&self, _side: Side, _t: T, x: &[T; 2]) -> [T; 2] {
+        self.0.slope([x[0], x[1]])
     }
-    fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 2>) -> T {
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
         x[0] - self.0.level()
     }
 }
@@ -113,13 +113,13 @@ impl Shaken {
 }
 
 impl Filippov<2> for Shaken {
-    fn field<T: Scalar>(&self, _side: Side, t: T, x: &State<T, 2>) -> State<T, 2> {
+    fn field<T: Scalar>(&self, _side: Side, t: T, x: &[T; 2]) -> [T; 2] {
         let shift = (t * self.rate).sin() * self.amplitude;
         let slope = self.spiral.slope([x[0] - shift, x[1]]);
         let drift = (t * self.rate).cos() * (self.amplitude * self.rate);
-        State::from([slope[0] + drift, slope[1]])
+        [slope[0] + drift, slope[1]]
     }
-    fn boundary<T: Scalar>(&self, t: T, x: &State<T, 2>) -> T {
+    fn boundary<T: Scalar>(&self, t: T, x: &[T; 2]) -> T {
         let shift = (t * self.rate).sin() * self.amplitude;
         ((x[0] - shift - self.spiral.level()) * self.bend).exp() - 1.0
     }
@@ -138,12 +138,7 @@ impl Observer<2> for Crossings {
 }
 
 /// The crossings of a system around a spiral's top are two, one on each side of it, or none.
-fn assert_counted<S: Filippov<2>>(
-    system: &S,
-    spiral: &Spiral,
-    start: State<f64, 2>,
-    options: &Options,
-) {
+fn assert_counted<S: Filippov<2>>(system: &S, spiral: &Spiral, start: State<2>, options: &Options) {
     let (from, to) = spiral.span();
     let mut found = Crossings::default();
     run(system, from, start, to, options, &mut found).expect("runs");

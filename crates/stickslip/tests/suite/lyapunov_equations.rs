@@ -29,22 +29,22 @@ struct Smooth<F>(F);
 
 /// A field written once for every scalar; closures cannot be.
 trait Field<const N: usize> {
-    fn at<T: Scalar>(&self, x: &State<T, N>) -> State<T, N>;
+    fn at<T: Scalar>(&self, x: &[T; N]) -> [T; N];
 }
 
 impl<F: Field<N>, const N: usize> Filippov<N> for Smooth<F> {
-    fn field<T: Scalar>(&self, _side: Side, _t: T, x: &State<T, N>) -> State<T, N> {
+    fn field<T: Scalar>(&self, _side: Side, _t: T, x: &[T; N]) -> [T; N] {
         self.0.at(x)
     }
-    fn boundary<T: Scalar>(&self, _t: T, _x: &State<T, N>) -> T {
+    fn boundary<T: Scalar>(&self, _t: T, _x: &[T; N]) -> T {
         T::constant(-1.0)
     }
 }
 
 struct Linear<const N: usize>([[f64; N]; N]);
 impl<const N: usize> Field<N> for Linear<N> {
-    fn at<T: Scalar>(&self, x: &State<T, N>) -> State<T, N> {
-        State::from_fn(|i, _| {
+    fn at<T: Scalar>(&self, x: &[T; N]) -> [T; N] {
+        std::array::from_fn(|i| {
             let row = &self.0[i];
             (0..N).fold(T::constant(0.0), |sum, j| sum + x[j] * row[j])
         })
@@ -96,12 +96,12 @@ fn a_state_at_rest_does_not_mislead_the_tangent_vectors() {
 
 struct Lorenz;
 impl Field<3> for Lorenz {
-    fn at<T: Scalar>(&self, x: &State<T, 3>) -> State<T, 3> {
-        State::from([
+    fn at<T: Scalar>(&self, x: &[T; 3]) -> [T; 3] {
+        [
             (x[1] - x[0]) * 10.0,
             x[0] * (-x[2] + 28.0) - x[1],
             x[0] * x[1] - x[2] * (8.0 / 3.0),
-        ])
+        ]
     }
 }
 
@@ -134,8 +134,8 @@ fn lorenz() {
 
 struct Roessler;
 impl Field<3> for Roessler {
-    fn at<T: Scalar>(&self, x: &State<T, 3>) -> State<T, 3> {
-        State::from([-x[1] - x[2], x[0] + x[1] * 0.2, x[2] * (x[0] - 5.7) + 0.2])
+    fn at<T: Scalar>(&self, x: &[T; 3]) -> [T; 3] {
+        [-x[1] - x[2], x[0] + x[1] * 0.2, x[2] * (x[0] - 5.7) + 0.2]
     }
 }
 
@@ -268,16 +268,16 @@ fn stick_on_the_way_to_an_attractor_without_it_annihilates_nothing() {
 /// two wells: chaotic.
 struct Refracting;
 impl Filippov<2> for Refracting {
-    fn field<T: Scalar>(&self, side: Side, t: T, x: &State<T, 2>) -> State<T, 2> {
+    fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; 2]) -> [T; 2] {
         let square = x[1] * x[1];
         let factor = square / (square + 1.0) * (0.4 * side.sign()) + 1.0;
         let well = x[0] - x[0] * x[0] * x[0];
-        State::from([
+        [
             x[1] * factor,
             well - x[1] * 0.2 + (t * 1.2).cos() * 0.4 + 0.03,
-        ])
+        ]
     }
-    fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 2>) -> T {
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
         x[0]
     }
 }
@@ -292,8 +292,8 @@ impl Observer<2> for Determinants {
         let (Mode::Slip(from), Mode::Slip(to)) = (at.from, at.to) else {
             return ControlFlow::Break(());
         };
-        let before = Refracting.field(from, at.t, &at.x);
-        let after = Refracting.field(to, at.t, &at.x);
+        let velocity = |side| State::from(Refracting.field(side, at.t, at.x.as_ref()));
+        let (before, after) = (velocity(from), velocity(to));
         let jump = saltation(&Refracting, at.t, &at.x, &before, &after);
         self.sum += math::ln((jump[(0, 0)] * jump[(1, 1)] - jump[(0, 1)] * jump[(1, 0)]).abs());
         self.count += 1;
@@ -331,19 +331,19 @@ impl FromSupport {
     fn velocity<T: Scalar>(&self, t: T) -> T {
         (t * self.0.omega).cos() * (self.0.amplitude * self.0.omega)
     }
-    fn outside<T: Scalar>(&self, t: T, z: &State<T, 2>) -> State<T, 2> {
+    fn outside<T: Scalar>(&self, t: T, z: &[T; 2]) -> [T; 2] {
         let support = (t * self.0.omega).sin() * self.0.amplitude;
-        State::from([z[0] + support, z[1] + self.velocity(t)])
+        [z[0] + support, z[1] + self.velocity(t)]
     }
 }
 impl Filippov<2> for FromSupport {
-    fn field<T: Scalar>(&self, side: Side, t: T, z: &State<T, 2>) -> State<T, 2> {
+    fn field<T: Scalar>(&self, side: Side, t: T, z: &[T; 2]) -> [T; 2] {
         let f = self.0.field(side, t, &self.outside(t, z));
         let omega = self.0.omega;
         let acceleration = (t * omega).sin() * (-self.0.amplitude * omega * omega);
-        State::from([f[0] - self.velocity(t), f[1] - acceleration])
+        [f[0] - self.velocity(t), f[1] - acceleration]
     }
-    fn boundary<T: Scalar>(&self, t: T, z: &State<T, 2>) -> T {
+    fn boundary<T: Scalar>(&self, t: T, z: &[T; 2]) -> T {
         self.0.boundary(t, &self.outside(t, z))
     }
 }
@@ -421,10 +421,10 @@ fn stick_to_a_moving_boundary_annihilates_as_stick_to_a_fixed_one() {
 /// P6: x' = ±a towards the moving boundary x = sin t.
 struct Rider;
 impl Filippov<1> for Rider {
-    fn field<T: Scalar>(&self, side: Side, _t: T, _x: &State<T, 1>) -> State<T, 1> {
-        State::from([T::constant(-0.9 * side.sign())])
+    fn field<T: Scalar>(&self, side: Side, _t: T, _x: &[T; 1]) -> [T; 1] {
+        [T::constant(-0.9 * side.sign())]
     }
-    fn boundary<T: Scalar>(&self, t: T, x: &State<T, 1>) -> T {
+    fn boundary<T: Scalar>(&self, t: T, x: &[T; 1]) -> T {
         x[0] - t.sin()
     }
 }
@@ -480,10 +480,10 @@ fn settings_and_orbits_without_a_future_are_refused() {
     /// Both fields lead away from zero.
     struct Fork;
     impl Filippov<1> for Fork {
-        fn field<T: Scalar>(&self, side: Side, _t: T, _x: &State<T, 1>) -> State<T, 1> {
-            State::from([T::constant(side.sign())])
+        fn field<T: Scalar>(&self, side: Side, _t: T, _x: &[T; 1]) -> [T; 1] {
+            [T::constant(side.sign())]
         }
-        fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 1>) -> T {
+        fn boundary<T: Scalar>(&self, _t: T, x: &[T; 1]) -> T {
             x[0]
         }
     }

@@ -75,10 +75,10 @@ fn events_of_an_orbit_that_enlarges_errors_by_thousands_are_exact_to_5e_13() {
 struct Floor;
 
 impl Filippov<2> for Floor {
-    fn field<T: Scalar>(&self, side: Side, _t: T, x: &State<T, 2>) -> State<T, 2> {
-        State::from([x[1], -x[0] - 0.4 * side.sign()])
+    fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T; 2]) -> [T; 2] {
+        [x[1], -x[0] - 0.4 * side.sign()]
     }
-    fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 2>) -> T {
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
         x[1]
     }
 }
@@ -132,7 +132,7 @@ struct Kink {
 }
 
 impl Filippov<2> for Kink {
-    fn field<T: Scalar>(&self, _side: Side, _t: T, x: &State<T, 2>) -> State<T, 2> {
+    fn field<T: Scalar>(&self, _side: Side, _t: T, x: &[T; 2]) -> [T; 2] {
         let slope = if self.by_value {
             if x[0].value() > 0.0 {
                 x[0]
@@ -142,9 +142,9 @@ impl Filippov<2> for Kink {
         } else {
             x[0].max(T::constant(0.0))
         };
-        State::from([T::constant(1.0), slope])
+        [T::constant(1.0), slope]
     }
-    fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 2>) -> T {
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
         x[1] - 100.0
     }
 }
@@ -225,10 +225,10 @@ fn the_forced_oscillator_is_the_same_by_series_and_by_slopes() {
 fn a_field_that_is_not_a_number_is_told_so() {
     struct Nowhere;
     impl Filippov<1> for Nowhere {
-        fn field<T: Scalar>(&self, _side: Side, t: T, x: &State<T, 1>) -> State<T, 1> {
-            State::from([Scalar::ln(-t + 1.0) * x[0] + 1.0])
+        fn field<T: Scalar>(&self, _side: Side, t: T, x: &[T; 1]) -> [T; 1] {
+            [Scalar::ln(-t + 1.0) * x[0] + 1.0]
         }
-        fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 1>) -> T {
+        fn boundary<T: Scalar>(&self, _t: T, x: &[T; 1]) -> T {
             x[0] + 100.0
         }
     }
@@ -246,10 +246,10 @@ struct Ramp {
 }
 
 impl Filippov<2> for Ramp {
-    fn field<T: Scalar>(&self, _side: Side, _t: T, x: &State<T, 2>) -> State<T, 2> {
-        State::from([T::constant(self.speed), x[0].max(T::constant(0.0))])
+    fn field<T: Scalar>(&self, _side: Side, _t: T, x: &[T; 2]) -> [T; 2] {
+        [T::constant(self.speed), x[0].max(T::constant(0.0))]
     }
-    fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 2>) -> T {
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
         x[1] - 100.0
     }
 }
@@ -279,10 +279,10 @@ struct Pit {
 }
 
 impl Filippov<2> for Pit {
-    fn field<T: Scalar>(&self, _side: Side, t: T, _x: &State<T, 2>) -> State<T, 2> {
-        State::from([t.cos(), T::constant(0.0)])
+    fn field<T: Scalar>(&self, _side: Side, t: T, _x: &[T; 2]) -> [T; 2] {
+        [t.cos(), T::constant(0.0)]
     }
-    fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 2>) -> T {
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
         (x[0] * x[0] + x[1] * x[1]).sqrt() - self.radius
     }
 }
@@ -293,10 +293,10 @@ struct Gate {
 }
 
 impl Filippov<2> for Gate {
-    fn field<T: Scalar>(&self, _side: Side, t: T, _x: &State<T, 2>) -> State<T, 2> {
-        State::from([t.cos(), T::constant(0.0)])
+    fn field<T: Scalar>(&self, _side: Side, t: T, _x: &[T; 2]) -> [T; 2] {
+        [t.cos(), T::constant(0.0)]
     }
-    fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 2>) -> T {
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
         let distance = if x[0].value() < 0.25 {
             -x[0] + 0.5
         } else {
@@ -342,10 +342,10 @@ fn a_boundary_that_branches_by_value_is_met_on_the_other_branch() {
 struct Graze;
 
 impl Filippov<2> for Graze {
-    fn field<T: Scalar>(&self, _side: Side, _t: T, x: &State<T, 2>) -> State<T, 2> {
-        State::from([T::constant(1.0), x[0] * 2.0])
+    fn field<T: Scalar>(&self, _side: Side, _t: T, x: &[T; 2]) -> [T; 2] {
+        [T::constant(1.0), x[0] * 2.0]
     }
-    fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 2>) -> T {
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
         x[1]
     }
 }
@@ -381,10 +381,10 @@ fn a_contact_cut_in_two_by_a_step_s_end_is_one_touch() {
 struct Brink;
 
 impl Filippov<1> for Brink {
-    fn field<T: Scalar>(&self, _side: Side, _t: T, _x: &State<T, 1>) -> State<T, 1> {
-        State::from([T::constant(1.0)])
+    fn field<T: Scalar>(&self, _side: Side, _t: T, _x: &[T; 1]) -> [T; 1] {
+        [T::constant(1.0)]
     }
-    fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 1>) -> T {
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 1]) -> T {
         if x[0].value() < 0.25 {
             -x[0] + 0.616
         } else {

@@ -11,7 +11,7 @@ const IN_SPAN: f64 = 1e-12;
 /// their exponents; those that have complete the basis and carry nothing but the normal of the space of the others.
 #[derive(Clone, Debug)]
 pub(super) struct Frame<const N: usize> {
-    columns: [State<f64, N>; N],
+    columns: [State<N>; N],
     alive: [bool; N],
 }
 
@@ -55,7 +55,7 @@ impl<const N: usize> Frame<N> {
     }
 
     /// Applies a linear map to all vectors.
-    pub(super) fn apply(&mut self, mut map: impl FnMut(&State<f64, N>) -> State<f64, N>) {
+    pub(super) fn apply(&mut self, mut map: impl FnMut(&State<N>) -> State<N>) {
         for column in &mut self.columns {
             *column = map(column);
         }
@@ -93,7 +93,7 @@ impl<const N: usize> Frame<N> {
     }
 
     /// What of `vector` lies outside the span of the vectors alive: its length.
-    pub(super) fn height(&self, vector: &State<f64, N>) -> f64 {
+    pub(super) fn height(&self, vector: &State<N>) -> f64 {
         let mut rest = *vector;
         for j in self.living() {
             rest -= self.columns[j] * self.columns[j].dot(&rest);
@@ -103,7 +103,7 @@ impl<const N: usize> Frame<N> {
 
     /// Declares dead the vector that a projection along the unit vector `kernel` annihilates: the first that together
     /// with those before it has `kernel` in its span. `None` if the span of all does not hold it.
-    pub(super) fn collapse(&mut self, kernel: &State<f64, N>) -> Option<usize> {
+    pub(super) fn collapse(&mut self, kernel: &State<N>) -> Option<usize> {
         let mut rest = *kernel;
         for j in self.living() {
             rest -= self.columns[j] * self.columns[j].dot(&rest);
@@ -118,7 +118,7 @@ impl<const N: usize> Frame<N> {
     /// Replaces the dead vectors by ones that complete those alive to an orthonormal basis.
     fn complete(&mut self) {
         let dead = self.order().skip(self.living().count());
-        let mut known: Vec<State<f64, N>> = self.living().map(|j| self.columns[j]).collect();
+        let mut known: Vec<State<N>> = self.living().map(|j| self.columns[j]).collect();
         for j in dead {
             // The axis that stands out most: by at least 1/√N.
             let rest = |i: usize| {
@@ -128,7 +128,7 @@ impl<const N: usize> Frame<N> {
             };
             let longest = (0..N)
                 .map(rest)
-                .fold(State::zeros(), |best: State<f64, N>, rest| {
+                .fold(State::zeros(), |best: State<N>, rest| {
                     if rest.norm() > best.norm() {
                         rest
                     } else {
@@ -141,7 +141,7 @@ impl<const N: usize> Frame<N> {
     }
 }
 
-fn axis<const N: usize>(i: usize) -> State<f64, N> {
+fn axis<const N: usize>(i: usize) -> State<N> {
     State::from_fn(|k, _| f64::from(u8::from(k == i)))
 }
 
@@ -149,7 +149,7 @@ fn axis<const N: usize>(i: usize) -> State<f64, N> {
 mod tests {
     use super::*;
 
-    fn unit(x: [f64; 3]) -> State<f64, 3> {
+    fn unit(x: [f64; 3]) -> State<3> {
         let x = State::from(x);
         x / x.norm()
     }

@@ -93,7 +93,7 @@ impl<'a, S, const N: usize> Measurement<'a, S, N> {
 
     /// Takes out the direction that a projection along the unit vector `kernel` annihilates, if the frame spans it. The
     /// volume of the others is that of all, less the height over it.
-    fn collapse(&mut self, kernel: &State<f64, N>) {
+    fn collapse(&mut self, kernel: &State<N>) {
         if let Some(j) = self.frame.collapse(kernel) {
             self.log_volume -= self.growth.logs[j];
             self.growth.logs[j] = f64::NEG_INFINITY;
@@ -106,9 +106,9 @@ impl<'a, S, const N: usize> Measurement<'a, S, N> {
     /// the vectors' own volume changes as their distance to the tip of `kernel` before and after.
     fn project(
         &mut self,
-        kernel: &State<f64, N>,
-        gradient: &State<f64, N>,
-        mut map: impl FnMut(&State<f64, N>) -> State<f64, N>,
+        kernel: &State<N>,
+        gradient: &State<N>,
+        mut map: impl FnMut(&State<N>) -> State<N>,
     ) -> Option<()> {
         self.collapse(kernel);
         let before = self.frame.height(kernel);
@@ -202,7 +202,7 @@ impl<S: Filippov<N>, const N: usize> Measurement<'_, S, N> {
     }
 }
 
-fn singular<const N: usize>(t: f64, x: &State<f64, N>) -> Error {
+fn singular<const N: usize>(t: f64, x: &State<N>) -> Error {
     let x = Point::from(x);
     Error::TangentSingular { t, x }
 }

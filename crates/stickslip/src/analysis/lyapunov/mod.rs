@@ -55,12 +55,12 @@ use measurement::Measurement;
 ///
 /// ```
 /// use stickslip::analysis::{Exponent, SpectrumOptions, lyapunov_spectrum};
-/// use stickslip::{State, models::BeltOscillator};
+/// use stickslip::models::BeltOscillator;
 ///
 /// // A slow belt: the block sticks in every period.
 /// let belt = BeltOscillator { belt_speed: 0.2, ..BeltOscillator::default() };
 /// let settings = SpectrumOptions::over(50.0, 500.0);
-/// let spectrum = lyapunov_spectrum(&belt, (0.0, State::from([0.5, 0.1])), &settings)?;
+/// let spectrum = lyapunov_spectrum(&belt, (0.0, [0.5, 0.1]), &settings)?;
 /// assert!(spectrum.exponents[0].value().abs() < 0.02);
 /// assert_eq!(spectrum.exponents[1], Exponent::Annihilated);
 /// assert!(spectrum.stick_entries > 10);
@@ -72,7 +72,7 @@ use measurement::Measurement;
 /// [`Error::TangentSingular`] where it grazes Σ so exactly that tangent vectors have no image.
 pub fn lyapunov_spectrum<S: Filippov<N>, const N: usize>(
     system: &S,
-    start: (f64, State<f64, N>),
+    start: (f64, impl Into<State<N>>),
     settings: &SpectrumOptions,
 ) -> Result<Spectrum<N>, Error> {
     lyapunov_spectrum_watched(system, start, settings, &mut ())
@@ -85,13 +85,13 @@ pub fn lyapunov_spectrum<S: Filippov<N>, const N: usize>(
 /// As [`lyapunov_spectrum`].
 pub fn lyapunov_spectrum_watched<S: Filippov<N>, O: Observer<N>, const N: usize>(
     system: &S,
-    (t0, x0): (f64, State<f64, N>),
+    (t0, x0): (f64, impl Into<State<N>>),
     settings: &SpectrumOptions,
     watcher: &mut O,
 ) -> Result<Spectrum<N>, Error> {
     settings.check()?;
     let mut measurement = Measurement::new(system, settings);
-    let mut begin = (t0, x0);
+    let mut begin = (t0, x0.into());
     if settings.transient > 0.0 {
         let t_end = t0 + settings.transient;
         let reached = follow(system, begin, t_end, settings, &mut measurement, &mut ())?;
@@ -106,7 +106,7 @@ pub fn lyapunov_spectrum_watched<S: Filippov<N>, O: Observer<N>, const N: usize>
 /// Goes along an orbit with the frame first and `watcher` behind it.
 fn follow<S: Filippov<N>, O: Observer<N>, const N: usize>(
     system: &S,
-    (t, x): (f64, State<f64, N>),
+    (t, x): (f64, State<N>),
     t_end: f64,
     settings: &SpectrumOptions,
     measurement: &mut Measurement<'_, S, N>,

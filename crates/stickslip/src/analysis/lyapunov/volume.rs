@@ -1,6 +1,6 @@
 //! Growth of volumes by Liouville's formula.
 
-use num_dual::Dual;
+use crate::dual::Dual;
 
 use super::super::tangent::field_in;
 use crate::filippov::StepRecord;
@@ -16,17 +16,12 @@ const GAUSS: [(f64, f64); 5] = [
 ];
 
 /// Divergence of the field that rules in `mode`.
-fn divergence<S: Filippov<N>, const N: usize>(
-    system: &S,
-    mode: Mode,
-    t: f64,
-    x: &State<f64, N>,
-) -> f64 {
+fn divergence<S: Filippov<N>, const N: usize>(system: &S, mode: Mode, t: f64, x: &State<N>) -> f64 {
     let frozen = Dual::new(t, 0.0);
     (0..N)
         .map(|i| {
             let seed = |j: usize| f64::from(u8::from(i == j));
-            let seeded = State::<Dual<f64>, N>::from_fn(|j, _| Dual::new(x[j], seed(j)));
+            let seeded = std::array::from_fn(|j| Dual::new(x[j], seed(j)));
             field_in(system, mode, frozen, &seeded)[i].eps
         })
         .sum()

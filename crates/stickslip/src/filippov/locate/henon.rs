@@ -6,10 +6,10 @@ use crate::filippov::guard::Probe;
 use crate::ode::{RungeKutta, Timed, henon_step};
 
 impl<M: RungeKutta, F: Flow<N>, const N: usize> OnDense<'_, M, F, N> {
-    fn henon(&self, from: &Timed<f64, N>, change: f64) -> Timed<f64, N> {
+    fn henon(&self, from: &Timed<N>, change: f64) -> Timed<N> {
         self.origin.count(M::COEFFICIENTS.stages as u64);
         let flow = self.origin.flow;
-        henon_step::<M, f64, N>(&mut |at| flow.swapped(self.guard, at), from, change)
+        henon_step::<M, N>(&mut |at| flow.swapped(self.guard, at), from, change)
     }
 
     /// From a state hardly off the zero, one Hénon step onto it (again where the guard is curved and the first has left
@@ -57,7 +57,10 @@ impl<M: RungeKutta, F: Flow<N>, const N: usize> OnDense<'_, M, F, N> {
         let landed = self.polish(to)?;
         if mismatch.is_finite() {
             let ordinary = self.reach(landed.s);
-            let miss: f64 = self.origin.flow.guard(self.guard, ordinary.t, &ordinary.x);
+            let miss: f64 = self
+                .origin
+                .flow
+                .guard_at(self.guard, ordinary.t, &ordinary.x);
             if miss.abs() > mismatch {
                 return None;
             }

@@ -21,8 +21,8 @@ use root_search::Search;
 pub(crate) struct Origin<'a, F, const N: usize> {
     pub flow: &'a F,
     pub t: f64,
-    pub x: State<f64, N>,
-    pub slope: State<f64, N>,
+    pub x: State<N>,
+    pub slope: State<N>,
     pub h: f64,
     /// Calls of the user's field by location.
     pub field_calls: Cell<u64>,
@@ -66,7 +66,7 @@ impl<M: RungeKutta, F: Flow<N>, const N: usize> StepGuard<N> for OnDense<'_, M, 
         let origin = self.origin;
         let on_dense = || {
             let t = origin.t + s * origin.h;
-            origin.flow.guard(self.guard, t, &self.dense.at(s))
+            origin.flow.guard_at(self.guard, t, &self.dense.at(s))
         };
         match &self.start {
             Some(start) => start.value(s, on_dense),
@@ -81,9 +81,9 @@ impl<M: RungeKutta, F: Flow<N>, const N: usize> StepGuard<N> for OnDense<'_, M, 
 
 impl<M: RungeKutta, F: Flow<N>, const N: usize> OnDense<'_, M, F, N> {
     /// Time and state at the part `s` of the step, by a step of that length.
-    fn reach(&self, s: f64) -> Timed<f64, N> {
+    fn reach(&self, s: f64) -> Timed<N> {
         let origin = self.origin;
-        let field = &mut |t: f64, x: &State<f64, N>| origin.flow.field(t, x);
+        let field = &mut |t: f64, x: &State<N>| origin.flow.velocity(t, x);
         let part = s * origin.h;
         origin.count(M::COEFFICIENTS.stages as u64 - 1);
         let x = stages::<M, f64, _>(field, origin.t, &origin.x, origin.slope, part).end;
@@ -94,7 +94,7 @@ impl<M: RungeKutta, F: Flow<N>, const N: usize> OnDense<'_, M, F, N> {
         }
     }
 
-    fn look(&self, at: Timed<f64, N>) -> Probe<N> {
+    fn look(&self, at: Timed<N>) -> Probe<N> {
         // Three passes through the field on dual numbers.
         self.origin.count(3);
         let [guard, rate, bend, _] = self.origin.flow.jet(self.guard, at.t, &at.x);

@@ -17,7 +17,7 @@ use crate::taylor::roots::{first_zero, is_positive, slope_and_bend, value_and_sl
 pub(super) struct Found<const N: usize> {
     pub(super) event: Event<N>,
     pub(super) s: f64,
-    pub(super) rest: Timed<f64, N>,
+    pub(super) rest: Timed<N>,
 }
 
 /// Where it is looked at whether a guard is defined.
@@ -81,7 +81,7 @@ struct Sampled<'a, F, const N: usize> {
 impl<F: Flow<N>, const N: usize> Sampled<'_, F, N> {
     fn on_series(&self, s: f64) -> f64 {
         let at = self.piece.at(s).0;
-        self.flow.guard(self.guard, at.t, &at.x)
+        self.flow.guard_at(self.guard, at.t, &at.x)
     }
 }
 
@@ -120,7 +120,7 @@ fn on_piece<F: Flow<N>, const N: usize>(
     Probe {
         s,
         at,
-        guard: flow.guard(guard, at.t, &at.x),
+        guard: flow.guard_at(guard, at.t, &at.x),
         rate: slope,
         bend,
     }
@@ -286,7 +286,7 @@ fn locate<F: Flow<N>, G: StepGuard<N>, const N: usize>(
             (zero.at, piece.at(s).1)
         };
         at.x = flow.land(i, at.t, at.x);
-        let left: f64 = flow.guard(i, at.t, &at.x);
+        let left: f64 = flow.guard_at(i, at.t, &at.x);
         let event = Event {
             guard: i,
             at,

@@ -50,8 +50,8 @@ pub(crate) struct TaylorStepper<const N: usize> {
     /// Whether the phase, or the rest of one, has yet to begin.
     is_new: bool,
     /// Where the last step ended, and what rounding took from that.
-    end: Timed<f64, N>,
-    rest: Timed<f64, N>,
+    end: Timed<N>,
+    rest: Timed<N>,
     /// Whether the last step was rejected.
     rejected: bool,
     /// The step that the next series is scaled with.
@@ -85,7 +85,7 @@ impl<const N: usize> TaylorStepper<N> {
     }
 
     /// Makes sure that the tape holds at `(t, x)`.
-    fn record<F: Flow<N>>(&mut self, flow: &F, index: usize, t: f64, x: &State<f64, N>) {
+    fn record<F: Flow<N>>(&mut self, flow: &F, index: usize, t: f64, x: &State<N>) {
         self.tapes[index].record(&mut self.sketch, t, x, |t, x| {
             let field = flow.field(t, x);
             let one = crate::scalar::Scalar::constant(1.0);
@@ -127,7 +127,7 @@ impl<const N: usize> TaylorStepper<N> {
         self.series.expand(tape, t, &x, self.scale, self.order);
     }
 
-    fn piece(&self, t: f64, rest: Timed<f64, N>, h: f64, scaled_with: f64) -> Piece<N> {
+    fn piece(&self, t: f64, rest: Timed<N>, h: f64, scaled_with: f64) -> Piece<N> {
         let ratio = h / scaled_with;
         let mut x = [State::from([0.0; N]); MOST_ORDER + 1];
         let mut power = 1.0;
@@ -170,7 +170,7 @@ impl<const N: usize> TaylorStepper<N> {
         self.is_new = false;
         self.rejected = false;
         if run.h == 0.0 {
-            let field = &mut |t: f64, x: &State<f64, N>| flow.field(t, x);
+            let field = &mut |t: f64, x: &State<N>| flow.velocity(t, x);
             let slope = field(t, &x);
             run.h = run.choose_first_step(field, t, &x, &slope);
             run.counters.field_calls += 2 * F::FIELD_CALLS;
@@ -207,7 +207,7 @@ impl<const N: usize> TaylorStepper<N> {
         if !(0..N).all(|i| (self.series.at(i, last) + self.series.at(i, last - 1)).is_finite()) {
             run.reject_undefined(SHRINK * scale)?;
             if run.is_too_short(run.h, false) {
-                return Err(run.collapsed(&flow.field(t, &x), run.h));
+                return Err(run.collapsed(&flow.velocity(t, &x), run.h));
             }
             return Ok(Trial::NoStep);
         }
@@ -219,7 +219,7 @@ impl<const N: usize> TaylorStepper<N> {
             h -= rest.t;
         }
         if run.is_too_short(h, is_last) {
-            return Err(run.collapsed(&flow.field(t, &x), h));
+            return Err(run.collapsed(&flow.velocity(t, &x), h));
         }
         let piece = self.piece(t, rest, h, scale);
         let (mut at, mut rest_there) = piece.at(1.0);

@@ -11,8 +11,8 @@ use crate::taylor::tape::{Combination, Tape};
 /// Tolerances by which the slope of a series, times the step, may be off the field.
 const DEFECT: f64 = 30.0;
 
-pub(super) fn nowhere<const N: usize>() -> Timed<f64, N> {
-    <Timed<f64, N> as Linear<f64>>::zero()
+pub(super) fn nowhere<const N: usize>() -> Timed<N> {
+    <Timed<N> as Linear<f64>>::zero()
 }
 
 /// Sum and rounding error (Knuth).
@@ -28,8 +28,8 @@ pub(super) struct Piece<const N: usize> {
     pub(super) t: f64,
     pub(super) h: f64,
     pub(super) order: usize,
-    pub(super) x: [State<f64, N>; MOST_ORDER + 1],
-    pub(super) rest: Timed<f64, N>,
+    pub(super) x: [State<N>; MOST_ORDER + 1],
+    pub(super) rest: Timed<N>,
     /// Step length over the one that the series is scaled with.
     pub(super) ratio: f64,
 }
@@ -37,7 +37,7 @@ pub(super) struct Piece<const N: usize> {
 impl<const N: usize> Piece<N> {
     /// Time and state at the part `s` of the step, and what rounding takes from them.
     #[inline(always)]
-    pub(super) fn at(&self, s: f64) -> (Timed<f64, N>, Timed<f64, N>) {
+    pub(super) fn at(&self, s: f64) -> (Timed<N>, Timed<N>) {
         let rise = power_series(&self.x[1..=self.order], s);
         let (mut at, mut rest) = (nowhere(), nowhere());
         (at.t, rest.t) = two_sum(self.t, self.rest.t + s * self.h);
@@ -54,10 +54,10 @@ impl<const N: usize> Piece<N> {
         &self,
         flow: &F,
         s: f64,
-        at: &Timed<f64, N>,
+        at: &Timed<N>,
         options: &Options,
     ) -> bool {
-        let field = flow.field(at.t, &at.x);
+        let field = flow.velocity(at.t, &at.x);
         (0..N).all(|i| {
             let (mut value, mut slope) = (0.0, 0.0);
             for x in self.x[..=self.order].iter().rev() {

@@ -27,7 +27,7 @@ fn rough_log2(x: f64) -> f64 {
 impl<const N: usize> TaylorStepper<N> {
     /// Step length within the tolerance, over that which the series is scaled with: where the last coefficients, extrapolated
     /// by the radius of convergence that they tell, have fallen to the tolerance (Jorba & Zou 2005, Sect. 3.2).
-    pub(super) fn step_ratio(&self, index: usize, options: &Options, x: &State<f64, N>) -> f64 {
+    pub(super) fn step_ratio(&self, index: usize, options: &Options, x: &State<N>) -> f64 {
         let p = self.order;
         let relative = options.rtol.max(options.atol);
         let wanted = rough_log2(SAFETY * relative) / p as f64;

@@ -9,7 +9,7 @@ pub use rig::Rig;
 use super::parameters::{finite, not_negative, positive};
 use crate::error::Error;
 use crate::scalar::Scalar;
-use crate::system::{Filippov, Side, State};
+use crate::system::{Filippov, Side};
 
 /// Eq. (27)–(28), nondimensional.
 ///
@@ -124,13 +124,13 @@ impl BlockAndBracket {
 
     /// The normal force in units of its value `mg` at rest, unclipped: where it is negative the block would lift off.
     #[inline(always)]
-    pub fn unclipped_normal_force<T: Scalar>(&self, x: &State<T, 4>) -> T {
+    pub fn unclipped_normal_force<T: Scalar>(&self, x: &[T; 4]) -> T {
         -(x[2] * self.unloading + x[3] * self.unloading_rate) + 1.0
     }
 
     /// The normal force that friction is reckoned with, in units of `mg`: clipped at zero if the system says so.
     #[inline(always)]
-    pub fn normal_force<T: Scalar>(&self, x: &State<T, 4>) -> T {
+    pub fn normal_force<T: Scalar>(&self, x: &[T; 4]) -> T {
         let contact = self.unclipped_normal_force(x);
         if self.clipped {
             contact.max(T::constant(0.0))
@@ -142,28 +142,28 @@ impl BlockAndBracket {
 
 impl Filippov<4> for BlockAndBracket {
     #[inline(always)]
-    fn field<T: Scalar>(&self, side: Side, _t: T, x: &State<T, 4>) -> State<T, 4> {
+    fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T; 4]) -> [T; 4] {
         let slip_speed = (x[1] - self.belt_speed) * side.sign();
         let limit = self.normal_force(x) * (self.mu0 * side.sign() * self.friction_sign);
         let friction = limit / (slip_speed * self.delta + 1.0);
         let damper = (x[1] + x[3]) * self.coupling_damping;
         let force = damper + x[2] * self.displacement_sign + friction;
         let pull = x[0] + x[1] * self.coupling_damping + x[2] * self.bracket_stiffness;
-        State::from([
+        [
             x[1],
             -x[0] - force * self.coupling,
             x[3],
             -(pull + x[3] * self.bracket_damping) * self.mobility,
-        ])
+        ]
     }
 
     #[inline(always)]
-    fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 4>) -> T {
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 4]) -> T {
         x[1] - self.belt_speed
     }
 
     #[inline(always)]
-    fn contact<T: Scalar>(&self, _t: T, x: &State<T, 4>) -> Option<T> {
+    fn contact<T: Scalar>(&self, _t: T, x: &[T; 4]) -> Option<T> {
         Some(self.unclipped_normal_force(x))
     }
 }

@@ -4,7 +4,7 @@ use super::super::parameters::{not_negative, positive};
 use super::BlockAndBracket;
 use crate::error::Error;
 use crate::scalar::Scalar;
-use crate::system::{Filippov, Side, State};
+use crate::system::{Filippov, Side};
 
 /// Fig. 9 in SI units, as Newton's law gives it (see [`BlockAndBracket`]).
 ///
@@ -92,21 +92,21 @@ impl Rig {
 
     /// The normal force at a state (N), unclipped: where it is negative the block would lift off.
     #[inline(always)]
-    pub fn unclipped_normal_force<T: Scalar>(&self, x: &State<T, 4>) -> T {
+    pub fn unclipped_normal_force<T: Scalar>(&self, x: &[T; 4]) -> T {
         let lift = x[2] * self.k3 + x[3] * self.c2;
         -lift + self.mass * self.gravity
     }
 
     /// The normal force at a state (N), zero where the block would lift off.
     #[inline(always)]
-    pub fn normal_force<T: Scalar>(&self, x: &State<T, 4>) -> T {
+    pub fn normal_force<T: Scalar>(&self, x: &[T; 4]) -> T {
         self.unclipped_normal_force(x).max(T::constant(0.0))
     }
 }
 
 impl Filippov<4> for Rig {
     #[inline(always)]
-    fn field<T: Scalar>(&self, side: Side, _t: T, x: &State<T, 4>) -> State<T, 4> {
+    fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T; 4]) -> [T; 4] {
         let slip_speed = (x[1] - self.belt_speed) * side.sign();
         let coefficient = T::constant(self.mu0 * side.sign()) / (slip_speed * self.delta + 1.0);
         let coupling = (x[0] + x[2]) * self.k2 + (x[1] + x[3]) * self.c1;
@@ -114,21 +114,21 @@ impl Filippov<4> for Rig {
         let on_block = -(x[0] * self.k1) - coupling - coefficient * self.normal_force(x);
         // J φ̈ = r F and y = rφ.
         let per_force = self.arm * self.arm / self.inertia;
-        State::from([
+        [
             x[1],
             on_block / self.mass,
             x[3],
             -(coupling + support) * per_force,
-        ])
+        ]
     }
 
     #[inline(always)]
-    fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 4>) -> T {
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 4]) -> T {
         x[1] - self.belt_speed
     }
 
     #[inline(always)]
-    fn contact<T: Scalar>(&self, _t: T, x: &State<T, 4>) -> Option<T> {
+    fn contact<T: Scalar>(&self, _t: T, x: &[T; 4]) -> Option<T> {
         Some(self.unclipped_normal_force(x))
     }
 }

@@ -234,7 +234,7 @@ mod tests {
         let (mut tape, mut sketch, mut series) =
             (Tape::default(), Sketch::default(), Series::<1>::new());
         tape.record(&mut sketch, 0.0, &State::from([0.0]), |t, x| {
-            (State::from([x[0] * x[0] + 1.0]), functions(t, x[0]))
+            ([x[0] * x[0] + 1.0], functions(t, x[0]))
         });
         series.fit(&tape);
         series.expand(&tape, 0.0, &[[0.0]], H, MOST_ORDER);
@@ -318,7 +318,7 @@ mod tests {
             let friction = Recorded::constant(0.3) / (x[1] * 0.5 + 1.0);
             let forced = Scalar::sin(t * 3.0) * Scalar::exp(-x[0]);
             let spring = x[0] * x[0] * x[1] - Scalar::sqrt(x[0] + 2.0);
-            let field = State::from([x[1] / (x[0] + 2.0), forced - friction + spring]);
+            let field = [x[1] / (x[0] + 2.0), forced - friction + spring];
             (field, [Scalar::ln(x[0] + 1.0) * Scalar::cos(x[1])])
         });
         const LANES: usize = 4;
@@ -351,7 +351,7 @@ mod tests {
             let a = Scalar::sin(x[0]) + t;
             let weight = a / (a - x[0] * x[0]);
             let sliding = a + weight * (x[0] * x[0] - a);
-            (State::from([Scalar::sin(x[0])]), [sliding, x[0] * x[0]])
+            ([Scalar::sin(x[0])], [sliding, x[0] * x[0]])
         });
         let sliding = tape.watched[0];
         assert_eq!(sliding.count, 0);

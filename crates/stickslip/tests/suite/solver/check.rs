@@ -1,6 +1,7 @@
 //! What holds of every orbit, whatever the system.
 
 use stickslip::filippov::boundary_gradient;
+use stickslip::system::components;
 use stickslip::{
     Filippov, Locator, Mode, Options, Orbit, Side, State, StepRecord, Transition, TransitionKind,
 };
@@ -34,11 +35,7 @@ pub fn changes<const N: usize>(orbit: &Orbit<N>) -> Vec<Transition<N>> {
 
 /// One unit in the last place of the boundary function at `(t, x)`: what it changes by when every component and the
 /// time change by one.
-pub fn ulp_of_boundary<S: Filippov<N>, const N: usize>(
-    system: &S,
-    t: f64,
-    x: &State<f64, N>,
-) -> f64 {
+pub fn ulp_of_boundary<S: Filippov<N>, const N: usize>(system: &S, t: f64, x: &State<N>) -> f64 {
     let (gradient, in_time) = boundary_gradient(system, t, x);
     let by_state: f64 = gradient.iter().zip(x).map(|(g, x)| (g * x).abs()).sum();
     // The boundary function's own terms may be as large as 1 where those of the state are small.
@@ -135,8 +132,8 @@ fn rounding_of_step<S: Filippov<N>, const N: usize>(system: &S, step: &StepRecor
         Mode::Slip(side) => side,
         Mode::Stick => Side::Below,
     };
-    let before = system.field(side, step.t_start, &step.x_start);
-    let after = system.field(side, step.t_end, &step.x_end);
+    let before = system.field(side, step.t_start, components(&step.x_start));
+    let after = system.field(side, step.t_end, components(&step.x_end));
     let slope = (0..N).map(|i| gradient[i].abs() * before[i].abs().max(after[i].abs()));
     32.0 * f64::EPSILON * (step.t_end - step.t_start) * slope.sum::<f64>()
 }
@@ -151,7 +148,7 @@ fn assert_on_boundary<S: Filippov<N>, const N: usize>(system: &S, orbit: &Orbit<
     for step in landings.chain(sticks) {
         let ulp = ulp_of_boundary(system, step.t_end, &step.x_end);
         let allowed = 4.0 * ulp + rounding_of_step(system, step);
-        let h = system.boundary(step.t_end, &step.x_end).abs();
+        let h = system.boundary(step.t_end, components(&step.x_end)).abs();
         assert!(
             h <= allowed,
             "t = {}: |h| = {h}, allowed {allowed}",
@@ -165,7 +162,7 @@ fn assert_on_boundary<S: Filippov<N>, const N: usize>(system: &S, orbit: &Orbit<
 pub fn assert_lands_on_boundary<S: Filippov<N>, const N: usize>(system: &S, orbit: &Orbit<N>) {
     for change in changes(orbit) {
         let ulp = ulp_of_boundary(system, change.t, &change.x);
-        let h = system.boundary(change.t, &change.x).abs();
+        let h = system.boundary(change.t, components(&change.x)).abs();
         assert!(
             h <= 4.0 * ulp,
             "{:?} at t = {}: |h| = {h}, ulp {ulp}",

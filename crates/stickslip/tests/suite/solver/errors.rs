@@ -12,7 +12,7 @@ use crate::solver::systems::{BlowUp, Line, Wall, Zeno, decaying_friction};
 pub fn failure<S: Filippov<N>, const N: usize>(
     system: &S,
     t0: f64,
-    x0: State<f64, N>,
+    x0: State<N>,
     t_end: f64,
     options: &Options,
 ) -> Failure<N> {
@@ -260,10 +260,10 @@ fn a_field_that_ends_on_the_way_is_an_error_at_its_edge() {
 struct Ledge;
 
 impl Filippov<2> for Ledge {
-    fn field<T: Scalar>(&self, side: Side, t: T, x: &State<T, 2>) -> State<T, 2> {
-        State::from([x[1], -x[0] + t.sin() * 0.8 - 0.3 * side.sign()])
+    fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; 2]) -> [T; 2] {
+        [x[1], -x[0] + t.sin() * 0.8 - 0.3 * side.sign()]
     }
-    fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 2>) -> T {
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
         x[1] - x[0].sqrt() * 0.3
     }
 }

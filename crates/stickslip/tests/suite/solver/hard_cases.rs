@@ -124,10 +124,10 @@ struct Rest {
 }
 
 impl Filippov<1> for Rest {
-    fn field<T: Scalar>(&self, _side: Side, _t: T, x: &State<T, 1>) -> State<T, 1> {
-        State::from([Scalar::sqrt(-x[0] + 1.0)])
+    fn field<T: Scalar>(&self, _side: Side, _t: T, x: &[T; 1]) -> [T; 1] {
+        [Scalar::sqrt(-x[0] + 1.0)]
     }
-    fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 1>) -> T {
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 1]) -> T {
         self.looks.set(self.looks.get() + 1);
         assert!(self.looks.get() < 1_000_000, "a step is searched for ever");
         x[0] + 100.0
@@ -265,10 +265,10 @@ struct Swell {
 }
 
 impl Filippov<1> for Swell {
-    fn field<T: Scalar>(&self, _side: Side, t: T, x: &State<T, 1>) -> State<T, 1> {
-        State::from([x[0] * Scalar::cos(t)])
+    fn field<T: Scalar>(&self, _side: Side, t: T, x: &[T; 1]) -> [T; 1] {
+        [x[0] * Scalar::cos(t)]
     }
-    fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 1>) -> T {
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 1]) -> T {
         x[0] - self.level
     }
 }

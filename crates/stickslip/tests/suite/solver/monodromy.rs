@@ -17,10 +17,10 @@ const ALLOWED: f64 = 1e-6;
 fn by_differences<S: Filippov<N>, const N: usize>(
     system: &S,
     t0: f64,
-    x0: State<f64, N>,
+    x0: State<N>,
     t_end: f64,
 ) -> SMatrix<f64, N, N> {
-    let end = |x: State<f64, N>| {
+    let end = |x: State<N>| {
         let orbit = solve(system, t0, x, t_end, &super::tol(TIGHT)).expect("runs");
         orbit.x_end
     };
@@ -42,7 +42,7 @@ fn by_differences<S: Filippov<N>, const N: usize>(
 fn assert_agree<S: Filippov<N>, const N: usize>(
     what: &str,
     system: &S,
-    (t0, x0): (f64, State<f64, N>),
+    (t0, x0): (f64, State<N>),
     t_end: f64,
     stick_entries: usize,
 ) -> SMatrix<f64, N, N> {
@@ -112,7 +112,7 @@ fn stick_takes_one_from_the_rank() {
 }
 
 /// How often the orbit has entered stick by each of the times.
-fn sticks_by(belt: &BeltOscillator, start: State<f64, 2>, times: &[f64]) -> Vec<(f64, usize)> {
+fn sticks_by(belt: &BeltOscillator, start: State<2>, times: &[f64]) -> Vec<(f64, usize)> {
     let orbit = solve(belt, 0.0, start, 100.0, &super::tol(TIGHT)).expect("runs");
     let entered = |t: &f64| orbit.sticks().filter(|stick| stick.t_start < *t).count();
     times.iter().map(|t| (*t, entered(t))).collect()

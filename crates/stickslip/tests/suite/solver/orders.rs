@@ -136,7 +136,7 @@ fn crossings_in_a_row_converge_with_the_order_of_the_method() {
 
 /// Worst error of one Hénon step on the unit circle `x' = v, v' = -x` with `v` as independent variable, by length.
 fn henon_errors<M: RungeKutta>(changes: &[f64]) -> Vec<(f64, f64)> {
-    let slope = &mut |at: &Timed<f64, 2>| {
+    let slope = &mut |at: &Timed<2>| {
         let rate = -at.x[0];
         Timed {
             t: 1.0 / rate,
@@ -153,7 +153,7 @@ fn henon_errors<M: RungeKutta>(changes: &[f64]) -> Vec<(f64, f64)> {
                 t: 0.0,
                 x: State::from([math::cos(start), v0]),
             };
-            let to = henon_step::<M, f64, 2>(slope, &from, -change);
+            let to = henon_step::<M, 2>(slope, &from, -change);
             let v = v0 - change;
             assert!(
                 (to.x[1] - v).abs() <= 4.0 * f64::EPSILON,

@@ -16,10 +16,10 @@ use super::check::{assert_consistent, changes, ulp_of_boundary};
 struct Reversed<S>(S);
 
 impl<const N: usize, S: Filippov<N>> Filippov<N> for Reversed<S> {
-    fn field<T: Scalar>(&self, side: Side, t: T, x: &State<T, N>) -> State<T, N> {
+    fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; N]) -> [T; N] {
         self.0.field(side, -t, x).map(|v| -v)
     }
-    fn boundary<T: Scalar>(&self, t: T, x: &State<T, N>) -> T {
+    fn boundary<T: Scalar>(&self, t: T, x: &[T; N]) -> T {
         self.0.boundary(-t, x)
     }
 }
@@ -67,7 +67,7 @@ fn forced() -> impl Strategy<Value = ForcedOscillator> {
         )
 }
 
-fn start() -> impl Strategy<Value = State<f64, 2>> {
+fn start() -> impl Strategy<Value = State<2>> {
     (-1.2..1.2f64, -1.2..1.2f64).prop_map(|(x, v)| State::from([x, v]))
 }
 
@@ -83,7 +83,7 @@ fn seeded(cases: u32) -> Config {
 const TOLERANCE: f64 = 1e-12;
 
 /// The run, unless it escapes: the forced model's spring pushes away far out.
-fn orbit_of<S: Filippov<2>>(system: &S, x0: State<f64, 2>, t_end: f64) -> Option<Orbit<2>> {
+fn orbit_of<S: Filippov<2>>(system: &S, x0: State<2>, t_end: f64) -> Option<Orbit<2>> {
     solve(system, 0.0, x0, t_end, &super::tol(TOLERANCE).escape(20.0)).ok()
 }
 
@@ -94,7 +94,7 @@ fn assert_invariants<S: Filippov<2>>(system: &S, belt_speed: f64, orbit: &Orbit<
         for part in 1..8 {
             let t = step.t_start + (step.t_end - step.t_start) * f64::from(part) / 8.0;
             let x = orbit.at(t).expect("covered");
-            let h = system.boundary(t, &x);
+            let h = system.boundary(t, x.as_ref());
             match step.mode {
                 Mode::Slip(side) => {
                     assert!(h * side.sign() > -20.0 * TOLERANCE, "t = {t}: h = {h}")
@@ -108,8 +108,9 @@ fn assert_invariants<S: Filippov<2>>(system: &S, belt_speed: f64, orbit: &Orbit<
     }
     for change in changes(orbit) {
         let rate = |side| {
-            let f = system.field(side, change.t, &change.x);
-            normal_component(system, change.t, &change.x, &f)
+            let x = change.x.as_ref();
+            let f = system.field(side, change.t, x);
+            normal_component(system, change.t, x, &f)
         };
         let (below, above) = (rate(Side::Below), rate(Side::Above));
         // Rounding of forces of size ten over a mass of 0.1.
@@ -158,7 +159,7 @@ impl Observer<2> for Keep {
     }
 }
 
-fn assert_streams_alike<S: Filippov<2>>(system: &S, x0: State<f64, 2>, orbit: &Orbit<2>) {
+fn assert_streams_alike<S: Filippov<2>>(system: &S, x0: State<2>, orbit: &Orbit<2>) {
     let mut keep = Keep(Vec::new());
     let options = super::tol(TOLERANCE).escape(20.0);
     let summary = run(system, 0.0, x0, orbit.t_end, &options, &mut keep).expect("runs");
@@ -177,7 +178,7 @@ fn assert_streams_alike<S: Filippov<2>>(system: &S, x0: State<f64, 2>, orbit: &O
 
 /// Norm of the flow's derivative, by which errors on the way are enlarged at most. Where a run succeeds, so does this: a bound
 /// of infinity would allow anything.
-fn growth<S: Filippov<2>>(system: &S, t0: f64, x0: State<f64, 2>, t_end: f64) -> f64 {
+fn growth<S: Filippov<2>>(system: &S, t0: f64, x0: State<2>, t_end: f64) -> f64 {
     let options = super::tol(TOLERANCE).escape(20.0);
     stickslip::analysis::monodromy(system, t0, x0, t_end, &options)
         .expect("runs")
@@ -186,7 +187,7 @@ fn growth<S: Filippov<2>>(system: &S, t0: f64, x0: State<f64, 2>, t_end: f64) ->
         .max(1.0)
 }
 
-fn assert_runs_join<S: Filippov<2>>(system: &S, x0: State<f64, 2>, orbit: &Orbit<2>, part: f64) {
+fn assert_runs_join<S: Filippov<2>>(system: &S, x0: State<2>, orbit: &Orbit<2>, part: f64) {
     let (middle, end) = (orbit.t_end * part, orbit.t_end);
     let options = super::tol(TOLERANCE).escape(20.0);
     let first = solve(system, 0.0, x0, middle, &options).expect("runs");

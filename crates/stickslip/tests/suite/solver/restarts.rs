@@ -58,7 +58,7 @@ fn assert_repeats<S: Filippov<N>, const N: usize>(
     what: &str,
     system: &S,
     t0: f64,
-    x0: State<f64, N>,
+    x0: State<N>,
     t_end: f64,
 ) {
     let options = super::tol(TIGHT);

@@ -3,16 +3,16 @@
 use std::f64::consts::PI;
 
 use stickslip::models::BeltOscillator;
-use stickslip::{Filippov, Scalar, Side, State};
+use stickslip::{Filippov, Scalar, Side};
 
 /// `x'' = -x - 0.4 sgn x'`: a block on a floor at rest. Each swing is half a turn of a circle about ±0.4.
 pub struct Floor;
 
 impl Filippov<2> for Floor {
-    fn field<T: Scalar>(&self, side: Side, _t: T, x: &State<T, 2>) -> State<T, 2> {
-        State::from([x[1], -x[0] - 0.4 * side.sign()])
+    fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T; 2]) -> [T; 2] {
+        [x[1], -x[0] - 0.4 * side.sign()]
     }
-    fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 2>) -> T {
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
         x[1]
     }
 }
@@ -44,11 +44,11 @@ pub fn coulomb_friction(mu0: f64, belt_speed: f64) -> BeltOscillator {
 pub struct Spiral;
 
 impl Filippov<2> for Spiral {
-    fn field<T: Scalar>(&self, side: Side, _t: T, x: &State<T, 2>) -> State<T, 2> {
+    fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T; 2]) -> [T; 2] {
         let w = 2.0 * PI * side.sign();
-        State::from([x[0] + x[1] * w, x[1] - x[0] * w])
+        [x[0] + x[1] * w, x[1] - x[0] * w]
     }
-    fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 2>) -> T {
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
         x[0] * x[0] + x[1] * x[1] - 1.0
     }
 }
@@ -60,13 +60,13 @@ pub struct Line {
 }
 
 impl Filippov<1> for Line {
-    fn field<T: Scalar>(&self, side: Side, _t: T, _x: &State<T, 1>) -> State<T, 1> {
-        State::from([T::constant(match side {
+    fn field<T: Scalar>(&self, side: Side, _t: T, _x: &[T; 1]) -> [T; 1] {
+        [T::constant(match side {
             Side::Below => self.below,
             Side::Above => self.above,
-        })])
+        })]
     }
-    fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 1>) -> T {
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 1]) -> T {
         x[0]
     }
 }
@@ -78,10 +78,10 @@ pub struct MovingLine {
 }
 
 impl Filippov<1> for MovingLine {
-    fn field<T: Scalar>(&self, side: Side, _t: T, _x: &State<T, 1>) -> State<T, 1> {
-        State::from([T::constant(-self.a * side.sign())])
+    fn field<T: Scalar>(&self, side: Side, _t: T, _x: &[T; 1]) -> [T; 1] {
+        [T::constant(-self.a * side.sign())]
     }
-    fn boundary<T: Scalar>(&self, t: T, x: &State<T, 1>) -> T {
+    fn boundary<T: Scalar>(&self, t: T, x: &[T; 1]) -> T {
         x[0] - t.sin()
     }
 }
@@ -92,10 +92,10 @@ pub struct Parabola {
 }
 
 impl Filippov<2> for Parabola {
-    fn field<T: Scalar>(&self, _side: Side, _t: T, x: &State<T, 2>) -> State<T, 2> {
-        State::from([T::constant(1.0), x[0] * 2.0])
+    fn field<T: Scalar>(&self, _side: Side, _t: T, x: &[T; 2]) -> [T; 2] {
+        [T::constant(1.0), x[0] * 2.0]
     }
-    fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 2>) -> T {
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
         x[1] - self.level
     }
 }
@@ -106,10 +106,10 @@ pub struct Ceiling {
 }
 
 impl Filippov<2> for Ceiling {
-    fn field<T: Scalar>(&self, _side: Side, _t: T, x: &State<T, 2>) -> State<T, 2> {
-        State::from([x[1], -x[0]])
+    fn field<T: Scalar>(&self, _side: Side, _t: T, x: &[T; 2]) -> [T; 2] {
+        [x[1], -x[0]]
     }
-    fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 2>) -> T {
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
         x[0] - (1.0 - self.gap)
     }
 }
@@ -126,15 +126,15 @@ pub struct Dip {
 }
 
 impl Filippov<2> for Dip {
-    fn field<T: Scalar>(&self, side: Side, t: T, x: &State<T, 2>) -> State<T, 2> {
+    fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; 2]) -> [T; 2] {
         let q = x[0] - self.centre;
         let push = match side {
             Side::Below => q * q - self.width * self.width,
             Side::Above => T::constant(-1.0),
         };
-        State::from([T::constant(1.0), push + t.cos() * self.amplitude])
+        [T::constant(1.0), push + t.cos() * self.amplitude]
     }
-    fn boundary<T: Scalar>(&self, t: T, x: &State<T, 2>) -> T {
+    fn boundary<T: Scalar>(&self, t: T, x: &[T; 2]) -> T {
         x[1] - t.sin() * self.amplitude
     }
 }
@@ -147,11 +147,11 @@ pub struct Zeno {
 }
 
 impl Filippov<2> for Zeno {
-    fn field<T: Scalar>(&self, side: Side, _t: T, x: &State<T, 2>) -> State<T, 2> {
+    fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T; 2]) -> [T; 2] {
         let size = Scalar::sqrt(Scalar::sqrt(x[1] * x[1] * x[1] * x[1] + x[0] * x[0]));
-        State::from([x[1], x[1] / size * -self.brake - side.sign()])
+        [x[1], x[1] / size * -self.brake - side.sign()]
     }
-    fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 2>) -> T {
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
         x[0]
     }
 }
@@ -160,10 +160,10 @@ impl Filippov<2> for Zeno {
 pub struct Breathing;
 
 impl Filippov<1> for Breathing {
-    fn field<T: Scalar>(&self, _side: Side, t: T, x: &State<T, 1>) -> State<T, 1> {
-        State::from([x[0] * t.cos()])
+    fn field<T: Scalar>(&self, _side: Side, t: T, x: &[T; 1]) -> [T; 1] {
+        [x[0] * t.cos()]
     }
-    fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 1>) -> T {
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 1]) -> T {
         x[0] - 10.0
     }
 }
@@ -175,14 +175,14 @@ pub struct TwoFold {
 }
 
 impl Filippov<2> for TwoFold {
-    fn field<T: Scalar>(&self, side: Side, _t: T, x: &State<T, 2>) -> State<T, 2> {
+    fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T; 2]) -> [T; 2] {
         let slope = match side {
             Side::Below => self.below,
             Side::Above => self.above,
         };
-        State::from([T::constant(1.0), x[0] * slope])
+        [T::constant(1.0), x[0] * slope]
     }
-    fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 2>) -> T {
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
         x[1]
     }
 }
@@ -193,10 +193,10 @@ pub struct TurningLine {
 }
 
 impl Filippov<1> for TurningLine {
-    fn field<T: Scalar>(&self, side: Side, t: T, _x: &State<T, 1>) -> State<T, 1> {
-        State::from([t.cos() * -side.sign() + t * self.speed])
+    fn field<T: Scalar>(&self, side: Side, t: T, _x: &[T; 1]) -> [T; 1] {
+        [t.cos() * -side.sign() + t * self.speed]
     }
-    fn boundary<T: Scalar>(&self, t: T, x: &State<T, 1>) -> T {
+    fn boundary<T: Scalar>(&self, t: T, x: &[T; 1]) -> T {
         x[0] - t * t * (0.5 * self.speed)
     }
 }
@@ -205,10 +205,10 @@ impl Filippov<1> for TurningLine {
 pub struct Wall;
 
 impl Filippov<1> for Wall {
-    fn field<T: Scalar>(&self, _side: Side, _t: T, x: &State<T, 1>) -> State<T, 1> {
-        State::from([Scalar::sqrt(-x[0] + 1.0) + 1.0])
+    fn field<T: Scalar>(&self, _side: Side, _t: T, x: &[T; 1]) -> [T; 1] {
+        [Scalar::sqrt(-x[0] + 1.0) + 1.0]
     }
-    fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 1>) -> T {
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 1]) -> T {
         x[0] + 100.0
     }
 }
@@ -217,10 +217,10 @@ impl Filippov<1> for Wall {
 pub struct BlowUp;
 
 impl Filippov<1> for BlowUp {
-    fn field<T: Scalar>(&self, _side: Side, _t: T, x: &State<T, 1>) -> State<T, 1> {
-        State::from([x[0] * x[0]])
+    fn field<T: Scalar>(&self, _side: Side, _t: T, x: &[T; 1]) -> [T; 1] {
+        [x[0] * x[0]]
     }
-    fn boundary<T: Scalar>(&self, _t: T, x: &State<T, 1>) -> T {
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 1]) -> T {
         x[0] + 100.0
     }
 }
