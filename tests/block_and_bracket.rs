@@ -185,7 +185,7 @@ fn run_to_the_letter_the_first_two_sets_diverge() {
             let start = State::from(caption.start);
             let error = run(&model, 0.0, start, 1e3, &options, &mut ()).unwrap_err();
             assert!(
-                matches!(error, Error::Escaped { t, .. } if t < 60.0),
+                matches!(error.error, Error::Escaped { t, .. } if t < 60.0),
                 "{error}"
             );
         }

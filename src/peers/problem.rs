@@ -177,7 +177,8 @@ impl Problem {
     ) -> Result<(), stickslip::Error> {
         let start = State::from(start);
         let mut notes = Notes(events);
-        run(system, self.t_start, start, self.t_end, options, &mut notes).map(|_| ())
+        run(system, self.t_start, start, self.t_end, options, &mut notes)?;
+        Ok(())
     }
 }
 

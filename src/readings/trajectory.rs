@@ -67,7 +67,7 @@ fn exact(system: &BlockAndBracket, start: X, plan: &Plan) -> Outcome {
     // The spectrum tells nothing of its transient: whether the orbit can be followed at all is found out without it.
     let mut alone = Watch::new(plan);
     let stayed = run(system, 0.0, start, t_end, &options, &mut alone);
-    match stayed {
+    match stayed.map_err(Error::from) {
         Ok(summary) if summary.ending == Ending::EndTime => {}
         Ok(_) => return Outcome::Failed,
         Err(Error::Escaped { .. }) => return Outcome::Escaped,

@@ -70,7 +70,7 @@ pub enum Error {
     },
     /// The start lies where the system is not defined.
     #[error(
-        "the start t = {t}, x = {x} lies outside the system's domain: {what}; start elsewhere, or look for a parameter that is not a number"
+        "cannot start at t = {t}, x = {x}: {what}; start elsewhere, or look for a parameter that is not a number"
     )]
     StartOutsideDomain {
         /// Start time.
@@ -135,7 +135,9 @@ pub enum Error {
         bound: f64,
     },
     /// The orbit does not cover the time asked for.
-    #[error("t = {t} lies outside the orbit, which covers {from} to {to}")]
+    #[error(
+        "t = {t} lies outside the orbit, which covers {from} to {to}; ask within it, or integrate further"
+    )]
     OutsideOrbit {
         /// Time asked for.
         t: f64,

@@ -2,6 +2,7 @@
 
 use nalgebra::SVector;
 
+use crate::error::Error;
 use crate::scalar::Scalar;
 
 /// A state: `N` components, on the stack. It is a vector of nalgebra, and `[f64; N]` where a function asks for one.
@@ -89,6 +90,26 @@ pub trait Filippov<const N: usize> {
     fn contact<T: Scalar>(&self, _t: T, _x: &[T; N]) -> Option<T> {
         None
     }
+
+    /// What the parameters must satisfy, asked once before every run: a negative mass ends it with a message and not with an
+    /// orbit. The default allows everything.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] naming the first parameter that is not allowed.
+    fn check_parameters(&self) -> Result<(), Error> {
+        Ok(())
+    }
+
+    /// The system, if its parameters are allowed.
+    ///
+    /// # Errors
+    /// As [`Filippov::check_parameters`].
+    fn checked(self) -> Result<Self, Error>
+    where
+        Self: Sized,
+    {
+        self.check_parameters().map(|()| self)
+    }
 }
 
 impl<const N: usize, S: Filippov<N>> Filippov<N> for &S {
@@ -103,5 +124,8 @@ impl<const N: usize, S: Filippov<N>> Filippov<N> for &S {
     #[inline(always)]
     fn contact<T: Scalar>(&self, t: T, x: &[T; N]) -> Option<T> {
         (**self).contact(t, x)
+    }
+    fn check_parameters(&self) -> Result<(), Error> {
+        (**self).check_parameters()
     }
 }

@@ -119,7 +119,7 @@ fn literal(set: &Set) -> Result<Literal, Error> {
     let options = Options::tol(TOLERANCE).escape(DIVERGED);
     let start = State::from(set.caption.start);
     match run(&model, 0.0, start, END, &options, &mut ()) {
-        Err(failure) => match failure {
+        Err(failure) => match failure.error {
             Error::Escaped { t, .. } => Ok(Literal::Diverges(t)),
             other => Err(other),
         },

@@ -3,7 +3,7 @@
 use stickslip::scalar::Dual;
 
 use crate::figures::trace;
-use stickslip::analysis::{PeriodicOrbit, Visibility, periodic_orbit, planar_multipliers};
+use stickslip::analysis::{PeriodicOrbit, Visibility, multipliers, periodic_orbit};
 use stickslip::error::Error;
 use stickslip::filippov::{Options, TransitionKind, normal_component, solve};
 use stickslip::models::BeltOscillator;
@@ -73,7 +73,7 @@ const SETTLED: f64 = 60.0;
 const FURTHER: [(f64, f64); 2] = [(-0.4, 0.4), (-0.6, 1.5)];
 
 pub(super) fn compute() -> Result<Data, Error> {
-    let model = BeltOscillator::default().checked()?;
+    let model = BeltOscillator::default();
     let options = Options::tol(TOLERANCE);
     let points = model.tangent_points()?;
     let tangents: Vec<Tangent> = points
@@ -191,7 +191,7 @@ fn describe(
             })
     };
     let (up, down) = (crossing(Side::Above)?, crossing(Side::Below)?);
-    let [trivial, multiplier] = planar_multipliers(&found.monodromy);
+    let [trivial, multiplier] = multipliers(&found.monodromy);
     let acceleration = |side| model.field(side, up.t, up.x.as_ref())[1];
     Ok(Cycle {
         period: found.period,

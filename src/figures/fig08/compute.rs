@@ -9,7 +9,7 @@ use crate::figures::trace;
 use crate::paper::listing::{self, Params, Sample, Setup};
 use crate::paper::pattern::{Pattern, two_periodic};
 use crate::paper::slip_times_three::{self, Injected};
-use stickslip::analysis::{Destination, destination, periodic_orbit_forced, planar_multipliers};
+use stickslip::analysis::{Destination, destination, multipliers, periodic_orbit_forced};
 use stickslip::error::Error;
 use stickslip::filippov::{Options, TransitionKind, solve};
 use stickslip::models::ForcedOscillator;
@@ -94,9 +94,7 @@ const SHOWN: f64 = 2.0;
 const REPEATED: f64 = 24.0;
 
 pub(super) fn compute() -> Result<Data, FigureError> {
-    let model = ForcedOscillator::default()
-        .checked()
-        .map_err(Fig08::failed)?;
+    let model = ForcedOscillator::default();
     let zones = model.stick_zones().map_err(Fig08::failed)?;
     let options = Options::tol(TOLERANCE);
     let limit = slip_times_three::settled(Injected::BOTH).map_err(Fig08::failed)?;
@@ -177,8 +175,7 @@ fn exact(model: &ForcedOscillator, options: &Options) -> Result<Exact, Error> {
             })
     };
     let (up, down) = (crossing(Side::Above)?, crossing(Side::Below)?);
-    let mut multipliers =
-        planar_multipliers(&orbit.monodromy).map(|m| stickslip::math::hypot(m.re, m.im));
+    let mut multipliers = multipliers(&orbit.monodromy).map(|m| stickslip::math::hypot(m.re, m.im));
     multipliers.sort_by(|one, other| other.total_cmp(one));
     let above = (down.t - up.t).rem_euclid(period);
     Ok(Exact {

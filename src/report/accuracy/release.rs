@@ -210,7 +210,7 @@ fn on_forced(model: &ForcedOscillator) -> Result<Event, Error> {
         let options = Options::tol(TOLERANCE).escape(ESCAPE);
         let orbit = match solve(model, 0.0, State::from([x1, 0.0]), span, &options) {
             Ok(orbit) => orbit,
-            Err(failure) if matches!(failure.error, Error::Escaped { .. }) => *failure.orbit,
+            Err(failure) if matches!(failure.error, Error::Escaped { .. }) => *failure.reached,
             Err(failure) => return Err(failure.into()),
         };
         for at in &orbit.transitions {

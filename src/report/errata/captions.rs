@@ -72,7 +72,8 @@ fn outcome(caption: &Caption, reading: &Reading) -> Result<Outcome, Error> {
     let options = Options::tol(TOLERANCE).escape(DIVERGED);
     let mut turns = Turns(Vec::new());
     let start = State::from(caption.start);
-    match run(&model, 0.0, start, WINDOW.1, &options, &mut turns) {
+    let run = run(&model, 0.0, start, WINDOW.1, &options, &mut turns);
+    match run.map_err(Error::from) {
         Ok(_) => {}
         Err(Error::Escaped { t, .. }) => return Ok(Outcome::Diverges(t)),
         Err(error) => return Err(error),

@@ -33,7 +33,7 @@ pub(super) fn follow(model: &ForcedOscillator, t0: f64, x: State<2>) -> Result<O
     let options = Options::tol(TOLERANCE).escape(ESCAPE);
     match solve(model, t0, x, t0 + FOLLOWED * model.period(), &options) {
         Ok(orbit) => Ok(orbit),
-        Err(failure) if matches!(failure.error, Error::Escaped { .. }) => Ok(*failure.orbit),
+        Err(failure) if matches!(failure.error, Error::Escaped { .. }) => Ok(*failure.reached),
         Err(failure) => Err(failure.into()),
     }
 }

@@ -103,8 +103,8 @@ pub enum EvidenceError {
     Published(#[from] PublishedError),
 }
 
-impl<const N: usize> From<Failure<N>> for EvidenceError {
-    fn from(failure: Failure<N>) -> EvidenceError {
+impl<R> From<Failure<R>> for EvidenceError {
+    fn from(failure: Failure<R>) -> EvidenceError {
         EvidenceError::Solver(failure.error)
     }
 }

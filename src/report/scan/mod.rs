@@ -85,7 +85,7 @@ impl Scan {
         let mut points = jobs
             .par_iter()
             .map(|&(parameter, factor)| {
-                let mut model = parameter.scaled(factor).checked()?;
+                let mut model = parameter.scaled(factor);
                 let value = *parameter.of(&mut model);
                 let point = Point::compute(&model, &starts(&model)?, factor, value)?;
                 tick();

@@ -7,6 +7,7 @@ mod destination;
 mod lyapunov;
 mod monodromy;
 pub mod motion;
+mod multipliers;
 mod periodic;
 mod tangency;
 mod tangent;
@@ -17,6 +18,7 @@ pub use lyapunov::{
     lyapunov_spectrum_watched,
 };
 pub use monodromy::{Monodromy, monodromy};
-pub use periodic::{PeriodicOrbit, periodic_orbit, periodic_orbit_forced, planar_multipliers};
+pub use multipliers::multipliers;
+pub use periodic::{PeriodicOrbit, find_periodic_orbit, periodic_orbit, periodic_orbit_forced};
 pub use tangency::{Visibility, tangency, visibility};
 pub use tangent::saltation;

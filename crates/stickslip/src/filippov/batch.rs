@@ -8,11 +8,12 @@ use super::ensemble::Start;
 use super::integration::{Integration, Progress};
 use super::observer::Observer;
 use super::options::Options;
-use super::solve::{Summary, tell};
+use super::solve::{Failure, Summary, tell};
 use super::stepper::Stepper;
 use super::taylor::TaylorStepper;
 use crate::error::Error;
 use crate::ode::Timed;
+use crate::orbit::Ending;
 use crate::system::Filippov;
 use crate::taylor::series::Series;
 use crate::taylor::tape::{Numbers, Tape};
@@ -22,6 +23,8 @@ const LANES: usize = 8;
 
 /// Orbits under way at once: enough that some of them are nearly always alike.
 const UNDER_WAY: usize = 32;
+
+type Outcome<const N: usize> = Result<Summary<N>, Failure<Summary<N>>>;
 
 /// An orbit under way.
 struct Member<'a, S, O, const N: usize> {
@@ -33,7 +36,7 @@ struct Member<'a, S, O, const N: usize> {
 }
 
 impl<'a, S: Filippov<N>, O: Observer<N>, const N: usize> Member<'a, S, O, N> {
-    /// An orbit at its first series, or at its end if that comes before.
+    /// An orbit at its first series, or its outcome if that comes before.
     fn begin(
         number: usize,
         start: &'a Start<S, N>,
@@ -41,52 +44,55 @@ impl<'a, S: Filippov<N>, O: Observer<N>, const N: usize> Member<'a, S, O, N> {
         t_end: f64,
         options: &Options,
         mut stepper: Stepper<N>,
-    ) -> Result<(Self, Option<Summary<N>>), Error> {
+    ) -> Result<Self, Outcome<N>> {
         stepper.forget();
-        let at = Timed {
-            t: start.t,
-            x: start.x,
-        };
+        let (t, x) = (start.t, start.x);
+        let begun =
+            Integration::with_stepper(&start.system, Timed { t, x }, t_end, options, stepper);
         let mut member = Member {
             number,
-            integration: Integration::with_stepper(&start.system, at, t_end, options, stepper)?,
+            integration: begun.map_err(|error| Err(Failure::new(error, Summary::of_none(t, x))))?,
             observer,
             is_stopping: false,
         };
-        let ended = member.prepare()?;
-        Ok((member, ended))
+        match member.prepare() {
+            None => Ok(member),
+            Some(outcome) => Err(outcome),
+        }
     }
 
-    /// Goes on to where the next series is needed, or to the end of the run.
-    fn prepare(&mut self) -> Result<Option<Summary<N>>, Error> {
-        while let Some(progress) = self.integration.prepare()? {
-            let ended = tell(
-                &self.integration,
-                &progress,
-                self.observer,
-                &mut self.is_stopping,
-            )?;
-            if ended.is_some() {
-                return Ok(ended);
+    /// Goes on to where the next series is needed, or to the outcome.
+    fn prepare(&mut self) -> Option<Outcome<N>> {
+        loop {
+            let progress = match self.integration.prepare() {
+                Ok(None) => return None,
+                Ok(Some(progress)) => Ok(progress),
+                Err(error) => Err(error),
+            };
+            let outcome = self.tell(progress);
+            if outcome.is_some() {
+                return outcome;
             }
         }
-        Ok(None)
     }
 
     /// A step on the series that was expanded, and on to the next.
-    fn step(&mut self) -> Result<Option<Summary<N>>, Error> {
-        if self.integration.advance()? {
-            let ended = tell(
-                &self.integration,
-                &Progress::Step,
-                self.observer,
-                &mut self.is_stopping,
-            )?;
-            if ended.is_some() {
-                return Ok(ended);
-            }
-        }
-        self.prepare()
+    fn step(&mut self) -> Option<Outcome<N>> {
+        let outcome = match self.integration.advance() {
+            Ok(false) => None,
+            Ok(true) => self.tell(Ok(Progress::Step)),
+            Err(error) => self.tell(Err(error)),
+        };
+        outcome.or_else(|| self.prepare())
+    }
+
+    /// Tells the observer; the outcome, where the run has come to it.
+    fn tell(&mut self, progress: Result<Progress<N>, Error>) -> Option<Outcome<N>> {
+        let (integration, is_stopping) = (&self.integration, &mut self.is_stopping);
+        let told =
+            progress.and_then(|progress| tell(integration, &progress, self.observer, is_stopping));
+        let failed = |error| Failure::new(error, integration.summary(Ending::Failed));
+        told.map_err(failed).transpose()
     }
 }
 
@@ -172,7 +178,7 @@ pub(super) fn side_by_side<S: Filippov<N>, O: Observer<N>, const N: usize>(
     observers: &mut [O],
     t_end: f64,
     options: &Options,
-) -> Vec<Result<Summary<N>, Error>> {
+) -> Vec<Outcome<N>> {
     let mut outcomes: Vec<_> = starts.iter().map(|_| None).collect();
     let mut waiting = starts.iter().zip(observers).enumerate();
     // The next orbit at its first series; one that ends before has its outcome.
@@ -180,11 +186,12 @@ pub(super) fn side_by_side<S: Filippov<N>, O: Observer<N>, const N: usize>(
         waiting.find_map(|(number, (start, observer))| {
             let stepper = room.take().unwrap_or_else(|| Stepper::new(options));
             match Member::begin(number, start, observer, t_end, options, stepper) {
-                Ok((member, None)) => return Some(member),
-                Ok((_, Some(summary))) => outcomes[number] = Some(Ok(summary)),
-                Err(error) => outcomes[number] = Some(Err(error)),
+                Ok(member) => Some(member),
+                Err(outcome) => {
+                    outcomes[number] = Some(outcome);
+                    None
+                }
             }
-            None
         })
     };
     let mut lanes = Lanes {
@@ -209,11 +216,7 @@ pub(super) fn side_by_side<S: Filippov<N>, O: Observer<N>, const N: usize>(
         }
         lanes.expand(&mut members, &group);
         for i in group {
-            let outcome = match members[i].step() {
-                Ok(None) => None,
-                Ok(Some(summary)) => Some(Ok(summary)),
-                Err(error) => Some(Err(error)),
-            };
+            let outcome = members[i].step();
             if outcome.is_some() {
                 outcomes[members[i].number] = outcome;
                 // The room that the last orbit took is the next one's.

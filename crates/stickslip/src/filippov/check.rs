@@ -6,7 +6,7 @@ use crate::error::{Error, Point};
 use crate::ode::Timed;
 use crate::system::{Filippov, Side, components};
 
-/// Checks options, times and start.
+/// Checks options, parameters, times and start.
 pub(super) fn check<S: Filippov<N>, const N: usize>(
     system: &S,
     start: &Timed<N>,
@@ -14,6 +14,7 @@ pub(super) fn check<S: Filippov<N>, const N: usize>(
     options: &Options,
 ) -> Result<(), Error> {
     options.check()?;
+    system.check_parameters()?;
     let Timed { t, x } = *start;
     if !(t.is_finite() && t_end.is_finite() && t < t_end) {
         return Err(Error::Interval { t0: t, t_end });

@@ -7,8 +7,7 @@ use rayon::prelude::*;
 use super::batch::side_by_side;
 use super::observer::Observer;
 use super::options::{Method, Options};
-use super::solve::{Summary, run};
-use crate::error::Error;
+use super::solve::{Failure, Summary, run};
 use crate::system::{Filippov, State};
 
 /// Orbits that are under way or waiting to be handed over at the same time: what bounds the memory.
@@ -54,7 +53,7 @@ pub fn ensemble<S, O, const N: usize>(
     t_end: f64,
     options: &Options,
     observer: impl Fn(usize) -> O + Sync,
-    mut each: impl FnMut(usize, O, Result<Summary<N>, Error>) -> ControlFlow<()>,
+    mut each: impl FnMut(usize, O, Result<Summary<N>, Failure<Summary<N>>>) -> ControlFlow<()>,
 ) where
     S: Filippov<N> + Send + Sync,
     O: Observer<N> + Send,

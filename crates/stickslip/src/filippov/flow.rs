@@ -58,10 +58,17 @@ fn contact_guard<S: Filippov<N>, T: Scalar, const N: usize>(
     }
 }
 
-/// Whether a range of values lies above zero, by more than rounding.
+/// The room that [`is_positive`] leaves, in units of the range's width: the box holds the dense output, from which the solution is
+/// off by less than a thousandth of what a step moves at the loosest tolerance.
+const OF_WIDTH: f64 = 1e-3;
+
+/// The same in units of the values' size: bounds are not rounded outward, and a billionth is four million roundings.
+const OF_SIZE: f64 = 1e-9;
+
+/// Whether a range of values lies above zero, by more than the dense output's error and rounding.
 #[inline(always)]
 fn is_positive(range: Interval) -> bool {
-    range.low > 1e-3 * (range.high - range.low) && range.low > 1e-9 * range.high
+    range.low > OF_WIDTH * (range.high - range.low) && range.low > OF_SIZE * range.high
 }
 
 #[inline(always)]

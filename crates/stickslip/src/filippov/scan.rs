@@ -44,17 +44,24 @@ const UNIT: [f64; NODES] = {
 /// Whether `value` stays far from zero over the whole step: the cheap test that nearly every step passes.
 ///
 /// Between nine Chebyshev points a polynomial leaves the range of its values by at most 1.2 times its half-width
-/// (Lebesgue constant 2.4); four times is asked for.
+/// (Lebesgue constant 2.4); four times is asked for. A value that is not finite is far from nothing.
 #[inline(always)]
 pub(crate) fn far_from_zero(value: impl Fn(f64) -> f64) -> bool {
     let first = value(UNIT[0]);
-    let (mut least, mut most) = (first, first);
+    let (mut least, mut most, mut sum) = (first, first, first);
     for &s in &UNIT[1..] {
         let v = value(s);
         least = if v < least { v } else { least };
         most = if v > most { v } else { most };
+        // Comparisons pass over what is not a number; a sum does not.
+        sum += v;
     }
-    least + most > 4.0 * (most - least)
+    least + most > 4.0 * (most - least) && sum.is_finite()
+}
+
+/// Whether the values at the points of [`far_from_zero`] are finite.
+pub(crate) fn is_defined(value: impl Fn(f64) -> f64) -> bool {
+    UNIT.iter().all(|&s| value(s).is_finite())
 }
 
 /// A bracket of the first zero of `value` in `[lo, hi]`, or `None` when there is none. Halves intervals until each is

@@ -10,7 +10,7 @@ use super::leaving::leaving;
 use super::locate::{Limits, OnDense, Origin};
 use super::options::Locator;
 use super::run::{Run, Trial};
-use super::scan::far_from_zero;
+use super::scan::{far_from_zero, is_defined};
 use super::uncertainty::uncertainty;
 use crate::error::Error;
 use crate::interval::Interval;
@@ -143,7 +143,7 @@ impl<const N: usize> Run<N> {
     /// The first guard that fails in the step, and where.
     ///
     /// # Errors
-    /// No guard fails, but one is not a number at the step's end: a shorter step may not come to where it ends.
+    /// No guard fails, but one is not a number somewhere in the step: a shorter step may not come to where it ends.
     #[inline(always)]
     fn first_event<M: RungeKutta, F: Flow<N>>(
         &mut self,
@@ -195,10 +195,10 @@ impl<const N: usize> Run<N> {
         let (is_near, start) = if order == 0 {
             // Nearly every step ends here: far from any event, for certain or by samples.
             let times = Interval::new(origin.t, origin.t + origin.h);
-            if origin.flow.is_clear(i, times, reach) {
+            if origin.flow.is_clear(i, times, reach) || far_from_zero(on_dense) {
                 return Ok(None);
             }
-            (!far_from_zero(on_dense), None)
+            (true, None)
         } else {
             let (t, x) = (origin.t, origin.x);
             let (at, step) = (Timed { t, x }, (origin.h, order));
@@ -216,7 +216,7 @@ impl<const N: usize> Run<N> {
         } else {
             None
         };
-        if found.is_none() && !on_dense(1.0).is_finite() {
+        if found.is_none() && !is_defined(on_dense) {
             return Err(Undefined);
         }
         Ok(found)

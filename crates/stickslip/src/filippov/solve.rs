@@ -20,20 +20,41 @@ pub struct Summary<const N: usize> {
     pub counters: Counters,
 }
 
-/// A run that failed, with the orbit up to the failure.
+impl<const N: usize> Summary<N> {
+    /// Of a run that failed before its first step.
+    pub(super) fn of_none(t: f64, x: State<N>) -> Self {
+        Summary {
+            ending: Ending::Failed,
+            t,
+            x,
+            counters: Counters::default(),
+        }
+    }
+}
+
+/// A run that failed, and what it had reached: the [`Orbit`] of [`solve`], the [`Summary`] of [`run`] and of [`crate::ensemble`].
+///
+/// `?` turns it into the error alone.
 #[derive(Clone, Debug, thiserror::Error)]
 #[error("{error}")]
-pub struct Failure<const N: usize> {
+pub struct Failure<R> {
     /// What went wrong.
     #[source]
     pub error: Error,
     /// What was computed before; its ending is [`Ending::Failed`].
-    pub orbit: Box<Orbit<N>>,
+    pub reached: Box<R>,
 }
 
-impl<const N: usize> From<Failure<N>> for Error {
-    fn from(failure: Failure<N>) -> Error {
+impl<R> From<Failure<R>> for Error {
+    fn from(failure: Failure<R>) -> Error {
         failure.error
+    }
+}
+
+impl<R> Failure<R> {
+    pub(super) fn new(error: Error, reached: R) -> Self {
+        let reached = Box::new(reached);
+        Failure { error, reached }
     }
 }
 
@@ -54,14 +75,14 @@ impl<const N: usize> From<Failure<N>> for Error {
 /// ```
 ///
 /// # Errors
-/// [`Failure`] holds the [`Error`] and the orbit up to it; `?` turns it into the error alone.
+/// As [`run`]; [`Failure::reached`] is the orbit up to the failure.
 pub fn solve<S: Filippov<N>, const N: usize>(
     system: &S,
     t0: f64,
     x0: impl Into<State<N>>,
     t_end: f64,
     options: &Options,
-) -> Result<Orbit<N>, Failure<N>> {
+) -> Result<Orbit<N>, Failure<Orbit<N>>> {
     let x0 = x0.into();
     let mut orbit = Orbit {
         phases: Vec::new(),
@@ -76,10 +97,7 @@ pub fn solve<S: Filippov<N>, const N: usize>(
     };
     match follow(system, t_end, options, &mut orbit) {
         Ok(()) => Ok(orbit),
-        Err(error) => {
-            let orbit = Box::new(orbit);
-            Err(Failure { error, orbit })
-        }
+        Err(error) => Err(Failure::new(error, orbit)),
     }
 }
 
@@ -120,22 +138,31 @@ fn follow<S: Filippov<N>, const N: usize>(
 /// nothing: for runs too long to hold.
 ///
 /// # Errors
-/// [`Error::Option`], [`Error::Interval`] and [`Error::StartOutsideDomain`] before the first step;
-/// [`Error::NonFinite`], [`Error::StepCollapse`], [`Error::EventPileUp`] and [`Error::Escaped`] after it.
-pub fn run<S: Filippov<N>, O: Observer<N>, const N: usize>(
+/// [`Failure`] with one of [`Error::Option`], [`Error::Interval`], [`Error::Parameter`] and [`Error::StartOutsideDomain`] before
+/// the first step; of [`Error::NonFinite`], [`Error::StepCollapse`], [`Error::EventPileUp`] and [`Error::Escaped`] after it.
+pub fn run<S: Filippov<N>, O: Observer<N> + ?Sized, const N: usize>(
     system: &S,
     t0: f64,
     x0: impl Into<State<N>>,
     t_end: f64,
     options: &Options,
     observer: &mut O,
-) -> Result<Summary<N>, Error> {
-    let mut integration = Integration::new(system, t0, x0, t_end, options)?;
+) -> Result<Summary<N>, Failure<Summary<N>>> {
+    let x0 = x0.into();
+    let mut integration = match Integration::new(system, t0, x0, t_end, options) {
+        Ok(integration) => integration,
+        Err(error) => return Err(Failure::new(error, Summary::of_none(t0, x0))),
+    };
     let mut is_stopping = false;
     loop {
-        let progress = integration.step()?;
-        if let Some(summary) = tell(&integration, &progress, observer, &mut is_stopping)? {
-            return Ok(summary);
+        let told = match integration.step() {
+            Ok(progress) => tell(&integration, &progress, observer, &mut is_stopping),
+            Err(error) => Err(error),
+        };
+        match told {
+            Ok(None) => {}
+            Ok(Some(summary)) => return Ok(summary),
+            Err(error) => return Err(Failure::new(error, integration.summary(Ending::Failed))),
         }
     }
 }
@@ -143,7 +170,7 @@ pub fn run<S: Filippov<N>, O: Observer<N>, const N: usize>(
 /// Tells `observer` of what happened; the end of the run, where it has come to one or the observer asks for it. One that asks at
 /// the end of a phase is still told of the transition behind it, which `is_stopping` remembers.
 #[inline(always)]
-pub(crate) fn tell<S, O: Observer<N>, const N: usize>(
+pub(crate) fn tell<S, O: Observer<N> + ?Sized, const N: usize>(
     integration: &Integration<'_, S, N>,
     progress: &Progress<N>,
     observer: &mut O,

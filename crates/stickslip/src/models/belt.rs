@@ -1,5 +1,6 @@
 //! Model 1 of the paper: a block on a belt, tied by a double-well spring.
 
+use super::parameters::{finite, not_negative, positive};
 use crate::error::Error;
 use crate::scalar::Scalar;
 use crate::system::{Filippov, Side};
@@ -37,23 +38,6 @@ impl Default for BeltOscillator {
     }
 }
 
-impl BeltOscillator {
-    /// Checks the parameters.
-    ///
-    /// # Errors
-    /// [`Error::Parameter`] naming the first that is not allowed.
-    pub fn checked(self) -> Result<Self, Error> {
-        use super::parameters::{finite, not_negative, positive};
-        positive("mass", self.mass)?;
-        finite("k1", self.k1)?;
-        finite("k2", self.k2)?;
-        not_negative("mu0", self.mu0)?;
-        not_negative("delta", self.delta)?;
-        not_negative("belt_speed", self.belt_speed)?;
-        Ok(self)
-    }
-}
-
 impl Filippov<2> for BeltOscillator {
     #[inline(always)]
     fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T; 2]) -> [T; 2] {
@@ -66,5 +50,15 @@ impl Filippov<2> for BeltOscillator {
     #[inline(always)]
     fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
         x[1] - self.belt_speed
+    }
+
+    fn check_parameters(&self) -> Result<(), Error> {
+        positive("mass", self.mass)?;
+        finite("k1", self.k1)?;
+        finite("k2", self.k2)?;
+        not_negative("mu0", self.mu0)?;
+        not_negative("delta", self.delta)?;
+        not_negative("belt_speed", self.belt_speed)?;
+        Ok(())
     }
 }

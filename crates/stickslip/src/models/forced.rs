@@ -1,5 +1,6 @@
 //! Model 2 of the paper: a block on a belt, tied by a softening spring to a shaken support.
 
+use super::parameters::{finite, not_negative, positive};
 use crate::error::Error;
 use crate::math;
 use crate::scalar::Scalar;
@@ -48,23 +49,6 @@ impl Default for ForcedOscillator {
 }
 
 impl ForcedOscillator {
-    /// Checks the parameters.
-    ///
-    /// # Errors
-    /// [`Error::Parameter`] naming the first that is not allowed.
-    pub fn checked(self) -> Result<Self, Error> {
-        use super::parameters::{finite, not_negative, positive};
-        positive("mass", self.mass)?;
-        finite("k1", self.k1)?;
-        finite("k2", self.k2)?;
-        not_negative("mu0", self.mu0)?;
-        not_negative("delta", self.delta)?;
-        not_negative("belt_speed", self.belt_speed)?;
-        finite("amplitude", self.amplitude)?;
-        not_negative("omega", self.omega)?;
-        Ok(self)
-    }
-
     /// Position of the support at time `t`: `A sin(ωt)` (m). The stick zones ride on it.
     pub fn support(&self, t: f64) -> f64 {
         self.amplitude * math::sin(self.omega * t)
@@ -89,5 +73,17 @@ impl Filippov<2> for ForcedOscillator {
     #[inline(always)]
     fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
         x[1] - self.belt_speed
+    }
+
+    fn check_parameters(&self) -> Result<(), Error> {
+        positive("mass", self.mass)?;
+        finite("k1", self.k1)?;
+        finite("k2", self.k2)?;
+        not_negative("mu0", self.mu0)?;
+        not_negative("delta", self.delta)?;
+        not_negative("belt_speed", self.belt_speed)?;
+        finite("amplitude", self.amplitude)?;
+        not_negative("omega", self.omega)?;
+        Ok(())
     }
 }

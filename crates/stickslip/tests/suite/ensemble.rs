@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use stickslip::models::{BeltOscillator, BlockAndBracket, Caption, Reading};
 use stickslip::{
-    Counters, Error, Filippov, Method, Observer, Options, Scalar, Side, Start, State, StepRecord,
+    Counters, Failure, Filippov, Method, Observer, Options, Scalar, Side, Start, State, StepRecord,
     Summary, Transition, ensemble, run,
 };
 
@@ -43,7 +43,7 @@ impl Observer<2> for Count {
 /// An error as its message: one with a NaN in it equals nothing.
 type Outcome = (usize, usize, Result<(u64, [u64; 2], Counters), String>);
 
-fn bits(k: usize, count: Count, outcome: Result<Summary<2>, Error>) -> Outcome {
+fn bits(k: usize, count: Count, outcome: Result<Summary<2>, Failure<Summary<2>>>) -> Outcome {
     let end = |end: Summary<2>| {
         (
             end.t.to_bits(),
@@ -162,10 +162,10 @@ fn assert_as_alone<S: Filippov<N> + Send + Sync, const N: usize>(
         last: if k % 7 == 3 { 2 } else { 0 },
         ..Everything::default()
     };
-    let outcome = |outcome: Result<Summary<N>, Error>| {
+    let outcome = |outcome: Result<Summary<N>, Failure<Summary<N>>>| {
         outcome
             .map(|end| (end.ending, end.t.to_bits(), end.counters))
-            .map_err(|error| error.to_string())
+            .map_err(|failure| (failure.to_string(), failure.reached.t.to_bits()))
     };
     let (mut told, mut events) = (0, 0);
     ensemble(

@@ -4,8 +4,10 @@ use std::f64::consts::PI;
 use std::ops::ControlFlow;
 
 use stickslip::{
-    Filippov, Method, Observer, Options, Scalar, Side, State, Transition, TransitionKind, math, run,
+    Filippov, Method, Observer, Options, Scalar, Side, State, Transition, TransitionKind, math,
 };
+
+use crate::any_system::{Listed, run};
 
 const CASES: u32 = 100_000;
 
@@ -80,7 +82,7 @@ impl Spiral {
 }
 
 /// Under a ceiling at rest: field and boundary are linear.
-struct AtRest(Spiral);
+pub struct AtRest(Spiral);
 
 impl Filippov<2> for AtRest {
     fn field<T: Scalar>(&self, _side: Side, _t: T, x: &[T; 2]) -> [T; 2] {
@@ -93,7 +95,7 @@ impl Filippov<2> for AtRest {
 
 /// Spiral and ceiling both shaken by `a sin bt`, and the boundary bent: `e^{c (x₁ − level − a sin bt)} = 1`. It has the same
 /// zeros, and a series that does not end.
-struct Shaken {
+pub struct Shaken {
     spiral: Spiral,
     amplitude: f64,
     rate: f64,
@@ -138,7 +140,7 @@ impl Observer<2> for Crossings {
 }
 
 /// The crossings of a system around a spiral's top are two, one on each side of it, or none.
-fn assert_counted<S: Filippov<2>>(system: &S, spiral: &Spiral, start: State<2>, options: &Options) {
+fn assert_counted<S: Listed<2>>(system: &S, spiral: &Spiral, start: State<2>, options: &Options) {
     let (from, to) = spiral.span();
     let mut found = Crossings::default();
     run(system, from, start, to, options, &mut found).expect("runs");

@@ -2,14 +2,15 @@
 
 use std::ops::ControlFlow;
 
-use stickslip::analysis::{
-    Exponent, Spectrum, SpectrumOptions, lyapunov_spectrum, lyapunov_spectrum_watched, monodromy,
-    periodic_orbit, periodic_orbit_forced, planar_multipliers, saltation,
-};
+use stickslip::analysis::{Exponent, Spectrum, SpectrumOptions, multipliers, saltation};
 use stickslip::models::{BeltOscillator, ForcedOscillator};
 use stickslip::{
-    Error, Filippov, Mode, Observer, Options, Scalar, Side, State, Transition, TransitionKind,
-    math, run,
+    Error, Filippov, Mode, Observer, Options, Scalar, Side, State, Transition, TransitionKind, math,
+};
+
+use crate::any_system::{
+    lyapunov_spectrum, lyapunov_spectrum_watched, monodromy, periodic_orbit, periodic_orbit_forced,
+    run,
 };
 
 fn values<const N: usize>(spectrum: &Spectrum<N>) -> [f64; N] {
@@ -25,10 +26,10 @@ fn close(found: f64, wanted: f64, tolerance: f64) {
 }
 
 /// A smooth system: `boundary` is never reached.
-struct Smooth<F>(F);
+pub struct Smooth<F>(F);
 
 /// A field written once for every scalar; closures cannot be.
-trait Field<const N: usize> {
+pub trait Field<const N: usize> {
     fn at<T: Scalar>(&self, x: &[T; N]) -> [T; N];
 }
 
@@ -41,7 +42,7 @@ impl<F: Field<N>, const N: usize> Filippov<N> for Smooth<F> {
     }
 }
 
-struct Linear<const N: usize>([[f64; N]; N]);
+pub struct Linear<const N: usize>([[f64; N]; N]);
 impl<const N: usize> Field<N> for Linear<N> {
     fn at<T: Scalar>(&self, x: &[T; N]) -> [T; N] {
         std::array::from_fn(|i| {
@@ -94,7 +95,7 @@ fn a_state_at_rest_does_not_mislead_the_tangent_vectors() {
     close((flow.matrix - wanted).amax(), 0.0, decay * 5e-9);
 }
 
-struct Lorenz;
+pub struct Lorenz;
 impl Field<3> for Lorenz {
     fn at<T: Scalar>(&self, x: &[T; 3]) -> [T; 3] {
         [
@@ -132,7 +133,7 @@ fn lorenz() {
     );
 }
 
-struct Roessler;
+pub struct Roessler;
 impl Field<3> for Roessler {
     fn at<T: Scalar>(&self, x: &[T; 3]) -> [T; 3] {
         [-x[1] - x[2], x[0] + x[1] * 0.2, x[2] * (x[0] - 5.7) + 0.2]
@@ -160,7 +161,7 @@ fn a_cycle_across_the_boundary_has_zero_and_the_logarithm_of_its_multiplier() {
     let belt = BeltOscillator::default();
     let solver = Options::tol(1e-13);
     let cycle = periodic_orbit(&belt, State::from([-0.27, -0.73]), 7.7, &solver).unwrap();
-    let [trivial, multiplier] = planar_multipliers(&cycle.monodromy);
+    let [trivial, multiplier] = multipliers(&cycle.monodromy);
     close(cycle.period, 7.722_895_6, 5e-8);
     close(multiplier.re, 0.126_289, 5e-7);
     close(trivial.re, 1.0, 1e-10);
@@ -266,7 +267,7 @@ fn stick_on_the_way_to_an_attractor_without_it_annihilates_nothing() {
 
 /// x' jumps where x changes sign, by a factor that depends on the velocity, so that crossings change areas. Forced and with
 /// two wells: chaotic.
-struct Refracting;
+pub struct Refracting;
 impl Filippov<2> for Refracting {
     fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; 2]) -> [T; 2] {
         let square = x[1] * x[1];
@@ -326,7 +327,7 @@ fn the_sum_of_the_exponents_is_mean_divergence_and_saltation() {
 
 /// A forced oscillator as seen from its support: the same motion in `(z, z')`, `z = x − A sin ωt`, where the boundary
 /// moves.
-struct FromSupport(ForcedOscillator);
+pub struct FromSupport(ForcedOscillator);
 impl FromSupport {
     fn velocity<T: Scalar>(&self, t: T) -> T {
         (t * self.0.omega).cos() * (self.0.amplitude * self.0.omega)
@@ -363,7 +364,7 @@ fn a_moving_boundary_gives_the_floquet_exponents_too() {
     );
     let x = settled.unwrap().x;
     let orbit = periodic_orbit_forced(&model, 0.0, x, period, &solver).unwrap();
-    let [a, b] = planar_multipliers(&orbit.monodromy).map(|m| m.re.abs());
+    let [a, b] = multipliers(&orbit.monodromy).map(|m| m.re.abs());
     close(period, 1.648_53, 5e-6);
     close(a.max(b), 0.6639, 5e-5);
     close(a.min(b), 0.5638, 5e-5);
@@ -419,7 +420,7 @@ fn stick_to_a_moving_boundary_annihilates_as_stick_to_a_fixed_one() {
 }
 
 /// P6: x' = ±a towards the moving boundary x = sin t.
-struct Rider;
+pub struct Rider;
 impl Filippov<1> for Rider {
     fn field<T: Scalar>(&self, side: Side, _t: T, _x: &[T; 1]) -> [T; 1] {
         [T::constant(-0.9 * side.sign())]
@@ -437,6 +438,17 @@ fn one_dimension_has_nothing_left_after_stick() {
     assert!(spectrum.stick_entries > 5);
     assert_eq!(spectrum.sum(), 0.0);
     close(spectrum.defect(), 0.0, 1e-15);
+}
+
+/// Both fields lead away from zero.
+pub struct Fork;
+impl Filippov<1> for Fork {
+    fn field<T: Scalar>(&self, side: Side, _t: T, _x: &[T; 1]) -> [T; 1] {
+        [T::constant(side.sign())]
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 1]) -> T {
+        x[0]
+    }
 }
 
 #[test]
@@ -476,16 +488,6 @@ fn settings_and_orbits_without_a_future_are_refused() {
             matches!(error, Error::Option { name: found, .. } if found == name),
             "{error}"
         );
-    }
-    /// Both fields lead away from zero.
-    struct Fork;
-    impl Filippov<1> for Fork {
-        fn field<T: Scalar>(&self, side: Side, _t: T, _x: &[T; 1]) -> [T; 1] {
-            [T::constant(side.sign())]
-        }
-        fn boundary<T: Scalar>(&self, _t: T, x: &[T; 1]) -> T {
-            x[0]
-        }
     }
     let error = lyapunov_spectrum(&Fork, (0.0, State::from([0.0])), &good).unwrap_err();
     assert!(matches!(error, Error::NoUniqueFuture { .. }), "{error}");

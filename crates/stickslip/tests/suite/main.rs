@@ -5,6 +5,7 @@
     reason = "the solver's tests run by slopes and by series, over one copy of the systems"
 )]
 
+mod any_system;
 #[cfg(feature = "data")]
 mod data_spectrum;
 mod ensemble;
@@ -12,5 +13,6 @@ mod examples;
 mod grazes;
 mod lyapunov_equations;
 mod no_allocation;
+mod periodic;
 mod solver;
 mod taylor;

@@ -2,11 +2,14 @@
 
 use std::f64::consts::PI;
 
-use stickslip::analysis::{Exponent, SpectrumOptions, lyapunov_spectrum};
+use stickslip::analysis::{Exponent, SpectrumOptions};
 use stickslip::models::{BeltOscillator, BlockAndBracket, Caption, ForcedOscillator, Reading};
 use stickslip::{
-    Error, Filippov, Method, Options, Orbit, Scalar, Side, State, TransitionKind, math, run, solve,
+    Error, Filippov, Method, Options, Orbit, Scalar, Side, State, TransitionKind, math,
 };
+
+use crate::any_system::{Listed, lyapunov_spectrum, run, solve};
+use crate::solver::systems::{Floor, Parabola};
 
 fn taylor(tolerance: f64) -> Options {
     Options::tol(tolerance).method(Method::Taylor)
@@ -71,18 +74,6 @@ fn events_of_an_orbit_that_enlarges_errors_by_thousands_are_exact_to_5e_13() {
     assert!(worst <= 5e-13, "{worst}");
 }
 
-/// `x'' = -x - 0.4 sgn x'`.
-struct Floor;
-
-impl Filippov<2> for Floor {
-    fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T; 2]) -> [T; 2] {
-        [x[1], -x[0] - 0.4 * side.sign()]
-    }
-    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
-        x[1]
-    }
-}
-
 #[test]
 fn swings_on_the_floor_end_at_multiples_of_pi_to_1e_14() {
     let orbit = solve(
@@ -127,8 +118,8 @@ fn a_normal_force_that_is_clipped_ends_steps_where_it_is() {
 }
 
 /// `x' = 1` and `y' = max(x, 0)` or `|x|`, by a comparison or by reading the value.
-struct Kink {
-    by_value: bool,
+pub struct Kink {
+    pub by_value: bool,
 }
 
 impl Filippov<2> for Kink {
@@ -221,17 +212,19 @@ fn the_forced_oscillator_is_the_same_by_series_and_by_slopes() {
     assert!(difference.amax() < 1e-10, "{difference}");
 }
 
+/// A field that ends at t = 1.
+pub struct Nowhere;
+impl Filippov<1> for Nowhere {
+    fn field<T: Scalar>(&self, _side: Side, t: T, x: &[T; 1]) -> [T; 1] {
+        [Scalar::ln(-t + 1.0) * x[0] + 1.0]
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 1]) -> T {
+        x[0] + 100.0
+    }
+}
+
 #[test]
 fn a_field_that_is_not_a_number_is_told_so() {
-    struct Nowhere;
-    impl Filippov<1> for Nowhere {
-        fn field<T: Scalar>(&self, _side: Side, t: T, x: &[T; 1]) -> [T; 1] {
-            [Scalar::ln(-t + 1.0) * x[0] + 1.0]
-        }
-        fn boundary<T: Scalar>(&self, _t: T, x: &[T; 1]) -> T {
-            x[0] + 100.0
-        }
-    }
     let failure =
         solve(&Nowhere, 0.0, State::from([0.5]), 2.0, &taylor(1e-12)).expect_err("ends at 1");
     let (Error::StepCollapse { t, .. } | Error::NonFinite { t, .. }) = failure.error else {
@@ -241,8 +234,8 @@ fn a_field_that_is_not_a_number_is_told_so() {
 }
 
 /// `x' = speed` and `y' = max(x, 0)`.
-struct Ramp {
-    speed: f64,
+pub struct Ramp {
+    pub speed: f64,
 }
 
 impl Filippov<2> for Ramp {
@@ -274,8 +267,8 @@ fn a_kink_at_the_very_start_or_throughout_holds_nothing_up() {
 }
 
 /// `x = sin t` on a circle's diameter: the boundary is the distance from the centre, which has no series there, less the radius.
-struct Pit {
-    radius: f64,
+pub struct Pit {
+    pub radius: f64,
 }
 
 impl Filippov<2> for Pit {
@@ -288,8 +281,8 @@ impl Filippov<2> for Pit {
 }
 
 /// The same by reading the value.
-struct Gate {
-    radius: f64,
+pub struct Gate {
+    pub radius: f64,
 }
 
 impl Filippov<2> for Gate {
@@ -307,7 +300,7 @@ impl Filippov<2> for Gate {
 }
 
 /// Over the edge at `asin r` and back at `π − asin r`, both within the first step where that is long.
-fn out_and_back<S: Filippov<2>>(system: &S, radius: f64) {
+fn out_and_back<S: Listed<2>>(system: &S, radius: f64) {
     for (tolerance, first_step, bound) in
         [(1e-3, 0.1, 2e-2), (1e-3, 3.0, 2e-2), (1e-14, 3.0, 1e-13)]
     {
@@ -338,18 +331,6 @@ fn a_boundary_that_branches_by_value_is_met_on_the_other_branch() {
     out_and_back(&Gate { radius: 0.9 }, 0.9);
 }
 
-/// `y = x² + y₀` above the floor `y = 0`, with its least value at `x = 0`.
-struct Graze;
-
-impl Filippov<2> for Graze {
-    fn field<T: Scalar>(&self, _side: Side, _t: T, x: &[T; 2]) -> [T; 2] {
-        [T::constant(1.0), x[0] * 2.0]
-    }
-    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
-        x[1]
-    }
-}
-
 #[test]
 fn a_contact_cut_in_two_by_a_step_s_end_is_one_touch() {
     // Below zero from 2e-6 before the turn to 2e-6 behind it.
@@ -364,7 +345,7 @@ fn a_contact_cut_in_two_by_a_step_s_end_is_one_touch() {
     ] {
         let options = taylor(1e-12).longest_step(longest);
         let x = State::from([start, start * start - depth]);
-        let orbit = solve(&Graze, 0.0, x, -2.0 * start, &options).expect("runs");
+        let orbit = solve(&Parabola { level: 0.0 }, 0.0, x, -2.0 * start, &options).expect("runs");
         let kinds: Vec<TransitionKind> = orbit.transitions.iter().map(|e| e.kind).collect();
         assert_eq!(kinds, [TransitionKind::Touch], "steps of {longest}");
         let off = (orbit.transitions[0].t + start).abs();
@@ -378,7 +359,7 @@ fn a_contact_cut_in_two_by_a_step_s_end_is_one_touch() {
 }
 
 /// `x = t` to a boundary at `x = 3/4` that is not defined beyond 1, and branches by value before.
-struct Brink;
+pub struct Brink;
 
 impl Filippov<1> for Brink {
     fn field<T: Scalar>(&self, _side: Side, _t: T, _x: &[T; 1]) -> [T; 1] {
@@ -401,8 +382,8 @@ fn a_step_into_where_the_boundary_is_not_defined_hides_no_event() {
             ..taylor(1e-12)
         };
         let failure = solve(&Brink, 0.0, State::from([0.0]), 3.0, &options).expect_err("ends at 1");
-        assert!((failure.orbit.t_end - 1.0).abs() < 1e-9, "{failure}");
-        let times: Vec<f64> = failure.orbit.transitions.iter().map(|e| e.t).collect();
+        assert!((failure.reached.t_end - 1.0).abs() < 1e-9, "{failure}");
+        let times: Vec<f64> = failure.reached.transitions.iter().map(|e| e.t).collect();
         assert_eq!(times.len(), 1, "first step {first_step}: {times:?}");
         assert!((times[0] - 0.75).abs() < 1e-12, "{times:?}");
     }

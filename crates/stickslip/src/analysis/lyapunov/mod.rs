@@ -83,7 +83,7 @@ pub fn lyapunov_spectrum<S: Filippov<N>, const N: usize>(
 ///
 /// # Errors
 /// As [`lyapunov_spectrum`].
-pub fn lyapunov_spectrum_watched<S: Filippov<N>, O: Observer<N>, const N: usize>(
+pub fn lyapunov_spectrum_watched<S: Filippov<N>, O: Observer<N> + ?Sized, const N: usize>(
     system: &S,
     (t0, x0): (f64, impl Into<State<N>>),
     settings: &SpectrumOptions,
@@ -104,7 +104,7 @@ pub fn lyapunov_spectrum_watched<S: Filippov<N>, O: Observer<N>, const N: usize>
 }
 
 /// Goes along an orbit with the frame first and `watcher` behind it.
-fn follow<S: Filippov<N>, O: Observer<N>, const N: usize>(
+fn follow<S: Filippov<N>, O: Observer<N> + ?Sized, const N: usize>(
     system: &S,
     (t, x): (f64, State<N>),
     t_end: f64,

@@ -151,7 +151,15 @@ impl<const N: usize> TaylorStepper<N> {
                 let c = piece.polynomial(&self.series, tape, function);
                 let c = &c[..=self.order];
                 if c[self.order].is_finite() {
-                    first_failure(run, flow, guard, piece, c, order)
+                    let found = first_failure(run, flow, guard, piece, c, order);
+                    // A series may go on where its function ends, or has ended and begun again.
+                    if found.is_none() && tape.is_nonlinear(function, N) {
+                        let end = piece.at(1.0).0;
+                        if !flow.guard_at(guard, end.t, &end.x).is_finite() {
+                            return Err(Undefined);
+                        }
+                    }
+                    found
                 } else {
                     sampled_failure(run, flow, guard, piece, order)?
                 }

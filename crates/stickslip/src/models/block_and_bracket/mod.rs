@@ -94,34 +94,6 @@ impl BlockAndBracket {
         reading.apply(caption)
     }
 
-    /// Checks the parameters.
-    ///
-    /// # Errors
-    /// [`Error::Parameter`] naming the first that is not allowed.
-    pub fn checked(self) -> Result<Self, Error> {
-        positive("coupling", self.coupling)?;
-        not_negative("coupling_damping", self.coupling_damping)?;
-        positive("mobility", self.mobility)?;
-        positive("bracket_stiffness", self.bracket_stiffness)?;
-        not_negative("bracket_damping", self.bracket_damping)?;
-        not_negative("mu0", self.mu0)?;
-        finite("unloading", self.unloading)?;
-        finite("unloading_rate", self.unloading_rate)?;
-        not_negative("delta", self.delta)?;
-        not_negative("belt_speed", self.belt_speed)?;
-        let signs = [
-            ("displacement_sign", self.displacement_sign),
-            ("friction_sign", self.friction_sign),
-        ];
-        for (name, value) in signs {
-            if value.abs() != 1.0 {
-                let bound = "1 or -1";
-                return Err(Error::Parameter { name, value, bound });
-            }
-        }
-        Ok(self)
-    }
-
     /// The normal force in units of its value `mg` at rest, unclipped: where it is negative the block would lift off.
     #[inline(always)]
     pub fn unclipped_normal_force<T: Scalar>(&self, x: &[T; 4]) -> T {
@@ -165,5 +137,29 @@ impl Filippov<4> for BlockAndBracket {
     #[inline(always)]
     fn contact<T: Scalar>(&self, _t: T, x: &[T; 4]) -> Option<T> {
         Some(self.unclipped_normal_force(x))
+    }
+
+    fn check_parameters(&self) -> Result<(), Error> {
+        positive("coupling", self.coupling)?;
+        not_negative("coupling_damping", self.coupling_damping)?;
+        positive("mobility", self.mobility)?;
+        positive("bracket_stiffness", self.bracket_stiffness)?;
+        not_negative("bracket_damping", self.bracket_damping)?;
+        not_negative("mu0", self.mu0)?;
+        finite("unloading", self.unloading)?;
+        finite("unloading_rate", self.unloading_rate)?;
+        not_negative("delta", self.delta)?;
+        not_negative("belt_speed", self.belt_speed)?;
+        let signs = [
+            ("displacement_sign", self.displacement_sign),
+            ("friction_sign", self.friction_sign),
+        ];
+        for (name, value) in signs {
+            if value.abs() != 1.0 {
+                let bound = "1 or -1";
+                return Err(Error::Parameter { name, value, bound });
+            }
+        }
+        Ok(())
     }
 }

@@ -2,6 +2,7 @@
 
 use super::BlockAndBracket;
 use crate::error::Error;
+use crate::system::Filippov;
 
 /// Nine numbers and a start, as a caption gives them.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -38,26 +38,6 @@ pub struct Rig {
 }
 
 impl Rig {
-    /// Checks the parameters.
-    ///
-    /// # Errors
-    /// [`Error::Parameter`] naming the first that is not allowed.
-    pub fn checked(self) -> Result<Self, Error> {
-        positive("mass", self.mass)?;
-        positive("inertia", self.inertia)?;
-        positive("arm", self.arm)?;
-        not_negative("k1", self.k1)?;
-        positive("k2", self.k2)?;
-        not_negative("k3", self.k3)?;
-        not_negative("c1", self.c1)?;
-        not_negative("c2", self.c2)?;
-        positive("gravity", self.gravity)?;
-        not_negative("mu0", self.mu0)?;
-        not_negative("delta", self.delta)?;
-        not_negative("belt_speed", self.belt_speed)?;
-        Ok(self)
-    }
-
     /// Unit of time `1/ω` (s) of the nondimensional form.
     pub fn time_unit(&self) -> f64 {
         (self.mass / (self.k1 + self.k2)).sqrt()
@@ -130,5 +110,21 @@ impl Filippov<4> for Rig {
     #[inline(always)]
     fn contact<T: Scalar>(&self, _t: T, x: &[T; 4]) -> Option<T> {
         Some(self.unclipped_normal_force(x))
+    }
+
+    fn check_parameters(&self) -> Result<(), Error> {
+        positive("mass", self.mass)?;
+        positive("inertia", self.inertia)?;
+        positive("arm", self.arm)?;
+        not_negative("k1", self.k1)?;
+        positive("k2", self.k2)?;
+        not_negative("k3", self.k3)?;
+        not_negative("c1", self.c1)?;
+        not_negative("c2", self.c2)?;
+        positive("gravity", self.gravity)?;
+        not_negative("mu0", self.mu0)?;
+        not_negative("delta", self.delta)?;
+        not_negative("belt_speed", self.belt_speed)?;
+        Ok(())
     }
 }

@@ -2,20 +2,18 @@
 
 use std::time::{Duration, Instant};
 
-use stickslip::{
-    Error, Failure, Filippov, Method, Options, Orbit, Scalar, Side, State, TransitionKind, math,
-    solve,
-};
+use stickslip::{Error, Failure, Method, Options, Orbit, State, TransitionKind, math};
 
-use crate::solver::systems::{BlowUp, Line, Wall, Zeno, decaying_friction};
+use crate::any_system::{Listed, solve};
+use crate::solver::systems::{BlowUp, Ledge, Line, Wall, Window, Zeno, decaying_friction};
 
-pub fn failure<S: Filippov<N>, const N: usize>(
+pub fn failure<S: Listed<N>, const N: usize>(
     system: &S,
     t0: f64,
     x0: State<N>,
     t_end: f64,
     options: &Options,
-) -> Failure<N> {
+) -> Failure<Orbit<N>> {
     let start = Instant::now();
     let result = solve(system, t0, x0, t_end, options);
     assert!(
@@ -36,7 +34,7 @@ fn line(t0: f64, x0: f64, t_end: f64, options: &Options) -> Error {
         t_end,
         options,
     );
-    assert!(failure.orbit.phases.is_empty() && failure.orbit.steps.is_empty());
+    assert!(failure.reached.phases.is_empty() && failure.reached.steps.is_empty());
     failure.error
 }
 
@@ -214,9 +212,9 @@ fn a_solution_that_becomes_infinite_is_followed_to_within_rounding_of_that_time(
         };
         // The pole's own place is known to the tolerance.
         assert!((t - 2.0).abs() < 1e-10, "{t}");
-        assert_kept(&failure.orbit);
-        assert_eq!(failure.orbit.t_end, t);
-        assert!((failure.orbit.at(1.0).expect("covered")[0] - 1.0).abs() < 1e-10);
+        assert_kept(&failure.reached);
+        assert_eq!(failure.reached.t_end, t);
+        assert!((failure.reached.at(1.0).expect("covered")[0] - 1.0).abs() < 1e-10);
     }
 }
 
@@ -233,7 +231,7 @@ fn an_escape_bound_ends_the_run_just_beyond_it() {
         "{t} {x}"
     );
     assert_says(&failure.error, &["1000", "raise the escape bound"]);
-    assert_kept(&failure.orbit);
+    assert_kept(&failure.reached);
     // A start beyond the bound is told at once.
     let far = line(0.0, -2e3, 1.0, &options);
     assert!(matches!(far, Error::Escaped { t: 0.0, .. }), "{far}");
@@ -252,20 +250,8 @@ fn a_field_that_ends_on_the_way_is_an_error_at_its_edge() {
         (t - edge).abs() < 1e-8 && (x.0[0] - 1.0).abs() < 1e-8,
         "{t} {x}"
     );
-    assert_kept(&failure.orbit);
-    assert_eq!(failure.orbit.t_end, t);
-}
-
-/// A boundary function that is not defined for x < 0, where the orbit goes.
-struct Ledge;
-
-impl Filippov<2> for Ledge {
-    fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; 2]) -> [T; 2] {
-        [x[1], -x[0] + t.sin() * 0.8 - 0.3 * side.sign()]
-    }
-    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
-        x[1] - x[0].sqrt() * 0.3
-    }
+    assert_kept(&failure.reached);
+    assert_eq!(failure.reached.t_end, t);
 }
 
 #[test]
@@ -282,9 +268,24 @@ fn a_boundary_that_ends_on_the_way_is_an_error_at_its_edge() {
     };
     assert!(x.0[0].abs() < 1e-8, "{x}");
     assert_says(&failure.error, &["boundary", "not defined", "e-"]);
-    assert_kept(&failure.orbit);
-    for transition in &failure.orbit.transitions {
+    assert_kept(&failure.reached);
+    for transition in &failure.reached.transitions {
         assert!(transition.residual < 1e-9, "{transition:?}");
+    }
+}
+
+#[test]
+fn a_boundary_that_is_no_number_only_inside_a_step_ends_the_run_there_too() {
+    // Nothing but the window holds the steps up: without it one would go past all of it.
+    let options = super::tol(1e-10);
+    for (from, to) in [(3.0, 4.0), (2.0, 2.5)] {
+        let window = Window { from, to };
+        let failure = failure(&window, 0.0, State::from([0.0]), 6.0, &options);
+        let Error::StepCollapse { ref x, .. } = failure.error else {
+            panic!("{}", failure.error);
+        };
+        assert!((x.0[0] - from).abs() < 1e-8, "{x}");
+        assert_kept(&failure.reached);
     }
 }
 
@@ -312,8 +313,8 @@ fn crossings_that_pile_up_are_told_near_the_point_where_they_do() {
             &failure.error,
             &[&format!("{count} transitions"), "Zeno", "accumulation"],
         );
-        assert_kept(&failure.orbit);
-        let transitions = &failure.orbit.transitions;
+        assert_kept(&failure.reached);
+        let transitions = &failure.reached.transitions;
         assert!(
             transitions[..60]
                 .iter()
@@ -347,7 +348,7 @@ fn nothing_is_lost_of_an_orbit_that_fails_after_transitions() {
         "{}",
         failure.error
     );
-    assert_kept(&failure.orbit);
+    assert_kept(&failure.reached);
     let whole = solve(
         &belt,
         0.0,
@@ -356,7 +357,7 @@ fn nothing_is_lost_of_an_orbit_that_fails_after_transitions() {
         &options.escape(1e9),
     )
     .expect("runs");
-    let kept = &failure.orbit;
+    let kept = &failure.reached;
     assert_eq!(
         kept.transitions[..],
         whole.transitions[..kept.transitions.len()]

@@ -2,12 +2,14 @@
 //! the models' parameters. It runs once, not once for every method.
 
 use stickslip::TransitionKind::Touch;
+use stickslip::analysis::SpectrumOptions;
 use stickslip::models::{BeltOscillator, ForcedOscillator};
-use stickslip::{Error, Method, Options, State};
+use stickslip::{Error, Filippov, Method, Options, State};
 
 use super::check::{TIGHT, kinds};
 use super::errors::{assert_kept, assert_says, failure};
 use super::problems::grazing::{assert_two_crossings, parabola};
+use crate::any_system::lyapunov_spectrum;
 use crate::solver::systems::BlowUp;
 
 #[test]
@@ -47,7 +49,7 @@ fn fixed_steps_into_a_pole_are_told_with_their_length() {
         failure.error
     );
     assert_says(&failure.error, &["0.01", "pole", "too long"]);
-    assert_kept(&failure.orbit);
+    assert_kept(&failure.reached);
 }
 
 #[test]
@@ -136,4 +138,21 @@ fn parameters_out_of_range() {
     }
     assert_eq!(belt.checked(), Ok(belt));
     assert_eq!(forced.checked(), Ok(forced));
+}
+
+#[test]
+fn no_run_begins_with_parameters_out_of_range() {
+    let belt = BeltOscillator {
+        mass: -1.0,
+        ..BeltOscillator::default()
+    };
+    let refused = failure(&belt, 0.0, State::from([0.5, 0.1]), 1.0, &super::tol(1e-10));
+    assert_says(&refused, &["mass", "-1", "positive"]);
+    assert!(refused.reached.steps.is_empty());
+    let spectrum = lyapunov_spectrum(
+        &belt,
+        (0.0, State::from([0.5, 0.1])),
+        &SpectrumOptions::over(1.0, 1.0),
+    );
+    assert_says(&spectrum.unwrap_err(), &["mass", "-1", "positive"]);
 }

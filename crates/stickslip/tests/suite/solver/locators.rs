@@ -1,8 +1,9 @@
 //! The locators beside one another: they exist where steps are taken by slopes alone.
 
-use stickslip::{Locator, Options, State, Transition, solve};
+use stickslip::{Locator, Options, State, Transition};
 
 use super::check::TIGHT;
+use crate::any_system::solve;
 use crate::solver::systems::coulomb_friction;
 
 #[test]

@@ -3,5 +3,5 @@
 
 mod by_series;
 mod by_slopes;
-mod systems;
+pub mod systems;
 mod tableaux;

@@ -2,11 +2,12 @@
 
 use nalgebra::SMatrix;
 use stickslip::TransitionKind::StickEntry;
-use stickslip::analysis::{monodromy, periodic_orbit, planar_multipliers};
+use stickslip::analysis::multipliers;
 use stickslip::models::BeltOscillator;
-use stickslip::{Filippov, Mode, Side, State, math, solve};
+use stickslip::{Mode, Side, State, math};
 
 use super::check::{TIGHT, kinds};
+use crate::any_system::{Listed, monodromy, periodic_orbit, solve};
 use crate::solver::systems::{Dip, Floor, MovingLine, Spiral, decaying_friction};
 
 /// Differences over five points with this change err by its fourth power times the fifth derivative, and by the run's
@@ -14,7 +15,7 @@ use crate::solver::systems::{Dip, Floor, MovingLine, Spiral, decaying_friction};
 const CHANGE: f64 = 1e-5;
 const ALLOWED: f64 = 1e-6;
 
-fn by_differences<S: Filippov<N>, const N: usize>(
+fn by_differences<S: Listed<N>, const N: usize>(
     system: &S,
     t0: f64,
     x0: State<N>,
@@ -39,7 +40,7 @@ fn by_differences<S: Filippov<N>, const N: usize>(
     SMatrix::from_columns(&columns)
 }
 
-fn assert_agree<S: Filippov<N>, const N: usize>(
+fn assert_agree<S: Listed<N>, const N: usize>(
     what: &str,
     system: &S,
     (t0, x0): (f64, State<N>),
@@ -155,7 +156,7 @@ fn the_cycle_without_stick_has_the_multiplier_of_its_return_map() {
     let options = super::tol(TIGHT);
     let guess = State::from([-0.27, -0.73]);
     let cycle = periodic_orbit(&belt, guess, 7.7, &options).expect("converges");
-    let [trivial, other] = planar_multipliers(&cycle.monodromy);
+    let [trivial, other] = multipliers(&cycle.monodromy);
     // The monodromy is as exact as the orbit, whose error of some 1e-12 a turn it carries enlarged by its own norm.
     assert!(
         (trivial.re - 1.0).abs() < 1e-9 && trivial.im == 0.0,

@@ -3,9 +3,10 @@
 use std::f64::consts::PI;
 
 use stickslip::ode::{Dop853, Rk4, RungeKutta, Timed, henon_step};
-use stickslip::{Locator, Method, Options, Orbit, State, math, solve};
+use stickslip::{Locator, Method, Options, Orbit, State, math};
 
 use super::check::changes;
+use crate::any_system::solve;
 use crate::solver::systems::{Breathing, Floor, decaying_friction};
 
 /// Least-squares slope of the logarithm of the error over that of the step.
@@ -56,8 +57,14 @@ fn a_smooth_orbit_converges_with_the_order_of_the_method() {
             .map(|n| {
                 let step = 5.0 / f64::from(n);
                 let options = Options::default().method(fixed.method(step));
-                let orbit =
-                    solve(&Breathing, 0.0, State::from([1.0]), 5.0, &options).expect("runs");
+                let orbit = solve(
+                    &Breathing { ceiling: 10.0 },
+                    0.0,
+                    State::from([1.0]),
+                    5.0,
+                    &options,
+                )
+                .expect("runs");
                 (step, (orbit.x_end[0] - math::exp(math::sin(5.0))).abs())
             })
             .collect();
@@ -192,8 +199,14 @@ fn the_dense_output_errs_by_the_fourth_power_of_the_step_and_by_the_eighth() {
             .map(|n| {
                 let step = 5.0 / f64::from(*n);
                 let options = Options::default().method(fixed.method(step));
-                let orbit =
-                    solve(&Breathing, 0.0, State::from([1.0]), 5.0, &options).expect("runs");
+                let orbit = solve(
+                    &Breathing { ceiling: 10.0 },
+                    0.0,
+                    State::from([1.0]),
+                    5.0,
+                    &options,
+                )
+                .expect("runs");
                 let worst = (0..=1000)
                     .map(|i| {
                         let t = 5.0 * f64::from(i) / 1000.0;

@@ -1,8 +1,9 @@
 //! Events of series: they are located in one way, and are those that steps by slopes find.
 
-use stickslip::{Locator, Method, Options, State, solve};
+use stickslip::{Locator, Method, Options, State};
 
 use super::check::TIGHT;
+use crate::any_system::solve;
 use crate::solver::systems::coulomb_friction;
 
 /// A belt oscillator whose circles shrink onto the stick zone, over some twenty events.

@@ -6,23 +6,11 @@ use proptest::prelude::*;
 use proptest::test_runner::{Config, RngSeed};
 use stickslip::filippov::normal_component;
 use stickslip::models::{BeltOscillator, ForcedOscillator};
-use stickslip::{
-    Filippov, Mode, Observer, Orbit, Scalar, Side, State, Transition, TransitionKind, run, solve,
-};
+use stickslip::{Mode, Observer, Orbit, Side, State, Transition, TransitionKind};
 
 use super::check::{assert_consistent, changes, ulp_of_boundary};
-
-/// A system with time running backwards.
-struct Reversed<S>(S);
-
-impl<const N: usize, S: Filippov<N>> Filippov<N> for Reversed<S> {
-    fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; N]) -> [T; N] {
-        self.0.field(side, -t, x).map(|v| -v)
-    }
-    fn boundary<T: Scalar>(&self, t: T, x: &[T; N]) -> T {
-        self.0.boundary(-t, x)
-    }
-}
+use crate::any_system::{Listed, run, solve};
+use crate::solver::systems::Reversed;
 
 fn belt() -> impl Strategy<Value = BeltOscillator> {
     (
@@ -83,11 +71,11 @@ fn seeded(cases: u32) -> Config {
 const TOLERANCE: f64 = 1e-12;
 
 /// The run, unless it escapes: the forced model's spring pushes away far out.
-fn orbit_of<S: Filippov<2>>(system: &S, x0: State<2>, t_end: f64) -> Option<Orbit<2>> {
+fn orbit_of<S: Listed<2>>(system: &S, x0: State<2>, t_end: f64) -> Option<Orbit<2>> {
     solve(system, 0.0, x0, t_end, &super::tol(TOLERANCE).escape(20.0)).ok()
 }
 
-fn assert_invariants<S: Filippov<2>>(system: &S, belt_speed: f64, orbit: &Orbit<2>) {
+fn assert_invariants<S: Listed<2>>(system: &S, belt_speed: f64, orbit: &Orbit<2>) {
     assert_consistent(system, orbit);
     // Nothing between transitions is on the wrong side of Σ, by more than the tolerance leaves open.
     for step in &orbit.steps {
@@ -159,7 +147,7 @@ impl Observer<2> for Keep {
     }
 }
 
-fn assert_streams_alike<S: Filippov<2>>(system: &S, x0: State<2>, orbit: &Orbit<2>) {
+fn assert_streams_alike<S: Listed<2>>(system: &S, x0: State<2>, orbit: &Orbit<2>) {
     let mut keep = Keep(Vec::new());
     let options = super::tol(TOLERANCE).escape(20.0);
     let summary = run(system, 0.0, x0, orbit.t_end, &options, &mut keep).expect("runs");
@@ -178,7 +166,7 @@ fn assert_streams_alike<S: Filippov<2>>(system: &S, x0: State<2>, orbit: &Orbit<
 
 /// Norm of the flow's derivative, by which errors on the way are enlarged at most. Where a run succeeds, so does this: a bound
 /// of infinity would allow anything.
-fn growth<S: Filippov<2>>(system: &S, t0: f64, x0: State<2>, t_end: f64) -> f64 {
+fn growth<S: Listed<2>>(system: &S, t0: f64, x0: State<2>, t_end: f64) -> f64 {
     let options = super::tol(TOLERANCE).escape(20.0);
     stickslip::analysis::monodromy(system, t0, x0, t_end, &options)
         .expect("runs")
@@ -187,7 +175,7 @@ fn growth<S: Filippov<2>>(system: &S, t0: f64, x0: State<2>, t_end: f64) -> f64 
         .max(1.0)
 }
 
-fn assert_runs_join<S: Filippov<2>>(system: &S, x0: State<2>, orbit: &Orbit<2>, part: f64) {
+fn assert_runs_join<S: Listed<2>>(system: &S, x0: State<2>, orbit: &Orbit<2>, part: f64) {
     let (middle, end) = (orbit.t_end * part, orbit.t_end);
     let options = super::tol(TOLERANCE).escape(20.0);
     let first = solve(system, 0.0, x0, middle, &options).expect("runs");
@@ -202,7 +190,10 @@ fn assert_runs_join<S: Filippov<2>>(system: &S, x0: State<2>, orbit: &Orbit<2>, 
     assert!(error <= allowed.max(1e-10), "{error} {allowed}");
 }
 
-fn assert_reverses<S: Filippov<2> + Copy>(system: &S, orbit: &Orbit<2>) {
+fn assert_reverses<S: Listed<2> + Copy>(system: &S, orbit: &Orbit<2>)
+where
+    Reversed<S>: Listed<2>,
+{
     let options = super::tol(TOLERANCE);
     for phase in orbit.phases.iter().filter(|p| p.mode != Mode::Stick) {
         // A smooth stretch strictly inside the phase.

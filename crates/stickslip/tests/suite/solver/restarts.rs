@@ -3,9 +3,10 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use stickslip::models::{BeltOscillator, ForcedOscillator};
-use stickslip::{AtRepelling, Ending, Filippov, Mode, Side, State, math, solve};
+use stickslip::{AtRepelling, Ending, Mode, Side, State, math};
 
 use super::check::{TIGHT, assert_consistent, kinds};
+use crate::any_system::{Listed, solve};
 use crate::solver::systems::{
     Line, MovingLine, TurningLine, TwoFold, coulomb_friction, decaying_friction,
 };
@@ -54,7 +55,7 @@ fn each_of_the_six_tangent_points_is_left_the_way_its_visibility_says() {
 }
 
 /// Asserts that a run started at any transition of an orbit repeats the rest of it.
-fn assert_repeats<S: Filippov<N>, const N: usize>(
+fn assert_repeats<S: Listed<N>, const N: usize>(
     what: &str,
     system: &S,
     t0: f64,

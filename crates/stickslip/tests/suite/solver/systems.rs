@@ -1,5 +1,6 @@
 //! The systems that the tests run, each with the property that makes its orbit known beforehand.
 
+use std::cell::Cell;
 use std::f64::consts::PI;
 
 use stickslip::models::BeltOscillator;
@@ -156,15 +157,17 @@ impl Filippov<2> for Zeno {
     }
 }
 
-/// `x' = x cos t`, of which `exp(sin t)` is a solution; Σ is out of its reach.
-pub struct Breathing;
+/// `x' = x cos t`, of which `exp(sin t)` is a solution, under a ceiling.
+pub struct Breathing {
+    pub ceiling: f64,
+}
 
 impl Filippov<1> for Breathing {
     fn field<T: Scalar>(&self, _side: Side, t: T, x: &[T; 1]) -> [T; 1] {
         [x[0] * t.cos()]
     }
     fn boundary<T: Scalar>(&self, _t: T, x: &[T; 1]) -> T {
-        x[0] - 10.0
+        x[0] - self.ceiling
     }
 }
 
@@ -201,6 +204,37 @@ impl Filippov<1> for TurningLine {
     }
 }
 
+/// `x'' = -x - S sgn x' + cos Ωt`, on whose orbits without stick Den Hartog (1930) has the amplitude.
+pub struct DenHartog {
+    pub frequency: f64,
+    pub friction: f64,
+}
+
+impl Filippov<2> for DenHartog {
+    fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; 2]) -> [T; 2] {
+        let push = (t * self.frequency).cos() - self.friction * side.sign();
+        [x[1], push - x[0]]
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
+        x[1]
+    }
+}
+
+/// `x' = 1`, under a boundary that is no number between `from` and `to`.
+pub struct Window {
+    pub from: f64,
+    pub to: f64,
+}
+
+impl Filippov<1> for Window {
+    fn field<T: Scalar>(&self, _side: Side, _t: T, _x: &[T; 1]) -> [T; 1] {
+        [T::constant(1.0)]
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 1]) -> T {
+        ((x[0] - self.from) * (x[0] - self.to)).sqrt() * 1e-3 - 100.0
+    }
+}
+
 /// `x' = 1 + √(1 - x)`: reaches 1 with speed 1 and has no field beyond.
 pub struct Wall;
 
@@ -222,5 +256,45 @@ impl Filippov<1> for BlowUp {
     }
     fn boundary<T: Scalar>(&self, _t: T, x: &[T; 1]) -> T {
         x[0] + 100.0
+    }
+}
+
+/// `x' = √(1 - x)`, which comes to rest at 1, its boundary far off and its uses counted.
+pub struct Rest {
+    pub looks: Cell<u64>,
+}
+
+impl Filippov<1> for Rest {
+    fn field<T: Scalar>(&self, _side: Side, _t: T, x: &[T; 1]) -> [T; 1] {
+        [Scalar::sqrt(-x[0] + 1.0)]
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 1]) -> T {
+        self.looks.set(self.looks.get() + 1);
+        assert!(self.looks.get() < 1_000_000, "a step is searched for ever");
+        x[0] + 100.0
+    }
+}
+
+/// A boundary function that is not defined for x < 0, where the orbit goes.
+pub struct Ledge;
+
+impl Filippov<2> for Ledge {
+    fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; 2]) -> [T; 2] {
+        [x[1], -x[0] + t.sin() * 0.8 - 0.3 * side.sign()]
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
+        x[1] - x[0].sqrt() * 0.3
+    }
+}
+
+/// A system with time running backwards.
+pub struct Reversed<S>(pub S);
+
+impl<const N: usize, S: Filippov<N>> Filippov<N> for Reversed<S> {
+    fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; N]) -> [T; N] {
+        self.0.field(side, -t, x).map(|v| -v)
+    }
+    fn boundary<T: Scalar>(&self, t: T, x: &[T; N]) -> T {
+        self.0.boundary(-t, x)
     }
 }

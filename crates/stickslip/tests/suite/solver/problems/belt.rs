@@ -3,11 +3,12 @@
 use std::f64::consts::PI;
 
 use stickslip::TransitionKind::{Crossing, StickEntry, StickExit};
-use stickslip::{Mode, State, solve};
+use stickslip::{Mode, State};
 
 use super::super::check::{
     TIGHT, assert_consistent, assert_lands_on_boundary, changes, every_locator, kinds,
 };
+use crate::any_system::solve;
 use crate::solver::systems::{Floor, decaying_friction};
 
 /// Per-step errors of 1e-13 add up over some fifty steps to less than 5e-12; the speed across Σ is at least 0.2,

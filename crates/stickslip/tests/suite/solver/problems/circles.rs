@@ -4,9 +4,10 @@ use std::f64::consts::PI;
 
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngSeed};
-use stickslip::{Mode, Side, State, TransitionKind, math, solve};
+use stickslip::{Mode, Side, State, TransitionKind, math};
 
 use super::super::check::{TIGHT, assert_consistent, changes, exact_locators};
+use crate::any_system::solve;
 use crate::solver::systems::coulomb_friction;
 
 /// An event by trigonometry: time, position, mode that follows, and the rate at which Σ is met.

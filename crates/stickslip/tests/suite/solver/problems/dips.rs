@@ -1,9 +1,10 @@
 //! Stick that is released for as little as 1e-5 of a time unit, within a step of any length.
 
 use stickslip::TransitionKind::{StickEntry, StickExit};
-use stickslip::{Options, State, solve};
+use stickslip::{Options, State};
 
 use super::super::check::{TIGHT, assert_consistent, exact_locators, kinds};
+use crate::any_system::solve;
 use crate::solver::systems::Dip;
 
 fn release(width: f64, centre: f64, amplitude: f64, options: &Options) {

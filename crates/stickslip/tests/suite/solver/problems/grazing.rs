@@ -3,9 +3,10 @@
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngSeed};
 use stickslip::TransitionKind::{Crossing, Touch};
-use stickslip::{Locator, Mode, Options, Orbit, Side, State, math, solve};
+use stickslip::{Locator, Mode, Options, Orbit, Side, State, math};
 
 use super::super::check::{TIGHT, assert_consistent, kinds};
+use crate::any_system::solve;
 use crate::solver::systems::{Ceiling, Parabola};
 
 const GAPS: [f64; 5] = [1e-2, 1e-4, 1e-6, 1e-8, 1e-10];

@@ -1,11 +1,12 @@
 //! Systems in closed form: a spiral that is crossed, a line that is slid on, and one that moves.
 
 use stickslip::TransitionKind::{Crossing, StickEntry};
-use stickslip::{Mode, Side, State, math, solve};
+use stickslip::{Mode, Side, State, math};
 
 use super::super::check::{
     TIGHT, assert_consistent, assert_lands_on_boundary, every_locator, kinds,
 };
+use crate::any_system::solve;
 use crate::solver::systems::{Breathing, Line, MovingLine, Spiral};
 
 #[test]
@@ -158,7 +159,7 @@ fn nothing_depends_on_how_long_the_steps_are() {
 fn the_adaptive_run_keeps_its_tolerance() {
     for tolerance in [1e-6, 1e-9, 1e-12] {
         let orbit = solve(
-            &Breathing,
+            &Breathing { ceiling: 10.0 },
             0.0,
             State::from([1.0]),
             30.0,

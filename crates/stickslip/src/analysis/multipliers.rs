@@ -1,0 +1,73 @@
+//! Eigenvalues of monodromy matrices.
+
+use nalgebra::{Complex, DMatrix, SMatrix, Schur};
+
+/// Multipliers of a periodic orbit: the eigenvalues of its monodromy matrix, the one nearest to 1 first (the trivial one of a
+/// system that does not depend on time), then by falling size. Not numbers where the matrix is not finite.
+///
+/// Two by a closed form, more by the real Schur form.
+///
+/// ```
+/// use stickslip::analysis::multipliers;
+/// use stickslip::nalgebra::Matrix3;
+///
+/// // A quarter turn about an axis along which all halves.
+/// let matrix = Matrix3::new(0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.5);
+/// let [first, second, third] = multipliers(&matrix);
+/// assert!((first.re - 0.5).abs() < 1e-15);
+/// assert!((second.im.abs() - 1.0).abs() < 1e-15 && (second + third).norm() < 1e-15);
+/// ```
+pub fn multipliers<const N: usize>(matrix: &SMatrix<f64, N, N>) -> [Complex<f64>; N] {
+    let mut found = [Complex::new(f64::NAN, f64::NAN); N];
+    if matrix.iter().all(|v| v.is_finite()) {
+        if N == 2 {
+            let pair = planar(
+                matrix[(0, 0)],
+                matrix[(0, 1)],
+                matrix[(1, 0)],
+                matrix[(1, 1)],
+            );
+            found.copy_from_slice(&pair);
+            return found;
+        }
+        // Ever more iterations mean rounding, which no sum of them takes away.
+        let dynamic = DMatrix::from_fn(N, N, |i, j| matrix[(i, j)]);
+        if let Some(schur) = Schur::try_new(dynamic, f64::EPSILON, 100 * N) {
+            let values = schur.complex_eigenvalues();
+            found = std::array::from_fn(|i| values[i]);
+        }
+    }
+    found.sort_by(|a, b| b.norm_sqr().total_cmp(&a.norm_sqr()));
+    let off = |i: usize| (found[i] - 1.0).norm_sqr();
+    if let Some(nearest) = (0..N).min_by(|&i, &j| off(i).total_cmp(&off(j))) {
+        found[..=nearest].rotate_right(1);
+    }
+    found
+}
+
+/// Of the matrix with the rows (a, b) and (c, d).
+fn planar(a: f64, b: f64, c: f64, d: f64) -> [Complex<f64>; 2] {
+    let half_trace = 0.5 * (a + d);
+    let determinant = a * d - b * c;
+    let discriminant = half_trace * half_trace - determinant;
+    if discriminant < 0.0 {
+        let imaginary = (-discriminant).sqrt();
+        return [
+            Complex::new(half_trace, imaginary),
+            Complex::new(half_trace, -imaginary),
+        ];
+    }
+    // The larger by size without cancellation, the other from the product.
+    let larger = half_trace + discriminant.sqrt() * half_trace.signum();
+    let smaller = if larger == 0.0 {
+        0.0
+    } else {
+        determinant / larger
+    };
+    let pair = [Complex::new(larger, 0.0), Complex::new(smaller, 0.0)];
+    if (larger - 1.0).abs() <= (smaller - 1.0).abs() {
+        pair
+    } else {
+        [pair[1], pair[0]]
+    }
+}

@@ -1,0 +1,162 @@
+//! All systems of the tests as one type for each number of states: the solver is compiled once for that type and not once for
+//! every system. It is asked for orbits and spectra as the library is, by functions of the same names.
+
+use stickslip::analysis::{Monodromy, PeriodicOrbit, Spectrum, SpectrumOptions};
+use stickslip::models::{BeltOscillator, BlockAndBracket, ForcedOscillator};
+use stickslip::{
+    Error, Failure, Filippov, Observer, Options, Orbit, Scalar, Side, State, Summary, analysis,
+};
+
+use crate::grazes;
+use crate::lyapunov_equations::{
+    Fork, FromSupport, Linear, Lorenz, Refracting, Rider, Roessler, Smooth,
+};
+use crate::solver::systems::{
+    BlowUp, Breathing, Ceiling, DenHartog, Dip, Floor, Ledge, Line, MovingLine, Parabola, Rest,
+    Reversed, Spiral, TurningLine, TwoFold, Wall, Window, Zeno,
+};
+use crate::taylor::{Brink, Gate, Kink, Nowhere, Pit, Ramp};
+
+/// A system that is one of those below.
+pub trait Listed<const N: usize>: Filippov<N> {
+    type Any<'a>: Filippov<N>
+    where
+        Self: 'a;
+    fn any(&self) -> Self::Any<'_>;
+}
+
+macro_rules! systems {
+    ($any:ident, $n:literal: $($name:ident($system:ty)),* $(,)?) => {
+        pub enum $any<'a> {
+            $($name(&'a $system)),*
+        }
+
+        impl Filippov<$n> for $any<'_> {
+            #[inline(never)]
+            fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; $n]) -> [T; $n] {
+                match self {
+                    $($any::$name(system) => system.field(side, t, x)),*
+                }
+            }
+            #[inline(never)]
+            fn boundary<T: Scalar>(&self, t: T, x: &[T; $n]) -> T {
+                match self {
+                    $($any::$name(system) => system.boundary(t, x)),*
+                }
+            }
+            #[inline(never)]
+            fn contact<T: Scalar>(&self, t: T, x: &[T; $n]) -> Option<T> {
+                match self {
+                    $($any::$name(system) => system.contact(t, x)),*
+                }
+            }
+            fn check_parameters(&self) -> Result<(), Error> {
+                match self {
+                    $($any::$name(system) => system.check_parameters()),*
+                }
+            }
+        }
+
+        $(impl Listed<$n> for $system {
+            type Any<'a> = $any<'a>;
+            fn any(&self) -> $any<'_> {
+                $any::$name(self)
+            }
+        })*
+    };
+}
+
+systems!(
+    Any1, 1:
+    BlowUp(BlowUp), Breathing(Breathing), Brink(Brink), Fork(Fork), Line(Line), MovingLine(MovingLine), Nowhere(Nowhere),
+    Rest(Rest), Rider(Rider), TurningLine(TurningLine), Wall(Wall), Window(Window),
+);
+
+systems!(
+    Any2, 2:
+    Belt(BeltOscillator), Ceiling(Ceiling), DenHartog(DenHartog), Dip(Dip), Floor(Floor), Forced(ForcedOscillator), FromSupport(FromSupport),
+    Gate(Gate), Kink(Kink), Ledge(Ledge), Linear(Smooth<Linear<2>>), Parabola(Parabola), Pit(Pit), Ramp(Ramp),
+    Refracting(Refracting), ReversedBelt(Reversed<BeltOscillator>), ReversedForced(Reversed<ForcedOscillator>),
+    Shaken(grazes::Shaken), SpiralAtRest(grazes::AtRest), Spiral(Spiral), TwoFold(TwoFold), Zeno(Zeno),
+);
+
+systems!(Any3, 3: Linear(Smooth<Linear<3>>), Lorenz(Smooth<Lorenz>), Roessler(Smooth<Roessler>));
+
+systems!(Any4, 4: Bracket(BlockAndBracket));
+
+pub fn solve<S: Listed<N>, const N: usize>(
+    system: &S,
+    t0: f64,
+    x0: impl Into<State<N>>,
+    t_end: f64,
+    options: &Options,
+) -> Result<Orbit<N>, Failure<Orbit<N>>> {
+    stickslip::solve(&system.any(), t0, x0.into(), t_end, options)
+}
+
+pub fn run<S: Listed<N>, const N: usize>(
+    system: &S,
+    t0: f64,
+    x0: impl Into<State<N>>,
+    t_end: f64,
+    options: &Options,
+    observer: &mut dyn Observer<N>,
+) -> Result<Summary<N>, Failure<Summary<N>>> {
+    stickslip::run(&system.any(), t0, x0.into(), t_end, options, observer)
+}
+
+pub fn monodromy<S: Listed<N>, const N: usize>(
+    system: &S,
+    t0: f64,
+    x0: impl Into<State<N>>,
+    t_end: f64,
+    options: &Options,
+) -> Result<Monodromy<N>, Error> {
+    analysis::monodromy(&system.any(), t0, x0.into(), t_end, options)
+}
+
+pub fn periodic_orbit<S: Listed<N>, const N: usize>(
+    system: &S,
+    x: impl Into<State<N>>,
+    period: f64,
+    options: &Options,
+) -> Result<PeriodicOrbit<N>, Error> {
+    analysis::periodic_orbit(&system.any(), x.into(), period, options)
+}
+
+pub fn find_periodic_orbit<S: Listed<N>, const N: usize>(
+    system: &S,
+    x0: impl Into<State<N>>,
+    transient: f64,
+    longest: f64,
+    options: &Options,
+) -> Result<PeriodicOrbit<N>, Error> {
+    analysis::find_periodic_orbit(&system.any(), x0.into(), transient, longest, options)
+}
+
+pub fn periodic_orbit_forced<S: Listed<N>, const N: usize>(
+    system: &S,
+    t: f64,
+    x: impl Into<State<N>>,
+    period: f64,
+    options: &Options,
+) -> Result<PeriodicOrbit<N>, Error> {
+    analysis::periodic_orbit_forced(&system.any(), t, x.into(), period, options)
+}
+
+pub fn lyapunov_spectrum<S: Listed<N>, const N: usize>(
+    system: &S,
+    start: (f64, State<N>),
+    settings: &SpectrumOptions,
+) -> Result<Spectrum<N>, Error> {
+    lyapunov_spectrum_watched(system, start, settings, &mut ())
+}
+
+pub fn lyapunov_spectrum_watched<S: Listed<N>, const N: usize>(
+    system: &S,
+    start: (f64, State<N>),
+    settings: &SpectrumOptions,
+    watcher: &mut dyn Observer<N>,
+) -> Result<Spectrum<N>, Error> {
+    analysis::lyapunov_spectrum_watched(&system.any(), start, settings, watcher)
+}

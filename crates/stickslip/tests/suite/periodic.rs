@@ -1,0 +1,101 @@
+//! Periodic orbits against closed forms: found without a guess, at any tolerance, with their multipliers.
+
+use std::f64::consts::PI;
+
+use nalgebra::{Matrix4, SMatrix};
+use stickslip::analysis::multipliers;
+use stickslip::{Error, Method, Options, State, math};
+
+use crate::any_system::{find_periodic_orbit, periodic_orbit_forced, run, solve};
+use crate::solver::systems::{DenHartog, Floor, decaying_friction};
+
+#[test]
+fn the_cycle_with_stick_is_found_without_a_guess() {
+    for method in [Method::Dop853, Method::Taylor] {
+        let options = Options::tol(1e-13).method(method);
+        let start = [0.04, -0.01];
+        let cycle = find_periodic_orbit(&decaying_friction(), start, 20.0, 30.0, &options).unwrap();
+        assert!((cycle.period - 9.230_770_458_082_978_873).abs() < 1e-11);
+        let [along, across] = multipliers(&cycle.monodromy);
+        assert!((along.re - 1.0).abs() < 1e-9 && across.norm() < 1e-9);
+    }
+}
+
+#[test]
+fn an_orbit_that_comes_to_rest_has_no_return() {
+    let rest = find_periodic_orbit(&Floor, [3.0, 0.0], 20.0, 30.0, &Options::default());
+    let error = rest.unwrap_err();
+    assert!(
+        matches!(
+            error,
+            Error::NotFound {
+                t: 20.0,
+                span: 30.0,
+                ..
+            }
+        ),
+        "{error}"
+    );
+}
+
+#[test]
+fn den_hartog_s_orbits_are_refined_to_what_rounding_allows() {
+    for (frequency, friction) in [(0.7, 0.2), (0.6, 0.1), (1.4, 0.3), (0.8, 0.4), (1.7, 0.2)] {
+        let system = DenHartog {
+            frequency,
+            friction,
+        };
+        // Den Hartog (1930): A² = V² − S² U².
+        let v = 1.0 / (1.0 - frequency * frequency);
+        let angle = PI / frequency;
+        let u = math::sin(angle) / (frequency * (1.0 + math::cos(angle)));
+        let exact = (v * v - friction * friction * u * u).sqrt();
+        let period = 2.0 * PI / frequency;
+        for method in [Method::Dop853, Method::Taylor] {
+            for tolerance in [1e-15, 1e-13] {
+                let options = Options::tol(tolerance).method(method);
+                let start = State::from([exact, 0.0]);
+                let settled = run(&system, 0.0, start, 40.0 * period, &options, &mut ()).unwrap();
+                let cycle =
+                    periodic_orbit_forced(&system, 0.0, settled.x, period, &options).unwrap();
+                let turn = solve(&system, 0.0, cycle.x, period, &options).unwrap();
+                assert_eq!(turn.transitions.len(), 2);
+                for turned in &turn.transitions {
+                    let off = (turned.x[0].abs() - exact).abs();
+                    assert!(
+                        off < 2e-12 * exact.max(1.0),
+                        "{frequency} {friction}: {off:e}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_multipliers_of_a_matrix_are_its_eigenvalues_the_nearest_to_1_first() {
+    // Similar to a block of turn and size 0.9 beside 1.02 and -0.3.
+    let (c, s) = (0.9 * math::cos(0.7), 0.9 * math::sin(0.7));
+    #[rustfmt::skip]
+    let blocks = Matrix4::new(
+        c, -s, 0.0, 0.0,
+        s, c, 0.0, 0.0,
+        0.0, 0.0, -0.3, 0.0,
+        0.0, 0.0, 0.0, 1.02,
+    );
+    let shear = Matrix4::from_fn(|i, j| {
+        if i == j {
+            1.0
+        } else {
+            0.2 * (i + 2 * j) as f64 - 0.5
+        }
+    });
+    let matrix = shear * blocks * shear.try_inverse().unwrap();
+    let [first, second, third, fourth] = multipliers(&matrix);
+    assert!((first - 1.02).norm() < 1e-12, "{first}");
+    assert!((second.re - c).abs() < 1e-12 && (second.im.abs() - s).abs() < 1e-12);
+    assert!((second - third.conj()).norm() < 1e-12);
+    assert!((fourth + 0.3).norm() < 1e-12, "{fourth}");
+    let none = SMatrix::<f64, 3, 3>::from_element(f64::NAN);
+    assert!(multipliers(&none).iter().all(|m| m.re.is_nan()));
+}
