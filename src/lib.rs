@@ -1,5 +1,6 @@
 //! The replication of one paper with the library [`stickslip`]: its figures, its claims, its readings.
 
+mod bisection;
 pub mod figures;
 mod marked;
 pub mod paper;

@@ -2,6 +2,7 @@
 //!
 //! Not a figure of the paper: what its title promises, measured.
 
+use crate::bisection::bisect;
 use std::f64::consts::PI;
 
 use super::error::FigureError;
@@ -173,7 +174,7 @@ impl Step<'_> {
         let mut step = stages::<M, f64, _>(field, t, &x, slope, self.h);
         dense_slopes::<M, f64, _>(field, t, &x, self.h, &mut step);
         let dense = Dense::new::<M>(t, &x, self.h, &step);
-        t + self.h * bisect(|s| dense.at(s)[1] - BELT_SPEED)
+        t + self.h * bisect(0.0, 1.0, |s| dense.at(s)[1] >= BELT_SPEED)
     }
 
     /// Where the straight line between the ends of one step of RK4 meets Σ. (Of order 8 it errs as much.)
@@ -195,20 +196,6 @@ impl Step<'_> {
         };
         henon_step::<M, 2>(&mut slope, &self.from, BELT_SPEED - self.from.x[1]).t
     }
-}
-
-/// The zero between 0 and 1 of a function that is negative at 0 and positive at 1.
-fn bisect(value: impl Fn(f64) -> f64) -> f64 {
-    let (mut a, mut b) = (0.0, 1.0);
-    for _ in 0..60 {
-        let middle = 0.5 * (a + b);
-        if value(middle) < 0.0 {
-            a = middle;
-        } else {
-            b = middle;
-        }
-    }
-    b
 }
 
 /// Error of the time at which the block is as fast as the belt, located in one step of length `h` from the exact state before it.

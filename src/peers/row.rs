@@ -2,6 +2,7 @@
 
 use super::error::PeersError;
 use super::problem::Problem;
+use stickslip::statistics::middle_two;
 
 /// A row of report/bench.csv.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,9 +43,7 @@ impl Row {
 
 /// The middle value; of an even number of values the upper of the two.
 pub fn median(values: &[f64]) -> Option<f64> {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    sorted.get(sorted.len() / 2).copied()
+    middle_two(values.iter().copied()).map(|[_, upper]| upper)
 }
 
 /// The file's head.

@@ -4,9 +4,7 @@ use super::row::Row;
 use super::score::{self, Twelve};
 use super::spread::median;
 use stickslip::math;
-
-/// The generator `SplitMix64` (Steele, Lea & Flood, 2014).
-struct SplitMix(u64);
+use stickslip::statistics::SplitMix;
 
 /// A vanishing exponent may be printed as anything between minus this and this; drawn evenly.
 pub const ZERO: f64 = 0.002;
@@ -18,24 +16,17 @@ pub const POSITIVE: (f64, f64) = (0.001, 0.05);
 /// Every run draws the same targets.
 const SEED: u64 = 0x2013_0073_0723_0736;
 
-impl SplitMix {
-    /// In [0, 1).
-    fn uniform(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        // The upper 53 bits, which a double holds.
-        ((z ^ (z >> 31)) >> 11) as f64 / math::powi(2.0, 53)
-    }
+/// Draws targets.
+struct Targets(SplitMix);
 
+impl Targets {
     /// With evenly distributed logarithm.
     fn logarithmic(&mut self, least: f64, most: f64) -> f64 {
-        math::exp(math::ln(least) + self.uniform() * math::ln(most / least))
+        math::exp(math::ln(least) + self.0.uniform() * math::ln(most / least))
     }
 
     fn zero(&mut self) -> f64 {
-        ZERO * (2.0 * self.uniform() - 1.0)
+        ZERO * (2.0 * self.0.uniform() - 1.0)
     }
 
     fn negative(&mut self) -> f64 {
@@ -140,7 +131,7 @@ impl Level {
 
 /// Distances of the nearest rows to random targets of the published classes, ascending.
 fn random(rows: &[&Row], draws: usize) -> Vec<f64> {
-    let mut generator = SplitMix(SEED);
+    let mut generator = Targets(SplitMix::new(SEED));
     let mut all: Vec<f64> = (0..draws)
         .map(|_| nearest(rows, &generator.target()))
         .collect();
@@ -154,7 +145,7 @@ mod tests {
 
     #[test]
     fn targets_have_the_signs_of_their_class() {
-        let mut generator = SplitMix(SEED);
+        let mut generator = Targets(SplitMix::new(SEED));
         for _ in 0..1000 {
             let [periodic, quasi, chaotic] = generator.target();
             assert!(periodic[0].abs() <= 0.002 && periodic[1] < -0.002);

@@ -5,6 +5,7 @@
 use super::plan::{MANY, everywhere};
 use super::row::Row;
 use stickslip::analysis::data_spectrum::{DataSettings, Neighbourhood, Status};
+use stickslip::statistics::middle_two;
 
 /// Neighbourhoods by count and by radius, none so small that it starves. A radius is a fraction of the signal's spread.
 const NEIGHBOURHOODS: [Neighbourhood; 5] = [
@@ -125,11 +126,9 @@ impl ExponentSpread {
     }
 }
 
-/// Median of values in ascending order: of an even count the mean of the middle two.
-pub(super) fn median(sorted: &[f64]) -> Option<f64> {
-    let upper = sorted.get(sorted.len() / 2)?;
-    let lower = sorted.get((sorted.len() - 1) / 2)?;
-    Some(0.5 * (lower + upper))
+/// Median of some values: of an even count the mean of the middle two.
+pub(super) fn median(values: &[f64]) -> Option<f64> {
+    middle_two(values.iter().copied()).map(|[lower, upper]| 0.5 * (lower + upper))
 }
 
 #[cfg(test)]

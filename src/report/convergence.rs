@@ -1,11 +1,11 @@
 //! The listing as printed for smaller and smaller steps, against its limit in the event-exact solver.
 
 use rayon::prelude::*;
+use stickslip::statistics::PowerLaw;
 
 use super::digits::Agreement;
 use super::matrix::{MatrixError, four_claims, four_digits};
 use crate::paper::listing::{Motion, Setup, run};
-use stickslip::math;
 
 /// Steps (s), from ten times the printed one to a hundredth of it. The finest come first, since they take longest.
 const STEPS: [f64; 16] = [
@@ -96,13 +96,13 @@ impl Approach {
         };
         let per_step = || all.iter().map(|(h, e)| e / h);
         let sizes: Vec<(f64, f64)> = decades.iter().map(|&(h, e)| (h, e.abs())).collect();
-        let (slope, slope_error) = slope(&sizes);
+        let law = PowerLaw::through(sizes.iter().copied());
         Approach {
             bound: largest(|_| true),
             coarse: largest(|h| h >= FINE),
             fine: largest(|h| h < FINE),
-            slope,
-            slope_error,
+            slope: law.exponent,
+            slope_error: law.std_error,
             scatter: (
                 per_step().fold(f64::INFINITY, f64::min),
                 per_step().fold(f64::NEG_INFINITY, f64::max),
@@ -284,29 +284,4 @@ fn distances(steps: &[AtStep], limit: &[f64; 4], i: usize) -> Vec<(f64, f64)> {
 fn errors(steps: &[AtStep], limit: &[f64; 4], i: usize) -> Vec<(f64, f64)> {
     let of = |at: &AtStep| Some((at.h, at.numbers?[i] - limit[i]));
     steps.iter().filter_map(of).collect()
-}
-
-/// Least-squares slope of the logarithms.
-pub(super) fn order(points: &[(f64, f64)]) -> f64 {
-    slope(points).0
-}
-
-/// Least-squares slope of the logarithms, and its standard error.
-fn slope(points: &[(f64, f64)]) -> (f64, f64) {
-    let logs: Vec<(f64, f64)> = points
-        .iter()
-        .filter(|point| point.1 > 0.0)
-        .map(|&(h, e)| (math::ln(h), math::ln(e)))
-        .collect();
-    let n = logs.len() as f64;
-    let (x, y) = (
-        logs.iter().map(|p| p.0).sum::<f64>() / n,
-        logs.iter().map(|p| p.1).sum::<f64>() / n,
-    );
-    let above: f64 = logs.iter().map(|p| (p.0 - x) * (p.1 - y)).sum();
-    let below: f64 = logs.iter().map(|p| (p.0 - x) * (p.0 - x)).sum();
-    let slope = above / below;
-    let left = |p: &(f64, f64)| p.1 - y - slope * (p.0 - x);
-    let rest: f64 = logs.iter().map(|p| left(p) * left(p)).sum();
-    (slope, (rest / (n - 2.0) / below).sqrt())
 }

@@ -115,6 +115,7 @@ pub mod models;
 pub mod ode;
 pub mod orbit;
 pub mod scalar;
+pub mod statistics;
 pub mod system;
 mod taylor;
 

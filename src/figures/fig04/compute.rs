@@ -1,5 +1,6 @@
 //! The orbits, the tangent points and the cycle.
 
+use crate::bisection::bisect;
 use stickslip::scalar::Dual;
 
 use crate::figures::trace;
@@ -130,18 +131,9 @@ fn stationary(model: &BeltOscillator) -> Vec<f64> {
     grid.windows(2)
         .filter(|pair| (slope(pair[0]) < 0.0) != (slope(pair[1]) < 0.0))
         .map(|pair| {
-            let (mut a, mut b) = (pair[0], pair[1]);
-            let below_at_a = slope(a) < 0.0;
-            // 60 halvings leave nothing of an interval of 0.01.
-            for _ in 0..60 {
-                let middle = 0.5 * (a + b);
-                if (slope(middle) < 0.0) == below_at_a {
-                    a = middle;
-                } else {
-                    b = middle;
-                }
-            }
-            0.5 * (a + b)
+            // The grid runs downwards.
+            let below = slope(pair[1]) < 0.0;
+            bisect(pair[1], pair[0], |x1| (slope(x1) < 0.0) != below)
         })
         .collect()
 }

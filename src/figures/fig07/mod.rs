@@ -3,6 +3,7 @@
 mod draw;
 mod numbers;
 
+use crate::bisection::bisect;
 use std::f64::consts::PI;
 
 use super::error::FigureError;
@@ -205,24 +206,6 @@ fn stationary(spring: &Cubic) -> Vec<f64> {
         }
     }
     zeros
-}
-
-/// The smallest number in `(low, high]` for which `after` holds, if it holds from some number on.
-fn bisect(mut low: f64, mut high: f64, after: impl Fn(f64) -> bool) -> f64 {
-    while let Some(middle) = between(low, high) {
-        if after(middle) {
-            high = middle;
-        } else {
-            low = middle;
-        }
-    }
-    high
-}
-
-/// A number strictly between two others, if there is one.
-fn between(low: f64, high: f64) -> Option<f64> {
-    let middle = 0.5 * (low + high);
-    (low < middle && middle < high).then_some(middle)
 }
 
 /// `intervals + 1` numbers from `from` to `to`.

@@ -1,6 +1,7 @@
 //! Errors of the time of one event over the step, and what they come to.
 
-use crate::report::convergence::{PRINTED_STEP, order};
+use crate::report::convergence::PRINTED_STEP;
+use stickslip::statistics::PowerLaw;
 use stickslip::system::Side;
 
 /// Steps (s) at which orders are measured: their errors are well above rounding.
@@ -41,7 +42,7 @@ impl EventErrors {
         Ok(EventErrors {
             method,
             side,
-            order: order(&errors),
+            order: PowerLaw::through(errors.iter().copied()).exponent,
             errors,
             at_printed_step: error(PRINTED_STEP)?,
         })

@@ -1,5 +1,6 @@
 //! Misprints of the captions of Figs. 10–12, and what of the motion depends on them.
 
+use crate::bisection::bisect;
 use std::ops::ControlFlow;
 
 use rayon::prelude::*;
@@ -36,18 +37,11 @@ impl Observer<4> for Turns {
         let at =
             |k: u32| step.t_start + (step.t_end - step.t_start) * f64::from(k) / f64::from(PARTS);
         for k in 1..=PARTS {
-            let (mut before, mut after) = (at(k - 1), at(k));
+            let (before, after) = (at(k - 1), at(k));
             let speed = |t: f64| step.dense.at_time(t)[1];
             if speed(before) > 0.0 && speed(after) <= 0.0 {
-                for _ in 0..60 {
-                    let middle = 0.5 * (before + after);
-                    if speed(middle) > 0.0 {
-                        before = middle;
-                    } else {
-                        after = middle;
-                    }
-                }
-                self.0.push((after, step.dense.at_time(after).into()));
+                let turned = bisect(before, after, |t| speed(t) <= 0.0);
+                self.0.push((turned, step.dense.at_time(turned).into()));
             }
         }
         ControlFlow::Continue(())

@@ -1,6 +1,7 @@
 //! Misprints of Sects. 2 and 3: friction as a coefficient, critical points, the Hénon steps.
 
 use super::{Erratum, Shown, count, erratum, number, word};
+use crate::bisection::bisect;
 use crate::paper::claim_id::ClaimId;
 use crate::paper::published::Claims;
 use crate::report::accuracy::{Accuracy, EventErrors};
@@ -36,16 +37,7 @@ fn least_holding(model: &BeltOscillator) -> f64 {
             fate(&model, 0.0, &x) == Fate::Stick
         })
     };
-    let (mut low, mut high) = (0.0, 10.0);
-    for _ in 0..40 {
-        let middle = 0.5 * (low + high);
-        if holds(middle) {
-            high = middle;
-        } else {
-            low = middle;
-        }
-    }
-    high
+    bisect(0.0, 10.0, holds)
 }
 
 /// A coefficient would not scale with the spring, and would with the mass.

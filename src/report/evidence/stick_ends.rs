@@ -1,5 +1,6 @@
 //! The ends of the stick zones of model 2, found along Σ by where the body sticks.
 
+use crate::bisection::bisect;
 use stickslip::filippov::{Fate, fate};
 use stickslip::models::ForcedOscillator;
 use stickslip::system::State;
@@ -16,21 +17,12 @@ pub(super) fn stick_ends(model: &ForcedOscillator, t: f64) -> Vec<f64> {
     let offset = model.support(t);
     let mut ends = Vec::new();
     for k in 1..=PLACES {
-        let (mut low, mut high) = (offset + place(k - 1), offset + place(k));
+        let (low, high) = (offset + place(k - 1), offset + place(k));
         let before = sticks(low);
         if sticks(high) == before {
             continue;
         }
-        // Sixty halvings leave neighbouring numbers.
-        for _ in 0..60 {
-            let middle = 0.5 * (low + high);
-            if sticks(middle) == before {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
-        ends.push(0.5 * (low + high));
+        ends.push(bisect(low, high, |x1| sticks(x1) != before));
     }
     ends
 }

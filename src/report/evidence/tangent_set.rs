@@ -1,5 +1,6 @@
 //! The set (24) of tangent points as the paper prints it.
 
+use crate::bisection::bisect;
 use crate::paper::claim_id::ClaimId;
 use crate::paper::published::{Claims, PublishedError};
 use stickslip::models::ForcedOscillator;
@@ -62,16 +63,7 @@ impl TangentSet {
         let start = ahead(at(0.0));
         let steps = (span / part).ceil() as u32;
         let after = (1..=steps).find(|&k| ahead(at(f64::from(k) * part)) != start)?;
-        let (mut low, mut high) = (f64::from(after - 1) * part, f64::from(after) * part);
-        // Sixty halvings leave nothing of the bracket.
-        for _ in 0..60 {
-            let middle = 0.5 * (low + high);
-            if ahead(at(middle)) == start {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
-        Some(t + high)
+        let (low, high) = (f64::from(after - 1) * part, f64::from(after) * part);
+        Some(t + bisect(low, high, |later| ahead(at(later)) != start))
     }
 }

@@ -1,5 +1,6 @@
 //! `s4.zone_oscillates`: how the stick zone of model 2 moves over a forcing period.
 
+use crate::bisection::bisect;
 use rayon::prelude::*;
 
 use super::stick_ends::stick_ends;
@@ -74,16 +75,7 @@ impl ZoneOscillates {
 
 /// The velocity (m/s) at which the boundary function vanishes above a position.
 fn speed_on_boundary(model: &ForcedOscillator, t: f64, x1: f64) -> f64 {
-    let (mut low, mut high) = (-10.0, 10.0);
-    for _ in 0..80 {
-        let middle = 0.5 * (low + high);
-        if model.boundary(t, &[x1, middle]) < 0.0 {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    high
+    bisect(-10.0, 10.0, |x2| model.boundary(t, &[x1, x2]) >= 0.0)
 }
 
 /// Least and largest of some numbers.

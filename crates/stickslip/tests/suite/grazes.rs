@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
 
+use stickslip::statistics::SplitMix;
 use stickslip::{
     Filippov, Method, Observer, Options, Scalar, Side, State, Transition, TransitionKind, math,
 };
@@ -10,22 +11,6 @@ use stickslip::{
 use crate::any_system::{Listed, run};
 
 const CASES: u32 = 100_000;
-
-/// A sequence of numbers in [0, 1) from a fixed seed (SplitMix64).
-struct Draw(u64);
-
-impl Draw {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.next()
-    }
-}
 
 /// `x₁ = r e^{gt} cos(wt + a)` has its tops where `tan(wt + a) = g/w`. One of them, at the time `top`, is beyond a ceiling by
 /// `gap`, or below it where that is negative; growth makes every later one higher, decay every earlier one.
@@ -40,7 +25,7 @@ struct Spiral {
 
 impl Spiral {
     /// Draws one that pokes through the ceiling or stays below it.
-    fn draw(draw: &mut Draw, pokes: bool) -> Self {
+    fn draw(draw: &mut SplitMix, pokes: bool) -> Self {
         let growth = draw.between(-0.2, 0.2);
         let frequency = draw.between(0.5, 3.0);
         let top = draw.between(0.2, 4.0);
@@ -103,7 +88,7 @@ pub struct Shaken {
 }
 
 impl Shaken {
-    fn draw(draw: &mut Draw, pokes: bool) -> Self {
+    fn draw(draw: &mut SplitMix, pokes: bool) -> Self {
         let spiral = Spiral::draw(draw, pokes);
         Shaken {
             amplitude: spiral.size * draw.between(0.1, 1.0),
@@ -155,7 +140,7 @@ fn assert_counted<S: Listed<2>>(system: &S, spiral: &Spiral, start: State<2>, op
 }
 
 fn at_rest(options: &Options) {
-    let mut draw = Draw(2013);
+    let mut draw = SplitMix::new(2013);
     for case in 0..CASES {
         let system = AtRest(Spiral::draw(&mut draw, case % 2 == 0));
         let start = system.0.at(system.0.span().0);
@@ -164,7 +149,7 @@ fn at_rest(options: &Options) {
 }
 
 fn shaken(options: &Options) {
-    let mut draw = Draw(1973);
+    let mut draw = SplitMix::new(1973);
     for case in 0..CASES {
         let system = Shaken::draw(&mut draw, case % 2 == 0);
         let from = system.spiral.span().0;

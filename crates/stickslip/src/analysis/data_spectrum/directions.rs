@@ -10,6 +10,7 @@ use super::cloud::Cloud;
 use super::fit::{Rule, Scratch};
 use super::neighbours::{Finder, Neighbour};
 use crate::math;
+use crate::statistics::{PowerLaw, middle_two};
 
 /// Neighbourhoods of so many sizes are compared.
 pub const LEVELS: usize = 4;
@@ -130,28 +131,13 @@ fn vote<const N: usize>(
     for i in 0..N {
         let resolved = (0..LEVELS).all(|level| vote.sizes[level][i] > zero[level]);
         vote.slopes[i] = if resolved {
-            slope(
-                &vote.radius,
-                &std::array::from_fn(|level| vote.sizes[level][i]),
-            )
+            let sizes = vote.sizes.iter().map(|sizes| sizes[i]);
+            PowerLaw::through(vote.radius.into_iter().zip(sizes)).exponent
         } else {
             f64::NAN
         };
     }
     Some(vote)
-}
-
-/// Slope of the regression line of `ln y` on `ln x`.
-fn slope(x: &[f64; LEVELS], y: &[f64; LEVELS]) -> f64 {
-    let (x, y) = (x.map(math::ln), y.map(math::ln));
-    let mean = |v: &[f64; LEVELS]| v.iter().sum::<f64>() / LEVELS as f64;
-    let (mx, my) = (mean(&x), mean(&y));
-    let mut sums = (0.0, 0.0);
-    for (x, y) in x.iter().zip(&y) {
-        sums.0 += (x - mx) * (y - my);
-        sums.1 += (x - mx) * (x - mx);
-    }
-    sums.0 / sums.1
 }
 
 fn direction<const N: usize>(votes: &[Vote<N>], i: usize, unit: f64) -> Direction {
@@ -162,8 +148,8 @@ fn direction<const N: usize>(votes: &[Vote<N>], i: usize, unit: f64) -> Directio
         .collect();
     let sizes = (0..LEVELS)
         .map(|level| {
-            let radius = median(votes.iter().map(|vote| vote.radius[level]).collect());
-            let size = median(votes.iter().map(|vote| vote.sizes[level][i]).collect());
+            let radius = upper_median(votes.iter().map(|vote| vote.radius[level]));
+            let size = upper_median(votes.iter().map(|vote| vote.sizes[level][i]));
             (unit * radius, unit * size)
         })
         .collect();
@@ -171,7 +157,7 @@ fn direction<const N: usize>(votes: &[Vote<N>], i: usize, unit: f64) -> Directio
     let (kind, slope) = if 2 * slopes.len() <= votes.len() {
         (Kind::Flat, f64::NAN)
     } else {
-        let slope = median(slopes);
+        let slope = upper_median(slopes);
         let kind = if slope < NOISE {
             Kind::Noise
         } else if slope <= CURVATURE {
@@ -184,10 +170,9 @@ fn direction<const N: usize>(votes: &[Vote<N>], i: usize, unit: f64) -> Directio
     Direction { kind, slope, sizes }
 }
 
-/// The middle value (the upper of two), NaN of none.
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+/// The middle value (the upper of two) of those that are numbers, NaN of none.
+pub(super) fn upper_median(values: impl IntoIterator<Item = f64>) -> f64 {
+    middle_two(values).map_or(f64::NAN, |[_, upper]| upper)
 }
 
 #[cfg(test)]
@@ -198,12 +183,5 @@ mod tests {
     fn counts_grow_geometrically_and_stay_a_small_part() {
         assert_eq!(counts(20, 45_000), [20, 50, 127, 320]);
         assert_eq!(counts(20, 500), [20, 32, 50, 80]);
-    }
-
-    #[test]
-    fn slopes_are_powers() {
-        let x = [1.0, 2.0, 3.0, 5.0];
-        assert!((slope(&x, &x.map(|x| 0.3 * x * x)) - 2.0).abs() < 1e-14);
-        assert!(slope(&x, &[0.7; LEVELS]).abs() < 1e-14);
     }
 }

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::averages::{Average, average};
 use super::chain::{Stretch, advance};
 use super::cloud::Cloud;
-use super::directions::{self, Kind};
+use super::directions::{self, Kind, upper_median};
 use super::error::DataError;
 use super::fit::{LocalMap, Rule, Scratch};
 use super::neighbours::{Finder, Neighbour};
@@ -170,7 +170,7 @@ fn estimate<const N: usize>(
     let (fixed, _) = average(&fixed, tau);
 
     let starved = locals.iter().filter(|local| local.starved).count();
-    let residual_ratio = median(locals.iter().map(|local| local.residual_ratio));
+    let residual_ratio = upper_median(locals.iter().map(|local| local.residual_ratio));
     let evidence = Evidence {
         dimension,
         references,
@@ -321,13 +321,6 @@ impl Evidence {
             Status::Ok
         }
     }
-}
-
-/// The middle value (the upper of two) of those that are numbers, NaN of none.
-fn median(values: impl Iterator<Item = f64>) -> f64 {
-    let mut values: Vec<f64> = values.filter(|v| !v.is_nan()).collect();
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
 fn counts<const N: usize>(locals: &[Local<N>]) -> Counts {
