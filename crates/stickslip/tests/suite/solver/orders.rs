@@ -2,25 +2,18 @@
 
 use std::f64::consts::PI;
 
+use stickslip::models::BeltOscillator;
 use stickslip::ode::{Dop853, Rk4, RungeKutta, Timed, henon_step};
+use stickslip::statistics::PowerLaw;
 use stickslip::{Locator, Method, Options, Orbit, State, math};
 
 use super::check::changes;
-use crate::any_system::solve;
+use crate::any_system::{monodromy, solve};
 use crate::solver::systems::{Breathing, Floor, decaying_friction};
 
-/// Least-squares slope of the logarithm of the error over that of the step.
+/// Exponent of the error as a power of the step, or of the tolerance.
 fn order(points: &[(f64, f64)]) -> f64 {
-    let n = points.len() as f64;
-    let logs: Vec<_> = points
-        .iter()
-        .map(|(h, e)| (math::ln(*h), math::ln(*e)))
-        .collect();
-    let mean = |f: &dyn Fn(&(f64, f64)) -> f64| logs.iter().map(f).sum::<f64>() / n;
-    let (x, y) = (mean(&|p| p.0), mean(&|p| p.1));
-    let above = logs.iter().map(|p| (p.0 - x) * (p.1 - y)).sum::<f64>();
-    let below = logs.iter().map(|p| (p.0 - x) * (p.0 - x)).sum::<f64>();
-    above / below
+    PowerLaw::through(points.iter().copied()).exponent
 }
 
 /// A method of fixed step, the order it should show, and step counts over a span that keep its error above rounding.
@@ -218,4 +211,42 @@ fn the_dense_output_errs_by_the_fourth_power_of_the_step_and_by_the_eighth() {
             .collect();
         fixed.assert_order("dense", &points, 0.0);
     }
+}
+
+#[test]
+fn the_error_of_a_sensitive_orbit_follows_the_tolerance_and_is_what_the_flow_makes_of_each_step_s_own()
+ {
+    let belt = BeltOscillator {
+        belt_speed: 0.4,
+        ..BeltOscillator::default()
+    };
+    let (start, end) = (State::from([0.5, 1.5]), 30.0);
+    let exact = |t: f64, x: State<2>, to: f64| {
+        let options = Options::tol(1e-15).method(Method::Taylor);
+        solve(&belt, t, x, to, &options).expect("runs")
+    };
+    let last_event = |orbit: &Orbit<2>| orbit.transitions.last().expect("events").t;
+    let wanted = last_event(&exact(0.0, start, end));
+    let mut errors = Vec::new();
+    for tolerance in [1e-8, 1e-10, 1e-12, 1e-13, 1e-14] {
+        let orbit = solve(&belt, 0.0, start, end, &Options::tol(tolerance)).expect("runs");
+        let mut worst = 0.0;
+        let mut explained = 0.0;
+        for step in &orbit.steps {
+            let own = (exact(step.t_start, step.x_start, step.t_end).x_end - step.x_end).amax();
+            worst = f64::max(worst, own);
+            if step.t_end < end {
+                let flow = monodromy(&belt, step.t_end, step.x_end, end, &Options::tol(1e-8));
+                explained += own * flow.expect("runs").matrix.amax().max(1.0);
+            }
+        }
+        // No step errs by more than its tolerance; a later event is off by no more than all of it, enlarged up to 404 times.
+        assert!(worst <= tolerance, "{tolerance:e}: {worst:e}");
+        let error = (last_event(&orbit) - wanted).abs();
+        let rounding = 1e-12;
+        assert!(error <= explained + rounding, "{tolerance:e}: {error:e}");
+        errors.push((tolerance, error));
+    }
+    let exponent = order(&errors);
+    assert!((exponent - 1.0).abs() < 0.1, "{exponent}: {errors:?}");
 }
