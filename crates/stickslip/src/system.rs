@@ -129,3 +129,35 @@ impl<const N: usize, S: Filippov<N>> Filippov<N> for &S {
         (**self).check_parameters()
     }
 }
+
+/// A system whose parameters are not asked for, where they are meant to be what [`Filippov::check_parameters`] refuses: friction
+/// of the other sign, say.
+///
+/// ```
+/// use stickslip::{Ending, Options, models::BeltOscillator, solve, system::Unchecked};
+///
+/// // Friction that drives the block away from the belt.
+/// let belt = BeltOscillator { mu0: -0.2, ..BeltOscillator::default() };
+/// let start = [0.0, 1.0];
+/// assert!(solve(&belt, 0.0, start, 1.0, &Options::default()).is_err());
+/// let orbit = solve(&Unchecked(belt), 0.0, start, 1.0, &Options::default())?;
+/// assert_eq!(orbit.ending, Ending::Repelling);
+/// # Ok::<(), stickslip::Error>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Unchecked<S>(pub S);
+
+impl<const N: usize, S: Filippov<N>> Filippov<N> for Unchecked<S> {
+    #[inline(always)]
+    fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; N]) -> [T; N] {
+        self.0.field(side, t, x)
+    }
+    #[inline(always)]
+    fn boundary<T: Scalar>(&self, t: T, x: &[T; N]) -> T {
+        self.0.boundary(t, x)
+    }
+    #[inline(always)]
+    fn contact<T: Scalar>(&self, t: T, x: &[T; N]) -> Option<T> {
+        self.0.contact(t, x)
+    }
+}

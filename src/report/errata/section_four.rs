@@ -11,7 +11,7 @@ use stickslip::error::Error;
 use stickslip::filippov::{Options, solve};
 use stickslip::models::{BeltOscillator, ForcedOscillator};
 use stickslip::orbit::{Ending, Orbit};
-use stickslip::system::{Filippov, Side, State};
+use stickslip::system::{Filippov, Side, State, Unchecked};
 
 /// Beyond 10 m or 10 m/s the softening spring drives the body away for good.
 const ESCAPE: f64 = 10.0;
@@ -63,7 +63,8 @@ fn sticks_and_ends(model: &ForcedOscillator) -> Result<(usize, usize), Error> {
     let found = starts()
         .into_par_iter()
         .map(|x| {
-            let (orbit, _) = follow(model, x, FOLLOWED * model.period())?;
+            // Friction of the other sign is what is asked about.
+            let (orbit, _) = follow(&Unchecked(model), x, FOLLOWED * model.period())?;
             Ok((
                 orbit.sticks().count(),
                 usize::from(orbit.ending == Ending::Repelling),

@@ -7,7 +7,7 @@ use stickslip::analysis::{Destination, destination};
 use stickslip::error::Error;
 use stickslip::filippov::{AtRepelling, Options, TransitionKind, solve};
 use stickslip::models::ForcedOscillator;
-use stickslip::system::{Mode, State};
+use stickslip::system::{Mode, State, Unchecked};
 
 /// Forcing periods that a start is followed over.
 const FOLLOWED: usize = 60;
@@ -100,8 +100,16 @@ fn settled(
     x: State<2>,
     options: &Options,
 ) -> Result<Destination<2>, Error> {
+    // Friction of the other sign is among the variants.
     let follow = |x, periods, closeness| {
-        destination(model, (0.0, x), model.period(), periods, closeness, options)
+        destination(
+            &Unchecked(model),
+            (0.0, x),
+            model.period(),
+            periods,
+            closeness,
+            options,
+        )
     };
     match follow(x, FOLLOWED, CLOSENESS)? {
         Destination::Periodic { sticks, x, .. } if sticks > 0 => {
@@ -120,7 +128,7 @@ fn lengths(
 ) -> Result<Vec<f64>, Error> {
     let pattern = period as f64 * model.period();
     // A phase that has begun when the first pattern begins is whole in the second.
-    let orbit = solve(model, 0.0, *x, 2.0 * pattern, options)?;
+    let orbit = solve(&Unchecked(model), 0.0, *x, 2.0 * pattern, options)?;
     let exits = orbit
         .transitions
         .iter()
