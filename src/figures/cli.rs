@@ -17,7 +17,12 @@ use crate::terminal::{self, Progress};
 #[command(version)]
 pub struct Arguments {
     /// Folder for the files; made if it does not exist
-    #[arg(long, value_name = "DIR", default_value = "figures")]
+    #[arg(
+        long,
+        value_name = "DIR",
+        default_value = "figures",
+        visible_alias = "out"
+    )]
     pub out_dir: PathBuf,
 
     /// Also write a PNG, at twice the nominal size (needs a build with `--features png`)

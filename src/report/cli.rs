@@ -36,7 +36,7 @@ Examples:
 #[command(name = "report", version, about = ABOUT, after_help = AFTER)]
 pub struct Arguments {
     /// Folder in which the folders report and figures are; made if they do not exist
-    #[arg(long, value_name = "DIR", default_value = ".")]
+    #[arg(long, value_name = "DIR", default_value = ".", visible_alias = "out")]
     pub out_dir: PathBuf,
 }
 

@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use crate::figures::FigureError;
 use crate::terminal::ProgramError;
-use stickslip::analysis::data_spectrum::{DataError, readable};
+use stickslip::analysis::data_spectrum::DataError;
+use stickslip::error::readable;
 
 /// Failure of the program `spectrum`.
 #[derive(Debug, thiserror::Error)]

@@ -6,7 +6,7 @@ use std::path::Path;
 use csv::StringRecord;
 
 use super::error::SpectrumError;
-use stickslip::analysis::data_spectrum::readable;
+use stickslip::error::readable;
 
 /// Rows may be further apart in time than `dt` by this part of it.
 const UNEVEN: f64 = 0.01;

@@ -7,9 +7,8 @@ use serde_json::{Value, json};
 use super::error::SpectrumError;
 use super::read::Table;
 use crate::figures::FigureError;
-use stickslip::analysis::data_spectrum::{
-    DataExponent, DataSpectrum, Neighbourhood, Status, readable,
-};
+use stickslip::analysis::data_spectrum::{DataExponent, DataSpectrum, Neighbourhood, Status};
+use stickslip::error::readable;
 
 /// With a larger part of the reference points starved there is a warning.
 const STARVED: f64 = 0.1;

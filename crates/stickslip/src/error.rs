@@ -17,12 +17,7 @@ impl fmt::Display for Point {
         write!(f, "(")?;
         for (i, v) in self.0.iter().enumerate() {
             let comma = if i == 0 { "" } else { ", " };
-            // Very small and very large numbers by their power of ten.
-            if *v != 0.0 && !(1e-4..1e6).contains(&v.abs()) {
-                write!(f, "{comma}{v:e}")?;
-            } else {
-                write!(f, "{comma}{v}")?;
-            }
+            write!(f, "{comma}{}", readable(*v))?;
         }
         write!(f, ")")
     }
@@ -39,7 +34,7 @@ impl<const N: usize> From<&crate::system::State<N>> for Point {
 #[non_exhaustive]
 pub enum Error {
     /// A model parameter is not allowed.
-    #[error("parameter {name} = {value} is not allowed: it must be {bound}")]
+    #[error("parameter {name} = {} is not allowed: it must be {bound}", readable(*value))]
     Parameter {
         /// Name as in the model's struct.
         name: &'static str,
@@ -49,7 +44,7 @@ pub enum Error {
         bound: &'static str,
     },
     /// A setting of the solver is not allowed.
-    #[error("option {name} = {value} is not allowed: it must be {bound}")]
+    #[error("option {name} = {} is not allowed: it must be {bound}", readable(*value))]
     Option {
         /// Name as in [`crate::Options`].
         name: &'static str,
@@ -190,4 +185,13 @@ pub enum Error {
         /// State.
         x: Point,
     },
+}
+
+/// A number for messages and headings: with an exponent where it would otherwise be a row of zeros.
+pub fn readable(value: f64) -> String {
+    if value == 0.0 || (1e-4..1e6).contains(&value.abs()) {
+        format!("{value}")
+    } else {
+        format!("{value:e}")
+    }
 }

@@ -1,5 +1,7 @@
 //! What can be wrong with a series or a setting.
 
+use crate::error::readable;
+
 /// Why a spectrum cannot be estimated from a series.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -99,13 +101,4 @@ pub enum DataError {
         /// What its crate said.
         cause: String,
     },
-}
-
-/// A number for messages and headings: with an exponent where it would otherwise be a row of zeros.
-pub fn readable(value: f64) -> String {
-    if value == 0.0 || (1e-4..1e6).contains(&value.abs()) {
-        format!("{value}")
-    } else {
-        format!("{value:e}")
-    }
 }

@@ -68,7 +68,7 @@ mod settings;
 mod svd;
 
 pub use directions::{Direction, Kind};
-pub use error::{DataError, readable};
+pub use error::DataError;
 pub use estimate::{data_spectrum, data_spectrum_with};
 pub use result::{Counts, DataExponent, DataSpectrum, Running, Status};
 pub use series::{MAX_COLUMNS, Series};

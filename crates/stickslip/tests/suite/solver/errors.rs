@@ -2,6 +2,7 @@
 
 use std::time::{Duration, Instant};
 
+use stickslip::error::readable;
 use stickslip::{Error, Failure, Method, Options, Orbit, State, TransitionKind, math};
 
 use crate::any_system::{Listed, solve};
@@ -110,7 +111,7 @@ fn options_out_of_range() {
                 matches!(error, Error::Option { name: n, .. } if n == name),
                 "{error}"
             );
-            assert_says(&error, &[name, &bad.to_string(), "between 1e-15 and 0.1"]);
+            assert_says(&error, &[name, &readable(bad), "between 1e-15 and 0.1"]);
         }
     }
     for bad in [0.0, -0.1, f64::NAN, f64::INFINITY] {
