@@ -67,7 +67,7 @@ pub(crate) fn is_defined(value: impl Fn(f64) -> f64) -> bool {
 /// A bracket of the first zero of `value` in `[lo, hi]`, or `None` when there is none. Halves intervals until each is
 /// clear or holds a bracket: depth first, the left half first.
 pub(crate) fn first_bracket(
-    value: &mut impl FnMut(f64) -> f64,
+    value: &mut dyn FnMut(f64) -> f64,
     lo: f64,
     hi: f64,
 ) -> Option<Bracket> {
@@ -119,7 +119,7 @@ pub fn first_zero(mut value: impl FnMut(f64) -> f64, from: f64, to: f64) -> Opti
 
 /// The zero of `value` in a bracket (positive at `a`, not at `b`), to a few parts in 1e15 of the step: regula falsi,
 /// Illinois variant.
-pub(crate) fn zero_in(value: &mut impl FnMut(f64) -> f64, bracket: Bracket) -> f64 {
+pub(crate) fn zero_in(value: &mut dyn FnMut(f64) -> f64, bracket: Bracket) -> f64 {
     let (mut a, mut b) = (bracket.a, bracket.b);
     let (mut at_a, mut at_b) = (value(a), value(b));
     if at_a <= 0.0 {
@@ -163,8 +163,7 @@ struct Samples {
 }
 
 impl Samples {
-    #[inline(always)]
-    fn take(value: &mut impl FnMut(f64) -> f64, lo: f64, hi: f64) -> Self {
+    fn take(value: &mut dyn FnMut(f64) -> f64, lo: f64, hi: f64) -> Self {
         let half = 0.5 * (hi - lo);
         let (mut nodes, mut values) = ([hi; NODES], [0.0; NODES]);
         for j in 0..NODES {
