@@ -164,7 +164,7 @@ impl<T: Scalar> Mul for Dual3<T> {
 impl<T: Scalar> Div for Dual3<T> {
     type Output = Self;
     fn div(self, other: Self) -> Self {
-        self * other.recip()
+        Mul::mul(self, other.recip())
     }
 }
 
@@ -208,7 +208,15 @@ with_constants!(Dual3, v1, v2, v3);
 impl<T: Scalar> Scalar for Dual<T> {
     #[inline(always)]
     fn constant(value: f64) -> Self {
-        Dual::new(T::constant(value), T::constant(0.0))
+        Dual::new(T::constant(value), T::zero())
+    }
+    #[inline(always)]
+    fn zero() -> Self {
+        Dual::new(T::zero(), T::zero())
+    }
+    #[inline(always)]
+    fn one() -> Self {
+        Dual::new(T::one(), T::zero())
     }
     #[inline(always)]
     fn value(self) -> f64 {
@@ -224,12 +232,46 @@ impl<T: Scalar> Scalar for Dual<T> {
         self.compose([inverse, -inverse * inverse])
     }
     #[inline(always)]
+    fn sin_cos(self) -> (Self, Self) {
+        let (sine, cosine) = self.re.sin_cos();
+        (
+            Dual::new(sine, self.eps * cosine),
+            Dual::new(cosine, -(self.eps * sine)),
+        )
+    }
+    #[inline(always)]
     fn sin(self) -> Self {
-        self.compose([self.re.sin(), self.re.cos()])
+        self.sin_cos().0
     }
     #[inline(always)]
     fn cos(self) -> Self {
-        Dual::new(self.re.cos(), -(self.eps * self.re.sin()))
+        self.sin_cos().1
+    }
+    #[inline(always)]
+    fn tan(self) -> Self {
+        let t = self.re.tan();
+        self.compose([t, t * t + 1.0])
+    }
+    #[inline(always)]
+    fn atan(self) -> Self {
+        self.compose([self.re.atan(), (self.re * self.re + 1.0).recip()])
+    }
+    #[inline(always)]
+    fn sinh(self) -> Self {
+        self.compose([self.re.sinh(), self.re.cosh()])
+    }
+    #[inline(always)]
+    fn cosh(self) -> Self {
+        self.compose([self.re.cosh(), self.re.sinh()])
+    }
+    #[inline(always)]
+    fn tanh(self) -> Self {
+        let t = self.re.tanh();
+        self.compose([t, -(t * t) + 1.0])
+    }
+    #[inline(always)]
+    fn powf(self, p: f64) -> Self {
+        self.compose([self.re.powf(p), self.re.powf(p - 1.0) * p])
     }
     #[inline(always)]
     fn sqrt(self) -> Self {
@@ -249,8 +291,16 @@ impl<T: Scalar> Scalar for Dual<T> {
 
 impl<T: Scalar> Scalar for Dual3<T> {
     fn constant(value: f64) -> Self {
-        let zero = T::constant(0.0);
+        let zero = T::zero();
         Dual3::new(T::constant(value), zero, zero, zero)
+    }
+    fn zero() -> Self {
+        let zero = T::zero();
+        Dual3::new(zero, zero, zero, zero)
+    }
+    fn one() -> Self {
+        let zero = T::zero();
+        Dual3::new(T::one(), zero, zero, zero)
     }
     fn value(self) -> f64 {
         self.re.value()
@@ -266,12 +316,52 @@ impl<T: Scalar> Scalar for Dual3<T> {
         self.compose([f0, f1, f2, f3])
     }
     fn sin(self) -> Self {
-        let (s, c) = (self.re.sin(), self.re.cos());
+        let (s, c) = self.re.sin_cos();
         self.compose([s, c, -s, -c])
     }
     fn cos(self) -> Self {
-        let (s, c) = (self.re.sin(), self.re.cos());
+        let (s, c) = self.re.sin_cos();
         self.compose([c, -s, -c, s])
+    }
+    fn tan(self) -> Self {
+        let t = self.re.tan();
+        let square = t * t;
+        let f1 = square + 1.0;
+        self.compose([t, f1, t * f1 * 2.0, f1 * (square * 3.0 + 1.0) * 2.0])
+    }
+    fn atan(self) -> Self {
+        let x = self.re;
+        let f1 = (x * x + 1.0).recip();
+        let square = f1 * f1;
+        self.compose([
+            x.atan(),
+            f1,
+            x * square * -2.0,
+            square * (x * x * f1 * 8.0 - 2.0),
+        ])
+    }
+    fn sinh(self) -> Self {
+        let (s, c) = (self.re.sinh(), self.re.cosh());
+        self.compose([s, c, s, c])
+    }
+    fn cosh(self) -> Self {
+        let (s, c) = (self.re.sinh(), self.re.cosh());
+        self.compose([c, s, c, s])
+    }
+    fn tanh(self) -> Self {
+        let t = self.re.tanh();
+        let square = t * t;
+        let f1 = -square + 1.0;
+        self.compose([t, f1, t * f1 * -2.0, f1 * (square * 3.0 - 1.0) * 2.0])
+    }
+    fn powf(self, p: f64) -> Self {
+        let x = self.re;
+        self.compose([
+            x.powf(p),
+            x.powf(p - 1.0) * p,
+            x.powf(p - 2.0) * (p * (p - 1.0)),
+            x.powf(p - 3.0) * (p * (p - 1.0) * (p - 2.0)),
+        ])
     }
     fn sqrt(self) -> Self {
         let root = self.re.sqrt();
@@ -295,9 +385,11 @@ impl<T: Scalar> Scalar for Dual3<T> {
 mod tests {
     use super::*;
 
-    /// f(t) = ln(sqrt(exp(sin t) + cos t + 2)) + t^-3, written once for every scalar.
+    /// Every function there is, written once for every scalar.
     fn f<T: Scalar>(t: T) -> T {
-        (t.sin().exp() + t.cos() + 2.0).sqrt().ln() + t.powi(-3)
+        let waves = t.sin().exp() + t.cos() + t.tan().atan() + 2.0;
+        let others = t.sinh() * t.tanh() - t.cosh() + t.powf(1.7) + (-t).abs();
+        waves.sqrt().ln() + others + t.powi(-3)
     }
 
     #[test]

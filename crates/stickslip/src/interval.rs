@@ -192,6 +192,46 @@ impl Scalar for Interval {
     fn cos(self) -> Self {
         self.wave(Scalar::cos)
     }
+    fn tan(self) -> Self {
+        let (sine, cosine) = self.sin_cos();
+        sine / cosine
+    }
+    fn atan(self) -> Self {
+        self.rising(Scalar::atan)
+    }
+    fn sinh(self) -> Self {
+        self.rising(Scalar::sinh)
+    }
+    fn cosh(self) -> Self {
+        self.abs().rising(Scalar::cosh)
+    }
+    fn tanh(self) -> Self {
+        self.rising(Scalar::tanh)
+    }
+    fn powf(self, p: f64) -> Self {
+        // Of a negative number there is none, and of what is none neither.
+        if !(self.low >= 0.0 && self.high >= 0.0) {
+            return NOWHERE;
+        }
+        let image = self.rising(|x| Scalar::powf(x, p));
+        if p < 0.0 {
+            Interval::new(image.high, image.low)
+        } else {
+            image
+        }
+    }
+    fn abs(self) -> Self {
+        let Interval { low, high } = self;
+        if low >= 0.0 {
+            self
+        } else if high <= 0.0 {
+            -self
+        } else if low.is_nan() || high.is_nan() {
+            NOWHERE
+        } else {
+            Interval::new(0.0, f64::max(-low, high))
+        }
+    }
     fn sqrt(self) -> Self {
         self.rising(Scalar::sqrt)
     }
@@ -216,7 +256,7 @@ mod tests {
     use super::*;
 
     /// Everything that a scalar can do.
-    fn everything<T: Scalar>(x: T, y: T) -> [T; 9] {
+    fn everything<T: Scalar>(x: T, y: T) -> [T; 13] {
         [
             x * y - y / (x * x + 1.5),
             Scalar::sin(x * 2.0) + Scalar::cos(-y),
@@ -227,6 +267,10 @@ mod tests {
             Scalar::max(x, y) * -2.0,
             Scalar::min(x, y) / -0.5,
             T::constant(0.3) - x,
+            x.tan() - y.atan(),
+            x.sinh() * y.cosh(),
+            x.tanh() - x.abs(),
+            x.powf(2.5) * (y + 5.0).powf(-1.5),
         ]
     }
 
@@ -256,6 +300,8 @@ mod tests {
             Interval::constant(1.0) / across,
             Scalar::ln(across),
             Scalar::sqrt(across),
+            Scalar::tan(Interval::new(1.5, 1.6)),
+            Scalar::powf(across, 0.5),
             Scalar::min(Interval::constant(5.0), Interval::constant(1.0) / across),
             Scalar::max(Scalar::ln(across), Interval::constant(5.0)),
             Scalar::sin(Scalar::ln(across)),

@@ -19,6 +19,11 @@ pub fn tan(x: f64) -> f64 {
     libm::tan(x)
 }
 
+/// Arc tangent in `(-π/2, π/2)`.
+pub fn atan(x: f64) -> f64 {
+    libm::atan(x)
+}
+
 /// Arc cosine in `[0, π]`; NaN outside `[-1, 1]`.
 pub fn acos(x: f64) -> f64 {
     libm::acos(x)
@@ -32,6 +37,11 @@ pub fn atan2(y: f64, x: f64) -> f64 {
 /// Hyperbolic sine.
 pub fn sinh(x: f64) -> f64 {
     libm::sinh(x)
+}
+
+/// Hyperbolic tangent.
+pub fn tanh(x: f64) -> f64 {
+    libm::tanh(x)
 }
 
 /// Inverse hyperbolic sine.

@@ -12,8 +12,8 @@ pub struct Counters {
     /// Steps rejected by error control.
     pub rejected: u64,
     /// Calls of the user's field, on whatever scalar, by steps, event location and the switching rules (not those by which the
-    /// guards of a stick phase are sampled). Of [`crate::Method::Taylor`] the recordings and the rules alone: not the evaluations of
-    /// what was recorded, nor the one call by which each step is checked, nor location.
+    /// guards of a stick phase are sampled). Of [`crate::Method::Taylor`] one for every order of
+    /// every series, and the rules: not the one call by which each step is checked, nor location.
     pub field_calls: u64,
     /// Transitions.
     pub events: u64,

@@ -9,9 +9,9 @@ use crate::math;
 
 /// A real number with the operations that a vector field may use.
 ///
-/// Models are generic over it, so that the library can run the same two functions on `f64` for values
-/// and on dual numbers for Jacobians, normal components and Lie derivatives. It asks for little on
-/// purpose: any type with arithmetic and these few functions (a recording number, say) can implement it.
+/// Models are generic over it, so that the library can run the same two functions on `f64` for values, on dual numbers for
+/// Jacobians, normal components and Lie derivatives, and on coefficients for Taylor series. It asks for little on
+/// purpose: any type with arithmetic and these few functions (an interval, say) can implement it.
 ///
 /// Constants enter through the `f64` operators (`x * 2.0`) or [`Scalar::constant`].
 pub trait Scalar:
@@ -29,12 +29,39 @@ pub trait Scalar:
 {
     /// The number `value` with no derivative.
     fn constant(value: f64) -> Self;
+    /// The number 0, which a number that folds constants knows without looking at it.
+    #[inline(always)]
+    fn zero() -> Self {
+        Self::constant(0.0)
+    }
+    /// The number 1, likewise.
+    #[inline(always)]
+    fn one() -> Self {
+        Self::constant(1.0)
+    }
     /// The value, derivatives dropped; comparisons are made on it.
     fn value(self) -> f64;
     /// Sine (radians).
     fn sin(self) -> Self;
     /// Cosine (radians).
     fn cos(self) -> Self;
+    /// Sine and cosine, for less than each alone where they share work.
+    #[inline(always)]
+    fn sin_cos(self) -> (Self, Self) {
+        (self.sin(), self.cos())
+    }
+    /// Tangent (radians).
+    fn tan(self) -> Self;
+    /// Arc tangent in `(-π/2, π/2)`.
+    fn atan(self) -> Self;
+    /// Hyperbolic sine.
+    fn sinh(self) -> Self;
+    /// Hyperbolic cosine.
+    fn cosh(self) -> Self;
+    /// Hyperbolic tangent: a sign that is smooth.
+    fn tanh(self) -> Self;
+    /// Real power of a positive number.
+    fn powf(self, p: f64) -> Self;
     /// Square root.
     fn sqrt(self) -> Self;
     /// `e^self`.
@@ -43,13 +70,13 @@ pub trait Scalar:
     fn ln(self) -> Self;
     /// `1/self`: what to write for `1.0 / x`.
     fn recip(self) -> Self {
-        Self::constant(1.0) / self
+        Self::one() / self
     }
     /// Integer power by repeated multiplication.
     fn powi(self, n: i32) -> Self {
         let mut base = self;
         let mut left = n.unsigned_abs();
-        let mut product = Self::constant(1.0);
+        let mut product = Self::one();
         while left > 0 {
             if left & 1 == 1 {
                 product = product * base;
@@ -59,11 +86,7 @@ pub trait Scalar:
                 base = base * base;
             }
         }
-        if n < 0 {
-            Self::constant(1.0) / product
-        } else {
-            product
-        }
+        if n < 0 { product.recip() } else { product }
     }
     /// Whether it is the larger by value: the comparison behind [`Scalar::max`] and [`Scalar::min`]. To branch on it is
     /// better than on [`Scalar::value`]: where the answer changes within a step, [`crate::Method::Taylor`] ends the step there.
@@ -77,6 +100,14 @@ pub trait Scalar:
     /// The smaller of the two by value.
     fn min(self, other: Self) -> Self {
         if self.exceeds(other) { other } else { self }
+    }
+    /// The absolute value, which chooses its sign as [`Scalar::exceeds`] does.
+    fn abs(self) -> Self {
+        if Self::zero().exceeds(self) {
+            -self
+        } else {
+            self
+        }
     }
     /// The quotient, or the constant `otherwise` where `by` is zero.
     fn divided_or(self, by: Self, otherwise: f64) -> Self {
@@ -104,6 +135,30 @@ impl Scalar for f64 {
     #[inline(always)]
     fn cos(self) -> Self {
         math::cos(self)
+    }
+    #[inline(always)]
+    fn tan(self) -> Self {
+        math::tan(self)
+    }
+    #[inline(always)]
+    fn atan(self) -> Self {
+        math::atan(self)
+    }
+    #[inline(always)]
+    fn sinh(self) -> Self {
+        math::sinh(self)
+    }
+    #[inline(always)]
+    fn cosh(self) -> Self {
+        math::cosh(self)
+    }
+    #[inline(always)]
+    fn tanh(self) -> Self {
+        math::tanh(self)
+    }
+    #[inline(always)]
+    fn powf(self, p: f64) -> Self {
+        math::pow(self, p)
     }
     #[inline(always)]
     fn sqrt(self) -> Self {

@@ -1,25 +1,30 @@
-//! A batch of orbits by Taylor series: series of the same shape are expanded together, one orbit to a lane.
+//! A batch of orbits by Taylor series: those of one system that are in the same mode are expanded together, one orbit to a lane.
 //!
-//! One orbit's series is a chain of operations that wait for each other. Several orbits have several chains, and the machine
-//! works on all of them in the time of one. What follows an expansion is each orbit's own, as it is alone, and every lane has
-//! the bits that it would have alone.
+//! A coefficient then is a vector, one number of each orbit in it. What follows an expansion is each orbit's own, as it is
+//! alone, and every lane has the bits that it would have alone.
+
+use pulp::{Arch, NullaryFnOnce};
 
 use super::ensemble::Start;
+use super::flow::{Flow, MOST_GUARDS, Slip, Stick};
 use super::integration::{Integration, Progress};
 use super::observer::Observer;
 use super::options::Options;
 use super::solve::{Failure, Summary, tell};
 use super::stepper::Stepper;
-use super::taylor::TaylorStepper;
+use super::taylor::OfFlow;
 use crate::error::Error;
 use crate::ode::Timed;
 use crate::orbit::Ending;
-use crate::system::Filippov;
-use crate::taylor::series::Series;
-use crate::taylor::tape::{Numbers, Tape};
+use crate::system::{Filippov, Mode, Side};
+use crate::taylor::row::Lanes;
+use crate::taylor::series::{Expansion, Series};
 
 /// Orbits that are expanded together.
 const LANES: usize = 8;
+
+/// Fewer orbits are expanded one by one: that takes no longer.
+const WORTH_IT: usize = 3;
 
 /// Orbits under way at once: enough that some of them are nearly always alike.
 const UNDER_WAY: usize = 32;
@@ -30,6 +35,8 @@ type Outcome<const N: usize> = Result<Summary<N>, Failure<Summary<N>>>;
 struct Member<'a, S, O, const N: usize> {
     /// Its place among the starts.
     number: usize,
+    /// The number of the first orbit whose system is equal to this one's.
+    class: usize,
     integration: Integration<'a, S, N>,
     observer: &'a mut O,
     is_stopping: bool,
@@ -38,7 +45,7 @@ struct Member<'a, S, O, const N: usize> {
 impl<'a, S: Filippov<N>, O: Observer<N>, const N: usize> Member<'a, S, O, N> {
     /// An orbit at its first series, or its outcome if that comes before.
     fn begin(
-        number: usize,
+        (number, class): (usize, usize),
         start: &'a Start<S, N>,
         observer: &'a mut O,
         t_end: f64,
@@ -51,6 +58,7 @@ impl<'a, S: Filippov<N>, O: Observer<N>, const N: usize> Member<'a, S, O, N> {
             Integration::with_stepper(&start.system, Timed { t, x }, t_end, options, stepper);
         let mut member = Member {
             number,
+            class,
             integration: begun.map_err(|error| Err(Failure::new(error, Summary::of_none(t, x))))?,
             observer,
             is_stopping: false,
@@ -96,76 +104,120 @@ impl<'a, S: Filippov<N>, O: Observer<N>, const N: usize> Member<'a, S, O, N> {
     }
 }
 
-/// What the orbits of a thread share.
-struct Lanes {
-    /// A tape of every shape that was met.
-    shapes: Vec<Tape>,
-    /// The members that wait for a series, by the shape of their tapes.
-    waiting: Vec<Vec<usize>>,
-    series: Series<LANES>,
-    numbers: Numbers<LANES>,
+/// What orbits have in common that can be expanded together: the class of the system, the mode, and the sign of the contact function.
+type Kind = (usize, Mode, bool);
+
+/// Orbits of one kind that wait for a series.
+struct Queue {
+    kind: Kind,
+    members: Vec<usize>,
 }
 
-impl Lanes {
-    /// Lets a member wait for others of its shape.
-    fn wait<S, O, const N: usize>(&mut self, members: &mut [Member<'_, S, O, N>], number: usize) {
-        let Some(series) = members[number].integration.stepper.series_mut() else {
-            return;
-        };
-        let tape = series.tape_mut();
-        let shape = match tape.shape {
-            Some(shape) => shape,
-            None => self.shape(tape),
-        };
-        tape.shape = Some(shape);
-        self.waiting[shape].push(number);
-    }
+/// An expansion of several orbits in one mode, in the widest vectors that the machine has; their width changes no bit.
+struct Together<'a, F, const N: usize> {
+    flow: &'a F,
+    series: &'a mut Series<LANES>,
+    t: Lanes<LANES>,
+    x: [Lanes<LANES>; N],
+    h: Lanes<LANES>,
+    order: usize,
+}
 
-    fn shape(&mut self, tape: &Tape) -> usize {
-        let known = self.shapes.iter().position(|shape| shape.is_alike(tape));
-        known.unwrap_or_else(|| {
-            self.shapes.push(tape.clone());
-            self.waiting.push(Vec::new());
-            self.shapes.len() - 1
-        })
-    }
+impl<F: Flow<N>, const N: usize> NullaryFnOnce for Together<'_, F, N> {
+    type Output = Expansion<MOST_GUARDS>;
 
-    /// Takes the members that are expanded next: of the shape that most wait with.
-    fn next(&mut self) -> Vec<usize> {
-        match self.waiting.iter_mut().max_by_key(|members| members.len()) {
-            Some(members) => members.split_off(members.len().saturating_sub(LANES)),
-            None => Vec::new(),
-        }
-    }
-
-    fn expand<S, O, const N: usize>(
-        &mut self,
-        members: &mut [Member<'_, S, O, N>],
-        group: &[usize],
-    ) {
-        if let [one] = *group {
-            let integration = &mut members[one].integration;
-            return integration.stepper.expand(&integration.run);
-        }
-        let lanes: [Option<(&TaylorStepper<N>, Timed<N>)>; LANES] = std::array::from_fn(|lane| {
-            let integration = &members[*group.get(lane)?].integration;
-            Some((integration.stepper.series()?, integration.run.at))
-        });
-        let Some(first) = lanes[0] else { return };
-        // Lanes without an orbit do the first one's work again.
-        let lanes = lanes.map(|lane| lane.unwrap_or(first));
-        let tapes = lanes.map(|(stepper, _)| stepper.tape());
-        let times = lanes.map(|(_, at)| at.t);
-        let scales = lanes.map(|(stepper, _)| stepper.order_and_scale().1);
-        let order = first.0.order_and_scale().0;
-        let x: [[f64; LANES]; N] = std::array::from_fn(|i| lanes.map(|(_, at)| at.x[i]));
-        self.numbers.gather(tapes.map(|tape| &tape.numbers));
-        self.series.fit(tapes[0]);
+    #[inline(always)]
+    fn call(self) -> Self::Output {
+        let functions = OfFlow(self.flow);
         self.series
-            .expand_all(tapes[0], &self.numbers, (&times, &x), &scales, order);
+            .expand(self.t, &self.x, self.h, self.order, &functions)
+    }
+}
+
+/// The orbits of a thread.
+struct Batch<'a, S, O, const N: usize> {
+    members: Vec<Member<'a, S, O, N>>,
+    waiting: Vec<Queue>,
+    series: Series<LANES>,
+}
+
+impl<'a, S: Filippov<N>, O: Observer<N>, const N: usize> Batch<'a, S, O, N> {
+    /// Lets a member wait for others of its kind.
+    fn wait(&mut self, number: usize) {
+        let member = &self.members[number];
+        let run = &member.integration.run;
+        let kind = (member.class, run.mode, run.contact > 0.0);
+        match self.waiting.iter_mut().find(|queue| queue.kind == kind) {
+            Some(queue) => queue.members.push(number),
+            None => self.waiting.push(Queue {
+                kind,
+                members: vec![number],
+            }),
+        }
+    }
+
+    /// Takes the members that are expanded next: of the kind that most are of.
+    fn next(&mut self) -> Option<Vec<usize>> {
+        let waiting = self.waiting.iter_mut().enumerate();
+        let (i, queue) = waiting.max_by_key(|(_, queue)| queue.members.len())?;
+        let left = queue.members.len().saturating_sub(LANES);
+        let group = queue.members.split_off(left);
+        if left == 0 {
+            self.waiting.swap_remove(i);
+        }
+        Some(group)
+    }
+
+    /// Expands the members' series side by side. Where that cannot be, or is not worth it, their steps do it one by one.
+    fn expand(&mut self, group: &[usize]) {
+        if group.len() < WORTH_IT {
+            return;
+        }
+        let first = &self.members[group[0]].integration;
+        let (system, contact) = (first.system, first.run.contact);
+        match first.run.mode {
+            Mode::Slip(Side::Below) => {
+                self.expand_with(group, &Slip::<_, false> { system, contact })
+            }
+            Mode::Slip(Side::Above) => {
+                self.expand_with(group, &Slip::<_, true> { system, contact })
+            }
+            Mode::Stick => self.expand_with(group, &Stick { system, contact }),
+        }
+    }
+
+    fn expand_with<F: Flow<N>>(&mut self, group: &[usize], flow: &F) {
+        let (mut t, mut x, mut h) = ([0.0; LANES], [[0.0; LANES]; N], [0.0; LANES]);
+        let mut order = 0;
+        for lane in 0..LANES {
+            // Lanes without an orbit do the first one's work again.
+            let number = group.get(lane).unwrap_or(&group[0]);
+            let integration = &self.members[*number].integration;
+            let Some(stepper) = integration.stepper.series() else {
+                return;
+            };
+            (order, h[lane]) = stepper.order_and_scale();
+            let at = &integration.run.at;
+            t[lane] = at.t;
+            for (x, at) in x.iter_mut().zip(&at.x) {
+                x[lane] = *at;
+            }
+        }
+        let expansion = Arch::new().dispatch(Together {
+            flow,
+            series: &mut self.series,
+            t,
+            x,
+            h,
+            order,
+        });
+        if expansion.divided || expansion.value_read {
+            return;
+        }
         for (lane, &number) in group.iter().enumerate() {
-            if let Some(stepper) = members[number].integration.stepper.series_mut() {
-                stepper.take_lane(&self.series, lane);
+            let integration = &mut self.members[number].integration;
+            if let Some(stepper) = integration.stepper.series_mut() {
+                stepper.take_lane::<F, LANES>(&mut integration.run, &self.series, &expansion, lane);
             }
         }
     }
@@ -173,19 +225,20 @@ impl Lanes {
 
 /// Runs every start with its observer, as [`crate::run`] does by [`crate::Method::Taylor`]; the outcomes are in the order of
 /// the starts.
-pub(super) fn side_by_side<S: Filippov<N>, O: Observer<N>, const N: usize>(
+pub(super) fn side_by_side<S: Filippov<N> + PartialEq, O: Observer<N>, const N: usize>(
     starts: &[Start<S, N>],
     observers: &mut [O],
     t_end: f64,
     options: &Options,
 ) -> Vec<Outcome<N>> {
     let mut outcomes: Vec<_> = starts.iter().map(|_| None).collect();
-    let mut waiting = starts.iter().zip(observers).enumerate();
+    let classes = classes(starts);
+    let mut waiting = starts.iter().zip(observers).zip(classes).enumerate();
     // The next orbit at its first series; one that ends before has its outcome.
     let mut next = |outcomes: &mut [Option<_>], mut room: Option<Stepper<N>>| {
-        waiting.find_map(|(number, (start, observer))| {
+        waiting.find_map(|(number, ((start, observer), class))| {
             let stepper = room.take().unwrap_or_else(|| Stepper::new(options));
-            match Member::begin(number, start, observer, t_end, options, stepper) {
+            match Member::begin((number, class), start, observer, t_end, options, stepper) {
                 Ok(member) => Some(member),
                 Err(outcome) => {
                     outcomes[number] = Some(outcome);
@@ -194,41 +247,52 @@ pub(super) fn side_by_side<S: Filippov<N>, O: Observer<N>, const N: usize>(
             }
         })
     };
-    let mut lanes = Lanes {
-        shapes: Vec::new(),
+    let mut batch = Batch {
+        members: Vec::with_capacity(UNDER_WAY),
         waiting: Vec::new(),
         series: Series::new(),
-        numbers: Numbers::default(),
     };
-    let mut members = Vec::with_capacity(UNDER_WAY);
-    while members.len() < UNDER_WAY
+    while batch.members.len() < UNDER_WAY
         && let Some(member) = next(&mut outcomes, None)
     {
-        members.push(member);
+        batch.members.push(member);
     }
-    for i in 0..members.len() {
-        lanes.wait(&mut members, i);
+    for i in 0..batch.members.len() {
+        batch.wait(i);
     }
-    loop {
-        let group = lanes.next();
-        if group.is_empty() {
-            break;
-        }
-        lanes.expand(&mut members, &group);
+    while let Some(group) = batch.next() {
+        batch.expand(&group);
         for i in group {
-            let outcome = members[i].step();
+            let member = &mut batch.members[i];
+            let outcome = member.step();
             if outcome.is_some() {
-                outcomes[members[i].number] = outcome;
+                outcomes[member.number] = outcome;
                 // The room that the last orbit took is the next one's.
-                let stepper = &mut members[i].integration.stepper;
+                let stepper = &mut member.integration.stepper;
                 let stepper = std::mem::replace(stepper, Stepper::new(options));
                 match next(&mut outcomes, Some(stepper)) {
-                    Some(member) => members[i] = member,
+                    Some(next) => *member = next,
                     None => continue,
                 }
             }
-            lanes.wait(&mut members, i);
+            batch.wait(i);
         }
     }
     outcomes.into_iter().flatten().collect()
+}
+
+/// For every start the first one that has an equal system.
+fn classes<S: PartialEq, const N: usize>(starts: &[Start<S, N>]) -> Vec<usize> {
+    let mut firsts: Vec<usize> = Vec::new();
+    let class = |(number, start): (usize, &Start<S, N>)| {
+        let known = firsts
+            .iter()
+            .copied()
+            .find(|&first| starts[first].system == start.system);
+        known.unwrap_or_else(|| {
+            firsts.push(number);
+            number
+        })
+    };
+    starts.iter().enumerate().map(class).collect()
 }

@@ -15,8 +15,11 @@ pub fn normal_component<S: Filippov<N>, T: Scalar, const N: usize>(
     x: &[T; N],
     f: &[T; N],
 ) -> T {
-    let along: [_; N] = std::array::from_fn(|i| Dual::new(x[i], f[i]));
-    system.boundary(Dual::new(t, T::constant(1.0)), &along).eps
+    let mut along = [Dual::zero(); N];
+    for i in 0..N {
+        along[i] = Dual::new(x[i], f[i]);
+    }
+    system.boundary(Dual::new(t, T::one()), &along).eps
 }
 
 /// Filippov's sliding field on Σ: the convex combination of the two fields that is tangent to Σ,
@@ -30,12 +33,26 @@ pub fn sliding_field<S: Filippov<N>, T: Scalar, const N: usize>(
     t: T,
     x: &[T; N],
 ) -> [T; N] {
+    sliding(system, t, x).0
+}
+
+/// The sliding field with the two normal components that it is made from.
+#[inline(always)]
+fn sliding<S: Filippov<N>, T: Scalar, const N: usize>(
+    system: &S,
+    t: T,
+    x: &[T; N],
+) -> ([T; N], [T; 2]) {
     let below = system.field(Side::Below, t, x);
     let above = system.field(Side::Above, t, x);
     let a1 = normal_component(system, t, x, &below);
     let a2 = normal_component(system, t, x, &above);
     let weight = a1.divided_or(a1 - a2, 0.5);
-    std::array::from_fn(|i| below[i] + weight * (above[i] - below[i]))
+    let mut field = below;
+    for (below, above) in field.iter_mut().zip(above) {
+        *below = *below + weight * (above - *below);
+    }
+    (field, [a1, a2])
 }
 
 /// Room for the guards of a mode: its own, and the one that all modes share.
@@ -54,7 +71,7 @@ fn contact_guard<S: Filippov<N>, T: Scalar, const N: usize>(
 ) -> T {
     match system.contact(t, x) {
         Some(contact) => contact * sign,
-        None => T::constant(1.0),
+        None => T::one(),
     }
 }
 
@@ -88,12 +105,12 @@ pub(crate) trait Flow<const N: usize> {
     const GUARDS: &'static [usize];
     /// How many of the user's field calls one evaluation takes.
     const FIELD_CALLS: u64;
-    /// Whether the contact function is positive now.
-    fn in_contact(&self) -> bool;
     /// dx/dt.
     fn field<T: Scalar>(&self, t: T, x: &[T; N]) -> [T; N];
     /// Guard `i`: positive while the mode holds, zero where it ends.
     fn guard<T: Scalar>(&self, i: usize, t: T, x: &[T; N]) -> T;
+    /// The field, and all guards; one that there is not is constant.
+    fn field_and_guards<T: Scalar>(&self, t: T, x: &[T; N]) -> ([T; N], [T; MOST_GUARDS]);
     /// Whether guard `i` is certain to stay positive over a range of times and states; `false` says nothing.
     fn is_clear(&self, i: usize, t: Interval, x: &[Interval; N]) -> bool;
     /// Takes out the rounding by which `x` has drifted off the set that the flow lives on.
@@ -117,7 +134,7 @@ pub(crate) trait Flow<const N: usize> {
     #[inline(always)]
     fn rate<T: Scalar>(&self, i: usize, t: T, x: &[T; N], f: &[T; N]) -> T {
         let along: [_; N] = std::array::from_fn(|j| Dual::new(x[j], f[j]));
-        self.guard(i, Dual::new(t, T::constant(1.0)), &along).eps
+        self.guard(i, Dual::new(t, T::one()), &along).eps
     }
 
     /// Slope of time and state with guard `i` as independent variable: `(1, f)/rate`.
@@ -147,8 +164,8 @@ pub(crate) fn flow_path<T: Scalar, const N: usize>(
     x: &[T; N],
     field: impl Fn(Dual3<T>, &[Dual3<T>; N]) -> [Dual3<T>; N],
 ) -> (Dual3<T>, [Dual3<T>; N]) {
-    let zero = T::constant(0.0);
-    let time = Dual3::new(t, T::constant(1.0), zero, zero);
+    let zero = T::zero();
+    let time = Dual3::new(t, T::one(), zero, zero);
     let mut path = x.map(|v| Dual3::new(v, zero, zero, zero));
     for _ in 0..3 {
         let slope = field(time, &path);
@@ -172,10 +189,6 @@ impl<S: Filippov<N>, const ABOVE: bool, const N: usize> Flow<N> for Slip<'_, S, 
     const GUARDS: &'static [usize] = &[0, CONTACT];
     const FIELD_CALLS: u64 = 1;
 
-    fn in_contact(&self) -> bool {
-        self.contact > 0.0
-    }
-
     #[inline(always)]
     fn field<T: Scalar>(&self, t: T, x: &[T; N]) -> [T; N] {
         self.system.field(Self::SIDE, t, x)
@@ -188,6 +201,12 @@ impl<S: Filippov<N>, const ABOVE: bool, const N: usize> Flow<N> for Slip<'_, S, 
         } else {
             self.system.boundary(t, x) * Self::SIDE.sign()
         }
+    }
+
+    #[inline(always)]
+    fn field_and_guards<T: Scalar>(&self, t: T, x: &[T; N]) -> ([T; N], [T; MOST_GUARDS]) {
+        let guards = [self.guard(0, t, x), T::one(), self.guard(CONTACT, t, x)];
+        (self.field(t, x), guards)
     }
 
     #[inline(always)]
@@ -231,10 +250,6 @@ impl<S: Filippov<N>, const N: usize> Flow<N> for Stick<'_, S> {
     const GUARDS: &'static [usize] = &[0, 1, CONTACT];
     const FIELD_CALLS: u64 = 2;
 
-    fn in_contact(&self) -> bool {
-        self.contact > 0.0
-    }
-
     #[inline(always)]
     fn field<T: Scalar>(&self, t: T, x: &[T; N]) -> [T; N] {
         sliding_field(self.system, t, x)
@@ -248,6 +263,15 @@ impl<S: Filippov<N>, const N: usize> Flow<N> for Stick<'_, S> {
         let side = Self::side_of_guard(i);
         let f = self.system.field(side, t, x);
         normal_component(self.system, t, x, &f) * -side.sign()
+    }
+
+    #[inline(always)]
+    fn field_and_guards<T: Scalar>(&self, t: T, x: &[T; N]) -> ([T; N], [T; MOST_GUARDS]) {
+        let (field, [a1, a2]) = sliding(self.system, t, x);
+        (
+            field,
+            [a1, -a2, contact_guard(self.system, t, x, self.contact)],
+        )
     }
 
     #[inline(always)]

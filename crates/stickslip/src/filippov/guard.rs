@@ -8,7 +8,7 @@ use crate::ode::Timed;
 pub(crate) trait StepGuard<const N: usize> {
     /// The part of the step up to which probes mean something: a contact that the step's end cuts in two has its turning point
     /// beyond it.
-    const BEYOND: f64;
+    fn beyond(&self) -> f64;
 
     /// The step's length in the unit of time that the rates of probes are given in.
     fn length(&self) -> f64;
@@ -55,8 +55,8 @@ impl<const N: usize> Probe<N> {
 
 /// The first event of a guard over a step, by `locate`: it is given a bracket, the zero in it, and whether the bracket is all
 /// that is left of the step. What it finds nothing in was a dip that the exact step does not have.
-pub(crate) fn first_event<G: StepGuard<N>, E, const N: usize>(
-    guard: &G,
+pub(crate) fn first_event<E, const N: usize>(
+    guard: &dyn StepGuard<N>,
     mut locate: impl FnMut(Bracket, f64, bool) -> Option<E>,
 ) -> Option<E> {
     let mut from = 0.0;
@@ -85,7 +85,7 @@ pub(crate) fn turns_back<const N: usize>(probe: &Probe<N>, depth: f64) -> bool {
 }
 
 /// Where the guard is least: a zero of its rate near the part `s` of the step, by Newton's iteration.
-pub(crate) fn turning_point<G: StepGuard<N>, const N: usize>(guard: &G, s: f64) -> Probe<N> {
+pub(crate) fn turning_point<const N: usize>(guard: &dyn StepGuard<N>, s: f64) -> Probe<N> {
     let mut s = s;
     let mut here = guard.probe(s);
     for _ in 0..30 {
@@ -93,7 +93,7 @@ pub(crate) fn turning_point<G: StepGuard<N>, const N: usize>(guard: &G, s: f64) 
             break;
         }
         let change = (-here.rate / (here.bend * guard.length())).clamp(-0.5, 0.5);
-        let next = (s + change).clamp(0.0, G::BEYOND);
+        let next = (s + change).clamp(0.0, guard.beyond());
         if next == s {
             break;
         }

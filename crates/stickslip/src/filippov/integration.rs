@@ -54,7 +54,7 @@ pub enum Progress<const N: usize> {
 /// # Ok::<(), stickslip::Error>(())
 /// ```
 pub struct Integration<'a, S, const N: usize> {
-    system: &'a S,
+    pub(super) system: &'a S,
     pub(super) run: Run<N>,
     pub(super) stepper: Stepper<N>,
     /// Where the phase under way began.
@@ -147,7 +147,6 @@ impl<'a, S: Filippov<N>, const N: usize> Integration<'a, S, N> {
             if let Some(progress) = self.prepare()? {
                 return Ok(progress);
             }
-            self.stepper.expand(&self.run);
             if self.advance()? {
                 return Ok(Progress::Step);
             }

@@ -14,12 +14,12 @@ pub enum Method {
         step: f64,
     },
     /// Taylor series of the solution, of an order that follows from the tolerance, with adaptive steps: the fastest for
-    /// errors of 1e-9 and less. The field is recorded once in each mode, by running it on a recording number, and the recording
-    /// is evaluated from then on; events are zeros of the boundary function's own series, isolated for certain, so that
-    /// `locator` has no say. A field or boundary that uses `max`, `min` or [`crate::Scalar::exceeds`] is recorded anew where the
-    /// answer changes, with a step that ends there. One that branches on [`crate::Scalar::value`] is recorded anew at every step,
-    /// and its event functions are sampled, as by slopes: where such a branch bends them sharply, a pair of crossings close to
-    /// the bend can hide.
+    /// errors of 1e-9 and less. The field is run once for each order, on numbers that are their own recurrences; with
+    /// `#[inline(always)]` on the user's functions nothing of that is left to run time, and steps take half as long. Events are
+    /// zeros of the boundary function's own series, isolated for certain, so that `locator` has no say. Where a field or
+    /// boundary uses `max`, `min`, `abs` or [`crate::Scalar::exceeds`], a step ends where the answer changes. Where one branches
+    /// on [`crate::Scalar::value`], its event functions are sampled, as by slopes: where such a branch bends them sharply, a
+    /// pair of crossings close to the bend can hide.
     Taylor,
     /// The paper's classical method of order 4 with a fixed step ([`crate::ode::Rk4`]).
     Rk4 {

@@ -67,18 +67,10 @@ impl<const N: usize> Stepper<N> {
         }
     }
 
-    /// Whether a step is prepared and expanded before it is tried.
+    /// Whether a step is prepared before it is tried.
     #[inline(always)]
     pub(crate) fn needs_preparing(&self) -> bool {
         matches!(self, Stepper::Taylor(_))
-    }
-
-    /// Expands the series that the next step is made from.
-    #[inline(always)]
-    pub(crate) fn expand(&mut self, run: &Run<N>) {
-        if let Stepper::Taylor(series) = self {
-            series.expand(run);
-        }
     }
 
     #[inline(always)]

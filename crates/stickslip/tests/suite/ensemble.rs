@@ -152,7 +152,7 @@ impl<const N: usize> Observer<N> for Everything {
 }
 
 /// Every orbit has the steps, the transitions and the end that it has alone; every seventh is stopped on the way.
-fn assert_as_alone<S: Filippov<N> + Send + Sync, const N: usize>(
+fn assert_as_alone<S: Filippov<N> + PartialEq + Send + Sync, const N: usize>(
     start: impl Fn(usize) -> Start<S, N>,
     number: usize,
     t_end: f64,
@@ -190,12 +190,12 @@ fn assert_as_alone<S: Filippov<N> + Send + Sync, const N: usize>(
 #[test]
 fn orbits_side_by_side_branch_stop_and_fail_each_on_its_own() {
     let options = Options::tol(1e-9).method(Method::Taylor);
-    // A normal force that is clipped, stick and slip, parameters that differ, one that escapes.
+    // A normal force that is clipped, stick and slip, parameters that differ from one thirty to the next, one that escapes.
     let bracket = |k: usize| {
         let part = k as f64 / 300.0;
         let model = BlockAndBracket::from_caption(&Caption::FIG11, &Reading::exact());
         let system = BlockAndBracket {
-            unloading: 3.0 * part,
+            unloading: 0.3 * (k / 30) as f64,
             ..model.expect("allowed")
         };
         let x = State::from([0.1, 0.1 + part, 0.1, if k == 77 { 1e9 } else { 0.1 }]);
@@ -205,6 +205,7 @@ fn orbits_side_by_side_branch_stop_and_fail_each_on_its_own() {
 }
 
 /// Oscillators with a kink in the spring, whose fields end at an edge in several ways, or branch by a value they read.
+#[derive(Clone, Copy, PartialEq)]
 struct Edge {
     edge: f64,
     kind: usize,
@@ -234,8 +235,8 @@ fn fields_that_end_or_read_values_have_the_bits_of_one_alone_too() {
     let options = Options::tol(1e-7).method(Method::Taylor);
     let start = |k: usize| Start {
         system: Edge {
-            edge: 0.4 + 0.01 * (k % 50) as f64,
-            kind: k % 6,
+            edge: 0.4 + 0.05 * (k / 60 * 2 + k % 2) as f64,
+            kind: k / 10 % 6,
         },
         t: 0.0,
         x: State::from([0.2, 0.004 * k as f64]),

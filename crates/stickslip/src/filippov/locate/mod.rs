@@ -55,7 +55,9 @@ pub(crate) struct OnDense<'a, M, F, const N: usize> {
 }
 
 impl<M: RungeKutta, F: Flow<N>, const N: usize> StepGuard<N> for OnDense<'_, M, F, N> {
-    const BEYOND: f64 = 1.5;
+    fn beyond(&self) -> f64 {
+        1.5
+    }
 
     fn length(&self) -> f64 {
         self.origin.h

@@ -40,7 +40,9 @@ struct OfSeries<'a, F, const N: usize> {
 }
 
 impl<F: Flow<N>, const N: usize> StepGuard<N> for OfSeries<'_, F, N> {
-    const BEYOND: f64 = BEYOND;
+    fn beyond(&self) -> f64 {
+        BEYOND
+    }
 
     fn length(&self) -> f64 {
         1.0
@@ -86,7 +88,9 @@ impl<F: Flow<N>, const N: usize> Sampled<'_, F, N> {
 }
 
 impl<F: Flow<N>, const N: usize> StepGuard<N> for Sampled<'_, F, N> {
-    const BEYOND: f64 = BEYOND;
+    fn beyond(&self) -> f64 {
+        BEYOND
+    }
 
     fn length(&self) -> f64 {
         1.0
@@ -135,25 +139,23 @@ impl<const N: usize> TaylorStepper<N> {
         &self,
         run: &mut Run<N>,
         flow: &F,
-        index: usize,
         piece: &Piece<N>,
     ) -> Result<Option<Found<N>>, Undefined> {
-        let tape = &self.tapes[index];
         let mut first: Option<Found<N>> = None;
         for &guard in F::GUARDS {
-            let function = &tape.watched[guard];
+            let Some(function) = self.expansion.watched[guard] else {
+                continue;
+            };
             let order = run.orders[guard];
-            let found = if tape.value_read {
+            let found = if self.expansion.value_read {
                 sampled_failure(run, flow, guard, piece, order)?
-            } else if function.count == 0 {
-                None
             } else {
-                let c = piece.polynomial(&self.series, tape, function);
+                let c = piece.polynomial(&self.series, function.row);
                 let c = &c[..=self.order];
                 if c[self.order].is_finite() {
                     let found = first_failure(run, flow, guard, piece, c, order);
                     // A series may go on where its function ends, or has ended and begun again.
-                    if found.is_none() && tape.is_nonlinear(function, N) {
+                    if found.is_none() && !function.is_linear {
                         let end = piece.at(1.0).0;
                         if !flow.guard_at(guard, end.t, &end.x).is_finite() {
                             return Err(Undefined);
@@ -264,12 +266,12 @@ fn sampled_failure<F: Flow<N>, const N: usize>(
 /// back within the touch tolerance.
 #[cold]
 #[inline(never)]
-fn locate<F: Flow<N>, G: StepGuard<N>, const N: usize>(
+fn locate<F: Flow<N>, const N: usize>(
     run: &mut Run<N>,
     flow: &F,
     piece: &Piece<N>,
     i: usize,
-    guard: &G,
+    guard: &dyn StepGuard<N>,
 ) -> Option<Found<N>> {
     first_event(guard, |_, s, _| {
         run.counters.locations += 1;

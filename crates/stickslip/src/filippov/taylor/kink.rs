@@ -1,34 +1,22 @@
-//! Comparisons that a tape relies on, and where they come out otherwise.
+//! Comparisons that a series relies on, and where they come out otherwise.
 
 use super::TaylorStepper;
 use super::piece::Piece;
 use crate::taylor::roots::{first_zero, value_and_slope};
 
 impl<const N: usize> TaylorStepper<N> {
-    /// Whether a comparison that the tape relies on comes out otherwise now.
-    pub(super) fn compares_otherwise(&self, index: usize) -> bool {
-        let tape = &self.tapes[index];
-        tape.choices.iter().any(|choice| {
-            let at = |k| self.series.combination(tape, choice, k);
-            // Rounding may leave the start of a branch just off it.
-            at(0) < 0.0 && !(at(1) > 0.0 && -at(0) <= 1e-12 * at(1))
-        })
-    }
-
-    /// Where in the step, before the part `before`, a comparison that the tape relies on first comes out otherwise: a little behind
-    /// the place where the two are equal, so that the next recording sees it.
-    pub(super) fn first_kink(&self, index: usize, piece: &Piece<N>, before: f64) -> Option<f64> {
-        let tape = &self.tapes[index];
+    /// Where in the step, before the part `before`, a comparison that the series relies on first comes out otherwise: a little
+    /// behind the place where the two are equal, so that the next series sees it.
+    pub(super) fn first_kink(&self, piece: &Piece<N>, before: f64) -> Option<f64> {
         let mut first: Option<f64> = None;
-        for choice in &tape.choices {
-            let c = piece.polynomial(&self.series, tape, choice);
+        for row in self.series.choices(&self.expansion) {
+            let c = piece.polynomial(&self.series, row);
             let c = &c[..=self.order];
             // Two that are equal throughout come out the same throughout.
             let Some(start) = c.iter().position(|&c| c != 0.0) else {
                 continue;
             };
-            let rises = start == 0 && c[0] < 0.0;
-            let c_left = &c[if rises { 1 } else { start }..];
+            let c_left = &c[start..];
             let s = if c_left[0] <= 0.0 {
                 0.0
             } else {

@@ -13,11 +13,10 @@ use super::run::{Run, Trial};
 use crate::error::Error;
 use crate::math;
 use crate::ode::Timed;
-use crate::system::{Mode, Side, State};
+use crate::scalar::Scalar;
+use crate::system::State;
 use crate::taylor::MOST_ORDER;
-use crate::taylor::series::Series;
-use crate::taylor::sketch::Sketch;
-use crate::taylor::tape::Tape;
+use crate::taylor::series::{Expansion, Functions, Series};
 
 /// Least order: looser tolerances would ask for less.
 const LEAST_ORDER: usize = 8;
@@ -25,28 +24,13 @@ const LEAST_ORDER: usize = 8;
 /// What a series that is not finite does to the step that it is scaled with.
 const SHRINK: f64 = 1e-2;
 
-/// Three modes, each in contact and out of it.
-const TAPES: usize = 6;
-
-fn tape_index(mode: Mode, in_contact: bool) -> usize {
-    let of_mode = match mode {
-        Mode::Slip(Side::Below) => 0,
-        Mode::Slip(Side::Above) => 1,
-        Mode::Stick => 2,
-    };
-    2 * of_mode + usize::from(in_contact)
-}
-
-/// The Taylor stepper: the tapes of a run and room to evaluate them.
+/// The Taylor stepper: a series, and room for it.
 pub(crate) struct TaylorStepper<const N: usize> {
     order: usize,
-    tapes: [Tape; TAPES],
-    /// Whether a tape must be recorded before it is used.
-    stale: [bool; TAPES],
-    sketch: Sketch,
     series: Series<1>,
-    /// The tape of the phase under way.
-    index: usize,
+    expansion: Expansion<MOST_GUARDS>,
+    /// Whether the series is that of the next step already.
+    is_expanded: bool,
     /// Whether the phase, or the rest of one, has yet to begin.
     is_new: bool,
     /// Where the last step ended, and what rounding took from that.
@@ -58,6 +42,16 @@ pub(crate) struct TaylorStepper<const N: usize> {
     scale: f64,
 }
 
+/// The field of a flow, and its guards.
+pub(super) struct OfFlow<'a, F>(pub(super) &'a F);
+
+impl<F: Flow<N>, const N: usize> Functions<N, MOST_GUARDS> for OfFlow<'_, F> {
+    #[inline(always)]
+    fn at<T: Scalar>(&self, t: T, x: &[T; N]) -> ([T; N], [T; MOST_GUARDS]) {
+        self.0.field_and_guards(t, x)
+    }
+}
+
 impl<const N: usize> TaylorStepper<N> {
     pub(crate) fn new(options: &Options) -> Self {
         let tolerance = options.rtol.max(options.atol);
@@ -65,11 +59,9 @@ impl<const N: usize> TaylorStepper<N> {
         let order = (0.5 * -math::ln(tolerance) + 8.0) as usize;
         TaylorStepper {
             order: order.clamp(LEAST_ORDER, MOST_ORDER),
-            tapes: std::array::from_fn(|_| Tape::default()),
-            stale: [true; TAPES],
-            sketch: Sketch::default(),
             series: Series::new(),
-            index: 0,
+            expansion: Expansion::default(),
+            is_expanded: false,
             is_new: true,
             end: nowhere(),
             rest: nowhere(),
@@ -80,32 +72,22 @@ impl<const N: usize> TaylorStepper<N> {
 
     /// Keeps its room and nothing else, for another orbit.
     pub(super) fn forget(&mut self) {
-        self.stale = [true; TAPES];
         (self.end, self.rest) = (nowhere(), nowhere());
     }
 
-    /// Makes sure that the tape holds at `(t, x)`.
-    fn record<F: Flow<N>>(&mut self, flow: &F, index: usize, t: f64, x: &State<N>) {
-        self.tapes[index].record(&mut self.sketch, t, x, |t, x| {
-            let field = flow.field(t, x);
-            let one = crate::scalar::Scalar::constant(1.0);
-            let mut guards = [one; MOST_GUARDS];
-            for &i in F::GUARDS {
-                guards[i] = flow.guard(i, t, x);
-            }
-            (field, guards)
-        });
-        self.series.fit(&self.tapes[index]);
-        self.stale[index] = self.tapes[index].value_read;
+    /// Expands the series at the end of the last step.
+    #[inline(never)]
+    fn expand<F: Flow<N>>(&mut self, run: &mut Run<N>, flow: &F) {
+        let Timed { t, x } = run.at;
+        let x = std::array::from_fn(|i| [x[i]]);
+        self.expansion = self
+            .series
+            .expand([t], &x, [self.scale], self.order, &OfFlow(flow));
+        self.count::<F>(run);
     }
 
-    /// The tape that the next expansion is of.
-    pub(super) fn tape(&self) -> &Tape {
-        &self.tapes[self.index]
-    }
-
-    pub(super) fn tape_mut(&mut self) -> &mut Tape {
-        &mut self.tapes[self.index]
+    fn count<F: Flow<N>>(&self, run: &mut Run<N>) {
+        run.counters.field_calls += F::FIELD_CALLS * (self.order as u64 + 1);
     }
 
     /// The order of the series, and the step that the next one is scaled with.
@@ -114,17 +96,18 @@ impl<const N: usize> TaylorStepper<N> {
     }
 
     /// Takes what a step needs of an expansion in which this orbit was the lane `lane`.
-    pub(super) fn take_lane<const L: usize>(&mut self, of: &Series<L>, lane: usize) {
-        let tape = &self.tapes[self.index];
-        self.series.take_lane(of, lane, &tape.results, self.order);
-    }
-
-    /// Expands the series at the end of the last step.
-    pub(super) fn expand(&mut self, run: &Run<N>) {
-        let Timed { t, x } = run.at;
-        let x: [[f64; 1]; N] = std::array::from_fn(|i| [x[i]]);
-        let tape = &self.tapes[self.index];
-        self.series.expand(tape, t, &x, self.scale, self.order);
+    pub(super) fn take_lane<F: Flow<N>, const L: usize>(
+        &mut self,
+        run: &mut Run<N>,
+        series: &Series<L>,
+        expansion: &Expansion<MOST_GUARDS>,
+        lane: usize,
+    ) {
+        self.series
+            .take_lane::<N, L, _>(series, expansion, lane, self.order);
+        self.expansion = *expansion;
+        self.is_expanded = true;
+        self.count::<F>(run);
     }
 
     fn piece(&self, t: f64, rest: Timed<N>, h: f64, scaled_with: f64) -> Piece<N> {
@@ -166,7 +149,6 @@ impl<const N: usize> TaylorStepper<N> {
                 self.rest.x[i] = 0.0;
             }
         }
-        self.index = tape_index(run.mode, flow.in_contact());
         self.is_new = false;
         self.rejected = false;
         if run.h == 0.0 {
@@ -183,11 +165,7 @@ impl<const N: usize> TaylorStepper<N> {
             self.enter(run, flow);
         }
         self.scale = run.h.min(run.options.longest_step);
-        if self.stale[self.index] {
-            let Timed { t, x } = run.at;
-            self.record(flow, self.index, t, &x);
-            run.counters.field_calls += F::FIELD_CALLS;
-        }
+        self.is_expanded = false;
     }
 
     /// Tries a step on the series that was expanded.
@@ -196,13 +174,11 @@ impl<const N: usize> TaylorStepper<N> {
         run: &mut Run<N>,
         flow: &F,
     ) -> Result<Trial, Error> {
-        let Timed { t, x } = run.at;
-        let (index, rest, scale) = (self.index, self.rest, self.scale);
-        if !self.tapes[index].choices.is_empty() && self.compares_otherwise(index) {
-            self.record(flow, index, t, &x);
-            run.counters.field_calls += F::FIELD_CALLS;
-            self.expand(run);
+        if !self.is_expanded {
+            self.expand(run, flow);
         }
+        let Timed { t, x } = run.at;
+        let (rest, scale) = (self.rest, self.scale);
         let last = self.order;
         if !(0..N).all(|i| (self.series.at(i, last) + self.series.at(i, last - 1)).is_finite()) {
             run.reject_undefined(SHRINK * scale)?;
@@ -211,7 +187,7 @@ impl<const N: usize> TaylorStepper<N> {
             }
             return Ok(Trial::NoStep);
         }
-        let ratio = self.step_ratio(index, &run.options, &x);
+        let ratio = self.step_ratio(&run.options, &x);
         // After a rejection the step does not grow at once.
         run.h = scale * if self.rejected { ratio.min(1.0) } else { ratio };
         let (mut h, is_last) = run.next_step();
@@ -227,20 +203,17 @@ impl<const N: usize> TaylorStepper<N> {
             (at.t, rest_there.t) = (run.t_end, 0.0);
         }
         let mut part = 1.0;
-        let Ok(event) = self.first_event(run, flow, index, &piece) else {
+        let Ok(event) = self.first_event(run, flow, &piece) else {
             self.rejected = true;
             run.reject_undefined(h)?;
             return Ok(Trial::NoStep);
         };
         let mut event = event.filter(|event| !is_last || event.event.at.t < at.t);
-        if !self.tapes[index].choices.is_empty() {
-            let before = event.as_ref().map_or(1.0, |event| event.s);
-            if let Some(kink) = self.first_kink(index, &piece, before) {
-                event = None;
-                part = kink;
-                (at, rest_there) = piece.at(kink);
-                self.stale[index] = true;
-            }
+        let before = event.as_ref().map_or(1.0, |event| event.s);
+        if let Some(kink) = self.first_kink(&piece, before) {
+            event = None;
+            part = kink;
+            (at, rest_there) = piece.at(kink);
         }
         match &event {
             Some(found) => (at, rest_there) = (found.event.at, found.rest),

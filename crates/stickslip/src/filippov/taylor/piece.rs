@@ -6,7 +6,6 @@ use crate::ode::{Linear, Timed, power_series};
 use crate::system::State;
 use crate::taylor::MOST_ORDER;
 use crate::taylor::series::Series;
-use crate::taylor::tape::{Combination, Tape};
 
 /// Tolerances by which the slope of a series, times the step, may be off the field.
 const DEFECT: f64 = 30.0;
@@ -48,7 +47,7 @@ impl<const N: usize> Piece<N> {
     }
 
     /// Whether the series still solves the equation at the part `s` of the step, where it leads to `at`: its slope is the
-    /// field there. It is not beyond where the field is defined, or where it branches otherwise than the recording.
+    /// field there. It is not beyond where the field is defined, or where it branches otherwise than the series.
     #[inline(always)]
     pub(super) fn agrees<F: Flow<N>>(
         &self,
@@ -72,18 +71,13 @@ impl<const N: usize> Piece<N> {
         })
     }
 
-    /// A watched function's series.
+    /// The series of the number in a row.
     #[inline(always)]
-    pub(super) fn polynomial(
-        &self,
-        series: &Series<1>,
-        tape: &Tape,
-        function: &Combination,
-    ) -> [f64; MOST_ORDER + 1] {
+    pub(super) fn polynomial(&self, series: &Series<1>, row: usize) -> [f64; MOST_ORDER + 1] {
         let mut c = [0.0; MOST_ORDER + 1];
         let mut power = 1.0;
         for (k, c) in c.iter_mut().enumerate().take(self.order + 1) {
-            *c = series.combination(tape, function, k) * power;
+            *c = series.at(row, k) * power;
             power *= self.ratio;
         }
         c

@@ -27,7 +27,7 @@ fn rough_log2(x: f64) -> f64 {
 impl<const N: usize> TaylorStepper<N> {
     /// Step length within the tolerance, over that which the series is scaled with: where the last coefficients, extrapolated
     /// by the radius of convergence that they tell, have fallen to the tolerance (Jorba & Zou 2005, Sect. 3.2).
-    pub(super) fn step_ratio(&self, index: usize, options: &Options, x: &State<N>) -> f64 {
+    pub(super) fn step_ratio(&self, options: &Options, x: &State<N>) -> f64 {
         let p = self.order;
         let relative = options.rtol.max(options.atol);
         let wanted = rough_log2(SAFETY * relative) / p as f64;
@@ -49,13 +49,13 @@ impl<const N: usize> TaylorStepper<N> {
                 log = log.min((rough_log2(early) - rough_log2(late)) / (p / 2) as f64 + farthest);
             }
         }
-        let tape = &self.tapes[index];
-        for function in &tape.watched {
-            if !tape.is_nonlinear(function, N) {
+        for function in self.expansion.watched.iter().flatten() {
+            // What is linear in the state is as good as that.
+            if function.is_linear {
                 continue;
             }
             // What a guard's series leaves out, against how far the guard moves in the step.
-            let g = |k| self.series.combination(tape, function, k).abs();
+            let g = |k| self.series.at(function.row, k).abs();
             let ratio = math::exp(log * std::f64::consts::LN_2);
             let size = g(0).max(g(1) * ratio).max(g(2) * ratio * ratio);
             for k in p - 1..=p {

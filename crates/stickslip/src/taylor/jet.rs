@@ -1,0 +1,354 @@
+//! A number that is its own recurrence: its newest Taylor coefficient, and where its earlier ones are.
+
+use std::fmt;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+use super::pass::Pass;
+use super::row::{Lanes, lanes};
+
+use Jet::{Line, One, Series, Zero};
+
+/// A number in one pass through a function.
+///
+/// What is constant, or linear in time, takes no room and folds. Zero and one are known for what they are without their
+/// value being looked at, so that the derivatives that are zero or one in a dual number leave nothing behind.
+#[derive(Clone, Copy)]
+pub(crate) enum Jet<'a, const L: usize> {
+    Zero,
+    One,
+    Line(Straight<'a, L>),
+    Series(Coefficient<'a, L>),
+}
+
+/// A number that is linear in time, or constant: then it belongs to no pass.
+#[derive(Clone, Copy)]
+pub(crate) struct Straight<'a, const L: usize> {
+    pub(super) value: Lanes<L>,
+    pub(super) slope: Lanes<L>,
+    pub(super) pass: Option<&'a Pass<'a, L>>,
+}
+
+/// The newest coefficient of a number, and its row.
+#[derive(Clone, Copy)]
+pub(crate) struct Coefficient<'a, const L: usize> {
+    pub(super) newest: Lanes<L>,
+    pub(super) row: usize,
+    /// Whether the number is linear in state and time.
+    pub(super) is_linear: bool,
+    pub(super) pass: &'a Pass<'a, L>,
+}
+
+impl<const L: usize> fmt::Debug for Jet<'_, L> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Zero => write!(f, "0"),
+            One => write!(f, "1"),
+            Line(Straight { value, slope, .. }) => write!(f, "{value:?} + {slope:?} s"),
+            Series(a) => write!(f, "… + {:?} s^{}", a.newest, a.pass.order),
+        }
+    }
+}
+
+impl<'a, const L: usize> Straight<'a, L> {
+    #[inline(always)]
+    pub(super) fn constant(value: f64) -> Self {
+        Straight {
+            value: [value; L],
+            slope: [0.0; L],
+            pass: None,
+        }
+    }
+
+    #[inline(always)]
+    fn map(self, f: impl Fn(f64) -> f64) -> Self {
+        Straight {
+            value: lanes(|l| f(self.value[l])),
+            slope: lanes(|l| f(self.slope[l])),
+            ..self
+        }
+    }
+
+    #[inline(always)]
+    fn newest(self, order: usize) -> Lanes<L> {
+        match order {
+            0 => self.value,
+            1 => self.slope,
+            _ => [0.0; L],
+        }
+    }
+}
+
+impl<'a, const L: usize> Pass<'a, L> {
+    /// A new number.
+    #[inline(always)]
+    pub(super) fn number(&'a self, newest: Lanes<L>, is_linear: bool) -> Jet<'a, L> {
+        Series(Coefficient {
+            newest,
+            row: self.keep(newest),
+            is_linear,
+            pass: self,
+        })
+    }
+
+    /// A new number that is not linear in state and time.
+    #[inline(always)]
+    pub(super) fn result(&'a self, newest: Lanes<L>) -> Jet<'a, L> {
+        self.number(newest, false)
+    }
+}
+
+impl<'a, const L: usize> Coefficient<'a, L> {
+    #[inline(always)]
+    pub(super) fn first(self) -> Lanes<L> {
+        if self.pass.order == 0 {
+            self.newest
+        } else {
+            self.pass.at(self.row, 0)
+        }
+    }
+
+    #[inline(always)]
+    fn times(self, other: Self) -> Jet<'a, L> {
+        let (pass, a, b) = (self.pass, self.newest, other.newest);
+        if pass.order == 0 {
+            return pass.result(lanes(|l| a[l] * b[l]));
+        }
+        let inner = pass.convolution(self.row, other.row);
+        let (a0, b0) = (self.first(), other.first());
+        pass.result(lanes(|l| inner[l] + (a0[l] * b[l] + a[l] * b0[l])))
+    }
+
+    #[inline(always)]
+    fn times_line(self, line: Straight<'a, L>) -> Jet<'a, L> {
+        let (pass, a) = (self.pass, self.newest);
+        let product = lanes(|l| a[l] * line.value[l]);
+        if line.pass.is_none() {
+            return pass.number(product, self.is_linear);
+        }
+        if pass.order == 0 {
+            return pass.result(product);
+        }
+        let last = pass.at(self.row, pass.order - 1);
+        pass.result(lanes(|l| last[l] * line.slope[l] + product[l]))
+    }
+
+    /// `a/self`, where `a` has the newest coefficient `a`.
+    #[inline(always)]
+    fn divides(self, a: Lanes<L>) -> Jet<'a, L> {
+        let (pass, b) = (self.pass, self.newest);
+        if pass.order == 0 {
+            return pass.result(lanes(|l| a[l] / b[l]));
+        }
+        let quotient = pass.next();
+        let inner = pass.convolution(self.row, quotient);
+        let (b0, q0) = (self.first(), pass.at(quotient, 0));
+        pass.result(lanes(|l| (a[l] - inner[l] - b[l] * q0[l]) * (1.0 / b0[l])))
+    }
+}
+
+impl<'a, const L: usize> Jet<'a, L> {
+    /// What it is where it has no row.
+    #[inline(always)]
+    fn line(self) -> Straight<'a, L> {
+        match self {
+            Line(a) => a,
+            One => Straight::constant(1.0),
+            Zero | Series(_) => Straight::constant(0.0),
+        }
+    }
+
+    /// The pass that a number which is not constant belongs to.
+    #[inline(always)]
+    pub(super) fn pass(self) -> Option<&'a Pass<'a, L>> {
+        match self {
+            Series(a) => Some(a.pass),
+            Zero | One | Line(_) => self.line().pass,
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn newest(self, order: usize) -> Lanes<L> {
+        match self {
+            Series(a) => a.newest,
+            Zero | One | Line(_) => self.line().newest(order),
+        }
+    }
+
+    /// The value in every lane.
+    #[inline(always)]
+    pub(super) fn first(self) -> Lanes<L> {
+        match self {
+            Series(a) => a.first(),
+            Zero | One | Line(_) => self.line().value,
+        }
+    }
+
+    /// The number as one with a row, or its value where it is constant.
+    #[inline(always)]
+    pub(super) fn in_row(self) -> Result<Coefficient<'a, L>, f64> {
+        if let Series(a) = self {
+            return Ok(a);
+        }
+        let line = self.line();
+        let pass = line.pass.ok_or(line.value[0])?;
+        let newest = line.newest(pass.order);
+        Ok(Coefficient {
+            newest,
+            row: pass.keep(newest),
+            is_linear: true,
+            pass,
+        })
+    }
+
+    /// A sum or difference. Beyond the slope nothing waits for what is straight.
+    #[inline(always)]
+    fn combined(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
+        match (self, other) {
+            (Series(a), Series(b)) => {
+                let newest = lanes(|l| f(a.newest[l], b.newest[l]));
+                a.pass.number(newest, a.is_linear && b.is_linear)
+            }
+            (Series(a), _) => {
+                let newest = if a.pass.order < 2 {
+                    let b = other.line().newest(a.pass.order);
+                    lanes(|l| f(a.newest[l], b[l]))
+                } else {
+                    a.newest
+                };
+                a.pass.number(newest, a.is_linear)
+            }
+            (_, Series(b)) => {
+                let a = self.line().newest(b.pass.order);
+                b.pass.number(lanes(|l| f(a[l], b.newest[l])), b.is_linear)
+            }
+            _ => {
+                let (a, b) = (self.line(), other.line());
+                Line(Straight {
+                    value: lanes(|l| f(a.value[l], b.value[l])),
+                    slope: lanes(|l| f(a.slope[l], b.slope[l])),
+                    pass: a.pass.or(b.pass),
+                })
+            }
+        }
+    }
+
+    /// A product with, or quotient by, a constant.
+    #[inline(always)]
+    fn scaled(self, f: impl Fn(f64) -> f64) -> Self {
+        match self {
+            Zero => Zero,
+            Series(a) => a.pass.number(lanes(|l| f(a.newest[l])), a.is_linear),
+            One | Line(_) => Line(self.line().map(f)),
+        }
+    }
+}
+
+impl<const L: usize> Neg for Jet<'_, L> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        self.scaled(|a| -a)
+    }
+}
+
+impl<const L: usize> Add for Jet<'_, L> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        match (self, other) {
+            (Zero, a) | (a, Zero) => a,
+            _ => self.combined(other, |a, b| a + b),
+        }
+    }
+}
+
+impl<const L: usize> Sub for Jet<'_, L> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        match (self, other) {
+            (a, Zero) => a,
+            (Zero, b) => -b,
+            // What two sides of a boundary share cancels exactly.
+            (Series(a), Series(b)) if a.row == b.row => Zero,
+            _ => self.combined(other, |a, b| a - b),
+        }
+    }
+}
+
+impl<const L: usize> Mul for Jet<'_, L> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        match (self, other) {
+            (Zero, _) | (_, Zero) => Zero,
+            (One, a) | (a, One) => a,
+            (Series(a), Series(b)) => a.times(b),
+            (Series(a), Line(b)) | (Line(b), Series(a)) => a.times_line(b),
+            (
+                Line(a),
+                Line(Straight {
+                    value, pass: None, ..
+                }),
+            ) => Line(a.map(|a| a * value[0])),
+            (Line(_), Line(b)) => match self.in_row() {
+                Ok(a) => a.times_line(b),
+                Err(a) => other * a,
+            },
+        }
+    }
+}
+
+impl<const L: usize> Div for Jet<'_, L> {
+    type Output = Self;
+    #[inline(always)]
+    fn div(self, other: Self) -> Self {
+        match (self, other) {
+            (Zero, _) => Zero,
+            (a, One) => a,
+            _ => match other.in_row() {
+                Ok(b) => b.divides(self.newest(b.pass.order)),
+                Err(b) => self / b,
+            },
+        }
+    }
+}
+
+impl<const L: usize> Add<f64> for Jet<'_, L> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: f64) -> Self {
+        self.combined(Line(Straight::constant(other)), |a, b| a + b)
+    }
+}
+
+impl<const L: usize> Sub<f64> for Jet<'_, L> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: f64) -> Self {
+        self.combined(Line(Straight::constant(other)), |a, b| a - b)
+    }
+}
+
+impl<const L: usize> Mul<f64> for Jet<'_, L> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: f64) -> Self {
+        self.scaled(|a| a * other)
+    }
+}
+
+impl<const L: usize> Div<f64> for Jet<'_, L> {
+    type Output = Self;
+    #[inline(always)]
+    fn div(self, other: f64) -> Self {
+        match self {
+            // Only the value is worth waiting for a division.
+            Series(a) if a.pass.order > 0 => {
+                let inverse = 1.0 / other;
+                self.scaled(|a| a * inverse)
+            }
+            _ => self.scaled(|a| a / other),
+        }
+    }
+}

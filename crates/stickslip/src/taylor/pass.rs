@@ -1,0 +1,106 @@
+//! One pass through a function: one order of every number in it.
+
+use std::cell::Cell;
+
+use super::row::{Lanes, Row, lanes};
+
+/// Rows that there are at least.
+pub(super) const AT_ONCE: usize = 32;
+
+/// What the numbers of one pass share: where their earlier coefficients are. Every pass takes the rows in the same order,
+/// so that a number finds its own; where all is inlined the compiler knows them, and nothing is left to look up.
+///
+/// Numbers take rows from the front, choices from the back.
+#[derive(Debug)]
+pub(crate) struct Pass<'a, const L: usize> {
+    /// The first of all rows: the compiler sees that they are there.
+    first: &'a [Row<L>; AT_ONCE],
+    rows: &'a [Row<L>],
+    pub(super) order: usize,
+    pub(super) taken: Cell<usize>,
+    pub(super) choices: Cell<usize>,
+    /// Whether a value was read, so that the series may hold only where it was made.
+    pub(super) value_read: Cell<bool>,
+    /// Whether lanes compare differently, so that they must be expanded one by one.
+    pub(super) divided: Cell<bool>,
+}
+
+impl<'a, const L: usize> Pass<'a, L> {
+    #[inline(always)]
+    pub(super) fn new(rows: &'a [Row<L>], order: usize) -> Option<Self> {
+        Some(Pass {
+            first: rows.first_chunk()?,
+            rows,
+            order,
+            taken: Cell::new(0),
+            choices: Cell::new(0),
+            value_read: Cell::new(false),
+            divided: Cell::new(false),
+        })
+    }
+
+    #[inline(always)]
+    fn row(&self, row: usize) -> Option<&'a Row<L>> {
+        if row < AT_ONCE {
+            Some(&self.first[row])
+        } else {
+            self.rows.get(row)
+        }
+    }
+
+    /// Keeps a coefficient of this order in the next row. Where there is no room, which the first pass tells, it is dropped.
+    #[inline(always)]
+    pub(super) fn keep(&self, newest: Lanes<L>) -> usize {
+        let row = self.taken.get();
+        self.taken.set(row + 1);
+        if let Some(row) = self.row(row) {
+            row.set(self.order, newest);
+        }
+        row
+    }
+
+    /// The row that is taken next.
+    #[inline(always)]
+    pub(super) fn next(&self) -> usize {
+        self.taken.get()
+    }
+
+    /// Keeps by how much what was chosen is ahead of what was not.
+    #[inline(always)]
+    pub(super) fn choose(&self, ahead: Lanes<L>) {
+        let choice = self.choices.get();
+        self.choices.set(choice + 1);
+        if let Some(row) = self.rows.iter().nth_back(choice) {
+            row.set(self.order, ahead);
+        }
+    }
+
+    /// Coefficient `k` of a row.
+    #[inline(always)]
+    pub(super) fn at(&self, row: usize, k: usize) -> Lanes<L> {
+        self.row(row).map_or([f64::NAN; L], |row| row.at(k))
+    }
+
+    /// The newest coefficient of the product of two rows, without the terms that have a coefficient 0.
+    #[inline(always)]
+    pub(super) fn convolution(&self, a: usize, b: usize) -> Lanes<L> {
+        match (self.row(a), self.row(b)) {
+            (Some(row), Some(_)) if a == b => row.square(self.order),
+            (Some(a), Some(b)) => a.convolution(b, self.order),
+            _ => [f64::NAN; L],
+        }
+    }
+
+    /// The newest coefficient of an integral from that of `s` times its integrand.
+    #[inline(always)]
+    pub(super) fn integral(&self, slope: Lanes<L>) -> Lanes<L> {
+        let per_order = 1.0 / self.order as f64;
+        lanes(|l| slope[l] * per_order)
+    }
+
+    /// The newest coefficient of `s` times the slope of a number.
+    #[inline(always)]
+    pub(super) fn slope(&self, newest: Lanes<L>) -> Lanes<L> {
+        lanes(|l| newest[l] * self.order as f64)
+    }
+}

@@ -1,0 +1,95 @@
+//! The coefficients of one number, order by order.
+
+use std::cell::Cell;
+
+use super::MOST_ORDER;
+
+pub(super) const ROOM: usize = MOST_ORDER + 1;
+
+/// One coefficient in each of `L` lanes.
+pub(crate) type Lanes<const L: usize> = [f64; L];
+
+/// One coefficient, lane by lane. A plain loop: the library's own way to fill an array is not inlined for many lanes.
+#[inline(always)]
+pub(crate) fn lanes<const L: usize>(mut f: impl FnMut(usize) -> f64) -> Lanes<L> {
+    let mut out = [0.0; L];
+    for (l, out) in out.iter_mut().enumerate() {
+        *out = f(l);
+    }
+    out
+}
+
+/// Where a coefficient is kept.
+type Cells<const L: usize> = [Cell<f64>; L];
+
+/// The coefficients of one number by order.
+#[derive(Clone, Debug)]
+pub(crate) struct Row<const L: usize>([Cells<L>; ROOM]);
+
+impl<const L: usize> Row<L> {
+    pub(super) fn new() -> Self {
+        Row([const { [const { Cell::new(0.0) }; L] }; ROOM])
+    }
+
+    #[inline(always)]
+    pub(super) fn set(&self, k: usize, value: Lanes<L>) {
+        for (cell, value) in self.0[k].iter().zip(value) {
+            cell.set(value);
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn at(&self, k: usize) -> Lanes<L> {
+        lanes(|l| self.0[k][l].get())
+    }
+
+    /// Coefficient `k` in one lane.
+    #[inline(always)]
+    pub(super) fn lane(&self, lane: usize, k: usize) -> f64 {
+        self.0[k][lane].get()
+    }
+
+    /// `Σ a_j b_{k−j}` over `0 < j < k`: coefficient `k` of the product without the terms that have a coefficient 0. It is
+    /// summed from the middle outwards, so that nothing waits for the newest coefficients.
+    #[inline(always)]
+    pub(super) fn convolution(&self, other: &Self, k: usize) -> Lanes<L> {
+        let ((a_low, a_mid, a_high), (b_low, b_mid, b_high)) = (self.halves(k), other.halves(k));
+        let mut up: Lanes<L> = lanes(|l| a_mid[l] * b_mid[l]);
+        let mut down = [0.0; L];
+        let a = a_low.iter().rev().zip(a_high);
+        let b = b_low.iter().rev().zip(b_high);
+        for ((a_low, a_high), (b_low, b_high)) in a.zip(b) {
+            for l in 0..L {
+                up[l] += a_low[l].get() * b_high[l].get();
+                down[l] += a_high[l].get() * b_low[l].get();
+            }
+        }
+        lanes(|l| up[l] + down[l])
+    }
+
+    /// The same for a square.
+    #[inline(always)]
+    pub(super) fn square(&self, k: usize) -> Lanes<L> {
+        let (low, mid, high) = self.halves(k);
+        let mut sum = [0.0; L];
+        for (low, high) in low.iter().rev().zip(high) {
+            for l in 0..L {
+                sum[l] += low[l].get() * high[l].get();
+            }
+        }
+        lanes(|l| 2.0 * sum[l] + mid[l] * mid[l])
+    }
+
+    /// Coefficients `1 .. k` in two halves, with the one in the middle, or zero.
+    #[inline(always)]
+    fn halves(&self, k: usize) -> (&[Cells<L>], Lanes<L>, &[Cells<L>]) {
+        let inner = &self.0[1..k.max(1)];
+        let half = inner.len() / 2;
+        let middle = if inner.len() % 2 == 1 {
+            lanes(|l| inner[half][l].get())
+        } else {
+            [0.0; L]
+        };
+        (&inner[..half], middle, &inner[inner.len() - half..])
+    }
+}

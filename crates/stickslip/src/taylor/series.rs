@@ -1,0 +1,172 @@
+//! The series of a solution, order by order.
+
+use super::jet::{Coefficient, Jet, Straight};
+use super::pass::{AT_ONCE, Pass};
+use super::row::{Lanes, Row, lanes};
+use crate::scalar::Scalar;
+
+/// Coefficients of everything that a field and the functions watched with it compute, each scaled by the power of a step length,
+/// so that none overflows. The state's components are the first rows.
+#[derive(Debug)]
+pub(crate) struct Series<const L: usize> {
+    rows: Vec<Row<L>>,
+}
+
+/// A field, and functions that are watched along its solutions.
+pub(crate) trait Functions<const N: usize, const W: usize> {
+    fn at<T: Scalar>(&self, t: T, x: &[T; N]) -> ([T; N], [T; W]);
+}
+
+/// A function of the solution that is not constant.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Watched {
+    /// Its row.
+    pub row: usize,
+    /// Whether it is linear in state and time.
+    pub is_linear: bool,
+}
+
+/// What an expansion has come to.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Expansion<const W: usize> {
+    /// The functions watched; `None` for those that are constant.
+    pub watched: [Option<Watched>; W],
+    /// How many comparisons it relies on.
+    pub choices: usize,
+    /// Whether values were read, so that it may hold only where it was made.
+    pub value_read: bool,
+    /// Whether the lanes cannot be expanded together.
+    pub divided: bool,
+}
+
+impl<const W: usize> Default for Expansion<W> {
+    fn default() -> Self {
+        Expansion {
+            watched: [None; W],
+            choices: 0,
+            value_read: false,
+            divided: false,
+        }
+    }
+}
+
+impl<const L: usize> Series<L> {
+    pub(crate) fn new() -> Self {
+        Series {
+            rows: vec![Row::new(); AT_ONCE],
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn make_room(&mut self, rows: usize) {
+        self.rows.resize(rows, Row::new());
+    }
+
+    /// The series to `order` of the solution through `x` at `t`, in time over `h`, and of functions of it.
+    #[inline(always)]
+    pub(crate) fn expand<const N: usize, const W: usize>(
+        &mut self,
+        t: Lanes<L>,
+        x: &[Lanes<L>; N],
+        h: Lanes<L>,
+        order: usize,
+        functions: &impl Functions<N, W>,
+    ) -> Expansion<W> {
+        let mut newest = *x;
+        let mut k = 0;
+        loop {
+            let Some(pass) = Pass::new(&self.rows, k) else {
+                return Expansion::default();
+            };
+            // Plain loops here: the library's own ways to fill an array are not always inlined.
+            let mut state = [Jet::Zero; N];
+            for (number, newest) in state.iter_mut().zip(newest) {
+                *number = pass.number(newest, true);
+            }
+            let time = Jet::Line(Straight {
+                value: t,
+                slope: h,
+                pass: Some(&pass),
+            });
+            let (field, watched) = functions.at(time, &state);
+            let mut rows = [None; W];
+            for (row, function) in rows.iter_mut().zip(watched) {
+                if let Ok(Coefficient {
+                    row: place,
+                    is_linear,
+                    ..
+                }) = function.in_row()
+                {
+                    *row = Some(Watched {
+                        row: place,
+                        is_linear,
+                    });
+                }
+            }
+            let (taken, choices) = (pass.taken.get(), pass.choices.get());
+            if taken + choices > self.rows.len() {
+                self.make_room(taken + choices);
+                continue;
+            }
+            if k == order {
+                return Expansion {
+                    watched: rows,
+                    choices,
+                    value_read: pass.value_read.get(),
+                    divided: pass.divided.get(),
+                };
+            }
+            k += 1;
+            let per_order = 1.0 / k as f64;
+            for (newest, slope) in newest.iter_mut().zip(&field) {
+                let slope = slope.newest(pass.order);
+                *newest = lanes(|l| slope[l] * (h[l] * per_order));
+            }
+        }
+    }
+}
+
+impl Series<1> {
+    /// Coefficient `k` of a row.
+    #[inline(always)]
+    pub(crate) fn at(&self, row: usize, k: usize) -> f64 {
+        self.rows[row].lane(0, k)
+    }
+
+    /// Takes one lane of what an expansion has come to: the first `N` rows, what was watched, and the choices.
+    pub(crate) fn take_lane<const N: usize, const L: usize, const W: usize>(
+        &mut self,
+        of: &Series<L>,
+        expansion: &Expansion<W>,
+        lane: usize,
+        order: usize,
+    ) {
+        if self.rows.len() < of.rows.len() {
+            self.rows.resize(of.rows.len(), Row::new());
+        }
+        let watched = expansion
+            .watched
+            .iter()
+            .flatten()
+            .map(|watched| watched.row);
+        let kept = (0..N).chain(watched).map(|row| (row, row));
+        for (row, from) in kept.chain(self.choices(expansion).zip(of.choices(expansion))) {
+            let (row, from) = (&self.rows[row], &of.rows[from]);
+            for k in 0..=order {
+                row.set(k, [from.lane(lane, k)]);
+            }
+        }
+    }
+}
+
+impl<const L: usize> Series<L> {
+    /// The rows that hold by how much what was chosen is ahead of what was not.
+    #[inline(always)]
+    pub(crate) fn choices<const W: usize>(
+        &self,
+        expansion: &Expansion<W>,
+    ) -> std::ops::Range<usize> {
+        self.rows.len() - expansion.choices..self.rows.len()
+    }
+}

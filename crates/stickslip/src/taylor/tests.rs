@@ -1,0 +1,285 @@
+//! Series against references to 30 digits, exact identities, and each other.
+
+use pulp::{Arch, NullaryFnOnce};
+
+use super::MOST_ORDER;
+use super::row::Lanes;
+use super::series::{Expansion, Functions, Series};
+use crate::dual::Dual;
+use crate::scalar::Scalar;
+
+/// Coefficients of the functions watched along the solution from `x` at time 0, in time over `h`.
+fn coefficients<const N: usize, const W: usize>(
+    functions: &impl Functions<N, W>,
+    x: [f64; N],
+    h: f64,
+) -> [Vec<f64>; W] {
+    let mut series = Series::<1>::new();
+    let expansion = series.expand([0.0], &x.map(|x| [x]), [h], MOST_ORDER, functions);
+    expansion.watched.map(|watched| {
+        let row = watched.expect("not constant").row;
+        (0..=MOST_ORDER).map(|k| series.at(row, k)).collect()
+    })
+}
+
+/// Functions of `3/4 + s/2 − s²/4 + s³/8`, in the order of the references.
+struct OfPolynomial;
+
+impl Functions<1, 15> for OfPolynomial {
+    fn at<T: Scalar>(&self, s: T, _x: &[T; 1]) -> ([T; 1], [T; 15]) {
+        let u = ((s * 0.125 - 0.25) * s + 0.5) * s + 0.75;
+        let functions = [
+            u * (u * u),
+            (u * u) / (u + 1.0),
+            u.recip(),
+            u.powi(-3),
+            u.powf(2.5),
+            u.sqrt(),
+            u.exp(),
+            u.ln(),
+            u.sin(),
+            u.cos(),
+            u.tan(),
+            u.atan(),
+            u.sinh(),
+            u.cosh(),
+            u.tanh(),
+        ];
+        ([T::zero()], functions)
+    }
+}
+
+#[test]
+fn every_function_has_the_coefficients_that_it_is_known_to_have() {
+    let table = include_str!("../../tests/data/coefficients.csv");
+    let exact = table.lines().skip(1).map(|line| {
+        let fields: Vec<&str> = line.split(',').collect();
+        (fields[0], fields[2].parse::<f64>().expect("a number"))
+    });
+    let exact: Vec<(&str, f64)> = exact.collect();
+    let found = coefficients(&OfPolynomial, [0.0], 1.0);
+    assert_eq!(exact.len(), found.len() * (MOST_ORDER + 1));
+    for (found, exact) in found.iter().zip(exact.chunks(MOST_ORDER + 1)) {
+        for (k, (found, (name, exact))) in found.iter().zip(exact).enumerate() {
+            // Rounding of a coefficient that has nearly cancelled is that of its neighbours.
+            let allowed = 3e-14 * exact.abs() + 1e-17;
+            assert!(
+                (found - exact).abs() <= allowed,
+                "{name}, order {k}: {found} {exact}"
+            );
+        }
+    }
+}
+
+/// `x' = x² + 1` from 0, whose solution is the tangent, and functions whose values follow from it.
+struct OfTangent;
+
+impl Functions<1, 6> for OfTangent {
+    fn at<T: Scalar>(&self, t: T, x: &[T; 1]) -> ([T; 1], [T; 6]) {
+        let x = x[0];
+        let (sine, cosine) = (t * 2.0).sin_cos();
+        let watched = [
+            x,
+            t.tan(),
+            x.atan(),
+            sine * sine + cosine * cosine + t,
+            (x + 2.0).ln().exp(),
+            (x + 2.0).powf(0.5) - (x + 2.0).sqrt() + t,
+        ];
+        ([x * x + 1.0], watched)
+    }
+}
+
+/// `x' = t`, and what is straight alone.
+struct OfTime;
+
+impl Functions<1, 3> for OfTime {
+    fn at<T: Scalar>(&self, t: T, x: &[T; 1]) -> ([T; 1], [T; 3]) {
+        let watched = [x[0], t * (t * 2.0 + 1.0), (t - 3.0) / 2.0];
+        ([t], watched)
+    }
+}
+
+#[test]
+fn what_is_linear_in_time_stays_so_until_it_is_multiplied() {
+    let [x, product, line] = coefficients(&OfTime, [1.0], 0.5);
+    let is_line_and_no_more = |found: &[f64], exact: [f64; 3]| {
+        assert_eq!(found[..3], exact);
+        assert!(found[3..].iter().all(|c| *c == 0.0));
+    };
+    is_line_and_no_more(&x, [1.0, 0.0, 0.125]);
+    is_line_and_no_more(&product, [0.0, 0.5, 0.5]);
+    is_line_and_no_more(&line, [-1.5, 0.25, 0.0]);
+}
+
+#[test]
+fn functions_of_a_solution_keep_their_identities() {
+    let h = 0.5;
+    let [x, tangent, angle, one, exp_of_ln, none] = coefficients(&OfTangent, [0.0], h);
+    for k in 0..=MOST_ORDER {
+        let at = |order: usize, value: f64| if k == order { value } else { 0.0 };
+        for (found, exact, what) in [
+            (tangent[k], x[k], "tan t is the solution"),
+            (angle[k], at(1, h), "atan x is the time"),
+            (one[k], at(0, 1.0) + at(1, h), "sin² + cos²"),
+            (exp_of_ln[k], x[k] + at(0, 2.0), "exp ln"),
+            (none[k], at(1, h), "two roots"),
+        ] {
+            assert!(
+                (found - exact).abs() <= 2e-15,
+                "{what}, order {k}: {found} {exact}"
+            );
+        }
+    }
+}
+
+/// Two equations with everything in them: friction, forcing, a spring with a stop.
+struct Everything;
+
+impl Functions<2, 3> for Everything {
+    fn at<T: Scalar>(&self, t: T, x: &[T; 2]) -> ([T; 2], [T; 3]) {
+        let friction = T::constant(0.3) / (x[1] * 0.5 + 1.0);
+        let forced = (t * 3.0).sin() * (-x[0]).exp();
+        let spring = x[0] * x[0] * x[1] - (x[0] + 2.0).sqrt() + (x[0] - 0.9).max(T::zero());
+        let field = [x[1] / (x[0] + t + 2.0), forced - friction + spring / 3.0];
+        let others = (x[0] + 1.0).ln() * x[1].cos().powf(1.5);
+        (field, [others, x[1] - t * 0.5, T::one()])
+    }
+}
+
+/// An expansion in the widest vectors that the machine has.
+struct Widest<'a, const L: usize>(&'a mut Series<L>, Lanes<L>, [Lanes<L>; 2], Lanes<L>);
+
+impl<const L: usize> NullaryFnOnce for Widest<'_, L> {
+    type Output = Expansion<3>;
+    #[inline(always)]
+    fn call(self) -> Expansion<3> {
+        let Widest(series, t, x, h) = self;
+        series.expand(t, &x, h, MOST_ORDER, &Everything)
+    }
+}
+
+#[test]
+fn neither_lanes_nor_the_width_of_vectors_change_a_bit() {
+    const LANES: usize = 4;
+    let t: [f64; LANES] = std::array::from_fn(|l| 0.1 * l as f64);
+    let h = t.map(|t| 0.3 + 0.2 * t);
+    let x = [t.map(|t| 0.3 + t), t.map(|t| 0.7 - t)];
+    for arch in [Arch::Scalar, Arch::new()] {
+        let mut wide = Series::<LANES>::new();
+        let together = arch.dispatch(Widest(&mut wide, t, x, h));
+        assert!(!together.divided && !together.value_read);
+        for l in 0..LANES {
+            let (mut alone, mut taken) = (Series::<1>::new(), Series::<1>::new());
+            let expansion =
+                alone.expand([t[l]], &x.map(|x| [x[l]]), [h[l]], MOST_ORDER, &Everything);
+            taken.take_lane::<2, LANES, 3>(&wide, &together, l, MOST_ORDER);
+            let rows = expansion
+                .watched
+                .iter()
+                .flatten()
+                .map(|watched| watched.row);
+            assert_eq!(expansion.choices, 1);
+            for row in (0..2).chain(rows).chain(alone.choices(&expansion)) {
+                for k in 0..=MOST_ORDER {
+                    let bits = [&alone, &taken].map(|series| series.at(row, k).to_bits());
+                    assert_eq!(bits[0], bits[1], "lane {l}, row {row}, order {k}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn lanes_that_compare_differently_are_not_expanded_together() {
+    let expand = |x: [f64; 2]| {
+        let x = [x, [0.1, 0.1]];
+        Series::<2>::new().expand([0.0; 2], &x, [0.1; 2], 8, &Everything)
+    };
+    assert!(!expand([0.1, 0.2]).divided);
+    assert!(expand([0.1, 1.2]).divided);
+}
+
+/// What is chosen by a comparison.
+struct Chosen;
+
+impl Functions<1, 3> for Chosen {
+    fn at<T: Scalar>(&self, t: T, x: &[T; 1]) -> ([T; 1], [T; 3]) {
+        let chosen = [x[0].abs(), x[0].max(t - 0.5), x[0].min(t - 0.5)];
+        ([T::one()], chosen)
+    }
+}
+
+#[test]
+fn a_comparison_is_remembered_by_how_much_it_is_decided() {
+    let mut series = Series::<1>::new();
+    let expansion = series.expand([0.0], &[[-0.25]], [0.125], 8, &Chosen);
+    let watched = expansion
+        .watched
+        .map(|watched| watched.expect("not constant").row);
+    let choices = series.choices(&expansion).rev();
+    let line = |row| [series.at(row, 0), series.at(row, 1)];
+    assert_eq!(
+        watched.map(line),
+        [[0.25, -0.125], [-0.25, 0.125], [-0.5, 0.125]]
+    );
+    let ahead: Vec<[f64; 2]> = choices.map(line).collect();
+    assert_eq!(ahead, [[0.25, -0.125], [0.25, 0.0], [0.25, 0.0]]);
+}
+
+/// The rate of `x₁ − 0.4` along the field, and what two fields do not share.
+struct Cancelling;
+
+impl Functions<2, 2> for Cancelling {
+    fn at<T: Scalar>(&self, t: T, x: &[T; 2]) -> ([T; 2], [T; 2]) {
+        let field = [x[1], x[0] * x[0]];
+        let along = [0, 1].map(|i| Dual::new(x[i], field[i]));
+        let boundary = (along[1] - 0.4) * Dual::one() + Dual::new(t, T::one()) * Dual::zero();
+        let [_, shared] = field;
+        (field, [boundary.eps, shared - field[1]])
+    }
+}
+
+#[test]
+fn derivatives_that_are_zero_or_one_leave_nothing_behind_and_what_is_shared_cancels() {
+    let mut series = Series::<1>::new();
+    let x = [[0.3], [0.7]];
+    let [rate, none] = series.expand([0.0], &x, [0.5], 8, &Cancelling).watched;
+    assert_eq!(rate.expect("not constant").row, 2, "the field's own row");
+    assert!(none.is_none());
+}
+
+#[test]
+fn a_function_with_more_operations_than_there_is_room_for_makes_room() {
+    struct Long;
+    impl Functions<1, 1> for Long {
+        fn at<T: Scalar>(&self, _t: T, x: &[T; 1]) -> ([T; 1], [T; 1]) {
+            let one = (0..50).fold(x[0], |sum, _| sum + x[0].max(T::zero()));
+            ([x[0]], [one / 51.0])
+        }
+    }
+    let [mean] = coefficients(&Long, [1.0], 1.0);
+    for (k, found) in mean.iter().enumerate() {
+        let exact = (1..=k).fold(1.0, |product, j| product / j as f64);
+        assert!(
+            (found - exact).abs() <= 51.0 * f64::EPSILON * exact,
+            "{k}: {found} {exact}"
+        );
+    }
+}
+
+#[test]
+fn values_of_a_series_are_those_of_the_numbers() {
+    struct Reading;
+    impl Functions<1, 1> for Reading {
+        fn at<T: Scalar>(&self, t: T, x: &[T; 1]) -> ([T; 1], [T; 1]) {
+            assert_eq!(((x[0] * x[0]).value(), t.value()), (0.25, 3.0));
+            ([t], [(x[0] - 0.5).divided_or(x[0] - 0.5, 7.0) + t])
+        }
+    }
+    let mut series = Series::<1>::new();
+    let expansion = series.expand([3.0], &[[0.5]], [0.1], 8, &Reading);
+    assert!(expansion.value_read);
+    let row = expansion.watched[0].expect("not constant").row;
+    assert_eq!((series.at(row, 0), series.at(row, 1)), (10.0, 0.1));
+}
