@@ -13,7 +13,11 @@ use crate::math;
 /// Jacobians, normal components and Lie derivatives, and on coefficients for Taylor series. It asks for little on
 /// purpose: any type with arithmetic and these few functions (an interval, say) can implement it.
 ///
-/// Constants enter through the `f64` operators (`x * 2.0`) or [`Scalar::constant`].
+/// Constants enter through the `f64` operators (`x * 2.0`) or [`Scalar::constant`]. They stand on the right: `0.5 * x` and
+/// `1.0 - x` are refused with "cannot multiply `f64` by `T`", for a trait cannot promise operators of `f64`. Write `x * 0.5`,
+/// `-x + 1.0`, and `x.recip()` for `1.0 / x`.
+///
+/// There is no `signum`: friction is written by [`crate::Side`], one smooth formula on each.
 pub trait Scalar:
     Copy
     + Debug

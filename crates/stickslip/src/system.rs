@@ -56,7 +56,7 @@ pub enum Mode {
 /// points and their visibility, Jacobians and saltation matrices are derived from them by running them
 /// on dual numbers, so they must be written for any [`Scalar`].
 ///
-/// Marked `#[inline(always)]` they are compiled into the solver's loops: with [`crate::Method::Taylor`] that is half the time.
+/// Marked `#[inline(always)]` they are compiled into the solver's loops: with [`crate::Method::Taylor`] that saves a third of the time.
 ///
 /// `field` is also evaluated a little beyond Σ (by a step that has not yet noticed the crossing), so each
 /// side's formula should extend smoothly across it: write friction by `side`, not by the sign of a velocity.

@@ -15,7 +15,7 @@ pub enum Method {
     },
     /// Taylor series of the solution, of an order that follows from the tolerance, with adaptive steps: the fastest for
     /// errors of 1e-9 and less. The field is run once for each order, on numbers that are their own recurrences; with
-    /// `#[inline(always)]` on the user's functions nothing of that is left to run time, and steps take half as long. Events are
+    /// `#[inline(always)]` on the user's functions nothing of that is left to run time, which saves a third. Events are
     /// zeros of the boundary function's own series, isolated for certain, so that `locator` has no say. Where a field or
     /// boundary uses `max`, `min`, `abs` or [`crate::Scalar::exceeds`], a step ends where the answer changes. Where one branches
     /// on [`crate::Scalar::value`], its event functions are sampled, as by slopes: where such a branch bends them sharply, a
