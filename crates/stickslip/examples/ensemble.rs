@@ -18,8 +18,7 @@ impl Observer<2> for Stuck {
     }
 }
 
-/// Runs the example; public for the test that runs them all.
-pub fn main() {
+fn main() {
     let belt = BeltOscillator {
         belt_speed: 0.4,
         ..BeltOscillator::default()
@@ -45,4 +44,9 @@ pub fn main() {
         },
     );
     println!("{finished} orbits; the longest of them stuck for {most:.6} of 30 time units");
+}
+
+#[test]
+fn it_runs() {
+    main();
 }

@@ -18,8 +18,7 @@ impl Filippov<2> for Block {
     }
 }
 
-/// Runs the example; public for the test that runs them all.
-pub fn main() -> Result<(), Error> {
+fn main() -> Result<(), Error> {
     let block = Block { belt_speed: 0.2 };
     let start = [0.04, -0.01];
     let orbit = solve(&block, 0.0, start, 40.0, &Options::tol(1e-12))?;
@@ -34,4 +33,9 @@ pub fn main() -> Result<(), Error> {
         );
     }
     Ok(())
+}
+
+#[test]
+fn it_runs() {
+    main().expect("runs");
 }

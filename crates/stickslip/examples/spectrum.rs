@@ -4,8 +4,7 @@ use stickslip::Error;
 use stickslip::analysis::{SpectrumOptions, lyapunov_spectrum};
 use stickslip::models::BeltOscillator;
 
-/// Runs the example; public for the test that runs them all.
-pub fn main() -> Result<(), Error> {
+fn main() -> Result<(), Error> {
     let belt = BeltOscillator {
         belt_speed: 0.2,
         ..BeltOscillator::default()
@@ -17,4 +16,9 @@ pub fn main() -> Result<(), Error> {
     }
     println!("{} entries into stick", spectrum.stick_entries);
     Ok(())
+}
+
+#[test]
+fn it_runs() {
+    main().expect("runs");
 }

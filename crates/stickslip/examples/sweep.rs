@@ -3,8 +3,7 @@
 use stickslip::models::BeltOscillator;
 use stickslip::{Error, Options, solve};
 
-/// Runs the example; public for the test that runs them all.
-pub fn main() -> Result<(), Error> {
+fn main() -> Result<(), Error> {
     println!("belt_speed,stick_share,transitions");
     for k in 1..=20 {
         let belt = BeltOscillator {
@@ -17,4 +16,9 @@ pub fn main() -> Result<(), Error> {
         println!("{},{share},{}", belt.belt_speed, orbit.transitions.len());
     }
     Ok(())
+}
+
+#[test]
+fn it_runs() {
+    main().expect("runs");
 }

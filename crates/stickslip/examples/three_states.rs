@@ -16,8 +16,7 @@ impl Filippov<3> for Wearing {
     }
 }
 
-/// Runs the example; public for the test that runs them all.
-pub fn main() -> Result<(), Error> {
+fn main() -> Result<(), Error> {
     let start = [0.0, 0.0, 0.6];
     let mut integration = Integration::new(&Wearing, 0.0, start, 60.0, &Options::default())?;
     loop {
@@ -35,4 +34,9 @@ pub fn main() -> Result<(), Error> {
             }
         }
     }
+}
+
+#[test]
+fn it_runs() {
+    main().expect("runs");
 }

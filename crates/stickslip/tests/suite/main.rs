@@ -9,7 +9,6 @@ mod any_system;
 #[cfg(feature = "data")]
 mod data_spectrum;
 mod ensemble;
-mod examples;
 mod grazes;
 mod lyapunov_equations;
 mod no_allocation;

@@ -3,7 +3,9 @@
 use std::ops::ControlFlow;
 
 use stickslip::models::{BeltOscillator, ForcedOscillator};
-use stickslip::{Filippov, Locator, Method, Observer, Options, State, StepRecord, Transition, run};
+use stickslip::{Locator, Method, Observer, Options, State, StepRecord, Transition};
+
+use crate::any_system::{Listed, run};
 
 /// Counts and keeps nothing.
 #[derive(Default)]
@@ -23,7 +25,7 @@ impl Observer<2> for Count {
     }
 }
 
-fn allocations(system: &impl Filippov<2>, t_end: f64, options: &Options) -> (u64, Count) {
+fn allocations(system: &impl Listed<2>, t_end: f64, options: &Options) -> (u64, Count) {
     let mut count = Count::default();
     let info = allocation_counter::measure(|| {
         let start = State::from([0.1, 0.2]);
