@@ -92,6 +92,11 @@ pub trait Scalar:
         }
         if n < 0 { product.recip() } else { product }
     }
+    /// Whether both are known to be the same number by how they came about: none knows that only by its values.
+    #[inline(always)]
+    fn is_same(self, _other: Self) -> bool {
+        false
+    }
     /// Whether it is the larger by value: the comparison behind [`Scalar::max`] and [`Scalar::min`]. To branch on it is
     /// better than on [`Scalar::value`]: where the answer changes within a step, [`crate::Method::Taylor`] ends the step there.
     fn exceeds(self, other: Self) -> bool {

@@ -47,9 +47,18 @@ fn sliding<S: Filippov<N>, T: Scalar, const N: usize>(
     let above = system.field(Side::Above, t, x);
     let a1 = normal_component(system, t, x, &below);
     let a2 = normal_component(system, t, x, &above);
-    let weight = a1.divided_or(a1 - a2, 0.5);
+    let mut weight = None;
     let mut field = below;
     for (below, above) in field.iter_mut().zip(above) {
+        if below.is_same(above) {
+            continue;
+        }
+        // Across Σ, where that is one component's own level: what each side does there is all that the other takes back.
+        if below.is_same(a1) && above.is_same(a2) {
+            *below = T::zero();
+            continue;
+        }
+        let weight = *weight.get_or_insert_with(|| a1.divided_or(a1 - a2, 0.5));
         *below = *below + weight * (above - *below);
     }
     (field, [a1, a2])

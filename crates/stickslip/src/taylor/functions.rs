@@ -127,6 +127,10 @@ impl<const L: usize> Scalar for Jet<'_, L> {
     fn one() -> Self {
         Jet::One
     }
+    #[inline(always)]
+    fn is_same(self, other: Self) -> bool {
+        matches!((self, other), (Jet::Series(a), Jet::Series(b)) if a.row == b.row)
+    }
     /// That of the first lane.
     #[inline(always)]
     fn value(self) -> f64 {

@@ -5,6 +5,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::pass::Pass;
 use super::row::{Lanes, lanes};
+use crate::scalar::Scalar;
 
 use Jet::{Line, One, Series, Zero};
 
@@ -33,6 +34,8 @@ pub(crate) struct Straight<'a, const L: usize> {
 pub(crate) struct Coefficient<'a, const L: usize> {
     pub(super) newest: Lanes<L>,
     pub(super) row: usize,
+    /// Whether the coefficient is in its row: it is put there when something first needs the earlier ones, which a sum does not.
+    is_kept: bool,
     /// Whether the number is linear in state and time.
     pub(super) is_linear: bool,
     pub(super) pass: &'a Pass<'a, L>,
@@ -79,25 +82,57 @@ impl<'a, const L: usize> Straight<'a, L> {
 }
 
 impl<'a, const L: usize> Pass<'a, L> {
-    /// A new number.
+    /// A new number, whose row is its own from now on.
     #[inline(always)]
     pub(super) fn number(&'a self, newest: Lanes<L>, is_linear: bool) -> Jet<'a, L> {
         Series(Coefficient {
             newest,
-            row: self.keep(newest),
+            row: self.take(),
+            is_kept: false,
             is_linear,
             pass: self,
         })
     }
 
-    /// A new number that is not linear in state and time.
+    /// A component of the state.
+    #[inline(always)]
+    pub(super) fn state(&'a self, newest: Lanes<L>) -> Jet<'a, L> {
+        Series(Coefficient {
+            newest,
+            row: self.keep(newest),
+            is_kept: true,
+            is_linear: true,
+            pass: self,
+        })
+    }
+
+    /// A new number that is not linear in state and time, and whose recurrence needs its own earlier coefficients.
     #[inline(always)]
     pub(super) fn result(&'a self, newest: Lanes<L>) -> Jet<'a, L> {
-        self.number(newest, false)
+        Series(Coefficient {
+            newest,
+            row: self.keep(newest),
+            is_kept: true,
+            is_linear: false,
+            pass: self,
+        })
     }
 }
 
 impl<'a, const L: usize> Coefficient<'a, L> {
+    /// Itself, its coefficient in its row.
+    #[inline(always)]
+    fn kept(self) -> Self {
+        if !self.is_kept {
+            self.pass.put(self.row, self.newest);
+        }
+        Coefficient {
+            is_kept: true,
+            ..self
+        }
+    }
+
+    /// The value of one that is kept.
     #[inline(always)]
     pub(super) fn first(self) -> Lanes<L> {
         if self.pass.order == 0 {
@@ -109,13 +144,14 @@ impl<'a, const L: usize> Coefficient<'a, L> {
 
     #[inline(always)]
     fn times(self, other: Self) -> Jet<'a, L> {
-        let (pass, a, b) = (self.pass, self.newest, other.newest);
+        let (this, other) = (self.kept(), other.kept());
+        let (pass, a, b) = (this.pass, this.newest, other.newest);
         if pass.order == 0 {
-            return pass.result(lanes(|l| a[l] * b[l]));
+            return pass.number(lanes(|l| a[l] * b[l]), false);
         }
-        let inner = pass.convolution(self.row, other.row);
-        let (a0, b0) = (self.first(), other.first());
-        pass.result(lanes(|l| inner[l] + (a0[l] * b[l] + a[l] * b0[l])))
+        let inner = pass.convolution(this.row, other.row);
+        let (a0, b0) = (this.first(), other.first());
+        pass.number(lanes(|l| inner[l] + (a0[l] * b[l] + a[l] * b0[l])), false)
     }
 
     #[inline(always)]
@@ -125,11 +161,12 @@ impl<'a, const L: usize> Coefficient<'a, L> {
         if line.pass.is_none() {
             return pass.number(product, self.is_linear);
         }
+        let row = self.kept().row;
         if pass.order == 0 {
-            return pass.result(product);
+            return pass.number(product, false);
         }
-        let last = pass.at(self.row, pass.order - 1);
-        pass.result(lanes(|l| last[l] * line.slope[l] + product[l]))
+        let last = pass.at(row, pass.order - 1);
+        pass.number(lanes(|l| last[l] * line.slope[l] + product[l]), false)
     }
 
     /// `a/self`, where `a` has the newest coefficient `a`.
@@ -178,7 +215,7 @@ impl<'a, const L: usize> Jet<'a, L> {
     #[inline(always)]
     pub(super) fn first(self) -> Lanes<L> {
         match self {
-            Series(a) => a.first(),
+            Series(a) => a.kept().first(),
             Zero | One | Line(_) => self.line().value,
         }
     }
@@ -187,7 +224,7 @@ impl<'a, const L: usize> Jet<'a, L> {
     #[inline(always)]
     pub(super) fn in_row(self) -> Result<Coefficient<'a, L>, f64> {
         if let Series(a) = self {
-            return Ok(a);
+            return Ok(a.kept());
         }
         let line = self.line();
         let pass = line.pass.ok_or(line.value[0])?;
@@ -195,6 +232,7 @@ impl<'a, const L: usize> Jet<'a, L> {
         Ok(Coefficient {
             newest,
             row: pass.keep(newest),
+            is_kept: true,
             is_linear: true,
             pass,
         })
@@ -270,7 +308,7 @@ impl<const L: usize> Sub for Jet<'_, L> {
             (a, Zero) => a,
             (Zero, b) => -b,
             // What two sides of a boundary share cancels exactly.
-            (Series(a), Series(b)) if a.row == b.row => Zero,
+            (a, b) if a.is_same(b) => Zero,
             _ => self.combined(other, |a, b| a - b),
         }
     }

@@ -51,12 +51,25 @@ impl<'a, const L: usize> Pass<'a, L> {
     /// Keeps a coefficient of this order in the next row. Where there is no room, which the first pass tells, it is dropped.
     #[inline(always)]
     pub(super) fn keep(&self, newest: Lanes<L>) -> usize {
+        let row = self.take();
+        self.put(row, newest);
+        row
+    }
+
+    /// The next row.
+    #[inline(always)]
+    pub(super) fn take(&self) -> usize {
         let row = self.taken.get();
         self.taken.set(row + 1);
+        row
+    }
+
+    /// Puts a coefficient of this order into a row.
+    #[inline(always)]
+    pub(super) fn put(&self, row: usize, newest: Lanes<L>) {
         if let Some(row) = self.row(row) {
             row.set(self.order, newest);
         }
-        row
     }
 
     /// The row that is taken next.

@@ -82,7 +82,7 @@ impl<const L: usize> Series<L> {
             // Plain loops here: the library's own ways to fill an array are not always inlined.
             let mut state = [Jet::Zero; N];
             for (number, newest) in state.iter_mut().zip(newest) {
-                *number = pass.number(newest, true);
+                *number = pass.state(newest);
             }
             let time = Jet::Line(Straight {
                 value: t,
