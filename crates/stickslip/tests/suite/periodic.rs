@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use nalgebra::{Matrix4, SMatrix};
-use stickslip::analysis::multipliers;
+use stickslip::analysis::{Destination, destination, multipliers};
 use stickslip::{Error, Method, Options, State, math};
 
 use crate::any_system::{find_periodic_orbit, periodic_orbit_forced, run, solve};
@@ -98,4 +98,31 @@ fn the_multipliers_of_a_matrix_are_its_eigenvalues_the_nearest_to_1_first() {
     assert!((fourth + 0.3).norm() < 1e-12, "{fourth}");
     let none = SMatrix::<f64, 3, 3>::from_element(f64::NAN);
     assert!(multipliers(&none).iter().all(|m| m.re.is_nan()));
+}
+
+#[test]
+fn a_forced_orbit_comes_to_den_hartog_s_in_one_period() {
+    let system = DenHartog {
+        frequency: 0.7,
+        friction: 0.2,
+    };
+    let period = 2.0 * PI / system.frequency;
+    let options = Options::tol(1e-12);
+    // Begun at another time than zero: the states that are compared are whole periods after it.
+    let t0 = 0.3;
+    let found = destination(&system, (t0, [1.0, 0.0]), period, 200, 1e-6, &options).unwrap();
+    let Destination::Periodic {
+        period: 1,
+        sticks: 0,
+        x,
+    } = found
+    else {
+        panic!("{found:?}");
+    };
+    let cycle = periodic_orbit_forced(&system, t0, x, period, &options).unwrap();
+    assert!((cycle.x - x).amax() < 1e-5, "{} {x}", cycle.x);
+    let turn = solve(&system, t0, x, t0 + period, &options).unwrap();
+    for turned in &turn.transitions {
+        assert!((turned.x[0].abs() - 1.927_774_517_9).abs() < 1e-4);
+    }
 }

@@ -5,7 +5,8 @@ use std::cell::Cell;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::ops::ControlFlow;
 
-use stickslip::TransitionKind::{Crossing, StickEntry, StickExit};
+use stickslip::TransitionKind::{ContactGain, ContactLoss, Crossing, StickEntry, StickExit};
+use stickslip::models::{BlockAndBracket, Caption, Reading};
 use stickslip::{AtRepelling, Ending, Error, Mode, Observer, Options, State, StepRecord, math};
 
 use super::check::{TIGHT, assert_consistent, every_locator, kinds};
@@ -258,5 +259,29 @@ fn a_graze_shallower_than_the_dense_output_is_exact_is_found() {
             let orbit = solve(&system, t, start, 3.0, &options).expect("runs");
             assert_eq!(kinds(&orbit), [Crossing, Crossing], "{tolerance} {t}");
         }
+    }
+}
+
+#[test]
+fn an_orbit_that_starts_without_contact_first_gains_it() {
+    let fig11 = BlockAndBracket::from_caption(&Caption::FIG11, &Reading::exact()).expect("allowed");
+    let model = BlockAndBracket {
+        unloading: 3.0,
+        ..fig11
+    };
+    let start = State::from([0.1, 0.1, 0.5, 0.1]);
+    assert!(model.unclipped_normal_force(start.as_ref()) < 0.0);
+    let orbit = solve(&model, 0.0, start, 60.0, &super::tol(1e-12)).expect("runs");
+    let mut changes = orbit
+        .transitions
+        .iter()
+        .filter(|at| matches!(at.kind, ContactGain | ContactLoss));
+    for wanted in [ContactGain, ContactLoss, ContactGain] {
+        let at = changes.next().expect("contact changes");
+        assert_eq!(at.kind, wanted, "t = {}", at.t);
+        assert!(model.unclipped_normal_force(at.x.as_ref()).abs() < 1e-10);
+        let after = orbit.at(at.t + 1e-3).expect("covered");
+        let force = model.unclipped_normal_force(after.as_ref());
+        assert_eq!(force > 0.0, wanted == ContactGain, "t = {}", at.t);
     }
 }
