@@ -29,6 +29,15 @@ impl<const N: usize> From<&crate::system::State<N>> for Point {
     }
 }
 
+/// How many motions there are to choose from, and which.
+fn told(candidates: &[String]) -> String {
+    if candidates.is_empty() {
+        "no motion that follows is consistent with the friction at all of them".to_owned()
+    } else {
+        format!("{} motions that follow are consistent: {}", candidates.len(), candidates.join(" or "))
+    }
+}
+
 /// Every failure of the library's computations.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -128,6 +137,59 @@ pub enum Error {
         x: Point,
         /// The bound.
         bound: f64,
+    },
+    /// Several contacts stand at zero, and the motion that follows is not unique, or there is none.
+    #[error(
+        "contacts {contacts:?} stand at zero at t = {t}, x = {x}, and {}; friction there may push apart, or one contact's force act on another too strongly: look at the field with each of them on either side",
+        told(candidates)
+    )]
+    NoUniqueMode {
+        /// Time.
+        t: f64,
+        /// State.
+        x: Point,
+        /// The contacts, counted from 0.
+        contacts: Vec<usize>,
+        /// What they could all do consistently, in the same order.
+        candidates: Vec<String>,
+    },
+    /// The boundaries of contacts that stand at zero together are no boundaries of their own: one has no slope, or two coincide.
+    #[error(
+        "the boundary functions of contacts {contacts:?} have gradients at t = {t}, x = {x} that are zero or depend on each other; each contact needs a boundary of its own"
+    )]
+    DependentContacts {
+        /// Time.
+        t: f64,
+        /// State.
+        x: Point,
+        /// The contacts, counted from 0.
+        contacts: Vec<usize>,
+    },
+    /// What holds a contact is weaker than what brakes it.
+    #[error(
+        "the static friction of contact {contact} at t = {t}, x = {x} is {ratio} times the kinetic; it must be at least as large"
+    )]
+    StaticBelowKinetic {
+        /// Time.
+        t: f64,
+        /// State.
+        x: Point,
+        /// The contact, counted from 0.
+        contact: usize,
+        /// Static over kinetic friction.
+        ratio: f64,
+    },
+    /// Friction at one contact depends on the side of another, which the system does not say.
+    #[error(
+        "the friction of contacts {} and {} does not add at t = {t}, x = {x}: what one does depends on the side of the other; set Contacts::MULTI_AFFINE to true", pair.0, pair.1
+    )]
+    NotAdditive {
+        /// Time.
+        t: f64,
+        /// State.
+        x: Point,
+        /// The two contacts, counted from 0.
+        pair: (usize, usize),
     },
     /// The orbit does not cover the time asked for.
     #[error(

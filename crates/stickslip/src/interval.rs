@@ -11,7 +11,7 @@ use crate::scalar::Scalar;
 /// Where a result is not defined for all arguments its bounds are not numbers, and every comparison with them fails. Where a
 /// function branches and the range does not decide which way, the result holds for one branch only: [`Interval::decided`] tells.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Interval {
+pub struct Interval {
     pub low: f64,
     pub high: f64,
 }

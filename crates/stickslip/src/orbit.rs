@@ -37,13 +37,13 @@ pub enum Ending {
 
 /// An orbit: phases and the transitions between them, with the solution of every step.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Orbit<const N: usize> {
+pub struct Orbit<const N: usize, K = Mode> {
     /// Phases in order of time; a phase ends where the next begins.
-    pub phases: Vec<Phase<N>>,
+    pub phases: Vec<Phase<N, K>>,
     /// Transitions in order of time. Every change of phase has one; touches come on top.
-    pub transitions: Vec<Transition<N>>,
+    pub transitions: Vec<Transition<N, K>>,
     /// The steps in order of time.
-    pub steps: Vec<StepRecord<N>>,
+    pub steps: Vec<StepRecord<N, K>>,
     /// Work done.
     pub counters: Counters,
     /// Why the run ended.
@@ -58,7 +58,7 @@ pub struct Orbit<const N: usize> {
     pub x_end: State<N>,
 }
 
-impl<const N: usize> Orbit<N> {
+impl<const N: usize, K> Orbit<N, K> {
     /// The state at time `t`, from the dense output. At the steps' ends it is as accurate as the run; between
     /// them it may err by up to some hundred tolerances where those are tight (not with [`crate::Method::Taylor`]).
     ///
@@ -84,7 +84,9 @@ impl<const N: usize> Orbit<N> {
     pub fn sample(&self, times: impl IntoIterator<Item = f64>) -> Result<Vec<State<N>>, Error> {
         times.into_iter().map(|t| self.at(t)).collect()
     }
+}
 
+impl<const N: usize> Orbit<N> {
     /// The stick phases.
     pub fn sticks(&self) -> impl Iterator<Item = &Phase<N>> {
         self.phases.iter().filter(|phase| phase.mode == Mode::Stick)

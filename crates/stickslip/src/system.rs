@@ -86,6 +86,41 @@ pub trait Filippov<const N: usize> {
     /// again shorter, until the run ends with an error.
     fn boundary<T: Scalar>(&self, t: T, x: &[T; N]) -> T;
 
+    /// The field of `side` while the contact holds: with static friction, where that is more than the kinetic of
+    /// [`Filippov::field`]. Stick begins where these fields both push to Σ and ends where one of them no longer does; the slip that
+    /// follows leaves Σ across, by the field of slip. The default holds by the friction of slip, and stick then ends at a tangent point.
+    ///
+    /// ```
+    /// use stickslip::{Filippov, Options, Scalar, Side, solve};
+    ///
+    /// /// A block on a belt of speed 0.2: friction 1 at rest, 0.6 in slip.
+    /// struct Block;
+    /// impl Block {
+    ///     fn with<T: Scalar>(friction: f64, side: Side, x: &[T; 2]) -> [T; 2] {
+    ///         [x[1], -x[0] - friction * side.sign()]
+    ///     }
+    /// }
+    /// impl Filippov<2> for Block {
+    ///     fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T; 2]) -> [T; 2] {
+    ///         Block::with(0.6, side, x)
+    ///     }
+    ///     fn holding<T: Scalar>(&self, side: Side, _t: T, x: &[T; 2]) -> [T; 2] {
+    ///         Block::with(1.0, side, x)
+    ///     }
+    ///     fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
+    ///         x[1] - 0.2
+    ///     }
+    /// }
+    /// let orbit = solve(&Block, 0.0, [0.0, 0.2], 20.0, &Options::default())?;
+    /// // The belt carries it from 0 to 1, where static friction gives way.
+    /// assert!((orbit.phases[0].duration() - 5.0).abs() < 1e-9);
+    /// # Ok::<(), stickslip::Error>(())
+    /// ```
+    #[inline(always)]
+    fn holding<T: Scalar>(&self, side: Side, t: T, x: &[T; N]) -> [T; N] {
+        self.field(side, t, x)
+    }
+
     /// A function whose sign is that of the normal force (in any unit), for systems that can lose contact. Its zeros are
     /// located like all events and recorded as [`crate::TransitionKind::ContactLoss`] and
     /// [`crate::TransitionKind::ContactGain`], so that a field that is clipped there is never stepped across its kink.
@@ -122,6 +157,10 @@ impl<const N: usize, S: Filippov<N>> Filippov<N> for &S {
         (**self).field(side, t, x)
     }
     #[inline(always)]
+    fn holding<T: Scalar>(&self, side: Side, t: T, x: &[T; N]) -> [T; N] {
+        (**self).holding(side, t, x)
+    }
+    #[inline(always)]
     fn boundary<T: Scalar>(&self, t: T, x: &[T; N]) -> T {
         (**self).boundary(t, x)
     }
@@ -155,6 +194,10 @@ impl<const N: usize, S: Filippov<N>> Filippov<N> for Unchecked<S> {
     #[inline(always)]
     fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; N]) -> [T; N] {
         self.0.field(side, t, x)
+    }
+    #[inline(always)]
+    fn holding<T: Scalar>(&self, side: Side, t: T, x: &[T; N]) -> [T; N] {
+        self.0.holding(side, t, x)
     }
     #[inline(always)]
     fn boundary<T: Scalar>(&self, t: T, x: &[T; N]) -> T {

@@ -1,9 +1,9 @@
 //! Where an orbit of a periodically forced system ends up.
 
 use crate::error::{Error, Point};
-use crate::filippov::{Integration, Options, Progress, Summary};
+use crate::filippov::{Integration, Options, Progress, Summary, Switched};
 use crate::orbit::Ending;
-use crate::system::{Filippov, Mode, State};
+use crate::system::State;
 
 /// What a start leads to.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,7 +36,7 @@ const LONGEST_PATTERN: usize = 8;
 ///
 /// # Errors
 /// Those of [`crate::run`] except [`Error::Escaped`]; [`Error::NoUniqueFuture`] where Σ repels.
-pub fn destination<S: Filippov<N>, const N: usize>(
+pub fn destination<S: Switched<N, G>, const N: usize, const G: usize>(
     system: &S,
     (t0, x0): (f64, impl Into<State<N>>),
     period: f64,
@@ -78,7 +78,7 @@ impl<const N: usize> Strobe<N> {
         self.t0 + self.states.len() as f64 * self.period
     }
 
-    fn follow<S: Filippov<N>>(
+    fn follow<S: Switched<N, G>, const G: usize>(
         &mut self,
         system: &S,
         x0: State<N>,
@@ -95,7 +95,7 @@ impl<const N: usize> Strobe<N> {
                         self.states.push(state);
                     }
                 }
-                Progress::PhaseEnd(phase) if phase.mode == Mode::Stick => {
+                Progress::PhaseEnd(phase) if S::sticks(phase.mode) => {
                     self.stick_ends.push(phase.t_end);
                 }
                 Progress::PhaseEnd(_) | Progress::Transition(_) => {}

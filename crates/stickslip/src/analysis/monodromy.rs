@@ -4,8 +4,8 @@ use nalgebra::SMatrix;
 
 use super::tangent::{Tangent, flatten};
 use crate::error::Error;
-use crate::filippov::{Integration, Options, Progress, Summary, TransitionKind};
-use crate::system::{Filippov, State};
+use crate::filippov::{Integration, Options, Progress, Summary, Switched, TransitionKind};
+use crate::system::State;
 
 /// The derivative ∂x(t)/∂x(t0) of the flow map along one orbit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,7 +23,7 @@ pub struct Monodromy<const N: usize> {
 ///
 /// # Errors
 /// Those of [`crate::run`].
-pub fn monodromy<S: Filippov<N>, const N: usize>(
+pub fn monodromy<S: Switched<N, G>, const N: usize, const G: usize>(
     system: &S,
     t0: f64,
     x0: impl Into<State<N>>,

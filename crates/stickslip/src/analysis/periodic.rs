@@ -4,9 +4,9 @@ use nalgebra::{DMatrix, DVector, SMatrix};
 
 use super::monodromy::{Monodromy, monodromy};
 use crate::error::{Error, Point};
-use crate::filippov::{Integration, Options, Progress, first_zero, sliding_field};
+use crate::filippov::{Integration, Options, Progress, Switched, Velocity, first_zero};
 use crate::orbit::Ending;
-use crate::system::{Filippov, Mode, Side, State, components};
+use crate::system::{State, components};
 
 /// A periodic orbit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,7 +31,7 @@ const MOST: usize = 30;
 ///
 /// # Errors
 /// Those of [`crate::run`]; [`Error::NotConverged`] when the iteration reaches neither 100 tolerances nor what rounding leaves.
-pub fn periodic_orbit_forced<S: Filippov<N>, const N: usize>(
+pub fn periodic_orbit_forced<S: Switched<N, G>, const N: usize, const G: usize>(
     system: &S,
     t: f64,
     x: impl Into<State<N>>,
@@ -55,7 +55,7 @@ pub fn periodic_orbit_forced<S: Filippov<N>, const N: usize>(
 /// assert!((trivial.re - 1.0).abs() < 1e-9 && other.re.abs() < 1.0); // stable
 /// # Ok::<(), stickslip::Error>(())
 /// ```
-pub fn periodic_orbit<S: Filippov<N>, const N: usize>(
+pub fn periodic_orbit<S: Switched<N, G>, const N: usize, const G: usize>(
     system: &S,
     x: impl Into<State<N>>,
     period: f64,
@@ -82,7 +82,7 @@ pub fn periodic_orbit<S: Filippov<N>, const N: usize>(
 /// assert!(cycle.residual < 1e-10);
 /// # Ok::<(), stickslip::Error>(())
 /// ```
-pub fn find_periodic_orbit<S: Filippov<N>, const N: usize>(
+pub fn find_periodic_orbit<S: Switched<N, G>, const N: usize, const G: usize>(
     system: &S,
     x0: impl Into<State<N>>,
     transient: f64,
@@ -119,7 +119,7 @@ pub fn find_periodic_orbit<S: Filippov<N>, const N: usize>(
             }
             // In the middle of a slip it is not on Σ.
             None => {
-                if step.t_start >= transient && step.mode != Mode::Stick && length > 0.0 {
+                if step.t_start >= transient && !S::sticks(step.mode) && length > 0.0 {
                     let t = step.t_start + 0.5 * length;
                     let x = step.dense.at_time(t);
                     let normal = slope_at(system, t, &x);
@@ -156,21 +156,19 @@ impl<const N: usize> Section<N> {
 }
 
 /// The vector that moves a state: of its side's field, or on Σ the sliding one.
-fn slope_at<S: Filippov<N>, const N: usize>(system: &S, t: f64, x: &State<N>) -> State<N> {
-    let x = components(x);
-    let h = system.boundary(t, x);
-    let slope = if h == 0.0 {
-        sliding_field(system, t, x)
-    } else {
-        let side = if h < 0.0 { Side::Below } else { Side::Above };
-        system.field(side, t, x)
-    };
-    slope.into()
+fn slope_at<S: Switched<N, G>, const N: usize, const G: usize>(
+    system: &S,
+    t: f64,
+    x: &State<N>,
+) -> State<N> {
+    let mode = system.mode_by_side(t, x);
+    let here = Velocity(t, components(x));
+    system.with_flow(mode, S::Branch::default(), here).into()
 }
 
 /// Newton's iteration; with `phase` (the flow's direction at the guess, along which no correction is made) the period
 /// is unknown too.
-fn shoot<S: Filippov<N>, const N: usize>(
+fn shoot<S: Switched<N, G>, const N: usize, const G: usize>(
     system: &S,
     t: f64,
     mut x: State<N>,
@@ -230,7 +228,7 @@ fn rounding<const N: usize>(turn: &Monodromy<N>, x: &State<N>) -> f64 {
 }
 
 /// Newton's correction of state and period.
-fn correction<S: Filippov<N>, const N: usize>(
+fn correction<S: Switched<N, G>, const N: usize, const G: usize>(
     system: &S,
     t_end: f64,
     turn: &Monodromy<N>,

@@ -1,16 +1,19 @@
 //! How tangent vectors travel along a run: through steps by the steps themselves on dual numbers, through transitions by
 //! saltation.
 
-use crate::dual::Dual;
+use std::marker::PhantomData;
+
 use nalgebra::SMatrix;
 
+use crate::dual::Dual;
+
 use crate::filippov::{
-    Method, Options, StepRecord, Transition, TransitionKind, boundary_gradient, sliding_field,
+    Flow, GuardGradient, Method, Options, StepRecord, Switched, Transition, UseFlow, Velocity,
+    boundary_gradient,
 };
 use crate::ode::control::squared_error;
-use crate::ode::{Dop853, Rk4, RungeKutta, Stages, Tolerance, stages};
-use crate::scalar::Scalar;
-use crate::system::{Filippov, Mode, State, components};
+use crate::ode::{Dop853, Rk4, RungeKutta, Stages, Timed, Tolerance, stages};
+use crate::system::{Filippov, State, components};
 
 /// The saltation matrix of a transition at `(t, x)` from the vector `before` to `after`:
 /// `S = I + (f⁺ − f⁻) ∇hᵀ / (∂h/∂t + ∇h·f⁻)`.
@@ -25,7 +28,15 @@ pub fn saltation<S: Filippov<N>, const N: usize>(
     before: &State<N>,
     after: &State<N>,
 ) -> SMatrix<f64, N, N> {
-    let (gradient, in_time) = boundary_gradient(system, t, x);
+    with_gradient(boundary_gradient(system, t, x), before, after)
+}
+
+/// The saltation matrix where a function of this gradient, and rate of change in time, is zero.
+fn with_gradient<const N: usize>(
+    (gradient, in_time): (State<N>, f64),
+    before: &State<N>,
+    after: &State<N>,
+) -> SMatrix<f64, N, N> {
     let mut rate = in_time;
     for i in 0..N {
         rate += gradient[i] * before[i];
@@ -33,20 +44,6 @@ pub fn saltation<S: Filippov<N>, const N: usize>(
     SMatrix::from_fn(|i, j| {
         f64::from(u8::from(i == j)) + (after[i] - before[i]) * gradient[j] / rate
     })
-}
-
-/// The field that rules in `mode`.
-#[inline(always)]
-pub(crate) fn field_in<S: Filippov<N>, T: Scalar, const N: usize>(
-    system: &S,
-    mode: Mode,
-    t: T,
-    x: &[T; N],
-) -> [T; N] {
-    match mode {
-        Mode::Slip(side) => system.field(side, t, x),
-        Mode::Stick => sliding_field(system, t, x),
-    }
 }
 
 /// What a transition does to tangent vectors.
@@ -78,12 +75,36 @@ pub(crate) struct Tangent<'a, S> {
     tolerance: f64,
 }
 
-/// A piece of a step: mode, start and length.
+/// A piece of a step: start and length.
 struct Piece<const N: usize> {
-    mode: Mode,
     t: f64,
     x: State<N>,
     h: f64,
+}
+
+/// A tangent vector to be carried over a piece by method `M`; the piece is halved up to so many times.
+struct Carried<'a, M, const N: usize> {
+    piece: Piece<N>,
+    vector: &'a State<N>,
+    halvings: u32,
+    tolerance: f64,
+    method: PhantomData<M>,
+}
+
+impl<M: RungeKutta, const N: usize> UseFlow<N> for Carried<'_, M, N> {
+    type Output = State<N>;
+
+    #[inline(always)]
+    fn with<F: Flow<N>>(self, flow: &F) -> State<N> {
+        advanced::<M, F, N>(
+            flow,
+            &self.piece,
+            self.vector,
+            self.halvings,
+            self.tolerance,
+        )
+        .1
+    }
 }
 
 impl<'a, S> Tangent<'a, S> {
@@ -100,106 +121,124 @@ impl<'a, S> Tangent<'a, S> {
     /// What the step-size control saw was the error of the state. Where that says nothing of the vector's (a state near
     /// rest allows steps of any length) the step is halved until the vector is accurate, too; a fixed step stays as
     /// it is.
-    pub(crate) fn carried<const N: usize>(
+    pub(crate) fn carried<const N: usize, const G: usize>(
         &self,
-        step: &StepRecord<N>,
+        step: &StepRecord<N, S::Mode>,
         vector: &State<N>,
     ) -> State<N>
     where
-        S: Filippov<N>,
+        S: Switched<N, G>,
     {
-        let whole = Piece {
-            mode: step.mode,
-            t: step.t_start,
-            x: step.x_start,
-            h: step.t_end - step.t_start,
-        };
         match self.method {
             // A Taylor step is longer than DOP853's would be: halving takes care of that as well.
             Method::Dop853 | Method::Taylor => {
-                self.advanced::<Dop853, N>(&whole, vector, MOST_HALVINGS).1
+                self.carried_by::<Dop853, N, G>(step, vector, MOST_HALVINGS)
             }
-            Method::Dop853Fixed { .. } => self.advanced::<Dop853, N>(&whole, vector, 0).1,
-            Method::Rk4 { .. } => self.advanced::<Rk4, N>(&whole, vector, 0).1,
+            Method::Dop853Fixed { .. } => self.carried_by::<Dop853, N, G>(step, vector, 0),
+            Method::Rk4 { .. } => self.carried_by::<Rk4, N, G>(step, vector, 0),
         }
     }
 
-    /// State and vector at the end of the piece, halved up to so many times.
-    fn advanced<M: RungeKutta, const N: usize>(
+    fn carried_by<M: RungeKutta, const N: usize, const G: usize>(
         &self,
-        piece: &Piece<N>,
+        step: &StepRecord<N, S::Mode>,
         vector: &State<N>,
         halvings: u32,
-    ) -> (State<N>, State<N>)
+    ) -> State<N>
     where
-        S: Filippov<N>,
+        S: Switched<N, G>,
     {
-        let mut field = |t: Dual<f64>, x: &[Dual<f64>; N]| field_in(self.system, piece.mode, t, x);
-        let start: [_; N] = std::array::from_fn(|i| Dual::new(piece.x[i], vector[i]));
-        let (t, h) = (Dual::new(piece.t, 0.0), Dual::new(piece.h, 0.0));
-        let slope = field(t, &start);
-        let step = stages::<M, _, _>(&mut field, t, &start, slope, h);
-        let end = (
-            State::from(step.end.map(|v| v.re)),
-            State::from(step.end.map(|v| v.eps)),
-        );
-        if halvings == 0 {
-            return end;
-        }
-        let of_vector = Stages {
-            k: step.k.map(|k| State::from(k.map(|v| v.eps))),
-            end: end.1,
+        let carried = Carried::<M, N> {
+            piece: Piece {
+                t: step.t_start,
+                x: step.x_start,
+                h: step.t_end - step.t_start,
+            },
+            vector,
+            halvings,
+            tolerance: self.tolerance,
+            method: PhantomData,
         };
-        let tolerance = Tolerance {
-            rtol: 0.0,
-            atol: self.tolerance * vector.norm(),
-        };
-        let error = squared_error::<M, N>(&of_vector, vector, piece.h, &tolerance);
-        // Not a number where the vector is zero; then, and where it is not finite, halving is of no use.
-        if error.is_nan() || error <= SLACK * SLACK {
-            return end;
-        }
-        let half = 0.5 * piece.h;
-        let first = Piece { h: half, ..*piece };
-        let (x, between) = self.advanced::<M, N>(&first, vector, halvings - 1);
-        let second = Piece {
-            t: piece.t + half,
-            x,
-            ..first
-        };
-        self.advanced::<M, N>(&second, &between, halvings - 1)
+        self.system
+            .with_flow(step.mode, S::Branch::default(), carried)
     }
 
     /// What the transition does, or `None` where it changes no vector: on leaving stick, at a touch,
     /// where contact is lost or gained, and where the two fields agree (friction without normal force): the
     /// saltation matrix is the limit there, the identity, though its formula may read 0/0.
-    pub(crate) fn jump<const N: usize>(&self, at: &Transition<N>) -> Option<Jump<N>>
+    pub(crate) fn jump<const N: usize, const G: usize>(
+        &self,
+        at: &Transition<N, S::Mode>,
+    ) -> Option<Jump<N>>
     where
-        S: Filippov<N>,
+        S: Switched<N, G>,
     {
-        match at.kind {
-            // At a loss of contact the fields are continuous: they kink, they do not jump.
-            TransitionKind::StickExit
-            | TransitionKind::Touch
-            | TransitionKind::ContactLoss
-            | TransitionKind::ContactGain => return None,
-            TransitionKind::Crossing | TransitionKind::StickEntry => {}
-        }
-        let velocity = |mode| State::from(field_in(self.system, mode, at.t, components(&at.x)));
+        let guard = self.system.jumps_at(at)?;
+        let branch = S::Branch::default();
+        let velocity = |mode| {
+            let here = Velocity(at.t, components(&at.x));
+            State::from(self.system.with_flow(mode, branch, here))
+        };
         let (before, after) = (velocity(at.from), velocity(at.to));
         let kick = after - before;
         if kick.iter().all(|v| *v == 0.0) {
             return None;
         }
-        let (gradient, in_time) = boundary_gradient(self.system, at.t, &at.x);
+        let (t, x) = (at.t, at.x);
+        let of_guard = GuardGradient(guard, Timed { t, x });
+        let (gradient, in_time) = self.system.with_flow(at.from, branch, of_guard);
         Some(Jump {
-            matrix: saltation(self.system, at.t, &at.x, &before, &after),
+            matrix: with_gradient((gradient, in_time), &before, &after),
             kick,
             rate_before: in_time + gradient.dot(&before),
             rate_after: in_time + gradient.dot(&after),
             gradient,
         })
     }
+}
+
+/// State and vector at the end of the piece, halved up to so many times.
+fn advanced<M: RungeKutta, F: Flow<N>, const N: usize>(
+    flow: &F,
+    piece: &Piece<N>,
+    vector: &State<N>,
+    halvings: u32,
+    tolerance: f64,
+) -> (State<N>, State<N>) {
+    let mut field = |t: Dual<f64>, x: &[Dual<f64>; N]| flow.field(t, x);
+    let start: [_; N] = std::array::from_fn(|i| Dual::new(piece.x[i], vector[i]));
+    let (t, h) = (Dual::new(piece.t, 0.0), Dual::new(piece.h, 0.0));
+    let slope = field(t, &start);
+    let step = stages::<M, _, _>(&mut field, t, &start, slope, h);
+    let end = (
+        State::from(step.end.map(|v| v.re)),
+        State::from(step.end.map(|v| v.eps)),
+    );
+    if halvings == 0 {
+        return end;
+    }
+    let of_vector = Stages {
+        k: step.k.map(|k| State::from(k.map(|v| v.eps))),
+        end: end.1,
+    };
+    let allowed = Tolerance {
+        rtol: 0.0,
+        atol: tolerance * vector.norm(),
+    };
+    let error = squared_error::<M, N>(&of_vector, vector, piece.h, &allowed);
+    // Not a number where the vector is zero; then, and where it is not finite, halving is of no use.
+    if error.is_nan() || error <= SLACK * SLACK {
+        return end;
+    }
+    let half = 0.5 * piece.h;
+    let first = Piece { h: half, ..*piece };
+    let (x, between) = advanced::<M, F, N>(flow, &first, vector, halvings - 1, tolerance);
+    let second = Piece {
+        t: piece.t + half,
+        x,
+        ..first
+    };
+    advanced::<M, F, N>(flow, &second, &between, halvings - 1, tolerance)
 }
 
 /// Takes out of `vector` what it has across a boundary of this gradient.
@@ -214,8 +253,9 @@ pub(crate) fn flatten<const N: usize>(gradient: &State<N>, vector: &mut State<N>
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::filippov::TransitionKind;
     use crate::scalar::Scalar;
-    use crate::system::Side;
+    use crate::system::{Mode, Side};
 
     /// A block whose friction is `friction` on either side of rest.
     struct Block {
@@ -239,6 +279,7 @@ mod tests {
             kind: TransitionKind::StickEntry,
             from: Mode::Slip(Side::Below),
             to: Mode::Stick,
+            contact: 0,
             residual: 0.0,
         };
         let options = Options::default();

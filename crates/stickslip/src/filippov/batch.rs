@@ -6,17 +6,17 @@
 use pulp::{Arch, NullaryFnOnce};
 
 use super::ensemble::Start;
-use super::flow::{Flow, MOST_GUARDS, Slip, Stick};
+use super::flow::Flow;
 use super::integration::{Integration, Progress};
 use super::observer::Observer;
 use super::options::Options;
 use super::solve::{Failure, Summary, tell};
 use super::stepper::Stepper;
+use super::switched::{Switched, UseFlow};
 use super::taylor::OfFlow;
 use crate::error::Error;
 use crate::ode::Timed;
 use crate::orbit::Ending;
-use crate::system::{Filippov, Mode, Side};
 use crate::taylor::row::Lanes;
 use crate::taylor::series::{Expansion, Series};
 
@@ -32,17 +32,19 @@ const UNDER_WAY: usize = 32;
 type Outcome<const N: usize> = Result<Summary<N>, Failure<Summary<N>>>;
 
 /// An orbit under way.
-struct Member<'a, S, O, const N: usize> {
+struct Member<'a, S: Switched<N, G>, O, const N: usize, const G: usize> {
     /// Its place among the starts.
     number: usize,
     /// The number of the first orbit whose system is equal to this one's.
     class: usize,
-    integration: Integration<'a, S, N>,
+    integration: Integration<'a, S, N, G>,
     observer: &'a mut O,
     is_stopping: bool,
 }
 
-impl<'a, S: Filippov<N>, O: Observer<N>, const N: usize> Member<'a, S, O, N> {
+impl<'a, S: Switched<N, G>, O: Observer<N, S::Mode>, const N: usize, const G: usize>
+    Member<'a, S, O, N, G>
+{
     /// An orbit at its first series, or its outcome if that comes before.
     fn begin(
         (number, class): (usize, usize),
@@ -50,7 +52,7 @@ impl<'a, S: Filippov<N>, O: Observer<N>, const N: usize> Member<'a, S, O, N> {
         observer: &'a mut O,
         t_end: f64,
         options: &Options,
-        mut stepper: Stepper<N>,
+        mut stepper: Stepper<N, G>,
     ) -> Result<Self, Outcome<N>> {
         stepper.forget();
         let (t, x) = (start.t, start.x);
@@ -95,7 +97,7 @@ impl<'a, S: Filippov<N>, O: Observer<N>, const N: usize> Member<'a, S, O, N> {
     }
 
     /// Tells the observer; the outcome, where the run has come to it.
-    fn tell(&mut self, progress: Result<Progress<N>, Error>) -> Option<Outcome<N>> {
+    fn tell(&mut self, progress: Result<Progress<N, S::Mode>, Error>) -> Option<Outcome<N>> {
         let (integration, is_stopping) = (&self.integration, &mut self.is_stopping);
         let told =
             progress.and_then(|progress| tell(integration, &progress, self.observer, is_stopping));
@@ -104,17 +106,17 @@ impl<'a, S: Filippov<N>, O: Observer<N>, const N: usize> Member<'a, S, O, N> {
     }
 }
 
-/// What orbits have in common that can be expanded together: the class of the system, the mode, and the sign of the contact function.
-type Kind = (usize, Mode, bool);
+/// What orbits have in common that can be expanded together: the class of the system, and what decides the flow.
+type Kind<K, B> = (usize, K, B);
 
 /// Orbits of one kind that wait for a series.
-struct Queue {
-    kind: Kind,
+struct Queue<K, B> {
+    kind: Kind<K, B>,
     members: Vec<usize>,
 }
 
 /// An expansion of several orbits in one mode, in the widest vectors that the machine has; their width changes no bit.
-struct Together<'a, F, const N: usize> {
+struct Together<'a, F, const N: usize, const G: usize> {
     flow: &'a F,
     series: &'a mut Series<LANES>,
     t: Lanes<LANES>,
@@ -123,8 +125,8 @@ struct Together<'a, F, const N: usize> {
     order: usize,
 }
 
-impl<F: Flow<N>, const N: usize> NullaryFnOnce for Together<'_, F, N> {
-    type Output = Expansion<MOST_GUARDS>;
+impl<F: Flow<N>, const N: usize, const G: usize> NullaryFnOnce for Together<'_, F, N, G> {
+    type Output = Expansion<G>;
 
     #[inline(always)]
     fn call(self) -> Self::Output {
@@ -135,18 +137,20 @@ impl<F: Flow<N>, const N: usize> NullaryFnOnce for Together<'_, F, N> {
 }
 
 /// The orbits of a thread.
-struct Batch<'a, S, O, const N: usize> {
-    members: Vec<Member<'a, S, O, N>>,
-    waiting: Vec<Queue>,
+struct Batch<'a, S: Switched<N, G>, O, const N: usize, const G: usize> {
+    members: Vec<Member<'a, S, O, N, G>>,
+    waiting: Vec<Queue<S::Mode, S::Branch>>,
     series: Series<LANES>,
 }
 
-impl<'a, S: Filippov<N>, O: Observer<N>, const N: usize> Batch<'a, S, O, N> {
+impl<'a, S: Switched<N, G>, O: Observer<N, S::Mode>, const N: usize, const G: usize>
+    Batch<'a, S, O, N, G>
+{
     /// Lets a member wait for others of its kind.
     fn wait(&mut self, number: usize) {
         let member = &self.members[number];
-        let run = &member.integration.run;
-        let kind = (member.class, run.mode, run.contact > 0.0);
+        let integration = &member.integration;
+        let kind = (member.class, integration.mode, integration.branch);
         match self.waiting.iter_mut().find(|queue| queue.kind == kind) {
             Some(queue) => queue.members.push(number),
             None => self.waiting.push(Queue {
@@ -174,16 +178,8 @@ impl<'a, S: Filippov<N>, O: Observer<N>, const N: usize> Batch<'a, S, O, N> {
             return;
         }
         let first = &self.members[group[0]].integration;
-        let (system, contact) = (first.system, first.run.contact);
-        match first.run.mode {
-            Mode::Slip(Side::Below) => {
-                self.expand_with(group, &Slip::<_, false> { system, contact })
-            }
-            Mode::Slip(Side::Above) => {
-                self.expand_with(group, &Slip::<_, true> { system, contact })
-            }
-            Mode::Stick => self.expand_with(group, &Stick { system, contact }),
-        }
+        let (system, mode, branch) = (first.system, first.mode, first.branch);
+        system.with_flow(mode, branch, Grouped { batch: self, group });
     }
 
     fn expand_with<F: Flow<N>>(&mut self, group: &[usize], flow: &F) {
@@ -217,25 +213,47 @@ impl<'a, S: Filippov<N>, O: Observer<N>, const N: usize> Batch<'a, S, O, N> {
         for (lane, &number) in group.iter().enumerate() {
             let integration = &mut self.members[number].integration;
             if let Some(stepper) = integration.stepper.series_mut() {
-                stepper.take_lane::<F, LANES>(&mut integration.run, &self.series, &expansion, lane);
+                let run = &mut integration.run;
+                stepper.take_lane::<F, LANES>(run, flow, &self.series, &expansion, lane);
             }
         }
     }
 }
 
+/// Orbits of one kind, to be expanded with their flow.
+struct Grouped<'b, 'a, S: Switched<N, G>, O, const N: usize, const G: usize> {
+    batch: &'b mut Batch<'a, S, O, N, G>,
+    group: &'b [usize],
+}
+
+impl<S: Switched<N, G>, O: Observer<N, S::Mode>, const N: usize, const G: usize> UseFlow<N>
+    for Grouped<'_, '_, S, O, N, G>
+{
+    type Output = ();
+
+    #[inline(always)]
+    fn with<F: Flow<N>>(self, flow: &F) {
+        self.batch.expand_with(self.group, flow);
+    }
+}
+
 /// Runs every start with its observer, as [`crate::run`] does by [`crate::Method::Taylor`]; the outcomes are in the order of
 /// the starts.
-pub(super) fn side_by_side<S: Filippov<N> + PartialEq, O: Observer<N>, const N: usize>(
+pub(super) fn side_by_side<S, O, const N: usize, const G: usize>(
     starts: &[Start<S, N>],
     observers: &mut [O],
     t_end: f64,
     options: &Options,
-) -> Vec<Outcome<N>> {
+) -> Vec<Outcome<N>>
+where
+    S: Switched<N, G> + PartialEq,
+    O: Observer<N, S::Mode>,
+{
     let mut outcomes: Vec<_> = starts.iter().map(|_| None).collect();
     let classes = classes(starts);
     let mut waiting = starts.iter().zip(observers).zip(classes).enumerate();
     // The next orbit at its first series; one that ends before has its outcome.
-    let mut next = |outcomes: &mut [Option<_>], mut room: Option<Stepper<N>>| {
+    let mut next = |outcomes: &mut [Option<_>], mut room: Option<Stepper<N, G>>| {
         waiting.find_map(|(number, ((start, observer), class))| {
             let stepper = room.take().unwrap_or_else(|| Stepper::new(options));
             match Member::begin((number, class), start, observer, t_end, options, stepper) {

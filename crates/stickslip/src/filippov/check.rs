@@ -16,17 +16,12 @@ pub(super) fn check<S: Filippov<N>, const N: usize>(
     options.check()?;
     system.check_parameters()?;
     let Timed { t, x } = *start;
-    if !(t.is_finite() && t_end.is_finite() && t < t_end) {
-        return Err(Error::Interval { t0: t, t_end });
-    }
     let outside = |what: &'static str| Error::StartOutsideDomain {
         t,
         x: Point::from(&x),
         what,
     };
-    if x.iter().any(|v| !v.is_finite()) {
-        return Err(outside("the start itself is not finite"));
-    }
+    check_run(start, t_end, options)?;
     let h = system.boundary(t, components(&x));
     if !h.is_finite() {
         return Err(outside("the boundary function is not finite there"));
@@ -50,6 +45,26 @@ pub(super) fn check<S: Filippov<N>, const N: usize>(
         {
             return Err(outside("the field is not finite there"));
         }
+    }
+    Ok(())
+}
+
+/// Checks what does not depend on the system: times, the start as a number, and the escape bound.
+pub(super) fn check_run<const N: usize>(
+    start: &Timed<N>,
+    t_end: f64,
+    options: &Options,
+) -> Result<(), Error> {
+    let Timed { t, x } = *start;
+    if !(t.is_finite() && t_end.is_finite() && t < t_end) {
+        return Err(Error::Interval { t0: t, t_end });
+    }
+    if x.iter().any(|v| !v.is_finite()) {
+        return Err(Error::StartOutsideDomain {
+            t,
+            x: Point::from(&x),
+            what: "the start itself is not finite",
+        });
     }
     if x.iter().any(|v| v.abs() > options.escape) {
         let (x, bound) = (Point::from(&x), options.escape);

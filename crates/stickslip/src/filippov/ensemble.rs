@@ -8,7 +8,8 @@ use super::batch::side_by_side;
 use super::observer::Observer;
 use super::options::{Method, Options};
 use super::solve::{Failure, Summary, run};
-use crate::system::{Filippov, State};
+use super::switched::Switched;
+use crate::system::State;
 
 /// Orbits that are under way or waiting to be handed over at the same time: what bounds the memory.
 const WAVE: usize = 4096;
@@ -48,15 +49,15 @@ pub struct Start<S, const N: usize> {
 /// });
 /// assert_eq!(finished, 100);
 /// ```
-pub fn ensemble<S, O, const N: usize>(
+pub fn ensemble<S, O, const N: usize, const G: usize>(
     starts: impl IntoIterator<Item = Start<S, N>>,
     t_end: f64,
     options: &Options,
     observer: impl Fn(usize) -> O + Sync,
     mut each: impl FnMut(usize, O, Result<Summary<N>, Failure<Summary<N>>>) -> ControlFlow<()>,
 ) where
-    S: Filippov<N> + PartialEq + Send + Sync,
-    O: Observer<N> + Send,
+    S: Switched<N, G> + PartialEq + Send + Sync,
+    O: Observer<N, S::Mode> + Send,
 {
     let mut starts = starts.into_iter();
     let mut first = 0;

@@ -4,7 +4,7 @@ use crate::ode::Timed;
 
 /// Where a guard reaches zero first.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Event<const N: usize> {
+pub struct Event<const N: usize> {
     pub guard: usize,
     pub at: Timed<N>,
     /// Whether the guard turns back there, to within the touch tolerance, and does not pass through zero.

@@ -22,7 +22,7 @@ pub fn normal_component<S: Filippov<N>, T: Scalar, const N: usize>(
     system.boundary(Dual::new(t, T::one()), &along).eps
 }
 
-/// Filippov's sliding field on Σ: the convex combination of the two fields that is tangent to Σ,
+/// Filippov's sliding field on Σ: the convex combination of the two fields ([`Filippov::holding`]) that is tangent to Σ,
 /// `f₁ + λ (f₂ − f₁)` with `λ = a₁/(a₁ − a₂)` and `a₁`, `a₂` the fields' normal components (Filippov 1988, Sect. 4).
 ///
 /// Components that both fields share come out exactly as they are. Where both normal components vanish (a two-fold) or
@@ -43,8 +43,8 @@ fn sliding<S: Filippov<N>, T: Scalar, const N: usize>(
     t: T,
     x: &[T; N],
 ) -> ([T; N], [T; 2]) {
-    let below = system.field(Side::Below, t, x);
-    let above = system.field(Side::Above, t, x);
+    let below = system.holding(Side::Below, t, x);
+    let above = system.holding(Side::Above, t, x);
     let a1 = normal_component(system, t, x, &below);
     let a2 = normal_component(system, t, x, &above);
     let mut weight = None;
@@ -64,8 +64,8 @@ fn sliding<S: Filippov<N>, T: Scalar, const N: usize>(
     (field, [a1, a2])
 }
 
-/// Room for the guards of a mode: its own, and the one that all modes share.
-pub(crate) const MOST_GUARDS: usize = 3;
+/// Guards of the modes of one contact: two of a mode's own at most, and the one that all modes share.
+pub(crate) const GUARDS: usize = 3;
 
 /// The guard that all modes share: the contact function, with the sign that it has now.
 pub(crate) const CONTACT: usize = 2;
@@ -93,7 +93,7 @@ const OF_SIZE: f64 = 1e-9;
 
 /// Whether a range of values lies above zero, by more than the dense output's error and rounding.
 #[inline(always)]
-fn is_positive(range: Interval) -> bool {
+pub(super) fn is_positive(range: Interval) -> bool {
     range.low > OF_WIDTH * (range.high - range.low) && range.low > OF_SIZE * range.high
 }
 
@@ -109,17 +109,17 @@ fn contact_is_clear<S: Filippov<N>, const N: usize>(
 }
 
 /// A smooth flow that goes on while all its guards are positive.
-pub(crate) trait Flow<const N: usize> {
+pub trait Flow<const N: usize> {
     /// The guards there are, [`CONTACT`] among them.
     const GUARDS: &'static [usize];
     /// How many of the user's field calls one evaluation takes.
-    const FIELD_CALLS: u64;
+    fn field_calls(&self) -> u64;
     /// dx/dt.
     fn field<T: Scalar>(&self, t: T, x: &[T; N]) -> [T; N];
     /// Guard `i`: positive while the mode holds, zero where it ends.
     fn guard<T: Scalar>(&self, i: usize, t: T, x: &[T; N]) -> T;
-    /// The field, and all guards; one that there is not is constant.
-    fn field_and_guards<T: Scalar>(&self, t: T, x: &[T; N]) -> ([T; N], [T; MOST_GUARDS]);
+    /// The field, and all guards in a room for `G`; one that there is not is constant.
+    fn field_and_guards<T: Scalar, const G: usize>(&self, t: T, x: &[T; N]) -> ([T; N], [T; G]);
     /// Whether guard `i` is certain to stay positive over a range of times and states; `false` says nothing.
     fn is_clear(&self, i: usize, t: Interval, x: &[Interval; N]) -> bool;
     /// Takes out the rounding by which `x` has drifted off the set that the flow lives on.
@@ -196,7 +196,11 @@ impl<S, const ABOVE: bool> Slip<'_, S, ABOVE> {
 
 impl<S: Filippov<N>, const ABOVE: bool, const N: usize> Flow<N> for Slip<'_, S, ABOVE> {
     const GUARDS: &'static [usize] = &[0, CONTACT];
-    const FIELD_CALLS: u64 = 1;
+
+    #[inline(always)]
+    fn field_calls(&self) -> u64 {
+        1
+    }
 
     #[inline(always)]
     fn field<T: Scalar>(&self, t: T, x: &[T; N]) -> [T; N] {
@@ -213,8 +217,10 @@ impl<S: Filippov<N>, const ABOVE: bool, const N: usize> Flow<N> for Slip<'_, S, 
     }
 
     #[inline(always)]
-    fn field_and_guards<T: Scalar>(&self, t: T, x: &[T; N]) -> ([T; N], [T; MOST_GUARDS]) {
-        let guards = [self.guard(0, t, x), T::one(), self.guard(CONTACT, t, x)];
+    fn field_and_guards<T: Scalar, const G: usize>(&self, t: T, x: &[T; N]) -> ([T; N], [T; G]) {
+        let mut guards = [T::one(); G];
+        guards[0] = self.guard(0, t, x);
+        guards[CONTACT] = self.guard(CONTACT, t, x);
         (self.field(t, x), guards)
     }
 
@@ -257,7 +263,11 @@ impl<S> Stick<'_, S> {
 
 impl<S: Filippov<N>, const N: usize> Flow<N> for Stick<'_, S> {
     const GUARDS: &'static [usize] = &[0, 1, CONTACT];
-    const FIELD_CALLS: u64 = 2;
+
+    #[inline(always)]
+    fn field_calls(&self) -> u64 {
+        2
+    }
 
     #[inline(always)]
     fn field<T: Scalar>(&self, t: T, x: &[T; N]) -> [T; N] {
@@ -270,17 +280,17 @@ impl<S: Filippov<N>, const N: usize> Flow<N> for Stick<'_, S> {
             return contact_guard(self.system, t, x, self.contact);
         }
         let side = Self::side_of_guard(i);
-        let f = self.system.field(side, t, x);
+        let f = self.system.holding(side, t, x);
         normal_component(self.system, t, x, &f) * -side.sign()
     }
 
     #[inline(always)]
-    fn field_and_guards<T: Scalar>(&self, t: T, x: &[T; N]) -> ([T; N], [T; MOST_GUARDS]) {
+    fn field_and_guards<T: Scalar, const G: usize>(&self, t: T, x: &[T; N]) -> ([T; N], [T; G]) {
         let (field, [a1, a2]) = sliding(self.system, t, x);
-        (
-            field,
-            [a1, -a2, contact_guard(self.system, t, x, self.contact)],
-        )
+        let mut guards = [T::one(); G];
+        (guards[0], guards[1]) = (a1, -a2);
+        guards[CONTACT] = contact_guard(self.system, t, x, self.contact);
+        (field, guards)
     }
 
     #[inline(always)]

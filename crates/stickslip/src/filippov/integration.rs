@@ -1,31 +1,28 @@
 //! The one loop: an integration that goes on step by step and says what happens.
 
-use super::check::check;
 use super::event::Event;
-use super::flow::{CONTACT, MOST_GUARDS, Slip, Stick, project, sliding_field};
+use super::flow::{Flow, GUARDS};
 use super::observer::{Phase, StepRecord, Transition, TransitionKind};
 use super::options::Options;
 use super::pile_up::PileUp;
-use super::rules::{Departure, Leading, LieDerivatives, departure};
 use super::run::{Run, Trial};
 use super::solve::Summary;
 use super::stepper::{Stepper, Work};
-use super::switch::{kind, next_mode};
-use crate::dual::Dual;
+use super::switched::{Settled, Switched, UseFlow, Velocity};
 use crate::error::Error;
 use crate::ode::{Dense, Timed};
 use crate::orbit::{Counters, Ending};
-use crate::system::{Filippov, Mode, Side, State, components};
+use crate::system::{Mode, State, components};
 
 /// What happened in an integration; see [`Integration::step`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Progress<const N: usize> {
+pub enum Progress<const N: usize, K = Mode> {
     /// A step was taken: [`Integration::last_step`].
     Step,
     /// A phase has ended at the end of the last step.
-    PhaseEnd(Phase<N>),
+    PhaseEnd(Phase<N, K>),
     /// The mode changes, or Σ was touched, or contact lost or gained, at the end of the last step.
-    Transition(Transition<N>),
+    Transition(Transition<N, K>),
     /// The run has ended; further calls say the same.
     End(Summary<N>),
 }
@@ -53,10 +50,15 @@ pub enum Progress<const N: usize> {
 /// assert!(highest > 0.5);
 /// # Ok::<(), stickslip::Error>(())
 /// ```
-pub struct Integration<'a, S, const N: usize> {
+pub struct Integration<'a, S: Switched<N, G>, const N: usize, const G: usize = GUARDS> {
     pub(super) system: &'a S,
-    pub(super) run: Run<N>,
-    pub(super) stepper: Stepper<N>,
+    pub(super) run: Run<N, G>,
+    pub(super) stepper: Stepper<N, G>,
+    pub(super) mode: S::Mode,
+    /// What besides the mode decides the flow.
+    pub(super) branch: S::Branch,
+    /// The last step's mode.
+    last_mode: S::Mode,
     /// Where the phase under way began.
     from: Timed<N>,
     due: Due,
@@ -79,7 +81,7 @@ enum Due {
     End(Ending),
 }
 
-impl<'a, S: Filippov<N>, const N: usize> Integration<'a, S, N> {
+impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N, G> {
     /// An integration of `system` from `(t0, x0)` to `t_end`. The start may lie anywhere: on either side, on Σ, at a tangent point.
     ///
     /// # Errors
@@ -104,35 +106,38 @@ impl<'a, S: Filippov<N>, const N: usize> Integration<'a, S, N> {
         start: Timed<N>,
         t_end: f64,
         options: &Options,
-        stepper: Stepper<N>,
+        stepper: Stepper<N, G>,
     ) -> Result<Self, Error> {
-        check(system, &start, t_end, options)?;
-        let run = Run {
+        system.check(&start, t_end, options)?;
+        let mut run = Run {
             options: *options,
             counters: Counters::default(),
             pile_up: PileUp::new(),
             t_end,
             h: 0.0,
             at: start,
-            mode: Mode::Stick,
-            contact: contact_sign(system, &start),
-            orders: [0; MOST_GUARDS],
-            last: (Mode::Stick, start, start),
+            orders: [0; G],
+            last: (start, start),
             dense: Dense::resting(start.t, start.x),
             event: None,
         };
-        let mut integration = Integration {
+        let (mode, due) = match system.first_mode(&mut run)? {
+            Some((mode, orders)) => {
+                run.orders = orders;
+                (mode, Due::Begin)
+            }
+            None => (S::UNDECIDED, Due::End(Ending::Repelling)),
+        };
+        Ok(Integration {
             system,
             run,
             stepper,
+            mode,
+            branch: system.branch(&start),
+            last_mode: mode,
             from: start,
-            due: Due::Begin,
-        };
-        match integration.first_mode() {
-            Some((mode, orders)) => (integration.run.mode, integration.run.orders) = (mode, orders),
-            None => integration.due = Due::End(Ending::Repelling),
-        }
-        Ok(integration)
+            due,
+        })
     }
 
     /// Takes the next step and says so, or says what the last one has led to, one thing a call: the end of a phase, then the
@@ -142,7 +147,7 @@ impl<'a, S: Filippov<N>, const N: usize> Integration<'a, S, N> {
     /// [`Error::NonFinite`], [`Error::StepCollapse`], [`Error::EventPileUp`] and [`Error::Escaped`]; the integration stays where it
     /// has come to.
     #[inline]
-    pub fn step(&mut self) -> Result<Progress<N>, Error> {
+    pub fn step(&mut self) -> Result<Progress<N, S::Mode>, Error> {
         loop {
             if let Some(progress) = self.prepare()? {
                 return Ok(progress);
@@ -155,7 +160,7 @@ impl<'a, S: Filippov<N>, const N: usize> Integration<'a, S, N> {
 
     /// Goes on to where a step is taken next, or to what is to be said before.
     #[inline(always)]
-    pub(super) fn prepare(&mut self) -> Result<Option<Progress<N>>, Error> {
+    pub(super) fn prepare(&mut self) -> Result<Option<Progress<N, S::Mode>>, Error> {
         match self.due {
             Due::Step => {}
             Due::Begin => {
@@ -165,7 +170,7 @@ impl<'a, S: Filippov<N>, const N: usize> Integration<'a, S, N> {
             }
             Due::Passed => {
                 self.run.check_escape()?;
-                if self.run.orders != [0; MOST_GUARDS] {
+                if self.run.orders != [0; G] {
                     self.work(Work::NoteDepartures)?;
                 }
                 self.due = Due::Step;
@@ -195,139 +200,117 @@ impl<'a, S: Filippov<N>, const N: usize> Integration<'a, S, N> {
             Trial::Step => Due::Passed,
             Trial::Event => Due::Event,
         };
+        self.last_mode = self.mode;
         Ok(true)
     }
 
     /// Does what depends on the mode, with the flow of the mode.
     #[inline(always)]
     fn work(&mut self, work: Work) -> Result<Trial, Error> {
-        let (system, contact) = (self.system, self.run.contact);
-        let (stepper, run) = (&mut self.stepper, &mut self.run);
-        match run.mode {
-            Mode::Slip(Side::Below) => {
-                stepper.work(work, run, &Slip::<_, false> { system, contact })
-            }
-            Mode::Slip(Side::Above) => {
-                stepper.work(work, run, &Slip::<_, true> { system, contact })
-            }
-            Mode::Stick => stepper.work(work, run, &Stick { system, contact }),
-        }
+        let on_flow = OnFlow {
+            work,
+            stepper: &mut self.stepper,
+            run: &mut self.run,
+        };
+        self.system.with_flow(self.mode, self.branch, on_flow)
     }
 
     /// A stick phase begins on Σ.
     fn land(&mut self) {
-        if self.run.mode == Mode::Stick {
-            let at = &mut self.run.at;
-            at.x = project(self.system, at.t, at.x);
+        if S::sticks(self.mode) {
+            let settled = Settled(self.run.at);
+            self.run.at.x = self.system.with_flow(self.mode, self.branch, settled);
         }
     }
 
     /// What the event that the last step has come to leads to.
     #[cold]
-    fn conclude(&mut self, event: &Event<N>) -> Result<Progress<N>, Error> {
+    fn conclude(&mut self, event: &Event<N>) -> Result<Progress<N, S::Mode>, Error> {
         self.run.check_escape()?;
         if let Due::Switch = self.due {
             return self.switch(event);
         }
-        let mode = self.run.mode;
+        let mode = self.mode;
         let (guard, residual) = (event.guard, event.residual);
         if event.is_touch {
-            self.note_event(mode)?;
+            self.note_event()?;
             self.run.orders[guard] = 2;
             self.due = Due::Step;
-            let touch = self.transition(TransitionKind::Touch, mode, residual);
-            return Ok(Progress::Transition(touch));
+            let touch = (TransitionKind::Touch, S::contact_of(guard));
+            return Ok(self.transition(touch, mode, residual));
         }
-        if guard != CONTACT {
+        let mut branch = self.branch;
+        let Some(kind) = self.system.passed(guard, &mut branch) else {
             self.due = Due::Switch;
             return Ok(Progress::PhaseEnd(self.phase_so_far()));
-        }
-        self.note_event(mode)?;
-        let kind = if self.run.contact > 0.0 {
-            TransitionKind::ContactLoss
-        } else {
-            TransitionKind::ContactGain
         };
-        self.run.contact = -self.run.contact;
-        self.run.orders[CONTACT] = 1;
+        self.note_event()?;
+        self.branch = branch;
+        self.run.orders[guard] = 1;
         self.due = Due::Begin;
-        let change = self.transition(kind, mode, residual);
-        Ok(Progress::Transition(change))
+        Ok(self.transition((kind, S::contact_of(guard)), mode, residual))
     }
 
     /// From the end of a phase to the next mode or to the end of the run.
-    fn switch(&mut self, event: &Event<N>) -> Result<Progress<N>, Error> {
-        let from = self.run.mode;
-        let tangent = (from == Mode::Stick).then(|| Stick::<S>::side_of_guard(event.guard));
-        let departure = self.departure(tangent);
-        let Some((to, orders)) = next_mode(departure, self.run.options.at_repelling) else {
+    fn switch(&mut self, event: &Event<N>) -> Result<Progress<N, S::Mode>, Error> {
+        let from = self.mode;
+        let Some(next) = self.system.switch(&mut self.run, from, event)? else {
             self.due = Due::End(Ending::Repelling);
             return Ok(Progress::End(self.summary(Ending::Repelling)));
         };
-        self.note_event(to)?;
-        (self.run.mode, self.run.orders) = (to, orders);
+        self.mode = next.to;
+        self.note_event()?;
+        self.run.orders = next.orders;
         self.from = self.run.at;
         self.due = Due::Begin;
-        Ok(Progress::Transition(self.transition(
-            kind(from, to),
-            from,
-            event.residual,
-        )))
+        Ok(self.transition((next.kind, next.contact), from, event.residual))
     }
 
     /// A transition here, into the mode that the run is in now.
-    fn transition(&self, kind: TransitionKind, from: Mode, residual: f64) -> Transition<N> {
+    fn transition(
+        &self,
+        (kind, contact): (TransitionKind, usize),
+        from: S::Mode,
+        residual: f64,
+    ) -> Progress<N, S::Mode> {
         let Timed { t, x } = self.run.at;
-        Transition {
+        Progress::Transition(Transition {
             t,
             x,
             kind,
             from,
-            to: self.run.mode,
+            to: self.mode,
+            contact,
             residual,
-        }
+        })
     }
 
-    /// Counts a transition into `mode`.
-    fn note_event(&mut self, mode: Mode) -> Result<(), Error> {
-        let Timed { t, x } = &self.run.at;
-        let velocity = match mode {
-            Mode::Slip(side) => self.system.field(side, *t, components(x)),
-            Mode::Stick => sliding_field(self.system, *t, components(x)),
-        };
+    /// Counts a transition into the present mode.
+    fn note_event(&mut self) -> Result<(), Error> {
+        let Timed { t, x } = self.run.at;
+        let velocity = Velocity(t, components(&x));
+        let velocity = self.system.with_flow(self.mode, self.branch, velocity);
         self.run.note_event(&velocity.into())
-    }
-
-    /// Off Σ the side decides; on it, to rounding, the rules.
-    fn first_mode(&mut self) -> Option<(Mode, [usize; MOST_GUARDS])> {
-        let Timed { t, x } = &self.run.at;
-        let h = self.system.boundary(*t, components(x));
-        let side = if h < 0.0 { Side::Below } else { Side::Above };
-        if !LieDerivatives::new(self.system, side, *t, x, self.slack()).on_boundary() {
-            return Some((Mode::Slip(side), [0; MOST_GUARDS]));
-        }
-        next_mode(self.departure(None), self.run.options.at_repelling)
-    }
-
-    /// A state this near to where it should be is there: a thousandth of what error control lets pass.
-    fn slack(&self) -> f64 {
-        1e-3 * self.run.options.atol
-    }
-
-    /// What a point of Σ leads to. `tangent` names the side whose normal component is known to vanish: a stick phase has
-    /// just ended there.
-    fn departure(&mut self, tangent: Option<Side>) -> Departure {
-        let (slack, Timed { t, x }) = (self.slack(), self.run.at);
-        let mut of = |side| {
-            let leading = Leading::new(self.system, side, t, &x, slack, tangent == Some(side));
-            self.run.counters.field_calls += leading.calls;
-            leading
-        };
-        departure(of(Side::Below), of(Side::Above))
     }
 }
 
-impl<S, const N: usize> Integration<'_, S, N> {
+/// Work on the flow of the mode.
+struct OnFlow<'a, const N: usize, const G: usize> {
+    work: Work,
+    stepper: &'a mut Stepper<N, G>,
+    run: &'a mut Run<N, G>,
+}
+
+impl<const N: usize, const G: usize> UseFlow<N> for OnFlow<'_, N, G> {
+    type Output = Result<Trial, Error>;
+
+    #[inline(always)]
+    fn with<F: Flow<N>>(self, flow: &F) -> Self::Output {
+        self.stepper.work(self.work, self.run, flow)
+    }
+}
+
+impl<S: Switched<N, G>, const N: usize, const G: usize> Integration<'_, S, N, G> {
     /// The time reached.
     pub fn t(&self) -> f64 {
         self.run.at.t
@@ -339,18 +322,18 @@ impl<S, const N: usize> Integration<'_, S, N> {
     }
 
     /// The mode that the next step is taken in.
-    pub fn mode(&self) -> Mode {
-        self.run.mode
+    pub fn mode(&self) -> S::Mode {
+        self.mode
     }
 
     /// The last step, with the solution over it; of no length before the first.
     #[inline(always)]
-    pub fn last_step(&self) -> StepRecord<N> {
-        self.run.last_step()
+    pub fn last_step(&self) -> StepRecord<N, S::Mode> {
+        self.run.last_step(self.last_mode)
     }
 
     /// The phase under way as far as it has come; `None` between phases.
-    pub fn phase(&self) -> Option<Phase<N>> {
+    pub fn phase(&self) -> Option<Phase<N, S::Mode>> {
         let is_open = !matches!(self.due, Due::Switch | Due::End(_));
         (is_open && self.from.t < self.run.at.t).then(|| self.phase_so_far())
     }
@@ -360,10 +343,10 @@ impl<S, const N: usize> Integration<'_, S, N> {
         &self.run.counters
     }
 
-    fn phase_so_far(&self) -> Phase<N> {
+    fn phase_so_far(&self) -> Phase<N, S::Mode> {
         let (from, to) = (&self.from, &self.run.at);
         Phase {
-            mode: self.run.mode,
+            mode: self.mode,
             t_start: from.t,
             t_end: to.t,
             x_start: from.x,
@@ -378,17 +361,5 @@ impl<S, const N: usize> Integration<'_, S, N> {
             x: self.run.at.x,
             counters: self.run.counters,
         }
-    }
-}
-
-/// Sign of the contact function; where it is zero, of its rate along the mean of the two fields.
-fn contact_sign<S: Filippov<N>, const N: usize>(system: &S, at: &Timed<N>) -> f64 {
-    let x = components(&at.x);
-    let below = system.field(Side::Below, at.t, x);
-    let above = system.field(Side::Above, at.t, x);
-    let path = std::array::from_fn(|i| Dual::new(x[i], 0.5 * (below[i] + above[i])));
-    match system.contact(Dual::new(at.t, 1.0), &path) {
-        Some(contact) if contact.re < 0.0 || contact.re == 0.0 && contact.eps < 0.0 => -1.0,
-        _ => 1.0,
     }
 }

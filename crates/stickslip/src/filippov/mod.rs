@@ -2,6 +2,7 @@
 
 mod batch;
 mod check;
+mod contacts;
 mod ensemble;
 mod event;
 mod flow;
@@ -10,6 +11,7 @@ mod integration;
 mod leaving;
 mod locate;
 mod observer;
+mod one_contact;
 mod options;
 mod pile_up;
 mod rules;
@@ -19,10 +21,13 @@ mod slopes;
 mod solve;
 mod stepper;
 mod switch;
+mod switched;
 mod taylor;
 mod uncertainty;
 
+pub use contacts::{Contacts, Several};
 pub use ensemble::{Start, ensemble};
+pub(crate) use flow::Flow;
 pub use flow::{boundary_gradient, normal_component, sliding_field};
 pub use integration::{Integration, Progress};
 pub use observer::{Observer, Phase, StepRecord, Transition, TransitionKind};
@@ -32,3 +37,5 @@ pub use rules::{Fate, fate};
 pub use scan::first_zero;
 pub(crate) use solve::tell;
 pub use solve::{Failure, Summary, run, solve};
+pub use switched::Switched;
+pub(crate) use switched::{GuardGradient, UseFlow, Velocity};

@@ -7,9 +7,9 @@ use crate::system::{Mode, State};
 
 /// A part of an orbit in one mode, between two transitions.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Phase<const N: usize> {
-    /// Slip below, slip above, or stick.
-    pub mode: Mode,
+pub struct Phase<const N: usize, K = Mode> {
+    /// Slip below, slip above, or stick; of several contacts, each one's.
+    pub mode: K,
     /// Time at the start.
     pub t_start: f64,
     /// Time at the end.
@@ -20,7 +20,7 @@ pub struct Phase<const N: usize> {
     pub x_end: State<N>,
 }
 
-impl<const N: usize> Phase<N> {
+impl<const N: usize, K> Phase<N, K> {
     /// Length in time.
     pub fn duration(&self) -> f64 {
         self.t_end - self.t_start
@@ -52,7 +52,7 @@ pub enum TransitionKind {
 
 /// A transition on Σ.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Transition<const N: usize> {
+pub struct Transition<const N: usize, K = Mode> {
     /// Time.
     pub t: f64,
     /// State, on Σ.
@@ -60,9 +60,11 @@ pub struct Transition<const N: usize> {
     /// What happened.
     pub kind: TransitionKind,
     /// Mode before.
-    pub from: Mode,
+    pub from: K,
     /// Mode after.
-    pub to: Mode,
+    pub to: K,
+    /// Which contact it began at; 0 where there is one.
+    pub contact: usize,
     /// What is left at `(t, x)` of the function whose zero was sought: of the boundary function at the end of a slip, of
     /// the normal component at the end of a stick.
     pub residual: f64,
@@ -70,9 +72,9 @@ pub struct Transition<const N: usize> {
 
 /// An accepted step, or the part of one up to an event.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct StepRecord<const N: usize> {
+pub struct StepRecord<const N: usize, K = Mode> {
     /// Mode during the step.
-    pub mode: Mode,
+    pub mode: K,
     /// Time at the start.
     pub t_start: f64,
     /// Time at the end.
@@ -105,20 +107,20 @@ pub struct StepRecord<const N: usize> {
 /// assert_eq!(count.0, 5);
 /// # Ok::<(), stickslip::Error>(())
 /// ```
-pub trait Observer<const N: usize> {
+pub trait Observer<const N: usize, K = Mode> {
     /// After every accepted step (cut short at an event).
-    fn step(&mut self, _step: &StepRecord<N>) -> ControlFlow<()> {
+    fn step(&mut self, _step: &StepRecord<N, K>) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }
     /// At every transition, after the steps up to it.
-    fn transition(&mut self, _transition: &Transition<N>) -> ControlFlow<()> {
+    fn transition(&mut self, _transition: &Transition<N, K>) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }
     /// After every phase, before the transition that ends it.
-    fn phase(&mut self, _phase: &Phase<N>) -> ControlFlow<()> {
+    fn phase(&mut self, _phase: &Phase<N, K>) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }
 }
 
 /// Watches nothing.
-impl<const N: usize> Observer<N> for () {}
+impl<const N: usize, K> Observer<N, K> for () {}

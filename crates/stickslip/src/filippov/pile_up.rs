@@ -13,7 +13,7 @@ const FEWEST: usize = 10;
 
 /// Transitions pile up when many of them happen within no time, or when many phases in a row are too short for error control
 /// to tell their ends apart: then a loose tolerance has stopped the orbit short of the accumulation point.
-pub(crate) struct PileUp {
+pub struct PileUp {
     since: f64,
     count: usize,
     last: f64,

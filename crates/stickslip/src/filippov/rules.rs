@@ -8,7 +8,8 @@
 
 use crate::dual::Dual;
 
-use super::flow::{MOST_GUARDS, flow_path, normal_component};
+use super::flow::{GUARDS, flow_path, normal_component};
+use crate::scalar::Scalar;
 use crate::system::{Filippov, Side, State, components};
 
 /// What a point of Σ leads to.
@@ -28,7 +29,7 @@ pub(crate) struct Departure {
     pub fate: Fate,
     /// For every guard of the mode that follows, how many of its derivatives (from the value itself on)
     /// vanish at the start: 0 away from zero, 1 on leaving Σ across, 2 on leaving from a tangent point.
-    pub orders: [usize; MOST_GUARDS],
+    pub orders: [usize; GUARDS],
 }
 
 /// Lie derivatives 0 to 3 of the boundary function along one field, with the size below which each is rounding.
@@ -186,6 +187,18 @@ pub(crate) fn departure(below: Leading, above: Leading) -> Departure {
     Departure { fate, orders }
 }
 
+/// The system with static friction: its fields are those that hold.
+pub(crate) struct AtRest<'a, S>(pub &'a S);
+
+impl<S: Filippov<N>, const N: usize> Filippov<N> for AtRest<'_, S> {
+    fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; N]) -> [T; N] {
+        self.0.holding(side, t, x)
+    }
+    fn boundary<T: Scalar>(&self, t: T, x: &[T; N]) -> T {
+        self.0.boundary(t, x)
+    }
+}
+
 /// What the point `(t, x)` of Σ leads to by the two fields there (Filippov 1988, Sect. 4 and 19; Kuznetsov,
 /// Rinaldi & Gragnani 2003 for tangent points).
 ///
@@ -197,6 +210,10 @@ pub(crate) fn departure(below: Leading, above: Leading) -> Departure {
 /// assert_eq!(fate(&belt, 0.0, &State::from([1.5, 1.0])), Fate::Slip(Side::Below));
 /// ```
 pub fn fate<S: Filippov<N>, const N: usize>(system: &S, t: f64, x: &State<N>) -> Fate {
-    let of = |side| Leading::new(system, side, t, x, 0.0, false);
-    departure(of(Side::Below), of(Side::Above)).fate
+    let at_rest = |side| Leading::new(&AtRest(system), side, t, x, 0.0, false);
+    if departure(at_rest(Side::Below), at_rest(Side::Above)).fate == Fate::Stick {
+        return Fate::Stick;
+    }
+    let in_slip = |side| Leading::new(system, side, t, x, 0.0, false);
+    departure(in_slip(Side::Below), in_slip(Side::Above)).fate
 }

@@ -1,7 +1,7 @@
 //! What a run carries from step to step, and what can go wrong with a step.
 
 use super::event::Event;
-use super::flow::{Flow, MOST_GUARDS};
+use super::flow::Flow;
 use super::leaving::has_left;
 use super::observer::StepRecord;
 use super::options::Options;
@@ -10,13 +10,13 @@ use crate::error::{Error, Point};
 use crate::ode::control::first_step;
 use crate::ode::{Dense, Timed};
 use crate::orbit::Counters;
-use crate::system::{Mode, State};
+use crate::system::State;
 
 /// Steps shorter than this part of the time no longer move it.
 pub(crate) const SHORTEST: f64 = 4.0 * f64::EPSILON;
 
 /// What a run carries from step to step, whatever makes the steps.
-pub(crate) struct Run<const N: usize> {
+pub struct Run<const N: usize, const G: usize> {
     pub options: Options,
     pub counters: Counters,
     pub pile_up: PileUp,
@@ -26,13 +26,10 @@ pub(crate) struct Run<const N: usize> {
     pub h: f64,
     /// Where the last step ended.
     pub at: Timed<N>,
-    pub mode: Mode,
-    /// Sign of the contact function.
-    pub contact: f64,
     /// How many derivatives of each guard vanish where it was last zero and has not left that yet; 0 elsewhere.
-    pub orders: [usize; MOST_GUARDS],
-    /// The last step's mode, start and end (which [`Run::at`] leaves when a stick phase begins on Σ), and the solution over it.
-    pub last: (Mode, Timed<N>, Timed<N>),
+    pub orders: [usize; G],
+    /// The last step's start and end (which [`Run::at`] leaves when a stick phase begins on Σ), and the solution over it.
+    pub last: (Timed<N>, Timed<N>),
     pub dense: Dense<N>,
     /// The last event.
     pub event: Option<Event<N>>,
@@ -40,7 +37,7 @@ pub(crate) struct Run<const N: usize> {
 
 /// What came of a try to step.
 #[derive(Clone, Copy)]
-pub(crate) enum Trial {
+pub enum Trial {
     /// It was only prepared, or rejected: another try follows.
     NoStep,
     /// A step was taken, the run's last one now.
@@ -49,11 +46,11 @@ pub(crate) enum Trial {
     Event,
 }
 
-impl<const N: usize> Run<N> {
+impl<const N: usize, const G: usize> Run<N, G> {
     /// Takes the step to `at`, and the event there, as the last one.
     #[inline(always)]
     pub(crate) fn accept(&mut self, at: Timed<N>, event: Option<Event<N>>) -> Trial {
-        self.last = (self.mode, self.at, at);
+        self.last = (self.at, at);
         self.at = at;
         // Nothing is moved that is not there: this is done once a step.
         if event.is_none() {
@@ -63,10 +60,10 @@ impl<const N: usize> Run<N> {
         Trial::Event
     }
 
-    /// The last step; of no length before the first.
+    /// The last step, in this mode; of no length before the first.
     #[inline(always)]
-    pub(crate) fn last_step(&self) -> StepRecord<N> {
-        let (mode, from, to) = self.last;
+    pub(crate) fn last_step<K>(&self, mode: K) -> StepRecord<N, K> {
+        let (from, to) = self.last;
         StepRecord {
             mode,
             t_start: from.t,
@@ -146,6 +143,11 @@ impl<const N: usize> Run<N> {
         self.counters.rejected += 1;
         self.h = 0.1 * step;
         Ok(())
+    }
+
+    /// A state this near to where it should be is there: a thousandth of what error control lets pass.
+    pub(crate) fn slack(&self) -> f64 {
+        1e-3 * self.options.atol
     }
 
     pub(crate) fn check_escape(&self) -> Result<(), Error> {

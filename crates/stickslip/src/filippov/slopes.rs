@@ -4,7 +4,7 @@ use std::cell::Cell;
 use std::marker::PhantomData;
 
 use super::event::Event;
-use super::flow::{CONTACT, Flow};
+use super::flow::Flow;
 use super::guard::first_event;
 use super::leaving::leaving;
 use super::locate::{Limits, OnDense, Origin};
@@ -34,9 +34,9 @@ impl<const N: usize> Slopes<N> {
     }
 
     /// Tries a step.
-    pub(crate) fn advance<M: RungeKutta, F: Flow<N>>(
+    pub(crate) fn advance<M: RungeKutta, F: Flow<N>, const G: usize>(
         &mut self,
-        run: &mut Run<N>,
+        run: &mut Run<N, G>,
         flow: &F,
     ) -> Result<Trial, Error> {
         let field = &mut |t: f64, x: &State<N>| flow.velocity(t, x);
@@ -44,20 +44,20 @@ impl<const N: usize> Slopes<N> {
         let slope = match self.slope {
             Some(slope) => slope,
             None => {
-                run.counters.field_calls += F::FIELD_CALLS;
+                run.counters.field_calls += flow.field_calls();
                 field(t, &x)
             }
         };
         if run.h == 0.0 {
             run.h = run.choose_first_step(field, t, &x, &slope);
-            run.counters.field_calls += F::FIELD_CALLS;
+            run.counters.field_calls += flow.field_calls();
         }
         self.slope = Some(slope);
         let (h, is_last, mut step) = run.accepted_step::<M, F>(flow, slope)?;
         let t_next = if is_last { run.t_end } else { t + h };
         step.end = flow.settle(t_next, step.end);
         dense_slopes::<M, f64, _>(field, t, &x, h, &mut step);
-        run.counters.field_calls += F::FIELD_CALLS * (1 + M::COEFFICIENTS.dense_stages as u64);
+        run.counters.field_calls += flow.field_calls() * (1 + M::COEFFICIENTS.dense_stages as u64);
         let dense = Dense::new::<M>(t, &x, h, &step);
         if !dense.is_finite() {
             // The solution comes to the edge of where the field is defined: a shorter step may stay inside.
@@ -96,7 +96,7 @@ impl<const N: usize> Slopes<N> {
     }
 }
 
-impl<const N: usize> Run<N> {
+impl<const N: usize, const G: usize> Run<N, G> {
     /// The next step within the tolerance: its length, whether it ends at the end time, its slopes and end.
     #[inline(always)]
     fn accepted_step<M: RungeKutta, F: Flow<N>>(
@@ -114,7 +114,7 @@ impl<const N: usize> Run<N> {
                 return Err(self.collapse(&slope, h));
             }
             let step = stages::<M, f64, _>(field, t, &x, slope, h);
-            self.counters.field_calls += F::FIELD_CALLS * (M::COEFFICIENTS.stages as u64 - 1);
+            self.counters.field_calls += flow.field_calls() * (M::COEFFICIENTS.stages as u64 - 1);
             let error = squared_error::<M, N>(&step, &x, h, &tolerance);
             if self.options.fixed_step().is_some() {
                 if error.is_finite() {
@@ -153,7 +153,7 @@ impl<const N: usize> Run<N> {
         let mut first: Option<Event<N>> = None;
         let mut is_undefined = false;
         let reach = dense.enclosure();
-        // Written out rather than looped over, so that each guard's code is the guard's own.
+        // The first are written out rather than looped over, so that each guard's code is the guard's own.
         macro_rules! consider {
             ($guard:expr) => {
                 match self.first_failure::<M, F>($guard, origin, dense, &reach, self.orders[$guard])
@@ -170,7 +170,12 @@ impl<const N: usize> Run<N> {
         if F::GUARDS.contains(&1) {
             consider!(1);
         }
-        consider!(CONTACT);
+        if F::GUARDS.contains(&2) {
+            consider!(2);
+        }
+        for guard in 3..G {
+            consider!(guard);
+        }
         match first {
             Some(event) => Ok(Some(event)),
             None if is_undefined => Err(Undefined),

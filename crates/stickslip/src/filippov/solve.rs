@@ -3,9 +3,10 @@
 use super::integration::{Integration, Progress};
 use super::observer::{Observer, TransitionKind};
 use super::options::Options;
+use super::switched::Switched;
 use crate::error::Error;
 use crate::orbit::{Counters, Ending, Orbit};
-use crate::system::{Filippov, State};
+use crate::system::State;
 
 /// How and where a streamed run ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -76,13 +77,13 @@ impl<R> Failure<R> {
 ///
 /// # Errors
 /// As [`run`]; [`Failure::reached`] is the orbit up to the failure.
-pub fn solve<S: Filippov<N>, const N: usize>(
+pub fn solve<S: Switched<N, G>, const N: usize, const G: usize>(
     system: &S,
     t0: f64,
     x0: impl Into<State<N>>,
     t_end: f64,
     options: &Options,
-) -> Result<Orbit<N>, Failure<Orbit<N>>> {
+) -> Result<Orbit<N, S::Mode>, Failure<Orbit<N, S::Mode>>> {
     let x0 = x0.into();
     let mut orbit = Orbit {
         phases: Vec::new(),
@@ -102,11 +103,11 @@ pub fn solve<S: Filippov<N>, const N: usize>(
 }
 
 /// Fills an orbit that holds its start and nothing else.
-fn follow<S: Filippov<N>, const N: usize>(
+fn follow<S: Switched<N, G>, const N: usize, const G: usize>(
     system: &S,
     t_end: f64,
     options: &Options,
-    orbit: &mut Orbit<N>,
+    orbit: &mut Orbit<N, S::Mode>,
 ) -> Result<(), Error> {
     let (t0, x0) = (orbit.t_start, orbit.x_start);
     let mut integration = Integration::new(system, t0, x0, t_end, options)?;
@@ -140,7 +141,7 @@ fn follow<S: Filippov<N>, const N: usize>(
 /// # Errors
 /// [`Failure`] with one of [`Error::Option`], [`Error::Interval`], [`Error::Parameter`] and [`Error::StartOutsideDomain`] before
 /// the first step; of [`Error::NonFinite`], [`Error::StepCollapse`], [`Error::EventPileUp`] and [`Error::Escaped`] after it.
-pub fn run<S: Filippov<N>, O: Observer<N> + ?Sized, const N: usize>(
+pub fn run<S: Switched<N, G>, O: Observer<N, S::Mode> + ?Sized, const N: usize, const G: usize>(
     system: &S,
     t0: f64,
     x0: impl Into<State<N>>,
@@ -170,12 +171,16 @@ pub fn run<S: Filippov<N>, O: Observer<N> + ?Sized, const N: usize>(
 /// Tells `observer` of what happened; the end of the run, where it has come to one or the observer asks for it. One that asks at
 /// the end of a phase is still told of the transition behind it, which `is_stopping` remembers.
 #[inline(always)]
-pub(crate) fn tell<S, O: Observer<N> + ?Sized, const N: usize>(
-    integration: &Integration<'_, S, N>,
-    progress: &Progress<N>,
+pub(crate) fn tell<S, O, const N: usize, const G: usize>(
+    integration: &Integration<'_, S, N, G>,
+    progress: &Progress<N, S::Mode>,
     observer: &mut O,
     is_stopping: &mut bool,
-) -> Result<Option<Summary<N>>, Error> {
+) -> Result<Option<Summary<N>>, Error>
+where
+    S: Switched<N, G>,
+    O: Observer<N, S::Mode> + ?Sized,
+{
     let is_inside = match progress {
         Progress::Step => {
             if observer.step(&integration.last_step()).is_continue() {

@@ -9,10 +9,10 @@ use crate::error::Error;
 use crate::ode::{Dop853, Rk4};
 
 /// What a method keeps from step to step.
-pub(crate) enum Stepper<const N: usize> {
+pub(crate) enum Stepper<const N: usize, const G: usize> {
     Dop853(Slopes<N>),
     Rk4(Slopes<N>),
-    Taylor(Box<TaylorStepper<N>>),
+    Taylor(Box<TaylorStepper<N, G>>),
 }
 
 /// A piece of work that needs the flow of the mode.
@@ -26,7 +26,7 @@ pub(crate) enum Work {
     Advance,
 }
 
-impl<const N: usize> Stepper<N> {
+impl<const N: usize, const G: usize> Stepper<N, G> {
     pub(crate) fn new(options: &Options) -> Self {
         match options.method {
             Method::Dop853 | Method::Dop853Fixed { .. } => Stepper::Dop853(Slopes::default()),
@@ -52,7 +52,7 @@ impl<const N: usize> Stepper<N> {
     }
 
     /// The Taylor stepper, if it is one.
-    pub(crate) fn series(&self) -> Option<&TaylorStepper<N>> {
+    pub(crate) fn series(&self) -> Option<&TaylorStepper<N, G>> {
         match self {
             Stepper::Taylor(series) => Some(series),
             Stepper::Dop853(_) | Stepper::Rk4(_) => None,
@@ -60,7 +60,7 @@ impl<const N: usize> Stepper<N> {
     }
 
     /// As [`Stepper::series`], to change it.
-    pub(crate) fn series_mut(&mut self) -> Option<&mut TaylorStepper<N>> {
+    pub(crate) fn series_mut(&mut self) -> Option<&mut TaylorStepper<N, G>> {
         match self {
             Stepper::Taylor(series) => Some(series),
             Stepper::Dop853(_) | Stepper::Rk4(_) => None,
@@ -77,7 +77,7 @@ impl<const N: usize> Stepper<N> {
     pub(crate) fn work<F: Flow<N>>(
         &mut self,
         work: Work,
-        run: &mut Run<N>,
+        run: &mut Run<N, G>,
         flow: &F,
     ) -> Result<Trial, Error> {
         match (work, self) {
@@ -85,9 +85,9 @@ impl<const N: usize> Stepper<N> {
             (Work::Prepare, Stepper::Taylor(series)) => series.prepare(run, flow),
             (Work::Prepare, _) => {}
             (Work::Advance, Stepper::Dop853(slopes)) => {
-                return slopes.advance::<Dop853, F>(run, flow);
+                return slopes.advance::<Dop853, F, G>(run, flow);
             }
-            (Work::Advance, Stepper::Rk4(slopes)) => return slopes.advance::<Rk4, F>(run, flow),
+            (Work::Advance, Stepper::Rk4(slopes)) => return slopes.advance::<Rk4, F, G>(run, flow),
             (Work::Advance, Stepper::Taylor(series)) => return series.advance(run, flow),
         }
         Ok(Trial::NoStep)

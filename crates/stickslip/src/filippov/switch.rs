@@ -1,6 +1,6 @@
 //! Where a run goes from a point of Σ: pure functions of mode and fate.
 
-use super::flow::MOST_GUARDS;
+use super::flow::GUARDS;
 use super::observer::TransitionKind;
 use super::options::AtRepelling;
 use super::rules::{Departure, Fate};
@@ -11,7 +11,7 @@ use crate::system::{Mode, Side};
 pub(super) fn next_mode(
     departure: Departure,
     at_repelling: AtRepelling,
-) -> Option<(Mode, [usize; MOST_GUARDS])> {
+) -> Option<(Mode, [usize; GUARDS])> {
     let orders = departure.orders;
     match (departure.fate, at_repelling) {
         (Fate::Slip(side), _) => Some((Mode::Slip(side), orders)),

@@ -13,7 +13,7 @@ use crate::lyapunov_equations::{
 };
 use crate::solver::systems::{
     BlowUp, Breathing, Ceiling, DenHartog, Dip, Floor, Ledge, Line, MovingLine, Parabola, Rest,
-    Reversed, Spiral, TurningLine, TwoFold, Wall, Window, Zeno,
+    Reversed, Spiral, StaticFriction, TurningLine, TwoFold, Wall, Window, Zeno,
 };
 use crate::taylor::{Brink, Gate, Kink, Nowhere, Pit, Ramp};
 
@@ -36,6 +36,12 @@ macro_rules! systems {
             fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; $n]) -> [T; $n] {
                 match self {
                     $($any::$name(system) => system.field(side, t, x)),*
+                }
+            }
+            #[inline(never)]
+            fn holding<T: Scalar>(&self, side: Side, t: T, x: &[T; $n]) -> [T; $n] {
+                match self {
+                    $($any::$name(system) => system.holding(side, t, x)),*
                 }
             }
             #[inline(never)]
@@ -77,7 +83,7 @@ systems!(
     Belt(BeltOscillator), Ceiling(Ceiling), DenHartog(DenHartog), Dip(Dip), Floor(Floor), Forced(ForcedOscillator), FromSupport(FromSupport),
     Gate(Gate), Kink(Kink), Ledge(Ledge), Linear(Smooth<Linear<2>>), Parabola(Parabola), Pit(Pit), Ramp(Ramp),
     Refracting(Refracting), ReversedBelt(Reversed<BeltOscillator>), ReversedForced(Reversed<ForcedOscillator>),
-    Shaken(grazes::Shaken), SpiralAtRest(grazes::AtRest), Spiral(Spiral), TwoFold(TwoFold), Zeno(Zeno),
+    Shaken(grazes::Shaken), SpiralAtRest(grazes::AtRest), Spiral(Spiral), StaticFriction(StaticFriction), TwoFold(TwoFold), Zeno(Zeno),
 );
 
 systems!(Any3, 3: Linear(Smooth<Linear<3>>), Lorenz(Smooth<Lorenz>), Roessler(Smooth<Roessler>));

@@ -7,9 +7,10 @@ use super::settings::SpectrumOptions;
 use super::spectrum::Spectrum;
 use super::volume::growth;
 use crate::error::{Error, Point};
-use crate::filippov::{StepRecord, Summary, Transition, TransitionKind, boundary_gradient};
+use crate::filippov::{StepRecord, Summary, Switched, Transition, TransitionKind};
 use crate::math;
-use crate::system::{Filippov, Mode, State};
+use crate::ode::Timed;
+use crate::system::State;
 
 /// The frame, and what is summed up of it.
 pub(super) struct Measurement<'a, S, const N: usize> {
@@ -137,13 +138,23 @@ impl<'a, S, const N: usize> Measurement<'a, S, N> {
     }
 }
 
-impl<S: Filippov<N>, const N: usize> Measurement<'_, S, N> {
+impl<S, const N: usize> Measurement<'_, S, N> {
     /// A run that begins in stick was on Σ before: nothing across it survives. (From where it came decides along which
     /// direction it was projected, and no exponent depends on that.)
-    fn begin_on_boundary(&mut self, step: &StepRecord<N>) -> Option<()> {
-        let (gradient, _) = boundary_gradient(self.tangent.system, step.t_start, &step.x_start);
-        let kernel = gradient / gradient.norm();
-        self.project(&kernel, &gradient, |q| *q)?;
+    fn begin_on_boundary<const G: usize>(&mut self, step: &StepRecord<N, S::Mode>) -> Option<()>
+    where
+        S: Switched<N, G>,
+    {
+        let (t, x) = (step.t_start, step.x_start);
+        let mut across: Vec<State<N>> = Vec::new();
+        for mut gradient in self.tangent.system.normals(step.mode, &Timed { t, x }) {
+            for before in &across {
+                flatten(before, &mut gradient);
+            }
+            let kernel = gradient / gradient.norm();
+            self.project(&kernel, &gradient, |q| *q)?;
+            across.push(gradient);
+        }
         for j in 0..N {
             if self.frame.is_alive(j) {
                 self.growth.logs[j] = 0.0;
@@ -153,8 +164,11 @@ impl<S: Filippov<N>, const N: usize> Measurement<'_, S, N> {
         Some(())
     }
 
-    fn take(&mut self, step: &StepRecord<N>) -> Option<()> {
-        let is_stick = step.mode == Mode::Stick;
+    fn take<const G: usize>(&mut self, step: &StepRecord<N, S::Mode>) -> Option<()>
+    where
+        S: Switched<N, G>,
+    {
+        let is_stick = S::sticks(step.mode);
         if std::mem::take(&mut self.is_fresh) && is_stick {
             self.begin_on_boundary(step)?;
         }
@@ -171,7 +185,10 @@ impl<S: Filippov<N>, const N: usize> Measurement<'_, S, N> {
         self.book(growth)
     }
 
-    fn jump(&mut self, at: &Transition<N>) -> Option<()> {
+    fn jump<const G: usize>(&mut self, at: &Transition<N, S::Mode>) -> Option<()>
+    where
+        S: Switched<N, G>,
+    {
         let enters = at.kind == TransitionKind::StickEntry;
         self.stick_entries += usize::from(enters);
         let Some(jump) = self.tangent.jump(at) else {
@@ -187,7 +204,13 @@ impl<S: Filippov<N>, const N: usize> Measurement<'_, S, N> {
     }
 
     /// Takes the frame over a step.
-    pub(super) fn step(&mut self, step: &StepRecord<N>) -> Result<(), Error> {
+    pub(super) fn step<const G: usize>(
+        &mut self,
+        step: &StepRecord<N, S::Mode>,
+    ) -> Result<(), Error>
+    where
+        S: Switched<N, G>,
+    {
         self.take(step)
             .ok_or_else(|| singular(step.t_end, &step.x_end))?;
         if !self.is_settling {
@@ -197,7 +220,13 @@ impl<S: Filippov<N>, const N: usize> Measurement<'_, S, N> {
     }
 
     /// Takes the frame through a transition.
-    pub(super) fn transition(&mut self, at: &Transition<N>) -> Result<(), Error> {
+    pub(super) fn transition<const G: usize>(
+        &mut self,
+        at: &Transition<N, S::Mode>,
+    ) -> Result<(), Error>
+    where
+        S: Switched<N, G>,
+    {
         self.jump(at).ok_or_else(|| singular(at.t, &at.x))
     }
 }

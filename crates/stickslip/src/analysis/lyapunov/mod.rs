@@ -37,9 +37,9 @@ pub use settings::SpectrumOptions;
 pub use spectrum::{Exponent, Running, Spectrum};
 
 use crate::error::{Error, Point};
-use crate::filippov::{Integration, Observer, Progress, Summary, tell};
+use crate::filippov::{Integration, Observer, Progress, Summary, Switched, tell};
 use crate::orbit::Ending;
-use crate::system::{Filippov, State};
+use crate::system::State;
 use measurement::Measurement;
 
 /// The Lyapunov spectrum of the orbit from `(t0, x0)`; memory does not grow with the length of the run.
@@ -70,7 +70,7 @@ use measurement::Measurement;
 /// # Errors
 /// [`Error::Option`]; those of [`crate::run`]; [`Error::NoUniqueFuture`] where the orbit ends on a repelling part of Σ;
 /// [`Error::TangentSingular`] where it grazes Σ so exactly that tangent vectors have no image.
-pub fn lyapunov_spectrum<S: Filippov<N>, const N: usize>(
+pub fn lyapunov_spectrum<S: Switched<N, G>, const N: usize, const G: usize>(
     system: &S,
     start: (f64, impl Into<State<N>>),
     settings: &SpectrumOptions,
@@ -83,12 +83,16 @@ pub fn lyapunov_spectrum<S: Filippov<N>, const N: usize>(
 ///
 /// # Errors
 /// As [`lyapunov_spectrum`].
-pub fn lyapunov_spectrum_watched<S: Filippov<N>, O: Observer<N> + ?Sized, const N: usize>(
+pub fn lyapunov_spectrum_watched<S, O, const N: usize, const G: usize>(
     system: &S,
     (t0, x0): (f64, impl Into<State<N>>),
     settings: &SpectrumOptions,
     watcher: &mut O,
-) -> Result<Spectrum<N>, Error> {
+) -> Result<Spectrum<N>, Error>
+where
+    S: Switched<N, G>,
+    O: Observer<N, S::Mode> + ?Sized,
+{
     settings.check()?;
     let mut measurement = Measurement::new(system, settings);
     let mut begin = (t0, x0.into());
@@ -104,14 +108,18 @@ pub fn lyapunov_spectrum_watched<S: Filippov<N>, O: Observer<N> + ?Sized, const 
 }
 
 /// Goes along an orbit with the frame first and `watcher` behind it.
-fn follow<S: Filippov<N>, O: Observer<N> + ?Sized, const N: usize>(
+fn follow<S, O, const N: usize, const G: usize>(
     system: &S,
     (t, x): (f64, State<N>),
     t_end: f64,
     settings: &SpectrumOptions,
     measurement: &mut Measurement<'_, S, N>,
     watcher: &mut O,
-) -> Result<Summary<N>, Error> {
+) -> Result<Summary<N>, Error>
+where
+    S: Switched<N, G>,
+    O: Observer<N, S::Mode> + ?Sized,
+{
     let mut integration = Integration::new(system, t, x, t_end, &settings.solver)?;
     let mut is_stopping = false;
     loop {

@@ -2,9 +2,8 @@
 
 use crate::dual::Dual;
 
-use super::super::tangent::field_in;
-use crate::filippov::StepRecord;
-use crate::system::{Filippov, Mode, State};
+use crate::filippov::{StepRecord, Switched, Velocity};
+use crate::system::State;
 
 /// Nodes in `[0, 1]` and weights of Gauss and Legendre's rule of five points: exact to degree 9.
 const GAUSS: [(f64, f64); 5] = [
@@ -16,19 +15,28 @@ const GAUSS: [(f64, f64); 5] = [
 ];
 
 /// Divergence of the field that rules in `mode`.
-fn divergence<S: Filippov<N>, const N: usize>(system: &S, mode: Mode, t: f64, x: &State<N>) -> f64 {
+fn divergence<S: Switched<N, G>, const N: usize, const G: usize>(
+    system: &S,
+    mode: S::Mode,
+    t: f64,
+    x: &State<N>,
+) -> f64 {
     let frozen = Dual::new(t, 0.0);
     (0..N)
         .map(|i| {
             let seed = |j: usize| f64::from(u8::from(i == j));
             let seeded = std::array::from_fn(|j| Dual::new(x[j], seed(j)));
-            field_in(system, mode, frozen, &seeded)[i].eps
+            let here = Velocity(frozen, &seeded);
+            system.with_flow(mode, S::Branch::default(), here)[i].eps
         })
         .sum()
 }
 
 /// Integral of the divergence over a step: the logarithm of the factor by which it changes volumes.
-pub(super) fn growth<S: Filippov<N>, const N: usize>(system: &S, step: &StepRecord<N>) -> f64 {
+pub(super) fn growth<S: Switched<N, G>, const N: usize, const G: usize>(
+    system: &S,
+    step: &StepRecord<N, S::Mode>,
+) -> f64 {
     let length = step.t_end - step.t_start;
     let mean: f64 = GAUSS
         .iter()

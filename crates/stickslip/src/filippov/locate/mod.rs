@@ -30,7 +30,7 @@ pub(crate) struct Origin<'a, F, const N: usize> {
 
 impl<F: Flow<N>, const N: usize> Origin<'_, F, N> {
     fn count(&self, evaluations: u64) {
-        let calls = self.field_calls.get() + F::FIELD_CALLS * evaluations;
+        let calls = self.field_calls.get() + self.flow.field_calls() * evaluations;
         self.field_calls.set(calls);
     }
 }

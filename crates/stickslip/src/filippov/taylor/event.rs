@@ -130,14 +130,14 @@ fn on_piece<F: Flow<N>, const N: usize>(
     }
 }
 
-impl<const N: usize> TaylorStepper<N> {
+impl<const N: usize, const G: usize> TaylorStepper<N, G> {
     /// The first guard that fails in the step, and where.
     ///
     /// # Errors
     /// A guard is not defined throughout the step.
     pub(super) fn first_event<F: Flow<N>>(
         &self,
-        run: &mut Run<N>,
+        run: &mut Run<N, G>,
         flow: &F,
         piece: &Piece<N>,
     ) -> Result<Option<Found<N>>, Undefined> {
@@ -178,8 +178,8 @@ impl<const N: usize> TaylorStepper<N> {
 
 /// The first event of the guard with series `c`, of which `order` coefficients vanish at the start.
 #[inline(always)]
-fn first_failure<F: Flow<N>, const N: usize>(
-    run: &mut Run<N>,
+fn first_failure<F: Flow<N>, const N: usize, const G: usize>(
+    run: &mut Run<N, G>,
     flow: &F,
     guard: usize,
     piece: &Piece<N>,
@@ -232,8 +232,8 @@ fn first_failure<F: Flow<N>, const N: usize>(
 /// sampled, on the series of the state.
 #[cold]
 #[inline(never)]
-fn sampled_failure<F: Flow<N>, const N: usize>(
-    run: &mut Run<N>,
+fn sampled_failure<F: Flow<N>, const N: usize, const G: usize>(
+    run: &mut Run<N, G>,
     flow: &F,
     guard: usize,
     piece: &Piece<N>,
@@ -266,8 +266,8 @@ fn sampled_failure<F: Flow<N>, const N: usize>(
 /// back within the touch tolerance.
 #[cold]
 #[inline(never)]
-fn locate<F: Flow<N>, const N: usize>(
-    run: &mut Run<N>,
+fn locate<F: Flow<N>, const N: usize, const G: usize>(
+    run: &mut Run<N, G>,
     flow: &F,
     piece: &Piece<N>,
     i: usize,

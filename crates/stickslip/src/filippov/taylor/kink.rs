@@ -4,7 +4,7 @@ use super::TaylorStepper;
 use super::piece::Piece;
 use crate::taylor::roots::{first_zero, value_and_slope};
 
-impl<const N: usize> TaylorStepper<N> {
+impl<const N: usize, const G: usize> TaylorStepper<N, G> {
     /// Where in the step, before the part `before`, a comparison that the series relies on first comes out otherwise: a little
     /// behind the place where the two are equal, so that the next series sees it.
     pub(super) fn first_kink(&self, piece: &Piece<N>, before: f64) -> Option<f64> {

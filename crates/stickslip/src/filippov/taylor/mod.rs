@@ -7,7 +7,7 @@ mod step_size;
 
 use piece::{Piece, nowhere};
 
-use super::flow::{Flow, MOST_GUARDS};
+use super::flow::Flow;
 use super::options::Options;
 use super::run::{Run, Trial};
 use crate::error::Error;
@@ -25,10 +25,10 @@ const LEAST_ORDER: usize = 8;
 const SHRINK: f64 = 1e-2;
 
 /// The Taylor stepper: a series, and room for it.
-pub(crate) struct TaylorStepper<const N: usize> {
+pub(crate) struct TaylorStepper<const N: usize, const G: usize> {
     order: usize,
     series: Series<1>,
-    expansion: Expansion<MOST_GUARDS>,
+    expansion: Expansion<G>,
     /// Whether the series is that of the next step already.
     is_expanded: bool,
     /// Whether the phase, or the rest of one, has yet to begin.
@@ -45,14 +45,14 @@ pub(crate) struct TaylorStepper<const N: usize> {
 /// The field of a flow, and its guards.
 pub(super) struct OfFlow<'a, F>(pub(super) &'a F);
 
-impl<F: Flow<N>, const N: usize> Functions<N, MOST_GUARDS> for OfFlow<'_, F> {
+impl<F: Flow<N>, const N: usize, const G: usize> Functions<N, G> for OfFlow<'_, F> {
     #[inline(always)]
-    fn at<T: Scalar>(&self, t: T, x: &[T; N]) -> ([T; N], [T; MOST_GUARDS]) {
+    fn at<T: Scalar>(&self, t: T, x: &[T; N]) -> ([T; N], [T; G]) {
         self.0.field_and_guards(t, x)
     }
 }
 
-impl<const N: usize> TaylorStepper<N> {
+impl<const N: usize, const G: usize> TaylorStepper<N, G> {
     pub(crate) fn new(options: &Options) -> Self {
         let tolerance = options.rtol.max(options.atol);
         // Jorba & Zou, Eq. (11), and a few orders more: the time per order falls as the overhead of a step is spread.
@@ -77,17 +77,17 @@ impl<const N: usize> TaylorStepper<N> {
 
     /// Expands the series at the end of the last step.
     #[inline(never)]
-    fn expand<F: Flow<N>>(&mut self, run: &mut Run<N>, flow: &F) {
+    fn expand<F: Flow<N>>(&mut self, run: &mut Run<N, G>, flow: &F) {
         let Timed { t, x } = run.at;
         let x = std::array::from_fn(|i| [x[i]]);
         self.expansion = self
             .series
             .expand([t], &x, [self.scale], self.order, &OfFlow(flow));
-        self.count::<F>(run);
+        self.count(run, flow);
     }
 
-    fn count<F: Flow<N>>(&self, run: &mut Run<N>) {
-        run.counters.field_calls += F::FIELD_CALLS * (self.order as u64 + 1);
+    fn count<F: Flow<N>>(&self, run: &mut Run<N, G>, flow: &F) {
+        run.counters.field_calls += flow.field_calls() * (self.order as u64 + 1);
     }
 
     /// The order of the series, and the step that the next one is scaled with.
@@ -98,16 +98,17 @@ impl<const N: usize> TaylorStepper<N> {
     /// Takes what a step needs of an expansion in which this orbit was the lane `lane`.
     pub(super) fn take_lane<F: Flow<N>, const L: usize>(
         &mut self,
-        run: &mut Run<N>,
+        run: &mut Run<N, G>,
+        flow: &F,
         series: &Series<L>,
-        expansion: &Expansion<MOST_GUARDS>,
+        expansion: &Expansion<G>,
         lane: usize,
     ) {
         self.series
             .take_lane::<N, L, _>(series, expansion, lane, self.order);
         self.expansion = *expansion;
         self.is_expanded = true;
-        self.count::<F>(run);
+        self.count(run, flow);
     }
 
     fn piece(&self, t: f64, rest: Timed<N>, h: f64, scaled_with: f64) -> Piece<N> {
@@ -131,14 +132,14 @@ impl<const N: usize> TaylorStepper<N> {
     }
 }
 
-impl<const N: usize> TaylorStepper<N> {
+impl<const N: usize, const G: usize> TaylorStepper<N, G> {
     /// Forgets what belonged to the phase before.
     pub(super) fn begin(&mut self) {
         self.is_new = true;
     }
 
     /// Begins a phase, or the rest of one.
-    fn enter<F: Flow<N>>(&mut self, run: &mut Run<N>, flow: &F) {
+    fn enter<F: Flow<N>>(&mut self, run: &mut Run<N, G>, flow: &F) {
         let Timed { t, x } = run.at;
         // What rounding took belongs to the state that it was taken from.
         if t != self.end.t {
@@ -155,12 +156,12 @@ impl<const N: usize> TaylorStepper<N> {
             let field = &mut |t: f64, x: &State<N>| flow.velocity(t, x);
             let slope = field(t, &x);
             run.h = run.choose_first_step(field, t, &x, &slope);
-            run.counters.field_calls += 2 * F::FIELD_CALLS;
+            run.counters.field_calls += 2 * flow.field_calls();
         }
     }
 
     /// Makes ready for the next expansion.
-    pub(super) fn prepare<F: Flow<N>>(&mut self, run: &mut Run<N>, flow: &F) {
+    pub(super) fn prepare<F: Flow<N>>(&mut self, run: &mut Run<N, G>, flow: &F) {
         if self.is_new {
             self.enter(run, flow);
         }
@@ -171,7 +172,7 @@ impl<const N: usize> TaylorStepper<N> {
     /// Tries a step on the series that was expanded.
     pub(super) fn advance<F: Flow<N>>(
         &mut self,
-        run: &mut Run<N>,
+        run: &mut Run<N, G>,
         flow: &F,
     ) -> Result<Trial, Error> {
         if !self.is_expanded {

@@ -24,7 +24,7 @@ fn rough_log2(x: f64) -> f64 {
     x.to_bits() as f64 / MANTISSA - 1023.0
 }
 
-impl<const N: usize> TaylorStepper<N> {
+impl<const N: usize, const G: usize> TaylorStepper<N, G> {
     /// Step length within the tolerance, over that which the series is scaled with: where the last coefficients, extrapolated
     /// by the radius of convergence that they tell, have fallen to the tolerance (Jorba & Zou 2005, Sect. 3.2).
     pub(super) fn step_ratio(&self, options: &Options, x: &State<N>) -> f64 {

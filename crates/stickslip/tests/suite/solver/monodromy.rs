@@ -8,7 +8,7 @@ use stickslip::{Mode, Side, State, math};
 
 use super::check::{TIGHT, kinds};
 use crate::any_system::{Listed, monodromy, periodic_orbit, solve};
-use crate::solver::systems::{Dip, Floor, MovingLine, Spiral, decaying_friction};
+use crate::solver::systems::{Dip, Floor, MovingLine, Spiral, StaticFriction, decaying_friction};
 
 /// Differences over five points with this change err by its fourth power times the fifth derivative, and by the run's
 /// tolerance over it (1e-8).
@@ -182,4 +182,17 @@ fn the_cycle_without_stick_has_the_multiplier_of_its_return_map() {
     assert!(
         (math::ln(cycle.monodromy.determinant()) - math::ln(trivial.re * other.re)).abs() < 1e-9
     );
+}
+
+#[test]
+fn static_friction_that_gives_way_jumps() {
+    let block = StaticFriction {
+        at_rest: 1.0,
+        in_slip: 0.6,
+    };
+    // Off Σ, into stick, out of it across Σ, and back; the time of the exit follows the position at the entry.
+    let slipping = (0.0, State::from([-0.3, 0.0]));
+    assert_agree("static friction", &block, slipping, 12.0, 2);
+    let m = assert_agree("static friction, one stick", &block, slipping, 8.0, 1);
+    assert!(m.determinant().abs() < 1e-9);
 }

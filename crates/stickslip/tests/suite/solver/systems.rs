@@ -18,6 +18,30 @@ impl Filippov<2> for Floor {
     }
 }
 
+/// `x'' = -x`, with friction on a belt of speed 0.2 that is larger at rest than in slip.
+pub struct StaticFriction {
+    pub at_rest: f64,
+    pub in_slip: f64,
+}
+
+impl StaticFriction {
+    fn with<T: Scalar>(friction: f64, side: Side, x: &[T; 2]) -> [T; 2] {
+        [x[1], -x[0] - friction * side.sign()]
+    }
+}
+
+impl Filippov<2> for StaticFriction {
+    fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T; 2]) -> [T; 2] {
+        StaticFriction::with(self.in_slip, side, x)
+    }
+    fn holding<T: Scalar>(&self, side: Side, _t: T, x: &[T; 2]) -> [T; 2] {
+        StaticFriction::with(self.at_rest, side, x)
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
+        x[1] - 0.2
+    }
+}
+
 /// A linear spring and friction that decays with slip speed: `x'' = -x ± 1/(1 + |x' - 0.2|)`.
 pub fn decaying_friction() -> BeltOscillator {
     BeltOscillator {

@@ -5,3 +5,4 @@ mod circles;
 mod dips;
 pub mod grazing;
 mod lines;
+mod static_friction;

@@ -1,0 +1,202 @@
+//! Which of the contacts that stand at zero hold, and to which side the others leave.
+//!
+//! A contact holds with a share of the field above between 0 and 1, or leaves above with share 1, or below with share 0: with rates
+//! that are affine in the shares a linear complementarity problem with bounds (Pfeiffer & Glocker, *Multibody Dynamics with Unilateral
+//! Contacts*, 1996, Ch. 8).
+
+use super::Contacts;
+use super::equations::{principal_minor, solve};
+use super::joint::{Affine, Joint, rates};
+use crate::system::{Mode, Side, State, components};
+
+/// More contacts than this are not tried in all combinations: three to their number.
+const MOST_TRIED: usize = 8;
+
+/// More contacts than this are not looked at for every principal minor: two to their number.
+const MOST_MINORS: usize = 16;
+
+/// What comes of a contact that stands at zero.
+pub(super) type Outcome = Mode;
+
+/// Every consistent set of outcomes for the contacts that `joint` has hold, in their order.
+pub(super) fn solutions<S: Contacts<N, M>, const N: usize, const M: usize>(
+    joint: &Joint<'_, S, M>,
+    modes: &[Mode; M],
+    t: f64,
+    x: &State<N>,
+) -> Vec<[Outcome; M]> {
+    if S::MULTI_AFFINE && joint.count > 1 {
+        return all(joint.count, |outcomes| {
+            is_consistent(joint, modes, outcomes, t, x)
+        });
+    }
+    let problem = Problem::new(joint, &joint.affine(t, components(x)));
+    if problem.has_one_solution()
+        && let Some(found) = problem.by_least_index()
+    {
+        return vec![found];
+    }
+    all(problem.count, |outcomes| problem.is_solved_by(outcomes))
+}
+
+/// All sets of outcomes that pass.
+fn all<const M: usize>(count: usize, passes: impl Fn(&[Outcome; M]) -> bool) -> Vec<[Outcome; M]> {
+    const EACH: [Outcome; 3] = [Mode::Stick, Mode::Slip(Side::Below), Mode::Slip(Side::Above)];
+    if count > MOST_TRIED {
+        return Vec::new();
+    }
+    let mut found = Vec::new();
+    for number in 0..3_usize.pow(count as u32) {
+        let mut outcomes = [Mode::Stick; M];
+        let mut rest = number;
+        for outcome in outcomes.iter_mut().take(count) {
+            *outcome = EACH[rest % 3];
+            rest /= 3;
+        }
+        if passes(&outcomes) {
+            found.push(outcomes);
+        }
+    }
+    found
+}
+
+/// Whether the outcomes agree with the rates and shares of a multi-affine combination.
+fn is_consistent<S: Contacts<N, M>, const N: usize, const M: usize>(
+    joint: &Joint<'_, S, M>,
+    modes: &[Mode; M],
+    outcomes: &[Outcome; M],
+    t: f64,
+    x: &State<N>,
+) -> bool {
+    let mut modes = *modes;
+    let mut at_rest = [false; M];
+    for (place, &contact) in joint.held().iter().enumerate() {
+        (modes[contact], at_rest[contact]) = (outcomes[place], true);
+    }
+    let joint_then = Joint::new(joint.system, &modes).with_static_friction_at(&at_rest);
+    let x = components(x);
+    let combination = joint_then.combination(t, x);
+    let rates = rates(joint.system, (t, 1.0), x, &combination.field);
+    let size = rates.iter().fold(1.0, |size: f64, rate| size.max(rate.abs()));
+    let shares = &combination.shares[..joint_then.count];
+    // An iteration that has not converged is no solution.
+    let holds = joint_then.held().iter().zip(shares).all(|(&i, share)| {
+        (0.0..=1.0).contains(share) && rates[i].abs() <= 1e-9 * size
+    });
+    holds
+        && joint.held().iter().zip(outcomes).all(|(&i, outcome)| match outcome {
+            Mode::Stick => true,
+            Mode::Slip(side) => rates[i] * side.sign() > 0.0,
+        })
+}
+
+/// Rates at the contacts, in their order, as affine functions of the shares.
+struct Problem<const M: usize> {
+    count: usize,
+    rates: [f64; M],
+    slopes: [[f64; M]; M],
+}
+
+impl<const M: usize> Problem<M> {
+    fn new<S, const N: usize>(joint: &Joint<'_, S, M>, affine: &Affine<f64, N, M>) -> Self {
+        let mut problem = Problem {
+            count: joint.count,
+            rates: [0.0; M],
+            slopes: [[0.0; M]; M],
+        };
+        for (place, &contact) in joint.held().iter().enumerate() {
+            problem.rates[place] = affine.rates[contact];
+            problem.slopes[place] = affine.slopes[contact];
+        }
+        problem
+    }
+
+    /// Whether friction resists so that every problem with these slopes has one solution: all principal minors of their negative are
+    /// positive (a P-matrix; Samelson, Thrall & Wesler, *Proc. AMS* 9 (1958) 805).
+    fn has_one_solution(&self) -> bool {
+        let mut resistance = self.slopes;
+        for value in resistance.iter_mut().flatten() {
+            *value = -*value;
+        }
+        let off_diagonal = (0..self.count)
+            .flat_map(|i| (0..self.count).map(move |j| (i, j)))
+            .any(|(i, j)| i != j && resistance[i][j] != 0.0);
+        if !off_diagonal {
+            return (0..self.count).all(|i| resistance[i][i] > 0.0);
+        }
+        self.count <= MOST_MINORS
+            && (1..1_usize << self.count).all(|set| {
+                let chosen: Vec<usize> =
+                    (0..self.count).filter(|&i| set >> i & 1 == 1).collect();
+                principal_minor(&resistance, &chosen) > 0.0
+            })
+    }
+
+    /// Shares and rates with these outcomes.
+    fn shares_and_rates(&self, outcomes: &[Outcome; M]) -> ([f64; M], [f64; M]) {
+        let mut shares = [0.0; M];
+        let mut holding = [0; M];
+        let mut count = 0;
+        for i in 0..self.count {
+            match outcomes[i] {
+                Mode::Stick => {
+                    holding[count] = i;
+                    count += 1;
+                }
+                Mode::Slip(Side::Above) => shares[i] = 1.0,
+                Mode::Slip(Side::Below) => {}
+            }
+        }
+        let rate = |shares: &[f64; M], i: usize| {
+            (0..self.count).fold(self.rates[i], |rate, j| rate + self.slopes[i][j] * shares[j])
+        };
+        let (mut matrix, mut right) = ([[0.0; M]; M], [0.0; M]);
+        for (row, &i) in holding[..count].iter().enumerate() {
+            right[row] = -rate(&shares, i);
+            for (column, &j) in holding[..count].iter().enumerate() {
+                matrix[row][column] = self.slopes[i][j];
+            }
+        }
+        solve(&mut matrix, &mut right, count);
+        for (row, &i) in holding[..count].iter().enumerate() {
+            shares[i] = right[row];
+        }
+        (shares, std::array::from_fn(|i| if i < self.count { rate(&shares, i) } else { 0.0 }))
+    }
+
+    /// The outcome that a contact would rather have; its own where it is consistent.
+    fn wanted(outcome: Outcome, share: f64, rate: f64) -> Outcome {
+        match outcome {
+            Mode::Stick if share < 0.0 => Mode::Slip(Side::Below),
+            Mode::Stick if share > 1.0 => Mode::Slip(Side::Above),
+            Mode::Slip(side) if rate * side.sign() < 0.0 => Mode::Stick,
+            _ => outcome,
+        }
+    }
+
+    /// The solution, by changing one contact at a time, the first that is inconsistent (Murty's least-index method; with bounds
+    /// Júdice & Pires, *J. Oper. Res. Soc.* 43 (1992) 1087).
+    fn by_least_index(&self) -> Option<[Outcome; M]> {
+        let mut outcomes = [Mode::Stick; M];
+        let most = 3_usize.saturating_pow(self.count as u32);
+        for _ in 0..=most {
+            let (shares, rates) = self.shares_and_rates(&outcomes);
+            let change = (0..self.count)
+                .map(|i| (i, Self::wanted(outcomes[i], shares[i], rates[i])))
+                .find(|&(i, wanted)| wanted != outcomes[i]);
+            match change {
+                Some((i, wanted)) => outcomes[i] = wanted,
+                None => return Some(outcomes),
+            }
+        }
+        None
+    }
+
+    fn is_solved_by(&self, outcomes: &[Outcome; M]) -> bool {
+        let (shares, rates) = self.shares_and_rates(outcomes);
+        (0..self.count).all(|i| match outcomes[i] {
+            Mode::Stick => (0.0..=1.0).contains(&shares[i]),
+            Mode::Slip(side) => rates[i] * side.sign() > 0.0,
+        })
+    }
+}

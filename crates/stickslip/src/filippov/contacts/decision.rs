@@ -1,0 +1,260 @@
+//! From a point where contacts stand at zero to the mode that follows.
+
+use super::Contacts;
+use super::complementarity::solutions;
+use super::equations::principal_minor;
+use super::joint::{Joint, gradients, rates};
+use crate::dual::Dual;
+use crate::error::{Error, Point};
+use crate::filippov::flow::Flow;
+use crate::filippov::run::Run;
+use crate::filippov::uncertainty::uncertainty;
+use crate::ode::Timed;
+use crate::system::{Mode, Side, components};
+
+/// Units in the last place by which state and time are taken to be uncertain where a rate is judged to vanish.
+const ULPS: f64 = 64.0;
+
+/// Friction that differs by less than this part is the same.
+const SAME: f64 = 1e-12;
+
+/// Boundaries whose gradients span a volume smaller than this part of the largest are one and the same.
+const DEPENDENT: f64 = 1e-12;
+
+/// A point at which a mode is decided.
+pub(super) struct Decision<'a, S, const N: usize, const M: usize> {
+    pub(super) system: &'a S,
+    pub(super) at: Timed<N>,
+    /// The mode before, and the modes of the contacts that are known.
+    pub(super) before: [Mode; M],
+    pub(super) modes: [Mode; M],
+    /// Those that stand at zero and are to be decided.
+    pub(super) open: [bool; M],
+    /// One that has just been released, at the end of what could hold it.
+    pub(super) released: Option<usize>,
+}
+
+/// How the motion of a contact begins from zero.
+enum Start {
+    /// So many derivatives of its guard vanish.
+    Order(usize),
+    /// It does not begin so: the contact does this instead.
+    Instead(Mode),
+}
+
+impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
+    /// The mode that follows, and how many derivatives of each guard vanish: none of those of contacts that are not decided, which
+    /// are off zero.
+    pub(super) fn mode(mut self, run: &mut Run<N, M>) -> Result<([Mode; M], [usize; M]), Error> {
+        let decided: Vec<usize> = (0..M)
+            .filter(|&i| self.open[i] || self.released == Some(i))
+            .collect();
+        self.check(&decided)?;
+        self.complement(run)?;
+        // A contact whose share or rate vanishes to rounding is decided by the next derivative. Each may change the others' once.
+        for _ in 0..=2 * M {
+            let mut orders = [0; M];
+            let mut change = None;
+            for &i in &decided {
+                match self.start(run, i) {
+                    Start::Order(order) => orders[i] = order,
+                    Start::Instead(mode) => {
+                        change = Some((i, mode));
+                        break;
+                    }
+                }
+            }
+            let Some((i, mode)) = change else {
+                return Ok((self.modes, orders));
+            };
+            self.modes[i] = mode;
+        }
+        Err(self.unsolved(&decided, &[]))
+    }
+
+    /// Solves the complementarity problem of the contacts to be decided. With more friction at rest than in motion a contact that is let go
+    /// loads the others anew, which are decided again.
+    fn complement(&mut self, run: &mut Run<N, M>) -> Result<(), Error> {
+        while self.open.contains(&true) {
+            let mut tried = self.modes;
+            for i in 0..M {
+                if self.open[i] {
+                    tried[i] = Mode::Stick;
+                }
+            }
+            let joint = Joint::new(self.system, &tried);
+            run.counters.field_calls += joint.field_calls();
+            let (t, x) = (self.at.t, &self.at.x);
+            let found = solutions(&joint, &self.modes, t, x);
+            let [outcomes] = found[..] else {
+                return Err(self.unsolved(joint.held(), &found));
+            };
+            let held: Vec<usize> = joint.held().to_vec();
+            let mut changes_the_rest = false;
+            for (&i, outcome) in held.iter().zip(outcomes) {
+                self.modes[i] = outcome;
+                if outcome != Mode::Stick {
+                    self.open[i] = false;
+                    changes_the_rest |= self.has_static_friction(i);
+                }
+            }
+            if !changes_the_rest {
+                self.open = [false; M];
+            }
+        }
+        Ok(())
+    }
+
+    /// How the motion of a contact in the mode decided begins.
+    fn start(&self, run: &mut Run<N, M>, i: usize) -> Start {
+        let joint = Joint::new(self.system, &self.modes);
+        let Timed { t, x } = self.at;
+        // Three passes through the field on dual numbers, and one for each direction.
+        run.counters.field_calls += joint.field_calls() * (N as u64 + 4);
+        let [guard, rate, bend, _] = joint.jet(i, t, &x);
+        match self.modes[i] {
+            Mode::Stick => {
+                let blur = uncertainty(&joint, i, &self.at, &run.options.tolerance());
+                if guard > blur.by_rounding + 1e-3 * blur.by_tolerance {
+                    Start::Order(0)
+                } else if rate > 0.0 {
+                    Start::Order(1)
+                } else {
+                    Start::Instead(Mode::Slip(joint.nearest_side(i, t, &x)))
+                }
+            }
+            Mode::Slip(_) => {
+                // What could hold it has just reached its end: the rate is zero, whatever rounding says of it.
+                let is_tangent = self.released == Some(i)
+                    && !self.has_static_friction(i)
+                    && (0..M).all(|j| j == i || self.modes[j] == self.before[j]);
+                let floor = self.rate_floor(&joint, i, rate, bend, run.slack());
+                if !is_tangent && rate > floor {
+                    Start::Order(1)
+                } else if (is_tangent || rate >= -floor) && bend > 0.0 {
+                    Start::Order(2)
+                } else {
+                    Start::Instead(Mode::Stick)
+                }
+            }
+        }
+    }
+
+    /// The size below which the rate of a boundary function along the flow is rounding.
+    fn rate_floor(&self, joint: &Joint<'_, S, M>, i: usize, rate: f64, bend: f64, slack: f64) -> f64 {
+        let Timed { t, x } = self.at;
+        let (mut spread, mut shift) = (0.0, 0.0);
+        // Direction N is time.
+        for direction in 0..=N {
+            let seed = |at: usize| f64::from(u8::from(at == direction));
+            let seeded = std::array::from_fn(|k| Dual::new(x[k], seed(k)));
+            let time = Dual::new(t, seed(N));
+            let field = joint.field(time, &seeded);
+            let one = Dual::new(1.0, 0.0);
+            let change = rates(self.system, (time, one), &seeded, &field)[i].eps.abs();
+            if direction < N {
+                spread += change * x[direction].abs();
+                shift += change * slack;
+            } else {
+                spread += change * t.abs();
+            }
+        }
+        let drift = bend.abs() * t.abs();
+        ULPS * f64::EPSILON * (spread + rate.abs() + drift) + shift
+    }
+
+    /// How far the rates of a contact lie apart with it below and above: twice what friction can do to it.
+    fn friction(&self, i: usize, at_rest: bool) -> f64 {
+        let mut modes = self.modes.map(|mode| match mode {
+            Mode::Stick => Mode::Slip(Side::Below),
+            slip => slip,
+        });
+        modes[i] = Mode::Stick;
+        let mut rests = [false; M];
+        rests[i] = at_rest;
+        let joint = Joint::new(self.system, &modes).with_static_friction_at(&rests);
+        let affine = joint.affine(self.at.t, components(&self.at.x));
+        -affine.slopes[i][0]
+    }
+
+    /// Whether more friction holds a contact than brakes it in slip.
+    pub(super) fn has_static_friction(&self, i: usize) -> bool {
+        let (at_rest, in_slip) = (self.friction(i, true), self.friction(i, false));
+        (at_rest - in_slip).abs() > SAME * in_slip.abs()
+    }
+
+    /// Whether the contacts to be decided make a problem that means something.
+    fn check(&self, contacts: &[usize]) -> Result<(), Error> {
+        let Timed { t, x } = self.at;
+        let dependent = |contacts: &[usize]| Error::DependentContacts {
+            t,
+            x: Point::from(&x),
+            contacts: contacts.to_vec(),
+        };
+        let normals = gradients(self.system, t, &x);
+        let mut gram = [[0.0; M]; M];
+        for &i in contacts {
+            let size = normals[i].norm();
+            if size == 0.0 || !size.is_finite() {
+                return Err(dependent(&[i]));
+            }
+            for &j in contacts {
+                gram[i][j] = normals[i].dot(&normals[j]) / (size * normals[j].norm());
+            }
+        }
+        if principal_minor(&gram, contacts) <= DEPENDENT {
+            return Err(dependent(contacts));
+        }
+        for (place, &i) in contacts.iter().enumerate() {
+            let (at_rest, in_slip) = (self.friction(i, true), self.friction(i, false));
+            if at_rest < in_slip - SAME * in_slip.abs() {
+                let x = Point::from(&x);
+                return Err(Error::StaticBelowKinetic {
+                    t,
+                    x,
+                    contact: i,
+                    ratio: at_rest / in_slip,
+                });
+            }
+            for &j in &contacts[place + 1..] {
+                if !S::MULTI_AFFINE && !self.adds_up(i, j) {
+                    let x = Point::from(&x);
+                    return Err(Error::NotAdditive { t, x, pair: (i, j) });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether the friction of two contacts adds: what one does to the field does not depend on the side of the other.
+    fn adds_up(&self, i: usize, j: usize) -> bool {
+        let mut modes = self.modes.map(|mode| match mode {
+            Mode::Stick => Mode::Slip(Side::Below),
+            slip => slip,
+        });
+        (modes[i], modes[j]) = (Mode::Stick, Mode::Stick);
+        let joint = Joint::new(self.system, &modes);
+        let corner = |above: [bool; 2]| {
+            joint.corner(|place| above[place], self.at.t, components(&self.at.x))
+        };
+        let [none, first, second, both] =
+            [[false, false], [true, false], [false, true], [true, true]].map(corner);
+        (0..N).all(|k| {
+            let size = none[k].abs().max(first[k].abs()).max(second[k].abs()).max(both[k].abs());
+            (none[k] - first[k] - second[k] + both[k]).abs() <= ULPS * f64::EPSILON * size
+        })
+    }
+
+    fn unsolved(&self, contacts: &[usize], found: &[[Mode; M]]) -> Error {
+        let candidates = found
+            .iter()
+            .map(|outcomes| format!("{:?}", &outcomes[..contacts.len()]))
+            .collect();
+        Error::NoUniqueMode {
+            t: self.at.t,
+            x: Point::from(&self.at.x),
+            contacts: contacts.to_vec(),
+            candidates,
+        }
+    }
+}

@@ -1,0 +1,46 @@
+//! Small linear systems on any scalar.
+
+use crate::scalar::Scalar;
+
+/// Solves `a x = b` for the first `count` unknowns, in place; `b` becomes `x`.
+///
+/// Without exchanging rows, so that nothing is decided by value and series stay series. The matrices here are those of contacts that
+/// resist: where every problem of theirs has one solution all principal minors have one sign (Samelson, Thrall & Wesler 1958), and then no
+/// pivot vanishes.
+#[inline(always)]
+pub(super) fn solve<T: Scalar, const M: usize>(a: &mut [[T; M]; M], b: &mut [T; M], count: usize) {
+    for k in 0..count {
+        for i in k + 1..count {
+            let factor = a[i][k] / a[k][k];
+            for j in k + 1..count {
+                a[i][j] = a[i][j] - factor * a[k][j];
+            }
+            b[i] = b[i] - factor * b[k];
+        }
+    }
+    for k in (0..count).rev() {
+        for j in k + 1..count {
+            b[k] = b[k] - a[k][j] * b[j];
+        }
+        b[k] = b[k] / a[k][k];
+    }
+}
+
+/// The determinant of the rows and columns in `chosen`, by elimination with pivots on the diagonal.
+pub(super) fn principal_minor<const M: usize>(a: &[[f64; M]; M], chosen: &[usize]) -> f64 {
+    let mut a = *a;
+    let mut product = 1.0;
+    for (place, &k) in chosen.iter().enumerate() {
+        product *= a[k][k];
+        if a[k][k] == 0.0 {
+            return 0.0;
+        }
+        for &i in &chosen[place + 1..] {
+            let factor = a[i][k] / a[k][k];
+            for &j in &chosen[place + 1..] {
+                a[i][j] -= factor * a[k][j];
+            }
+        }
+    }
+    product
+}

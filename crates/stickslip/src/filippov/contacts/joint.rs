@@ -1,0 +1,408 @@
+//! The smooth flow of one mode of several contacts: each slips on its side or holds.
+
+use super::Contacts;
+use super::equations::solve;
+use crate::dual::Dual;
+use crate::filippov::flow::{Flow, is_positive};
+use crate::interval::Interval;
+use crate::ode::Linear;
+use crate::scalar::Scalar;
+use crate::system::{Mode, Side, State, components};
+
+/// Newton's iterations for a multi-affine combination, from the affine one's solution: each squares the error, in every coefficient of a
+/// series, too.
+const NEWTON: usize = 7;
+
+/// Contacts that hold or slip, and the field that comes of it. Guard `i` is contact `i`'s: its boundary function with the sign of its side
+/// where it slips, `w (1 − w)` with `w` the share of the field above where it holds.
+#[derive(Clone, Copy)]
+pub(super) struct Joint<'a, S, const M: usize> {
+    pub(super) system: &'a S,
+    /// The sides of those that slip; below for the others.
+    sides: [Side; M],
+    holds: [bool; M],
+    /// Contacts whose friction is static.
+    at_rest: [bool; M],
+    /// Those that hold, in front.
+    held: [usize; M],
+    pub(super) count: usize,
+}
+
+/// The combination of fields that keeps the contacts that hold where they are.
+pub(super) struct Combination<T, const N: usize, const M: usize> {
+    pub(super) field: [T; N],
+    /// The share of the field above, of every contact that holds, in the order of these.
+    pub(super) shares: [T; M],
+}
+
+/// The fields of the corners around one: linear in the shares.
+pub(super) struct Affine<T, const N: usize, const M: usize> {
+    /// The field with all that hold below.
+    base: [T; N],
+    /// What each adds when it is above, in the order of those that hold.
+    pub(super) changes: [[T; N]; M],
+    /// Rates of all boundary functions along the base.
+    pub(super) rates: [T; M],
+    /// `slopes[j][i]`: how the rate of the `j`-th of all boundary functions changes with the share of the `i`-th that holds.
+    pub(super) slopes: [[T; M]; M],
+}
+
+/// Rates of the boundary functions along `f`, in a time that passes at `pace`.
+#[inline(always)]
+pub(super) fn rates<S: Contacts<N, M>, T: Scalar, const N: usize, const M: usize>(
+    system: &S,
+    (t, pace): (T, T),
+    x: &[T; N],
+    f: &[T; N],
+) -> [T; M] {
+    let mut along = [Dual::zero(); N];
+    for i in 0..N {
+        along[i] = Dual::new(x[i], f[i]);
+    }
+    let h = system.boundaries(Dual::new(t, pace), &along);
+    let mut rates = [T::zero(); M];
+    for i in 0..M {
+        rates[i] = h[i].eps;
+    }
+    rates
+}
+
+impl<'a, S, const M: usize> Joint<'a, S, M> {
+    /// The flow of a mode.
+    #[inline(always)]
+    pub(super) fn new(system: &'a S, modes: &[Mode; M]) -> Self {
+        let mut joint = Joint {
+            system,
+            sides: [Side::Below; M],
+            holds: [false; M],
+            at_rest: [false; M],
+            held: [0; M],
+            count: 0,
+        };
+        for (i, mode) in modes.iter().enumerate() {
+            match mode {
+                Mode::Slip(side) => joint.sides[i] = *side,
+                Mode::Stick => {
+                    (joint.holds[i], joint.at_rest[i]) = (true, true);
+                    joint.held[joint.count] = i;
+                    joint.count += 1;
+                }
+            }
+        }
+        joint
+    }
+
+    /// The same with static friction at these contacts as well.
+    pub(super) fn with_static_friction_at(mut self, contacts: &[bool; M]) -> Self {
+        self.at_rest = *contacts;
+        self
+    }
+
+    #[inline(always)]
+    pub(super) fn held(&self) -> &[usize] {
+        &self.held[..self.count]
+    }
+
+    /// The field with the contacts that hold above where `above` says so.
+    #[inline(always)]
+    pub(super) fn corner<T: Scalar, const N: usize>(
+        &self,
+        above: impl Fn(usize) -> bool,
+        t: T,
+        x: &[T; N],
+    ) -> [T; N]
+    where
+        S: Contacts<N, M>,
+    {
+        let mut sides = self.sides;
+        for (place, &contact) in self.held().iter().enumerate() {
+            if above(place) {
+                sides[contact] = Side::Above;
+            }
+        }
+        self.system.holding(&sides, &self.at_rest, t, x)
+    }
+
+    #[inline(always)]
+    pub(super) fn affine<T: Scalar, const N: usize>(&self, t: T, x: &[T; N]) -> Affine<T, N, M>
+    where
+        S: Contacts<N, M>,
+    {
+        let base = self.corner(|_| false, t, x);
+        let mut affine = Affine {
+            base,
+            changes: [[T::zero(); N]; M],
+            rates: rates(self.system, (t, T::one()), x, &base),
+            slopes: [[T::zero(); M]; M],
+        };
+        for place in 0..self.count {
+            let above = self.corner(|other| other == place, t, x);
+            let change = &mut affine.changes[place];
+            for k in 0..N {
+                if !above[k].is_same(base[k]) {
+                    change[k] = above[k] - base[k];
+                }
+            }
+            let slopes = rates(self.system, (t, T::zero()), x, change);
+            for j in 0..M {
+                affine.slopes[j][place] = slopes[j];
+            }
+        }
+        affine
+    }
+
+    /// The combination that is tangent to the boundaries of all that hold.
+    #[inline(always)]
+    pub(super) fn combination<T: Scalar, const N: usize>(
+        &self,
+        t: T,
+        x: &[T; N],
+    ) -> Combination<T, N, M>
+    where
+        S: Contacts<N, M>,
+    {
+        let affine = self.affine(t, x);
+        let mut matrix = [[T::zero(); M]; M];
+        let mut shares = [T::zero(); M];
+        for (j, &contact) in self.held().iter().enumerate() {
+            matrix[j] = affine.slopes[contact];
+            shares[j] = -affine.rates[contact];
+        }
+        solve(&mut matrix, &mut shares, self.count);
+        if S::MULTI_AFFINE && self.count > 1 {
+            for _ in 0..NEWTON {
+                self.newton(t, x, &mut shares);
+            }
+            let field = self.multi_affine(t, x, &shares).0;
+            return Combination { field, shares };
+        }
+        let mut field = affine.base;
+        for place in 0..self.count {
+            for k in 0..N {
+                field[k] = field[k] + shares[place] * affine.changes[place][k];
+            }
+        }
+        Combination { field, shares }
+    }
+
+    /// One step of Newton's iteration for the shares of a multi-affine combination.
+    #[inline(never)]
+    fn newton<T: Scalar, const N: usize>(&self, t: T, x: &[T; N], shares: &mut [T; M])
+    where
+        S: Contacts<N, M>,
+    {
+        let (field, changes) = self.multi_affine(t, x, shares);
+        let off = rates(self.system, (t, T::one()), x, &field);
+        let mut matrix = [[T::zero(); M]; M];
+        let mut step = [T::zero(); M];
+        for place in 0..self.count {
+            let slopes = rates(self.system, (t, T::zero()), x, &changes[place]);
+            for (j, &contact) in self.held().iter().enumerate() {
+                matrix[j][place] = slopes[contact];
+                step[j] = off[contact];
+            }
+        }
+        solve(&mut matrix, &mut step, self.count);
+        for place in 0..self.count {
+            shares[place] = shares[place] - step[place];
+        }
+    }
+
+    /// The multi-affine combination of all corners, and its derivative in every share.
+    #[inline(never)]
+    fn multi_affine<T: Scalar, const N: usize>(
+        &self,
+        t: T,
+        x: &[T; N],
+        shares: &[T; M],
+    ) -> ([T; N], [[T; N]; M])
+    where
+        S: Contacts<N, M>,
+    {
+        let mut field = [T::zero(); N];
+        let mut changes = [[T::zero(); N]; M];
+        for corner in 0..1_usize << self.count {
+            let is_above = |place: usize| corner >> place & 1 == 1;
+            let value = self.corner(is_above, t, x);
+            // The weight of the corner without the factors of one contact, or of none.
+            let weight = |without: Option<usize>| {
+                let mut weight = T::one();
+                for place in (0..self.count).filter(|&place| Some(place) != without) {
+                    let share = shares[place];
+                    weight = weight * if is_above(place) { share } else { -share + 1.0 };
+                }
+                weight
+            };
+            let whole = weight(None);
+            for k in 0..N {
+                field[k] = field[k] + whole * value[k];
+            }
+            for (place, change) in changes.iter_mut().enumerate().take(self.count) {
+                let sign = if is_above(place) { 1.0 } else { -1.0 };
+                let rest = weight(Some(place)) * sign;
+                for k in 0..N {
+                    change[k] = change[k] + rest * value[k];
+                }
+            }
+        }
+        (field, changes)
+    }
+
+    /// The place of a contact among those that hold.
+    #[inline(always)]
+    fn place(&self, contact: usize) -> usize {
+        self.held().iter().position(|&held| held == contact).unwrap_or(0)
+    }
+
+    /// The side whose friction a contact that holds is nearest to.
+    pub(super) fn nearest_side<const N: usize>(&self, contact: usize, t: f64, x: &State<N>) -> Side
+    where
+        S: Contacts<N, M>,
+    {
+        let shares = self.combination(t, components(x)).shares;
+        if shares[self.place(contact)] > 0.5 {
+            Side::Above
+        } else {
+            Side::Below
+        }
+    }
+
+    #[inline(always)]
+    fn slip_guard<T: Scalar>(&self, contact: usize, h: &[T; M]) -> T {
+        h[contact] * self.sides[contact].sign()
+    }
+
+    /// One Newton step from `x` onto the boundaries of these contacts, along their gradients.
+    pub(super) fn project<const N: usize>(
+        &self,
+        contacts: &[usize],
+        t: f64,
+        x: State<N>,
+    ) -> State<N>
+    where
+        S: Contacts<N, M>,
+    {
+        let h = self.system.boundaries(t, components(&x));
+        if contacts.iter().all(|&i| h[i] == 0.0) {
+            return x;
+        }
+        let gradients = gradients(self.system, t, &x);
+        let mut gram = [[0.0; M]; M];
+        let mut multipliers = [0.0; M];
+        for (row, &i) in contacts.iter().enumerate() {
+            multipliers[row] = -h[i];
+            for (column, &j) in contacts.iter().enumerate() {
+                gram[row][column] = gradients[i].dot(&gradients[j]);
+            }
+        }
+        solve(&mut gram, &mut multipliers, contacts.len());
+        let mut projected = x;
+        for (row, &i) in contacts.iter().enumerate() {
+            projected = projected.add_scaled(multipliers[row], &gradients[i]);
+        }
+        if projected.iter().all(|v| v.is_finite()) {
+            projected
+        } else {
+            x
+        }
+    }
+}
+
+/// Gradients of the boundary functions in the state.
+pub(super) fn gradients<S: Contacts<N, M>, const N: usize, const M: usize>(
+    system: &S,
+    t: f64,
+    x: &State<N>,
+) -> [State<N>; M] {
+    let mut gradients = [State::from([0.0; N]); M];
+    for k in 0..N {
+        let seeded = std::array::from_fn(|j| Dual::new(x[j], f64::from(u8::from(k == j))));
+        let h = system.boundaries(Dual::new(t, 0.0), &seeded);
+        for i in 0..M {
+            gradients[i][k] = h[i].eps;
+        }
+    }
+    gradients
+}
+
+/// The numbers of the first 64 contacts, of which a system takes its own.
+const NUMBERS: [usize; 64] = {
+    let mut numbers = [0; 64];
+    let mut i = 0;
+    while i < 64 {
+        numbers[i] = i;
+        i += 1;
+    }
+    numbers
+};
+
+impl<S: Contacts<N, M>, const N: usize, const M: usize> Flow<N> for Joint<'_, S, M> {
+    const GUARDS: &'static [usize] = NUMBERS.split_at(M).0;
+
+    #[inline(always)]
+    fn field_calls(&self) -> u64 {
+        self.count as u64 + 1
+    }
+
+    #[inline(always)]
+    fn field<T: Scalar>(&self, t: T, x: &[T; N]) -> [T; N] {
+        if self.count == 0 {
+            self.system.field(&self.sides, t, x)
+        } else {
+            self.combination(t, x).field
+        }
+    }
+
+    #[inline(always)]
+    fn guard<T: Scalar>(&self, i: usize, t: T, x: &[T; N]) -> T {
+        if self.holds[i] {
+            let share = self.combination(t, x).shares[self.place(i)];
+            share * (-share + 1.0)
+        } else {
+            self.slip_guard(i, &self.system.boundaries(t, x))
+        }
+    }
+
+    #[inline(always)]
+    fn field_and_guards<T: Scalar, const G: usize>(&self, t: T, x: &[T; N]) -> ([T; N], [T; G]) {
+        let mut guards = [T::one(); G];
+        let h = self.system.boundaries(t, x);
+        if self.count == 0 {
+            for i in 0..M {
+                guards[i] = self.slip_guard(i, &h);
+            }
+            return (self.system.field(&self.sides, t, x), guards);
+        }
+        let Combination { field, shares } = self.combination(t, x);
+        for i in 0..M {
+            guards[i] = if self.holds[i] {
+                let share = shares[self.place(i)];
+                share * (-share + 1.0)
+            } else {
+                self.slip_guard(i, &h)
+            };
+        }
+        (field, guards)
+    }
+
+    #[inline(always)]
+    fn is_clear(&self, i: usize, t: Interval, x: &[Interval; N]) -> bool {
+        // The shares take derivatives, which intervals do not have.
+        !self.holds[i]
+            && Interval::decided(|| self.slip_guard(i, &self.system.boundaries(t, x)))
+                .is_some_and(is_positive)
+    }
+
+    fn settle(&self, t: f64, x: State<N>) -> State<N> {
+        self.project(self.held(), t, x)
+    }
+
+    fn land(&self, i: usize, t: f64, x: State<N>) -> State<N> {
+        if self.holds[i] {
+            return self.settle(t, x);
+        }
+        let mut contacts = self.held;
+        contacts[self.count] = i;
+        self.project(&contacts[..=self.count], t, x)
+    }
+}

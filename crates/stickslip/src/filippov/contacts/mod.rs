@@ -1,0 +1,115 @@
+//! Systems of several contacts: what a user writes for one, and how they hold and release together.
+
+mod complementarity;
+mod decision;
+mod equations;
+mod joint;
+mod switched;
+
+use crate::error::Error;
+use crate::scalar::Scalar;
+use crate::system::Side;
+
+/// A system of `M` contacts: a smooth field for every combination of sides, and a boundary for each contact.
+///
+/// As with [`crate::Filippov`], which is the simpler way to write one contact, the two functions are all that is needed. Contacts that hold at
+/// the same time slide on the intersection of their boundaries, by the multi-affine combination of the fields of all sides
+/// that is tangent to each of them (Alexander & Seidman, *Houston J. Math.* 24 (1998) 545; Dieci & Lopez, *Numer. Math.* 117
+/// (2011) 779; Jeffrey, *SIAM J. Appl. Dyn. Syst.* 13 (2014) 1082). Where friction adds, it is Coulomb's law: each contact's force
+/// is what it takes to hold, up to its limit. Which contacts hold after an event is the solution of the complementarity problem of all that
+/// stand at zero; where it has none, or more than one, the run ends with an error that says so.
+///
+/// Wrapped in [`Several`] it is taken by [`crate::solve`] and everything else that takes a system.
+///
+/// ```
+/// use stickslip::{Contacts, Mode, Options, Scalar, Several, Side, solve};
+///
+/// /// Two blocks on a rough floor, joined by a spring. States: x₁, x₂, v₁, v₂.
+/// struct TwoBlocks;
+/// impl Contacts<4, 2> for TwoBlocks {
+///     #[inline(always)]
+///     fn field<T: Scalar>(&self, sides: &[Side; 2], _t: T, x: &[T; 4]) -> [T; 4] {
+///         let pull = (x[1] - x[0]) * 0.5;
+///         [
+///             x[2],
+///             x[3],
+///             -x[0] + pull - 0.3 * sides[0].sign(),
+///             -x[1] - pull - 0.4 * sides[1].sign(),
+///         ]
+///     }
+///     #[inline(always)]
+///     fn boundaries<T: Scalar>(&self, _t: T, x: &[T; 4]) -> [T; 2] {
+///         [x[2], x[3]]
+///     }
+/// }
+///
+/// let orbit = solve(&Several(TwoBlocks), 0.0, [3.0, 0.0, 0.0, 0.0], 30.0, &Options::default())?;
+/// assert_eq!(orbit.phases[0].mode, [Mode::Slip(Side::Below), Mode::Slip(Side::Above)]);
+/// // Friction brings both to rest.
+/// assert_eq!(orbit.phases.last().unwrap().mode, [Mode::Stick; 2]);
+/// # Ok::<(), stickslip::Error>(())
+/// ```
+pub trait Contacts<const N: usize, const M: usize> {
+    /// Whether friction at one contact depends on the side of another. Where it does not, which every event checks for the contacts
+    /// that hold, an evaluation on an intersection takes one call of the field for each contact that holds and one more; where it
+    /// does, two to their number for each step of a Newton iteration.
+    const MULTI_AFFINE: bool = false;
+
+    /// The vector field at time `t` and state `x` with every contact on its side: dx/dt.
+    fn field<T: Scalar>(&self, sides: &[Side; M], t: T, x: &[T; N]) -> [T; N];
+
+    /// The boundary functions h₁ … h_M: contact `i` is below where the `i`-th is negative, above where it is positive, and may hold where it
+    /// is zero. They may depend on time.
+    fn boundaries<T: Scalar>(&self, t: T, x: &[T; N]) -> [T; M];
+
+    /// The fields whose combination holds the contacts in `held`: with static friction at these. A contact sticks as long as they can hold it,
+    /// and then slips by [`Contacts::field`]. The default holds by the friction of slip.
+    #[inline(always)]
+    fn holding<T: Scalar>(
+        &self,
+        sides: &[Side; M],
+        _held: &[bool; M],
+        t: T,
+        x: &[T; N],
+    ) -> [T; N] {
+        self.field(sides, t, x)
+    }
+
+    /// What the parameters must satisfy, as [`crate::Filippov::check_parameters`].
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] naming the first parameter that is not allowed.
+    fn check_parameters(&self) -> Result<(), Error> {
+        Ok(())
+    }
+}
+
+impl<const N: usize, const M: usize, S: Contacts<N, M>> Contacts<N, M> for &S {
+    const MULTI_AFFINE: bool = S::MULTI_AFFINE;
+
+    #[inline(always)]
+    fn field<T: Scalar>(&self, sides: &[Side; M], t: T, x: &[T; N]) -> [T; N] {
+        (**self).field(sides, t, x)
+    }
+    #[inline(always)]
+    fn boundaries<T: Scalar>(&self, t: T, x: &[T; N]) -> [T; M] {
+        (**self).boundaries(t, x)
+    }
+    #[inline(always)]
+    fn holding<T: Scalar>(
+        &self,
+        sides: &[Side; M],
+        held: &[bool; M],
+        t: T,
+        x: &[T; N],
+    ) -> [T; N] {
+        (**self).holding(sides, held, t, x)
+    }
+    fn check_parameters(&self) -> Result<(), Error> {
+        (**self).check_parameters()
+    }
+}
+
+/// A system of several contacts, for [`crate::solve`], [`crate::run`] and the analyses. Modes are `[Mode; M]`, one for each contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Several<S>(pub S);

@@ -1,0 +1,179 @@
+//! A system of several contacts as a switched system.
+
+use super::decision::Decision;
+use super::joint::{Joint, gradients};
+use super::{Contacts, Several};
+use crate::error::{Error, Point};
+use crate::filippov::check::check_run;
+use crate::filippov::event::Event;
+use crate::filippov::flow::Flow;
+use crate::filippov::observer::{Transition, TransitionKind};
+use crate::filippov::options::Options;
+use crate::filippov::run::Run;
+use crate::filippov::switch::kind;
+use crate::filippov::switched::{Switch, Switched, UseFlow};
+use crate::filippov::uncertainty::uncertainty;
+use crate::ode::Timed;
+use crate::system::{Mode, Side, State, components};
+
+impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Several<S> {
+    type Mode = [Mode; M];
+    type Branch = ();
+    const UNDECIDED: [Mode; M] = [Mode::Stick; M];
+
+    fn check(&self, start: &Timed<N>, t_end: f64, options: &Options) -> Result<(), Error> {
+        options.check()?;
+        self.0.check_parameters()?;
+        let outside = |what| Error::StartOutsideDomain {
+            t: start.t,
+            x: Point::from(&start.x),
+            what,
+        };
+        check_run(start, t_end, options)?;
+        let x = components(&start.x);
+        let h = self.0.boundaries(start.t, x);
+        if h.iter().any(|h| !h.is_finite()) {
+            return Err(outside("a boundary function is not finite there"));
+        }
+        let sides = h.map(side_of);
+        if self.0.field(&sides, start.t, x).iter().any(|v| !v.is_finite()) {
+            return Err(outside("the field is not finite there"));
+        }
+        Ok(())
+    }
+
+    fn branch(&self, _at: &Timed<N>) {}
+
+    #[inline(always)]
+    fn with_flow<U: UseFlow<N>>(&self, mode: [Mode; M], _branch: (), user: U) -> U::Output {
+        user.with(&Joint::new(&self.0, &mode))
+    }
+
+    /// Off its boundary a contact's side decides; those on it, to rounding, are decided together.
+    fn first_mode(&self, run: &mut Run<N, M>) -> Result<Option<([Mode; M], [usize; M])>, Error> {
+        let Timed { t, x } = run.at;
+        let modes = self.0.boundaries(t, components(&x)).map(|h| Mode::Slip(side_of(h)));
+        let decision = Decision {
+            system: &self.0,
+            at: run.at,
+            before: modes,
+            modes,
+            open: self.at_zero(run, &modes),
+            released: None,
+        };
+        decision.mode(run).map(Some)
+    }
+
+    fn passed(&self, _guard: usize, _branch: &mut ()) -> Option<TransitionKind> {
+        None
+    }
+
+    fn switch(
+        &self,
+        run: &mut Run<N, M>,
+        from: [Mode; M],
+        event: &Event<N>,
+    ) -> Result<Option<Switch<[Mode; M], M>>, Error> {
+        let contact = event.guard;
+        let mut open = self.at_zero(run, &from);
+        let mut modes = from;
+        let mut released = None;
+        if from[contact] == Mode::Stick {
+            let Timed { t, x } = run.at;
+            let joint = Joint::new(&self.0, &from);
+            modes[contact] = Mode::Slip(joint.nearest_side(contact, t, &x));
+            released = Some(contact);
+        }
+        open[contact] = released.is_none();
+        let decision = Decision {
+            system: &self.0,
+            at: run.at,
+            before: from,
+            modes,
+            open,
+            released,
+        };
+        let (to, orders) = decision.mode(run)?;
+        Ok(Some(Switch {
+            to,
+            orders,
+            kind: kind(from[contact], to[contact]),
+            contact,
+        }))
+    }
+
+    fn jumps_at(&self, at: &Transition<N, [Mode; M]>) -> Option<usize> {
+        let contact = at.contact;
+        let others_go_on = (0..M).all(|i| i == contact || at.from[i] == at.to[i]);
+        match at.kind {
+            TransitionKind::Crossing | TransitionKind::StickEntry => Some(contact),
+            // Where what holds ends as what slips begins, the fields agree.
+            TransitionKind::StickExit => {
+                let decision = Decision {
+                    system: &self.0,
+                    at: Timed { t: at.t, x: at.x },
+                    before: at.from,
+                    modes: at.to,
+                    open: [false; M],
+                    released: None,
+                };
+                let jumps = !others_go_on || decision.has_static_friction(contact);
+                jumps.then_some(contact)
+            }
+            TransitionKind::Touch => (!others_go_on).then_some(contact),
+            TransitionKind::ContactLoss | TransitionKind::ContactGain => None,
+        }
+    }
+
+    fn contact_of(guard: usize) -> usize {
+        guard
+    }
+
+    fn mode_by_side(&self, t: f64, x: &State<N>) -> [Mode; M] {
+        self.0.boundaries(t, components(x)).map(|h| {
+            if h == 0.0 {
+                Mode::Stick
+            } else {
+                Mode::Slip(side_of(h))
+            }
+        })
+    }
+
+    fn normals(&self, mode: [Mode; M], at: &Timed<N>) -> Vec<State<N>> {
+        let gradients = gradients(&self.0, at.t, &at.x);
+        (0..M)
+            .filter(|&i| mode[i] == Mode::Stick)
+            .map(|i| gradients[i])
+            .collect()
+    }
+
+    fn sticks(mode: [Mode; M]) -> bool {
+        mode.contains(&Mode::Stick)
+    }
+}
+
+impl<S> Several<S> {
+    /// The contacts that stand at zero: those that hold, and those whose boundary function is rounding, though they may be just leaving.
+    fn at_zero<const N: usize, const M: usize>(
+        &self,
+        run: &Run<N, M>,
+        modes: &[Mode; M],
+    ) -> [bool; M]
+    where
+        S: Contacts<N, M>,
+    {
+        let joint = Joint::new(&self.0, modes);
+        std::array::from_fn(|i| match modes[i] {
+            Mode::Stick => true,
+            Mode::Slip(_) => {
+                let blur = uncertainty(&joint, i, &run.at, &run.options.tolerance());
+                let h: f64 = joint.guard_at(i, run.at.t, &run.at.x);
+                h.abs() <= blur.by_rounding + 1e-3 * blur.by_tolerance
+            }
+        })
+    }
+}
+
+fn side_of(h: f64) -> Side {
+    if h < 0.0 { Side::Below } else { Side::Above }
+}

@@ -1,0 +1,198 @@
+//! A Filippov system of one boundary as a switched system: slip below, slip above, stick.
+
+use super::check::check;
+use super::event::Event;
+use super::flow::{CONTACT, GUARDS, Slip, Stick, boundary_gradient, normal_component};
+use super::observer::{Transition, TransitionKind};
+use super::options::Options;
+use super::rules::{AtRest, Departure, Fate, Leading, LieDerivatives, departure};
+use super::run::Run;
+use super::switch::{kind, next_mode};
+use super::switched::{Switch, Switched, UseFlow};
+use crate::dual::Dual;
+use crate::error::{Error, Point};
+use crate::ode::Timed;
+use crate::system::{Filippov, Mode, Side, State, components};
+
+impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
+    type Mode = Mode;
+    /// Sign of the contact function.
+    type Branch = f64;
+    const UNDECIDED: Mode = Mode::Stick;
+
+    fn check(&self, start: &Timed<N>, t_end: f64, options: &Options) -> Result<(), Error> {
+        check(self, start, t_end, options)
+    }
+
+    /// Sign of the contact function; where it is zero, of its rate along the mean of the two fields.
+    fn branch(&self, at: &Timed<N>) -> f64 {
+        let x = components(&at.x);
+        let below = self.field(Side::Below, at.t, x);
+        let above = self.field(Side::Above, at.t, x);
+        let path = std::array::from_fn(|i| Dual::new(x[i], 0.5 * (below[i] + above[i])));
+        match self.contact(Dual::new(at.t, 1.0), &path) {
+            Some(contact) if contact.re < 0.0 || contact.re == 0.0 && contact.eps < 0.0 => -1.0,
+            _ => 1.0,
+        }
+    }
+
+    #[inline(always)]
+    fn with_flow<U: UseFlow<N>>(&self, mode: Mode, contact: f64, user: U) -> U::Output {
+        let system = self;
+        match mode {
+            Mode::Slip(Side::Below) => user.with(&Slip::<_, false> { system, contact }),
+            Mode::Slip(Side::Above) => user.with(&Slip::<_, true> { system, contact }),
+            Mode::Stick => user.with(&Stick { system, contact }),
+        }
+    }
+
+    /// Off Σ the side decides; on it, to rounding, the rules.
+    fn first_mode(
+        &self,
+        run: &mut Run<N, GUARDS>,
+    ) -> Result<Option<(Mode, [usize; GUARDS])>, Error> {
+        let Timed { t, x } = &run.at;
+        let h = self.boundary(*t, components(x));
+        let side = if h < 0.0 { Side::Below } else { Side::Above };
+        if !LieDerivatives::new(self, side, *t, x, run.slack()).on_boundary() {
+            return Ok(Some((Mode::Slip(side), [0; GUARDS])));
+        }
+        let departure = departs(self, run, None)?;
+        Ok(next_mode(departure, run.options.at_repelling))
+    }
+
+    fn passed(&self, guard: usize, contact: &mut f64) -> Option<TransitionKind> {
+        if guard != CONTACT {
+            return None;
+        }
+        *contact = -*contact;
+        Some(if *contact < 0.0 {
+            TransitionKind::ContactLoss
+        } else {
+            TransitionKind::ContactGain
+        })
+    }
+
+    fn switch(
+        &self,
+        run: &mut Run<N, GUARDS>,
+        from: Mode,
+        event: &Event<N>,
+    ) -> Result<Option<Switch<Mode, GUARDS>>, Error> {
+        let tangent = (from == Mode::Stick).then(|| Stick::<S>::side_of_guard(event.guard));
+        let departure = departs(self, run, tangent)?;
+        let next = next_mode(departure, run.options.at_repelling);
+        Ok(next.map(|(to, orders)| Switch {
+            to,
+            orders,
+            kind: kind(from, to),
+            contact: 0,
+        }))
+    }
+
+    fn jumps_at(&self, at: &Transition<N>) -> Option<usize> {
+        match at.kind {
+            TransitionKind::Crossing | TransitionKind::StickEntry => Some(0),
+            // Where what holds ends as what slips begins, the fields agree.
+            TransitionKind::StickExit => {
+                let here = Timed { t: at.t, x: at.x };
+                let jumps = static_over_kinetic(self, &here) > 1.0 + SAME;
+                jumps.then_some(match at.to {
+                    Mode::Slip(Side::Above) => 1,
+                    Mode::Slip(Side::Below) | Mode::Stick => 0,
+                })
+            }
+            // At a loss of contact they kink, they do not jump.
+            TransitionKind::Touch
+            | TransitionKind::ContactLoss
+            | TransitionKind::ContactGain => None,
+        }
+    }
+
+    fn mode_by_side(&self, t: f64, x: &State<N>) -> Mode {
+        let h = self.boundary(t, components(x));
+        if h == 0.0 {
+            Mode::Stick
+        } else {
+            Mode::Slip(if h < 0.0 { Side::Below } else { Side::Above })
+        }
+    }
+
+    fn normals(&self, mode: Mode, at: &Timed<N>) -> Vec<State<N>> {
+        match mode {
+            Mode::Stick => vec![boundary_gradient(self, at.t, &at.x).0],
+            Mode::Slip(_) => Vec::new(),
+        }
+    }
+
+    fn sticks(mode: Mode) -> bool {
+        mode == Mode::Stick
+    }
+}
+
+/// Friction that differs by less than this part is the same.
+const SAME: f64 = 1e-12;
+
+/// Static over kinetic friction at a point of Σ, each by how far the normal components of its two fields lie apart; 1 where the fields are
+/// the same.
+fn static_over_kinetic<S: Filippov<N>, const N: usize>(system: &S, at: &Timed<N>) -> f64 {
+    let (t, x) = (at.t, components(&at.x));
+    let sides = [Side::Below, Side::Above];
+    let fields = sides.map(|side| (system.holding(side, t, x), system.field(side, t, x)));
+    if fields.iter().all(|(at_rest, in_slip)| at_rest == in_slip) {
+        return 1.0;
+    }
+    let apart = |of: [&[f64; N]; 2]| {
+        let [below, above] = of.map(|f| normal_component(system, t, x, f));
+        below - above
+    };
+    let at_rest = apart([&fields[0].0, &fields[1].0]);
+    at_rest / apart([&fields[0].1, &fields[1].1])
+}
+
+/// What a point of Σ leads to. `tangent` names the side whose normal component is known to vanish, of what holds: a stick phase has
+/// just ended there.
+fn departs<S: Filippov<N>, const N: usize>(
+    system: &S,
+    run: &mut Run<N, GUARDS>,
+    tangent: Option<Side>,
+) -> Result<Departure, Error> {
+    let ratio = static_over_kinetic(system, &run.at);
+    if ratio == 1.0 {
+        return Ok(departs_by(system, run, tangent));
+    }
+    let Timed { t, x } = run.at;
+    let too_weak = |ratio| Error::StaticBelowKinetic {
+        t,
+        x: Point::from(&x),
+        contact: 0,
+        ratio,
+    };
+    if ratio < 1.0 - SAME {
+        return Err(too_weak(ratio));
+    }
+    let held = departs_by(&AtRest(system), run, tangent);
+    if held.fate == Fate::Stick {
+        return Ok(held);
+    }
+    let slip = departs_by(system, run, None);
+    if slip.fate == Fate::Stick {
+        return Err(too_weak(ratio));
+    }
+    Ok(slip)
+}
+
+/// The same by the fields of one kind of friction.
+fn departs_by<S: Filippov<N>, const N: usize>(
+    system: &S,
+    run: &mut Run<N, GUARDS>,
+    tangent: Option<Side>,
+) -> Departure {
+    let (slack, Timed { t, x }) = (run.slack(), run.at);
+    let mut of = |side| {
+        let leading = Leading::new(system, side, t, &x, slack, tangent == Some(side));
+        run.counters.field_calls += leading.calls;
+        leading
+    };
+    departure(of(Side::Below), of(Side::Above))
+}

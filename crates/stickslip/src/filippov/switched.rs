@@ -1,0 +1,145 @@
+//! A system as the integration sees it: smooth flows, one to a mode, and where a run goes where one of them ends.
+
+use std::fmt::Debug;
+use std::hash::Hash;
+
+use super::event::Event;
+use super::flow::Flow;
+use super::observer::{Transition, TransitionKind};
+use super::options::Options;
+use super::run::Run;
+use crate::dual::Dual;
+use crate::error::Error;
+use crate::ode::Timed;
+use crate::scalar::Scalar;
+use crate::system::State;
+
+/// A switched system: what [`crate::solve`], [`crate::run`] and the analyses take. [`crate::Filippov`] systems are of this kind, with one
+/// contact, and so is [`crate::Several`], with as many as it has; nothing else can be.
+///
+/// `N` is the number of states, `G` that of the functions whose zeros end a mode.
+pub trait Switched<const N: usize, const G: usize> {
+    /// What the contacts do: [`crate::Mode`] for one, an array of it for several.
+    type Mode: Copy + Debug + PartialEq + Eq + Hash + Send + Sync;
+
+    /// What besides the mode decides the flow.
+    #[doc(hidden)]
+    type Branch: Copy + Default + PartialEq + Debug + Send + Sync;
+
+    /// Whether a run can begin.
+    #[doc(hidden)]
+    fn check(&self, start: &Timed<N>, t_end: f64, options: &Options) -> Result<(), Error>;
+
+    /// The branch at a start.
+    #[doc(hidden)]
+    fn branch(&self, at: &Timed<N>) -> Self::Branch;
+
+    /// Hands the flow of a mode to who uses it.
+    #[doc(hidden)]
+    fn with_flow<U: UseFlow<N>>(
+        &self,
+        mode: Self::Mode,
+        branch: Self::Branch,
+        user: U,
+    ) -> U::Output;
+
+    /// The mode at a start, and how many derivatives of each of its guards vanish there; `None` where there is no unique one.
+    #[doc(hidden)]
+    fn first_mode(&self, run: &mut Run<N, G>) -> Result<Option<(Self::Mode, [usize; G])>, Error>;
+
+    /// What an event is that the mode goes on behind; the branch may become another one. `None` for one that ends the mode.
+    #[doc(hidden)]
+    fn passed(&self, guard: usize, branch: &mut Self::Branch) -> Option<TransitionKind>;
+
+    /// Where the run goes from the end of a mode; `None` where there is no unique future.
+    #[doc(hidden)]
+    fn switch(
+        &self,
+        run: &mut Run<N, G>,
+        from: Self::Mode,
+        event: &Event<N>,
+    ) -> Result<Option<Switch<Self::Mode, G>>, Error>;
+
+    /// The guard whose zero a transition is, where the field jumps there: the transition then changes tangent vectors.
+    #[doc(hidden)]
+    fn jumps_at(&self, at: &Transition<N, Self::Mode>) -> Option<usize>;
+
+    /// The contact that a guard belongs to.
+    #[doc(hidden)]
+    fn contact_of(_guard: usize) -> usize {
+        0
+    }
+
+    /// The mode that a run is said to be in which ends where it starts, since nothing decides its future there.
+    #[doc(hidden)]
+    const UNDECIDED: Self::Mode;
+
+    /// The mode by the side that a point lies on; exactly on Σ, stick.
+    #[doc(hidden)]
+    fn mode_by_side(&self, t: f64, x: &State<N>) -> Self::Mode;
+
+    /// The gradients of the boundary functions of the contacts that stick.
+    #[doc(hidden)]
+    fn normals(&self, mode: Self::Mode, at: &Timed<N>) -> Vec<State<N>>;
+
+    /// Whether any contact sticks.
+    #[doc(hidden)]
+    fn sticks(mode: Self::Mode) -> bool;
+}
+
+/// Where a run goes from the end of a mode.
+pub struct Switch<K, const G: usize> {
+    pub to: K,
+    /// How many derivatives of each guard of the new mode vanish.
+    pub orders: [usize; G],
+    pub kind: TransitionKind,
+    pub contact: usize,
+}
+
+/// Something done with the flow of a mode.
+pub trait UseFlow<const N: usize> {
+    type Output;
+    fn with<F: Flow<N>>(self, flow: &F) -> Self::Output;
+}
+
+/// The velocity at a point.
+pub(crate) struct Velocity<'a, T, const N: usize>(pub T, pub &'a [T; N]);
+
+impl<T: Scalar, const N: usize> UseFlow<N> for Velocity<'_, T, N> {
+    type Output = [T; N];
+
+    #[inline(always)]
+    fn with<F: Flow<N>>(self, flow: &F) -> [T; N] {
+        flow.field(self.0, self.1)
+    }
+}
+
+/// Onto the set that the flow lives on.
+pub(crate) struct Settled<const N: usize>(pub Timed<N>);
+
+impl<const N: usize> UseFlow<N> for Settled<N> {
+    type Output = State<N>;
+
+    #[inline(always)]
+    fn with<F: Flow<N>>(self, flow: &F) -> State<N> {
+        flow.settle(self.0.t, self.0.x)
+    }
+}
+
+/// Gradient of a guard in the state, and its time derivative.
+pub(crate) struct GuardGradient<const N: usize>(pub usize, pub Timed<N>);
+
+impl<const N: usize> UseFlow<N> for GuardGradient<N> {
+    type Output = (State<N>, f64);
+
+    fn with<F: Flow<N>>(self, flow: &F) -> (State<N>, f64) {
+        let GuardGradient(i, Timed { t, x }) = self;
+        let frozen = Dual::new(t, 0.0);
+        let gradient = State::from_fn(|k, _| {
+            let seeded = std::array::from_fn(|j| Dual::new(x[j], f64::from(u8::from(k == j))));
+            flow.guard(i, frozen, &seeded).eps
+        });
+        let constant = std::array::from_fn(|j| Dual::new(x[j], 0.0));
+        (gradient, flow.guard(i, Dual::new(t, 1.0), &constant).eps)
+    }
+}

@@ -1,0 +1,99 @@
+//! What is no problem of contacts is an error that says why.
+
+use stickslip::{Contacts, Ending, Error, Options, Scalar, Several, Side, solve};
+
+use super::references::stacked;
+
+/// Two bodies whose contacts are what a case makes of them.
+struct Odd(Case);
+
+#[derive(Clone, Copy)]
+enum Case {
+    /// Both boundaries are the same.
+    Coincide,
+    /// The second boundary function has no slope.
+    Flat,
+    /// The second boundary function is not a number.
+    Undefined,
+    /// Friction drives the second apart.
+    Repels,
+    /// A parameter is not allowed.
+    Refused,
+}
+
+impl Contacts<2, 2> for Odd {
+    fn field<T: Scalar>(&self, sides: &[Side; 2], _t: T, _x: &[T; 2]) -> [T; 2] {
+        let second = match self.0 {
+            Case::Repels => -1.0,
+            _ => 1.0,
+        };
+        [
+            T::constant(-sides[0].sign()),
+            T::constant(-second * sides[1].sign()),
+        ]
+    }
+    fn boundaries<T: Scalar>(&self, _t: T, x: &[T; 2]) -> [T; 2] {
+        let second = match self.0 {
+            Case::Coincide => x[0] * 2.0,
+            Case::Flat => x[1] * x[1],
+            Case::Undefined => x[1].ln(),
+            Case::Repels | Case::Refused => x[1],
+        };
+        [x[0], second]
+    }
+    fn check_parameters(&self) -> Result<(), Error> {
+        match self.0 {
+            Case::Refused => Err(Error::Parameter {
+                name: "case",
+                value: 4.0,
+                bound: "another one",
+            }),
+            _ => Ok(()),
+        }
+    }
+}
+
+fn error(case: Case, start: [f64; 2]) -> Error {
+    let failure = solve(&Several(Odd(case)), 0.0, start, 2.0, &Options::default()).unwrap_err();
+    assert_eq!(failure.reached.ending, Ending::Failed);
+    failure.error
+}
+
+#[test]
+fn what_is_no_contact_is_told() {
+    let dependent = error(Case::Coincide, [1.0, 1.0]);
+    assert!(
+        matches!(&dependent, Error::DependentContacts { contacts, .. } if *contacts == [0, 1]),
+        "{dependent}"
+    );
+    let flat = error(Case::Flat, [1.0, 0.0]);
+    assert!(
+        matches!(&flat, Error::DependentContacts { contacts, .. } if *contacts == [1]),
+        "{flat}"
+    );
+    let undefined = error(Case::Undefined, [1.0, -1.0]);
+    assert!(matches!(undefined, Error::StartOutsideDomain { .. }), "{undefined}");
+    assert!(matches!(error(Case::Refused, [1.0, 1.0]), Error::Parameter { .. }));
+    assert!(matches!(error(Case::Repels, [1.0, f64::NAN]), Error::StartOutsideDomain { .. }));
+}
+
+#[test]
+fn a_future_that_is_not_unique_is_told_with_what_it_could_be() {
+    let repels = error(Case::Repels, [0.0, 0.0]);
+    let Error::NoUniqueMode { contacts, candidates, .. } = &repels else {
+        panic!("{repels}");
+    };
+    assert_eq!((&contacts[..], candidates.len()), (&[0, 1][..], 3));
+    assert!(repels.to_string().contains("3 motions"), "{repels}");
+}
+
+#[test]
+fn static_friction_below_the_kinetic_is_told_with_the_contact() {
+    let mut rig = stacked();
+    rig.ratio = 0.5;
+    let failure = solve(&Several(&rig), 0.0, [0.0; 6], 5.0, &Options::default()).unwrap_err();
+    assert!(
+        matches!(failure.error, Error::StaticBelowKinetic { contact: 0, ratio, .. } if (ratio - 0.5).abs() < 1e-12),
+        "{failure}"
+    );
+}

@@ -1,0 +1,217 @@
+//! Random chains of two to six blocks, some of them on one another: every mode is the one solution of its complementarity problem, by
+//! trying all; the energy balances; no event is missed.
+
+use stickslip::nalgebra::{DMatrix, DVector};
+use stickslip::statistics::SplitMix;
+use stickslip::{Method, Mode, Options, Orbit, Several, Side, State, solve};
+
+use super::rig::Rig;
+
+const B: usize = 6;
+const N: usize = 2 * B;
+
+/// A chain with a start, and how many blocks it has.
+struct Chain {
+    rig: Rig<B>,
+    x: State<N>,
+    blocks: usize,
+}
+
+impl Chain {
+    fn random(random: &mut SplitMix) -> Self {
+        let mut between = |low: f64, high: f64| random.between(low, high);
+        let blocks = 2 + (between(0.0, 5.0) as usize).min(4);
+        let mut rig = Rig::at_rest();
+        let mut x = State::from([0.0; N]);
+        for i in 0..blocks {
+            rig.masses[i] = between(0.3, 2.0);
+            rig.friction[i] = between(0.02, 0.5);
+            let stands_on_floor = i == 0 || between(0.0, 1.0) < 0.7;
+            rig.sits_on[i] = (!stands_on_floor).then(|| i - 1);
+            rig.spring(between(0.1, 1.5), i, None);
+            if i > 0 {
+                rig.spring(between(0.1, 2.0), i - 1, Some(i));
+            }
+            x[i] = between(-2.0, 2.0);
+            // Some begin at rest.
+            x[B + i] = between(-1.0, 2.0).max(0.0);
+        }
+        Chain { rig, x, blocks }
+    }
+
+    fn orbit(&self, options: &Options) -> Orbit<N, [Mode; B]> {
+        solve(&Several(&self.rig), 0.0, self.x, 12.0, options).unwrap()
+    }
+
+    /// Acceleration with these forces of friction on each body that has one.
+    fn acceleration(&self, friction: &[f64; B], x: &State<N>) -> [f64; B] {
+        let rig = &self.rig;
+        std::array::from_fn(|i| {
+            let springs: f64 = (0..B).map(|j| rig.stiffness[i][j] * x[j]).sum();
+            let above: f64 = (0..B)
+                .filter(|&c| rig.sits_on[c] == Some(i))
+                .map(|c| friction[c])
+                .sum();
+            (above - friction[i] - springs) / rig.masses[i]
+        })
+    }
+
+    /// Velocity of each contact from velocities, or its rate from accelerations.
+    fn relative(&self, v: &[f64; B]) -> [f64; B] {
+        std::array::from_fn(|c| v[c] - self.rig.sits_on[c].map_or(0.0, |below| v[below]))
+    }
+
+    /// Forces of friction and rates of the contacts in a mode, by solving for the forces of those that hold.
+    fn forces_and_rates(&self, mode: &[Mode; B], x: &State<N>) -> ([f64; B], [f64; B]) {
+        let holding: Vec<usize> = (0..self.blocks)
+            .filter(|&c| mode[c] == Mode::Stick)
+            .collect();
+        let mut friction: [f64; B] = std::array::from_fn(|c| match mode[c] {
+            Mode::Slip(side) => self.rig.friction[c] * side.sign(),
+            Mode::Stick => 0.0,
+        });
+        let rates = |friction: &[f64; B]| self.relative(&self.acceleration(friction, x));
+        let free = rates(&friction);
+        let count = holding.len();
+        if count == 0 {
+            return (friction, free);
+        }
+        let matrix = DMatrix::from_fn(count, count, |row, column| {
+            let mut unit = friction;
+            unit[holding[column]] = 1.0;
+            rates(&unit)[holding[row]] - free[holding[row]]
+        });
+        let right = DVector::from_fn(count, |row, _| -free[holding[row]]);
+        let forces = matrix.lu().solve(&right).unwrap();
+        for (row, &c) in holding.iter().enumerate() {
+            friction[c] = forces[row];
+        }
+        (friction, rates(&friction))
+    }
+
+    /// By how much a mode is consistent at the contacts in `at_zero`: negative where it is not.
+    fn margin(&self, mode: &[Mode; B], at_zero: &[usize], x: &State<N>) -> f64 {
+        let (forces, rates) = self.forces_and_rates(mode, x);
+        at_zero
+            .iter()
+            .map(|&c| match mode[c] {
+                Mode::Stick => self.rig.friction[c] - forces[c].abs(),
+                Mode::Slip(side) => rates[c] * side.sign(),
+            })
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    fn energy(&self, x: &State<N>) -> f64 {
+        let kinetic: f64 = (0..B).map(|i| self.rig.masses[i] * x[B + i] * x[B + i]).sum();
+        let elastic: f64 = (0..B)
+            .flat_map(|i| (0..B).map(move |j| (i, j)))
+            .map(|(i, j)| x[i] * self.rig.stiffness[i][j] * x[j])
+            .sum();
+        0.5 * (kinetic + elastic)
+    }
+
+    fn velocities(&self, x: &State<N>) -> [f64; B] {
+        self.relative(&std::array::from_fn(|i| x[B + i]))
+    }
+
+    /// That every mode reported is consistent, and no other one clearly is.
+    fn modes_are_unique(&self, orbit: &Orbit<N, [Mode; B]>) {
+        const ROUNDING: f64 = 1e-7;
+        for at in &orbit.transitions {
+            let h = self.velocities(&at.x);
+            let at_zero: Vec<usize> = (0..self.blocks)
+                .filter(|&c| at.to[c] == Mode::Stick || c == at.contact || h[c].abs() < 1e-9)
+                .collect();
+            let margin = self.margin(&at.to, &at_zero, &at.x);
+            assert!(margin > -ROUNDING, "{margin:e} at {at:?} of {:?}", self.rig);
+            const EACH: [Mode; 3] = [Mode::Stick, Mode::Slip(Side::Below), Mode::Slip(Side::Above)];
+            for number in 0..3_usize.pow(at_zero.len() as u32) {
+                let (mut mode, mut rest) = (at.to, number);
+                for &c in &at_zero {
+                    mode[c] = EACH[rest % 3];
+                    rest /= 3;
+                }
+                let margin = self.margin(&mode, &at_zero, &at.x);
+                assert!(
+                    mode == at.to || margin < ROUNDING,
+                    "{mode:?} as well ({margin:e}) at {at:?} of {:?}",
+                    self.rig
+                );
+            }
+        }
+    }
+
+    /// That nothing happens between two events: on 100 points of each step contacts that slip do so to their side, and those that hold can.
+    fn nothing_is_missed(&self, orbit: &Orbit<N, [Mode; B]>) {
+        for step in &orbit.steps {
+            for k in 0..=100 {
+                let t = step.t_start + f64::from(k) / 100.0 * (step.t_end - step.t_start);
+                let x = step.dense.at_time(t);
+                let h = self.velocities(&x);
+                let (forces, _) = self.forces_and_rates(&step.mode, &x);
+                for c in 0..self.blocks {
+                    let left = match step.mode[c] {
+                        Mode::Slip(side) => h[c] * side.sign(),
+                        Mode::Stick => self.rig.friction[c] - forces[c].abs(),
+                    };
+                    // Contacts shallower than ten tolerances are touches.
+                    assert!(left > -1e-8, "{left:e} at contact {c}, t = {t}: {:?}", self.rig);
+                }
+            }
+        }
+    }
+
+    /// That the energy lost is the work of friction, by quadrature over the dense output.
+    fn energy_balances(&self, orbit: &Orbit<N, [Mode; B]>) {
+        const GAUSS: [(f64, f64); 5] = [
+            (-0.906_179_845_938_664, 0.236_926_885_056_189_1),
+            (-0.538_469_310_105_683_1, 0.478_628_670_499_366_5),
+            (0.0, 0.568_888_888_888_888_9),
+            (0.538_469_310_105_683_1, 0.478_628_670_499_366_5),
+            (0.906_179_845_938_664, 0.236_926_885_056_189_1),
+        ];
+        let mut work = 0.0;
+        for step in &orbit.steps {
+            // Steps are long beside what five points can do: eight parts of each.
+            let part = (step.t_end - step.t_start) / 8.0;
+            for k in 0..8 {
+                let middle = step.t_start + (f64::from(k) + 0.5) * part;
+                for (node, weight) in GAUSS {
+                    let x = step.dense.at_time(middle + 0.5 * node * part);
+                    let h = self.velocities(&x);
+                    let power: f64 = (0..B)
+                        .filter(|&c| step.mode[c] != Mode::Stick)
+                        .map(|c| self.rig.friction[c] * h[c].abs())
+                        .sum();
+                    work += 0.5 * weight * part * power;
+                }
+            }
+        }
+        let off = self.energy(&self.x) - self.energy(&orbit.x_end) - work;
+        assert!(off.abs() < 1e-8, "{off:e}: {:?}", self.rig);
+    }
+}
+
+fn check(seed: u64, count: usize, options: &Options) {
+    let mut random = SplitMix::new(seed);
+    for number in 0..count {
+        let chain = Chain::random(&mut random);
+        let orbit = chain.orbit(options);
+        chain.modes_are_unique(&orbit);
+        // The rest takes longer and says less: of every tenth.
+        if number % 10 == 0 {
+            chain.nothing_is_missed(&orbit);
+            chain.energy_balances(&orbit);
+        }
+    }
+}
+
+#[test]
+fn modes_energy_and_events_of_chains_by_slopes() {
+    check(2013, 5_000, &Options::tol(1e-11));
+}
+
+#[test]
+fn modes_energy_and_events_of_chains_by_series() {
+    check(73, 5_000, &Options::tol(1e-12).method(Method::Taylor));
+}
