@@ -34,7 +34,11 @@ fn told(candidates: &[String]) -> String {
     if candidates.is_empty() {
         "no motion that follows is consistent with the friction at all of them".to_owned()
     } else {
-        format!("{} motions that follow are consistent: {}", candidates.len(), candidates.join(" or "))
+        format!(
+            "{} motions that follow are consistent: {}",
+            candidates.len(),
+            candidates.join(" or ")
+        )
     }
 }
 

@@ -124,8 +124,9 @@ pub use nalgebra;
 
 pub use error::Error;
 pub use filippov::{
-    AtRepelling, Contacts, Failure, Fate, Integration, Locator, Method, Observer, Options, Phase, Progress, Several,
-    Start, StepRecord, Summary, Switched, Transition, TransitionKind, ensemble, fate, run, solve,
+    AtRepelling, Contacts, Failure, Fate, Integration, Locator, Method, Observer, Options, Phase,
+    Progress, Several, Start, StepRecord, Summary, Switched, Transition, TransitionKind, ensemble,
+    fate, run, solve,
 };
 pub use orbit::{Counters, Ending, Orbit};
 pub use scalar::Scalar;

@@ -103,9 +103,9 @@ impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
                 })
             }
             // At a loss of contact they kink, they do not jump.
-            TransitionKind::Touch
-            | TransitionKind::ContactLoss
-            | TransitionKind::ContactGain => None,
+            TransitionKind::Touch | TransitionKind::ContactLoss | TransitionKind::ContactGain => {
+                None
+            }
         }
     }
 

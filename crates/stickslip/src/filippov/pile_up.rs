@@ -13,25 +13,25 @@ const FEWEST: usize = 10;
 
 /// Transitions pile up when many of them happen within no time, or when many phases in a row are too short for error control
 /// to tell their ends apart: then a loose tolerance has stopped the orbit short of the accumulation point.
-pub struct PileUp {
+pub struct PileUp<const N: usize> {
     since: f64,
     count: usize,
-    last: f64,
+    last: Option<Timed<N>>,
     unresolved: usize,
 }
 
-impl PileUp {
+impl<const N: usize> PileUp<N> {
     pub(crate) fn new() -> Self {
         PileUp {
             since: f64::NEG_INFINITY,
             count: 0,
-            last: f64::NEG_INFINITY,
+            last: None,
             unresolved: 0,
         }
     }
 
     /// Counts a transition, where the state moves with `velocity`.
-    pub(crate) fn note<const N: usize>(
+    pub(crate) fn note(
         &mut self,
         at: &Timed<N>,
         velocity: &State<N>,
@@ -41,13 +41,16 @@ impl PileUp {
             (self.since, self.count) = (at.t, 0);
         }
         self.count += 1;
-        let time = at.t - self.last;
-        let resolved = (0..N).any(|i| {
-            let tolerance = options.atol + options.rtol * at.x[i].abs();
-            time * velocity[i].abs() > UNRESOLVED * tolerance
+        let resolved = self.last.is_none_or(|last| {
+            let time = at.t - last.t;
+            // A body on a floor stands still at either end of a slip: what it has moved by tells, not how fast it is.
+            (0..N).any(|i| {
+                let moved = f64::max((at.x[i] - last.x[i]).abs(), time * velocity[i].abs());
+                moved > UNRESOLVED * (options.atol + options.rtol * at.x[i].abs())
+            })
         });
         self.unresolved = if resolved { 0 } else { self.unresolved + 1 };
-        self.last = at.t;
+        self.last = Some(*at);
         let most = options.pile_up_count;
         if self.count < most && self.unresolved < most {
             return Ok(());
@@ -61,12 +64,7 @@ impl PileUp {
     }
 
     /// The pile-up that a run is in whose steps have become too short.
-    pub(crate) fn under_way<const N: usize>(
-        &self,
-        t: f64,
-        x: &State<N>,
-        options: &Options,
-    ) -> Option<Error> {
+    pub(crate) fn under_way(&self, t: f64, x: &State<N>, options: &Options) -> Option<Error> {
         let span = t - self.since;
         let near = span <= options.pile_up_span * t.abs().max(1.0);
         (near && self.count >= FEWEST).then(|| Error::EventPileUp {

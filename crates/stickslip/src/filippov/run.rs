@@ -19,7 +19,7 @@ pub(crate) const SHORTEST: f64 = 4.0 * f64::EPSILON;
 pub struct Run<const N: usize, const G: usize> {
     pub options: Options,
     pub counters: Counters,
-    pub pile_up: PileUp,
+    pub pile_up: PileUp<N>,
     pub t_end: f64,
     /// Next step to try; 0 until the first is chosen. It is kept over events: the new field is usually as fast as the
     /// old, and error control corrects it where it is not.

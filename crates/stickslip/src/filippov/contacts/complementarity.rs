@@ -41,7 +41,11 @@ pub(super) fn solutions<S: Contacts<N, M>, const N: usize, const M: usize>(
 
 /// All sets of outcomes that pass.
 fn all<const M: usize>(count: usize, passes: impl Fn(&[Outcome; M]) -> bool) -> Vec<[Outcome; M]> {
-    const EACH: [Outcome; 3] = [Mode::Stick, Mode::Slip(Side::Below), Mode::Slip(Side::Above)];
+    const EACH: [Outcome; 3] = [
+        Mode::Stick,
+        Mode::Slip(Side::Below),
+        Mode::Slip(Side::Above),
+    ];
     if count > MOST_TRIED {
         return Vec::new();
     }
@@ -77,17 +81,25 @@ fn is_consistent<S: Contacts<N, M>, const N: usize, const M: usize>(
     let x = components(x);
     let combination = joint_then.combination(t, x);
     let rates = rates(joint.system, (t, 1.0), x, &combination.field);
-    let size = rates.iter().fold(1.0, |size: f64, rate| size.max(rate.abs()));
+    let size = rates
+        .iter()
+        .fold(1.0, |size: f64, rate| size.max(rate.abs()));
     let shares = &combination.shares[..joint_then.count];
     // An iteration that has not converged is no solution.
-    let holds = joint_then.held().iter().zip(shares).all(|(&i, share)| {
-        (0.0..=1.0).contains(share) && rates[i].abs() <= 1e-9 * size
-    });
+    let holds = joint_then
+        .held()
+        .iter()
+        .zip(shares)
+        .all(|(&i, share)| (0.0..=1.0).contains(share) && rates[i].abs() <= 1e-9 * size);
     holds
-        && joint.held().iter().zip(outcomes).all(|(&i, outcome)| match outcome {
-            Mode::Stick => true,
-            Mode::Slip(side) => rates[i] * side.sign() > 0.0,
-        })
+        && joint
+            .held()
+            .iter()
+            .zip(outcomes)
+            .all(|(&i, outcome)| match outcome {
+                Mode::Stick => true,
+                Mode::Slip(side) => rates[i] * side.sign() > 0.0,
+            })
 }
 
 /// Rates at the contacts, in their order, as affine functions of the shares.
@@ -126,8 +138,7 @@ impl<const M: usize> Problem<M> {
         }
         self.count <= MOST_MINORS
             && (1..1_usize << self.count).all(|set| {
-                let chosen: Vec<usize> =
-                    (0..self.count).filter(|&i| set >> i & 1 == 1).collect();
+                let chosen: Vec<usize> = (0..self.count).filter(|&i| set >> i & 1 == 1).collect();
                 principal_minor(&resistance, &chosen) > 0.0
             })
     }
@@ -148,7 +159,9 @@ impl<const M: usize> Problem<M> {
             }
         }
         let rate = |shares: &[f64; M], i: usize| {
-            (0..self.count).fold(self.rates[i], |rate, j| rate + self.slopes[i][j] * shares[j])
+            (0..self.count).fold(self.rates[i], |rate, j| {
+                rate + self.slopes[i][j] * shares[j]
+            })
         };
         let (mut matrix, mut right) = ([[0.0; M]; M], [0.0; M]);
         for (row, &i) in holding[..count].iter().enumerate() {
@@ -161,7 +174,16 @@ impl<const M: usize> Problem<M> {
         for (row, &i) in holding[..count].iter().enumerate() {
             shares[i] = right[row];
         }
-        (shares, std::array::from_fn(|i| if i < self.count { rate(&shares, i) } else { 0.0 }))
+        (
+            shares,
+            std::array::from_fn(|i| {
+                if i < self.count {
+                    rate(&shares, i)
+                } else {
+                    0.0
+                }
+            }),
+        )
     }
 
     /// The outcome that a contact would rather have; its own where it is consistent.

@@ -13,7 +13,7 @@ use crate::ode::Timed;
 use crate::system::{Mode, Side, components};
 
 /// Units in the last place by which state and time are taken to be uncertain where a rate is judged to vanish.
-const ULPS: f64 = 64.0;
+pub(super) const ULPS: f64 = 64.0;
 
 /// Friction that differs by less than this part is the same.
 const SAME: f64 = 1e-12;
@@ -141,7 +141,14 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
     }
 
     /// The size below which the rate of a boundary function along the flow is rounding.
-    fn rate_floor(&self, joint: &Joint<'_, S, M>, i: usize, rate: f64, bend: f64, slack: f64) -> f64 {
+    fn rate_floor(
+        &self,
+        joint: &Joint<'_, S, M>,
+        i: usize,
+        rate: f64,
+        bend: f64,
+        slack: f64,
+    ) -> f64 {
         let Timed { t, x } = self.at;
         let (mut spread, mut shift) = (0.0, 0.0);
         // Direction N is time.
@@ -151,7 +158,9 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
             let time = Dual::new(t, seed(N));
             let field = joint.field(time, &seeded);
             let one = Dual::new(1.0, 0.0);
-            let change = rates(self.system, (time, one), &seeded, &field)[i].eps.abs();
+            let change = rates(self.system, (time, one), &seeded, &field)[i]
+                .eps
+                .abs();
             if direction < N {
                 spread += change * x[direction].abs();
                 shift += change * slack;
@@ -240,7 +249,11 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
         let [none, first, second, both] =
             [[false, false], [true, false], [false, true], [true, true]].map(corner);
         (0..N).all(|k| {
-            let size = none[k].abs().max(first[k].abs()).max(second[k].abs()).max(both[k].abs());
+            let size = none[k]
+                .abs()
+                .max(first[k].abs())
+                .max(second[k].abs())
+                .max(both[k].abs());
             (none[k] - first[k] - second[k] + both[k]).abs() <= ULPS * f64::EPSILON * size
         })
     }

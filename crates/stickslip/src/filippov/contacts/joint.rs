@@ -251,7 +251,10 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
     /// The place of a contact among those that hold.
     #[inline(always)]
     fn place(&self, contact: usize) -> usize {
-        self.held().iter().position(|&held| held == contact).unwrap_or(0)
+        self.held()
+            .iter()
+            .position(|&held| held == contact)
+            .unwrap_or(0)
     }
 
     /// The side whose friction a contact that holds is nearest to.

@@ -65,13 +65,7 @@ pub trait Contacts<const N: usize, const M: usize> {
     /// The fields whose combination holds the contacts in `held`: with static friction at these. A contact sticks as long as they can hold it,
     /// and then slips by [`Contacts::field`]. The default holds by the friction of slip.
     #[inline(always)]
-    fn holding<T: Scalar>(
-        &self,
-        sides: &[Side; M],
-        _held: &[bool; M],
-        t: T,
-        x: &[T; N],
-    ) -> [T; N] {
+    fn holding<T: Scalar>(&self, sides: &[Side; M], _held: &[bool; M], t: T, x: &[T; N]) -> [T; N] {
         self.field(sides, t, x)
     }
 
@@ -96,13 +90,7 @@ impl<const N: usize, const M: usize, S: Contacts<N, M>> Contacts<N, M> for &S {
         (**self).boundaries(t, x)
     }
     #[inline(always)]
-    fn holding<T: Scalar>(
-        &self,
-        sides: &[Side; M],
-        held: &[bool; M],
-        t: T,
-        x: &[T; N],
-    ) -> [T; N] {
+    fn holding<T: Scalar>(&self, sides: &[Side; M], held: &[bool; M], t: T, x: &[T; N]) -> [T; N] {
         (**self).holding(sides, held, t, x)
     }
     fn check_parameters(&self) -> Result<(), Error> {

@@ -1,6 +1,6 @@
 //! A system of several contacts as a switched system.
 
-use super::decision::Decision;
+use super::decision::{Decision, ULPS};
 use super::joint::{Joint, gradients};
 use super::{Contacts, Several};
 use crate::error::{Error, Point};
@@ -36,7 +36,12 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
             return Err(outside("a boundary function is not finite there"));
         }
         let sides = h.map(side_of);
-        if self.0.field(&sides, start.t, x).iter().any(|v| !v.is_finite()) {
+        if self
+            .0
+            .field(&sides, start.t, x)
+            .iter()
+            .any(|v| !v.is_finite())
+        {
             return Err(outside("the field is not finite there"));
         }
         Ok(())
@@ -52,7 +57,10 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
     /// Off its boundary a contact's side decides; those on it, to rounding, are decided together.
     fn first_mode(&self, run: &mut Run<N, M>) -> Result<Option<([Mode; M], [usize; M])>, Error> {
         let Timed { t, x } = run.at;
-        let modes = self.0.boundaries(t, components(&x)).map(|h| Mode::Slip(side_of(h)));
+        let modes = self
+            .0
+            .boundaries(t, components(&x))
+            .map(|h| Mode::Slip(side_of(h)));
         let decision = Decision {
             system: &self.0,
             at: run.at,
@@ -167,8 +175,11 @@ impl<S> Several<S> {
             Mode::Stick => true,
             Mode::Slip(_) => {
                 let blur = uncertainty(&joint, i, &run.at, &run.options.tolerance());
-                let h: f64 = joint.guard_at(i, run.at.t, &run.at.x);
-                h.abs() <= blur.by_rounding + 1e-3 * blur.by_tolerance
+                let Timed { t, x } = run.at;
+                let [h, rate, ..] = joint.jet(i, t, &x);
+                // The time is known to rounding, and with it what the rate makes of that.
+                let drift = ULPS * f64::EPSILON * rate.abs() * t.abs();
+                h.abs() <= blur.by_rounding + 1e-3 * blur.by_tolerance + drift
             }
         })
     }

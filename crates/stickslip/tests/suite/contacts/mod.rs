@@ -5,6 +5,6 @@ mod bad_input;
 mod chains;
 mod coupled;
 mod references;
-mod rig;
+pub mod rig;
 mod spectra;
 mod static_friction;

@@ -12,7 +12,7 @@ use stickslip::{AtRepelling, Ending, Error, Mode, Observer, Options, State, Step
 use super::check::{TIGHT, assert_consistent, every_locator, kinds};
 use crate::any_system::{run, solve};
 use crate::solver::systems::{
-    BlowUp, Breathing, Ceiling, Dip, Floor, Parabola, Rest, TurningLine, TwoFold, Zeno,
+    BlowUp, Breathing, Ceiling, DenHartog, Dip, Floor, Parabola, Rest, TurningLine, TwoFold, Zeno,
 };
 
 #[test]
@@ -180,6 +180,27 @@ fn a_pile_up_too_fast_to_be_counted_ends_the_run_all_the_same() {
             assert!(told, "{brake} {tolerance}: {error}");
         }
     }
+}
+
+#[test]
+fn a_block_on_a_floor_that_sticks_in_every_period_goes_on() {
+    // It stands still at either end of every slip; that its velocity is zero there does not make the slip a pile-up.
+    let block = DenHartog {
+        frequency: 0.3,
+        friction: 0.6,
+    };
+    let orbit = solve(
+        &block,
+        0.0,
+        State::from([0.0, 0.0]),
+        1500.0,
+        &super::tol(1e-9),
+    );
+    let orbit = orbit.expect("runs");
+    assert_eq!(orbit.ending, Ending::EndTime);
+    let sticks = orbit.sticks().count();
+    assert!(sticks > 100, "{sticks}");
+    assert!(orbit.phases.len() <= 2 * sticks + 1);
 }
 
 #[test]
