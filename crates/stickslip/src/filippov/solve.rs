@@ -1,7 +1,7 @@
 //! Runs as loops over [`Integration::step`]: one that keeps the whole orbit, one that keeps nothing.
 
 use super::integration::{Integration, Progress};
-use super::observer::{Observer, TransitionKind};
+use super::observer::Observer;
 use super::options::Options;
 use super::switched::Switched;
 use crate::error::Error;
@@ -181,14 +181,13 @@ where
     S: Switched<N, G>,
     O: Observer<N, S::Mode> + ?Sized,
 {
-    let is_inside = match progress {
+    match progress {
         Progress::Step => {
             if observer.step(&integration.last_step()).is_continue() {
                 return Ok(None);
             }
             // An orbit that has escaped is an error, to one who stops as well.
             integration.run.check_escape()?;
-            true
         }
         Progress::PhaseEnd(phase) => {
             *is_stopping = observer.phase(phase).is_break();
@@ -198,11 +197,11 @@ where
             if observer.transition(at).is_continue() && !*is_stopping {
                 return Ok(None);
             }
-            at.kind == TransitionKind::Touch
         }
         Progress::End(summary) => return Ok(Some(*summary)),
-    };
-    if is_inside && let Some(phase) = integration.phase() {
+    }
+    // Between phases there is none under way: the one before was told of.
+    if let Some(phase) = integration.phase() {
         // It ends all the same.
         let _ = observer.phase(&phase);
     }

@@ -6,6 +6,7 @@
 )]
 
 mod any_system;
+mod contacts;
 #[cfg(feature = "data")]
 mod data_spectrum;
 mod ensemble;

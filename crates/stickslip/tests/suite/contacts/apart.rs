@@ -1,8 +1,8 @@
 //! Oscillators that have nothing to do with each other go on in one system as each does alone.
 
 use stickslip::{
-    Contacts, Filippov, Method, Mode, Options, Orbit, Scalar, Several, Side, Start, State, TransitionKind,
-    ensemble, solve,
+    Contacts, Filippov, Method, Mode, Options, Orbit, Scalar, Several, Side, Start, State,
+    TransitionKind, ensemble, solve,
 };
 
 use super::rig::Rig;
@@ -42,8 +42,19 @@ fn each_goes_on_as_alone(options: &Options, allowed: f64) {
     let rig = three();
     let together = solve(&Several(&rig), 0.0, START, 40.0, options).unwrap();
     for i in 0..3 {
-        let alone = solve(&Alone(&rig, i), 0.0, [START[i], START[3 + i]], 40.0, options).unwrap();
-        let own: Vec<_> = together.transitions.iter().filter(|at| at.contact == i).collect();
+        let alone = solve(
+            &Alone(&rig, i),
+            0.0,
+            [START[i], START[3 + i]],
+            40.0,
+            options,
+        )
+        .unwrap();
+        let own: Vec<_> = together
+            .transitions
+            .iter()
+            .filter(|at| at.contact == i)
+            .collect();
         assert_eq!(own.len(), alone.transitions.len());
         assert!(own.len() > 8);
         for (own, alone) in own.iter().zip(&alone.transitions) {
@@ -76,7 +87,10 @@ fn two_that_come_to_rest_at_the_same_instant_are_decided_together() {
     rig.forcing = [0.0; 3];
     rig.friction[1] = rig.friction[0];
     let start = [2.0, 2.0, -1.5, 0.0, 0.0, 0.0];
-    for options in [Options::tol(1e-12), Options::tol(1e-14).method(Method::Taylor)] {
+    for options in [
+        Options::tol(1e-12),
+        Options::tol(1e-14).method(Method::Taylor),
+    ] {
         let orbit = solve(&Several(&rig), 0.0, start, 15.0, &options).unwrap();
         assert!((orbit.x_end[0] - orbit.x_end[1]).abs() < 1e-14);
         for phase in &orbit.phases {
@@ -97,10 +111,16 @@ fn an_ensemble_has_the_bits_of_each_orbit_alone() {
         x: State::from(START) * (1.0 + 0.01 * k as f64),
     };
     let mut ends = Vec::new();
-    ensemble((0..20).map(start), 10.0, &options, |_| (), |_, (), outcome| {
-        ends.push(outcome.unwrap().x);
-        ControlFlow::Continue(())
-    });
+    ensemble(
+        (0..20).map(start),
+        10.0,
+        &options,
+        |_| (),
+        |_, (), outcome| {
+            ends.push(outcome.unwrap().x);
+            ControlFlow::Continue(())
+        },
+    );
     for (k, end) in ends.iter().enumerate() {
         let alone = solve(&system, 0.0, start(k).x, 10.0, &options).unwrap();
         assert_eq!(*end, alone.x_end);
@@ -110,16 +130,27 @@ fn an_ensemble_has_the_bits_of_each_orbit_alone() {
 #[test]
 fn phases_and_steps_of_several_contacts_join() {
     let rig = three();
-    let orbit: Orbit<6, [Mode; 3]> = solve(&Several(&rig), 0.0, START, 20.0, &Options::default()).unwrap();
+    let orbit: Orbit<6, [Mode; 3]> =
+        solve(&Several(&rig), 0.0, START, 20.0, &Options::default()).unwrap();
     for pair in orbit.phases.windows(2) {
-        assert_eq!((pair[0].t_end, pair[0].x_end), (pair[1].t_start, pair[1].x_start));
+        assert_eq!(
+            (pair[0].t_end, pair[0].x_end),
+            (pair[1].t_start, pair[1].x_start)
+        );
         assert_ne!(pair[0].mode, pair[1].mode);
     }
     for step in &orbit.steps {
-        let phase = orbit.phases.iter().find(|phase| phase.t_end >= step.t_end).unwrap();
+        let phase = orbit
+            .phases
+            .iter()
+            .find(|phase| phase.t_end >= step.t_end)
+            .unwrap();
         assert_eq!(step.mode, phase.mode);
     }
-    let changes = orbit.transitions.iter().filter(|at| at.kind != TransitionKind::Touch);
+    let changes = orbit
+        .transitions
+        .iter()
+        .filter(|at| at.kind != TransitionKind::Touch);
     assert_eq!(changes.count() + 1, orbit.phases.len());
     // What holds lies on its boundary to rounding.
     for step in &orbit.steps {

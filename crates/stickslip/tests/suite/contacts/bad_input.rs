@@ -72,15 +72,29 @@ fn what_is_no_contact_is_told() {
         "{flat}"
     );
     let undefined = error(Case::Undefined, [1.0, -1.0]);
-    assert!(matches!(undefined, Error::StartOutsideDomain { .. }), "{undefined}");
-    assert!(matches!(error(Case::Refused, [1.0, 1.0]), Error::Parameter { .. }));
-    assert!(matches!(error(Case::Repels, [1.0, f64::NAN]), Error::StartOutsideDomain { .. }));
+    assert!(
+        matches!(undefined, Error::StartOutsideDomain { .. }),
+        "{undefined}"
+    );
+    assert!(matches!(
+        error(Case::Refused, [1.0, 1.0]),
+        Error::Parameter { .. }
+    ));
+    assert!(matches!(
+        error(Case::Repels, [1.0, f64::NAN]),
+        Error::StartOutsideDomain { .. }
+    ));
 }
 
 #[test]
 fn a_future_that_is_not_unique_is_told_with_what_it_could_be() {
     let repels = error(Case::Repels, [0.0, 0.0]);
-    let Error::NoUniqueMode { contacts, candidates, .. } = &repels else {
+    let Error::NoUniqueMode {
+        contacts,
+        candidates,
+        ..
+    } = &repels
+    else {
         panic!("{repels}");
     };
     assert_eq!((&contacts[..], candidates.len()), (&[0, 1][..], 3));

@@ -34,7 +34,10 @@ fn shares(drift: f64) -> [f64; 2] {
 #[test]
 fn two_contacts_that_hold_each_other_slide_by_the_multi_affine_combination() {
     let drift = 0.7;
-    for options in [Options::tol(1e-12), Options::tol(1e-14).method(Method::Taylor)] {
+    for options in [
+        Options::tol(1e-12),
+        Options::tol(1e-14).method(Method::Taylor),
+    ] {
         let system = Several(Coupled::<true> { drift });
         let orbit = solve(&system, 0.0, [-0.4, 0.3, 0.0], 5.0, &options).unwrap();
         assert_eq!(orbit.phases.last().unwrap().mode, [Mode::Stick; 2]);

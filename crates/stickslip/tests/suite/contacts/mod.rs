@@ -5,6 +5,6 @@ mod bad_input;
 mod chains;
 mod coupled;
 mod references;
-pub mod rig;
+mod rig;
 mod spectra;
 mod static_friction;

@@ -49,7 +49,10 @@ fn sign(mode: Mode) -> i32 {
 
 /// The signs of the first contacts in a column of the table.
 fn signs(column: &str) -> Vec<i32> {
-    column.split(' ').map(|sign| sign.parse().unwrap()).collect()
+    column
+        .split(' ')
+        .map(|sign| sign.parse().unwrap())
+        .collect()
 }
 
 /// Holds an orbit against the table, event times to `allowed · max(1, t)`, and its end.
@@ -77,7 +80,10 @@ fn agrees(problem: &str, orbit: &Orbit<6, [Mode; 3]>, end: &[f64; 6], allowed: f
     }
     assert_eq!(events.len(), rows.len(), "{problem}");
     let off = (orbit.x_end - State::from(*end)).amax();
-    assert!(off <= 30.0 * allowed, "{problem}: the end is off by {off:e}");
+    assert!(
+        off <= 30.0 * allowed,
+        "{problem}: the end is off by {off:e}"
+    );
 }
 
 fn every_reference(options: &Options, allowed: f64) {
@@ -112,7 +118,11 @@ fn every_reference(options: &Options, allowed: f64) {
     );
     let three = orbit(pulled(), [0.0; 6], 20.0);
     let mut end = [0.0; 6];
-    end[..3].copy_from_slice(&[2.121_809_448_351_372_4, 4.490_014_173_477_191, 7.105_132_429_956_624]);
+    end[..3].copy_from_slice(&[
+        2.121_809_448_351_372_4,
+        4.490_014_173_477_191,
+        7.105_132_429_956_624,
+    ]);
     end[3..].copy_from_slice(&three.x_end.as_slice()[3..]);
     agrees("P13", &three, &end, allowed);
 }

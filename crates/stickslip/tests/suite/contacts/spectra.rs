@@ -1,6 +1,8 @@
 //! Tangent vectors through several contacts.
 
-use stickslip::analysis::{Exponent, SpectrumOptions, lyapunov_spectrum, monodromy, periodic_orbit_forced};
+use stickslip::analysis::{
+    Exponent, SpectrumOptions, lyapunov_spectrum, monodromy, periodic_orbit_forced,
+};
 use stickslip::nalgebra::SMatrix;
 use stickslip::{Mode, Options, Several, State, solve};
 
@@ -9,7 +11,11 @@ use super::references::stacked;
 use super::rig::Rig;
 
 /// The monodromy matrix against differences over five points.
-fn agrees_with_differences(rig: &Rig<3>, start: [f64; 6], t_end: f64) -> (SMatrix<f64, 6, 6>, Vec<[Mode; 3]>) {
+fn agrees_with_differences(
+    rig: &Rig<3>,
+    start: [f64; 6],
+    t_end: f64,
+) -> (SMatrix<f64, 6, 6>, Vec<[Mode; 3]>) {
     let options = Options::tol(1e-13);
     let system = Several(rig);
     let found = monodromy(&system, 0.0, start, t_end, &options).unwrap();
@@ -30,7 +36,10 @@ fn agrees_with_differences(rig: &Rig<3>, start: [f64; 6], t_end: f64) -> (SMatri
         assert!(off < 1e-6, "column {j}: off by {off:e}");
     }
     let orbit = solve(&system, 0.0, start, t_end, &options).unwrap();
-    (found.matrix, orbit.phases.iter().map(|phase| phase.mode).collect())
+    (
+        found.matrix,
+        orbit.phases.iter().map(|phase| phase.mode).collect(),
+    )
 }
 
 #[test]
@@ -70,7 +79,11 @@ fn the_spectrum_of_oscillators_apart_is_the_union_of_each_ones() {
     let (found, expected) = (sorted(together.exponents.to_vec()), sorted(alone.collect()));
     // One direction is annihilated for each contact that holds at some time.
     let annihilated = |values: &[f64]| values.iter().filter(|value| value.is_infinite()).count();
-    assert_eq!((annihilated(&found), annihilated(&expected)), (2, 2), "{found:?} {expected:?}");
+    assert_eq!(
+        (annihilated(&found), annihilated(&expected)),
+        (2, 2),
+        "{found:?} {expected:?}"
+    );
     for (found, expected) in found.iter().zip(&expected).take(4) {
         // Vectors take their places within a time of one over the differences of the exponents.
         assert!((found - expected).abs() < 3e-3, "{found} {expected}");
@@ -89,7 +102,8 @@ fn a_forced_orbit_of_three_blocks_is_found_by_shooting() {
     let period = std::f64::consts::TAU / rig.omega;
     let options = Options::tol(1e-12);
     let settled = solve(&Several(&rig), 0.0, [0.0; 6], 40.0 * period, &options).unwrap();
-    let found = periodic_orbit_forced(&Several(&rig), 0.0, settled.x_end, period, &options).unwrap();
+    let found =
+        periodic_orbit_forced(&Several(&rig), 0.0, settled.x_end, period, &options).unwrap();
     let again = solve(&Several(&rig), 0.0, found.x, period, &options).unwrap();
     assert!((again.x_end - found.x).amax() < 1e-9);
 }

@@ -96,12 +96,21 @@ impl Scan<'_> {
 
     /// One step of order 4, and the events that it has passed.
     fn step(&mut self, t: f64) -> bool {
-        let slope = |x: [f64; 2], v: [f64; 2], t: f64| (v, self.acceleration(t, x, self.forces(t, x)));
+        let slope =
+            |x: [f64; 2], v: [f64; 2], t: f64| (v, self.acceleration(t, x, self.forces(t, x)));
         let moved = |a: [f64; 2], h: f64, b: [f64; 2]| [a[0] + h * b[0], a[1] + h * b[1]];
         let (x, v, h) = (self.x, self.v, STEP);
         let k1 = slope(x, v, t);
-        let k2 = slope(moved(x, h / 2.0, k1.0), moved(v, h / 2.0, k1.1), t + h / 2.0);
-        let k3 = slope(moved(x, h / 2.0, k2.0), moved(v, h / 2.0, k2.1), t + h / 2.0);
+        let k2 = slope(
+            moved(x, h / 2.0, k1.0),
+            moved(v, h / 2.0, k1.1),
+            t + h / 2.0,
+        );
+        let k3 = slope(
+            moved(x, h / 2.0, k2.0),
+            moved(v, h / 2.0, k2.1),
+            t + h / 2.0,
+        );
         let k4 = slope(moved(x, h, k3.0), moved(v, h, k3.1), t + h);
         for i in 0..2 {
             self.x[i] += h / 6.0 * (k1.0[i] + 2.0 * k2.0[i] + 2.0 * k3.0[i] + k4.0[i]);
@@ -114,7 +123,8 @@ impl Scan<'_> {
         for c in 0..2 {
             let mode = self.modes[c];
             if mode == 0 && force[c].abs() > self.rig.ratio * self.rig.friction[c] {
-                (self.modes[c], at_zero[c], happened) = (if force[c] > 0.0 { 1 } else { -1 }, false, true);
+                (self.modes[c], at_zero[c], happened) =
+                    (if force[c] > 0.0 { 1 } else { -1 }, false, true);
             } else if mode != 0 && relative[c] * f64::from(mode) < 0.0 {
                 (at_zero[c], happened) = (true, true);
             }
@@ -148,7 +158,10 @@ fn static_friction_at_two_contacts_agrees_with_a_scan() {
         Mode::Slip(Side::Above) => 1,
         Mode::Stick => 0,
     };
-    for options in [Options::tol(1e-12), Options::tol(1e-14).method(Method::Taylor)] {
+    for options in [
+        Options::tol(1e-12),
+        Options::tol(1e-14).method(Method::Taylor),
+    ] {
         let orbit = solve(&Several(&rig), 0.0, [0.0; 6], T_END, &options).unwrap();
         let found: Vec<_> = orbit
             .phases
@@ -160,9 +173,17 @@ fn static_friction_at_two_contacts_agrees_with_a_scan() {
         for (found, expected) in found.iter().zip(&expected) {
             assert_eq!(found.1, expected.1, "{found:?} {expected:?}");
             // The scan is late by up to a step at every event, and what that does to those that follow.
-            assert!((found.0 - expected.0).abs() < 100.0 * STEP, "{found:?} {expected:?}");
+            assert!(
+                (found.0 - expected.0).abs() < 100.0 * STEP,
+                "{found:?} {expected:?}"
+            );
         }
         // Slip leaves across: the rate of the contact that gives way is not zero.
-        assert!(orbit.transitions.iter().any(|at| at.kind == TransitionKind::StickExit));
+        assert!(
+            orbit
+                .transitions
+                .iter()
+                .any(|at| at.kind == TransitionKind::StickExit)
+        );
     }
 }
