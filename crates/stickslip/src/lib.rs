@@ -124,9 +124,9 @@ pub use nalgebra;
 
 pub use error::Error;
 pub use filippov::{
-    AtRepelling, Contacts, Failure, Fate, Integration, Locator, Method, Observer, Options, Phase,
-    Progress, Several, Start, StepRecord, Summary, Switched, Transition, TransitionKind, ensemble,
-    fate, run, solve,
+    Approach, AtRepelling, Contacts, Failure, Fate, Integration, Locator, Method, Observer,
+    Options, Phase, Progress, Several, Start, StepRecord, Summary, Switched, Transition,
+    TransitionKind, TwoFold, ensemble, fate, run, solve,
 };
 pub use orbit::{Counters, Ending, Orbit};
 pub use scalar::Scalar;

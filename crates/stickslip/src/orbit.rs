@@ -1,7 +1,7 @@
 //! The result of a run: phases, transitions, the solution on any grid.
 
 use crate::error::Error;
-use crate::filippov::{Phase, StepRecord, Transition};
+use crate::filippov::{Phase, StepRecord, Transition, TwoFold};
 use crate::system::{Mode, State};
 
 /// How much work a run took.
@@ -29,6 +29,9 @@ pub enum Ending {
     /// Σ repels at the last state: both fields lead away and the future is not unique
     /// (see [`crate::AtRepelling`]).
     Repelling,
+    /// The orbit has come to a two-fold, where both fields are tangent to Σ and the future is not unique (see
+    /// [`crate::AtRepelling`]).
+    TwoFold(TwoFold),
     /// The observer asked to stop.
     Stopped,
     /// The run failed; the orbit is what it computed before (see [`crate::Failure`]).

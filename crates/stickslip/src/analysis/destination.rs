@@ -55,7 +55,7 @@ pub fn destination<S: Switched<N, G>, const N: usize, const G: usize>(
     // A little beyond the last whole period, so that rounding cannot leave it out.
     let t_end = t0 + (periods as f64 + 1e-6) * period;
     match strobe.follow(system, x0, t_end, options) {
-        Ok(summary) if summary.ending == Ending::Repelling => {
+        Ok(summary) if matches!(summary.ending, Ending::Repelling | Ending::TwoFold(_)) => {
             let (t, x) = (summary.t, Point::from(&summary.x));
             Err(Error::NoUniqueFuture { t, x })
         }

@@ -8,7 +8,7 @@ use super::pile_up::PileUp;
 use super::run::{Run, Trial};
 use super::solve::Summary;
 use super::stepper::{Stepper, Work};
-use super::switched::{Settled, Switched, UseFlow, Velocity};
+use super::switched::{Next, Settled, Switched, UseFlow, Velocity};
 use crate::error::Error;
 use crate::ode::{Dense, Timed};
 use crate::orbit::{Counters, Ending};
@@ -77,6 +77,8 @@ enum Due {
     Event,
     /// The phase has ended at the event; the rules decide what follows.
     Switch,
+    /// Nothing but to say that the phase under way has ended with the run.
+    PhaseEnd(Ending),
     /// Nothing: the run has ended.
     End(Ending),
 }
@@ -177,14 +179,19 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
             }
             Due::Event | Due::Switch => {
                 if let Some(event) = self.run.event {
-                    return self.conclude(&event).map(Some);
+                    let concluded = self.conclude(&event);
+                    if let Err(error) = concluded {
+                        self.due = self.after(error)?;
+                        return Ok(self.close());
+                    }
+                    return concluded.map(Some);
                 }
             }
-            Due::End(ending) => return Ok(Some(Progress::End(self.summary(ending)))),
+            Due::PhaseEnd(_) | Due::End(_) => return Ok(self.close()),
         }
         if self.run.at.t >= self.run.t_end {
-            self.due = Due::End(Ending::EndTime);
-            return Ok(Some(Progress::PhaseEnd(self.phase_so_far())));
+            self.due = Due::PhaseEnd(Ending::EndTime);
+            return Ok(self.close());
         }
         if self.stepper.needs_preparing() {
             self.work(Work::Prepare)?;
@@ -195,13 +202,61 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
     /// Tries a step, and says whether it was taken.
     #[inline(always)]
     pub(super) fn advance(&mut self) -> Result<bool, Error> {
-        self.due = match self.work(Work::Advance)? {
-            Trial::NoStep => return Ok(false),
-            Trial::Step => Due::Passed,
-            Trial::Event => Due::Event,
+        self.due = match self.work(Work::Advance) {
+            Ok(Trial::NoStep) => return Ok(false),
+            Ok(Trial::Step) => Due::Passed,
+            Ok(Trial::Event) => Due::Event,
+            Err(error) => {
+                self.due = self.after(error)?;
+                return Ok(false);
+            }
         };
         self.last_mode = self.mode;
         Ok(true)
+    }
+
+    /// What there is left to say of a run that ends.
+    fn close(&mut self) -> Option<Progress<N, S::Mode>> {
+        match self.due {
+            Due::PhaseEnd(ending) => {
+                let phase = self.phase_so_far();
+                self.due = Due::End(ending);
+                Some(Progress::PhaseEnd(phase))
+            }
+            Due::End(ending) => Some(Progress::End(self.summary(ending))),
+            _ => None,
+        }
+    }
+
+    /// What a step that has failed means: an event that no step resolves, or an ending; if it is neither, the error.
+    #[cold]
+    fn after(&mut self, error: Error) -> Result<Due, Error> {
+        match error {
+            Error::StepCollapse { .. } => {
+                let guard = self
+                    .system
+                    .guard_at_collapse(&self.run, self.mode)
+                    .ok_or(error)?;
+                self.run.event = Some(Event {
+                    guard,
+                    at: self.run.at,
+                    is_touch: false,
+                    residual: 0.0,
+                });
+                Ok(Due::Event)
+            }
+            Error::EventPileUp { .. } => {
+                let ending = self
+                    .system
+                    .ending_of_pile_up(&self.run, self.mode)
+                    .ok_or(error)?;
+                Ok(match self.phase() {
+                    Some(_) => Due::PhaseEnd(ending),
+                    None => Due::End(ending),
+                })
+            }
+            other => Err(other),
+        }
     }
 
     /// Does what depends on the mode, with the flow of the mode.
@@ -254,9 +309,12 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
     /// From the end of a phase to the next mode or to the end of the run.
     fn switch(&mut self, event: &Event<N>) -> Result<Progress<N, S::Mode>, Error> {
         let from = self.mode;
-        let Some(next) = self.system.switch(&mut self.run, from, event)? else {
-            self.due = Due::End(Ending::Repelling);
-            return Ok(Progress::End(self.summary(Ending::Repelling)));
+        let next = match self.system.switch(&mut self.run, from, event)? {
+            Next::Mode(next) => next,
+            Next::End(ending) => {
+                self.due = Due::End(ending);
+                return Ok(Progress::End(self.summary(ending)));
+            }
         };
         self.mode = next.to;
         self.note_event()?;

@@ -23,6 +23,7 @@ mod stepper;
 mod switch;
 mod switched;
 mod taylor;
+mod two_fold;
 mod uncertainty;
 
 pub use contacts::{Contacts, Several};
@@ -39,3 +40,4 @@ pub(crate) use solve::tell;
 pub use solve::{Failure, Summary, run, solve};
 pub use switched::Switched;
 pub(crate) use switched::{GuardGradient, UseFlow, Velocity};
+pub use two_fold::{Approach, TwoFold};

@@ -4,14 +4,17 @@ use super::check::check;
 use super::event::Event;
 use super::flow::{CONTACT, GUARDS, Slip, Stick, boundary_gradient, normal_component};
 use super::observer::{Transition, TransitionKind};
-use super::options::Options;
+use super::options::{AtRepelling, Options};
 use super::rules::{AtRest, Departure, Fate, Leading, LieDerivatives, departure};
 use super::run::Run;
 use super::switch::{kind, next_mode};
-use super::switched::{Switch, Switched, UseFlow};
+use super::switched::{Next, Switch, Switched, UseFlow};
+use super::two_fold::{Approach, two_fold};
+use crate::analysis::Visibility;
 use crate::dual::Dual;
 use crate::error::{Error, Point};
 use crate::ode::Timed;
+use crate::orbit::Ending;
 use crate::system::{Filippov, Mode, Side, State, components};
 
 impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
@@ -78,16 +81,51 @@ impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
         run: &mut Run<N, GUARDS>,
         from: Mode,
         event: &Event<N>,
-    ) -> Result<Option<Switch<Mode, GUARDS>>, Error> {
+    ) -> Result<Next<Mode, GUARDS>, Error> {
+        if from == Mode::Stick
+            && let Some(two_fold) = two_fold(self, &run.at, Approach::Sliding)
+        {
+            let chosen = match run.options.at_repelling {
+                AtRepelling::Stop => return Ok(Next::End(Ending::TwoFold(two_fold))),
+                AtRepelling::GoBelow => Side::Below,
+                AtRepelling::GoAbove => Side::Above,
+            };
+            if two_fold.visibility(chosen) == Visibility::Visible {
+                let to = Mode::Slip(chosen);
+                return Ok(Next::Mode(Switch {
+                    to,
+                    orders: [2, 0, 0],
+                    kind: kind(from, to),
+                    contact: 0,
+                }));
+            }
+        }
         let tangent = (from == Mode::Stick).then(|| Stick::<S>::side_of_guard(event.guard));
         let departure = departs(self, run, tangent)?;
         let next = next_mode(departure, run.options.at_repelling);
-        Ok(next.map(|(to, orders)| Switch {
-            to,
-            orders,
-            kind: kind(from, to),
-            contact: 0,
-        }))
+        Ok(match next {
+            Some((to, orders)) => Next::Mode(Switch {
+                to,
+                orders,
+                kind: kind(from, to),
+                contact: 0,
+            }),
+            None => Next::End(Ending::Repelling),
+        })
+    }
+
+    fn guard_at_collapse(&self, run: &Run<N, GUARDS>, mode: Mode) -> Option<usize> {
+        let slides = mode == Mode::Stick;
+        let two_fold = slides.then(|| two_fold(self, &run.at, Approach::Sliding));
+        two_fold.flatten().map(|_| 0)
+    }
+
+    fn ending_of_pile_up(&self, run: &Run<N, GUARDS>, mode: Mode) -> Option<Ending> {
+        let approach = match mode {
+            Mode::Stick => Approach::Sliding,
+            Mode::Slip(_) => Approach::Crossings,
+        };
+        two_fold(self, &run.at, approach).map(Ending::TwoFold)
     }
 
     fn jumps_at(&self, at: &Transition<N>) -> Option<usize> {

@@ -44,7 +44,8 @@ pub enum Locator {
     RootSearch,
 }
 
-/// What to do where Σ repels (both fields lead away) and the future is not unique.
+/// What to do where the future is not unique: where Σ repels (both fields lead away), and at a two-fold (both are tangent to Σ) that
+/// the orbit slides into. At a two-fold a side is chosen if its field is visible there; otherwise the run goes on by the rules.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum AtRepelling {
     /// Stop there; the orbit's ending says so.

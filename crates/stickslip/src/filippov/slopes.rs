@@ -21,6 +21,9 @@ use crate::system::State;
 /// A guard is not a number in a part of the step.
 pub(crate) struct Undefined;
 
+/// Tolerances by which a step made again to an event and the dense output may differ: some hundred are seen where all is well.
+const UNRESOLVED: f64 = 1e6;
+
 /// What Runge–Kutta steps keep from one to the next: the slope at the state reached, if it is known.
 #[derive(Default)]
 pub(crate) struct Slopes<const N: usize> {
@@ -221,10 +224,23 @@ impl<const N: usize, const G: usize> Run<N, G> {
         } else {
             None
         };
-        if found.is_none() && !is_defined(on_dense) {
-            return Err(Undefined);
+        match &found {
+            Some(event) if !self.agrees(event, dense) => Err(Undefined),
+            None if !is_defined(on_dense) => Err(Undefined),
+            _ => Ok(found),
         }
-        Ok(found)
+    }
+
+    /// Whether the state of an event, by a step made again, is that of the dense output there: where the flow is singular close by,
+    /// as a sliding field is at a two-fold, neither means anything. A step of fixed length is taken as it is.
+    fn agrees(&self, event: &Event<N>, dense: &Dense<N>) -> bool {
+        let there = dense.at_time(event.at.t);
+        let tolerance = self.options.tolerance();
+        self.options.fixed_step().is_some()
+            || (0..N).all(|i| {
+                let allowed = tolerance.atol + tolerance.rtol * there[i].abs();
+                (event.at.x[i] - there[i]).abs() <= UNRESOLVED * allowed
+            })
     }
 
     /// The first event of a guard that is worth a closer look.

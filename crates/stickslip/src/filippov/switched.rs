@@ -11,6 +11,7 @@ use super::run::Run;
 use crate::dual::Dual;
 use crate::error::Error;
 use crate::ode::Timed;
+use crate::orbit::Ending;
 use crate::scalar::Scalar;
 use crate::system::State;
 
@@ -51,14 +52,26 @@ pub trait Switched<const N: usize, const G: usize> {
     #[doc(hidden)]
     fn passed(&self, guard: usize, branch: &mut Self::Branch) -> Option<TransitionKind>;
 
-    /// Where the run goes from the end of a mode; `None` where there is no unique future.
+    /// Where the run goes from the end of a mode.
     #[doc(hidden)]
     fn switch(
         &self,
         run: &mut Run<N, G>,
         from: Self::Mode,
         event: &Event<N>,
-    ) -> Result<Option<Switch<Self::Mode, G>>, Error>;
+    ) -> Result<Next<Self::Mode, G>, Error>;
+
+    /// The guard whose zero has been reached where a step has become too short for the time, if that is why.
+    #[doc(hidden)]
+    fn guard_at_collapse(&self, _run: &Run<N, G>, _mode: Self::Mode) -> Option<usize> {
+        None
+    }
+
+    /// The ending that transitions pile up in, if it is one of its own.
+    #[doc(hidden)]
+    fn ending_of_pile_up(&self, _run: &Run<N, G>, _mode: Self::Mode) -> Option<Ending> {
+        None
+    }
 
     /// The guard whose zero a transition is, where the field jumps there: the transition then changes tangent vectors.
     #[doc(hidden)]
@@ -88,6 +101,14 @@ pub trait Switched<const N: usize, const G: usize> {
 }
 
 /// Where a run goes from the end of a mode.
+pub enum Next<K, const G: usize> {
+    /// Into a mode.
+    Mode(Switch<K, G>),
+    /// Nowhere: its future is not unique.
+    End(Ending),
+}
+
+/// A change of mode.
 pub struct Switch<K, const G: usize> {
     pub to: K,
     /// How many derivatives of each guard of the new mode vanish.

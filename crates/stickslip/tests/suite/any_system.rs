@@ -16,6 +16,7 @@ use crate::solver::systems::{
     Reversed, Spiral, StaticFriction, TurningLine, TwoFold, Wall, Window, Zeno,
 };
 use crate::taylor::{Brink, Gate, Kink, Nowhere, Pit, Ramp};
+use crate::two_folds::{Folds, Quadratic};
 
 /// A system that is one of those below.
 pub trait Listed<const N: usize>: Filippov<N> {
@@ -86,7 +87,7 @@ systems!(
     Shaken(grazes::Shaken), SpiralAtRest(grazes::AtRest), Spiral(Spiral), StaticFriction(StaticFriction), TwoFold(TwoFold), Zeno(Zeno),
 );
 
-systems!(Any3, 3: Linear(Smooth<Linear<3>>), Lorenz(Smooth<Lorenz>), Roessler(Smooth<Roessler>));
+systems!(Any3, 3: Folds(Folds), Quadratic(Quadratic), Linear(Smooth<Linear<3>>), Lorenz(Smooth<Lorenz>), Roessler(Smooth<Roessler>));
 
 systems!(Any4, 4: Bracket(BlockAndBracket));
 

@@ -16,3 +16,4 @@ mod no_allocation;
 mod periodic;
 mod solver;
 mod taylor;
+mod two_folds;

@@ -128,7 +128,9 @@ where
             Progress::Step => measurement.step(&integration.last_step())?,
             Progress::Transition(at) => measurement.transition(at)?,
             Progress::PhaseEnd(_) => {}
-            Progress::End(summary) if summary.ending == Ending::Repelling => {
+            Progress::End(summary)
+                if matches!(summary.ending, Ending::Repelling | Ending::TwoFold(_)) =>
+            {
                 let (t, x) = (summary.t, Point::from(&summary.x));
                 return Err(Error::NoUniqueFuture { t, x });
             }

@@ -11,7 +11,7 @@ use crate::filippov::observer::{Transition, TransitionKind};
 use crate::filippov::options::Options;
 use crate::filippov::run::Run;
 use crate::filippov::switch::kind;
-use crate::filippov::switched::{Switch, Switched, UseFlow};
+use crate::filippov::switched::{Next, Switch, Switched, UseFlow};
 use crate::filippov::uncertainty::uncertainty;
 use crate::ode::Timed;
 use crate::system::{Mode, Side, State, components};
@@ -81,7 +81,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
         run: &mut Run<N, M>,
         from: [Mode; M],
         event: &Event<N>,
-    ) -> Result<Option<Switch<[Mode; M], M>>, Error> {
+    ) -> Result<Next<[Mode; M], M>, Error> {
         let contact = event.guard;
         let mut open = self.at_zero(run, &from);
         let mut modes = from;
@@ -102,7 +102,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
             released,
         };
         let (to, orders) = decision.mode(run)?;
-        Ok(Some(Switch {
+        Ok(Next::Mode(Switch {
             to,
             orders,
             kind: kind(from[contact], to[contact]),

@@ -6,8 +6,12 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use std::ops::ControlFlow;
 
 use stickslip::TransitionKind::{ContactGain, ContactLoss, Crossing, StickEntry, StickExit};
+use stickslip::analysis::Visibility;
 use stickslip::models::{BlockAndBracket, Caption, Reading};
-use stickslip::{AtRepelling, Ending, Error, Mode, Observer, Options, State, StepRecord, math};
+use stickslip::{
+    Approach, AtRepelling, Ending, Error, Mode, Observer, Options, State, StepRecord,
+    TwoFold as TwoFoldEnding, math,
+};
 
 use super::check::{TIGHT, assert_consistent, every_locator, kinds};
 use crate::any_system::{run, solve};
@@ -64,7 +68,12 @@ fn a_two_fold_at_the_origin_is_one_to_rounding() {
         &super::tol(TIGHT),
     )
     .expect("runs");
-    assert_eq!(orbit.ending, Ending::Repelling);
+    let two_fold = TwoFoldEnding {
+        below: Visibility::Visible,
+        above: Visibility::Visible,
+        approach: Approach::Sliding,
+    };
+    assert_eq!(orbit.ending, Ending::TwoFold(two_fold));
     assert!((orbit.t_end - 1.0).abs() < 1e-14, "{}", orbit.t_end);
 }
 

@@ -1,0 +1,68 @@
+//! Two-folds: points of Σ where both fields are tangent to it.
+//!
+//! In three dimensions sliding orbits reach them from open sets, and so can crossings that spiral in (Teixeira, *J. Math. Anal. Appl.* 145
+//! (1990) 65; Colombo & Jeffrey, *SIAM J. Appl. Dyn. Syst.* 10 (2011) 423). Behind one the future is not unique.
+
+use super::rules::LieDerivatives;
+use crate::analysis::Visibility;
+use crate::ode::Timed;
+use crate::system::{Filippov, Side};
+
+/// How an orbit has come to a two-fold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Approach {
+    /// By sliding on Σ.
+    Sliding,
+    /// By crossings that follow each other ever faster.
+    Crossings,
+}
+
+/// A two-fold at which a run has ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct TwoFold {
+    /// How the field below is tangent to Σ.
+    pub below: Visibility,
+    /// How the field above is.
+    pub above: Visibility,
+    /// How the orbit came there.
+    pub approach: Approach,
+}
+
+impl TwoFold {
+    /// How the field of `side` is tangent to Σ.
+    pub fn visibility(&self, side: Side) -> Visibility {
+        match side {
+            Side::Below => self.below,
+            Side::Above => self.above,
+        }
+    }
+}
+
+/// A two-fold that an orbit reaches within about this time, in units of `max(1, |t|)`, has been reached: near it the sliding field changes
+/// as fast as its direction does, and no step resolves it.
+const NEAR: f64 = 5e-7;
+
+/// The two-fold at which an orbit stands, if it does: from either side the fields' own orbits are tangent to Σ within that time.
+pub(super) fn two_fold<S: Filippov<N>, const N: usize>(
+    system: &S,
+    at: &Timed<N>,
+    approach: Approach,
+) -> Option<TwoFold> {
+    let within = NEAR * at.t.abs().max(1.0);
+    let kind = |side: Side| {
+        let lie = LieDerivatives::new(system, side, at.t, &at.x, 0.0);
+        let (component, bend) = (lie.values[1], lie.values[2]);
+        // Where the second derivative vanishes as well, or is no number, it is no two-fold but something worse.
+        let is_fold = component.abs() <= bend.abs() * within && bend.abs() > lie.floors[2];
+        is_fold.then_some(if bend * side.sign() > 0.0 {
+            Visibility::Visible
+        } else {
+            Visibility::Invisible
+        })
+    };
+    Some(TwoFold {
+        below: kind(Side::Below)?,
+        above: kind(Side::Above)?,
+        approach,
+    })
+}

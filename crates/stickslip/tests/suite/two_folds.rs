@@ -1,0 +1,255 @@
+//! Two-folds: reached by sliding and by crossings, and no orbit of random systems that the two methods take differently.
+
+use stickslip::analysis::Visibility::{self, Invisible, Visible};
+use stickslip::statistics::SplitMix;
+use stickslip::{
+    Approach, AtRepelling, Ending, Error, Filippov, Method, Mode, Options, Orbit, Scalar, Side,
+    TransitionKind, TwoFold,
+};
+
+use crate::any_system::solve;
+
+/// The normal form of a two-fold (Teixeira 1990): above `(-y, s⁺, V⁺)`, below `(z, V⁻, s⁻)`, Σ at x = 0, the two-fold at 0. Above
+/// it is visible for s⁺ = −1, below for s⁻ = −1. Where y, z > 0 orbits slide.
+pub struct Folds {
+    pub s: [f64; 2],
+    pub v: [f64; 2],
+}
+
+impl Filippov<3> for Folds {
+    fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T; 3]) -> [T; 3] {
+        match side {
+            Side::Above => [-x[1], T::constant(self.s[1]), T::constant(self.v[1])],
+            Side::Below => [x[2], T::constant(self.v[0]), T::constant(self.s[0])],
+        }
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 3]) -> T {
+        x[0]
+    }
+}
+
+/// Quadratic fields with a cubic brake, which keeps orbits bounded.
+pub struct Quadratic {
+    /// For each side and component: a constant, three linear and six quadratic coefficients.
+    fields: [[[f64; 10]; 3]; 2],
+}
+
+impl Quadratic {
+    fn random(random: &mut SplitMix) -> Self {
+        let mut fields = [[[0.0; 10]; 3]; 2];
+        for coefficient in fields.iter_mut().flatten().flatten() {
+            *coefficient = random.between(-1.0, 1.0);
+        }
+        Quadratic { fields }
+    }
+}
+
+impl Filippov<3> for Quadratic {
+    fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T; 3]) -> [T; 3] {
+        let of_side = &self.fields[usize::from(side == Side::Above)];
+        let terms = [
+            x[0],
+            x[1],
+            x[2],
+            x[0] * x[0],
+            x[0] * x[1],
+            x[0] * x[2],
+            x[1] * x[1],
+            x[1] * x[2],
+            x[2] * x[2],
+        ];
+        std::array::from_fn(|i| {
+            let mut sum = -(x[i] * x[i] * x[i]) + of_side[i][0];
+            for (term, coefficient) in terms.iter().zip(&of_side[i][1..]) {
+                sum = sum + *term * *coefficient;
+            }
+            sum
+        })
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 3]) -> T {
+        x[0]
+    }
+}
+
+fn methods() -> [Options; 2] {
+    [
+        Options::tol(1e-11),
+        Options::tol(1e-13).method(Method::Taylor),
+    ]
+}
+
+const SLIDING: [(Visibility, Visibility, Folds); 4] = [
+    (
+        Invisible,
+        Invisible,
+        Folds {
+            s: [1.0, 1.0],
+            v: [-3.0, -3.0],
+        },
+    ),
+    (
+        Visible,
+        Visible,
+        Folds {
+            s: [-1.0, -1.0],
+            v: [-1.0, -1.0],
+        },
+    ),
+    (
+        Visible,
+        Invisible,
+        Folds {
+            s: [-1.0, 1.0],
+            v: [-3.0, -1.0],
+        },
+    ),
+    (
+        Invisible,
+        Visible,
+        Folds {
+            s: [1.0, -1.0],
+            v: [-1.0, -3.0],
+        },
+    ),
+];
+
+#[test]
+fn sliding_orbits_end_at_a_two_fold_that_is_told_with_its_kind() {
+    for options in methods() {
+        for (below, above, folds) in SLIDING {
+            // On the line y = z both fall at rate 1, by (V⁻ + s⁺)/2 = (V⁺ + s⁻)/2 = −1.
+            let orbit = solve(&folds, 0.0, [0.0, 1.5, 1.5], 5.0, &options).expect("runs");
+            let expected = TwoFold {
+                below,
+                above,
+                approach: Approach::Sliding,
+            };
+            assert_eq!(orbit.ending, Ending::TwoFold(expected), "{options:?}");
+            assert_eq!((orbit.phases.len(), orbit.transitions.len()), (1, 0));
+            assert!((orbit.t_end - 1.5).abs() < 1e-6, "{}", orbit.t_end);
+            assert!(orbit.x_end.amax() < 1e-6, "{}", orbit.x_end);
+            assert_eq!(orbit.phases[0].t_end, orbit.t_end);
+        }
+    }
+}
+
+#[test]
+fn an_open_set_of_sliding_orbits_ends_there_at_the_same_time_by_both_methods() {
+    // Both eigenvalues of the sliding flow are negative, and its slow direction lies where orbits slide.
+    let (below, above, folds) = &SLIDING[0];
+    let ends = |start: [f64; 3]| {
+        methods().map(|options| {
+            let orbit = solve(folds, 0.0, start, 9.0, &options).expect("runs");
+            let expected = TwoFold {
+                below: *below,
+                above: *above,
+                approach: Approach::Sliding,
+            };
+            assert_eq!(orbit.ending, Ending::TwoFold(expected), "{start:?}");
+            orbit.t_end
+        })
+    };
+    for y in [0.3, 0.7, 1.0, 1.6] {
+        let [by_slopes, by_series] = ends([0.0, y, 1.0]);
+        assert!(
+            (by_slopes - by_series).abs() < 1e-6,
+            "{by_slopes} {by_series}"
+        );
+    }
+}
+
+#[test]
+fn who_wants_to_goes_on_to_a_side_that_is_visible() {
+    let (_, _, folds) = &SLIDING[1];
+    for options in methods() {
+        for (choice, side) in [
+            (AtRepelling::GoBelow, Side::Below),
+            (AtRepelling::GoAbove, Side::Above),
+        ] {
+            let options = options.at_repelling(choice);
+            let orbit = solve(folds, 0.0, [0.0, 1.5, 1.5], 3.0, &options).expect("runs");
+            assert_eq!(orbit.ending, Ending::EndTime);
+            let exit = orbit.transitions[0];
+            assert_eq!(
+                (exit.kind, exit.to),
+                (TransitionKind::StickExit, Mode::Slip(side))
+            );
+            assert!((exit.t - 1.5).abs() < 1e-6);
+            // From the two-fold above: y = -t, x = t²/2; below z = -t, x = -t²/2.
+            let after = 3.0 - exit.t;
+            assert!((orbit.x_end[0] - 0.5 * after * after * side.sign()).abs() < 1e-5);
+        }
+    }
+}
+
+#[test]
+fn crossings_that_spiral_in_end_at_the_two_fold() {
+    // A turn of two crossings halves this start, which lies on the stable direction of the return map; rounding grows by two.
+    let folds = Folds {
+        s: [1.0, 1.0],
+        v: [-1.125, -1.0],
+    };
+    let size = 1e-4;
+    for mut options in methods() {
+        (options.pile_up_count, options.pile_up_span) = (20, 1e-3);
+        let orbit = solve(&folds, 0.0, [0.0, -0.75 * size, size], 1.0, &options).expect("runs");
+        let expected = TwoFold {
+            below: Invisible,
+            above: Invisible,
+            approach: Approach::Crossings,
+        };
+        assert_eq!(orbit.ending, Ending::TwoFold(expected));
+        // Flights last -2y above and -2z below: 1.5 and 1 sizes in the first turn.
+        assert!((orbit.t_end - 5.0 * size).abs() < 1e-6, "{}", orbit.t_end);
+    }
+}
+
+/// What an orbit has come to: its transitions, and where it ended.
+fn course(orbit: &Orbit<3>) -> Vec<(TransitionKind, Mode)> {
+    let changes = orbit
+        .transitions
+        .iter()
+        .filter(|at| at.kind != TransitionKind::Touch);
+    changes.map(|at| (at.kind, at.to)).collect()
+}
+
+#[test]
+fn random_systems_go_the_same_way_by_both_methods() {
+    let mut random = SplitMix::new(2013);
+    let mut counts = [0; 3];
+    for number in 0..3000 {
+        let system = Quadratic::random(&mut random);
+        let start = std::array::from_fn(|_| random.between(-1.0, 1.0));
+        let [by_slopes, by_series] =
+            methods().map(|options| solve::<_, 3>(&system, 0.0, start, 8.0, &options));
+        let (by_slopes, by_series) = match (by_slopes, by_series) {
+            (Ok(a), Ok(b)) => (a, b),
+            (a, b) => {
+                // What no method resolves is told by both: crossings that pile up where no two-fold is.
+                let piled = |error: Option<Error>| matches!(error, Some(Error::EventPileUp { .. }));
+                assert!(
+                    piled(a.as_ref().err().map(|f| f.error.clone()))
+                        && piled(b.as_ref().err().map(|f| f.error.clone())),
+                    "{number}: {:?} {:?}",
+                    a.err().map(|f| f.error),
+                    b.err().map(|f| f.error)
+                );
+                continue;
+            }
+        };
+        let what = format!(
+            "{number}: {:?} at {} and {:?} at {}",
+            by_slopes.ending, by_slopes.t_end, by_series.ending, by_series.t_end
+        );
+        assert_eq!(by_slopes.ending, by_series.ending, "{what}");
+        assert_eq!(course(&by_slopes), course(&by_series), "{what}");
+        assert!((by_slopes.t_end - by_series.t_end).abs() < 1e-6, "{what}");
+        counts[match by_slopes.ending {
+            Ending::EndTime => 0,
+            Ending::TwoFold(_) => 1,
+            _ => 2,
+        }] += 1;
+    }
+    // Most run to the end, and some end at two-folds, or else nothing was tested.
+    assert!(counts[0] > 2000 && counts[1] >= 3, "{counts:?}");
+}
