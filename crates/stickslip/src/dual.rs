@@ -388,7 +388,7 @@ mod tests {
     /// Every function there is, written once for every scalar.
     fn f<T: Scalar>(t: T) -> T {
         let waves = t.sin().exp() + t.cos() + t.tan().atan() + 2.0;
-        let others = t.sinh() * t.tanh() - t.cosh() + t.powf(1.7) + (-t).abs();
+        let others = t.sinh() * t.tanh() - t.cosh() + t.powf(1.7) + (-t.sin()).exp() + (-t).abs();
         waves.sqrt().ln() + others + t.powi(-3)
     }
 

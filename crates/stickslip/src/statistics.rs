@@ -93,10 +93,10 @@ mod tests {
 
     #[test]
     fn a_power_law_with_scatter_has_the_textbook_s_error() {
-        // Slope 2 with residuals 0.1, -0.2, 0.1 at -1, 0, 1: √(0.06/1/2).
+        // Slope 2 through e³ with residuals 0.1, -0.2, 0.1 at -1, 0, 1: √(0.06/1/2).
         let e = std::f64::consts::E;
         let points = [(-1.0, 0.1), (0.0, -0.2), (1.0, 0.1)]
-            .map(|(x, off)| (math::pow(e, x), math::exp(2.0 * x + off)));
+            .map(|(x, off)| (math::pow(e, x), math::exp(3.0 + 2.0 * x + off)));
         let law = PowerLaw::through(points.into_iter().chain([(1.0, 0.0)]));
         assert!((law.exponent - 2.0).abs() < 1e-14);
         assert!((law.std_error - 0.03f64.sqrt()).abs() < 1e-14);

@@ -273,6 +273,22 @@ mod tests {
     }
 
     #[test]
+    fn far_from_zero_is_what_varies_little_and_is_defined_throughout() {
+        assert!(far_from_zero(|s| 10.0 + s));
+        // Half the sum has to exceed four times the difference.
+        assert!(far_from_zero(|s| 3.6 + s) && !far_from_zero(|s| 1.4 + s));
+        assert!(!far_from_zero(|s| -10.0 - s));
+        assert!(!far_from_zero(|s| if s == 0.5 { f64::NAN } else { 10.0 }));
+    }
+
+    #[test]
+    fn a_jump_through_zero_is_bracketed_as_narrowly_as_any_interval() {
+        let bracket = zero_of(|s| if s < 0.3 { 1.0 } else { -1.0 }).expect("a jump");
+        assert!(bracket.a < 0.3 && 0.3 <= bracket.b);
+        assert!(bracket.b - bracket.a <= NARROWEST);
+    }
+
+    #[test]
     fn takes_the_first_of_many() {
         let product = |s: f64| -(s - 0.2) * (s - 0.4) * (s - 0.6) * (s - 0.8) * (s - 0.9);
         let bracket = zero_of(product).expect("five zeros");

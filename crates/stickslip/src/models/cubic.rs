@@ -276,6 +276,8 @@ mod tests {
             assert!(unit().sigma(low - 1e-6, mu0, 0.1) > 0.0);
             assert!(unit().sigma(high + 1e-6, mu0, 0.1) > 0.0);
         }
+        // The force at 2 is 6: (6² - 1²)/0.5².
+        assert_eq!(unit().sigma(2.0, 1.0, 0.5), 140.0);
     }
 
     #[test]

@@ -229,4 +229,10 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn a_bernstein_coefficient_of_zero_between_positive_ones_is_two_changes_of_sign_and_no_zero() {
+        // (1 - s)² + s², with the coefficients 1, 0, 1.
+        assert_eq!(first_zero(&[1.0, -2.0, 2.0]), None);
+    }
 }

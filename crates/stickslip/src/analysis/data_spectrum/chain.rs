@@ -155,6 +155,12 @@ mod tests {
     }
 
     #[test]
+    fn a_complement_is_a_unit_vector_orthogonal_to_the_others() {
+        let found = complement(&[[0.6, 0.8]]);
+        assert!((found[0] - 0.8).abs() < 1e-15 && (found[1] + 0.6).abs() < 1e-15);
+    }
+
+    #[test]
     fn undetermined_is_told_from_annihilated() {
         let matrix = [[0.0, 0.0], [0.0, 5.0]];
         let stretch = advance(&map(matrix, 1), &mut identity(), 2);

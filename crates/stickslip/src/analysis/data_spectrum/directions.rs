@@ -177,11 +177,58 @@ pub(super) fn upper_median(values: impl IntoIterator<Item = f64>) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::series::Series;
     use super::*;
 
     #[test]
     fn counts_grow_geometrically_and_stay_a_small_part() {
         assert_eq!(counts(20, 45_000), [20, 50, 127, 320]);
         assert_eq!(counts(20, 500), [20, 32, 50, 80]);
+    }
+
+    #[test]
+    fn a_point_whose_neighbourhoods_do_not_differ_in_size_has_no_vote() {
+        // A circle and its centre.
+        let rows = (0..300).map(|i| {
+            let angle = std::f64::consts::TAU * f64::from(i) / 300.0;
+            let radius = f64::from(u8::from(i != 150));
+            [radius * math::cos(angle), radius * math::sin(angle)]
+        });
+        let cloud = Cloud::<2>::new(&Series::from_rows(rows, 1.0).unwrap()).unwrap();
+        let finder = Finder::new(&cloud, 1, 0).unwrap();
+        let rule = Rule {
+            step: 1,
+            affine: false,
+            rank_tolerance: 0.0,
+            ridge: 0.0,
+        };
+        let (mut scratch, mut found) = (Scratch::default(), Vec::new());
+        let counts = counts(20, 300);
+        let mut has_vote =
+            |j| vote(&cloud, &finder, &rule, &counts, j, &mut scratch, &mut found).is_some();
+        assert!(has_vote(10) && !has_vote(150));
+    }
+
+    #[test]
+    fn a_direction_is_flat_unless_more_than_half_of_the_points_have_a_slope_there() {
+        for (with_slope, kind) in [
+            (0, Kind::Flat),
+            (5, Kind::Flat),
+            (6, Kind::Tangent),
+            (10, Kind::Tangent),
+        ] {
+            let votes = (0..10).map(|i| Vote {
+                radius: [1.0, 2.0, 4.0, 8.0],
+                sizes: [[0.5], [1.0], [2.0], [4.0]],
+                slopes: [if i < with_slope { 1.0 } else { f64::NAN }],
+            });
+            // The points are in units of 3 of the data.
+            let found = direction(&votes.collect::<Vec<_>>(), 0, 3.0);
+            assert_eq!(found.kind, kind, "{with_slope}");
+            assert_eq!(
+                found.sizes,
+                [(3.0, 1.5), (6.0, 3.0), (12.0, 6.0), (24.0, 12.0)]
+            );
+        }
     }
 }

@@ -222,3 +222,45 @@ impl<const N: usize> Decomposed<N> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::neighbours::Finder;
+    use super::super::series::Series;
+    use super::*;
+    use crate::math;
+
+    #[test]
+    fn a_linear_map_is_recovered_to_the_rounding_over_the_extent_of_the_neighbourhood() {
+        // A spiral inwards.
+        let (c, s) = (0.999 * math::cos(1.0), 0.999 * math::sin(1.0));
+        let mut x = [1.0, 0.0];
+        let rows = (0..1000).map(|_| {
+            let now = x;
+            x = [c * x[0] - s * x[1], s * x[0] + c * x[1]];
+            now
+        });
+        let cloud = Cloud::<2>::new(&Series::from_rows(rows, 1.0).unwrap()).unwrap();
+        let finder = Finder::new(&cloud, 1, 0).unwrap();
+        let rule = Rule {
+            step: 1,
+            affine: false,
+            rank_tolerance: 0.0,
+            ridge: 0.0,
+        };
+        let (mut scratch, mut found) = (Scratch::default(), Vec::new());
+        for count in [10, 40] {
+            finder.nearest(500, count, f64::INFINITY, &mut found);
+            let map = scratch.decompose(&cloud, 500, &found, &rule).map(2, &rule);
+            assert_eq!(map.rank, 2);
+            for (row, wanted) in map.matrix.iter().zip([[c, -s], [s, c]]) {
+                for (cell, wanted) in row.iter().zip(wanted) {
+                    assert!((cell - wanted).abs() < map.nothing, "{cell} {wanted}");
+                }
+            }
+            // Both by the root of the number of neighbours.
+            let (sizes, zero) = scratch.singular_values(&cloud, 500, &found, &rule);
+            assert!((map.nothing * sizes[1] / zero - 1.0).abs() < 1e-9);
+        }
+    }
+}

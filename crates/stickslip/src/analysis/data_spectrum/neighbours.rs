@@ -178,7 +178,7 @@ mod tests {
         let series = Series::from_rows(rows, 1.0).unwrap();
         let cloud = Cloud::<N>::new(&series).unwrap();
         let mut found = Vec::new();
-        for (step, theiler) in [(1, 0), (3, 40)] {
+        for (step, theiler) in [(1, 0), (1, 1), (3, 40)] {
             let finder = Finder::new(&cloud, step, theiler).unwrap();
             for j in (0..cloud.points.len()).step_by(17) {
                 for (wanted, radius) in [(30, f64::INFINITY), (30, 0.05), (500, 0.3), (1, 1.0)] {

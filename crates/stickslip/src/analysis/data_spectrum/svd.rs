@@ -187,6 +187,14 @@ mod tests {
         assert_eq!(d.v[0].map(f64::abs), [0.0, 1.0]);
     }
 
+    #[test]
+    fn a_triangle_is_its_own_up_to_signs() {
+        let (mut left, mut right) = (vec![2.0, 0.0, 0.0, 1.0, 3.0, 0.0], vec![1.0; 6]);
+        let (r, c) = triangle::<2>(&mut left, &mut right, 3);
+        assert_eq!(r.map(|row| row.map(f64::abs)), [[2.0, 1.0], [0.0, 3.0]]);
+        assert_eq!(c.map(|row| row.map(f64::abs)), [[1.0; 2]; 2]);
+    }
+
     /// A map with a condition number of 1e10 is recovered to 1e-5 (rounding times condition); normal equations, whose
     /// condition would be 1e20, would recover nothing.
     #[test]

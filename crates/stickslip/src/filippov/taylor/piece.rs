@@ -83,3 +83,23 @@ impl<const N: usize> Piece<N> {
         c
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::two_sum;
+
+    #[test]
+    fn what_rounding_takes_from_a_sum_is_kept() {
+        let tiny = f64::EPSILON * f64::EPSILON;
+        for (a, b) in [(1.0, tiny), (tiny, 1.0), (-3.0, tiny), (1.0, -tiny)] {
+            let (large, small) = if f64::abs(a) > f64::abs(b) {
+                (a, b)
+            } else {
+                (b, a)
+            };
+            assert_eq!(two_sum(a, b), (large, small));
+        }
+        // 0.1 + 0.2 is 2^-55 below what it is rounded to.
+        assert_eq!(two_sum(0.1, 0.2), (0.1 + 0.2, -f64::EPSILON / 8.0));
+    }
+}
