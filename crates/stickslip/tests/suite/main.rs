@@ -12,6 +12,7 @@ mod data_spectrum;
 mod ensemble;
 mod grazes;
 mod lyapunov_equations;
+mod models;
 mod no_allocation;
 mod periodic;
 mod solver;

@@ -1,0 +1,198 @@
+//! The models against mechanics: power, springs at rest, where friction just holds, other units.
+
+use proptest::prelude::*;
+use proptest::test_runner::{Config, RngSeed};
+use stickslip::models::{BeltOscillator, BlockAndBracket, Caption, ForcedOscillator, Reading, Rig};
+use stickslip::system::Unchecked;
+use stickslip::{Fate, Filippov, Side, State, fate};
+
+fn rig() -> Rig {
+    Rig {
+        mass: 1.7,
+        inertia: 0.31,
+        arm: 0.4,
+        k1: 120.0,
+        k2: 45.0,
+        k3: 60.0,
+        c1: 0.4,
+        c2: 0.7,
+        gravity: 9.81,
+        mu0: 0.6,
+        delta: 2.3,
+        belt_speed: 0.8,
+    }
+}
+
+/// The side on which a velocity is.
+fn side_of(velocity: f64, belt_speed: f64) -> Side {
+    if velocity < belt_speed {
+        Side::Below
+    } else {
+        Side::Above
+    }
+}
+
+fn seeded() -> Config {
+    Config {
+        rng_seed: RngSeed::Fixed(2013),
+        failure_persistence: None,
+        ..Config::default()
+    }
+}
+
+proptest! {
+    #![proptest_config(seeded())]
+
+    #[test]
+    fn what_a_rig_holds_changes_by_what_belt_and_dampers_do(
+        x in -0.5..0.5f64, v in -2.0..2.0f64, y in -0.5..0.5f64, w in -2.0..2.0f64,
+    ) {
+        let r = rig();
+        let slip = v - r.belt_speed;
+        prop_assume!(slip != 0.0);
+        let [dx, dv, dy, dw] = r.field(side_of(v, r.belt_speed), 0.0, &[x, v, y, w]);
+        // Of ½mẋ² + ½Jφ̇² + ½k1 x² + ½k2 (x + y)² + ½k3 y², with φ = y/r.
+        let gain = r.mass * v * dv
+            + r.inertia * w * dw / (r.arm * r.arm)
+            + r.k1 * x * dx
+            + r.k2 * (x + y) * (dx + dy)
+            + r.k3 * y * dy;
+        let normal = (r.mass * r.gravity - r.k3 * y - r.c2 * w).max(0.0);
+        let friction = r.mu0 * normal * slip.signum() / (1.0 + r.delta * slip.abs());
+        let power = -friction * v - r.c1 * (v + w) * (v + w) - r.c2 * w * w;
+        // Roundings on terms of up to some hundreds.
+        prop_assert!((gain - power).abs() < 1e-11, "{gain} {power}");
+    }
+
+    #[test]
+    fn a_rig_is_its_nondimensional_form_in_other_units(x in prop::array::uniform4(-3.0..3.0f64)) {
+        let r = rig();
+        let scaled = r.nondimensional();
+        let (length, speed) = (r.length_unit(), r.length_unit() / r.time_unit());
+        let unit = [length, speed, length, speed];
+        let metres: [f64; 4] = std::array::from_fn(|i| x[i] * unit[i]);
+        let side = side_of(x[1], scaled.belt_speed);
+        prop_assert_eq!(side, side_of(metres[1], r.belt_speed));
+        let (wanted, found) = (scaled.field(side, 0.0, &x), r.field(side, 0.0, &metres));
+        for i in 0..4 {
+            prop_assert!((found[i] * r.time_unit() / unit[i] - wanted[i]).abs() < 1e-12);
+        }
+        let off = r.boundary(0.0, &metres) / speed - scaled.boundary(0.0, &x);
+        prop_assert!(off.abs() < 1e-14);
+    }
+
+    /// Lengths μ0 times as long, speeds too, and μ0 times as small a decay with speed.
+    #[test]
+    fn lengths_in_units_of_friction_are_another_unit_only(x in prop::array::uniform4(-3.0..3.0f64)) {
+        let caption = Caption::FIG12;
+        let scaled = BlockAndBracket::from_caption(&caption, &Reading::scaled_by_friction()).unwrap();
+        let mu0 = caption.numbers[5];
+        let mut in_lengths = caption;
+        in_lengths.numbers[7] /= mu0;
+        in_lengths.numbers[8] *= mu0;
+        let exact = BlockAndBracket::from_caption(&in_lengths, &Reading::exact()).unwrap();
+        let side = side_of(x[1], scaled.belt_speed);
+        let (small, large) = (scaled.field(side, 0.0, &x), exact.field(side, 0.0, &x.map(|v| mu0 * v)));
+        for i in 0..4 {
+            prop_assert!((mu0 * small[i] - large[i]).abs() < 1e-12 * (1.0 + large[i].abs()));
+        }
+    }
+
+    #[test]
+    fn as_printed_is_equation_27_to_the_letter(x in prop::array::uniform4(-3.0..3.0f64)) {
+        let [xi1, xi2, xi3, xi4, xi5, mu0, xi6, delta, speed] = Caption::FIG10.numbers;
+        let model = BlockAndBracket::from_caption(&Caption::FIG10, &Reading::as_printed()).unwrap();
+        let [x1, x2, x3, x4] = x;
+        let slip = x2 - speed;
+        let friction = slip.signum() * (1.0 - xi6 * x3) * mu0 / (1.0 + delta * slip.abs());
+        let wanted = [
+            x2,
+            -x1 - xi1 * (xi2 * (x2 + x4) - x3 - friction),
+            x4,
+            xi3 * (-x1 - xi2 * x2 - xi4 * x3 - xi5 * x4),
+        ];
+        let found = model.field(side_of(x2, speed), 0.0, &x);
+        for i in 0..4 {
+            prop_assert!((found[i] - wanted[i]).abs() < 1e-13 * (1.0 + wanted[i].abs()));
+        }
+    }
+
+    #[test]
+    fn at_its_support_the_spring_of_a_forced_block_is_at_rest(t in 0.0..20.0f64, v in -2.0..2.0f64) {
+        let forced = ForcedOscillator::default();
+        let slip = v - forced.belt_speed;
+        prop_assume!(slip != 0.0);
+        let x = [forced.support(t), v];
+        let [_, acceleration] = forced.field(side_of(v, forced.belt_speed), t, &x);
+        let friction = forced.mu0 * slip.signum() / (1.0 + forced.delta * slip.abs());
+        prop_assert!((forced.mass * acceleration + friction).abs() < 1e-14);
+    }
+}
+
+#[test]
+fn a_support_is_half_way_out_a_twelfth_of_its_period_on() {
+    let forced = ForcedOscillator::default();
+    let half = forced.support(forced.period() / 12.0);
+    assert!((half - 0.5 * forced.amplitude).abs() < 1e-15, "{half}");
+}
+
+/// Stuck inside the zones and slipping outside, one field tangent at each end: with friction of √3/9 the two ends of each of the
+/// three zones, and of no other.
+#[test]
+fn stick_zones_end_at_the_tangent_points_and_ride_on_the_support() {
+    let belt = BeltOscillator::default();
+    let forced = ForcedOscillator::default();
+    let points = |t: f64| forced.tangent_points(t).unwrap();
+    assert_zones(
+        &belt,
+        0.0,
+        0.0,
+        &belt.stick_zones().unwrap(),
+        &belt.tangent_points().unwrap(),
+    );
+    for t in [0.0, 0.2, 0.9, 1.5] {
+        let zones = forced.stick_zones().unwrap();
+        assert_zones(&forced, t, forced.support(t), &zones, &points(t));
+    }
+}
+
+fn assert_zones<S: Filippov<2>>(
+    system: &S,
+    t: f64,
+    support: f64,
+    zones: &[(f64, f64)],
+    points: &[stickslip::models::BeltTangency],
+) {
+    // Where the boundary function vanishes.
+    let speed = -system.boundary(t, &[0.0, 0.0]);
+    let fate_at = |z: f64| fate(system, t, &State::from([z + support, speed]));
+    assert_eq!((zones.len(), points.len()), (3, 6));
+    for &(low, high) in zones {
+        assert!(low < high);
+        let little = 1e-6 * (high - low);
+        for inside in [low + little, 0.5 * (low + high), high - little] {
+            assert_eq!(fate_at(inside), Fate::Stick, "{inside}");
+        }
+        for outside in [low - little, high + little] {
+            assert_ne!(fate_at(outside), Fate::Stick, "{outside}");
+        }
+    }
+    let ends = zones.iter().flat_map(|&(low, high)| [high, low]);
+    for (end, point) in ends.zip(points) {
+        assert!((point.position - (end + support)).abs() < 1e-14);
+        let [_, across] = system.field(point.side, t, &[point.position, speed]);
+        assert!(across.abs() < 1e-13, "{across}");
+        let [_, across] = system.field(point.side.opposite(), t, &[point.position, speed]);
+        assert!(across.abs() > 0.3, "{across}");
+    }
+}
+
+#[test]
+fn a_system_whose_parameters_are_not_asked_for_can_lose_contact() {
+    let lifted = [0.0, 0.0, 1.0, 0.0];
+    let r = Rig { mu0: -0.6, ..rig() };
+    assert!(r.checked().is_err());
+    // The spring k3 takes 60 N of the weight of 16.7 N.
+    let left = Unchecked(r).contact(0.0, &lifted).unwrap();
+    assert!((left - (1.7 * 9.81 - 60.0)).abs() < 1e-13);
+}
