@@ -13,7 +13,7 @@ use crate::lyapunov_equations::{
 };
 use crate::solver::systems::{
     BlowUp, Breathing, Ceiling, DenHartog, Dip, Floor, Ledge, Line, MovingLine, Parabola, Rest,
-    Reversed, Spiral, StaticFriction, TurningLine, TwoFold, Wall, Window, Zeno,
+    Reversed, Spiral, StaticFriction, TurningLine, TwiceRound, TwoFold, Wall, Window, Zeno,
 };
 use crate::taylor::{Brink, Gate, Kink, Nowhere, Pit, Ramp};
 use crate::two_folds::{Folds, Quadratic};
@@ -87,7 +87,11 @@ systems!(
     Shaken(grazes::Shaken), SpiralAtRest(grazes::AtRest), Spiral(Spiral), StaticFriction(StaticFriction), TwoFold(TwoFold), Zeno(Zeno),
 );
 
-systems!(Any3, 3: Folds(Folds), Quadratic(Quadratic), Linear(Smooth<Linear<3>>), Lorenz(Smooth<Lorenz>), Roessler(Smooth<Roessler>));
+systems!(
+    Any3, 3:
+    Folds(Folds), Quadratic(Quadratic), Linear(Smooth<Linear<3>>), Lorenz(Smooth<Lorenz>), Roessler(Smooth<Roessler>),
+    TwiceRound(TwiceRound),
+);
 
 systems!(Any4, 4: Bracket(BlockAndBracket));
 

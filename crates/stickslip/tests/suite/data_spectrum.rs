@@ -591,6 +591,11 @@ fn steps_and_strides() {
         let found = spectrum(&rows, 1.0, &settings);
         near(found.exponents[0].value, 0.4187, 0.008);
         assert_eq!(found.references, (POINTS - 3).div_ceil(stride));
+        // The running exponents end with the last reference point; what was chosen stands in the settings.
+        let last = found.convergence.last().unwrap();
+        assert_eq!(last.t, (found.references * stride) as f64);
+        assert_eq!(found.settings.references, Some(found.references));
+        assert_eq!(found.settings.fixed_rank, Some(2));
     }
     let settings = DataSettings {
         references: Some(1000),

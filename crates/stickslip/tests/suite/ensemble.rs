@@ -98,6 +98,11 @@ fn the_bits_are_those_of_one_at_a_time_in_order() {
             alone == together(2, &options, number),
             "{method:?}, two threads"
         );
+        // More threads than there is work for at once.
+        assert!(
+            alone[..300] == together(8, &options, 300),
+            "{method:?}, eight threads"
+        );
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use stickslip::analysis::{Exponent, Spectrum, SpectrumOptions, multipliers, saltation};
+use stickslip::analysis::{Exponent, Growth, Spectrum, SpectrumOptions, multipliers, saltation};
 use stickslip::models::{BeltOscillator, ForcedOscillator};
 use stickslip::{
     Error, Filippov, Mode, Observer, Options, Scalar, Side, State, Transition, TransitionKind, math,
@@ -131,6 +131,32 @@ fn lorenz() {
         (last.elapsed, last.exponents),
         (spectrum.duration, [l1, l2, l3])
     );
+}
+
+/// Two vectors that grow at the rates 0.25 and 0.5, begun at time 2.
+#[test]
+fn a_growth_has_one_running_mean_to_a_time_and_the_last_at_its_end() {
+    // To the end of a sample, and to a little beyond.
+    for (steps, samples) in [(80, 5), (81, 6)] {
+        let settings = SpectrumOptions::over(0.0, 10.0).blocks(4).samples(5);
+        let mut growth = Growth::<2>::new(2.0, &settings);
+        let elapsed = f64::from(steps) / 8.0;
+        for step in 1..=steps {
+            growth.logs[0] += 0.25 / 8.0;
+            growth.logs[1] += 0.5 / 8.0;
+            growth.tick(2.0 + f64::from(step) / 8.0);
+        }
+        let (measured, exponents, running) = growth.finish(2.0 + elapsed);
+        assert_eq!(measured, elapsed);
+        assert_eq!(running.len(), samples, "{running:?}");
+        assert!(running.is_sorted_by(|one, next| one.elapsed < next.elapsed));
+        assert_eq!(running.last().map(|last| last.elapsed), Some(elapsed));
+        assert!(running.iter().all(|entry| entry.exponents == [0.5, 0.25]));
+        for (exponent, value) in exponents.iter().zip([0.5, 0.25]) {
+            let std_error = 0.0;
+            assert_eq!(*exponent, Exponent::Finite { value, std_error });
+        }
+    }
 }
 
 pub struct Roessler;

@@ -2,12 +2,12 @@
 
 use std::f64::consts::PI;
 
-use nalgebra::{Matrix4, SMatrix};
+use nalgebra::{Matrix2, Matrix4, SMatrix};
 use stickslip::analysis::{Destination, destination, multipliers};
 use stickslip::{Error, Method, Options, State, math};
 
-use crate::any_system::{find_periodic_orbit, periodic_orbit_forced, run, solve};
-use crate::solver::systems::{DenHartog, Floor, decaying_friction};
+use crate::any_system::{Listed, find_periodic_orbit, periodic_orbit_forced, run, solve};
+use crate::solver::systems::{DenHartog, Floor, Line, MovingLine, TwiceRound, decaying_friction};
 
 #[test]
 fn the_cycle_with_stick_is_found_without_a_guess() {
@@ -36,6 +36,29 @@ fn an_orbit_that_comes_to_rest_has_no_return() {
         ),
         "{error}"
     );
+}
+
+#[test]
+fn a_return_later_than_what_is_allowed_is_not_found() {
+    let start = [0.04, -0.01];
+    let options = Options::default();
+    let error = find_periodic_orbit(&decaying_friction(), start, 20.0, 5.0, &options).unwrap_err();
+    assert!(
+        matches!(error, Error::NotFound { span: 5.0, .. }),
+        "{error}"
+    );
+}
+
+#[test]
+fn of_two_returns_in_a_turn_the_one_that_comes_back_is_the_period() {
+    // Half a turn on the third component is back, and the other two are on the far side. Less than two turns are followed.
+    let start = [1.0, 0.0, 0.0];
+    let cycle = find_periodic_orbit(&TwiceRound, start, 20.0, 10.0, &Options::tol(1e-12)).unwrap();
+    assert!((cycle.period - 2.0 * PI).abs() < 1e-9, "{}", cycle.period);
+    // Along the cycle, across it in the plane, and towards 3 cos 2θ.
+    let [along, across, towards] = multipliers(&cycle.monodromy);
+    assert!((along.re - 1.0).abs() < 1e-8);
+    assert!((across.re - math::exp(-4.0 * PI)).abs() < 1e-9 && towards.norm() < 1e-9);
 }
 
 #[test]
@@ -96,6 +119,12 @@ fn the_multipliers_of_a_matrix_are_its_eigenvalues_the_nearest_to_1_first() {
     assert!((second.re - c).abs() < 1e-12 && (second.im.abs() - s).abs() < 1e-12);
     assert!((second - third.conj()).norm() < 1e-12);
     assert!((fourth + 0.3).norm() < 1e-12, "{fourth}");
+    let [one, other] = multipliers(&Matrix2::new(c, -2.0 * s, 0.5 * s, c));
+    assert!(
+        (one.re - c).abs() < 1e-15 && (one.im.abs() - s).abs() < 1e-15,
+        "{one}"
+    );
+    assert_eq!(other, one.conj());
     let none = SMatrix::<f64, 3, 3>::from_element(f64::NAN);
     assert!(multipliers(&none).iter().all(|m| m.re.is_nan()));
 }
@@ -125,4 +154,30 @@ fn a_forced_orbit_comes_to_den_hartog_s_in_one_period() {
     for turned in &turn.transitions {
         assert!((turned.x[0].abs() - 1.927_774_517_9).abs() < 1e-4);
     }
+}
+
+#[test]
+fn sticks_within_one_pattern_are_counted_and_repelling_has_no_destination() {
+    // Caught by the line while |cos t| < 0.9 and released behind each turn of it: twice in a period.
+    let line = MovingLine { a: 0.9 };
+    let (start, period) = ((0.3, [0.1]), 2.0 * PI);
+    let found = destination(&line.any(), start, period, 12, 1e-9, &Options::default()).unwrap();
+    let Destination::Periodic {
+        period: 1,
+        sticks: 2,
+        ..
+    } = found
+    else {
+        panic!("{found:?}");
+    };
+    let apart = Line {
+        below: -1.0,
+        above: 1.0,
+    };
+    let start = (2.0, [0.0]);
+    let error = destination(&apart.any(), start, 1.0, 12, 1e-9, &Options::default()).unwrap_err();
+    assert!(
+        matches!(error, Error::NoUniqueFuture { t: 2.0, .. }),
+        "{error}"
+    );
 }

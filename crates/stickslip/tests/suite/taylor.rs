@@ -358,6 +358,22 @@ fn a_contact_cut_in_two_by_a_step_s_end_is_one_touch() {
     }
 }
 
+#[test]
+fn a_contact_on_a_branch_by_value_is_one_touch_where_it_turns_back() {
+    // sin t is above 1 - 1e-12 from 1.4e-6 before π/2 to 1.4e-6 behind it.
+    let gate = Gate {
+        radius: 1.0 - 1e-12,
+    };
+    for longest in [3.0, 0.3, 0.1] {
+        let options = taylor(1e-12).longest_step(longest);
+        let orbit = solve(&gate, 0.0, State::from([0.0, 0.0]), 3.0, &options).expect("runs");
+        let kinds: Vec<TransitionKind> = orbit.transitions.iter().map(|e| e.kind).collect();
+        assert_eq!(kinds, [TransitionKind::Touch], "steps of {longest}");
+        let off = (orbit.transitions[0].t - 0.5 * PI).abs();
+        assert!(off < 1e-9, "steps of {longest}: {off}");
+    }
+}
+
 /// `x = t` to a boundary at `x = 3/4` that is not defined beyond 1, and branches by value before.
 pub struct Brink;
 

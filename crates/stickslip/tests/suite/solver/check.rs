@@ -103,6 +103,7 @@ fn assert_phases_join<const N: usize>(orbit: &Orbit<N>) {
 
 fn assert_transitions_match<const N: usize>(orbit: &Orbit<N>) {
     assert_eq!(orbit.counters.events as usize, orbit.transitions.len());
+    assert!(orbit.counters.locations >= orbit.counters.events);
     let changes = changes(orbit);
     assert_eq!(changes.len(), orbit.phases.len() - 1);
     for (change, pair) in changes.iter().zip(orbit.phases.windows(2)) {

@@ -5,18 +5,19 @@ use std::cell::Cell;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::ops::ControlFlow;
 
-use stickslip::TransitionKind::{ContactGain, ContactLoss, Crossing, StickEntry, StickExit};
+use stickslip::TransitionKind::{ContactGain, ContactLoss, Crossing, StickEntry, StickExit, Touch};
 use stickslip::analysis::Visibility;
 use stickslip::models::{BlockAndBracket, Caption, Reading};
 use stickslip::{
-    Approach, AtRepelling, Ending, Error, Mode, Observer, Options, State, StepRecord,
-    TwoFold as TwoFoldEnding, math,
+    Approach, AtRepelling, Ending, Error, Mode, Observer, Options, Phase, State, StepRecord,
+    Transition, TransitionKind, TwoFold as TwoFoldEnding, math,
 };
 
 use super::check::{TIGHT, assert_consistent, every_locator, kinds};
-use crate::any_system::{run, solve};
+use crate::any_system::{Listed, run, solve};
 use crate::solver::systems::{
     BlowUp, Breathing, Ceiling, DenHartog, Dip, Floor, Parabola, Rest, TurningLine, TwoFold, Zeno,
+    decaying_friction,
 };
 
 #[test]
@@ -314,4 +315,59 @@ fn an_orbit_that_starts_without_contact_first_gains_it() {
         let force = model.unclipped_normal_force(after.as_ref());
         assert_eq!(force > 0.0, wanted == ContactGain, "t = {}", at.t);
     }
+}
+
+/// Remembers the ends of the phases that it is told of, and ends the run at a transition.
+struct Until {
+    left: usize,
+    phase_ends: Vec<f64>,
+}
+
+impl Observer<2> for Until {
+    fn transition(&mut self, _: &Transition<2>) -> ControlFlow<()> {
+        self.left -= 1;
+        if self.left > 0 {
+            ControlFlow::Continue(())
+        } else {
+            ControlFlow::Break(())
+        }
+    }
+    fn phase(&mut self, phase: &Phase<2>) -> ControlFlow<()> {
+        assert_eq!(phase.t_start, *self.phase_ends.last().unwrap_or(&0.0));
+        self.phase_ends.push(phase.t_end);
+        ControlFlow::Continue(())
+    }
+}
+
+fn assert_phases_are_told<S: Listed<2>>(system: &S, start: [f64; 2], kinds: &[TransitionKind]) {
+    let orbit = solve(system, 0.0, start, 40.0, &super::tol(1e-12)).expect("runs");
+    for (i, (at, kind)) in orbit.transitions.iter().zip(kinds).enumerate() {
+        assert_eq!(at.kind, *kind);
+        let mut until = Until {
+            left: i + 1,
+            phase_ends: vec![],
+        };
+        let options = super::tol(1e-12);
+        let end = run(system, 0.0, start, 40.0, &options, &mut until).expect("runs");
+        assert_eq!((end.ending, end.t), (Ending::Stopped, at.t));
+        // The phase that a touch is in the midst of, too.
+        assert_eq!(until.phase_ends.last(), Some(&at.t), "{kind:?}");
+        let ended = orbit.phases.iter().filter(|phase| phase.t_end <= at.t);
+        let open = usize::from(*kind == Touch);
+        assert_eq!(until.phase_ends.len(), ended.count() + open, "{kind:?}");
+    }
+    assert!(orbit.transitions.len() >= kinds.len());
+}
+
+#[test]
+fn who_stops_at_a_transition_has_been_told_of_all_phases_up_to_it_and_of_none_twice() {
+    let touching = Parabola { level: 0.0 };
+    assert_phases_are_told(&touching, [-1.0, 1.0 - 1e-12], &[Touch]);
+    assert_phases_are_told(
+        &Floor,
+        [3.0, 0.0],
+        &[Crossing, Crossing, Crossing, StickEntry],
+    );
+    let block = decaying_friction();
+    assert_phases_are_told(&block, [0.04, -0.01], &[StickEntry, StickExit, StickEntry]);
 }

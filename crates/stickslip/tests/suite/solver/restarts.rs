@@ -3,7 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use stickslip::models::{BeltOscillator, ForcedOscillator};
-use stickslip::{AtRepelling, Ending, Mode, Side, State, math};
+use stickslip::{AtRepelling, Ending, Fate, Mode, Side, State, fate, math};
 
 use super::check::{TIGHT, assert_consistent, kinds};
 use crate::any_system::{Listed, solve};
@@ -174,6 +174,20 @@ fn where_the_boundary_repels_the_run_ends_or_goes_where_it_is_told() {
             (Ending::EndTime, 1, mode)
         );
         assert!((orbit.x_end[0] - 3.0 * sign).abs() < 1e-14);
+    }
+}
+
+#[test]
+fn a_field_along_the_boundary_does_not_lead_away_from_it() {
+    for (below, above, wanted) in [
+        (0.0, -1.0, Fate::Stick),
+        (1.0, 0.0, Fate::Stick),
+        (0.0, 1.0, Fate::Slip(Side::Above)),
+        (-1.0, 0.0, Fate::Slip(Side::Below)),
+    ] {
+        let line = Line { below, above };
+        let found = fate(&line.any(), 0.0, &State::from([0.0]));
+        assert_eq!(found, wanted, "{below} {above}");
     }
 }
 

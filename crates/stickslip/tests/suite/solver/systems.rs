@@ -322,3 +322,21 @@ impl<const N: usize, S: Filippov<N>> Filippov<N> for Reversed<S> {
         self.0.boundary(-t, x)
     }
 }
+
+/// The unit circle, which attracts, and a third component that follows `3 cos 2θ`: it is back twice in a turn.
+pub struct TwiceRound;
+
+impl Filippov<3> for TwiceRound {
+    fn field<T: Scalar>(&self, _side: Side, _t: T, x: &[T; 3]) -> [T; 3] {
+        let (a, b) = (x[0] * x[0], x[1] * x[1]);
+        let inwards = -a - b + 1.0;
+        [
+            x[0] * inwards - x[1],
+            x[1] * inwards + x[0],
+            (a - b) * 15.0 - x[2] * 5.0,
+        ]
+    }
+    fn boundary<T: Scalar>(&self, _t: T, _x: &[T; 3]) -> T {
+        T::constant(-1.0)
+    }
+}
