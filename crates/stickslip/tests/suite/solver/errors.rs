@@ -2,8 +2,11 @@
 
 use std::time::{Duration, Instant};
 
+use stickslip::analysis::Visibility;
 use stickslip::error::readable;
-use stickslip::{Error, Failure, Method, Options, Orbit, State, TransitionKind, math};
+use stickslip::{
+    Approach, Ending, Error, Failure, Options, Orbit, State, TransitionKind, TwoFold, math,
+};
 
 use crate::any_system::{Listed, solve};
 use crate::solver::systems::{BlowUp, Ledge, Line, Wall, Window, Zeno, decaying_friction};
@@ -291,31 +294,37 @@ fn a_boundary_that_is_no_number_only_inside_a_step_ends_the_run_there_too() {
 }
 
 #[test]
-fn crossings_that_pile_up_are_told_near_the_point_where_they_do() {
+fn crossings_that_pile_up_are_told_with_their_number() {
+    // Twenty in ten units of time are too many for who says so, and no two-fold is near yet.
+    let mut options = super::tol(1e-12);
+    (options.pile_up_count, options.pile_up_span) = (20, 10.0);
+    let failure = failure(
+        &Zeno { brake: 0.1 },
+        0.0,
+        State::from([0.0, 1.0]),
+        100.0,
+        &options,
+    );
+    let Error::EventPileUp { count, span, .. } = failure.error else {
+        panic!("{}", failure.error)
+    };
+    assert!(count == 20 && span <= 10.0 * failure.reached.t_end.max(1.0));
+    assert_says(&failure.error, &["20 transitions", "Zeno", "accumulation"]);
+    assert_kept(&failure.reached);
+}
+
+#[test]
+fn crossings_that_accumulate_end_at_the_two_fold_where_they_do() {
     for brake in [0.1, 0.2, 0.3, 0.5] {
-        let failure = failure(
-            &Zeno { brake },
-            0.0,
-            State::from([0.0, 1.0]),
-            100.0,
-            &super::tol(1e-12),
-        );
-        let Error::EventPileUp { count, span, t, .. } = failure.error else {
-            panic!("{}", failure.error)
+        let start = State::from([0.0, 1.0]);
+        let orbit = solve(&Zeno { brake }, 0.0, start, 100.0, &super::tol(1e-12)).expect("runs");
+        let two_fold = TwoFold {
+            below: Visibility::Invisible,
+            above: Visibility::Invisible,
+            approach: Approach::Crossings,
         };
-        // Taylor steps resolve every excursion until the time does not, RK's none below the tolerance.
-        let fewest = if super::METHOD == Method::Taylor {
-            10
-        } else {
-            100
-        };
-        assert!(count >= fewest && span <= 1e-7 * t.max(1.0));
-        assert_says(
-            &failure.error,
-            &[&format!("{count} transitions"), "Zeno", "accumulation"],
-        );
-        assert_kept(&failure.reached);
-        let transitions = &failure.reached.transitions;
+        assert_eq!(orbit.ending, Ending::TwoFold(two_fold));
+        let transitions = &orbit.transitions;
         assert!(
             transitions[..60]
                 .iter()
@@ -334,6 +343,7 @@ fn crossings_that_pile_up_are_told_near_the_point_where_they_do() {
             );
         }
         let accumulation = times[1] + (times[2] - times[1]) / (1.0 - ratios[0]);
+        let t = orbit.t_end;
         assert!((t - accumulation).abs() < 1e-6, "{t} {accumulation}");
     }
 }
