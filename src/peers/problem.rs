@@ -198,4 +198,7 @@ impl<const N: usize> Observer<N> for Notes<'_> {
         self.0.push(Event { kind, t: at.t });
         ControlFlow::Continue(())
     }
+    fn watches_steps(&self) -> bool {
+        false
+    }
 }

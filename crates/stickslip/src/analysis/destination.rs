@@ -88,7 +88,7 @@ impl<const N: usize> Strobe<N> {
         let mut integration = Integration::new(system, self.t0, x0, t_end, options)?;
         loop {
             match integration.step()? {
-                Progress::Step => {
+                Progress::Step if self.due() <= integration.t() => {
                     let step = integration.last_step();
                     while self.due() <= step.t_end {
                         let state = step.dense.at_time(self.due());
@@ -98,7 +98,7 @@ impl<const N: usize> Strobe<N> {
                 Progress::PhaseEnd(phase) if S::sticks(phase.mode) => {
                     self.stick_ends.push(phase.t_end);
                 }
-                Progress::PhaseEnd(_) | Progress::Transition(_) => {}
+                Progress::Step | Progress::PhaseEnd(_) | Progress::Transition(_) => {}
                 Progress::End(summary) => return Ok(summary),
             }
         }

@@ -94,8 +94,8 @@ pub fn find_periodic_orbit<S: Switched<N, G>, const N: usize, const G: usize>(
     let mut integration = Integration::new(system, 0.0, x0, transient + longest, options)?;
     loop {
         match integration.step()? {
-            Progress::Step => {}
-            Progress::PhaseEnd(_) | Progress::Transition(_) => continue,
+            Progress::Step if integration.t() > transient => {}
+            Progress::Step | Progress::PhaseEnd(_) | Progress::Transition(_) => continue,
             Progress::End(summary) if summary.ending == Ending::EndTime => break,
             Progress::End(summary) => {
                 let (t, x) = (summary.t, Point::from(&summary.x));

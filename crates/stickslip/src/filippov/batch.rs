@@ -98,10 +98,10 @@ impl<'a, S: Switched<N, G>, O: Observer<N, S::Mode>, const N: usize, const G: us
 
     /// Tells the observer; the outcome, where the run has come to it.
     fn tell(&mut self, progress: Result<Progress<N, S::Mode>, Error>) -> Option<Outcome<N>> {
-        let (integration, is_stopping) = (&self.integration, &mut self.is_stopping);
+        let (integration, is_stopping) = (&mut self.integration, &mut self.is_stopping);
         let told =
             progress.and_then(|progress| tell(integration, &progress, self.observer, is_stopping));
-        let failed = |error| Failure::new(error, integration.summary(Ending::Failed));
+        let failed = |error| Failure::new(error, self.integration.summary(Ending::Failed));
         told.map_err(failed).transpose()
     }
 }

@@ -112,6 +112,11 @@ pub trait Observer<const N: usize, K = Mode> {
     fn step(&mut self, _step: &StepRecord<N, K>) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }
+    /// Whether it is told of steps; by default it is. Where it is not, [`crate::Method::Dop853`] need not make the dense output of
+    /// steps far from all events, which is a fifth of their calls of the field.
+    fn watches_steps(&self) -> bool {
+        true
+    }
     /// At every transition, after the steps up to it.
     fn transition(&mut self, _transition: &Transition<N, K>) -> ControlFlow<()> {
         ControlFlow::Continue(())
@@ -123,4 +128,8 @@ pub trait Observer<const N: usize, K = Mode> {
 }
 
 /// Watches nothing.
-impl<const N: usize, K> Observer<N, K> for () {}
+impl<const N: usize, K> Observer<N, K> for () {
+    fn watches_steps(&self) -> bool {
+        false
+    }
+}

@@ -31,6 +31,8 @@ pub struct Run<const N: usize, const G: usize> {
     /// The last step's start and end (which [`Run::at`] leaves when a stick phase begins on Σ), and the solution over it.
     pub last: (Timed<N>, Timed<N>),
     pub dense: Dense<N>,
+    /// Whether the step before was asked for: then the next one gets its dense output at once, and so does the first.
+    pub wants_dense: bool,
     /// The last event.
     pub event: Option<Event<N>>,
 }

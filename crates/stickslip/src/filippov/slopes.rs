@@ -15,7 +15,7 @@ use super::uncertainty::uncertainty;
 use crate::error::Error;
 use crate::interval::Interval;
 use crate::ode::control::{squared_error, step_factor};
-use crate::ode::{Dense, RungeKutta, Stages, Timed, dense_slopes, stages};
+use crate::ode::{Dense, RungeKutta, Stages, Timed, dense_slopes, further_slopes, stages};
 use crate::system::State;
 
 /// A guard is not a number in a part of the step.
@@ -24,16 +24,38 @@ pub(crate) struct Undefined;
 /// Tolerances by which a step made again to an event and the dense output may differ: some hundred are seen where all is well.
 const UNRESOLVED: f64 = 1e6;
 
-/// What Runge–Kutta steps keep from one to the next: the slope at the state reached, if it is known.
+/// What Runge–Kutta steps keep from one to the next.
 #[derive(Default)]
 pub(crate) struct Slopes<const N: usize> {
+    /// The slope at the state reached, if it is known.
     slope: Option<State<N>>,
+    /// Slope at the start and length of the last step, if its dense output has not been made: no guard needed it.
+    bare: Option<(State<N>, f64)>,
 }
 
 impl<const N: usize> Slopes<N> {
-    /// Forgets the slope of the flow before.
+    /// Forgets what belonged to the flow before.
     pub(crate) fn begin(&mut self) {
-        self.slope = None;
+        *self = Self::default();
+    }
+
+    /// Makes the dense output of the last step, if there is none, by taking the step again.
+    pub(crate) fn complete<M: RungeKutta, F: Flow<N>, const G: usize>(
+        &mut self,
+        run: &mut Run<N, G>,
+        flow: &F,
+    ) {
+        let Some((slope, h)) = self.bare.take() else {
+            return;
+        };
+        let field = &mut |t: f64, x: &State<N>| flow.velocity(t, x);
+        let (Timed { t, x }, to) = run.last;
+        let mut step = stages::<M, f64, _>(field, t, &x, slope, h);
+        step.end = to.x;
+        dense_slopes::<M, f64, _>(field, t, &x, h, &mut step);
+        run.counters.field_calls +=
+            flow.field_calls() * (M::COEFFICIENTS.stages + M::COEFFICIENTS.dense_stages) as u64;
+        run.dense = Dense::new::<M>(t, &x, h, &step);
     }
 
     /// Tries a step.
@@ -59,8 +81,17 @@ impl<const N: usize> Slopes<N> {
         let (h, is_last, mut step) = run.accepted_step::<M, F>(flow, slope)?;
         let t_next = if is_last { run.t_end } else { t + h };
         step.end = flow.settle(t_next, step.end);
-        dense_slopes::<M, f64, _>(field, t, &x, h, &mut step);
-        run.counters.field_calls += flow.field_calls() * (1 + M::COEFFICIENTS.dense_stages as u64);
+        let slope_at_end = field(t + h, &step.end);
+        step.k[M::COEFFICIENTS.stages] = slope_at_end;
+        run.counters.field_calls += flow.field_calls();
+        if !run.wants_dense && run.is_far::<M, F>(flow, h, &step) {
+            run.counters.steps += 1;
+            (self.slope, self.bare) = (Some(slope_at_end), Some((slope, h)));
+            let (t, x) = (t_next, step.end);
+            return Ok(run.accept(Timed { t, x }, None));
+        }
+        further_slopes::<M, f64, _>(field, t, &x, h, &mut step);
+        run.counters.field_calls += flow.field_calls() * M::COEFFICIENTS.dense_stages as u64;
         let dense = Dense::new::<M>(t, &x, h, &step);
         if !dense.is_finite() {
             // The solution comes to the edge of where the field is defined: a shorter step may stay inside.
@@ -86,7 +117,7 @@ impl<const N: usize> Slopes<N> {
             Some(event) => (event.at, None),
             None => {
                 let (t, x) = (t_next, step.end);
-                (Timed { t, x }, Some(step.k[M::COEFFICIENTS.stages]))
+                (Timed { t, x }, Some(slope_at_end))
             }
         };
         run.counters.steps += 1;
@@ -94,7 +125,8 @@ impl<const N: usize> Slopes<N> {
             return Err(run.non_finite(h));
         }
         run.dense.become_copy(&dense);
-        self.slope = next_slope;
+        run.wants_dense = false;
+        (self.slope, self.bare) = (next_slope, None);
         Ok(run.accept(at, event))
     }
 }
@@ -141,6 +173,20 @@ impl<const N: usize, const G: usize> Run<N, G> {
                 0.1
             };
         }
+    }
+
+    /// Whether a step is certain, by its slopes alone, to stay clear of every guard's zero. Without error control, which vouches
+    /// for what lies between the stages, it is not.
+    #[inline(always)]
+    fn is_far<M: RungeKutta, F: Flow<N>>(&self, flow: &F, h: f64, step: &Stages<State<N>>) -> bool {
+        let may_be = M::COEFFICIENTS.dense_stages > 0 && self.options.fixed_step().is_none();
+        if !may_be || self.orders != [0; G] {
+            return false;
+        }
+        let reach = step.reach::<M>(&self.at.x, h);
+        let times = Interval::new(self.at.t, self.at.t + h);
+        let is_finite = reach.iter().all(|reach| reach.high.is_finite());
+        is_finite && F::GUARDS.iter().all(|&i| flow.is_clear(i, times, &reach))
     }
 
     /// The first guard that fails in the step, and where.

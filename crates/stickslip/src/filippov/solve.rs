@@ -157,7 +157,7 @@ pub fn run<S: Switched<N, G>, O: Observer<N, S::Mode> + ?Sized, const N: usize, 
     let mut is_stopping = false;
     loop {
         let told = match integration.step() {
-            Ok(progress) => tell(&integration, &progress, observer, &mut is_stopping),
+            Ok(progress) => tell(&mut integration, &progress, observer, &mut is_stopping),
             Err(error) => Err(error),
         };
         match told {
@@ -172,7 +172,7 @@ pub fn run<S: Switched<N, G>, O: Observer<N, S::Mode> + ?Sized, const N: usize, 
 /// the end of a phase is still told of the transition behind it, which `is_stopping` remembers.
 #[inline(always)]
 pub(crate) fn tell<S, O, const N: usize, const G: usize>(
-    integration: &Integration<'_, S, N, G>,
+    integration: &mut Integration<'_, S, N, G>,
     progress: &Progress<N, S::Mode>,
     observer: &mut O,
     is_stopping: &mut bool,
@@ -183,7 +183,7 @@ where
 {
     match progress {
         Progress::Step => {
-            if observer.step(&integration.last_step()).is_continue() {
+            if !observer.watches_steps() || observer.step(&integration.last_step()).is_continue() {
                 return Ok(None);
             }
             // An orbit that has escaped is an error, to one who stops as well.

@@ -24,6 +24,8 @@ pub(crate) enum Work {
     Prepare,
     /// Try a step.
     Advance,
+    /// Make what the last step may still lack of its record.
+    Complete,
 }
 
 impl<const N: usize, const G: usize> Stepper<N, G> {
@@ -84,6 +86,9 @@ impl<const N: usize, const G: usize> Stepper<N, G> {
             (Work::NoteDepartures, _) => run.note_departures(flow),
             (Work::Prepare, Stepper::Taylor(series)) => series.prepare(run, flow),
             (Work::Prepare, _) => {}
+            (Work::Complete, Stepper::Dop853(slopes)) => slopes.complete::<Dop853, F, G>(run, flow),
+            // They have their dense output from the step itself.
+            (Work::Complete, Stepper::Rk4(_) | Stepper::Taylor(_)) => {}
             (Work::Advance, Stepper::Dop853(slopes)) => {
                 return slopes.advance::<Dop853, F, G>(run, flow);
             }

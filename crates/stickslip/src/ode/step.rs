@@ -2,7 +2,9 @@
 
 use super::linear::Linear;
 use super::tableau::{MAX_STAGES, RungeKutta};
+use crate::interval::Interval;
 use crate::scalar::Scalar;
+use crate::system::State;
 
 /// The slopes of one step and the state that they lead to.
 #[derive(Clone, Copy, Debug)]
@@ -11,6 +13,30 @@ pub struct Stages<V> {
     pub k: [V; MAX_STAGES],
     /// State at the end of the step.
     pub end: V,
+}
+
+impl<const N: usize> Stages<State<N>> {
+    /// A box that holds the state throughout a step of method `M` from `x` over `h` whose error is within the tolerance, the
+    /// slope at its end filled in; not finite where the step is not.
+    ///
+    /// On the straight way from start to end the state is ahead by the integral of `h ẋ` less the rise, which is zero at both
+    /// ends and so nowhere more than half of its integrand's largest size. That is known at the stages; twice as much is allowed
+    /// for what lies between them and for what they are off.
+    #[inline(always)]
+    pub(crate) fn reach<M: RungeKutta>(&self, x: &State<N>, h: f64) -> [Interval; N] {
+        std::array::from_fn(|i| {
+            let rise = self.end[i] - x[i];
+            let (mut bend, mut sum) = (0.0, 0.0);
+            for slope in &self.k[..=M::COEFFICIENTS.stages] {
+                let off = (h * slope[i] - rise).abs();
+                bend = if off > bend { off } else { bend };
+                // Comparisons pass over what is not a number; a sum does not.
+                sum += off;
+            }
+            let radius = if sum.is_finite() { bend } else { f64::NAN };
+            Interval::around(x[i] + 0.5 * rise, 0.5 * rise.abs() + radius)
+        })
+    }
 }
 
 /// Writes out one block for every stage index, so that the compiler sees each row of the tableau as constants:
@@ -74,8 +100,19 @@ pub fn dense_slopes<M: RungeKutta, T: Scalar, V: Linear<T>>(
     h: T,
     step: &mut Stages<V>,
 ) {
-    let first = M::COEFFICIENTS.stages;
-    step.k[first] = f(t + h, &step.end);
+    step.k[M::COEFFICIENTS.stages] = f(t + h, &step.end);
+    further_slopes::<M, T, V>(f, t, x, h, step);
+}
+
+/// Fills in the slopes that only the dense output needs, where that at the end of the step is known.
+#[inline(always)]
+pub(crate) fn further_slopes<M: RungeKutta, T: Scalar, V: Linear<T>>(
+    f: &mut impl FnMut(T, &V) -> V,
+    t: T,
+    x: &V,
+    h: T,
+    step: &mut Stages<V>,
+) {
     macro_rules! stage {
         ($i:literal) => {
             if $i > M::COEFFICIENTS.stages
@@ -116,4 +153,67 @@ pub(super) fn weigh<T: Scalar, V: Linear<T>>(k: &[V; MAX_STAGES], w: &[f64; MAX_
         }
     }
     sum
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::math;
+    use crate::ode::control::squared_error;
+    use crate::ode::{Dense, Dop853, Tolerance};
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 4000, failure_persistence: None, ..ProptestConfig::default() })]
+        /// Of steps as long as error control lets them be, of a shaken spring that hardens: with a third of the room for what
+        /// lies between the stages.
+        #[test]
+        fn a_step_within_the_tolerance_stays_within_its_reach(
+            start in prop::array::uniform2(-2.0..2.0),
+            (hardening, damping) in (-0.3..3.0, -1.0..1.0),
+            (force, rate, phase) in (0.0..3.0, 0.1..6.0, 0.0..6.3),
+            exponent in -12.0..-1.0,
+        ) {
+            let mut field = |t: f64, x: &State<2>| {
+                let spring = -x[0] * (1.0 + hardening * x[0] * x[0]) - damping * x[1];
+                State::from([x[1], spring + force * math::cos(rate * t + phase)])
+            };
+            let x = State::from(start);
+            let slope = field(0.0, &x);
+            let tol = math::pow(10.0, exponent);
+            let tolerance = Tolerance { rtol: tol, atol: tol };
+            let mut h = 4.0;
+            let mut step = loop {
+                let step = stages::<Dop853, f64, _>(&mut field, 0.0, &x, slope, h);
+                if squared_error::<Dop853, 2>(&step, &x, h, &tolerance) <= 1.0 {
+                    break step;
+                }
+                h *= 0.9;
+            };
+            dense_slopes::<Dop853, f64, _>(&mut field, 0.0, &x, h, &mut step);
+            let dense = Dense::new::<Dop853>(0.0, &x, h, &step);
+            let reach = step.reach::<Dop853>(&x, h);
+            for i in 0..2 {
+                let rise = step.end[i] - x[i];
+                let middle = x[i] + 0.5 * rise;
+                // Half of it is the room.
+                let bend = 0.5 * (reach[i].high - reach[i].low) - 0.5 * rise.abs();
+                for part in 0..=32 {
+                    let s = f64::from(part) / 32.0;
+                    let off = (dense.at(s)[i] - middle).abs();
+                    let allowed = 0.5 * rise.abs() + (0.5 + 0.5 / 3.0) * bend + 1e-15;
+                    prop_assert!(off <= allowed, "{off:e} of {allowed:e} at {s}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_not_finite_reaches_nowhere() {
+        let x = State::from([0.0]);
+        let mut step = stages::<Dop853, f64, _>(&mut |_, _| x, 0.0, &x, x, 1.0);
+        step.k[5][0] = f64::NAN;
+        assert!(step.reach::<Dop853>(&x, 1.0)[0].low.is_nan());
+    }
 }

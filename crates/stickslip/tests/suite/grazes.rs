@@ -122,6 +122,10 @@ impl Observer<2> for Crossings {
         self.0.push(at.t);
         ControlFlow::Continue(())
     }
+    // So that by slopes a step is judged by its slopes alone where it can be.
+    fn watches_steps(&self) -> bool {
+        false
+    }
 }
 
 /// The crossings of a system around a spiral's top are two, one on each side of it, or none.

@@ -136,7 +136,7 @@ where
             }
             Progress::End(_) => {}
         }
-        if let Some(summary) = tell(&integration, &progress, watcher, &mut is_stopping)? {
+        if let Some(summary) = tell(&mut integration, &progress, watcher, &mut is_stopping)? {
             return Ok(summary);
         }
     }

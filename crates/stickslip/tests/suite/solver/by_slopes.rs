@@ -2,6 +2,8 @@
 
 #[path = "check.rs"]
 mod check;
+#[path = "dense_on_demand.rs"]
+mod dense_on_demand;
 #[path = "errors.rs"]
 mod errors;
 #[path = "every_method.rs"]

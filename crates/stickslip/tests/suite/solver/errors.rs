@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use stickslip::analysis::Visibility;
 use stickslip::error::readable;
 use stickslip::{
-    Approach, Ending, Error, Failure, Options, Orbit, State, TransitionKind, TwoFold, math,
+    Approach, Ending, Error, Failure, Method, Options, Orbit, State, TransitionKind, TwoFold, math,
 };
 
 use crate::any_system::{Listed, solve};
