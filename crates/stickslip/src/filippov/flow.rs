@@ -112,6 +112,8 @@ fn contact_is_clear<S: Filippov<N>, const N: usize>(
 pub trait Flow<const N: usize> {
     /// The guards there are, [`CONTACT`] among them.
     const GUARDS: &'static [usize];
+    /// Whether one guard costs as much as all together, so that they are sampled together.
+    const TOGETHER: bool = false;
     /// How many of the user's field calls one evaluation takes.
     fn field_calls(&self) -> u64;
     /// dx/dt.
@@ -139,6 +141,12 @@ pub trait Flow<const N: usize> {
         self.guard(i, t, components(x))
     }
 
+    /// All guards at a state, in a room for `G`.
+    #[inline(always)]
+    fn guards_at<const G: usize>(&self, t: f64, x: &State<N>) -> [f64; G] {
+        self.field_and_guards(t, components(x)).1
+    }
+
     /// Rate of guard `i` along the vector `f`.
     #[inline(always)]
     fn rate<T: Scalar>(&self, i: usize, t: T, x: &[T; N], f: &[T; N]) -> T {
@@ -163,6 +171,13 @@ pub trait Flow<const N: usize> {
         let path = flow_path(t, components(x), |t, x| self.field(t, x));
         let g = self.guard(i, path.0, &path.1);
         [g.re, g.v1, g.v2, g.v3]
+    }
+
+    /// The same of all guards, in a room for `G`.
+    fn jets<const G: usize>(&self, t: f64, x: &State<N>) -> [[f64; 4]; G] {
+        let path = flow_path(t, components(x), |t, x| self.field(t, x));
+        let guards = self.field_and_guards(path.0, &path.1).1;
+        guards.map(|g| [g.re, g.v1, g.v2, g.v3])
     }
 }
 

@@ -13,7 +13,7 @@ pub(crate) struct Bracket {
     pub b: f64,
 }
 
-const NODES: usize = 9;
+pub(crate) const NODES: usize = 9;
 
 /// cos(k π/8) for k = 0 … 15: all the cosines that the transform of nine points needs.
 const COS: [f64; 16] = {
@@ -31,7 +31,7 @@ const COS: [f64; 16] = {
 pub(crate) const NARROWEST: f64 = 1.5e-8;
 
 /// The nine points of the unit interval.
-const UNIT: [f64; NODES] = {
+pub(crate) const UNIT: [f64; NODES] = {
     let mut nodes = [1.0; NODES];
     let mut j = 0;
     while j < NODES - 1 {
@@ -41,16 +41,17 @@ const UNIT: [f64; NODES] = {
     nodes
 };
 
-/// Whether `value` stays far from zero over the whole step: the cheap test that nearly every step passes.
+/// Whether a function with these values at the nine points of the step stays far from zero over all of it: the cheap test that nearly
+/// every step passes.
 ///
 /// Between nine Chebyshev points a polynomial leaves the range of its values by at most 1.2 times its half-width
 /// (Lebesgue constant 2.4); four times is asked for. A value that is not finite is far from nothing.
 #[inline(always)]
-pub(crate) fn far_from_zero(value: impl Fn(f64) -> f64) -> bool {
-    let first = value(UNIT[0]);
+pub(crate) fn far_from_zero(value: impl Fn(usize) -> f64) -> bool {
+    let first = value(0);
     let (mut least, mut most, mut sum) = (first, first, first);
-    for &s in &UNIT[1..] {
-        let v = value(s);
+    for node in 1..NODES {
+        let v = value(node);
         least = if v < least { v } else { least };
         most = if v > most { v } else { most };
         // Comparisons pass over what is not a number; a sum does not.

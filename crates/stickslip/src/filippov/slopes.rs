@@ -1,6 +1,6 @@
 //! Runge–Kutta steps, and the search of each for the first event.
 
-use std::cell::Cell;
+use std::cell::{Cell, OnceCell};
 use std::marker::PhantomData;
 
 use super::event::Event;
@@ -10,7 +10,7 @@ use super::leaving::leaving;
 use super::locate::{Limits, OnDense, Origin};
 use super::options::Locator;
 use super::run::{Run, Trial};
-use super::scan::{far_from_zero, is_defined};
+use super::scan::{NODES, UNIT, far_from_zero, is_defined};
 use super::uncertainty::uncertainty;
 use crate::error::Error;
 use crate::interval::Interval;
@@ -202,11 +202,17 @@ impl<const N: usize, const G: usize> Run<N, G> {
         let mut first: Option<Event<N>> = None;
         let mut is_undefined = false;
         let reach = dense.enclosure();
+        let samples = OnceCell::new();
         // The first are written out rather than looped over, so that each guard's code is the guard's own.
         macro_rules! consider {
             ($guard:expr) => {
-                match self.first_failure::<M, F>($guard, origin, dense, &reach, self.orders[$guard])
-                {
+                match self.first_failure::<M, F>(
+                    $guard,
+                    origin,
+                    dense,
+                    (&reach, &samples),
+                    self.orders[$guard],
+                ) {
                     Ok(Some(event)) if first.is_none_or(|first| event.at.t < first.at.t) => {
                         first = Some(event);
                     }
@@ -238,7 +244,7 @@ impl<const N: usize, const G: usize> Run<N, G> {
         i: usize,
         origin: &Origin<'_, F, N>,
         dense: &Dense<N>,
-        reach: &[Interval; N],
+        (reach, samples): (&[Interval; N], &OnceCell<[[f64; G]; NODES]>),
         order: usize,
     ) -> Result<Option<Event<N>>, Undefined> {
         let on_dense = |s: f64| {
@@ -249,7 +255,20 @@ impl<const N: usize, const G: usize> Run<N, G> {
         let (is_near, start) = if order == 0 {
             // Nearly every step ends here: far from any event, for certain or by samples.
             let times = Interval::new(origin.t, origin.t + origin.h);
-            if origin.flow.is_clear(i, times, reach) || far_from_zero(on_dense) {
+            if origin.flow.is_clear(i, times, reach) {
+                return Ok(None);
+            }
+            let is_far = if F::TOGETHER {
+                let all = |s| {
+                    let t = origin.t + s * origin.h;
+                    origin.flow.guards_at(t, &dense.at(s))
+                };
+                let samples = samples.get_or_init(|| UNIT.map(all));
+                far_from_zero(|node| samples[node][i])
+            } else {
+                far_from_zero(|node| on_dense(UNIT[node]))
+            };
+            if is_far {
                 return Ok(None);
             }
             (true, None)

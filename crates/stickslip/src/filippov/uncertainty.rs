@@ -22,23 +22,47 @@ pub(crate) fn uncertainty<F: Flow<N>, const N: usize>(
     at: &Timed<N>,
     tolerance: &Tolerance,
 ) -> Uncertainty {
-    let (mut by_tolerance, mut by_rounding) = (0.0, 0.0);
+    let [one] = blur(at, tolerance, |t, x| [flow.guard(i, t, x)]);
+    one
+}
+
+/// The same of all guards, in a room for `G`.
+pub(crate) fn uncertainties<F: Flow<N>, const N: usize, const G: usize>(
+    flow: &F,
+    at: &Timed<N>,
+    tolerance: &Tolerance,
+) -> [Uncertainty; G] {
+    blur(at, tolerance, |t, x| flow.field_and_guards(t, x).1)
+}
+
+#[inline(always)]
+fn blur<const N: usize, const G: usize>(
+    at: &Timed<N>,
+    tolerance: &Tolerance,
+    guards: impl Fn(Dual<f64>, &[Dual<f64>; N]) -> [Dual<f64>; G],
+) -> [Uncertainty; G] {
+    let mut blurs = [Uncertainty {
+        by_tolerance: 0.0,
+        by_rounding: 0.0,
+    }; G];
     // Direction N is time, which no tolerance blurs.
     for direction in 0..=N {
         let seed = |at: usize| f64::from(u8::from(at == direction));
         let x = std::array::from_fn(|k| Dual::new(at.x[k], seed(k)));
-        let slope = flow.guard(i, Dual::new(at.t, seed(N)), &x).eps.abs();
-        if direction < N {
-            let size = at.x[direction].abs();
-            by_tolerance += slope * (tolerance.atol + tolerance.rtol * size);
-            by_rounding += slope * size;
-        } else {
-            by_rounding += slope * at.t.abs();
+        let guards = guards(Dual::new(at.t, seed(N)), &x);
+        for (blur, guard) in blurs.iter_mut().zip(guards) {
+            let slope = guard.eps.abs();
+            if direction < N {
+                let size = at.x[direction].abs();
+                blur.by_tolerance += slope * (tolerance.atol + tolerance.rtol * size);
+                blur.by_rounding += slope * size;
+            } else {
+                blur.by_rounding += slope * at.t.abs();
+            }
         }
     }
-    by_rounding *= ULPS * f64::EPSILON;
-    Uncertainty {
-        by_tolerance,
-        by_rounding,
+    for blur in &mut blurs {
+        blur.by_rounding *= ULPS * f64::EPSILON;
     }
+    blurs
 }

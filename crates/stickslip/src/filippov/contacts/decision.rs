@@ -8,7 +8,7 @@ use crate::dual::Dual;
 use crate::error::{Error, Point};
 use crate::filippov::flow::Flow;
 use crate::filippov::run::Run;
-use crate::filippov::uncertainty::uncertainty;
+use crate::filippov::uncertainty::{Uncertainty, uncertainties};
 use crate::ode::Timed;
 use crate::system::{Mode, Side, components};
 
@@ -42,6 +42,15 @@ enum Start {
     Instead(Mode),
 }
 
+/// What is known of a motion where it begins, by contact.
+struct Beginning<const M: usize> {
+    /// Value and derivatives of the guards.
+    jets: [[f64; 4]; M],
+    blurs: [Uncertainty; M],
+    /// See [`Decision::rate_blurs`].
+    rate_blurs: [(f64, f64); M],
+}
+
 impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
     /// The mode that follows, and how many derivatives of each guard vanish: none of those of contacts that are not decided, which
     /// are off zero.
@@ -55,8 +64,10 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
         for _ in 0..=2 * M {
             let mut orders = [0; M];
             let mut change = None;
+            let joint = Joint::new(self.system, &self.modes);
+            let beginning = self.beginning(run, &joint);
             for &i in &decided {
-                match self.start(run, i) {
+                match self.start(&joint, &beginning, i) {
                     Start::Order(order) => orders[i] = order,
                     Start::Instead(mode) => {
                         change = Some((i, mode));
@@ -105,16 +116,25 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
         Ok(())
     }
 
-    /// How the motion of a contact in the mode decided begins.
-    fn start(&self, run: &mut Run<N, M>, i: usize) -> Start {
-        let joint = Joint::new(self.system, &self.modes);
+    /// What is known of the motion in the mode decided.
+    fn beginning(&self, run: &mut Run<N, M>, joint: &Joint<'_, S, M>) -> Beginning<M> {
         let Timed { t, x } = self.at;
-        // Three passes through the field on dual numbers, and one for each direction.
-        run.counters.field_calls += joint.field_calls() * (N as u64 + 4);
-        let [guard, rate, bend, _] = joint.jet(i, t, &x);
+        // Four passes through the field on dual numbers, and two for each direction.
+        run.counters.field_calls += joint.field_calls() * (2 * N as u64 + 6);
+        Beginning {
+            jets: joint.jets(t, &x),
+            blurs: uncertainties(joint, &self.at, &run.options.tolerance()),
+            rate_blurs: self.rate_blurs(joint, run.slack()),
+        }
+    }
+
+    /// How the motion of a contact in the mode decided begins.
+    fn start(&self, joint: &Joint<'_, S, M>, beginning: &Beginning<M>, i: usize) -> Start {
+        let Timed { t, x } = self.at;
+        let [guard, rate, bend, _] = beginning.jets[i];
         match self.modes[i] {
             Mode::Stick => {
-                let blur = uncertainty(&joint, i, &self.at, &run.options.tolerance());
+                let blur = beginning.blurs[i];
                 if guard > blur.by_rounding + 1e-3 * blur.by_tolerance {
                     Start::Order(0)
                 } else if rate > 0.0 {
@@ -128,7 +148,10 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
                 let is_tangent = self.released == Some(i)
                     && !self.has_static_friction(i)
                     && (0..M).all(|j| j == i || self.modes[j] == self.before[j]);
-                let floor = self.rate_floor(&joint, i, rate, bend, run.slack());
+                // The size below which the rate is rounding.
+                let (spread, shift) = beginning.rate_blurs[i];
+                let drift = bend.abs() * t.abs();
+                let floor = ULPS * f64::EPSILON * (spread + rate.abs() + drift) + shift;
                 if !is_tangent && rate > floor {
                     Start::Order(1)
                 } else if (is_tangent || rate >= -floor) && bend > 0.0 {
@@ -140,17 +163,11 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
         }
     }
 
-    /// The size below which the rate of a boundary function along the flow is rounding.
-    fn rate_floor(
-        &self,
-        joint: &Joint<'_, S, M>,
-        i: usize,
-        rate: f64,
-        bend: f64,
-        slack: f64,
-    ) -> f64 {
+    /// By how much the rate of each boundary function along the flow changes with the size of time and state, and with `slack` of
+    /// the state.
+    fn rate_blurs(&self, joint: &Joint<'_, S, M>, slack: f64) -> [(f64, f64); M] {
         let Timed { t, x } = self.at;
-        let (mut spread, mut shift) = (0.0, 0.0);
+        let mut blurs = [(0.0, 0.0); M];
         // Direction N is time.
         for direction in 0..=N {
             let seed = |at: usize| f64::from(u8::from(at == direction));
@@ -158,18 +175,18 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
             let time = Dual::new(t, seed(N));
             let field = joint.field(time, &seeded);
             let one = Dual::new(1.0, 0.0);
-            let change = rates(self.system, (time, one), &seeded, &field)[i]
-                .eps
-                .abs();
-            if direction < N {
-                spread += change * x[direction].abs();
-                shift += change * slack;
-            } else {
-                spread += change * t.abs();
+            let rates = rates(self.system, (time, one), &seeded, &field);
+            for ((spread, shift), rate) in blurs.iter_mut().zip(rates) {
+                let change = rate.eps.abs();
+                if direction < N {
+                    *spread += change * x[direction].abs();
+                    *shift += change * slack;
+                } else {
+                    *spread += change * t.abs();
+                }
             }
         }
-        let drift = bend.abs() * t.abs();
-        ULPS * f64::EPSILON * (spread + rate.abs() + drift) + shift
+        blurs
     }
 
     /// How far the rates of a contact lie apart with it below and above: twice what friction can do to it.

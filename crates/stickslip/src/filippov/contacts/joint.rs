@@ -341,6 +341,7 @@ const NUMBERS: [usize; 64] = {
 
 impl<S: Contacts<N, M>, const N: usize, const M: usize> Flow<N> for Joint<'_, S, M> {
     const GUARDS: &'static [usize] = NUMBERS.split_at(M).0;
+    const TOGETHER: bool = M > 1;
 
     #[inline(always)]
     fn field_calls(&self) -> u64 {

@@ -171,12 +171,13 @@ impl<S> Several<S> {
         S: Contacts<N, M>,
     {
         let joint = Joint::new(&self.0, modes);
+        let Timed { t, x } = run.at;
+        let jets: [_; M] = joint.jets(t, &x);
         std::array::from_fn(|i| match modes[i] {
             Mode::Stick => true,
             Mode::Slip(_) => {
                 let blur = uncertainty(&joint, i, &run.at, &run.options.tolerance());
-                let Timed { t, x } = run.at;
-                let [h, rate, ..] = joint.jet(i, t, &x);
+                let [h, rate, ..] = jets[i];
                 // The time is known to rounding, and with it what the rate makes of that.
                 let drift = ULPS * f64::EPSILON * rate.abs() * t.abs();
                 h.abs() <= blur.by_rounding + 1e-3 * blur.by_tolerance + drift

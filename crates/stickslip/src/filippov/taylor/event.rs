@@ -1,5 +1,7 @@
 //! The first event of a Taylor step.
 
+use std::cell::OnceCell;
+
 use super::TaylorStepper;
 use super::piece::Piece;
 use crate::filippov::event::Event;
@@ -142,6 +144,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         piece: &Piece<N>,
     ) -> Result<Option<Found<N>>, Undefined> {
         let mut first: Option<Found<N>> = None;
+        let at_end = OnceCell::new();
         for &guard in F::GUARDS {
             let Some(function) = self.expansion.watched[guard] else {
                 continue;
@@ -156,8 +159,14 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
                     let found = first_failure(run, flow, guard, piece, c, order);
                     // A series may go on where its function ends, or has ended and begun again.
                     if found.is_none() && !function.is_linear {
-                        let end = piece.at(1.0).0;
-                        if !flow.guard_at(guard, end.t, &end.x).is_finite() {
+                        let value = if F::TOGETHER {
+                            let all = |end: Timed<N>| flow.guards_at::<G>(end.t, &end.x);
+                            at_end.get_or_init(|| all(piece.at(1.0).0))[guard]
+                        } else {
+                            let end = piece.at(1.0).0;
+                            flow.guard_at(guard, end.t, &end.x)
+                        };
+                        if !value.is_finite() {
                             return Err(Undefined);
                         }
                     }
