@@ -157,32 +157,49 @@ pub(super) fn weigh<T: Scalar, V: Linear<T>>(k: &[V; MAX_STAGES], w: &[f64; MAX_
 
 #[cfg(test)]
 mod tests {
-    use proptest::prelude::*;
-
     use super::*;
     use crate::math;
     use crate::ode::control::squared_error;
-    use crate::ode::{Dense, Dop853, Tolerance};
+    use crate::ode::{Dop853, Tolerance};
+    use crate::statistics::SplitMix;
 
-    proptest! {
-        #![proptest_config(ProptestConfig { cases: 4000, failure_persistence: None, ..ProptestConfig::default() })]
-        /// Of steps as long as error control lets them be, of a shaken spring that hardens: with a third of the room for what
-        /// lies between the stages.
-        #[test]
-        fn a_step_within_the_tolerance_stays_within_its_reach(
-            start in prop::array::uniform2(-2.0..2.0),
-            (hardening, damping) in (-0.3..3.0, -1.0..1.0),
-            (force, rate, phase) in (0.0..3.0, 0.1..6.0, 0.0..6.3),
-            exponent in -12.0..-1.0,
-        ) {
+    /// The solution at 64 places of a step from time 0, by steps as short.
+    fn solution(
+        field: &mut impl FnMut(f64, &State<2>) -> State<2>,
+        x: State<2>,
+        h: f64,
+    ) -> impl Iterator<Item = State<2>> {
+        let part = h / 64.0;
+        let mut at = x;
+        (0..64).map(move |k| {
+            let t = f64::from(k) * part;
+            let slope = field(t, &at);
+            at = stages::<Dop853, f64, _>(field, t, &at, slope, part).end;
+            at
+        })
+    }
+
+    /// Of steps as long as error control lets them be, of a shaken spring that hardens or softens. In a million and a half of them
+    /// the solution took less than two fifths of the room; half of it is asked for here. (At tolerances above 1e-2 the
+    /// step itself is wrong now and then, by more than any room.)
+    #[test]
+    fn the_solution_stays_within_the_reach_of_a_step_within_the_tolerance() {
+        let mut draw = SplitMix::new(853);
+        for _ in 0..4000 {
+            let x = State::from([draw.between(-2.0, 2.0), draw.between(-2.0, 2.0)]);
+            let (hardening, damping) = (draw.between(-0.3, 3.0), draw.between(-1.0, 1.0));
+            let (force, rate) = (draw.between(0.0, 3.0), draw.between(0.1, 6.0));
+            let phase = draw.between(0.0, 6.3);
+            let tol = math::pow(10.0, draw.between(-12.0, -2.0));
             let mut field = |t: f64, x: &State<2>| {
                 let spring = -x[0] * (1.0 + hardening * x[0] * x[0]) - damping * x[1];
                 State::from([x[1], spring + force * math::cos(rate * t + phase)])
             };
-            let x = State::from(start);
             let slope = field(0.0, &x);
-            let tol = math::pow(10.0, exponent);
-            let tolerance = Tolerance { rtol: tol, atol: tol };
+            let tolerance = Tolerance {
+                rtol: tol,
+                atol: tol,
+            };
             let mut h = 4.0;
             let mut step = loop {
                 let step = stages::<Dop853, f64, _>(&mut field, 0.0, &x, slope, h);
@@ -191,19 +208,17 @@ mod tests {
                 }
                 h *= 0.9;
             };
-            dense_slopes::<Dop853, f64, _>(&mut field, 0.0, &x, h, &mut step);
-            let dense = Dense::new::<Dop853>(0.0, &x, h, &step);
+            step.k[12] = field(h, &step.end);
             let reach = step.reach::<Dop853>(&x, h);
-            for i in 0..2 {
-                let rise = step.end[i] - x[i];
-                let middle = x[i] + 0.5 * rise;
-                // Half of it is the room.
-                let bend = 0.5 * (reach[i].high - reach[i].low) - 0.5 * rise.abs();
-                for part in 0..=32 {
-                    let s = f64::from(part) / 32.0;
-                    let off = (dense.at(s)[i] - middle).abs();
-                    let allowed = 0.5 * rise.abs() + (0.5 + 0.5 / 3.0) * bend + 1e-15;
-                    prop_assert!(off <= allowed, "{off:e} of {allowed:e} at {s}");
+            for at in solution(&mut field, x, h) {
+                for i in 0..2 {
+                    let (middle, way) = (0.5 * (x[i] + step.end[i]), (step.end[i] - x[i]).abs());
+                    let room = 0.5 * (reach[i].high - reach[i].low - way);
+                    let outside = (at[i] - middle).abs() - 0.5 * way;
+                    assert!(
+                        outside <= 0.5 * room + 1e-14,
+                        "{outside:e} of {room:e}, {tol:e}"
+                    );
                 }
             }
         }
