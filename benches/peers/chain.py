@@ -1,6 +1,8 @@
 """The chain of blocks of crates/stickslip/examples/chain.rs by SciPy's solve_ivp, with events and modes written by hand.
 
-    python3 chain.py [blocks ...] [--events]
+    target/peers-venv/bin/python benches/peers/chain.py [blocks ...] [--events]
+
+`make bench-peers` makes that environment. Ours beside it: `cargo bench -p stickslip --bench chain`, and the example.
 
 An event function for each contact: the slip speed where it slips, what friction has left where it sticks. After each event the
 contact that it belongs to decides for itself, which is right here because each block's friction acts on that block alone.

@@ -41,23 +41,29 @@ pub(crate) const UNIT: [f64; NODES] = {
     nodes
 };
 
-/// Whether a function with these values at the nine points of the step stays far from zero over all of it: the cheap test that nearly
-/// every step passes.
+/// Whether `value` stays far from zero over the whole step: the cheap test that nearly every step passes.
 ///
 /// Between nine Chebyshev points a polynomial leaves the range of its values by at most 1.2 times its half-width
 /// (Lebesgue constant 2.4); four times is asked for. A value that is not finite is far from nothing.
 #[inline(always)]
-pub(crate) fn far_from_zero(value: impl Fn(usize) -> f64) -> bool {
-    let first = value(0);
+pub(crate) fn far_from_zero(value: impl Fn(f64) -> f64) -> bool {
+    let first = value(UNIT[0]);
     let (mut least, mut most, mut sum) = (first, first, first);
-    for node in 1..NODES {
-        let v = value(node);
+    for &s in &UNIT[1..] {
+        let v = value(s);
         least = if v < least { v } else { least };
         most = if v > most { v } else { most };
         // Comparisons pass over what is not a number; a sum does not.
         sum += v;
     }
     least + most > 4.0 * (most - least) && sum.is_finite()
+}
+
+/// Whether the values of a function at the nine points of the step say for all of it that there is no zero.
+pub(crate) fn is_clear(values: [f64; NODES]) -> bool {
+    let nodes = UNIT;
+    let is_finite = values.iter().all(|value| value.is_finite());
+    is_finite && matches!(Samples { nodes, values }.verdict(), Verdict::Clear)
 }
 
 /// Whether the values at the points of [`far_from_zero`] are finite.

@@ -10,7 +10,7 @@ use super::leaving::leaving;
 use super::locate::{Limits, OnDense, Origin};
 use super::options::Locator;
 use super::run::{Run, Trial};
-use super::scan::{NODES, UNIT, far_from_zero, is_defined};
+use super::scan::{NODES, UNIT, far_from_zero, is_clear, is_defined};
 use super::uncertainty::uncertainty;
 use crate::error::Error;
 use crate::interval::Interval;
@@ -264,9 +264,9 @@ impl<const N: usize, const G: usize> Run<N, G> {
                     origin.flow.guards_at(t, &dense.at(s))
                 };
                 let samples = samples.get_or_init(|| UNIT.map(all));
-                far_from_zero(|node| samples[node][i])
+                is_clear(samples.map(|guards| guards[i]))
             } else {
-                far_from_zero(|node| on_dense(UNIT[node]))
+                far_from_zero(on_dense)
             };
             if is_far {
                 return Ok(None);
