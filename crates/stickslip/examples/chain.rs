@@ -80,8 +80,8 @@ fn main() -> Result<(), Error> {
                     picture(&at.to)
                 );
             }
-            for i in 0..M {
-                slipped[i] |= at.to[i] != Mode::Stick;
+            for (slipped, mode) in slipped.iter_mut().zip(at.to) {
+                *slipped |= mode != Mode::Stick;
             }
             if at.to == [Mode::Stick; M] {
                 sizes.push(slipped.iter().filter(|&&slipped| slipped).count());
