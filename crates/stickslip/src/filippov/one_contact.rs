@@ -9,7 +9,7 @@ use super::rules::{AtRest, Departure, Fate, Leading, LieDerivatives, departure};
 use super::run::Run;
 use super::switch::{kind, next_mode};
 use super::switched::{Next, Switch, Switched, UseFlow};
-use super::two_fold::{Approach, two_fold};
+use super::two_fold::two_fold;
 use crate::analysis::Visibility;
 use crate::dual::Dual;
 use crate::error::{Error, Point};
@@ -83,7 +83,7 @@ impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
         event: &Event<N>,
     ) -> Result<Next<Mode, GUARDS>, Error> {
         if from == Mode::Stick
-            && let Some(two_fold) = two_fold(self, &run.at, Approach::Sliding)
+            && let Some(two_fold) = two_fold(self, run, from)
         {
             let chosen = match run.options.at_repelling {
                 AtRepelling::Stop => return Ok(Next::End(Ending::TwoFold(two_fold))),
@@ -115,17 +115,11 @@ impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
     }
 
     fn guard_at_collapse(&self, run: &Run<N, GUARDS>, mode: Mode) -> Option<usize> {
-        let slides = mode == Mode::Stick;
-        let two_fold = slides.then(|| two_fold(self, &run.at, Approach::Sliding));
-        two_fold.flatten().map(|_| 0)
+        (mode == Mode::Stick && two_fold(self, run, mode).is_some()).then_some(0)
     }
 
     fn ending_of_pile_up(&self, run: &Run<N, GUARDS>, mode: Mode) -> Option<Ending> {
-        let approach = match mode {
-            Mode::Stick => Approach::Sliding,
-            Mode::Slip(_) => Approach::Crossings,
-        };
-        two_fold(self, &run.at, approach).map(Ending::TwoFold)
+        two_fold(self, run, mode).map(Ending::TwoFold)
     }
 
     fn jumps_at(&self, at: &Transition<N>) -> Option<usize> {

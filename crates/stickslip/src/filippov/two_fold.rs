@@ -4,9 +4,9 @@
 //! (1990) 65; Colombo & Jeffrey, *SIAM J. Appl. Dyn. Syst.* 10 (2011) 423). Behind one the future is not unique.
 
 use super::rules::LieDerivatives;
+use super::run::Run;
 use crate::analysis::Visibility;
-use crate::ode::Timed;
-use crate::system::{Filippov, Side};
+use crate::system::{Filippov, Mode, Side};
 
 /// How an orbit has come to a two-fold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -43,12 +43,20 @@ impl TwoFold {
 const NEAR: f64 = 5e-7;
 
 /// The two-fold at which an orbit stands, if it does: from either side the fields' own orbits are tangent to Σ within that time.
-pub(super) fn two_fold<S: Filippov<N>, const N: usize>(
+/// It is reached by sliding if the orbit has been sliding for longer than that, and by crossings if not.
+pub(super) fn two_fold<S: Filippov<N>, const N: usize, const G: usize>(
     system: &S,
-    at: &Timed<N>,
-    approach: Approach,
+    run: &Run<N, G>,
+    mode: Mode,
 ) -> Option<TwoFold> {
+    let at = &run.at;
     let within = NEAR * at.t.abs().max(1.0);
+    let has_just_changed = run.pile_up.last_time().is_some_and(|t| at.t - t <= within);
+    let approach = if mode == Mode::Stick && !has_just_changed {
+        Approach::Sliding
+    } else {
+        Approach::Crossings
+    };
     let kind = |side: Side| {
         let lie = LieDerivatives::new(system, side, at.t, &at.x, 0.0);
         let (component, bend) = (lie.values[1], lie.values[2]);
