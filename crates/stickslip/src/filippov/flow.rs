@@ -1,5 +1,6 @@
 //! The smooth flow of one mode, and the guards that end it.
 
+use super::switched::gradient;
 use crate::dual::{Dual, Dual3};
 use crate::interval::Interval;
 use crate::ode::{Linear, Timed};
@@ -329,13 +330,8 @@ pub fn boundary_gradient<S: Filippov<N>, const N: usize>(
     t: f64,
     x: &State<N>,
 ) -> (State<N>, f64) {
-    let frozen = Dual::new(t, 0.0);
-    let gradient = State::from_fn(|i, _| {
-        let seeded = std::array::from_fn(|j| Dual::new(x[j], f64::from(u8::from(i == j))));
-        system.boundary(frozen, &seeded).eps
-    });
-    let constant = components(x).map(|v| Dual::new(v, 0.0));
-    (gradient, system.boundary(Dual::new(t, 1.0), &constant).eps)
+    let at = Timed { t, x: *x };
+    gradient(|t, x| system.boundary(t, x), &at)
 }
 
 /// One Newton step from `x` onto Σ along the gradient of the boundary function.

@@ -154,13 +154,22 @@ impl<const N: usize> UseFlow<N> for GuardGradient<N> {
     type Output = (State<N>, f64);
 
     fn with<F: Flow<N>>(self, flow: &F) -> (State<N>, f64) {
-        let GuardGradient(i, Timed { t, x }) = self;
-        let frozen = Dual::new(t, 0.0);
-        let gradient = State::from_fn(|k, _| {
-            let seeded = std::array::from_fn(|j| Dual::new(x[j], f64::from(u8::from(k == j))));
-            flow.guard(i, frozen, &seeded).eps
-        });
-        let constant = std::array::from_fn(|j| Dual::new(x[j], 0.0));
-        (gradient, flow.guard(i, Dual::new(t, 1.0), &constant).eps)
+        let GuardGradient(i, at) = self;
+        gradient(|t, x| flow.guard(i, t, x), &at)
     }
+}
+
+/// Gradient of a function in the state, and its time derivative.
+pub(crate) fn gradient<const N: usize>(
+    function: impl Fn(Dual<f64>, &[Dual<f64>; N]) -> Dual<f64>,
+    at: &Timed<N>,
+) -> (State<N>, f64) {
+    let Timed { t, x } = *at;
+    let frozen = Dual::new(t, 0.0);
+    let gradient = State::from_fn(|k, _| {
+        let seeded = std::array::from_fn(|j| Dual::new(x[j], f64::from(u8::from(k == j))));
+        function(frozen, &seeded).eps
+    });
+    let constant = std::array::from_fn(|j| Dual::new(x[j], 0.0));
+    (gradient, function(Dual::new(t, 1.0), &constant).eps)
 }
