@@ -124,9 +124,10 @@ pub use nalgebra;
 
 pub use error::Error;
 pub use filippov::{
-    Approach, AtRepelling, Contacts, Failure, Fate, Integration, Locator, Method, Observer,
-    Options, Phase, Progress, Several, Start, StepRecord, Summary, Switched, Transition,
-    TransitionKind, TwoFold, ensemble, fate, run, solve,
+    Approach, AtRepelling, Contacts, Direction, EventFunctions, EventRecord, Failure, Fate,
+    Happening, Integration, Locator, Method, Observer, Options, OrbitWithEvents, Phase, Plane,
+    Progress, Several, Start, StepRecord, Summary, Switched, Transition, TransitionKind, TwoFold,
+    Watched, ensemble, fate, run, solve, solve_with_events,
 };
 pub use orbit::{Counters, Ending, Orbit};
 pub use scalar::Scalar;

@@ -32,7 +32,7 @@ pub enum Ending {
     /// The orbit has come to a two-fold, where both fields are tangent to Σ and the future is not unique (see
     /// [`crate::AtRepelling`]).
     TwoFold(TwoFold),
-    /// The observer asked to stop.
+    /// The observer asked to stop, or there was a terminal event ([`crate::EventFunctions::is_terminal`]).
     Stopped,
     /// The run failed; the orbit is what it computed before (see [`crate::Failure`]).
     Failed,
@@ -62,6 +62,21 @@ pub struct Orbit<const N: usize, K = Mode> {
 }
 
 impl<const N: usize, K> Orbit<N, K> {
+    /// Of a run before its first step.
+    pub(crate) fn of_none(t: f64, x: State<N>) -> Self {
+        Orbit {
+            phases: Vec::new(),
+            transitions: Vec::new(),
+            steps: Vec::new(),
+            counters: Counters::default(),
+            ending: Ending::Failed,
+            t_start: t,
+            t_end: t,
+            x_start: x,
+            x_end: x,
+        }
+    }
+
     /// The state at time `t`, from the dense output. At the steps' ends it is as accurate as the run; between
     /// them it may err by up to some hundred tolerances where those are tight (not with [`crate::Method::Taylor`]).
     ///

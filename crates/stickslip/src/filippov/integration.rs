@@ -59,8 +59,6 @@ pub struct Integration<'a, S: Switched<N, G>, const N: usize, const G: usize = G
     pub(super) branch: S::Branch,
     /// The last step's mode.
     last_mode: S::Mode,
-    /// Where the phase under way began.
-    from: Timed<N>,
     due: Due,
 }
 
@@ -118,6 +116,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
             t_end,
             h: 0.0,
             at: start,
+            from: start,
             orders: [0; G],
             last: (start, start),
             dense: Dense::resting(start.t, start.x),
@@ -138,7 +137,6 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
             mode,
             branch: system.branch(&start),
             last_mode: mode,
-            from: start,
             due,
         })
     }
@@ -201,7 +199,11 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
                     return concluded.map(Some);
                 }
             }
-            Due::PhaseEnd(_) | Due::End(_) => return Ok(self.close()),
+            Due::PhaseEnd(_) => {
+                self.run.check_escape()?;
+                return Ok(self.close());
+            }
+            Due::End(_) => return Ok(self.close()),
         }
         if self.run.at.t >= self.run.t_end {
             self.due = Due::PhaseEnd(Ending::EndTime);
@@ -273,6 +275,13 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
         }
     }
 
+    /// Cuts the last step short at a state inside it, where the run ends.
+    pub(super) fn stop_at(&mut self, at: Timed<N>) {
+        self.run.at = at;
+        self.run.last.1 = at;
+        self.due = Due::PhaseEnd(Ending::Stopped);
+    }
+
     /// Does what depends on the mode, with the flow of the mode.
     #[inline(always)]
     fn work(&mut self, work: Work) -> Result<Trial, Error> {
@@ -333,7 +342,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
         self.mode = next.to;
         self.note_event()?;
         self.run.orders = next.orders;
-        self.from = self.run.at;
+        self.run.from = self.run.at;
         self.due = Due::Begin;
         Ok(self.transition((next.kind, next.contact), from, event.residual))
     }
@@ -401,7 +410,7 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Integration<'_, S, N, G>
     /// The phase under way as far as it has come; `None` between phases.
     pub fn phase(&self) -> Option<Phase<N, S::Mode>> {
         let is_open = !matches!(self.due, Due::Switch | Due::End(_));
-        (is_open && self.from.t < self.run.at.t).then(|| self.phase_so_far())
+        (is_open && self.run.from.t < self.run.at.t).then(|| self.phase_so_far())
     }
 
     /// The work done so far.
@@ -410,7 +419,7 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Integration<'_, S, N, G>
     }
 
     fn phase_so_far(&self) -> Phase<N, S::Mode> {
-        let (from, to) = (&self.from, &self.run.at);
+        let (from, to) = (&self.run.from, &self.run.at);
         Phase {
             mode: self.mode,
             t_start: from.t,

@@ -17,6 +17,7 @@ mod pile_up;
 mod rules;
 mod run;
 mod scan;
+mod sections;
 mod slopes;
 mod solve;
 mod stepper;
@@ -36,6 +37,10 @@ pub use options::{AtRepelling, Locator, Method, Options};
 pub(crate) use rules::LieDerivatives;
 pub use rules::{Fate, fate};
 pub use scan::first_zero;
+pub use sections::{
+    Direction, EventFunctions, EventRecord, Happening, OrbitWithEvents, Plane, Watched,
+    solve_with_events,
+};
 pub(crate) use solve::tell;
 pub use solve::{Failure, Summary, run, solve};
 pub use switched::Switched;

@@ -63,11 +63,6 @@ impl<const N: usize> PileUp<N> {
         })
     }
 
-    /// The time of the last transition.
-    pub(crate) fn last_time(&self) -> Option<f64> {
-        self.last.map(|last| last.t)
-    }
-
     /// The pile-up that a run is in whose steps have become too short.
     pub(crate) fn under_way(&self, t: f64, x: &State<N>, options: &Options) -> Option<Error> {
         let span = t - self.since;

@@ -24,6 +24,8 @@ pub struct Run<const N: usize, const G: usize> {
     /// Next step to try; 0 until the first is chosen. It is kept over events: the new field is usually as fast as the
     /// old, and error control corrects it where it is not.
     pub h: f64,
+    /// Where the phase under way began.
+    pub from: Timed<N>,
     /// Where the last step ended.
     pub at: Timed<N>,
     /// How many derivatives of each guard vanish where it was last zero and has not left that yet; 0 elsewhere.

@@ -85,17 +85,7 @@ pub fn solve<S: Switched<N, G>, const N: usize, const G: usize>(
     options: &Options,
 ) -> Result<Orbit<N, S::Mode>, Failure<Orbit<N, S::Mode>>> {
     let x0 = x0.into();
-    let mut orbit = Orbit {
-        phases: Vec::new(),
-        transitions: Vec::new(),
-        steps: Vec::new(),
-        counters: Counters::default(),
-        ending: Ending::Failed,
-        t_start: t0,
-        t_end: t0,
-        x_start: x0,
-        x_end: x0,
-    };
+    let mut orbit = Orbit::of_none(t0, x0);
     match follow(system, t_end, options, &mut orbit) {
         Ok(()) => Ok(orbit),
         Err(error) => Err(Failure::new(error, orbit)),
@@ -113,26 +103,39 @@ fn follow<S: Switched<N, G>, const N: usize, const G: usize>(
     let mut integration = Integration::new(system, t0, x0, t_end, options)?;
     loop {
         let progress = integration.step();
-        orbit.counters = *integration.counters();
-        match progress {
-            Ok(Progress::Step) => {
-                let step = integration.last_step();
-                (orbit.t_end, orbit.x_end) = (step.t_end, step.x_end);
-                orbit.steps.push(step);
-            }
-            Ok(Progress::PhaseEnd(phase)) => orbit.phases.push(phase),
-            Ok(Progress::Transition(transition)) => orbit.transitions.push(transition),
-            Ok(Progress::End(summary)) => {
-                orbit.ending = summary.ending;
-                return Ok(());
-            }
-            Err(error) => {
-                // The phase under way stays unfinished; what was reached of it is kept.
-                orbit.phases.extend(integration.phase());
-                return Err(error);
-            }
+        if keep(orbit, &mut integration, progress)? {
+            return Ok(());
         }
     }
+}
+
+/// Keeps what an integration has to say, and says whether that was its end.
+#[inline(always)]
+pub(super) fn keep<S: Switched<N, G>, const N: usize, const G: usize>(
+    orbit: &mut Orbit<N, S::Mode>,
+    integration: &mut Integration<'_, S, N, G>,
+    progress: Result<Progress<N, S::Mode>, Error>,
+) -> Result<bool, Error> {
+    orbit.counters = *integration.counters();
+    match progress {
+        Ok(Progress::Step) => {
+            let step = integration.last_step();
+            (orbit.t_end, orbit.x_end) = (step.t_end, step.x_end);
+            orbit.steps.push(step);
+        }
+        Ok(Progress::PhaseEnd(phase)) => orbit.phases.push(phase),
+        Ok(Progress::Transition(transition)) => orbit.transitions.push(transition),
+        Ok(Progress::End(summary)) => {
+            orbit.ending = summary.ending;
+            return Ok(true);
+        }
+        Err(error) => {
+            // The phase under way stays unfinished; what was reached of it is kept.
+            orbit.phases.extend(integration.phase());
+            return Err(error);
+        }
+    }
+    Ok(false)
 }
 
 /// Integrates `system` from `(t0, x0)` to `t_end`, telling `observer` of every step, transition and phase and keeping

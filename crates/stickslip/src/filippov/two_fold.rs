@@ -51,8 +51,7 @@ pub(super) fn two_fold<S: Filippov<N>, const N: usize, const G: usize>(
 ) -> Option<TwoFold> {
     let at = &run.at;
     let within = NEAR * at.t.abs().max(1.0);
-    let has_just_changed = run.pile_up.last_time().is_some_and(|t| at.t - t <= within);
-    let approach = if mode == Mode::Stick && !has_just_changed {
+    let approach = if mode == Mode::Stick && at.t - run.from.t > within {
         Approach::Sliding
     } else {
         Approach::Crossings

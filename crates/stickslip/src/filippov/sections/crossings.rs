@@ -1,0 +1,192 @@
+//! All places in a step where an event function changes its sign.
+
+use super::over_step::{OverStep, Place};
+use super::{Direction, EventFunctions};
+use crate::filippov::scan::{NARROWEST, far_from_zero, first_bracket, zero_in};
+use crate::filippov::switched::Switched;
+
+/// A function at zero is looked at again a part of the step later that grows by this factor, from [`SOON`] on.
+const LATER: f64 = 8.0;
+
+/// 8⁻⁹: about [`NARROWEST`], and the last look is at the end of the step.
+const SOON: f64 = 1.0 / ((1_u32 << 27) as f64);
+
+/// A function whose rate takes it this many times its rounding in a step is passing through.
+const PASSING: f64 = 1024.0;
+
+/// Iterations allowed: bisection alone takes some fifty.
+const MOST: usize = 100;
+
+/// The search for the sign changes of one function over one step.
+pub(super) struct Crossings<'a, S, V, K, const N: usize, const G: usize, const E: usize> {
+    pub over: OverStep<'a, S, V, K, N>,
+    /// Sign that the function has had last, beyond rounding; 0 where that is not known yet.
+    pub side: f64,
+}
+
+/// What comes next behind a place where the function has its sign beyond rounding.
+enum Next<const N: usize> {
+    /// A zero, and a place behind it where the sign is the other one, or none.
+    Crossing(Place<N>, Place<N>),
+    /// A zero of the dense output alone, which is over here.
+    Clear(Place<N>),
+    /// Nothing in this step, except at its very end.
+    End,
+}
+
+impl<S, V, const N: usize, const G: usize, const E: usize> Crossings<'_, S, V, S::Mode, N, G, E>
+where
+    S: Switched<N, G>,
+    V: EventFunctions<N, E>,
+{
+    /// Tells every crossing in order of time; [`Crossings::side`] is left as it is at the end.
+    #[inline(always)]
+    pub(super) fn each(&mut self, tell: &mut dyn FnMut(&Place<N>, Direction)) {
+        // Nearly every step ends here.
+        if self.side == 0.0 || !far_from_zero(|s| self.height(s)) {
+            self.search(tell);
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn search(&mut self, tell: &mut dyn FnMut(&Place<N>, Direction)) {
+        let mut from = self.exact(0.0);
+        loop {
+            if !self.is_clear(&from) {
+                let Some(left) = self.leaves(&from) else {
+                    return;
+                };
+                if self.side * left.value < 0.0 {
+                    self.pass(&from, tell);
+                }
+                self.side = left.value.signum();
+                from = left;
+            }
+            match self.next(&from) {
+                Next::Crossing(zero, behind) => {
+                    self.pass(&zero, tell);
+                    from = behind;
+                }
+                Next::Clear(behind) => from = behind,
+                Next::End => break,
+            }
+        }
+        // What comes to zero at the end is told there: behind it the motion may be another one.
+        let end = self.exact(1.0);
+        if self.side * end.value < -end.blur {
+            let zero = self.zero(&from, &end, 1.0);
+            self.pass(&zero, tell);
+        } else if !self.is_clear(&end)
+            && -self.side * end.rate * self.over.length() > PASSING * end.blur
+        {
+            self.pass(&end, tell);
+        }
+    }
+
+    fn exact(&self, s: f64) -> Place<N> {
+        self.over.exact(s)
+    }
+
+    /// The function on the dense output, positive on the side that it has had last.
+    #[inline(always)]
+    fn height(&self, s: f64) -> f64 {
+        self.side * self.over.sampled(s)
+    }
+
+    /// Whether the function has the sign that it has had last, beyond rounding.
+    fn is_clear(&self, place: &Place<N>) -> bool {
+        self.side * place.value > place.blur
+    }
+
+    fn pass(&mut self, at: &Place<N>, tell: &mut dyn FnMut(&Place<N>, Direction)) {
+        let direction = if self.side < 0.0 {
+            Direction::Rising
+        } else {
+            Direction::Falling
+        };
+        tell(at, direction);
+        self.side = -self.side;
+    }
+
+    /// Where a function that may be at zero is beyond rounding first; `None` where it is not in this step.
+    fn leaves(&self, from: &Place<N>) -> Option<Place<N>> {
+        let has_left = |place: &Place<N>| place.value.abs() > place.blur;
+        if has_left(from) {
+            return Some(*from);
+        }
+        let mut part = SOON;
+        while part <= 1.0 {
+            let s = from.s + part * (1.0 - from.s);
+            let place = self.exact(s);
+            if s > from.s && has_left(&place) {
+                return Some(place);
+            }
+            part *= LATER;
+        }
+        None
+    }
+
+    fn next(&self, from: &Place<N>) -> Next<N> {
+        let height = &mut |s: f64| self.height(s);
+        let Some(bracket) = first_bracket(height, from.s, 1.0) else {
+            return Next::End;
+        };
+        let estimate = zero_in(height, bracket);
+        let mut behind = self.exact(bracket.b);
+        // The step itself passes through zero near to where its dense output does, or not at all.
+        let mut further = NARROWEST;
+        while self.side * behind.value > 0.0 {
+            if behind.s >= 1.0 {
+                return Next::End;
+            }
+            if self.height(behind.s) > 0.0 {
+                return Next::Clear(behind);
+            }
+            behind = self.exact((behind.s + further).min(1.0));
+            further *= 4.0;
+        }
+        let before = self.exact(bracket.a);
+        let before = if self.side * before.value > 0.0 {
+            before
+        } else {
+            *from
+        };
+        Next::Crossing(self.zero(&before, &behind, estimate), behind)
+    }
+
+    /// The zero between two places by Newton's iteration, held between them by bisection.
+    fn zero(&self, before: &Place<N>, behind: &Place<N>, estimate: f64) -> Place<N> {
+        // At the end of a phase it has the bits of that end.
+        if behind.s >= 1.0 && behind.value.abs() <= behind.blur {
+            return *behind;
+        }
+        let (mut a, mut b) = (before.s, behind.s);
+        let mut here = self.exact(estimate.clamp(a, b));
+        for _ in 0..MOST {
+            if here.value == 0.0 {
+                break;
+            }
+            if self.side * here.value > 0.0 {
+                a = here.s;
+            } else {
+                b = here.s;
+            }
+            let newton = here.s - here.value / (here.rate * self.over.length());
+            // The next would be the same, to rounding.
+            if (newton - here.s).abs() <= f64::EPSILON {
+                break;
+            }
+            let next = if newton > a && newton < b {
+                newton
+            } else {
+                0.5 * (a + b)
+            };
+            if next <= a || next >= b {
+                break;
+            }
+            here = self.exact(next);
+        }
+        here
+    }
+}

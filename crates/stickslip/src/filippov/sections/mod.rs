@@ -1,0 +1,105 @@
+//! Events of the user's own: zeros of functions that change nothing of the motion, found in every step after it was taken.
+
+mod crossings;
+mod over_step;
+mod plane;
+mod solve;
+mod watched;
+
+use crate::scalar::Scalar;
+use crate::system::{Mode, State};
+
+pub use plane::Plane;
+pub use solve::{OrbitWithEvents, solve_with_events};
+pub use watched::{Happening, Watched};
+
+/// Which way a function passes through zero.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Direction {
+    /// From below zero to above.
+    Rising,
+    /// From above zero to below.
+    Falling,
+    /// Either way.
+    Both,
+}
+
+impl Direction {
+    /// Whether a passage the way `passed` is one that is asked for.
+    fn includes(self, passed: Direction) -> bool {
+        self == Direction::Both || self == passed
+    }
+}
+
+/// `E` functions of time and state whose zeros are events: a section, a level, the end of a run. They change nothing of the motion.
+///
+/// An event is where a function changes its sign, by more than rounding: one that touches zero and turns back is none, and one that
+/// stays at zero for a while (a boundary function during stick) passes through it where it comes to zero with a rate, or else
+/// where it leaves for the other side. A start at zero is no event. Where a function is not a number there are none.
+///
+/// ```
+/// use stickslip::{Direction, EventFunctions, Options, Scalar, models::BeltOscillator, solve_with_events};
+///
+/// /// Where the block passes the place 0.3, and where it turns back.
+/// struct PlaceAndTurn;
+/// impl EventFunctions<2, 2> for PlaceAndTurn {
+///     fn values<T: Scalar>(&self, _t: T, x: &[T; 2]) -> [T; 2] {
+///         [x[0] - 0.3, x[1]]
+///     }
+///     fn direction(&self, number: usize) -> Direction {
+///         [Direction::Both, Direction::Falling][number]
+///     }
+/// }
+///
+/// let belt = BeltOscillator::default();
+/// let found = solve_with_events(&belt, &PlaceAndTurn, 0.0, [0.5, 1.5], 20.0, &Options::default())?;
+/// for event in &found.events {
+///     println!("{} at t = {}, x = {}, in {:?}", event.number, event.t, event.x, event.mode);
+/// }
+/// assert!(found.events.iter().any(|event| event.number == 1 && event.rate < 0.0));
+/// # Ok::<(), stickslip::Error>(())
+/// ```
+pub trait EventFunctions<const N: usize, const E: usize> {
+    /// The functions at time `t` and state `x`, in any unit.
+    fn values<T: Scalar>(&self, t: T, x: &[T; N]) -> [T; E];
+
+    /// Which passages of function `number` are events; the default takes both.
+    fn direction(&self, _number: usize) -> Direction {
+        Direction::Both
+    }
+
+    /// Whether the run ends at an event of function `number`; the default goes on.
+    fn is_terminal(&self, _number: usize) -> bool {
+        false
+    }
+}
+
+impl<V: EventFunctions<N, E>, const N: usize, const E: usize> EventFunctions<N, E> for &V {
+    #[inline(always)]
+    fn values<T: Scalar>(&self, t: T, x: &[T; N]) -> [T; E] {
+        (**self).values(t, x)
+    }
+    fn direction(&self, number: usize) -> Direction {
+        (**self).direction(number)
+    }
+    fn is_terminal(&self, number: usize) -> bool {
+        (**self).is_terminal(number)
+    }
+}
+
+/// An event of the user's own.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EventRecord<const N: usize, K = Mode> {
+    /// Which function it is a zero of, counted from 0.
+    pub number: usize,
+    /// Time.
+    pub t: f64,
+    /// State.
+    pub x: State<N>,
+    /// Mode that the system is in; at the very end of a phase, the one that ends.
+    pub mode: K,
+    /// [`Direction::Rising`] or [`Direction::Falling`].
+    pub direction: Direction,
+    /// Rate of the function along the motion, in its unit per unit of time.
+    pub rate: f64,
+}

@@ -1,0 +1,122 @@
+//! One event function over one step: about, on the dense output, and as exactly as the step's own end.
+
+use super::EventFunctions;
+use crate::dual::Dual;
+use crate::filippov::flow::Flow;
+use crate::filippov::observer::StepRecord;
+use crate::filippov::options::Method;
+use crate::filippov::switched::{Switched, UseFlow, Velocity, gradient};
+use crate::ode::{Dop853, Rk4, RungeKutta, Timed, stages};
+use crate::system::{State, components};
+
+/// Units in the last place by which rounding is taken to blur state and time.
+const ULPS: f64 = 64.0;
+
+/// An event function over a step; `s` is the part of the step, 0 at its start and 1 at its end.
+pub(super) struct OverStep<'a, S, V, K, const N: usize> {
+    pub system: &'a S,
+    pub events: &'a V,
+    pub number: usize,
+    pub step: &'a StepRecord<N, K>,
+    pub method: Method,
+    /// How large the components of the state have been lately: one that passes through zero is known no better there.
+    pub size: &'a State<N>,
+}
+
+/// A state in a step with what the function does there.
+#[derive(Clone, Copy)]
+pub(super) struct Place<const N: usize> {
+    pub s: f64,
+    pub at: Timed<N>,
+    pub value: f64,
+    /// Rate in time, along the motion.
+    pub rate: f64,
+    /// What rounding may make of a zero.
+    pub blur: f64,
+}
+
+impl<'a, S, V, K: Copy, const N: usize> OverStep<'a, S, V, K, N> {
+    pub(super) fn length(&self) -> f64 {
+        self.step.t_end - self.step.t_start
+    }
+
+    /// The function on the dense output.
+    #[inline(always)]
+    pub(super) fn sampled<const E: usize>(&self, s: f64) -> f64
+    where
+        V: EventFunctions<N, E>,
+    {
+        let StepRecord { t_start, dense, .. } = self.step;
+        let part = s * self.length();
+        let x = dense.at(part / dense.h);
+        self.events.values(t_start + part, components(&x))[self.number]
+    }
+
+    /// State and function as exactly as they can be had.
+    pub(super) fn exact<const G: usize, const E: usize>(&self, s: f64) -> Place<N>
+    where
+        S: Switched<N, G, Mode = K>,
+        V: EventFunctions<N, E>,
+    {
+        let (mode, branch) = (self.step.mode, S::Branch::default());
+        let reach = Reach {
+            step: self.step,
+            s,
+            method: self.method,
+        };
+        let at = self.system.with_flow(mode, branch, reach);
+        let x = components(&at.x);
+        let velocity = self.system.with_flow(mode, branch, Velocity(at.t, x));
+        let along = std::array::from_fn(|i| Dual::new(x[i], velocity[i]));
+        let function = |t, x: &[Dual<f64>; N]| self.events.values(t, x)[self.number];
+        let Dual { re, eps } = function(Dual::new(at.t, 1.0), &along);
+        let (slopes, in_time) = gradient(function, &at);
+        let blur = slopes.abs().dot(self.size) + in_time.abs() * at.t.abs();
+        Place {
+            s,
+            at,
+            value: re,
+            rate: eps,
+            blur: ULPS * f64::EPSILON * blur,
+        }
+    }
+}
+
+/// Time and state at a part of a step: of a Taylor step by its series, else by a step of that length.
+struct Reach<'a, K, const N: usize> {
+    step: &'a StepRecord<N, K>,
+    s: f64,
+    method: Method,
+}
+
+impl<K, const N: usize> Reach<'_, K, N> {
+    fn by_step<M: RungeKutta>(&self, flow: &impl Flow<N>, length: f64) -> State<N> {
+        let (t, x) = (self.step.t_start, self.step.x_start);
+        let field = &mut |t: f64, x: &State<N>| flow.velocity(t, x);
+        let slope = field(t, &x);
+        stages::<M, f64, _>(field, t, &x, slope, length).end
+    }
+}
+
+impl<K, const N: usize> UseFlow<N> for Reach<'_, K, N> {
+    type Output = Timed<N>;
+
+    fn with<F: Flow<N>>(self, flow: &F) -> Timed<N> {
+        let step = self.step;
+        if self.s >= 1.0 {
+            let (t, x) = (step.t_end, step.x_end);
+            return Timed { t, x };
+        }
+        let part = self.s * (step.t_end - step.t_start);
+        let t = step.t_start + part;
+        let x = match self.method {
+            Method::Taylor => step.dense.at(part / step.dense.h),
+            Method::Dop853 | Method::Dop853Fixed { .. } => self.by_step::<Dop853>(flow, part),
+            Method::Rk4 { .. } => self.by_step::<Rk4>(flow, part),
+        };
+        Timed {
+            t,
+            x: flow.settle(t, x),
+        }
+    }
+}

@@ -1,0 +1,60 @@
+//! A whole orbit with the user's own events.
+
+use super::{EventFunctions, EventRecord, Happening, Watched};
+use crate::filippov::integration::Integration;
+use crate::filippov::options::Options;
+use crate::filippov::solve::{Failure, keep};
+use crate::filippov::switched::Switched;
+use crate::orbit::Orbit;
+use crate::system::{Mode, State};
+
+/// An orbit, and the events that were watched for along it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OrbitWithEvents<const N: usize, K = Mode> {
+    /// The orbit, up to the first terminal event.
+    pub orbit: Orbit<N, K>,
+    /// The events in order of time.
+    pub events: Vec<EventRecord<N, K>>,
+}
+
+/// [`crate::solve`], with the zeros of the user's own functions: see [`EventFunctions`], and [`Watched`] for a loop that keeps nothing.
+///
+/// # Errors
+/// As [`crate::solve`]; [`Failure::reached`] is the orbit up to the failure with its events.
+pub fn solve_with_events<S, V, const N: usize, const E: usize, const G: usize>(
+    system: &S,
+    events: &V,
+    t0: f64,
+    x0: impl Into<State<N>>,
+    t_end: f64,
+    options: &Options,
+) -> Result<OrbitWithEvents<N, S::Mode>, Failure<OrbitWithEvents<N, S::Mode>>>
+where
+    S: Switched<N, G>,
+    V: EventFunctions<N, E>,
+{
+    let x0 = x0.into();
+    let mut found = OrbitWithEvents {
+        orbit: Orbit::of_none(t0, x0),
+        events: Vec::new(),
+    };
+    let mut watched = match Integration::new(system, t0, x0, t_end, options) {
+        Ok(integration) => Watched::new(integration, events),
+        Err(error) => return Err(Failure::new(error, found)),
+    };
+    loop {
+        let progress = match watched.step() {
+            Ok(Happening::Event(event)) => {
+                found.events.push(event);
+                continue;
+            }
+            Ok(Happening::Progress(progress)) => Ok(progress),
+            Err(error) => Err(error),
+        };
+        match keep(&mut found.orbit, watched.integration_mut(), progress) {
+            Ok(false) => {}
+            Ok(true) => return Ok(found),
+            Err(error) => return Err(Failure::new(error, found)),
+        }
+    }
+}
