@@ -9,6 +9,7 @@ mod monodromy;
 pub mod motion;
 mod multipliers;
 mod periodic;
+mod poincare;
 mod tangency;
 mod tangent;
 
@@ -20,5 +21,6 @@ pub use lyapunov::{
 pub use monodromy::{Monodromy, monodromy};
 pub use multipliers::multipliers;
 pub use periodic::{PeriodicOrbit, find_periodic_orbit, periodic_orbit, periodic_orbit_forced};
+pub use poincare::{PoincareMap, Return};
 pub use tangency::{Visibility, tangency, visibility};
 pub use tangent::saltation;

@@ -4,7 +4,9 @@ use nalgebra::SMatrix;
 
 use super::tangent::{Tangent, flatten};
 use crate::error::Error;
-use crate::filippov::{Integration, Options, Progress, Summary, Switched, TransitionKind};
+use crate::filippov::{
+    Integration, Options, Progress, StepRecord, Summary, Switched, Transition, TransitionKind,
+};
 use crate::system::State;
 
 /// The derivative ∂x(t)/∂x(t0) of the flow map along one orbit.
@@ -31,36 +33,61 @@ pub fn monodromy<S: Switched<N, G>, const N: usize, const G: usize>(
     options: &Options,
 ) -> Result<Monodromy<N>, Error> {
     let tangent = Tangent::new(system, options);
-    let mut matrix = SMatrix::from_fn(|i, j| f64::from(u8::from(i == j)));
-    let mut stick_entries = 0;
+    let mut map = TangentMap::identity();
     let mut integration = Integration::new(system, t0, x0, t_end, options)?;
     loop {
         match integration.step()? {
-            Progress::Step => {
-                let step = integration.last_step();
-                on_columns(&mut matrix, |column| {
-                    *column = tangent.carried(&step, column)
-                });
-            }
-            Progress::Transition(at) => {
-                let Some(jump) = tangent.jump(&at) else {
-                    continue;
-                };
-                matrix = jump.matrix * matrix;
-                if at.kind == TransitionKind::StickEntry {
-                    stick_entries += 1;
-                    // On Σ there is nothing across it; rounding would leave something.
-                    on_columns(&mut matrix, |column| flatten(&jump.gradient, column));
-                }
-            }
+            Progress::Step => map.through_step(&tangent, &integration.last_step()),
+            Progress::Transition(at) => map.through_transition(&tangent, &at),
             Progress::PhaseEnd(_) => {}
             Progress::End(summary) => {
                 return Ok(Monodromy {
-                    matrix,
-                    stick_entries,
+                    matrix: map.matrix,
+                    stick_entries: map.stick_entries,
                     summary,
                 });
             }
+        }
+    }
+}
+
+/// The derivative of the flow map from a start to where a run has come.
+pub(super) struct TangentMap<const N: usize> {
+    pub(super) matrix: SMatrix<f64, N, N>,
+    stick_entries: usize,
+}
+
+impl<const N: usize> TangentMap<N> {
+    pub(super) fn identity() -> Self {
+        TangentMap {
+            matrix: SMatrix::from_fn(|i, j| f64::from(u8::from(i == j))),
+            stick_entries: 0,
+        }
+    }
+
+    pub(super) fn through_step<S: Switched<N, G>, const G: usize>(
+        &mut self,
+        tangent: &Tangent<'_, S>,
+        step: &StepRecord<N, S::Mode>,
+    ) {
+        on_columns(&mut self.matrix, |column| {
+            *column = tangent.carried(step, column)
+        });
+    }
+
+    pub(super) fn through_transition<S: Switched<N, G>, const G: usize>(
+        &mut self,
+        tangent: &Tangent<'_, S>,
+        at: &Transition<N, S::Mode>,
+    ) {
+        let Some(jump) = tangent.jump(at) else {
+            return;
+        };
+        self.matrix = jump.matrix * self.matrix;
+        if at.kind == TransitionKind::StickEntry {
+            self.stick_entries += 1;
+            // On Σ there is nothing across it; rounding would leave something.
+            on_columns(&mut self.matrix, |column| flatten(&jump.gradient, column));
         }
     }
 }

@@ -4,7 +4,11 @@ use nalgebra::{DMatrix, DVector, SMatrix};
 
 use super::monodromy::{Monodromy, monodromy};
 use crate::error::{Error, Point};
-use crate::filippov::{Integration, Options, Progress, Switched, Velocity, first_zero};
+use crate::filippov::{
+    Direction, Happening, Integration, Options, Plane, Progress, Summary, Switched, Velocity,
+    Watched,
+};
+use crate::ode::Timed;
 use crate::orbit::Ending;
 use crate::system::{State, components};
 
@@ -89,70 +93,58 @@ pub fn find_periodic_orbit<S: Switched<N, G>, const N: usize, const G: usize>(
     longest: f64,
     options: &Options,
 ) -> Result<PeriodicOrbit<N>, Error> {
-    let mut section: Option<Section<N>> = None;
-    let mut returns = Vec::new();
     let mut integration = Integration::new(system, 0.0, x0, transient + longest, options)?;
-    loop {
+    let not_found = || Error::NotFound {
+        what: "a return of the orbit",
+        t: transient,
+        span: longest,
+    };
+    let start = loop {
         match integration.step()? {
-            Progress::Step if integration.t() > transient => {}
-            Progress::Step | Progress::PhaseEnd(_) | Progress::Transition(_) => continue,
-            Progress::End(summary) if summary.ending == Ending::EndTime => break,
-            Progress::End(summary) => {
-                let (t, x) = (summary.t, Point::from(&summary.x));
-                return Err(Error::NoUniqueFuture { t, x });
-            }
-        }
-        let step = integration.last_step();
-        let length = step.t_end - step.t_start;
-        match &section {
-            Some(section) => {
-                let height =
-                    |s: f64| section.height(&step.dense.at_time(step.t_start + s * length));
-                if height(0.0) < 0.0
-                    && height(1.0) >= 0.0
-                    && let Some(s) = first_zero(|s| -height(s), 0.0, 1.0)
-                {
-                    let t = step.t_start + s * length;
-                    let gap = step.dense.at_time(t) - section.x;
-                    returns.push((t - section.t, gap.norm()));
-                }
-            }
-            // In the middle of a slip it is not on Σ.
-            None => {
+            Progress::Step => {
+                let step = integration.last_step();
+                let length = step.t_end - step.t_start;
+                // In the middle of a slip it is not on Σ.
                 if step.t_start >= transient && !S::sticks(step.mode) && length > 0.0 {
                     let t = step.t_start + 0.5 * length;
                     let x = step.dense.at_time(t);
-                    let normal = slope_at(system, t, &x);
-                    section = Some(Section { t, x, normal });
+                    break Timed { t, x };
                 }
             }
+            Progress::PhaseEnd(_) | Progress::Transition(_) => {}
+            Progress::End(summary) if summary.ending == Ending::EndTime => return Err(not_found()),
+            Progress::End(summary) => return Err(no_future(&summary)),
+        }
+    };
+    let section = Plane {
+        point: start.x,
+        normal: slope_at(system, start.t, &start.x),
+        direction: Direction::Rising,
+    };
+    let mut watched = Watched::new(integration, &section);
+    let mut returns = Vec::new();
+    loop {
+        match watched.step()? {
+            Happening::Event(event) => {
+                returns.push((event.t - start.t, (event.x - start.x).norm()))
+            }
+            Happening::Progress(Progress::End(summary)) if summary.ending == Ending::EndTime => {
+                break;
+            }
+            Happening::Progress(Progress::End(summary)) => return Err(no_future(&summary)),
+            Happening::Progress(_) => {}
         }
     }
     let nearest = returns.iter().map(|r| r.1).fold(f64::INFINITY, f64::min);
     let first = returns.iter().find(|r| r.1 <= 2.0 * nearest);
-    let (Some(section), Some(&(period, _))) = (section, first) else {
-        return Err(Error::NotFound {
-            what: "a return of the orbit",
-            t: transient,
-            span: longest,
-        });
-    };
-    periodic_orbit(system, section.x, period, options)
+    let &(period, _) = first.ok_or_else(not_found)?;
+    periodic_orbit(system, start.x, period, options)
 }
 
-/// A plane across an orbit.
-struct Section<const N: usize> {
-    /// When the orbit was first on it, and where.
-    t: f64,
-    x: State<N>,
-    /// The orbit's direction there.
-    normal: State<N>,
-}
-
-impl<const N: usize> Section<N> {
-    fn height(&self, x: &State<N>) -> f64 {
-        self.normal.dot(&(x - self.x))
-    }
+/// Of a run that has ended before its time.
+fn no_future<const N: usize>(summary: &Summary<N>) -> Error {
+    let (t, x) = (summary.t, Point::from(&summary.x));
+    Error::NoUniqueFuture { t, x }
 }
 
 /// The vector that moves a state: of its side's field, or on Σ the sliding one.
@@ -181,8 +173,7 @@ fn shoot<S: Switched<N, G>, const N: usize, const G: usize>(
     for _ in 0..MOST {
         let turn = monodromy(system, t, x, t + period, options)?;
         if turn.summary.ending != Ending::EndTime {
-            let (t, x) = (turn.summary.t, Point::from(&turn.summary.x));
-            return Err(Error::NoUniqueFuture { t, x });
+            return Err(no_future(&turn.summary));
         }
         let gap = turn.summary.x - x;
         let size = gap.amax();

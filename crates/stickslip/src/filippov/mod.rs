@@ -44,5 +44,5 @@ pub use sections::{
 pub(crate) use solve::tell;
 pub use solve::{Failure, Summary, run, solve};
 pub use switched::Switched;
-pub(crate) use switched::{GuardGradient, UseFlow, Velocity};
+pub(crate) use switched::{GuardGradient, UseFlow, Velocity, gradient};
 pub use two_fold::{Approach, TwoFold};

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use crate::ode::Dense;
+use crate::ode::{Dense, Timed};
 use crate::system::{Mode, State};
 
 /// A part of an orbit in one mode, between two transitions.
@@ -85,6 +85,19 @@ pub struct StepRecord<const N: usize, K = Mode> {
     pub x_end: State<N>,
     /// The solution in between; good from `t_start` to `t_end`.
     pub dense: Dense<N>,
+}
+
+impl<const N: usize, K: Copy> StepRecord<N, K> {
+    /// The part up to a state inside; what is left is the part behind it.
+    pub(crate) fn cut(&mut self, at: &Timed<N>) -> Self {
+        let before = StepRecord {
+            t_end: at.t,
+            x_end: at.x,
+            ..*self
+        };
+        (self.t_start, self.x_start) = (at.t, at.x);
+        before
+    }
 }
 
 /// Told of everything as it happens, in order of time; memory need not grow with the length of the run.
