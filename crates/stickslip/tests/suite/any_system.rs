@@ -4,13 +4,15 @@
 use stickslip::analysis::{Monodromy, PeriodicOrbit, Spectrum, SpectrumOptions};
 use stickslip::models::{BeltOscillator, BlockAndBracket, ForcedOscillator};
 use stickslip::{
-    Error, Failure, Filippov, Observer, Options, Orbit, Scalar, Side, State, Summary, analysis,
+    Error, Failure, Filippov, Observer, Options, Orbit, OrbitWithEvents, Scalar, Side, State,
+    Summary, analysis,
 };
 
 use crate::grazes;
 use crate::lyapunov_equations::{
     Fork, FromSupport, Linear, Lorenz, Refracting, Rider, Roessler, Smooth,
 };
+use crate::sections::Watches;
 use crate::solver::systems::{
     BlowUp, Breathing, Ceiling, DenHartog, Dip, Floor, Ledge, Line, MovingLine, Parabola, Rest,
     Reversed, Spiral, StaticFriction, TurningLine, TwiceRound, TwoFold, Wall, Window, Zeno,
@@ -103,6 +105,17 @@ pub fn solve<S: Listed<N>, const N: usize>(
     options: &Options,
 ) -> Result<Orbit<N>, Failure<Orbit<N>>> {
     stickslip::solve(&system.any(), t0, x0.into(), t_end, options)
+}
+
+pub fn solve_with_events<S: Listed<N>, const N: usize, const E: usize>(
+    system: &S,
+    events: &Watches<E>,
+    t0: f64,
+    x0: impl Into<State<N>>,
+    t_end: f64,
+    options: &Options,
+) -> Result<OrbitWithEvents<N>, Failure<OrbitWithEvents<N>>> {
+    stickslip::solve_with_events(&system.any(), events, t0, x0.into(), t_end, options)
 }
 
 pub fn run<S: Listed<N>, const N: usize>(

@@ -15,6 +15,7 @@ mod lyapunov_equations;
 mod models;
 mod no_allocation;
 mod periodic;
+mod sections;
 mod solver;
 mod taylor;
 mod two_folds;

@@ -1,0 +1,497 @@
+//! Events of the user's own and Poincaré maps against closed forms: circles, cycles of known period, and differences.
+
+use std::f64::consts::PI;
+
+use nalgebra::Matrix2;
+use stickslip::Direction::{Both, Falling, Rising};
+use stickslip::analysis::{PoincareMap, multipliers};
+use stickslip::models::BeltOscillator;
+use stickslip::{
+    Direction, Ending, Error, EventFunctions, Happening, Integration, Method, Mode, Options, Plane,
+    Progress, Scalar, Several, Side, State, Watched, math,
+};
+
+use crate::any_system::{Listed, monodromy, periodic_orbit, solve, solve_with_events};
+use crate::contacts::rig::Rig;
+use crate::solver::systems::{DenHartog, Floor, decaying_friction};
+
+/// A function of one kind or another, so that the search is compiled once for all of them.
+#[derive(Clone, Copy)]
+pub enum Function {
+    /// A component of the state less a level.
+    Level(usize, f64),
+    /// `sin ωt`, with this ω.
+    Wave(f64),
+}
+
+/// Event functions, the passages asked for, and the one that ends the run.
+pub struct Watches<const E: usize> {
+    functions: [Function; E],
+    directions: [Direction; E],
+    terminal: Option<usize>,
+}
+
+impl<const N: usize, const E: usize> EventFunctions<N, E> for Watches<E> {
+    fn values<T: Scalar>(&self, t: T, x: &[T; N]) -> [T; E] {
+        self.functions.map(|function| match function {
+            Function::Level(i, level) => x[i] - level,
+            Function::Wave(omega) => (t * omega).sin(),
+        })
+    }
+    fn direction(&self, number: usize) -> Direction {
+        self.directions[number]
+    }
+    fn is_terminal(&self, number: usize) -> bool {
+        self.terminal == Some(number)
+    }
+}
+
+fn watch(function: Function, direction: Direction) -> Watches<1> {
+    Watches {
+        functions: [function],
+        directions: [direction],
+        terminal: None,
+    }
+}
+
+/// By slopes, by series, and by fixed steps, with what their times may be off.
+fn methods() -> [(Options, f64); 4] {
+    let slopes = Options::tol(1e-14);
+    let fixed = |method| Options::default().method(method);
+    [
+        (slopes, 1e-12),
+        (slopes.method(Method::Taylor), 1e-12),
+        (fixed(Method::Dop853Fixed { step: 0.02 }), 1e-12),
+        (fixed(Method::Rk4 { step: 1e-3 }), 1e-11),
+    ]
+}
+
+/// From 3 at rest [`Floor`]'s circles have radii 2.6, 1.8, 1 and 0.2 about ±0.4, half a turn each, and then it rests at -0.2.
+const START: [f64; 2] = [3.0, 0.0];
+
+/// When it passes 1, and which way.
+fn passes_one() -> [(f64, Direction); 3] {
+    [
+        (math::acos(0.6 / 2.6), Falling),
+        (PI + math::acos(-1.4 / 1.8), Rising),
+        (2.0 * PI + math::acos(0.6), Falling),
+    ]
+}
+
+#[test]
+fn a_level_is_passed_when_the_circles_say() {
+    for (options, allowed) in methods() {
+        let level = watch(Function::Level(0, 1.0), Both);
+        let found = solve_with_events(&Floor, &level, 0.0, START, 20.0, &options).unwrap();
+        assert_eq!(found.events.len(), 3);
+        for (event, (t, direction)) in found.events.iter().zip(passes_one()) {
+            assert!((event.t - t).abs() < allowed, "{} {t}", event.t);
+            assert_eq!((event.number, event.direction), (0, direction));
+            assert!((event.x[0] - 1.0).abs() < 1e-15, "{}", event.x);
+            assert!((event.rate - event.x[1]).abs() < 1e-15);
+            let side = if event.rate < 0.0 {
+                Side::Below
+            } else {
+                Side::Above
+            };
+            assert_eq!(event.mode, Mode::Slip(side));
+        }
+        // To watch changes nothing.
+        let alone = solve(&Floor, 0.0, START, 20.0, &options).unwrap();
+        assert_eq!(found.orbit, alone);
+    }
+}
+
+#[test]
+fn only_the_direction_asked_for_is_told() {
+    for direction in [Rising, Falling] {
+        let level = watch(Function::Level(0, 1.0), direction);
+        let options = Options::default();
+        let found = solve_with_events(&Floor, &level, 0.0, START, 20.0, &options).unwrap();
+        let asked = passes_one().iter().filter(|one| one.1 == direction).count();
+        assert_eq!(found.events.len(), asked);
+        assert!(
+            found
+                .events
+                .iter()
+                .all(|event| event.direction == direction)
+        );
+    }
+}
+
+#[test]
+fn a_terminal_event_ends_the_run_there() {
+    for (options, allowed) in methods() {
+        let events = Watches {
+            functions: [Function::Wave(1.0), Function::Level(0, 1.0)],
+            directions: [Both, Rising],
+            terminal: Some(1),
+        };
+        let found = solve_with_events(&Floor, &events, 0.0, START, 20.0, &options).unwrap();
+        // The sine passes zero where the first circle ends, and at the start it is none.
+        let told: Vec<_> = found.events.iter().map(|event| event.number).collect();
+        assert_eq!(told, [0, 1]);
+        let last = found.events[1];
+        assert!((last.t - passes_one()[1].0).abs() < allowed);
+        let orbit = &found.orbit;
+        assert_eq!(orbit.ending, Ending::Stopped);
+        assert_eq!((orbit.t_end, orbit.x_end), (last.t, last.x));
+        let phase = orbit.phases.last().unwrap();
+        assert_eq!(
+            (phase.t_end, phase.x_end, phase.mode),
+            (last.t, last.x, last.mode)
+        );
+        assert_eq!((orbit.phases.len(), orbit.transitions.len()), (2, 1));
+        assert_eq!(orbit.at(last.t), Ok(last.x));
+    }
+}
+
+#[test]
+fn many_zeros_in_one_step_are_told_in_order_with_the_transitions() {
+    let events = Watches {
+        functions: [Function::Wave(40.0), Function::Wave(41.0)],
+        directions: [Both, Both],
+        terminal: None,
+    };
+    for options in [
+        Options::tol(1e-10),
+        Options::tol(1e-10).method(Method::Taylor),
+    ] {
+        let system = Floor.any();
+        let integration = Integration::new(&system, 0.0, START, 10.0, &options).unwrap();
+        let mut watched = Watched::new(integration, &events);
+        let (mut told, mut within) = (0.0, 0);
+        let (mut most, mut times) = (0, [Vec::new(), Vec::new()]);
+        loop {
+            match watched.step().unwrap() {
+                Happening::Progress(Progress::Step) => within = 0,
+                Happening::Progress(Progress::End(_)) => break,
+                Happening::Progress(Progress::Transition(at)) => {
+                    assert!(at.t >= told);
+                    told = at.t;
+                }
+                Happening::Progress(Progress::PhaseEnd(_)) => {}
+                Happening::Event(event) => {
+                    let step = watched.integration().last_step();
+                    assert!(step.t_start <= event.t && event.t <= step.t_end);
+                    assert!(event.t >= told);
+                    told = event.t;
+                    within += 1;
+                    most = most.max(within);
+                    times[event.number].push(event.t);
+                }
+            }
+        }
+        assert!(most > 3, "{most}");
+        for (times, omega) in times.iter().zip([40.0, 41.0]) {
+            assert_eq!(times.len(), (10.0 * omega / PI) as usize);
+            for (k, t) in times.iter().enumerate() {
+                let exact = (k + 1) as f64 * PI / omega;
+                assert!((t - exact).abs() < 1e-14, "{t} {exact}");
+            }
+        }
+    }
+}
+
+#[test]
+fn pairs_of_zeros_are_seen_and_misses_are_not() {
+    // The velocity is least, -2.6, after a quarter of a turn.
+    for (options, _) in &methods()[..2] {
+        for gap in [1e-4, 1e-8, 1e-10] {
+            let level = |by: f64| watch(Function::Level(1, -2.6 + by), Both);
+            let hit = solve_with_events(&Floor, &level(gap), 0.0, START, 3.0, options).unwrap();
+            let half = math::acos(1.0 - gap / 2.6);
+            let times: Vec<_> = hit.events.iter().map(|event| event.t).collect();
+            assert_eq!(times.len(), 2);
+            for (t, exact) in times.iter().zip([0.5 * PI - half, 0.5 * PI + half]) {
+                // What rounding makes of the level, over the rate.
+                assert!((t - exact).abs() < 1e-14 / half, "{t} {exact}");
+            }
+            let missed = solve_with_events(&Floor, &level(-gap), 0.0, START, 3.0, options).unwrap();
+            assert_eq!(missed.events, []);
+        }
+    }
+}
+
+#[test]
+fn a_block_that_sticks_passes_places_with_the_belt() {
+    let belt = decaying_friction();
+    for (options, allowed) in methods() {
+        let places = Watches {
+            functions: [Function::Level(0, 0.3), Function::Level(0, 0.7)],
+            directions: [Both, Both],
+            terminal: None,
+        };
+        let found = solve_with_events(&belt, &places, 0.0, [0.0, 0.2], 4.9, &options).unwrap();
+        let told: Vec<_> = found.events.iter().map(|e| (e.number, e.mode)).collect();
+        assert_eq!(told, [(0, Mode::Stick), (1, Mode::Stick)]);
+        for (event, t) in found.events.iter().zip([1.5, 3.5]) {
+            assert!((event.t - t).abs() < allowed, "{}", event.t);
+            assert_eq!(event.x[1], 0.2);
+        }
+    }
+}
+
+#[test]
+fn a_zero_at_the_very_end_of_a_phase_is_told_once_before_it() {
+    for (options, _) in methods() {
+        // The boundary function itself: at rest half a turn apart, until the block stays at rest.
+        let turns = watch(Function::Level(1, 0.0), Both);
+        let found = solve_with_events(&Floor, &turns, 0.0, START, 20.0, &options).unwrap();
+        let told: Vec<_> = found.events.iter().map(|e| (e.t, e.direction)).collect();
+        let ends: Vec<_> = found.orbit.transitions.iter().map(|at| at.t).collect();
+        assert_eq!(ends.len(), 4);
+        let ways = [Rising, Falling, Rising, Falling];
+        assert_eq!(told, ends.into_iter().zip(ways).collect::<Vec<_>>());
+        for (event, phase) in found.events.iter().zip(&found.orbit.phases) {
+            assert_eq!((event.mode, event.x), (phase.mode, phase.x_end));
+        }
+    }
+}
+
+#[test]
+fn a_function_that_is_zero_during_stick_passes_at_its_ends() {
+    let belt = decaying_friction();
+    for (options, _) in methods() {
+        let on_belt = watch(Function::Level(1, 0.2), Both);
+        let found = solve_with_events(&belt, &on_belt, 0.0, [0.04, -0.01], 30.0, &options).unwrap();
+        let told: Vec<_> = found.events.iter().map(|event| event.direction).collect();
+        assert!(told.len() >= 6);
+        assert!(told.iter().step_by(2).all(|direction| *direction == Rising));
+        assert!(
+            told.iter()
+                .skip(1)
+                .step_by(2)
+                .all(|direction| *direction == Falling)
+        );
+        for (event, at) in found.events.iter().zip(&found.orbit.transitions) {
+            assert!((event.t - at.t).abs() < 1e-6, "{} {}", event.t, at.t);
+        }
+        // It leaves with no rate, so that rounding hides it for a while; it comes with one.
+        for (event, at) in found.events.iter().zip(&found.orbit.transitions).step_by(2) {
+            assert_eq!(event.t, at.t);
+        }
+    }
+}
+
+#[test]
+fn a_zero_at_the_end_of_the_run_is_told() {
+    let wave = watch(Function::Wave(PI), Both);
+    let options = Options::default();
+    let found = solve_with_events(&Floor, &wave, 0.0, START, 2.0, &options).unwrap();
+    let told: Vec<_> = found.events.iter().map(|event| event.t).collect();
+    assert_eq!(told.len(), 2);
+    assert!((told[0] - 1.0).abs() < 1e-15 && (told[1] - 2.0).abs() < 1e-15);
+}
+
+#[test]
+fn a_run_that_fails_keeps_the_events_before() {
+    let belt = BeltOscillator::default();
+    let place = watch(Function::Level(0, 0.7), Rising);
+    let options = Options::default().escape(1.0);
+    let failure = solve_with_events(&belt, &place, 0.0, [0.5, 0.9], 50.0, &options).unwrap_err();
+    assert!(matches!(failure.error, Error::Escaped { .. }), "{failure}");
+    let told: Vec<_> = failure.reached.events.iter().map(|event| event.t).collect();
+    assert_eq!(told.len(), 1);
+    assert!(told[0] < failure.reached.orbit.t_end);
+    let failure = solve_with_events(&belt, &place, 0.0, [0.5, 0.9], -1.0, &options).unwrap_err();
+    assert!(matches!(failure.error, Error::Interval { .. }), "{failure}");
+    assert_eq!(failure.reached.events, []);
+}
+
+#[test]
+fn events_of_several_contacts() {
+    // The first of three bodies is Floor's block; the others are held where they are.
+    let mut rig = Rig::<3>::at_rest();
+    rig.spring(1.0, 0, None);
+    rig.friction[0] = 0.4;
+    let start = [3.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+    for options in [
+        Options::tol(1e-14),
+        Options::tol(1e-14).method(Method::Taylor),
+    ] {
+        let level = watch(Function::Level(0, 1.0), Both);
+        let system = Several(rig.clone());
+        let found =
+            stickslip::solve_with_events(&system, &level, 0.0, start, 20.0, &options).unwrap();
+        assert_eq!(found.events.len(), 3);
+        for (event, (t, direction)) in found.events.iter().zip(passes_one()) {
+            assert!((event.t - t).abs() < 1e-12, "{} {t}", event.t);
+            let side = if direction == Rising {
+                Side::Above
+            } else {
+                Side::Below
+            };
+            assert_eq!(event.mode, [Mode::Slip(side), Mode::Stick, Mode::Stick]);
+        }
+        let mut map = PoincareMap::new(&system, &level, (0.0, start), 20.0, &options).unwrap();
+        let (first, derivative) = map.step_with_derivative().unwrap();
+        assert!((first.t - passes_one()[0].0).abs() < 1e-12);
+        // v² = r² - 0.36 with r = x₀ - 0.4 and x₀ the start.
+        let by_start = 2.6 / first.x[3];
+        assert!(
+            (derivative[(3, 0)] - by_start).abs() < 1e-11,
+            "{derivative}"
+        );
+        assert!(derivative.row(0).amax() < 1e-14);
+    }
+}
+
+/// The cycle of [`decaying_friction`], by an independent integration to twenty digits.
+const PERIOD: f64 = 9.230_770_458_082_978_873;
+
+#[test]
+fn the_cycle_with_stick_returns_after_its_period_and_forgets_where_it_was() {
+    let belt = decaying_friction();
+    for (options, allowed) in methods() {
+        let system = belt.any();
+        for (direction, mode) in [(Rising, Mode::Stick), (Falling, Mode::Slip(Side::Below))] {
+            let section = watch(Function::Level(0, 0.5), direction);
+            let start = (0.0, [0.04, -0.01]);
+            let mut map = PoincareMap::new(&system, &section, start, 20.0, &options).unwrap();
+            let mut last = map.by_ref().nth(1).unwrap().unwrap();
+            for number in 3..6 {
+                let (next, derivative) = map.step_with_derivative().unwrap();
+                assert_eq!((next.number, next.mode), (number, mode));
+                assert!(
+                    (next.t - last.t - PERIOD).abs() < 10.0 * allowed,
+                    "{}",
+                    next.t - last.t
+                );
+                assert!((next.x - last.x).amax() < 10.0 * allowed);
+                assert!(derivative.amax() < 1e-9, "{derivative}");
+                assert_eq!(
+                    (map.time(), *map.state(), map.number()),
+                    (next.t, next.x, number)
+                );
+                last = next;
+            }
+        }
+    }
+}
+
+/// The return to a plane from a start, and its derivative.
+fn first_return<S: Listed<2>>(
+    system: &S,
+    section: &Plane<2>,
+    start: State<2>,
+    options: &Options,
+) -> (State<2>, Matrix2<f64>) {
+    let any = system.any();
+    let mut map = PoincareMap::new(&any, section, (0.0, start), 30.0, options).unwrap();
+    let (first, derivative) = map.step_with_derivative().unwrap();
+    (first.x, derivative)
+}
+
+#[test]
+fn the_derivative_is_that_of_differences() {
+    const CHANGE: f64 = 1e-5;
+    // Across Σ twice, and across a plane that is neither's level.
+    let belt = BeltOscillator::default();
+    let section = Plane {
+        point: State::from([0.1, 0.0]),
+        normal: State::from([1.0, 0.3]),
+        direction: Rising,
+    };
+    for options in [
+        Options::tol(1e-14),
+        Options::tol(1e-14).method(Method::Taylor),
+    ] {
+        let start = State::from([0.5, 1.5]);
+        let (_, found) = first_return(&belt, &section, start, &options);
+        for j in 0..2 {
+            let moved = |by: f64| {
+                let mut x = start;
+                x[j] += by;
+                first_return(&belt, &section, x, &options).0
+            };
+            let near = moved(CHANGE) - moved(-CHANGE);
+            let far = moved(2.0 * CHANGE) - moved(-2.0 * CHANGE);
+            let slope = (near * 8.0 - far) / (12.0 * CHANGE);
+            let off = (found.column(j) - slope).amax();
+            assert!(off < 1e-7 * found.amax().max(1.0), "{found} {slope}");
+        }
+        // It leads into the section.
+        assert!((section.normal.transpose() * found).amax() < 1e-13 * found.amax());
+    }
+}
+
+#[test]
+fn on_a_cycle_it_has_the_cycle_s_multiplier() {
+    let belt = BeltOscillator::default();
+    let options = Options::tol(1e-13);
+    let cycle = periodic_orbit(&belt, [-0.27, -0.73], 7.7, &options).unwrap();
+    let [_, other] = multipliers(&cycle.monodromy);
+    let section = Plane {
+        point: cycle.x,
+        normal: State::from([1.0, 0.0]),
+        direction: Both,
+    };
+    let system = belt.any();
+    let start = (0.0, cycle.x);
+    let mut map = PoincareMap::new(&system, &section, start, 20.0, &options).unwrap();
+    // The block passes the place once each way.
+    let (_, half) = map.step_with_derivative().unwrap();
+    let (back, rest) = map.step_with_derivative().unwrap();
+    assert!((back.x - cycle.x).amax() < 1e-10);
+    assert!((back.t - cycle.period).abs() < 1e-10);
+    let turn = rest * half;
+    assert!((turn.trace() - other.re).abs() < 1e-9, "{turn} {other}");
+    assert!(turn.determinant().abs() < 1e-12);
+}
+
+#[test]
+fn a_strobe_is_a_section_of_time() {
+    let system = DenHartog {
+        frequency: 0.7,
+        friction: 0.2,
+    };
+    let period = 2.0 * PI / 0.7;
+    let options = Options::tol(1e-13);
+    // To be terminal means nothing to a map.
+    let strobe = Watches {
+        terminal: Some(0),
+        ..watch(Function::Wave(0.7), Rising)
+    };
+    let any = system.any();
+    let start = [1.0, 0.3];
+    let mut map = PoincareMap::new(&any, &strobe, (0.0, start), 20.0, &options).unwrap();
+    for k in 1..4 {
+        let from = *map.state();
+        let t0 = map.time();
+        let (next, derivative) = map.step_with_derivative().unwrap();
+        assert!((next.t - f64::from(k) * period).abs() < 1e-14 * next.t);
+        let exact = monodromy(&system, t0, from, next.t, &options).unwrap();
+        assert!((next.x - exact.summary.x).amax() < 1e-10);
+        assert!((derivative - exact.matrix).amax() < 1e-9);
+    }
+}
+
+#[test]
+fn where_there_is_no_return_the_map_says_so_and_ends() {
+    let level = watch(Function::Level(0, 1.0), Rising);
+    let system = Floor.any();
+    let options = Options::default();
+    let mut map = PoincareMap::new(&system, &level, (0.0, START), 30.0, &options).unwrap();
+    let first = map.next().unwrap().unwrap();
+    assert_eq!(first.number, 1);
+    let error = map.next().unwrap().unwrap_err();
+    let Error::NotFound { t, span, .. } = error else {
+        panic!("{error}");
+    };
+    assert_eq!((t, span), (first.t, 30.0));
+    assert!(map.next().is_none());
+    // Shorter than it takes.
+    let mut map = PoincareMap::new(&system, &level, (0.0, START), 5.0, &options).unwrap();
+    assert!(matches!(map.step(), Err(Error::NotFound { .. })));
+    for longest in [0.0, f64::NAN, f64::INFINITY] {
+        let refused = PoincareMap::new(&system, &level, (0.0, START), longest, &options);
+        assert!(matches!(
+            refused.err(),
+            Some(Error::Option {
+                name: "longest",
+                ..
+            })
+        ));
+    }
+}
