@@ -43,24 +43,53 @@
 //! fn main() -> Result<(), stickslip::Error> {
 //!     let belt = BeltOscillator::default();
 //!     let mut integration = Integration::new(&belt, 0.0, [0.5, 1.5], 20.0, &Options::default())?;
-//!     // A section: where the position rises through zero.
-//!     let mut returns = Vec::new();
+//!     let mut highest = f64::NEG_INFINITY;
 //!     loop {
-//!         let before = integration.x()[0];
 //!         match integration.step()? {
-//!             Progress::Step if before < 0.0 && integration.x()[0] >= 0.0 => {
-//!                 let step = integration.last_step();
-//!                 let length = step.t_end - step.t_start;
-//!                 let rising = |s: f64| -step.dense.at_time(step.t_start + s * length)[0];
-//!                 if let Some(s) = stickslip::filippov::first_zero(rising, 0.0, 1.0) {
-//!                     returns.push(step.t_start + s * length);
-//!                 }
-//!             }
+//!             Progress::Step => highest = highest.max(integration.x()[0]),
+//!             Progress::Transition(at) => println!("{:?} at t = {}", at.kind, at.t),
+//!             Progress::PhaseEnd(_) => {}
 //!             Progress::End(_) => break,
-//!             _ => {}
 //!         }
 //!     }
-//!     assert!(returns.len() >= 2);
+//!     assert!(highest > 0.5);
+//!     Ok(())
+//! }
+//! ```
+//!
+//! # Sections and events
+//! Functions of your own ([`EventFunctions`]) have their zeros located as the solver's are, by slip and by stick, with a direction, and the run
+//! may end there: [`solve_with_events`] keeps them beside the orbit, and [`Watched`] tells them in order of time among the transitions.
+//! Of one function [`analysis::PoincareMap`] makes a system of discrete time, with the map's derivative:
+//!
+//! ```
+//! use stickslip::{Direction, EventFunctions, Options, Scalar, analysis::PoincareMap};
+//! use stickslip::models::BeltOscillator;
+//!
+//! /// Where the block turns back, at the right end of its way.
+//! struct TurnsBack;
+//! impl EventFunctions<2, 1> for TurnsBack {
+//!     fn values<T: Scalar>(&self, _t: T, x: &[T; 2]) -> [T; 1] {
+//!         [x[1]]
+//!     }
+//!     fn direction(&self, _number: usize) -> Direction {
+//!         Direction::Falling
+//!     }
+//! }
+//!
+//! fn main() -> Result<(), stickslip::Error> {
+//!     let belt = BeltOscillator::default();
+//!     let longest = 50.0;
+//!     let options = Options::tol(1e-12);
+//!     let mut map = PoincareMap::new(&belt, &TurnsBack, (0.0, [0.5, 1.5]), longest, &options)?;
+//!     for _ in 0..20 {
+//!         map.step()?;
+//!     }
+//!     let before = *map.state();
+//!     let (turned, derivative) = map.step_with_derivative()?;
+//!     // It has settled, and a change of the place would be an eighth of it the next time.
+//!     assert!((turned.x - before).amax() < 1e-10);
+//!     assert!((derivative[(0, 0)] - 0.12629).abs() < 1e-4);
 //!     Ok(())
 //! }
 //! ```
