@@ -41,7 +41,7 @@ pub enum Happening<const N: usize, K = Mode> {
 ///         Happening::Progress(_) => {}
 ///     }
 /// }
-/// assert_eq!(times.len(), 3);
+/// assert_eq!(times.len(), 2);
 /// # Ok::<(), stickslip::Error>(())
 /// ```
 pub struct Watched<
