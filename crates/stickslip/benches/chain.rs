@@ -94,7 +94,7 @@ where
 
 /// The least time of some rounds.
 fn least_time<R>(mut work: impl FnMut() -> R) -> Duration {
-    const ROUNDS: u32 = 20;
+    const ROUNDS: u32 = 100;
     let timed = (0..ROUNDS).map(|_| {
         let begin = Instant::now();
         black_box(work());
