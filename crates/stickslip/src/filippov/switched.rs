@@ -46,7 +46,7 @@ pub trait Switched<const N: usize, const G: usize> {
 
     /// The mode at a start, and how many derivatives of each of its guards vanish there; `None` where there is no unique one.
     #[doc(hidden)]
-    fn first_mode(&self, run: &mut Run<N, G>) -> Result<Option<(Self::Mode, [usize; G])>, Error>;
+    fn first_mode(&self, run: &mut Run<N, G>) -> Result<FirstMode<Self::Mode, G>, Error>;
 
     /// What an event is that the mode goes on behind; the branch may become another one. `None` for one that ends the mode.
     #[doc(hidden)]
@@ -99,6 +99,9 @@ pub trait Switched<const N: usize, const G: usize> {
     #[doc(hidden)]
     fn sticks(mode: Self::Mode) -> bool;
 }
+
+/// The mode at a start, and how many derivatives of each of its guards vanish there, if there is a unique one.
+pub type FirstMode<K, const G: usize> = Option<(K, [usize; G])>;
 
 /// Where a run goes from the end of a mode.
 pub enum Next<K, const G: usize> {

@@ -88,9 +88,9 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
     fn complement(&mut self, run: &mut Run<N, M>) -> Result<(), Error> {
         while self.open.contains(&true) {
             let mut tried = self.modes;
-            for i in 0..M {
-                if self.open[i] {
-                    tried[i] = Mode::Stick;
+            for (mode, is_open) in tried.iter_mut().zip(self.open) {
+                if is_open {
+                    *mode = Mode::Stick;
                 }
             }
             let joint = Joint::new(self.system, &tried);

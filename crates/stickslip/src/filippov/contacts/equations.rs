@@ -12,8 +12,9 @@ pub(super) fn solve<T: Scalar, const M: usize>(a: &mut [[T; M]; M], b: &mut [T; 
     for k in 0..count {
         for i in k + 1..count {
             let factor = a[i][k] / a[k][k];
-            for j in k + 1..count {
-                a[i][j] = a[i][j] - factor * a[k][j];
+            let pivot = a[k];
+            for (entry, above) in a[i][..count].iter_mut().zip(pivot).skip(k + 1) {
+                *entry = *entry - factor * above;
             }
             b[i] = b[i] - factor * b[k];
         }

@@ -144,8 +144,8 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
                 }
             }
             let slopes = rates(self.system, (t, T::zero()), x, change);
-            for j in 0..M {
-                affine.slopes[j][place] = slopes[j];
+            for (row, slope) in affine.slopes.iter_mut().zip(slopes) {
+                row[place] = slope;
             }
         }
         affine
@@ -177,9 +177,10 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
             return Combination { field, shares };
         }
         let mut field = affine.base;
-        for place in 0..self.count {
-            for k in 0..N {
-                field[k] = field[k] + shares[place] * affine.changes[place][k];
+        let each = shares.iter().zip(&affine.changes).take(self.count);
+        for (share, change) in each {
+            for (rate, change) in field.iter_mut().zip(change) {
+                *rate = *rate + *share * *change;
             }
         }
         Combination { field, shares }
@@ -321,8 +322,8 @@ pub(super) fn gradients<S: Contacts<N, M>, const N: usize, const M: usize>(
     for k in 0..N {
         let seeded = std::array::from_fn(|j| Dual::new(x[j], f64::from(u8::from(k == j))));
         let h = system.boundaries(Dual::new(t, 0.0), &seeded);
-        for i in 0..M {
-            gradients[i][k] = h[i].eps;
+        for (gradient, h) in gradients.iter_mut().zip(h) {
+            gradient[k] = h.eps;
         }
     }
     gradients
@@ -372,14 +373,14 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Flow<N> for Joint<'_, S,
         let mut guards = [T::one(); G];
         let h = self.system.boundaries(t, x);
         if self.count == 0 {
-            for i in 0..M {
-                guards[i] = self.slip_guard(i, &h);
+            for (i, guard) in guards.iter_mut().enumerate().take(M) {
+                *guard = self.slip_guard(i, &h);
             }
             return (self.system.field(&self.sides, t, x), guards);
         }
         let Combination { field, shares } = self.combination(t, x);
-        for i in 0..M {
-            guards[i] = if self.holds[i] {
+        for (i, guard) in guards.iter_mut().enumerate().take(M) {
+            *guard = if self.holds[i] {
                 let share = shares[self.place(i)];
                 share * (-share + 1.0)
             } else {
