@@ -172,7 +172,7 @@ fn many_zeros_in_one_step_are_told_in_order_with_the_transitions() {
                 }
                 Happening::Progress(Progress::PhaseEnd(_)) => {}
                 Happening::Event(event) => {
-                    let step = watched.integration().last_step();
+                    let step = watched.last_step();
                     assert!(step.t_start <= event.t && event.t <= step.t_end);
                     assert!(event.t >= told);
                     told = event.t;

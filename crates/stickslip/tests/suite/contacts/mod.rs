@@ -1,10 +1,15 @@
 //! Several contacts: event times known to 25 digits, static friction, and what must hold of any chain of blocks.
 
+#![allow(
+    clippy::needless_range_loop,
+    reason = "forces, rates and matrices are indexed by contact, as in the equations"
+)]
+
 mod apart;
 mod bad_input;
 mod chains;
 mod coupled;
 mod references;
-mod rig;
+pub mod rig;
 mod spectra;
 mod static_friction;

@@ -1,6 +1,6 @@
 //! More friction at rest than in slip at two contacts, one on the other: against a scan of the same equations in steps of 1e-5.
 
-use stickslip::{Method, Mode, Options, Several, Side, TransitionKind, solve};
+use stickslip::{Method, Mode, Options, Several, Side, TransitionKind, math, solve};
 
 use super::references::stacked;
 use super::rig::Rig;
@@ -20,7 +20,10 @@ struct Scan<'a> {
 impl Scan<'_> {
     /// Accelerations of both bodies with these forces of friction.
     fn acceleration(&self, t: f64, x: [f64; 2], force: [f64; 2]) -> [f64; 2] {
-        let (rig, drive) = (self.rig, (self.rig.omega * t).cos() * self.rig.forcing[0]);
+        let (rig, drive) = (
+            self.rig,
+            math::cos(self.rig.omega * t) * self.rig.forcing[0],
+        );
         [
             (drive - rig.stiffness[0][0] * x[0] - force[0] + force[1]) / rig.masses[0],
             (-rig.stiffness[1][1] * x[1] - force[1]) / rig.masses[1],
