@@ -57,6 +57,39 @@
 //! }
 //! ```
 //!
+//! # Several contacts
+//! Two rubbing bodies, or a chain of them, are a [`Contacts`] system: a field for every combination of sides, and a boundary for each
+//! contact. In [`Several`] it goes wherever a Filippov system goes; modes are then an array, one [`Mode`] for each contact. Static friction above
+//! kinetic is a second field, [`Filippov::holding`] or [`Contacts::holding`]. `examples/chain.rs` is a chain of eight blocks on a belt.
+//!
+//! ```
+//! use stickslip::{Contacts, Options, Scalar, Several, Side, solve};
+//!
+//! /// A block on a block on a floor that is shaken. States: positions, then velocities.
+//! struct Stacked;
+//!
+//! impl Contacts<4, 2> for Stacked {
+//!     fn field<T: Scalar>(&self, sides: &[Side; 2], t: T, x: &[T; 4]) -> [T; 4] {
+//!         let [floor, between] = [0.2 * sides[0].sign(), 0.15 * sides[1].sign()];
+//!         let lower = -x[0] + (t * 0.8).cos() - floor + between;
+//!         let upper = (-x[1] * 0.4 - between) / 0.5;
+//!         [x[2], x[3], lower, upper]
+//!     }
+//!     fn boundaries<T: Scalar>(&self, _t: T, x: &[T; 4]) -> [T; 2] {
+//!         [x[2], x[3] - x[2]]
+//!     }
+//! }
+//!
+//! fn main() -> Result<(), stickslip::Error> {
+//!     let orbit = solve(&Several(Stacked), 0.0, [0.0; 4], 40.0, &Options::tol(1e-12))?;
+//!     for at in orbit.transitions.iter().take(3) {
+//!         println!("t = {:.6}, contact {}: {:?} to {:?}", at.t, at.contact, at.from, at.to);
+//!     }
+//!     assert_eq!(orbit.transitions.len(), 30);
+//!     Ok(())
+//! }
+//! ```
+//!
 //! # Sections and events
 //! Functions of your own ([`EventFunctions`]) have their zeros located as the solver's are, by slip and by stick, with a direction, and the run
 //! may end there: [`solve_with_events`] keeps them beside the orbit, and [`Watched`] tells them in order of time among the transitions.
