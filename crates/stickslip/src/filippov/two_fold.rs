@@ -3,10 +3,11 @@
 //! In three dimensions sliding orbits reach them from open sets, and so can crossings that spiral in (Teixeira, *J. Math. Anal. Appl.* 145
 //! (1990) 65; Colombo & Jeffrey, *SIAM J. Appl. Dyn. Syst.* 10 (2011) 423). Behind one the future is not unique.
 
+use super::flow::{boundary_gradient, normal_component};
 use super::rules::LieDerivatives;
-use super::run::Run;
+use super::run::{Run, SHORTEST};
 use crate::analysis::Visibility;
-use crate::system::{Filippov, Mode, Side};
+use crate::system::{Filippov, Mode, Side, State, components};
 
 /// How an orbit has come to a two-fold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -38,9 +39,13 @@ impl TwoFold {
     }
 }
 
-/// A two-fold that an orbit reaches within about this time, in units of `max(1, |t|)`, has been reached: near it the sliding field changes
-/// as fast as its direction does, and no step resolves it.
+/// A two-fold that an orbit reaches within about this time has been reached: near it the sliding field changes as fast as its direction
+/// does, and no step resolves it.
 const NEAR: f64 = 5e-7;
+
+/// At a two-fold the fields differ by so many times more than their normal components do: elsewhere they agree, and Σ is nothing to the
+/// orbit, as where friction has no normal force.
+const APART: f64 = 10.0;
 
 /// The two-fold at which an orbit stands, if it does: from either side the fields' own orbits are tangent to Σ within that time.
 /// It is reached by sliding if the orbit has been sliding for longer than that, and by crossings if not.
@@ -50,7 +55,7 @@ pub(super) fn two_fold<S: Filippov<N>, const N: usize, const G: usize>(
     mode: Mode,
 ) -> Option<TwoFold> {
     let at = &run.at;
-    let within = NEAR * at.t.abs().max(1.0);
+    let within = NEAR.max(SHORTEST * at.t.abs());
     let approach = if mode == Mode::Stick && at.t - run.from.t > within {
         Approach::Sliding
     } else {
@@ -67,6 +72,14 @@ pub(super) fn two_fold<S: Filippov<N>, const N: usize, const G: usize>(
             Visibility::Invisible
         })
     };
+    let x = components(&at.x);
+    let [below, above] = [Side::Below, Side::Above].map(|side| system.field(side, at.t, x));
+    let [down, up] = [&below, &above].map(|f| normal_component(system, at.t, x, f));
+    let difference = (State::from(above) - State::from(below)).norm();
+    let slope = boundary_gradient(system, at.t, &at.x).0.norm();
+    if difference * slope <= APART * (up - down).abs() {
+        return None;
+    }
     Some(TwoFold {
         below: kind(Side::Below)?,
         above: kind(Side::Above)?,
