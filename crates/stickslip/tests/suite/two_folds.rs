@@ -92,7 +92,7 @@ const SLIDING: [(Visibility, Visibility, Folds); 4] = [
         Visible,
         Folds {
             s: [-1.0, -1.0],
-            v: [-1.0, -1.0],
+            v: [-3.0, -3.0],
         },
     ),
     (
@@ -117,8 +117,9 @@ const SLIDING: [(Visibility, Visibility, Folds); 4] = [
 fn sliding_orbits_end_at_a_two_fold_that_is_told_with_its_kind() {
     for options in methods() {
         for (below, above, folds) in SLIDING {
-            // On the line y = z both fall at rate 1, by (V⁻ + s⁺)/2 = (V⁺ + s⁻)/2 = −1.
-            let orbit = solve(&folds, 0.0, [0.0, 1.5, 1.5], 5.0, &options).expect("runs");
+            // On the line y = z both fall at the same rate, (V⁻ + s⁺)/2 = (V⁺ + s⁻)/2.
+            let start = -1.5 * 0.5 * (folds.v[0] + folds.s[1]);
+            let orbit = solve(&folds, 0.0, [0.0, start, start], 5.0, &options).expect("runs");
             let expected = TwoFold {
                 below,
                 above,
@@ -130,6 +131,20 @@ fn sliding_orbits_end_at_a_two_fold_that_is_told_with_its_kind() {
             assert!(orbit.x_end.amax() < 1e-6, "{}", orbit.x_end);
             assert_eq!(orbit.phases[0].t_end, orbit.t_end);
         }
+    }
+}
+
+#[test]
+fn where_the_fields_agree_there_is_no_two_fold() {
+    // Both fields are (z, -1, -1) where y + z = 0: nothing happens to an orbit there that slides up to it.
+    let folds = Folds {
+        s: [-1.0, -1.0],
+        v: [-1.0, -1.0],
+    };
+    for options in methods() {
+        let orbit = solve(&folds, 0.0, [0.0, 1.5, 1.5], 5.0, &options).expect("runs");
+        assert_eq!(orbit.ending, Ending::Repelling);
+        assert!((orbit.t_end - 1.5).abs() < 1e-9, "{}", orbit.t_end);
     }
 }
 
@@ -167,7 +182,8 @@ fn who_wants_to_goes_on_to_a_side_that_is_visible() {
             (AtRepelling::GoAbove, Side::Above),
         ] {
             let options = options.at_repelling(choice);
-            let orbit = solve(folds, 0.0, [0.0, 1.5, 1.5], 3.0, &options).expect("runs");
+            // At rate 2.
+            let orbit = solve(folds, 0.0, [0.0, 3.0, 3.0], 3.0, &options).expect("runs");
             assert_eq!(orbit.ending, Ending::EndTime);
             let exit = orbit.transitions[0];
             assert_eq!(
