@@ -157,6 +157,19 @@ pub enum Error {
         /// What they could all do consistently, in the same order.
         candidates: Vec<String>,
     },
+    /// More contacts stand at zero together than can be tried in all combinations, and their friction is not of the kind that has one
+    /// solution.
+    #[error(
+        "contacts {contacts:?} stand at zero together at t = {t}, x = {x}: more than eight whose friction is coupled otherwise than Coulomb's are too many to try; move their boundaries apart, or write their friction without coupling"
+    )]
+    TooManyContacts {
+        /// Time.
+        t: f64,
+        /// State.
+        x: Point,
+        /// The contacts, counted from 0.
+        contacts: Vec<usize>,
+    },
     /// The boundaries of contacts that stand at zero together are no boundaries of their own: one has no slope, or two coincide.
     #[error(
         "the boundary functions of contacts {contacts:?} have gradients at t = {t}, x = {x} that are zero or depend on each other; each contact needs a boundary of its own"

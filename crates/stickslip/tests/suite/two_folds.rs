@@ -232,7 +232,7 @@ fn course(orbit: &Orbit<3>) -> Vec<(TransitionKind, Mode)> {
 #[test]
 fn random_systems_go_the_same_way_by_both_methods() {
     let mut random = SplitMix::new(2013);
-    let mut counts = [0; 3];
+    let (mut counts, mut unresolved) = ([0; 3], 0);
     for number in 0..3000 {
         let system = Quadratic::random(&mut random);
         let start = std::array::from_fn(|_| random.between(-1.0, 1.0));
@@ -250,6 +250,7 @@ fn random_systems_go_the_same_way_by_both_methods() {
                     a.err().map(|f| f.error),
                     b.err().map(|f| f.error)
                 );
+                unresolved += 1;
                 continue;
             }
         };
@@ -266,6 +267,9 @@ fn random_systems_go_the_same_way_by_both_methods() {
             _ => 2,
         }] += 1;
     }
-    // Most run to the end, and some end at two-folds, or else nothing was tested.
-    assert!(counts[0] > 2000 && counts[1] >= 3, "{counts:?}");
+    // Nearly all run to the end, and some end at two-folds, or else nothing was tested.
+    assert!(
+        unresolved == 0 && counts[0] > 2950 && counts[1] >= 3,
+        "{counts:?} {unresolved}"
+    );
 }

@@ -15,16 +15,22 @@ const MOST_TRIED: usize = 8;
 /// More contacts than this are not looked at for every principal minor: two to their number.
 const MOST_MINORS: usize = 16;
 
+/// Changes for each contact after which the least-index method is taken to go in circles.
+const MOST_CHANGES: usize = 64;
+
+/// Parts of the shares, and of the terms that a rate is summed from, below which they are rounding.
+const ROUNDING: f64 = 1e-13;
+
 /// What comes of a contact that stands at zero.
 pub(super) type Outcome = Mode;
 
-/// Every consistent set of outcomes for the contacts that `joint` has hold, in their order.
+/// Every consistent set of outcomes for the contacts that `joint` has hold, in their order; `None` where there are too many to be tried.
 pub(super) fn solutions<S: Contacts<N, M>, const N: usize, const M: usize>(
     joint: &Joint<'_, S, M>,
     modes: &[Mode; M],
     t: f64,
     x: &State<N>,
-) -> Vec<[Outcome; M]> {
+) -> Option<Vec<[Outcome; M]>> {
     if S::MULTI_AFFINE && joint.count > 1 {
         return all(joint.count, |outcomes| {
             is_consistent(joint, modes, outcomes, t, x)
@@ -34,20 +40,23 @@ pub(super) fn solutions<S: Contacts<N, M>, const N: usize, const M: usize>(
     if problem.has_one_solution()
         && let Some(found) = problem.by_least_index()
     {
-        return vec![found];
+        return Some(vec![found]);
     }
     all(problem.count, |outcomes| problem.is_solved_by(outcomes))
 }
 
 /// All sets of outcomes that pass.
-fn all<const M: usize>(count: usize, passes: impl Fn(&[Outcome; M]) -> bool) -> Vec<[Outcome; M]> {
+fn all<const M: usize>(
+    count: usize,
+    passes: impl Fn(&[Outcome; M]) -> bool,
+) -> Option<Vec<[Outcome; M]>> {
     const EACH: [Outcome; 3] = [
         Mode::Stick,
         Mode::Slip(Side::Below),
         Mode::Slip(Side::Above),
     ];
     if count > MOST_TRIED {
-        return Vec::new();
+        return None;
     }
     let mut found = Vec::new();
     for number in 0..3_usize.pow(count as u32) {
@@ -61,7 +70,7 @@ fn all<const M: usize>(count: usize, passes: impl Fn(&[Outcome; M]) -> bool) -> 
             found.push(outcomes);
         }
     }
-    found
+    Some(found)
 }
 
 /// Whether the outcomes agree with the rates and shares of a multi-affine combination.
@@ -186,12 +195,21 @@ impl<const M: usize> Problem<M> {
         )
     }
 
-    /// The outcome that a contact would rather have; its own where it is consistent.
-    fn wanted(outcome: Outcome, share: f64, rate: f64) -> Outcome {
+    /// The size below which the rate of a contact is rounding.
+    fn floor(&self, i: usize, shares: &[f64; M]) -> f64 {
+        let terms = self.slopes[i].iter().zip(shares).take(self.count);
+        let size = terms.fold(self.rates[i].abs(), |size, (slope, share)| {
+            size + (slope * share).abs()
+        });
+        ROUNDING * size
+    }
+
+    /// The outcome that a contact would rather have; its own where it is consistent. To rounding it holds: the derivatives behind decide then.
+    fn wanted(outcome: Outcome, share: f64, rate: f64, floor: f64) -> Outcome {
         match outcome {
-            Mode::Stick if share < 0.0 => Mode::Slip(Side::Below),
-            Mode::Stick if share > 1.0 => Mode::Slip(Side::Above),
-            Mode::Slip(side) if rate * side.sign() < 0.0 => Mode::Stick,
+            Mode::Stick if share < -ROUNDING => Mode::Slip(Side::Below),
+            Mode::Stick if share > 1.0 + ROUNDING => Mode::Slip(Side::Above),
+            Mode::Slip(side) if rate * side.sign() < floor => Mode::Stick,
             _ => outcome,
         }
     }
@@ -200,11 +218,13 @@ impl<const M: usize> Problem<M> {
     /// Júdice & Pires, *J. Oper. Res. Soc.* 43 (1992) 1087).
     fn by_least_index(&self) -> Option<[Outcome; M]> {
         let mut outcomes = [Mode::Stick; M];
-        let most = 3_usize.saturating_pow(self.count as u32);
-        for _ in 0..=most {
+        for _ in 0..MOST_CHANGES * self.count {
             let (shares, rates) = self.shares_and_rates(&outcomes);
             let change = (0..self.count)
-                .map(|i| (i, Self::wanted(outcomes[i], shares[i], rates[i])))
+                .map(|i| {
+                    let floor = self.floor(i, &shares);
+                    (i, Self::wanted(outcomes[i], shares[i], rates[i], floor))
+                })
                 .find(|&(i, wanted)| wanted != outcomes[i]);
             match change {
                 Some((i, wanted)) => outcomes[i] = wanted,
@@ -217,8 +237,8 @@ impl<const M: usize> Problem<M> {
     fn is_solved_by(&self, outcomes: &[Outcome; M]) -> bool {
         let (shares, rates) = self.shares_and_rates(outcomes);
         (0..self.count).all(|i| match outcomes[i] {
-            Mode::Stick => (0.0..=1.0).contains(&shares[i]),
-            Mode::Slip(side) => rates[i] * side.sign() > 0.0,
+            Mode::Stick => (-ROUNDING..=1.0 + ROUNDING).contains(&shares[i]),
+            Mode::Slip(side) => rates[i] * side.sign() > self.floor(i, &shares),
         })
     }
 }

@@ -341,12 +341,23 @@ const NUMBERS: [usize; 64] = {
 };
 
 impl<S: Contacts<N, M>, const N: usize, const M: usize> Flow<N> for Joint<'_, S, M> {
-    const GUARDS: &'static [usize] = NUMBERS.split_at(M).0;
+    const GUARDS: &'static [usize] = {
+        assert!(
+            1 <= M && M <= NUMBERS.len(),
+            "a system has 1 to 64 contacts"
+        );
+        NUMBERS.split_at(M).0
+    };
     const TOGETHER: bool = M > 1;
 
     #[inline(always)]
     fn field_calls(&self) -> u64 {
-        self.count as u64 + 1
+        let around = self.count as u64 + 1;
+        if S::MULTI_AFFINE && self.count > 1 {
+            around + ((NEWTON as u64 + 1) << self.count)
+        } else {
+            around
+        }
     }
 
     #[inline(always)]

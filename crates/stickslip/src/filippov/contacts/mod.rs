@@ -19,6 +19,8 @@ use crate::system::Side;
 /// is what it takes to hold, up to its limit. Which contacts hold after an event is the solution of the complementarity problem of all that
 /// stand at zero; where it has none, or more than one, the run ends with an error that says so.
 ///
+/// [`crate::AtRepelling`] chooses for systems of one boundary only, and only these end at two-folds.
+///
 /// Wrapped in [`Several`] it is taken by [`crate::solve`] and everything else that takes a system.
 ///
 /// ```
@@ -98,6 +100,6 @@ impl<const N: usize, const M: usize, S: Contacts<N, M>> Contacts<N, M> for &S {
     }
 }
 
-/// A system of several contacts, for [`crate::solve`], [`crate::run`] and the analyses. Modes are `[Mode; M]`, one for each contact.
+/// A system of several contacts (1 to 64), for [`crate::solve`], [`crate::run`] and the analyses. Modes are `[Mode; M]`, one for each contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Several<S>(pub S);

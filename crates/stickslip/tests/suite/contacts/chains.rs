@@ -153,12 +153,19 @@ impl Chain {
     /// That every mode reported is consistent, and no other one clearly is.
     fn modes_are_unique(&self, orbit: &Orbit<N, [Mode; B]>) {
         const ROUNDING: f64 = 1e-7;
-        for at in &orbit.transitions {
-            let h = self.velocities(&at.x);
+        // At the start, with up to all blocks at rest, and behind every event.
+        let start = (orbit.x_start, orbit.phases[0].mode, None);
+        let changes = orbit
+            .transitions
+            .iter()
+            .map(|at| (at.x, at.to, Some(at.contact)));
+        for at in std::iter::once(start).chain(changes) {
+            let (x, to, contact) = at;
+            let h = self.velocities(&x);
             let at_zero: Vec<usize> = (0..self.blocks)
-                .filter(|&c| at.to[c] == Mode::Stick || c == at.contact || h[c].abs() < 1e-9)
+                .filter(|&c| to[c] == Mode::Stick || Some(c) == contact || h[c].abs() < 1e-9)
                 .collect();
-            let margin = self.margin(&at.to, &at_zero, &at.x);
+            let margin = self.margin(&to, &at_zero, &x);
             assert!(margin > -ROUNDING, "{margin:e} at {at:?} of {:?}", self.rig);
             const EACH: [Mode; 3] = [
                 Mode::Stick,
@@ -166,14 +173,14 @@ impl Chain {
                 Mode::Slip(Side::Above),
             ];
             for number in 0..3_usize.pow(at_zero.len() as u32) {
-                let (mut mode, mut rest) = (at.to, number);
+                let (mut mode, mut rest) = (to, number);
                 for &c in &at_zero {
                     mode[c] = EACH[rest % 3];
                     rest /= 3;
                 }
-                let margin = self.margin(&mode, &at_zero, &at.x);
+                let margin = self.margin(&mode, &at_zero, &x);
                 assert!(
-                    mode == at.to || margin < ROUNDING,
+                    mode == to || margin < ROUNDING,
                     "{mode:?} as well ({margin:e}) at {at:?} of {:?}",
                     self.rig
                 );
@@ -194,7 +201,7 @@ impl Chain {
                         Mode::Slip(side) => h[c] * side.sign(),
                         Mode::Stick => self.rig.friction[c] - forces[c].abs(),
                     };
-                    // Contacts shallower than ten tolerances are touches.
+                    // The dense output is off by up to some hundred tolerances.
                     assert!(
                         left > -1e-8,
                         "{left:e} at contact {c}, t = {t}: {:?}",
