@@ -144,7 +144,7 @@ pub enum Error {
     },
     /// Several contacts stand at zero, and the motion that follows is not unique, or there is none.
     #[error(
-        "contacts {contacts:?} stand at zero at t = {t}, x = {x}, and {}; friction there may push apart, or one contact's force act on another too strongly: look at the field with each of them on either side",
+        "contacts {contacts:?} stand at zero at t = {t}, x = {x}, and {}; friction there may push apart, or one contact's force act on another too strongly: look at the field with each of them on either side (Options::at_repelling has no say for several contacts)",
         told(candidates)
     )]
     NoUniqueMode {
@@ -195,6 +195,20 @@ pub enum Error {
         contact: usize,
         /// Static over kinetic friction.
         ratio: f64,
+    },
+    /// The field that holds a contact also changes the friction of one that slips.
+    #[error(
+        "with contact {held} at rest at t = {t}, x = {x}, Contacts::holding changes the friction of contact {slipping}, which slips; only contacts in `held` have static friction"
+    )]
+    HoldsElsewhere {
+        /// Time.
+        t: f64,
+        /// State.
+        x: Point,
+        /// The contact at rest, counted from 0.
+        held: usize,
+        /// The contact that slips.
+        slipping: usize,
     },
     /// Friction at one contact depends on the side of another, which the system does not say.
     #[error(
@@ -256,7 +270,7 @@ pub enum Error {
     },
     /// Tangent vectors have no finite image, or one of them none but zero.
     #[error(
-        "the derivative of the flow is singular at t = {t}, x = {x}: the orbit grazes the boundary there, or the field has no derivative; change the start or a parameter a little"
+        "the derivative of the flow is singular at t = {t}, x = {x}: the orbit grazes the boundary or a section there, or passes along it, or two contacts come to zero in the same instant, or the field has no derivative; change the start, the section or a parameter a little"
     )]
     TangentSingular {
         /// Time.

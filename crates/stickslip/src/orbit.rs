@@ -104,6 +104,24 @@ impl<const N: usize, K> Orbit<N, K> {
     }
 }
 
+impl<const N: usize, const M: usize> Orbit<N, [Mode; M]> {
+    /// From when to when a contact sticks, whatever the others do meanwhile; nothing of a contact that there is not.
+    pub fn sticks_of(&self, contact: usize) -> Vec<(f64, f64)> {
+        let mut sticks: Vec<(f64, f64)> = Vec::new();
+        let mut stuck = false;
+        for phase in &self.phases {
+            let sticks_now = phase.mode.get(contact) == Some(&Mode::Stick);
+            match sticks.last_mut() {
+                Some(last) if sticks_now && stuck => last.1 = phase.t_end,
+                _ if sticks_now => sticks.push((phase.t_start, phase.t_end)),
+                _ => {}
+            }
+            stuck = sticks_now;
+        }
+        sticks
+    }
+}
+
 impl<const N: usize> Orbit<N> {
     /// The stick phases.
     pub fn sticks(&self) -> impl Iterator<Item = &Phase<N>> {

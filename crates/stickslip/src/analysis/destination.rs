@@ -95,7 +95,7 @@ impl<const N: usize> Strobe<N> {
                         self.states.push(state);
                     }
                 }
-                Progress::PhaseEnd(phase) if S::sticks(phase.mode) => {
+                Progress::PhaseEnd(phase) if S::any_sticks(phase.mode) => {
                     self.stick_ends.push(phase.t_end);
                 }
                 Progress::Step | Progress::PhaseEnd(_) | Progress::Transition(_) => {}

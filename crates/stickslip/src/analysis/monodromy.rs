@@ -3,7 +3,7 @@
 use nalgebra::SMatrix;
 
 use super::tangent::{Tangent, flatten};
-use crate::error::Error;
+use crate::error::{Error, Point};
 use crate::filippov::{
     Integration, Options, Progress, StepRecord, Summary, Switched, Transition, TransitionKind,
 };
@@ -38,7 +38,7 @@ pub fn monodromy<S: Switched<N, G>, const N: usize, const G: usize>(
     loop {
         match integration.step()? {
             Progress::Step => map.through_step(&tangent, &integration.last_step()),
-            Progress::Transition(at) => map.through_transition(&tangent, &at),
+            Progress::Transition(at) => map.through_transition(&tangent, &at)?,
             Progress::PhaseEnd(_) => {}
             Progress::End(summary) => {
                 return Ok(Monodromy {
@@ -79,9 +79,13 @@ impl<const N: usize> TangentMap<N> {
         &mut self,
         tangent: &Tangent<'_, S>,
         at: &Transition<N, S::Mode>,
-    ) {
+    ) -> Result<(), Error> {
+        if !S::is_one_at_a_time(at) {
+            let (t, x) = (at.t, Point::from(&at.x));
+            return Err(Error::TangentSingular { t, x });
+        }
         let Some(jump) = tangent.jump(at) else {
-            return;
+            return Ok(());
         };
         self.matrix = jump.matrix * self.matrix;
         if at.kind == TransitionKind::StickEntry {
@@ -89,6 +93,7 @@ impl<const N: usize> TangentMap<N> {
             // On Σ there is nothing across it; rounding would leave something.
             on_columns(&mut self.matrix, |column| flatten(&jump.gradient, column));
         }
+        Ok(())
     }
 }
 

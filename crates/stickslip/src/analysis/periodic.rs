@@ -105,7 +105,7 @@ pub fn find_periodic_orbit<S: Switched<N, G>, const N: usize, const G: usize>(
                 let step = integration.last_step();
                 let length = step.t_end - step.t_start;
                 // In the middle of a slip it is not on Σ.
-                if step.t_start >= transient && !S::sticks(step.mode) && length > 0.0 {
+                if step.t_start >= transient && !S::any_sticks(step.mode) && length > 0.0 {
                     let t = step.t_start + 0.5 * length;
                     let x = step.dense.at_time(t);
                     break Timed { t, x };

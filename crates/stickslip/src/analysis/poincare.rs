@@ -25,6 +25,9 @@ pub struct Return<const N: usize, K = Mode> {
     pub mode: K,
 }
 
+/// Part of what it is summed from below which the rate of a passage is rounding.
+const ROUNDING: f64 = 1e-12;
+
 /// The Poincaré map of a system and a section: a system of discrete time, of which each step is one return.
 ///
 /// The section is an event function ([`EventFunctions`]) with a direction: [`crate::Plane`], or one of your own, of time too (a strobe).
@@ -153,7 +156,9 @@ where
         let (normal, in_time) = gradient(|t, x| self.section.values(t, x)[0], &Timed { t, x });
         let rate = in_time + normal.dot(&velocity);
         let derivative = flow - velocity * (normal.transpose() * flow) / rate;
-        if derivative.iter().any(|v| !v.is_finite()) {
+        // An exit from stick at a tangent point passes a section that is Σ with no rate but rounding's.
+        let size = in_time.abs() + normal.norm() * velocity.norm();
+        if rate.abs() <= ROUNDING * size || derivative.iter().any(|v| !v.is_finite()) {
             let x = Point::from(&x);
             return Err(Error::TangentSingular { t, x });
         }
@@ -198,7 +203,7 @@ where
                 }
                 Progress::Transition(at) => {
                     if let Some(map) = &mut map {
-                        map.through_transition(&self.tangent, &at);
+                        map.through_transition(&self.tangent, &at)?;
                     }
                 }
                 Progress::PhaseEnd(_) => {}

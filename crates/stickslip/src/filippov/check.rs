@@ -45,6 +45,10 @@ pub(super) fn check<S: Filippov<N>, const N: usize>(
         {
             return Err(outside("the field is not finite there"));
         }
+        let holding = system.holding(side, t, components(&x));
+        if h == 0.0 && holding.iter().any(|v| !v.is_finite()) {
+            return Err(outside("the field that holds is not finite there"));
+        }
     }
     Ok(())
 }

@@ -295,7 +295,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
 
     /// A stick phase begins on Σ.
     fn land(&mut self) {
-        if S::sticks(self.mode) {
+        if S::any_sticks(self.mode) {
             let settled = Settled(self.run.at);
             self.run.at.x = self.system.with_flow(self.mode, self.branch, settled);
         }

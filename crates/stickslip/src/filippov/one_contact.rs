@@ -157,7 +157,7 @@ impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
         }
     }
 
-    fn sticks(mode: Mode) -> bool {
+    fn any_sticks(mode: Mode) -> bool {
         mode == Mode::Stick
     }
 }

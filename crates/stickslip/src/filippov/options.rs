@@ -46,6 +46,7 @@ pub enum Locator {
 
 /// What to do where the future is not unique: where Σ repels (both fields lead away), and at a two-fold (both are tangent to Σ) that
 /// the orbit slides into. At a two-fold a side is chosen if its field is visible there; otherwise the run goes on by the rules.
+/// Of several contacts ([`crate::Several`]) none is chosen: they end with an error there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum AtRepelling {
     /// Stop there; the orbit's ending says so.

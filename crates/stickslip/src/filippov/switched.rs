@@ -18,7 +18,12 @@ use crate::system::State;
 /// A switched system: what [`crate::solve`], [`crate::run`] and the analyses take. [`crate::Filippov`] systems are of this kind, with one
 /// contact, and so is [`crate::Several`], with as many as it has; nothing else can be.
 ///
-/// `N` is the number of states, `G` that of the functions whose zeros end a mode.
+/// `N` is the number of states, `G` that of the functions whose zeros end a mode: 3 for a [`crate::Filippov`] system, the number of contacts
+/// for [`crate::Several`].
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is no system",
+    note = "implement `Filippov` for a system of one boundary; one that implements `Contacts` goes in as `Several(system)`"
+)]
 pub trait Switched<const N: usize, const G: usize> {
     /// What the contacts do: [`crate::Mode`] for one, an array of it for several.
     type Mode: Copy + Debug + PartialEq + Eq + Hash + Send + Sync;
@@ -77,6 +82,12 @@ pub trait Switched<const N: usize, const G: usize> {
     #[doc(hidden)]
     fn jumps_at(&self, at: &Transition<N, Self::Mode>) -> Option<usize>;
 
+    /// Whether no second contact comes to zero in the same instant, so that the flow has a derivative there.
+    #[doc(hidden)]
+    fn is_one_at_a_time(_at: &Transition<N, Self::Mode>) -> bool {
+        true
+    }
+
     /// The contact that a guard belongs to.
     #[doc(hidden)]
     fn contact_of(_guard: usize) -> usize {
@@ -97,7 +108,7 @@ pub trait Switched<const N: usize, const G: usize> {
 
     /// Whether any contact sticks.
     #[doc(hidden)]
-    fn sticks(mode: Self::Mode) -> bool;
+    fn any_sticks(mode: Self::Mode) -> bool;
 }
 
 /// The mode at a start, and how many derivatives of each of its guards vanish there, if there is a unique one.

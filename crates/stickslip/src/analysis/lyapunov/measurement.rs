@@ -168,7 +168,7 @@ impl<S, const N: usize> Measurement<'_, S, N> {
     where
         S: Switched<N, G>,
     {
-        let is_stick = S::sticks(step.mode);
+        let is_stick = S::any_sticks(step.mode);
         if std::mem::take(&mut self.is_fresh) && is_stick {
             self.begin_on_boundary(step)?;
         }
@@ -227,7 +227,8 @@ impl<S, const N: usize> Measurement<'_, S, N> {
     where
         S: Switched<N, G>,
     {
-        self.jump(at).ok_or_else(|| singular(at.t, &at.x))
+        let derived = S::is_one_at_a_time(at).then(|| self.jump(at)).flatten();
+        derived.ok_or_else(|| singular(at.t, &at.x))
     }
 }
 

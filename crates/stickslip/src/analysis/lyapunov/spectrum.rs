@@ -64,7 +64,7 @@ pub struct Spectrum<const N: usize> {
     /// direction. All entries are, save those at which the two fields agree (no normal force, say). Only the
     /// first that meets a direction still alive annihilates it; [`Spectrum::annihilated`] counts those directions.
     pub collapses: usize,
-    /// Part of the measured time spent in stick.
+    /// Part of the measured time spent in stick, of any contact.
     pub stick_fraction: f64,
     /// Time measured.
     pub duration: f64,

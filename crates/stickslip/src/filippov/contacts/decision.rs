@@ -198,16 +198,21 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
         blurs
     }
 
-    /// How far the rates of a contact lie apart with it below and above: twice what friction can do to it.
+    /// How far the rates of a contact lie apart with it below and above: twice what friction can do to it, at rest or in slip.
     fn friction(&self, i: usize, at_rest: bool) -> f64 {
+        let mut rests = [false; M];
+        rests[i] = at_rest;
+        self.friction_with(i, &rests)
+    }
+
+    /// The same with these contacts at rest.
+    fn friction_with(&self, i: usize, rests: &[bool; M]) -> f64 {
         let mut modes = self.modes.map(|mode| match mode {
             Mode::Stick => Mode::Slip(Side::Below),
             slip => slip,
         });
         modes[i] = Mode::Stick;
-        let mut rests = [false; M];
-        rests[i] = at_rest;
-        let joint = Joint::new(self.system, &modes).with_static_friction_at(&rests);
+        let joint = Joint::new(self.system, &modes).with_static_friction_at(rests);
         let affine = joint.affine(self.at.t, components(&self.at.x));
         -affine.slopes[i][0]
     }
@@ -250,6 +255,20 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
                     contact: i,
                     ratio: at_rest / in_slip,
                 });
+            }
+            for j in (0..M).filter(|j| *j != i) {
+                let mut rests = [false; M];
+                rests[i] = true;
+                let (beside, alone) = (self.friction_with(j, &rests), self.friction(j, false));
+                if (beside - alone).abs() > COUPLING * (alone.abs() + in_slip.abs()) {
+                    let x = Point::from(&x);
+                    return Err(Error::HoldsElsewhere {
+                        t,
+                        x,
+                        held: i,
+                        slipping: j,
+                    });
+                }
             }
             for &j in &contacts[place + 1..] {
                 if !S::MULTI_AFFINE && !self.adds_up(i, j) {

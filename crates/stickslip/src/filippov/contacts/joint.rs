@@ -120,7 +120,12 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
                 sides[contact] = Side::Above;
             }
         }
-        self.system.holding(&sides, &self.at_rest, t, x)
+        // In slip it is the field itself that counts, whatever the system says with none at rest.
+        if self.at_rest.contains(&true) {
+            self.system.holding(&sides, &self.at_rest, t, x)
+        } else {
+            self.system.field(&sides, t, x)
+        }
     }
 
     #[inline(always)]

@@ -65,7 +65,42 @@ pub trait Contacts<const N: usize, const M: usize> {
     fn boundaries<T: Scalar>(&self, t: T, x: &[T; N]) -> [T; M];
 
     /// The fields whose combination holds the contacts in `held`: with static friction at these. A contact sticks as long as they can hold it,
-    /// and then slips by [`Contacts::field`]. The default holds by the friction of slip.
+    /// and then slips by [`Contacts::field`]. A contact that is not in `held` has its friction of [`Contacts::field`] here, too. The default
+    /// holds by the friction of slip.
+    ///
+    /// ```
+    /// use stickslip::{Contacts, Mode, Options, Scalar, Several, Side, solve};
+    ///
+    /// /// Two blocks on a belt of speed 0.2, joined by a spring; friction 1 and 0.9 at rest, 0.6 of that in slip.
+    /// struct OnBelt;
+    /// impl OnBelt {
+    ///     fn with<T: Scalar>(friction: [f64; 2], sides: &[Side; 2], x: &[T; 4]) -> [T; 4] {
+    ///         let pull = (x[1] - x[0]) * 0.5;
+    ///         [
+    ///             x[2],
+    ///             x[3],
+    ///             -x[0] + pull - friction[0] * sides[0].sign(),
+    ///             -x[1] - pull - friction[1] * sides[1].sign(),
+    ///         ]
+    ///     }
+    /// }
+    /// impl Contacts<4, 2> for OnBelt {
+    ///     fn field<T: Scalar>(&self, sides: &[Side; 2], _t: T, x: &[T; 4]) -> [T; 4] {
+    ///         OnBelt::with([0.6, 0.54], sides, x)
+    ///     }
+    ///     fn holding<T: Scalar>(&self, sides: &[Side; 2], held: &[bool; 2], _t: T, x: &[T; 4]) -> [T; 4] {
+    ///         let friction = [if held[0] { 1.0 } else { 0.6 }, if held[1] { 0.9 } else { 0.54 }];
+    ///         OnBelt::with(friction, sides, x)
+    ///     }
+    ///     fn boundaries<T: Scalar>(&self, _t: T, x: &[T; 4]) -> [T; 2] {
+    ///         [x[2] - 0.2, x[3] - 0.2]
+    ///     }
+    /// }
+    /// let orbit = solve(&Several(OnBelt), 0.0, [0.0, 0.1, 0.2, 0.2], 20.0, &Options::default())?;
+    /// assert_eq!(orbit.phases[0].mode, [Mode::Stick; 2]);
+    /// println!("contact 0 sticks in {:?}", orbit.sticks_of(0));
+    /// # Ok::<(), stickslip::Error>(())
+    /// ```
     #[inline(always)]
     fn holding<T: Scalar>(&self, sides: &[Side; M], _held: &[bool; M], t: T, x: &[T; N]) -> [T; N] {
         self.field(sides, t, x)

@@ -44,6 +44,11 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
         {
             return Err(outside("the field is not finite there"));
         }
+        let at_rest = h.map(|h| h == 0.0);
+        let holding = self.0.holding(&sides, &at_rest, start.t, x);
+        if holding.iter().any(|v| !v.is_finite()) {
+            return Err(outside("the field that holds is not finite there"));
+        }
         Ok(())
     }
 
@@ -133,6 +138,12 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
         }
     }
 
+    fn is_one_at_a_time(at: &Transition<N, [Mode; M]>) -> bool {
+        let others = (0..M).filter(|&i| i != at.contact && at.from[i] != at.to[i]);
+        // What lets another go happens at this contact; what another does at zero of its own is a second event at the same time.
+        others.into_iter().all(|i| at.from[i] == Mode::Stick)
+    }
+
     fn contact_of(guard: usize) -> usize {
         guard
     }
@@ -155,7 +166,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
             .collect()
     }
 
-    fn sticks(mode: [Mode; M]) -> bool {
+    fn any_sticks(mode: [Mode; M]) -> bool {
         mode.contains(&Mode::Stick)
     }
 }

@@ -17,6 +17,8 @@ enum Case {
     Undefined,
     /// Friction drives the second apart.
     Repels,
+    /// What holds one contact also brakes the other.
+    HoldsAll,
     /// A parameter is not allowed.
     Refused,
 }
@@ -37,9 +39,17 @@ impl Contacts<2, 2> for Odd {
             Case::Coincide => x[0] * 2.0,
             Case::Flat => x[1] * x[1],
             Case::Undefined => x[1].ln(),
-            Case::Repels | Case::Refused => x[1],
+            Case::Repels | Case::HoldsAll | Case::Refused => x[1],
         };
         [x[0], second]
+    }
+    fn holding<T: Scalar>(&self, sides: &[Side; 2], _held: &[bool; 2], t: T, x: &[T; 2]) -> [T; 2] {
+        let factor = if let Case::HoldsAll = self.0 {
+            2.0
+        } else {
+            1.0
+        };
+        self.field(sides, t, x).map(|rate| rate * factor)
     }
     fn check_parameters(&self) -> Result<(), Error> {
         match self.0 {
@@ -99,6 +109,22 @@ fn a_future_that_is_not_unique_is_told_with_what_it_could_be() {
     };
     assert_eq!((&contacts[..], candidates.len()), (&[0, 1][..], 3));
     assert!(repels.to_string().contains("3 motions"), "{repels}");
+}
+
+#[test]
+fn static_friction_at_a_contact_that_slips_is_told() {
+    let elsewhere = error(Case::HoldsAll, [0.0, 1.0]);
+    assert!(
+        matches!(
+            elsewhere,
+            Error::HoldsElsewhere {
+                held: 0,
+                slipping: 1,
+                ..
+            }
+        ),
+        "{elsewhere}"
+    );
 }
 
 #[test]

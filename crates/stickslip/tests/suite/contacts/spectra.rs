@@ -4,7 +4,7 @@ use stickslip::analysis::{
     Exponent, SpectrumOptions, lyapunov_spectrum, monodromy, periodic_orbit_forced,
 };
 use stickslip::nalgebra::SMatrix;
-use stickslip::{Mode, Options, Several, State, solve};
+use stickslip::{Error, Mode, Options, Several, State, solve};
 
 use super::apart::{Alone, START, three};
 use super::references::stacked;
@@ -91,6 +91,17 @@ fn the_spectrum_of_oscillators_apart_is_the_union_of_each_ones() {
     assert!(expected[0] < -0.01 && expected[3] < -0.1, "{expected:?}");
     // The sum of those that are left, against divergence and saltation.
     assert!(together.defect().abs() < 1e-6, "{}", together.defect());
+}
+
+#[test]
+fn two_contacts_that_come_to_rest_in_the_same_instant_have_no_derivative() {
+    // Equal blocks with equal starts stop together: which one stops first depends on the change, and with it what becomes of it.
+    let mut rig = three();
+    (rig.forcing, rig.stiffness[1][1]) = ([0.0; 3], rig.stiffness[0][0]);
+    rig.friction[1] = rig.friction[0];
+    let start = [2.0, 2.0, -1.5, 0.0, 0.0, 0.0];
+    let error = monodromy(&Several(&rig), 0.0, start, 15.0, &Options::tol(1e-12)).unwrap_err();
+    assert!(matches!(error, Error::TangentSingular { .. }), "{error}");
 }
 
 #[test]
