@@ -40,26 +40,6 @@ fn in_metres(rig: &Rig, x: &State<4>) -> State<4> {
 
 proptest! {
     #[test]
-    fn both_forms_have_the_same_field(x in prop::array::uniform4(-3.0..3.0)) {
-        let rig = rig();
-        let scaled = rig.nondimensional().checked().unwrap();
-        let x = State::from(x);
-        for side in [Side::Below, Side::Above] {
-            // Beyond Σ the friction law has a pole at |v| = 1/δ; only the own side is asked for.
-            if scaled.boundary(0.0, x.as_ref()) * side.sign() < 0.0 {
-                continue;
-            }
-            let wanted = State::from(scaled.field(side, 0.0, x.as_ref()));
-            let slope = State::from(rig.field(side, 0.0, in_metres(&rig, &x).as_ref())) * rig.time_unit();
-            let unit = in_metres(&rig, &State::from([1.0; 4]));
-            for i in 0..4 {
-                // A handful of roundings on terms of size 30.
-                prop_assert!((slope[i] / unit[i] - wanted[i]).abs() < 1e-13 * 30.0);
-            }
-        }
-    }
-
-    #[test]
     fn it_sticks_while_friction_can_hold_it(
         x1 in -6.0..6.0, x3 in -2.0..2.0, x4 in -2.0..2.0, set in 0usize..3,
     ) {

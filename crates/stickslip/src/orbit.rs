@@ -38,6 +38,13 @@ pub enum Ending {
     Failed,
 }
 
+impl Ending {
+    /// Whether the run ended because its future is not unique.
+    pub fn is_ambiguous(self) -> bool {
+        matches!(self, Ending::Repelling | Ending::TwoFold(_))
+    }
+}
+
 /// An orbit: phases and the transitions between them, with the solution of every step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Orbit<const N: usize, K = Mode> {

@@ -1,8 +1,7 @@
 //! Where an orbit of a periodically forced system ends up.
 
-use crate::error::{Error, Point};
+use crate::error::Error;
 use crate::filippov::{Integration, Options, Progress, Summary, Switched};
-use crate::orbit::Ending;
 use crate::system::State;
 
 /// What a start leads to.
@@ -55,10 +54,7 @@ pub fn destination<S: Switched<N, G>, const N: usize, const G: usize>(
     // A little beyond the last whole period, so that rounding cannot leave it out.
     let t_end = t0 + (periods as f64 + 1e-6) * period;
     match strobe.follow(system, x0, t_end, options) {
-        Ok(summary) if matches!(summary.ending, Ending::Repelling | Ending::TwoFold(_)) => {
-            let (t, x) = (summary.t, Point::from(&summary.x));
-            Err(Error::NoUniqueFuture { t, x })
-        }
+        Ok(summary) if summary.ending.is_ambiguous() => Err(summary.no_unique_future()),
         Ok(_) => Ok(strobe.verdict(closeness)),
         Err(Error::Escaped { t, .. }) => Ok(Destination::Escapes { t }),
         Err(error) => Err(error),

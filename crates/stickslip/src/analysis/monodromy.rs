@@ -3,7 +3,7 @@
 use nalgebra::SMatrix;
 
 use super::tangent::{Tangent, flatten};
-use crate::error::{Error, Point};
+use crate::error::Error;
 use crate::filippov::{
     Integration, Options, Progress, StepRecord, Summary, Switched, Transition, TransitionKind,
 };
@@ -24,7 +24,7 @@ pub struct Monodromy<const N: usize> {
 /// transition contributes its saltation matrix.
 ///
 /// # Errors
-/// Those of [`crate::run`].
+/// Those of [`crate::run`]; [`Error::TangentSingular`] where two contacts come to zero in the same instant.
 pub fn monodromy<S: Switched<N, G>, const N: usize, const G: usize>(
     system: &S,
     t0: f64,
@@ -80,11 +80,7 @@ impl<const N: usize> TangentMap<N> {
         tangent: &Tangent<'_, S>,
         at: &Transition<N, S::Mode>,
     ) -> Result<(), Error> {
-        if !S::is_one_at_a_time(at) {
-            let (t, x) = (at.t, Point::from(&at.x));
-            return Err(Error::TangentSingular { t, x });
-        }
-        let Some(jump) = tangent.jump(at) else {
+        let Some(jump) = tangent.jump(at)? else {
             return Ok(());
         };
         self.matrix = jump.matrix * self.matrix;

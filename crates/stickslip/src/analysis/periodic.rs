@@ -3,10 +3,9 @@
 use nalgebra::{DMatrix, DVector, SMatrix};
 
 use super::monodromy::{Monodromy, monodromy};
-use crate::error::{Error, Point};
+use crate::error::Error;
 use crate::filippov::{
-    Direction, Happening, Integration, Options, Plane, Progress, Summary, Switched, Velocity,
-    Watched,
+    Direction, Happening, Integration, Options, Plane, Progress, Switched, Velocity, Watched,
 };
 use crate::ode::Timed;
 use crate::orbit::Ending;
@@ -113,7 +112,7 @@ pub fn find_periodic_orbit<S: Switched<N, G>, const N: usize, const G: usize>(
             }
             Progress::PhaseEnd(_) | Progress::Transition(_) => {}
             Progress::End(summary) if summary.ending == Ending::EndTime => return Err(not_found()),
-            Progress::End(summary) => return Err(no_future(&summary)),
+            Progress::End(summary) => return Err(summary.no_unique_future()),
         }
     };
     let section = Plane {
@@ -131,7 +130,7 @@ pub fn find_periodic_orbit<S: Switched<N, G>, const N: usize, const G: usize>(
             Happening::Progress(Progress::End(summary)) if summary.ending == Ending::EndTime => {
                 break;
             }
-            Happening::Progress(Progress::End(summary)) => return Err(no_future(&summary)),
+            Happening::Progress(Progress::End(summary)) => return Err(summary.no_unique_future()),
             Happening::Progress(_) => {}
         }
     }
@@ -139,12 +138,6 @@ pub fn find_periodic_orbit<S: Switched<N, G>, const N: usize, const G: usize>(
     let first = returns.iter().find(|r| r.1 <= 2.0 * nearest);
     let &(period, _) = first.ok_or_else(not_found)?;
     periodic_orbit(system, start.x, period, options)
-}
-
-/// Of a run that has ended before its time.
-fn no_future<const N: usize>(summary: &Summary<N>) -> Error {
-    let (t, x) = (summary.t, Point::from(&summary.x));
-    Error::NoUniqueFuture { t, x }
 }
 
 /// The vector that moves a state: of its side's field, or on Σ the sliding one.
@@ -173,7 +166,7 @@ fn shoot<S: Switched<N, G>, const N: usize, const G: usize>(
     for _ in 0..MOST {
         let turn = monodromy(system, t, x, t + period, options)?;
         if turn.summary.ending != Ending::EndTime {
-            return Err(no_future(&turn.summary));
+            return Err(turn.summary.no_unique_future());
         }
         let gap = turn.summary.x - x;
         let size = gap.amax();

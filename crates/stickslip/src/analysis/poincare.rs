@@ -3,8 +3,8 @@
 use nalgebra::SMatrix;
 
 use super::monodromy::TangentMap;
-use super::tangent::Tangent;
-use crate::error::{Error, Point};
+use super::tangent::{Tangent, singular};
+use crate::error::Error;
 use crate::filippov::{
     EventFunctions, EventRecord, Happening, Integration, Options, Progress, StepRecord, Switched,
     Velocity, Watched, gradient,
@@ -125,7 +125,7 @@ where
     ///
     /// # Errors
     /// Those of [`Integration::step`]; [`Error::NotFound`] where there is no return within the longest time, and
-    /// [`Error::NoUniqueFuture`] where Σ repels.
+    /// [`Error::NoUniqueFuture`] where Σ repels or the orbit comes to a two-fold.
     pub fn step(&mut self) -> Result<Return<N, S::Mode>, Error> {
         let event = self.advance(None)?;
         Ok(self.arrive(&event))
@@ -159,8 +159,7 @@ where
         // An exit from stick at a tangent point passes a section that is Σ with no rate but rounding's.
         let size = in_time.abs() + normal.norm() * velocity.norm();
         if rate.abs() <= ROUNDING * size || derivative.iter().any(|v| !v.is_finite()) {
-            let x = Point::from(&x);
-            return Err(Error::TangentSingular { t, x });
+            return Err(singular(t, &x));
         }
         Ok((self.arrive(&event), derivative))
     }
@@ -207,10 +206,7 @@ where
                     }
                 }
                 Progress::PhaseEnd(_) => {}
-                Progress::End(summary) => {
-                    let (t, x) = (summary.t, Point::from(&summary.x));
-                    return Err(Error::NoUniqueFuture { t, x });
-                }
+                Progress::End(summary) => return Err(summary.no_unique_future()),
             }
         }
     }

@@ -1,18 +1,9 @@
 //! Tangent points: where a field touches Σ, and from which side its orbit does.
 
+pub use crate::filippov::Visibility;
+
 use crate::filippov::LieDerivatives;
 use crate::system::{Filippov, Side, State};
-
-/// How the orbit of a field that is tangent to Σ lies there.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Visibility {
-    /// The orbit stays on the field's own side: an orbit of the system leaves Σ here.
-    Visible,
-    /// The orbit lies on the other side, where the field does not rule.
-    Invisible,
-    /// The second derivative vanishes as well: a cusp or a higher degeneracy.
-    Degenerate,
-}
 
 /// Whether the field of `side` is tangent to Σ at `(t, x)`, and how, by the sign of the second Lie derivative
 /// of the boundary function along it; `None` where its normal component does not vanish to rounding.
@@ -34,7 +25,7 @@ pub fn tangency<S: Filippov<N>, const N: usize>(
 ) -> Option<Visibility> {
     let lie = LieDerivatives::new(system, side, t, x, 0.0);
     let is_tangent = lie.values[1].abs() <= lie.floors[1];
-    is_tangent.then(|| of_tangent(&lie, side))
+    is_tangent.then(|| lie.visibility(side))
 }
 
 /// How the field of `side` lies at a point where it is known to be tangent.
@@ -44,15 +35,5 @@ pub fn visibility<S: Filippov<N>, const N: usize>(
     t: f64,
     x: &State<N>,
 ) -> Visibility {
-    of_tangent(&LieDerivatives::new(system, side, t, x, 0.0), side)
-}
-
-fn of_tangent(lie: &LieDerivatives, side: Side) -> Visibility {
-    if lie.values[2].abs() <= lie.floors[2] {
-        Visibility::Degenerate
-    } else if lie.values[2] * side.sign() > 0.0 {
-        Visibility::Visible
-    } else {
-        Visibility::Invisible
-    }
+    LieDerivatives::new(system, side, t, x, 0.0).visibility(side)
 }

@@ -6,7 +6,7 @@ use std::marker::PhantomData;
 use nalgebra::SMatrix;
 
 use crate::dual::Dual;
-
+use crate::error::{Error, Point};
 use crate::filippov::{
     Flow, GuardGradient, Method, Options, StepRecord, Switched, Transition, UseFlow, Velocity,
     boundary_gradient,
@@ -166,14 +166,22 @@ impl<'a, S> Tangent<'a, S> {
     /// What the transition does, or `None` where it changes no vector: on leaving stick, at a touch,
     /// where contact is lost or gained, and where the two fields agree (friction without normal force): the
     /// saltation matrix is the limit there, the identity, though its formula may read 0/0.
+    ///
+    /// # Errors
+    /// [`Error::TangentSingular`] where two contacts come to zero in the same instant: which comes first depends on the change.
     pub(crate) fn jump<const N: usize, const G: usize>(
         &self,
         at: &Transition<N, S::Mode>,
-    ) -> Option<Jump<N>>
+    ) -> Result<Option<Jump<N>>, Error>
     where
         S: Switched<N, G>,
     {
-        let guard = self.system.jumps_at(at)?;
+        if !S::is_one_at_a_time(at) {
+            return Err(singular(at.t, &at.x));
+        }
+        let Some(guard) = self.system.jumps_at(at) else {
+            return Ok(None);
+        };
         let branch = S::Branch::default();
         let velocity = |mode| {
             let here = Velocity(at.t, components(&at.x));
@@ -182,19 +190,25 @@ impl<'a, S> Tangent<'a, S> {
         let (before, after) = (velocity(at.from), velocity(at.to));
         let kick = after - before;
         if kick.iter().all(|v| *v == 0.0) {
-            return None;
+            return Ok(None);
         }
         let (t, x) = (at.t, at.x);
         let of_guard = GuardGradient(guard, Timed { t, x });
         let (gradient, in_time) = self.system.with_flow(at.from, branch, of_guard);
-        Some(Jump {
+        Ok(Some(Jump {
             matrix: with_gradient((gradient, in_time), &before, &after),
             kick,
             rate_before: in_time + gradient.dot(&before),
             rate_after: in_time + gradient.dot(&after),
             gradient,
-        })
+        }))
     }
+}
+
+/// Where tangent vectors have no image.
+pub(super) fn singular<const N: usize>(t: f64, x: &State<N>) -> Error {
+    let x = Point::from(x);
+    Error::TangentSingular { t, x }
 }
 
 /// State and vector at the end of the piece, halved up to so many times.
@@ -285,8 +299,13 @@ mod tests {
         let options = Options::default();
         let rough = Block { friction: 0.4 };
         let jump = Tangent::new(&rough, &options).jump(&entry);
-        assert_eq!(jump.unwrap().matrix.determinant(), 0.0);
+        assert_eq!(jump.unwrap().unwrap().matrix.determinant(), 0.0);
         let smooth = Block { friction: 0.0 };
-        assert!(Tangent::new(&smooth, &options).jump(&entry).is_none());
+        assert!(
+            Tangent::new(&smooth, &options)
+                .jump(&entry)
+                .unwrap()
+                .is_none()
+        );
     }
 }

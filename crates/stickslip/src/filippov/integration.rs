@@ -311,7 +311,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
         let mode = self.mode;
         let (guard, residual) = (event.guard, event.residual);
         if event.is_touch {
-            self.note_event()?;
+            self.note_event(mode)?;
             self.run.orders[guard] = 2;
             self.due = Due::Step;
             let touch = (TransitionKind::Touch, S::contact_of(guard));
@@ -322,7 +322,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
             self.due = Due::Switch;
             return Ok(Progress::PhaseEnd(self.phase_so_far()));
         };
-        self.note_event()?;
+        self.note_event(mode)?;
         self.branch = branch;
         self.run.orders[guard] = 1;
         self.due = Due::Begin;
@@ -339,8 +339,8 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
                 return Ok(Progress::End(self.summary(ending)));
             }
         };
+        self.note_event(next.to)?;
         self.mode = next.to;
-        self.note_event()?;
         self.run.orders = next.orders;
         self.run.from = self.run.at;
         self.due = Due::Begin;
@@ -366,11 +366,11 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
         })
     }
 
-    /// Counts a transition into the present mode.
-    fn note_event(&mut self) -> Result<(), Error> {
+    /// Counts a transition into `mode`.
+    fn note_event(&mut self, mode: S::Mode) -> Result<(), Error> {
         let Timed { t, x } = self.run.at;
         let velocity = Velocity(t, components(&x));
-        let velocity = self.system.with_flow(self.mode, self.branch, velocity);
+        let velocity = self.system.with_flow(mode, self.branch, velocity);
         self.run.note_event(&velocity.into())
     }
 }

@@ -35,7 +35,7 @@ pub use integration::{Integration, Progress};
 pub use observer::{Observer, Phase, StepRecord, Transition, TransitionKind};
 pub use options::{AtRepelling, Locator, Method, Options};
 pub(crate) use rules::LieDerivatives;
-pub use rules::{Fate, fate};
+pub use rules::{Fate, Visibility, fate};
 pub use scan::first_zero;
 pub use sections::{
     Direction, EventFunctions, EventRecord, Happening, OrbitWithEvents, Plane, Watched,

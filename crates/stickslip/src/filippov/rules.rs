@@ -9,6 +9,7 @@
 use crate::dual::Dual;
 
 use super::flow::{GUARDS, flow_path, normal_component};
+use super::uncertainty::ULPS;
 use crate::scalar::Scalar;
 use crate::system::{Filippov, Side, State, components};
 
@@ -32,16 +33,23 @@ pub(crate) struct Departure {
     pub orders: [usize; GUARDS],
 }
 
+/// How the orbit of a field that is tangent to Σ lies there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Visibility {
+    /// The orbit stays on the field's own side: an orbit of the system leaves Σ here.
+    Visible,
+    /// The orbit lies on the other side, where the field does not rule.
+    Invisible,
+    /// The second derivative vanishes as well: a cusp or a higher degeneracy.
+    Degenerate,
+}
+
 /// Lie derivatives 0 to 3 of the boundary function along one field, with the size below which each is rounding.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LieDerivatives {
     pub values: [f64; 4],
     pub floors: [f64; 4],
 }
-
-/// Units in the last place by which state and time are taken to be uncertain when a derivative is
-/// judged to vanish.
-const ULPS: f64 = 64.0;
 
 impl LieDerivatives {
     /// Of `side`'s field at `(t, x)`. The floors follow from how far the derivatives move when state and time change by a
@@ -89,6 +97,17 @@ impl LieDerivatives {
         (first..4)
             .find(|&k| self.values[k].abs() > self.floors[k])
             .map_or((4, 0.0), |k| (k, self.values[k].signum()))
+    }
+
+    /// How the field of `side`, if it is tangent to Σ here, lies.
+    pub(crate) fn visibility(&self, side: Side) -> Visibility {
+        if self.values[2].abs() <= self.floors[2] {
+            Visibility::Degenerate
+        } else if self.values[2] * side.sign() > 0.0 {
+            Visibility::Visible
+        } else {
+            Visibility::Invisible
+        }
     }
 
     /// Whether the point lies on Σ to rounding.

@@ -4,7 +4,7 @@ use super::integration::{Integration, Progress};
 use super::observer::Observer;
 use super::options::Options;
 use super::switched::Switched;
-use crate::error::Error;
+use crate::error::{Error, Point};
 use crate::orbit::{Counters, Ending, Orbit};
 use crate::system::State;
 
@@ -22,6 +22,12 @@ pub struct Summary<const N: usize> {
 }
 
 impl<const N: usize> Summary<N> {
+    /// What an analysis says that needs the orbit to go on behind this end.
+    pub(crate) fn no_unique_future(&self) -> Error {
+        let (t, x) = (self.t, Point::from(&self.x));
+        Error::NoUniqueFuture { t, x }
+    }
+
     /// Of a run that failed before its first step.
     pub(super) fn of_none(t: f64, x: State<N>) -> Self {
         Summary {

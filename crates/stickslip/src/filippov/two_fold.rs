@@ -4,9 +4,8 @@
 //! (1990) 65; Colombo & Jeffrey, *SIAM J. Appl. Dyn. Syst.* 10 (2011) 423). Behind one the future is not unique.
 
 use super::flow::{boundary_gradient, normal_component};
-use super::rules::LieDerivatives;
+use super::rules::{LieDerivatives, Visibility};
 use super::run::{Run, SHORTEST};
-use crate::analysis::Visibility;
 use crate::system::{Filippov, Mode, Side, State, components};
 
 /// How an orbit has come to a two-fold.
@@ -63,14 +62,10 @@ pub(super) fn two_fold<S: Filippov<N>, const N: usize, const G: usize>(
     };
     let kind = |side: Side| {
         let lie = LieDerivatives::new(system, side, at.t, &at.x, 0.0);
-        let (component, bend) = (lie.values[1], lie.values[2]);
-        // Where the second derivative vanishes as well, or is no number, it is no two-fold but something worse.
-        let is_fold = component.abs() <= bend.abs() * within && bend.abs() > lie.floors[2];
-        is_fold.then_some(if bend * side.sign() > 0.0 {
-            Visibility::Visible
-        } else {
-            Visibility::Invisible
-        })
+        let is_tangent = lie.values[1].abs() <= lie.values[2].abs() * within;
+        // Where the second derivative vanishes as well it is no two-fold but something worse.
+        let kind = lie.visibility(side);
+        (is_tangent && kind != Visibility::Degenerate).then_some(kind)
     };
     let x = components(&at.x);
     let [below, above] = [Side::Below, Side::Above].map(|side| system.field(side, at.t, x));

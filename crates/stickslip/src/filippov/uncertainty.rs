@@ -14,7 +14,7 @@ pub(crate) struct Uncertainty {
 }
 
 /// Units in the last place by which rounding is taken to blur state and time.
-const ULPS: f64 = 64.0;
+pub(crate) const ULPS: f64 = 64.0;
 
 pub(crate) fn uncertainty<F: Flow<N>, const N: usize>(
     flow: &F,

@@ -441,6 +441,31 @@ fn on_a_cycle_it_has_the_cycle_s_multiplier() {
 }
 
 #[test]
+fn an_exit_at_a_tangent_point_passes_a_section_that_is_the_boundary_with_no_derivative() {
+    for speed in [0.1, 0.15, 0.2, 0.25, 0.3, 0.35] {
+        let belt = BeltOscillator {
+            belt_speed: speed,
+            ..decaying_friction()
+        };
+        let section = watch(Function::Level(1, speed), Both);
+        for (options, _) in methods() {
+            let system = belt.any();
+            let start = (0.0, [0.04, speed - 0.21]);
+            let mut map = PoincareMap::new(&system, &section, start, 20.0, &options).unwrap();
+            // Into stick with a rate, out of it with what rounding leaves of one.
+            let (entry, derivative) = map.step_with_derivative().unwrap();
+            assert_eq!(entry.mode, Mode::Slip(Side::Below));
+            assert!(derivative.amax() > 0.1);
+            let exit = map.step_with_derivative();
+            assert!(
+                matches!(exit, Err(Error::TangentSingular { .. })),
+                "{exit:?}"
+            );
+        }
+    }
+}
+
+#[test]
 fn a_strobe_is_a_section_of_time() {
     let system = DenHartog {
         frequency: 0.7,

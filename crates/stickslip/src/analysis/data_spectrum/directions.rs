@@ -177,6 +177,7 @@ pub(super) fn upper_median(values: impl IntoIterator<Item = f64>) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::fit::tests::PLAIN;
     use super::super::series::Series;
     use super::*;
 
@@ -196,16 +197,20 @@ mod tests {
         });
         let cloud = Cloud::<2>::new(&Series::from_rows(rows, 1.0).unwrap()).unwrap();
         let finder = Finder::new(&cloud, 1, 0).unwrap();
-        let rule = Rule {
-            step: 1,
-            affine: false,
-            rank_tolerance: 0.0,
-            ridge: 0.0,
-        };
         let (mut scratch, mut found) = (Scratch::default(), Vec::new());
         let counts = counts(20, 300);
-        let mut has_vote =
-            |j| vote(&cloud, &finder, &rule, &counts, j, &mut scratch, &mut found).is_some();
+        let mut has_vote = |j| {
+            vote(
+                &cloud,
+                &finder,
+                &PLAIN,
+                &counts,
+                j,
+                &mut scratch,
+                &mut found,
+            )
+            .is_some()
+        };
         assert!(has_vote(10) && !has_vote(150));
     }
 

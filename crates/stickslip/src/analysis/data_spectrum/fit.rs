@@ -224,11 +224,19 @@ impl<const N: usize> Decomposed<N> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::super::neighbours::Finder;
     use super::super::series::Series;
     use super::*;
     use crate::math;
+
+    /// A linear fit that cuts nothing off.
+    pub(in super::super) const PLAIN: Rule = Rule {
+        step: 1,
+        affine: false,
+        rank_tolerance: 0.0,
+        ridge: 0.0,
+    };
 
     #[test]
     fn a_linear_map_is_recovered_to_the_rounding_over_the_extent_of_the_neighbourhood() {
@@ -242,16 +250,12 @@ mod tests {
         });
         let cloud = Cloud::<2>::new(&Series::from_rows(rows, 1.0).unwrap()).unwrap();
         let finder = Finder::new(&cloud, 1, 0).unwrap();
-        let rule = Rule {
-            step: 1,
-            affine: false,
-            rank_tolerance: 0.0,
-            ridge: 0.0,
-        };
         let (mut scratch, mut found) = (Scratch::default(), Vec::new());
         for count in [10, 40] {
             finder.nearest(500, count, f64::INFINITY, &mut found);
-            let map = scratch.decompose(&cloud, 500, &found, &rule).map(2, &rule);
+            let map = scratch
+                .decompose(&cloud, 500, &found, &PLAIN)
+                .map(2, &PLAIN);
             assert_eq!(map.rank, 2);
             for (row, wanted) in map.matrix.iter().zip([[c, -s], [s, c]]) {
                 for (cell, wanted) in row.iter().zip(wanted) {
@@ -259,7 +263,7 @@ mod tests {
                 }
             }
             // Both by the root of the number of neighbours.
-            let (sizes, zero) = scratch.singular_values(&cloud, 500, &found, &rule);
+            let (sizes, zero) = scratch.singular_values(&cloud, 500, &found, &PLAIN);
             assert!((map.nothing * sizes[1] / zero - 1.0).abs() < 1e-9);
         }
     }

@@ -1,12 +1,12 @@
 //! A frame of tangent vectors that goes along with an orbit, and what is summed up of it.
 
-use super::super::tangent::{Jump, Tangent, flatten};
+use super::super::tangent::{Jump, Tangent, flatten, singular};
 use super::averages::Growth;
 use super::frame::Frame;
 use super::settings::SpectrumOptions;
 use super::spectrum::Spectrum;
 use super::volume::growth;
-use crate::error::{Error, Point};
+use crate::error::Error;
 use crate::filippov::{StepRecord, Summary, Switched, Transition, TransitionKind};
 use crate::math;
 use crate::ode::Timed;
@@ -185,24 +185,6 @@ impl<S, const N: usize> Measurement<'_, S, N> {
         self.book(growth)
     }
 
-    fn jump<const G: usize>(&mut self, at: &Transition<N, S::Mode>) -> Option<()>
-    where
-        S: Switched<N, G>,
-    {
-        let enters = at.kind == TransitionKind::StickEntry;
-        self.stick_entries += usize::from(enters);
-        let Some(jump) = self.tangent.jump(at) else {
-            return Some(());
-        };
-        if enters {
-            self.collapses += 1;
-            return self.enter_stick(&jump);
-        }
-        self.frame.apply(|q| jump.matrix * q);
-        // det(I + u vᵀ) = 1 + v·u.
-        self.book(math::ln((jump.rate_after / jump.rate_before).abs()))
-    }
-
     /// Takes the frame over a step.
     pub(super) fn step<const G: usize>(
         &mut self,
@@ -227,12 +209,19 @@ impl<S, const N: usize> Measurement<'_, S, N> {
     where
         S: Switched<N, G>,
     {
-        let derived = S::is_one_at_a_time(at).then(|| self.jump(at)).flatten();
-        derived.ok_or_else(|| singular(at.t, &at.x))
+        let enters = at.kind == TransitionKind::StickEntry;
+        self.stick_entries += usize::from(enters);
+        let Some(jump) = self.tangent.jump(at)? else {
+            return Ok(());
+        };
+        let passed = if enters {
+            self.collapses += 1;
+            self.enter_stick(&jump)
+        } else {
+            self.frame.apply(|q| jump.matrix * q);
+            // det(I + u vᵀ) = 1 + v·u.
+            self.book(math::ln((jump.rate_after / jump.rate_before).abs()))
+        };
+        passed.ok_or_else(|| singular(at.t, &at.x))
     }
-}
-
-fn singular<const N: usize>(t: f64, x: &State<N>) -> Error {
-    let x = Point::from(x);
-    Error::TangentSingular { t, x }
 }

@@ -36,9 +36,8 @@ pub use averages::Growth;
 pub use settings::SpectrumOptions;
 pub use spectrum::{Exponent, Running, Spectrum};
 
-use crate::error::{Error, Point};
+use crate::error::Error;
 use crate::filippov::{Integration, Observer, Progress, Summary, Switched, tell};
-use crate::orbit::Ending;
 use crate::system::State;
 use measurement::Measurement;
 
@@ -69,7 +68,8 @@ use measurement::Measurement;
 ///
 /// # Errors
 /// [`Error::Option`]; those of [`crate::run`]; [`Error::NoUniqueFuture`] where the orbit ends on a repelling part of Σ;
-/// [`Error::TangentSingular`] where it grazes Σ so exactly that tangent vectors have no image.
+/// [`Error::TangentSingular`] where it grazes Σ so exactly that tangent vectors have no image, or two
+/// contacts come to zero in the same instant.
 pub fn lyapunov_spectrum<S: Switched<N, G>, const N: usize, const G: usize>(
     system: &S,
     start: (f64, impl Into<State<N>>),
@@ -128,11 +128,8 @@ where
             Progress::Step => measurement.step(&integration.last_step())?,
             Progress::Transition(at) => measurement.transition(at)?,
             Progress::PhaseEnd(_) => {}
-            Progress::End(summary)
-                if matches!(summary.ending, Ending::Repelling | Ending::TwoFold(_)) =>
-            {
-                let (t, x) = (summary.t, Point::from(&summary.x));
-                return Err(Error::NoUniqueFuture { t, x });
+            Progress::End(summary) if summary.ending.is_ambiguous() => {
+                return Err(summary.no_unique_future());
             }
             Progress::End(_) => {}
         }

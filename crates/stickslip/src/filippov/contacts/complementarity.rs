@@ -21,6 +21,9 @@ const MOST_CHANGES: usize = 64;
 /// Parts of the shares, and of the terms that a rate is summed from, below which they are rounding.
 const ROUNDING: f64 = 1e-13;
 
+/// Part of what friction can do to a rate below which an iteration has brought it to zero.
+const CONVERGED: f64 = 1e-9;
+
 /// What comes of a contact that stands at zero.
 pub(super) type Outcome = Mode;
 
@@ -90,16 +93,15 @@ fn is_consistent<S: Contacts<N, M>, const N: usize, const M: usize>(
     let x = components(x);
     let combination = joint_then.combination(t, x);
     let rates = rates(joint.system, (t, 1.0), x, &combination.field);
-    let size = rates
-        .iter()
-        .fold(1.0, |size: f64, rate| size.max(rate.abs()));
+    // What friction can do to the rate of each, for the size of one that has not vanished.
+    let slopes = joint.affine(t, x).slopes;
+    let size = |i: usize| slopes[i].iter().map(|slope| slope.abs()).sum::<f64>();
     let shares = &combination.shares[..joint_then.count];
     // An iteration that has not converged is no solution.
-    let holds = joint_then
-        .held()
-        .iter()
-        .zip(shares)
-        .all(|(&i, share)| (0.0..=1.0).contains(share) && rates[i].abs() <= 1e-9 * size);
+    let holds =
+        joint_then.held().iter().zip(shares).all(|(&i, share)| {
+            (0.0..=1.0).contains(share) && rates[i].abs() <= CONVERGED * size(i)
+        });
     holds
         && joint
             .held()

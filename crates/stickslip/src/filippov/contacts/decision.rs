@@ -8,12 +8,9 @@ use crate::dual::Dual;
 use crate::error::{Error, Point};
 use crate::filippov::flow::Flow;
 use crate::filippov::run::Run;
-use crate::filippov::uncertainty::{Uncertainty, uncertainties};
+use crate::filippov::uncertainty::{ULPS, Uncertainty, uncertainties};
 use crate::ode::Timed;
 use crate::system::{Mode, Side, components};
-
-/// Units in the last place by which state and time are taken to be uncertain where a rate is judged to vanish.
-pub(super) const ULPS: f64 = 64.0;
 
 /// Friction that differs by less than this part is the same.
 const SAME: f64 = 1e-12;
@@ -205,14 +202,21 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
         self.friction_with(i, &rests)
     }
 
-    /// The same with these contacts at rest.
-    fn friction_with(&self, i: usize, rests: &[bool; M]) -> f64 {
+    /// The corners about the present mode in which these contacts are on either side, and the others that hold below.
+    fn corners_of(&self, contacts: &[usize]) -> Joint<'_, S, M> {
         let mut modes = self.modes.map(|mode| match mode {
             Mode::Stick => Mode::Slip(Side::Below),
             slip => slip,
         });
-        modes[i] = Mode::Stick;
-        let joint = Joint::new(self.system, &modes).with_static_friction_at(rests);
+        for &i in contacts {
+            modes[i] = Mode::Stick;
+        }
+        Joint::new(self.system, &modes)
+    }
+
+    /// As [`Decision::friction`], with these contacts at rest.
+    fn friction_with(&self, i: usize, rests: &[bool; M]) -> f64 {
+        let joint = self.corners_of(&[i]).with_static_friction_at(rests);
         let affine = joint.affine(self.at.t, components(&self.at.x));
         -affine.slopes[i][0]
     }
@@ -245,8 +249,9 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
         if principal_minor(&gram, contacts) <= DEPENDENT {
             return Err(dependent(contacts));
         }
+        let slipping: [f64; M] = std::array::from_fn(|i| self.friction(i, false));
         for (place, &i) in contacts.iter().enumerate() {
-            let (at_rest, in_slip) = (self.friction(i, true), self.friction(i, false));
+            let (at_rest, in_slip) = (self.friction(i, true), slipping[i]);
             if at_rest < in_slip - SAME * in_slip.abs() {
                 let x = Point::from(&x);
                 return Err(Error::StaticBelowKinetic {
@@ -259,7 +264,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
             for j in (0..M).filter(|j| *j != i) {
                 let mut rests = [false; M];
                 rests[i] = true;
-                let (beside, alone) = (self.friction_with(j, &rests), self.friction(j, false));
+                let (beside, alone) = (self.friction_with(j, &rests), slipping[j]);
                 if (beside - alone).abs() > COUPLING * (alone.abs() + in_slip.abs()) {
                     let x = Point::from(&x);
                     return Err(Error::HoldsElsewhere {
@@ -282,12 +287,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
 
     /// Whether the friction of two contacts adds: what one does to the field does not depend on the side of the other.
     fn adds_up(&self, i: usize, j: usize) -> bool {
-        let mut modes = self.modes.map(|mode| match mode {
-            Mode::Stick => Mode::Slip(Side::Below),
-            slip => slip,
-        });
-        (modes[i], modes[j]) = (Mode::Stick, Mode::Stick);
-        let joint = Joint::new(self.system, &modes);
+        let joint = self.corners_of(&[i, j]);
         let corner = |above: [bool; 2]| {
             joint.corner(|place| above[place], self.at.t, components(&self.at.x))
         };

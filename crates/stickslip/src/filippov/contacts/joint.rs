@@ -92,7 +92,7 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
         joint
     }
 
-    /// The same with static friction at these contacts as well.
+    /// The same with static friction at these contacts and no others.
     pub(super) fn with_static_friction_at(mut self, contacts: &[bool; M]) -> Self {
         self.at_rest = *contacts;
         self

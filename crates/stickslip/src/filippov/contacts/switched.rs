@@ -1,6 +1,6 @@
 //! A system of several contacts as a switched system.
 
-use super::decision::{Decision, ULPS};
+use super::decision::Decision;
 use super::joint::{Joint, gradients};
 use super::{Contacts, Several};
 use crate::error::{Error, Point};
@@ -12,7 +12,7 @@ use crate::filippov::options::Options;
 use crate::filippov::run::Run;
 use crate::filippov::switch::kind;
 use crate::filippov::switched::{Next, Switch, Switched, UseFlow};
-use crate::filippov::uncertainty::uncertainty;
+use crate::filippov::uncertainty::{ULPS, uncertainties};
 use crate::ode::Timed;
 use crate::system::{Mode, Side, State, components};
 
@@ -139,9 +139,9 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
     }
 
     fn is_one_at_a_time(at: &Transition<N, [Mode; M]>) -> bool {
-        let others = (0..M).filter(|&i| i != at.contact && at.from[i] != at.to[i]);
+        let mut others = (0..M).filter(|&i| i != at.contact && at.from[i] != at.to[i]);
         // What lets another go happens at this contact; what another does at zero of its own is a second event at the same time.
-        others.into_iter().all(|i| at.from[i] == Mode::Stick)
+        others.all(|i| at.from[i] == Mode::Stick)
     }
 
     fn contact_of(guard: usize) -> usize {
@@ -184,10 +184,11 @@ impl<S> Several<S> {
         let joint = Joint::new(&self.0, modes);
         let Timed { t, x } = run.at;
         let jets: [_; M] = joint.jets(t, &x);
+        let blurs: [_; M] = uncertainties(&joint, &run.at, &run.options.tolerance());
         std::array::from_fn(|i| match modes[i] {
             Mode::Stick => true,
             Mode::Slip(_) => {
-                let blur = uncertainty(&joint, i, &run.at, &run.options.tolerance());
+                let blur = blurs[i];
                 let [h, rate, ..] = jets[i];
                 // The time is known to rounding, and with it what the rate makes of that.
                 let drift = ULPS * f64::EPSILON * rate.abs() * t.abs();

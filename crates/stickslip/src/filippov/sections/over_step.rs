@@ -6,11 +6,9 @@ use crate::filippov::flow::Flow;
 use crate::filippov::observer::StepRecord;
 use crate::filippov::options::Method;
 use crate::filippov::switched::{Switched, UseFlow, Velocity, gradient};
+use crate::filippov::uncertainty::ULPS;
 use crate::ode::{Dop853, Rk4, RungeKutta, Timed, stages};
 use crate::system::{State, components};
-
-/// Units in the last place by which rounding is taken to blur state and time.
-const ULPS: f64 = 64.0;
 
 /// An event function over a step; `s` is the part of the step, 0 at its start and 1 at its end.
 pub(super) struct OverStep<'a, S, V, K, const N: usize> {

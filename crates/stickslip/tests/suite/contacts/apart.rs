@@ -57,6 +57,14 @@ fn each_goes_on_as_alone(options: &Options, allowed: f64) {
             .collect();
         assert_eq!(own.len(), alone.transitions.len());
         assert!(own.len() > 8);
+        let sticks = together.sticks_of(i);
+        assert_eq!(sticks.len(), alone.sticks().count());
+        for (stick, alone) in sticks.iter().zip(alone.sticks()) {
+            assert!(
+                (stick.0 - alone.t_start).abs() < allowed
+                    && (stick.1 - alone.t_end).abs() < allowed
+            );
+        }
         for (own, alone) in own.iter().zip(&alone.transitions) {
             assert_eq!(
                 (own.kind, own.from[i], own.to[i]),

@@ -1,6 +1,6 @@
 //! What is no problem of contacts is an error that says why.
 
-use stickslip::{Contacts, Ending, Error, Options, Scalar, Several, Side, solve};
+use stickslip::{Contacts, Ending, Error, Method, Options, Scalar, Several, Side, solve};
 
 use super::references::stacked;
 
@@ -15,6 +15,8 @@ enum Case {
     Flat,
     /// The second boundary function is not a number.
     Undefined,
+    /// The second boundary function is a number up to where the orbit takes it, and no further.
+    Ends,
     /// Friction drives the second apart.
     Repels,
     /// What holds one contact also brakes the other.
@@ -39,6 +41,7 @@ impl Contacts<2, 2> for Odd {
             Case::Coincide => x[0] * 2.0,
             Case::Flat => x[1] * x[1],
             Case::Undefined => x[1].ln(),
+            Case::Ends => x[1].sqrt() + 1.0,
             Case::Repels | Case::HoldsAll | Case::Refused => x[1],
         };
         [x[0], second]
@@ -94,6 +97,21 @@ fn what_is_no_contact_is_told() {
         error(Case::Repels, [1.0, f64::NAN]),
         Error::StartOutsideDomain { .. }
     ));
+}
+
+#[test]
+fn a_boundary_that_ends_on_the_way_ends_the_run_there() {
+    for options in [
+        Options::tol(1e-10),
+        Options::tol(1e-10).method(Method::Taylor),
+    ] {
+        let system = Several(Odd(Case::Ends));
+        let failure = solve(&system, 0.0, [1.5, 0.5], 1.0, &options).unwrap_err();
+        let Error::StepCollapse { ref x, .. } = failure.error else {
+            panic!("{}", failure.error);
+        };
+        assert!(x.0[1].abs() < 1e-8 && (x.0[0] - 1.0).abs() < 1e-8, "{x}");
+    }
 }
 
 #[test]

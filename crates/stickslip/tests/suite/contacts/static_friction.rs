@@ -1,6 +1,6 @@
 //! More friction at rest than in slip at two contacts, one on the other: against a scan of the same equations in steps of 1e-5.
 
-use stickslip::{Method, Mode, Options, Several, Side, TransitionKind, math, solve};
+use stickslip::{Method, Mode, Options, Several, Side, math, solve};
 
 use super::references::stacked;
 use super::rig::Rig;
@@ -181,12 +181,5 @@ fn static_friction_at_two_contacts_agrees_with_a_scan() {
                 "{found:?} {expected:?}"
             );
         }
-        // Slip leaves across: the rate of the contact that gives way is not zero.
-        assert!(
-            orbit
-                .transitions
-                .iter()
-                .any(|at| at.kind == TransitionKind::StickExit)
-        );
     }
 }
