@@ -9,6 +9,7 @@ pub mod readings;
 pub mod report;
 pub mod spectrum_cli;
 mod terminal;
+mod turns;
 
 /// The README's example is compiled and run with the documentation's.
 #[cfg(doctest)]

@@ -4,6 +4,7 @@ use std::ops::ControlFlow;
 
 use super::plan::{DT, Group, Integrator, Plan};
 use super::scheme;
+use crate::turns::Turns;
 use stickslip::analysis::motion::{Class, Criterion, Evidence, Of};
 use stickslip::analysis::{Exponent, SpectrumOptions, lyapunov_spectrum_watched};
 use stickslip::error::Error;
@@ -18,10 +19,6 @@ type X = State<4>;
 pub const BOUND: f64 = 1e3;
 /// Orbits that take more steps of the exact solver are given up.
 pub const MOST_STEPS: usize = 2_000_000;
-/// Parts of a step in which a zero of the velocity is looked for.
-const PARTS: usize = 4;
-/// Halvings that locate it.
-const HALVINGS: usize = 40;
 
 /// The series and the returns to `x₂ = 0` from above.
 #[derive(Clone, Debug, Default)]
@@ -65,7 +62,7 @@ fn exact(system: &BlockAndBracket, start: X, plan: &Plan) -> Outcome {
         .at_repelling(AtRepelling::GoBelow);
     let t_end = plan.from + plan.duration();
     // The spectrum tells nothing of its transient: whether the orbit can be followed at all is found out without it.
-    let mut alone = Watch::new(plan);
+    let mut alone = Watch::new(system, &options, plan);
     let stayed = run(system, 0.0, start, t_end, &options, &mut alone);
     match stayed.map_err(Error::from) {
         Ok(summary) if summary.ending == Ending::EndTime => {}
@@ -74,14 +71,14 @@ fn exact(system: &BlockAndBracket, start: X, plan: &Plan) -> Outcome {
         Err(_) => return Outcome::Failed,
     }
     let settings = SpectrumOptions::over(plan.from, plan.duration()).solver(options);
-    let mut watch = Watch::new(plan);
+    let mut watch = Watch::new(system, &options, plan);
     let spectrum = lyapunov_spectrum_watched(system, (0.0, start), &settings, &mut watch);
     match spectrum {
         Ok(spectrum) if spectrum.summary.ending == Ending::EndTime => {
-            bounded(watch.kept, &spectrum.exponents, spectrum.duration)
+            bounded(watch.kept(), &spectrum.exponents, spectrum.duration)
         }
         // An orbit whose tangent vectors cannot be followed still has a series and a section.
-        _ => bounded(alone.kept, &[], plan.duration()),
+        _ => bounded(alone.kept(), &[], plan.duration()),
     }
 }
 
@@ -91,22 +88,23 @@ fn bounded(kept: Trajectory, exponents: &[Exponent], duration: f64) -> Outcome {
     Outcome::Bounded(kept.series, evidence.class())
 }
 
-struct Watch {
+struct Watch<'a> {
     from: f64,
     points: usize,
     steps: usize,
-    kept: Trajectory,
+    series: Vec<[f64; 4]>,
+    turns: Turns<'a>,
 }
 
-impl Observer<4> for Watch {
+impl Observer<4> for Watch<'_> {
     fn step(&mut self, step: &StepRecord<4>) -> ControlFlow<()> {
         self.steps += 1;
         if self.steps > MOST_STEPS {
             return ControlFlow::Break(());
         }
-        while self.kept.series.len() < self.points {
+        while self.series.len() < self.points {
             // A quotient, not a sum of steps: the last of them is the end itself.
-            let due = self.from + self.kept.series.len() as f64 / (1.0 / DT);
+            let due = self.from + self.series.len() as f64 / (1.0 / DT);
             if due > step.t_end {
                 break;
             }
@@ -115,48 +113,30 @@ impl Observer<4> for Watch {
             } else {
                 step.dense.at_time(due)
             };
-            self.kept.series.push(x.into());
+            self.series.push(x.into());
         }
         if step.t_start >= self.from {
-            self.look_for_returns(step);
+            self.turns.step(step);
         }
         ControlFlow::Continue(())
     }
 }
 
-impl Watch {
-    fn new(plan: &Plan) -> Self {
+impl<'a> Watch<'a> {
+    fn new(system: &'a BlockAndBracket, options: &Options, plan: &Plan) -> Self {
         Watch {
             from: plan.from,
             points: plan.points,
             steps: 0,
-            kept: Trajectory::default(),
+            series: Vec::new(),
+            turns: Turns::new(system, options),
         }
     }
 
-    fn look_for_returns(&mut self, step: &StepRecord<4>) {
-        let length = step.t_end - step.t_start;
-        let time = |k: usize| step.t_start + length * k as f64 / PARTS as f64;
-        let mut left = step.x_start[1];
-        for k in 0..PARTS {
-            let right = if k + 1 == PARTS {
-                step.x_end[1]
-            } else {
-                step.dense.at_time(time(k + 1))[1]
-            };
-            if left > 0.0 && right <= 0.0 {
-                let (mut a, mut b) = (time(k), time(k + 1));
-                for _ in 0..HALVINGS {
-                    let middle = 0.5 * (a + b);
-                    if step.dense.at_time(middle)[1] > 0.0 {
-                        a = middle;
-                    } else {
-                        b = middle;
-                    }
-                }
-                self.kept.section.push((b, step.dense.at_time(b).into()));
-            }
-            left = right;
+    fn kept(self) -> Trajectory {
+        Trajectory {
+            series: self.series,
+            section: self.turns.points,
         }
     }
 }

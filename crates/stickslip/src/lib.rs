@@ -92,7 +92,8 @@
 //!
 //! # Sections and events
 //! Functions of your own ([`EventFunctions`]) have their zeros located as the solver's are, by slip and by stick, with a direction, and the run
-//! may end there: [`solve_with_events`] keeps them beside the orbit, and [`Watched`] tells them in order of time among the transitions.
+//! may end there: [`solve_with_events`] keeps them beside the orbit, [`Watched`] tells them in order of time among the transitions, and
+//! [`EventSearch`] finds them for an [`Observer`].
 //! Of one function [`analysis::PoincareMap`] makes a system of discrete time, with the map's derivative:
 //!
 //! ```
@@ -186,10 +187,10 @@ pub use nalgebra;
 
 pub use error::Error;
 pub use filippov::{
-    Approach, AtRepelling, Contacts, Direction, EventFunctions, EventRecord, Failure, Fate,
-    Happening, Integration, Locator, Method, Observer, Options, OrbitWithEvents, Phase, Plane,
-    Progress, Several, Start, StepRecord, Summary, Switched, Transition, TransitionKind, TwoFold,
-    Watched, ensemble, fate, run, solve, solve_with_events,
+    Approach, AtRepelling, Contacts, Direction, EventFunctions, EventRecord, EventSearch, Failure,
+    Fate, Happening, Integration, Locator, Method, Observer, Options, OrbitWithEvents, Phase,
+    Plane, Progress, Several, Start, StepRecord, Summary, Switched, Transition, TransitionKind,
+    TwoFold, Watched, ensemble, fate, run, solve, solve_with_events,
 };
 pub use orbit::{Counters, Ending, Orbit};
 pub use scalar::Scalar;

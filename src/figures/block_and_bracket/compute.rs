@@ -136,11 +136,11 @@ fn measure(
     solver: Options,
 ) -> Result<(Measured, Watched), Error> {
     let settings = SpectrumOptions::over(START, END - START).solver(solver);
-    let mut watch = Watch::new(model, set.shown);
+    let mut watch = Watch::new(model, &settings.solver, set.shown);
     let start = (0.0, State::from(set.caption.start));
     let spectrum = lyapunov_spectrum_watched(model, start, &settings, &mut watch)?;
     let evidence = Evidence::gather(
-        &watch.section,
+        &watch.turns.points,
         (Of::Flow, &spectrum.exponents, spectrum.duration),
         &Criterion::default(),
     );
@@ -153,7 +153,7 @@ fn measure(
     };
     let watched = Watched {
         series: watch.series,
-        section: watch.section,
+        section: watch.turns.points,
         curve: watch.curve,
     };
     Ok((measured, watched))

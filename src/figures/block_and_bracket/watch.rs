@@ -3,13 +3,14 @@
 use std::ops::ControlFlow;
 
 use super::compute::{DT, END, START};
-use stickslip::filippov::{Observer, StepRecord, Transition, TransitionKind};
+use crate::turns::Turns;
+use stickslip::filippov::{Observer, Options, StepRecord, Transition, TransitionKind};
 use stickslip::models::BlockAndBracket;
 use stickslip::system::State;
 
-/// Parts a step is cut into to look for turning points and for the least normal force.
+/// Parts a step is cut into to look for the least normal force.
 const PARTS: u32 = 8;
-/// Halvings or narrowings that a place within a part takes.
+/// Narrowings that a place within a part takes.
 const REFINEMENTS: u32 = 60;
 /// Golden ratio less one: what a golden-section search keeps of its interval.
 const KEPT: f64 = 0.618_033_988_749_894_9;
@@ -17,15 +18,14 @@ const KEPT: f64 = 0.618_033_988_749_894_9;
 const DRAWN: u32 = 10;
 
 /// The sampled series, the section, the least normal force and the part of the orbit that is drawn.
-#[derive(Clone, Debug)]
 pub(super) struct Watch<'a> {
     model: &'a BlockAndBracket,
     /// Drawn from here on.
     drawn_from: f64,
     /// States at `START + k·DT`.
     pub(super) series: Vec<[f64; 4]>,
-    /// Times and states where the block turns back: `x₂` falls through zero.
-    pub(super) section: Vec<(f64, [f64; 4])>,
+    /// Where the block turns back.
+    pub(super) turns: Turns<'a>,
     /// Least normal force, unclipped, in units of `mg`.
     pub(super) least_force: f64,
     /// Losses of contact.
@@ -35,12 +35,12 @@ pub(super) struct Watch<'a> {
 }
 
 impl<'a> Watch<'a> {
-    pub(super) fn new(model: &'a BlockAndBracket, shown: f64) -> Self {
+    pub(super) fn new(model: &'a BlockAndBracket, options: &Options, shown: f64) -> Self {
         Self {
             model,
             drawn_from: END - shown,
             series: Vec::new(),
-            section: Vec::new(),
+            turns: Turns::new(model, options),
             least_force: f64::INFINITY,
             losses: 0,
             curve: Vec::new(),
@@ -61,19 +61,6 @@ impl<'a> Watch<'a> {
             };
             self.series.push(x.into());
         }
-    }
-
-    /// A part of the step in which the block turns back.
-    fn turn(&mut self, step: &StepRecord<4>, mut before: f64, mut after: f64) {
-        for _ in 0..REFINEMENTS {
-            let middle = 0.5 * (before + after);
-            if step.dense.at_time(middle)[1] > 0.0 {
-                before = middle;
-            } else {
-                after = middle;
-            }
-        }
-        self.section.push((after, step.dense.at_time(after).into()));
     }
 
     /// Golden-section search for the least normal force between two times.
@@ -103,23 +90,16 @@ impl<'a> Watch<'a> {
         let at = |k: u32| step.t_start + span * f64::from(k) / f64::from(PARTS);
         let state = |k: u32| -> State<4> {
             match k {
-                0 => step.x_start,
                 PARTS => step.x_end,
                 _ => step.dense.at_time(at(k)),
             }
         };
-        let mut before = state(0);
         for k in 1..=PARTS {
-            let after = state(k);
-            if before[1] > 0.0 && after[1] <= 0.0 {
-                self.turn(step, at(k - 1), at(k));
-            }
-            let force = self.model.unclipped_normal_force(after.as_ref());
+            let force = self.model.unclipped_normal_force(state(k).as_ref());
             if force < self.least_force {
                 let within = self.least(step, at(k - 1), at((k + 1).min(PARTS)));
                 self.least_force = force.min(within);
             }
-            before = after;
         }
     }
 
@@ -136,6 +116,7 @@ impl<'a> Watch<'a> {
 impl Observer<4> for Watch<'_> {
     fn step(&mut self, step: &StepRecord<4>) -> ControlFlow<()> {
         self.sample(step);
+        self.turns.step(step);
         self.scan(step);
         if step.t_start >= self.drawn_from {
             self.draw(step);

@@ -1,12 +1,12 @@
 //! Misprints of the captions of Figs. 10–12, and what of the motion depends on them.
 
-use crate::bisection::bisect;
 use std::ops::ControlFlow;
 
 use rayon::prelude::*;
 
 use super::{Erratum, Shown, erratum, number, word};
 use crate::report::evidence::EvidenceError;
+use crate::turns::Turns;
 use stickslip::analysis::motion::{Class, Criterion, Evidence, Of};
 use stickslip::error::Error;
 use stickslip::filippov::{Observer, Options, StepRecord, run};
@@ -25,24 +25,13 @@ pub(super) fn errata() -> Result<Vec<Erratum>, EvidenceError> {
     Ok(vec![order_of_captions()?, caption_of_fig10()?])
 }
 
-/// Section points of an orbit: where the block turns back.
-struct Turns(Vec<(f64, [f64; 4])>);
+/// The section of an orbit within the window.
+struct Watch<'a>(Turns<'a>);
 
-impl Observer<4> for Turns {
+impl Observer<4> for Watch<'_> {
     fn step(&mut self, step: &StepRecord<4>) -> ControlFlow<()> {
-        const PARTS: u32 = 8;
-        if step.t_start < WINDOW.0 {
-            return ControlFlow::Continue(());
-        }
-        let at =
-            |k: u32| step.t_start + (step.t_end - step.t_start) * f64::from(k) / f64::from(PARTS);
-        for k in 1..=PARTS {
-            let (before, after) = (at(k - 1), at(k));
-            let speed = |t: f64| step.dense.at_time(t)[1];
-            if speed(before) > 0.0 && speed(after) <= 0.0 {
-                let turned = bisect(before, after, |t| speed(t) <= 0.0);
-                self.0.push((turned, step.dense.at_time(turned).into()));
-            }
+        if step.t_start >= WINDOW.0 {
+            self.0.step(step);
         }
         ControlFlow::Continue(())
     }
@@ -64,15 +53,15 @@ enum Outcome {
 fn outcome(caption: &Caption, reading: &Reading) -> Result<Outcome, Error> {
     let model = BlockAndBracket::from_caption(caption, reading)?;
     let options = Options::tol(TOLERANCE).escape(DIVERGED);
-    let mut turns = Turns(Vec::new());
+    let mut watch = Watch(Turns::new(&model, &options));
     let start = State::from(caption.start);
-    let run = run(&model, 0.0, start, WINDOW.1, &options, &mut turns);
+    let run = run(&model, 0.0, start, WINDOW.1, &options, &mut watch);
     match run.map_err(Error::from) {
         Ok(_) => {}
         Err(Error::Escaped { t, .. }) => return Ok(Outcome::Diverges(t)),
         Err(error) => return Err(error),
     }
-    let section = turns.0;
+    let section = watch.0.points;
     let evidence = Evidence::gather(
         &section,
         (Of::Flow, &[], WINDOW.1 - WINDOW.0),

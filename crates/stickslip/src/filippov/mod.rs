@@ -38,8 +38,8 @@ pub(crate) use rules::LieDerivatives;
 pub use rules::{Fate, Visibility, fate};
 pub use scan::first_zero;
 pub use sections::{
-    Direction, EventFunctions, EventRecord, Happening, OrbitWithEvents, Plane, Watched,
-    solve_with_events,
+    Direction, EventFunctions, EventRecord, EventSearch, Happening, OrbitWithEvents, Plane,
+    Watched, solve_with_events,
 };
 pub(crate) use solve::tell;
 pub use solve::{Failure, Summary, run, solve};

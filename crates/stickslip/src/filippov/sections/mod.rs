@@ -3,6 +3,7 @@
 mod crossings;
 mod over_step;
 mod plane;
+mod search;
 mod solve;
 mod watched;
 
@@ -10,6 +11,7 @@ use crate::scalar::Scalar;
 use crate::system::{Mode, State};
 
 pub use plane::Plane;
+pub use search::EventSearch;
 pub use solve::{OrbitWithEvents, solve_with_events};
 pub use watched::{Happening, Watched};
 

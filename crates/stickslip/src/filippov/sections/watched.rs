@@ -1,15 +1,13 @@
 //! An integration whose steps are searched for the user's own events.
 
-use super::crossings::Crossings;
-use super::over_step::OverStep;
-use super::{EventFunctions, EventRecord};
+use super::{EventFunctions, EventRecord, EventSearch};
 use crate::error::Error;
 use crate::filippov::flow::GUARDS;
 use crate::filippov::integration::{Integration, Progress};
 use crate::filippov::observer::StepRecord;
 use crate::filippov::switched::Switched;
 use crate::ode::Timed;
-use crate::system::{Mode, State};
+use crate::system::Mode;
 
 /// What happened in an integration that is watched; see [`Watched::step`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,13 +51,10 @@ pub struct Watched<
     const G: usize = GUARDS,
 > {
     integration: Integration<'a, S, N, G>,
+    search: EventSearch<'a, S, V, N, E, G>,
     events: &'a V,
-    /// Sign that each function has had last; 0 where that is not known yet.
-    sides: [f64; E],
-    /// How large the components of the state have been lately.
-    size: State<N>,
-    /// What is to be told of the last step, the latest first.
-    due: Vec<EventRecord<N, S::Mode>>,
+    /// How many events of the last step have been told.
+    told: usize,
     /// Whether a terminal event ends the run.
     may_end: bool,
 }
@@ -72,11 +67,10 @@ where
     /// Watches `integration` from where it stands.
     pub fn new(integration: Integration<'a, S, N, G>, events: &'a V) -> Self {
         Watched {
-            size: integration.x().abs(),
+            search: EventSearch::new(integration.system, events, &integration.run.options),
             integration,
             events,
-            sides: [0.0; E],
-            due: Vec::new(),
+            told: 0,
             may_end: true,
         }
     }
@@ -96,60 +90,26 @@ where
     /// Those of [`Integration::step`].
     #[inline]
     pub fn step(&mut self) -> Result<Happening<N, S::Mode>, Error> {
-        if let Some(event) = self.due.pop() {
-            return Ok(Happening::Event(event));
+        if let Some(event) = self.search.found.get(self.told) {
+            self.told += 1;
+            return Ok(Happening::Event(*event));
         }
         let progress = self.integration.step()?;
         if let Progress::Step = progress {
-            self.search();
+            self.search.in_step(&self.integration.last_step());
+            self.told = 0;
+            self.end_at_terminal();
         }
         Ok(Happening::Progress(progress))
     }
 
-    /// Searches the last step.
-    fn search(&mut self) {
-        let step = self.integration.last_step();
-        // A step of no length holds nothing that the next one does not.
-        if step.t_end <= step.t_start {
-            return;
-        }
-        for i in 0..N {
-            let now = f64::max(step.x_start[i].abs(), step.x_end[i].abs());
-            self.size[i] = now.max(0.5 * self.size[i]);
-        }
-        let due = &mut self.due;
-        for number in 0..E {
-            let asked = self.events.direction(number);
-            let over = OverStep {
-                system: self.integration.system,
-                events: self.events,
-                number,
-                step: &step,
-                method: self.integration.run.options.method,
-                size: &self.size,
-            };
-            let side = self.sides[number];
-            let mut crossings = Crossings::<S, V, _, N, G, E> { over, side };
-            crossings.each(&mut |place, direction| {
-                if asked.includes(direction) {
-                    due.push(EventRecord {
-                        number,
-                        t: place.at.t,
-                        x: place.at.x,
-                        mode: step.mode,
-                        direction,
-                        rate: place.rate,
-                    });
-                }
-            });
-            self.sides[number] = crossings.side;
-        }
-        due.sort_by(|one, other| (other.t.total_cmp(&one.t)).then(other.number.cmp(&one.number)));
-        let (may_end, events) = (self.may_end, self.events);
-        let terminal = |event: &EventRecord<N, _>| may_end && events.is_terminal(event.number);
-        if let Some(first) = due.iter().rposition(terminal) {
-            due.drain(..first);
-            let (t, x) = (due[0].t, due[0].x);
+    fn end_at_terminal(&mut self) {
+        let found = &mut self.search.found;
+        let terminal =
+            |event: &EventRecord<N, _>| self.may_end && self.events.is_terminal(event.number);
+        if let Some(first) = found.iter().position(terminal) {
+            found.truncate(first + 1);
+            let (t, x) = (found[first].t, found[first].x);
             self.integration.stop_at(Timed { t, x });
         }
     }

@@ -1,0 +1,117 @@
+//! The search for the user's own events, a step at a time.
+
+use super::crossings::Crossings;
+use super::over_step::OverStep;
+use super::{EventFunctions, EventRecord};
+use crate::filippov::flow::GUARDS;
+use crate::filippov::observer::StepRecord;
+use crate::filippov::options::{Method, Options};
+use crate::filippov::switched::Switched;
+use crate::system::State;
+
+/// The search for the zeros of the user's functions in the steps of a run that something else drives: an [`crate::Observer`] keeps one
+/// and gives it every step it is told of. Who drives the run has [`crate::Watched`].
+///
+/// ```
+/// use std::ops::ControlFlow;
+/// use stickslip::analysis::{SpectrumOptions, lyapunov_spectrum_watched};
+/// use stickslip::{Direction, EventSearch, Observer, Options, Plane, StepRecord, models::BeltOscillator};
+///
+/// /// Returns to a section, counted while exponents are measured.
+/// struct Returns<'a>(EventSearch<'a, BeltOscillator, Plane<2>, 2, 1>, usize);
+/// impl Observer<2> for Returns<'_> {
+///     fn step(&mut self, step: &StepRecord<2>) -> ControlFlow<()> {
+///         self.1 += self.0.in_step(step).len();
+///         ControlFlow::Continue(())
+///     }
+/// }
+///
+/// let belt = BeltOscillator { belt_speed: 0.2, ..BeltOscillator::default() };
+/// let section = Plane { point: [0.0, 0.0].into(), normal: [1.0, 0.0].into(), direction: Direction::Rising };
+/// let settings = SpectrumOptions::over(50.0, 500.0);
+/// let mut returns = Returns(EventSearch::new(&belt, &section, &settings.solver), 0);
+/// lyapunov_spectrum_watched(&belt, (0.0, [0.5, 0.1]), &settings, &mut returns)?;
+/// assert!(returns.1 > 10);
+/// # Ok::<(), stickslip::Error>(())
+/// ```
+pub struct EventSearch<
+    'a,
+    S: Switched<N, G>,
+    V,
+    const N: usize,
+    const E: usize,
+    const G: usize = GUARDS,
+> {
+    system: &'a S,
+    events: &'a V,
+    method: Method,
+    /// Sign that each function has had last; 0 where that is not known yet.
+    sides: [f64; E],
+    /// How large the components of the state have been lately.
+    size: State<N>,
+    pub(super) found: Vec<EventRecord<N, S::Mode>>,
+}
+
+impl<'a, S, V, const N: usize, const E: usize, const G: usize> EventSearch<'a, S, V, N, E, G>
+where
+    S: Switched<N, G>,
+    V: EventFunctions<N, E>,
+{
+    /// A search through the steps that `system` makes with `options`, all of one run and in order.
+    pub fn new(system: &'a S, events: &'a V, options: &Options) -> Self {
+        EventSearch {
+            system,
+            events,
+            method: options.method,
+            sides: [0.0; E],
+            size: State::zeros(),
+            found: Vec::new(),
+        }
+    }
+
+    /// The events in the next step of the run, in order of time. Whether one of them is terminal plays no part.
+    #[inline]
+    pub fn in_step(&mut self, step: &StepRecord<N, S::Mode>) -> &[EventRecord<N, S::Mode>] {
+        self.found.clear();
+        // A step of no length holds nothing that the next one does not.
+        if step.t_end > step.t_start {
+            self.search(step);
+        }
+        &self.found
+    }
+
+    fn search(&mut self, step: &StepRecord<N, S::Mode>) {
+        for i in 0..N {
+            let now = f64::max(step.x_start[i].abs(), step.x_end[i].abs());
+            self.size[i] = now.max(0.5 * self.size[i]);
+        }
+        let found = &mut self.found;
+        for number in 0..E {
+            let asked = self.events.direction(number);
+            let over = OverStep {
+                system: self.system,
+                events: self.events,
+                number,
+                step,
+                method: self.method,
+                size: &self.size,
+            };
+            let side = self.sides[number];
+            let mut crossings = Crossings::<S, V, _, N, G, E> { over, side };
+            crossings.each(&mut |place, direction| {
+                if asked.includes(direction) {
+                    found.push(EventRecord {
+                        number,
+                        t: place.at.t,
+                        x: place.at.x,
+                        mode: step.mode,
+                        direction,
+                        rate: place.rate,
+                    });
+                }
+            });
+            self.sides[number] = crossings.side;
+        }
+        found.sort_by(|one, other| (one.t.total_cmp(&other.t)).then(one.number.cmp(&other.number)));
+    }
+}

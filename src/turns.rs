@@ -1,0 +1,43 @@
+//! The section of Figs. 10–12: where the block turns back.
+
+use stickslip::filippov::{Direction, EventFunctions, EventSearch, Options, StepRecord};
+use stickslip::models::BlockAndBracket;
+use stickslip::scalar::Scalar;
+
+/// The block's velocity falls through zero.
+struct Turning;
+
+impl EventFunctions<4, 1> for Turning {
+    #[inline(always)]
+    fn values<T: Scalar>(&self, _t: T, x: &[T; 4]) -> [T; 1] {
+        [x[1]]
+    }
+
+    fn direction(&self, _number: usize) -> Direction {
+        Direction::Falling
+    }
+}
+
+/// The returns of an orbit to the section.
+pub(crate) struct Turns<'a> {
+    search: EventSearch<'a, BlockAndBracket, Turning, 4, 1>,
+    /// Times and states.
+    pub(crate) points: Vec<(f64, [f64; 4])>,
+}
+
+impl<'a> Turns<'a> {
+    /// None yet, of a run with these options.
+    pub(crate) fn new(model: &'a BlockAndBracket, options: &Options) -> Self {
+        Turns {
+            search: EventSearch::new(model, &Turning, options),
+            points: Vec::new(),
+        }
+    }
+
+    /// Looks for returns in the next step of the run.
+    pub(crate) fn step(&mut self, step: &StepRecord<4>) {
+        let found = self.search.in_step(step);
+        self.points
+            .extend(found.iter().map(|at| (at.t, at.x.into())));
+    }
+}
