@@ -31,9 +31,9 @@ pub enum Method {
 /// How an event inside a step is located.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Locator {
-    /// A step to where the dense output has the event, then one Hénon step over the small rest; near grazing, where
-    /// the swapped slope is nearly singular, [`Locator::RootSearch`]. Accurate to the order of the method, lands on
-    /// Σ to a few units in the last place.
+    /// A step to where the dense output has the event, then one Hénon step over the small rest (of order 4 where that is less
+    /// than a thousandth of the step); near grazing, where the swapped slope is nearly
+    /// singular, [`Locator::RootSearch`]. Accurate to the order of the method, lands on Σ to a few units in the last place.
     #[default]
     Auto,
     /// The paper's way: one Hénon step from the start of the integration step that crosses, and further ones while a curved Σ

@@ -343,6 +343,7 @@ impl<const N: usize, const G: usize> Run<N, G> {
             } else {
                 f64::INFINITY
             },
+            rounding: blur.of_one_unit(),
         }
     }
 }

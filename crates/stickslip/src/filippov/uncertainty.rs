@@ -13,6 +13,13 @@ pub(crate) struct Uncertainty {
     pub by_rounding: f64,
 }
 
+impl Uncertainty {
+    /// What one unit in the last place of state and time makes.
+    pub(crate) fn of_one_unit(&self) -> f64 {
+        self.by_rounding / ULPS
+    }
+}
+
 /// Units in the last place by which rounding is taken to blur state and time.
 pub(crate) const ULPS: f64 = 64.0;
 

@@ -42,6 +42,8 @@ pub(crate) struct Limits {
     pub touch: f64,
     /// A Hénon step over a whole step and an ordinary one may differ by this much in the guard.
     pub mismatch: f64,
+    /// What a guard that is zero may be off by: a unit in the last place of state and time.
+    pub rounding: f64,
 }
 
 /// A guard over a Runge–Kutta step: its values on the dense output, its probes on steps made again.
@@ -120,10 +122,10 @@ impl<M: RungeKutta, F: Flow<N>, const N: usize> OnDense<'_, M, F, N> {
     ) -> Option<Event<N>> {
         let touch = limits.touch;
         let found = match locator {
-            Locator::Auto => self.polish(self.probe(estimate)),
+            Locator::Auto => self.polish(self.probe(estimate), limits.rounding),
             Locator::Henon => {
                 let (t, x) = (self.origin.t, self.origin.x);
-                self.whole_henon_step(self.look(Timed { t, x }), limits.mismatch)
+                self.whole_henon_step(self.look(Timed { t, x }), &limits)
             }
             Locator::RootSearch => None,
         };
