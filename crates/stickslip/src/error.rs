@@ -160,7 +160,7 @@ pub enum Error {
     /// More contacts stand at zero together than can be tried in all combinations, and their friction is not of the kind that has one
     /// solution.
     #[error(
-        "contacts {contacts:?} stand at zero together at t = {t}, x = {x}: more than eight whose friction is coupled otherwise than Coulomb's are too many to try; move their boundaries apart, or write their friction without coupling"
+        "contacts {contacts:?} stand at zero together at t = {t}, x = {x}: more than eight are too many to try where friction at one does not resist all of them as Coulomb's does; move their boundaries apart, or write their friction without coupling"
     )]
     TooManyContacts {
         /// Time.
@@ -258,9 +258,9 @@ pub enum Error {
         /// How far it went.
         span: f64,
     },
-    /// The orbit came to a part of Σ that repels, so what should be measured along it has no continuation.
+    /// The orbit came to a part of Σ that repels, or to a two-fold, so what should be measured along it has no continuation.
     #[error(
-        "the orbit has no unique future after t = {t}, x = {x}: both fields lead away from the boundary; choose one with `at_repelling`, or start elsewhere"
+        "the orbit has no unique future after t = {t}, x = {x}: both fields lead away from the boundary, or both are tangent to it (a two-fold); choose one with `at_repelling`, or start elsewhere"
     )]
     NoUniqueFuture {
         /// Time.

@@ -91,7 +91,7 @@
 //! ```
 //!
 //! # Sections and events
-//! Functions of your own ([`EventFunctions`]) have their zeros located as the solver's are, by slip and by stick, with a direction, and the run
+//! Functions of your own ([`EventFunctions`]) have their zeros found on every step's dense output and located on the step itself, by slip and by stick, with a direction, and the run
 //! may end there: [`solve_with_events`] keeps them beside the orbit, [`Watched`] tells them in order of time among the transitions, and
 //! [`EventSearch`] finds them for an [`Observer`].
 //! Of one function [`analysis::PoincareMap`] makes a system of discrete time, with the map's derivative:
@@ -133,7 +133,7 @@
 //!
 //! ```
 //! use stickslip::analysis::{Exponent, SpectrumOptions, lyapunov_spectrum};
-//! use stickslip::{models::BeltOscillator};
+//! use stickslip::models::BeltOscillator;
 //!
 //! fn main() -> Result<(), stickslip::Error> {
 //!     let belt = BeltOscillator { belt_speed: 0.2, ..BeltOscillator::default() };
@@ -146,8 +146,32 @@
 //! ```
 //!
 //! # Ensembles
-//! [`ensemble`] integrates many starts or parameters on all cores, each with the bits that it has alone; its page has an
-//! example, and so have `examples/sweep.rs` and `examples/ensemble.rs`.
+//! [`ensemble`] integrates many starts or parameters on all cores, each with the bits that it has alone, and hands back what came of them
+//! in order:
+//!
+//! ```
+//! use std::ops::ControlFlow;
+//! use stickslip::{Options, Start, ensemble, models::BeltOscillator};
+//!
+//! fn main() {
+//!     // The same start on belts of a hundred speeds.
+//!     let starts = (1..=100).map(|k| Start {
+//!         system: BeltOscillator { belt_speed: 0.02 * f64::from(k), ..BeltOscillator::default() },
+//!         t: 0.0,
+//!         x: [0.5, 0.1].into(),
+//!     });
+//!     let mut ends = Vec::new();
+//!     // Nothing is watched on the way.
+//!     ensemble(starts, 20.0, &Options::default(), |_| (), |number, (), outcome| {
+//!         match outcome {
+//!             Ok(summary) => ends.push(summary.x),
+//!             Err(failure) => println!("belt {number}: {failure}"),
+//!         }
+//!         ControlFlow::Continue(())
+//!     });
+//!     assert_eq!(ends.len(), 100);
+//! }
+//! ```
 //!
 //! # Errors
 //! Every failure is an [`Error`] with the values that explain it; [`solve`] hands back the orbit up to it:
@@ -155,13 +179,15 @@
 //! ```
 //! use stickslip::{Error, Options, models::BeltOscillator, solve};
 //!
-//! let tight = Options::default().escape(1.0);
-//! match solve(&BeltOscillator::default(), 0.0, [0.5, 0.9], 50.0, &tight) {
-//!     Err(failure) => {
-//!         assert!(matches!(failure.error, Error::Escaped { .. }));
-//!         println!("{failure}; it came to t = {}", failure.reached.t_end);
+//! fn main() {
+//!     let tight = Options::default().escape(1.0);
+//!     match solve(&BeltOscillator::default(), 0.0, [0.5, 0.9], 50.0, &tight) {
+//!         Err(failure) => {
+//!             assert!(matches!(failure.error, Error::Escaped { .. }));
+//!             println!("{failure}; it came to t = {}", failure.reached.t_end);
+//!         }
+//!         Ok(_) => unreachable!("the belt takes the block further than that"),
 //!     }
-//!     Ok(_) => unreachable!("the belt takes the block further than that"),
 //! }
 //! ```
 //!

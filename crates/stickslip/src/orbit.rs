@@ -50,7 +50,7 @@ impl Ending {
 pub struct Orbit<const N: usize, K = Mode> {
     /// Phases in order of time; a phase ends where the next begins.
     pub phases: Vec<Phase<N, K>>,
-    /// Transitions in order of time. Every change of phase has one; touches come on top.
+    /// Transitions in order of time. Every change of phase has one; most touches change none.
     pub transitions: Vec<Transition<N, K>>,
     /// The steps in order of time.
     pub steps: Vec<StepRecord<N, K>>,

@@ -34,7 +34,7 @@ const LONGEST_PATTERN: usize = 8;
 /// The escape bound in `options` decides what counts as escaping.
 ///
 /// # Errors
-/// Those of [`crate::run`] except [`Error::Escaped`]; [`Error::NoUniqueFuture`] where Σ repels.
+/// Those of [`crate::run`] except [`Error::Escaped`]; [`Error::NoUniqueFuture`] where Σ repels, and at a two-fold.
 pub fn destination<S: Switched<N, G>, const N: usize, const G: usize>(
     system: &S,
     (t0, x0): (f64, impl Into<State<N>>),

@@ -24,7 +24,8 @@ pub struct Monodromy<const N: usize> {
 /// transition contributes its saltation matrix.
 ///
 /// # Errors
-/// Those of [`crate::run`]; [`Error::TangentSingular`] where two contacts come to zero in the same instant.
+/// Those of [`crate::run`]; [`Error::NoUniqueFuture`] where Σ repels, and at a two-fold; [`Error::TangentSingular`] where the orbit grazes Σ, or
+/// two contacts come to zero in the same instant.
 pub fn monodromy<S: Switched<N, G>, const N: usize, const G: usize>(
     system: &S,
     t0: f64,

@@ -33,7 +33,7 @@ const MOST: usize = 30;
 /// `x(t + period) − x` with the monodromy matrix.
 ///
 /// # Errors
-/// Those of [`crate::run`]; [`Error::NotConverged`] when the iteration reaches neither 100 tolerances nor what rounding leaves.
+/// Those of [`crate::run`]; [`Error::NoUniqueFuture`] and [`Error::TangentSingular`] as for [`crate::analysis::monodromy`]; [`Error::NotConverged`] when the iteration reaches neither 100 tolerances nor what rounding leaves.
 pub fn periodic_orbit_forced<S: Switched<N, G>, const N: usize, const G: usize>(
     system: &S,
     t: f64,
@@ -48,7 +48,7 @@ pub fn periodic_orbit_forced<S: Switched<N, G>, const N: usize, const G: usize>(
 /// iteration for state and period together. `x` should not lie on Σ.
 ///
 /// # Errors
-/// Those of [`crate::run`]; [`Error::NotConverged`] when the iteration reaches neither 100 tolerances nor what rounding leaves.
+/// Those of [`crate::run`]; [`Error::NoUniqueFuture`] and [`Error::TangentSingular`] as for [`crate::analysis::monodromy`]; [`Error::NotConverged`] when the iteration reaches neither 100 tolerances nor what rounding leaves.
 ///
 /// ```
 /// use stickslip::{analysis::{periodic_orbit, multipliers}, models::BeltOscillator, Options};

@@ -140,7 +140,8 @@ where
     /// of a system that depends on time the derivatives of returns in a row multiply where the section fixes the time.
     ///
     /// # Errors
-    /// As [`PoincareMap::step`]; [`Error::TangentSingular`] where the orbit does not pass through the section with a rate.
+    /// As [`PoincareMap::step`]; [`Error::TangentSingular`] where the orbit does not pass through the section with a rate, which is a return
+    /// all the same and the start of the next derivative, and where the flow up to there has no derivative.
     pub fn step_with_derivative(
         &mut self,
     ) -> Result<(Return<N, S::Mode>, SMatrix<f64, N, N>), Error> {
@@ -158,10 +159,11 @@ where
         let derivative = flow - velocity * (normal.transpose() * flow) / rate;
         // An exit from stick at a tangent point passes a section that is Σ with no rate but rounding's.
         let size = in_time.abs() + normal.norm() * velocity.norm();
+        let arrived = self.arrive(&event);
         if rate.abs() <= ROUNDING * size || derivative.iter().any(|v| !v.is_finite()) {
             return Err(singular(t, &x));
         }
-        Ok((self.arrive(&event), derivative))
+        Ok((arrived, derivative))
     }
 
     /// Goes on to the next passage, with the tangent flow from here to there if it is asked for.

@@ -176,12 +176,12 @@ impl<'a, S> Tangent<'a, S> {
     where
         S: Switched<N, G>,
     {
-        if !S::is_one_at_a_time(at) {
-            return Err(singular(at.t, &at.x));
-        }
         let Some(guard) = self.system.jumps_at(at) else {
             return Ok(None);
         };
+        if !self.system.is_one_at_a_time(at) {
+            return Err(singular(at.t, &at.x));
+        }
         let branch = S::Branch::default();
         let velocity = |mode| {
             let here = Velocity(at.t, components(&at.x));

@@ -85,7 +85,8 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
     /// An integration of `system` from `(t0, x0)` to `t_end`. The start may lie anywhere: on either side, on Σ, at a tangent point.
     ///
     /// # Errors
-    /// [`Error::Option`], [`Error::Interval`], [`Error::StartOutsideDomain`] and [`Error::Escaped`].
+    /// [`Error::Option`], [`Error::Interval`], [`Error::Parameter`], [`Error::StartOutsideDomain`] and [`Error::Escaped`]; those about
+    /// friction of [`Integration::step`], if it starts on Σ.
     pub fn new(
         system: &'a S,
         t0: f64,
@@ -145,8 +146,9 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
     /// transition behind it.
     ///
     /// # Errors
-    /// [`Error::NonFinite`], [`Error::StepCollapse`], [`Error::EventPileUp`] and [`Error::Escaped`]; the integration stays where it
-    /// has come to.
+    /// [`Error::NonFinite`], [`Error::StepCollapse`], [`Error::EventPileUp`] and [`Error::Escaped`]; [`Error::StaticBelowKinetic`]; of several contacts
+    /// [`Error::NoUniqueMode`], [`Error::TooManyContacts`], [`Error::DependentContacts`], [`Error::HoldsElsewhere`] and
+    /// [`Error::NotAdditive`]. The integration stays where it has come to.
     #[inline]
     pub fn step(&mut self) -> Result<Progress<N, S::Mode>, Error> {
         loop {

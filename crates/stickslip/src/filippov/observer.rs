@@ -40,9 +40,10 @@ pub enum TransitionKind {
     Crossing,
     /// From slip to stick.
     StickEntry,
-    /// From stick to slip, at a tangent point.
+    /// From stick to slip: at a tangent point, or across Σ where static friction is more than kinetic.
     StickExit,
-    /// A contact that changes nothing: slip touches Σ, or a guard of the stick phase touches zero.
+    /// Slip touches Σ, or a guard of the stick phase touches zero, and the contact goes on as before. Of several contacts others may
+    /// change their mode there.
     Touch,
     /// The contact function ([`crate::Filippov::contact`]) falls below zero; the mode goes on.
     ContactLoss,
@@ -66,7 +67,7 @@ pub struct Transition<const N: usize, K = Mode> {
     /// Which contact it began at; 0 where there is one.
     pub contact: usize,
     /// What is left at `(t, x)` of the function whose zero was sought: of the boundary function at the end of a slip, of
-    /// the normal component at the end of a stick.
+    /// the normal component at the end of a stick; of several contacts, of `w (1 − w)` there, with `w` the share of the field above.
     pub residual: f64,
 }
 

@@ -5,7 +5,7 @@ use super::event::Event;
 use super::flow::{CONTACT, GUARDS, Slip, Stick, boundary_gradient, normal_component};
 use super::observer::{Transition, TransitionKind};
 use super::options::{AtRepelling, Options};
-use super::rules::{AtRest, Departure, Fate, Leading, LieDerivatives, Visibility, departure};
+use super::rules::{AtRest, Departure, Fate, Leading, LieDerivatives, SAME, Visibility, departure};
 use super::run::Run;
 use super::switch::{kind, next_mode};
 use super::switched::{Next, Switch, Switched, UseFlow};
@@ -160,9 +160,6 @@ impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
         mode == Mode::Stick
     }
 }
-
-/// Friction that differs by less than this part is the same.
-const SAME: f64 = 1e-12;
 
 /// Static over kinetic friction at a point of Σ, each by how far the normal components of its two fields lie apart; 1 where the fields are
 /// the same.

@@ -32,7 +32,7 @@ pub enum Method {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Locator {
     /// A step to where the dense output has the event, then one Hénon step over the small rest (of order 4 where that is less
-    /// than a thousandth of the step); near grazing, where the swapped slope is nearly
+    /// than a thousandth of the step, with [`Locator::Henon`], too); near grazing, where the swapped slope is nearly
     /// singular, [`Locator::RootSearch`]. Accurate to the order of the method, lands on Σ to a few units in the last place.
     #[default]
     Auto,

@@ -6,12 +6,15 @@
 //! side; invisible: it does not), the third at a cusp. Four cases follow, one of them with no
 //! unique continuation, which is reported and never chosen silently.
 
-use crate::dual::Dual;
+use crate::dual::{Dual, Dual3};
 
 use super::flow::{GUARDS, flow_path, normal_component};
 use super::uncertainty::ULPS;
 use crate::scalar::Scalar;
 use crate::system::{Filippov, Side, State, components};
+
+/// Friction that differs by less than this part is the same.
+pub(crate) const SAME: f64 = 1e-12;
 
 /// What a point of Σ leads to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,7 +47,7 @@ pub enum Visibility {
     Degenerate,
 }
 
-/// Lie derivatives 0 to 3 of the boundary function along one field, with the size below which each is rounding.
+/// Lie derivatives 0 to 3 of a function along one field, with the size below which each is rounding.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LieDerivatives {
     pub values: [f64; 4],
@@ -52,9 +55,7 @@ pub(crate) struct LieDerivatives {
 }
 
 impl LieDerivatives {
-    /// Of `side`'s field at `(t, x)`. The floors follow from how far the derivatives move when state and time change by a
-    /// few units in the last place, the state along the field in that time, and by `slack` in every component: a state
-    /// that should be zero is so to that much only.
+    /// Of the boundary function along `side`'s field at `(t, x)`.
     pub(crate) fn new<S: Filippov<N>, const N: usize>(
         system: &S,
         side: Side,
@@ -62,37 +63,58 @@ impl LieDerivatives {
         x: &State<N>,
         slack: f64,
     ) -> Self {
-        let mut values = [0.0; 4];
-        let (mut spread, mut shift) = ([0.0; 4], [0.0; 4]);
+        let [one] = LieDerivatives::along(t, x, slack, |t, x| {
+            let path = flow_path(t, x, |t, x| system.field(side, t, x));
+            [system.boundary(path.0, &path.1)]
+        });
+        one
+    }
+
+    /// Of functions whose values along a field `path` gives. The floors follow from how far the derivatives move when state and time
+    /// change by a few units in the last place, the state along the field in that time, and by `slack` in every component: a state
+    /// that should be zero is so to that much only.
+    pub(crate) fn along<const N: usize, const G: usize>(
+        t: f64,
+        x: &State<N>,
+        slack: f64,
+        path: impl Fn(Dual<f64>, &[Dual<f64>; N]) -> [Dual3<Dual<f64>>; G],
+    ) -> [Self; G] {
+        let mut values = [[0.0; 4]; G];
+        let (mut spread, mut shift) = ([[0.0; 4]; G], [[0.0; 4]; G]);
         // Direction N is time.
         for direction in 0..=N {
             let seed = |at: usize| f64::from(u8::from(at == direction));
             let seeded = std::array::from_fn(|i| Dual::new(x[i], seed(i)));
-            let path = flow_path(Dual::new(t, seed(N)), &seeded, |t, x| {
-                system.field(side, t, x)
-            });
-            let h = system.boundary(path.0, &path.1);
-            let jet = [h.re, h.v1, h.v2, h.v3];
-            let size = if direction < N {
-                x[direction].abs()
+            let (size, slack) = if direction < N {
+                (x[direction].abs(), slack)
             } else {
-                t.abs()
+                (t.abs(), 0.0)
             };
-            for k in 0..4 {
-                values[k] = jet[k].re;
-                spread[k] += jet[k].eps.abs() * size;
-                shift[k] += jet[k].eps.abs() * if direction < N { slack } else { 0.0 };
+            let functions = path(Dual::new(t, seed(N)), &seeded);
+            for (i, h) in functions.iter().enumerate() {
+                for (k, derivative) in [h.re, h.v1, h.v2, h.v3].into_iter().enumerate() {
+                    values[i][k] = derivative.re;
+                    spread[i][k] += derivative.eps.abs() * size;
+                    shift[i][k] += derivative.eps.abs() * slack;
+                }
             }
         }
-        let floors = std::array::from_fn(|k| {
-            // Each derivative is the rate of the one before; the last one's own rate is not known.
-            let drift = values.get(k + 1).map_or(0.0, |rate| rate.abs() * t.abs());
-            ULPS * f64::EPSILON * (spread[k] + values[k].abs() + drift) + shift[k]
-        });
-        LieDerivatives { values, floors }
+        std::array::from_fn(|i| LieDerivatives {
+            values: values[i],
+            floors: std::array::from_fn(|k| {
+                // Each derivative is the rate of the one before; the last one's own rate is not known.
+                let drift = values[i]
+                    .get(k + 1)
+                    .map_or(0.0, |rate| rate.abs() * t.abs());
+                let size = spread[i][k] + values[i][k].abs() + drift;
+                ULPS * f64::EPSILON * size + shift[i][k]
+            }),
+        })
     }
 
-    fn leading(&self, tangent: bool) -> (usize, f64) {
+    /// Index and sign of the first that does not vanish, from the first on, or from the second where the first is known to; index 4 and
+    /// no sign where none is left.
+    pub(crate) fn leading(&self, tangent: bool) -> (usize, f64) {
         let first = if tangent { 2 } else { 1 };
         (first..4)
             .find(|&k| self.values[k].abs() > self.floors[k])

@@ -149,7 +149,7 @@ pub(super) fn keep<S: Switched<N, G>, const N: usize, const G: usize>(
 ///
 /// # Errors
 /// [`Failure`] with one of [`Error::Option`], [`Error::Interval`], [`Error::Parameter`] and [`Error::StartOutsideDomain`] before
-/// the first step; of [`Error::NonFinite`], [`Error::StepCollapse`], [`Error::EventPileUp`] and [`Error::Escaped`] after it.
+/// the first step, and of those of [`Integration::step`] after it.
 pub fn run<S: Switched<N, G>, O: Observer<N, S::Mode> + ?Sized, const N: usize, const G: usize>(
     system: &S,
     t0: f64,

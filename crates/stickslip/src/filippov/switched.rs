@@ -84,7 +84,7 @@ pub trait Switched<const N: usize, const G: usize> {
 
     /// Whether no second contact comes to zero in the same instant, so that the flow has a derivative there.
     #[doc(hidden)]
-    fn is_one_at_a_time(_at: &Transition<N, Self::Mode>) -> bool {
+    fn is_one_at_a_time(&self, _at: &Transition<N, Self::Mode>) -> bool {
         true
     }
 

@@ -13,7 +13,15 @@ pub(crate) struct Uncertainty {
     pub by_rounding: f64,
 }
 
+/// Part of what the tolerance blurs below which a guard is taken as zero: events are located a thousand times better than steps are made.
+const OF_TOLERANCE: f64 = 1e-3;
+
 impl Uncertainty {
+    /// The size below which the guard is zero.
+    pub(crate) fn zero(&self) -> f64 {
+        self.by_rounding + OF_TOLERANCE * self.by_tolerance
+    }
+
     /// What one unit in the last place of state and time makes.
     pub(crate) fn of_one_unit(&self) -> f64 {
         self.by_rounding / ULPS

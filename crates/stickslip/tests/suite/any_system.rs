@@ -18,7 +18,7 @@ use crate::solver::systems::{
     Reversed, Spiral, StaticFriction, TurningLine, TwiceRound, TwoFold, Wall, Window, Zeno,
 };
 use crate::taylor::{Brink, Gate, Kink, Nowhere, Pit, Ramp};
-use crate::two_folds::{Folds, Quadratic};
+use crate::two_folds::{Folds, Random};
 
 /// A system that is one of those below.
 pub trait Listed<const N: usize>: Filippov<N> {
@@ -91,7 +91,7 @@ systems!(
 
 systems!(
     Any3, 3:
-    Folds(Folds), Quadratic(Quadratic), Linear(Smooth<Linear<3>>), Lorenz(Smooth<Lorenz>), Roessler(Smooth<Roessler>),
+    Folds(Folds), Random(Random), Linear(Smooth<Linear<3>>), Lorenz(Smooth<Lorenz>), Roessler(Smooth<Roessler>),
     TwiceRound(TwiceRound),
 );
 

@@ -442,6 +442,7 @@ fn on_a_cycle_it_has_the_cycle_s_multiplier() {
 
 #[test]
 fn an_exit_at_a_tangent_point_passes_a_section_that_is_the_boundary_with_no_derivative() {
+    let mut derivatives = 0;
     for speed in [0.1, 0.15, 0.2, 0.25, 0.3, 0.35] {
         let belt = BeltOscillator {
             belt_speed: speed,
@@ -461,8 +462,19 @@ fn an_exit_at_a_tangent_point_passes_a_section_that_is_the_boundary_with_no_deri
                 matches!(exit, Err(Error::TangentSingular { .. })),
                 "{exit:?}"
             );
+            // It is a return all the same, and the next derivative starts there.
+            assert_eq!(map.number(), 2);
+            let left = (map.time(), *map.state());
+            let Ok((_, derivative)) = map.step_with_derivative() else {
+                continue;
+            };
+            let mut again = PoincareMap::new(&system, &section, left, 20.0, &options).unwrap();
+            let (_, anew) = again.step_with_derivative().unwrap();
+            assert!((derivative - anew).amax() < 1e-8, "{derivative} {anew}");
+            derivatives += 1;
         }
     }
+    assert!(derivatives >= 6, "{derivatives}");
 }
 
 #[test]

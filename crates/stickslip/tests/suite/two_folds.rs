@@ -3,7 +3,7 @@
 use stickslip::analysis::Visibility::{self, Invisible, Visible};
 use stickslip::statistics::SplitMix;
 use stickslip::{
-    Approach, AtRepelling, Ending, Error, Filippov, Method, Mode, Options, Orbit, Scalar, Side,
+    Approach, AtRepelling, Ending, Filippov, Method, Mode, Options, Orbit, Scalar, Side,
     TransitionKind, TwoFold,
 };
 
@@ -28,46 +28,105 @@ impl Filippov<3> for Folds {
     }
 }
 
-/// Quadratic fields with a cubic brake, which keeps orbits bounded.
-pub struct Quadratic {
-    /// For each side and component: a constant, three linear and six quadratic coefficients.
-    fields: [[[f64; 10]; 3]; 2],
+/// Random systems of three kinds, in one type so that the solver is compiled once.
+pub enum Random {
+    /// Quadratic fields with a cubic brake, which keeps orbits bounded: for each side and component a constant, three linear and six quadratic
+    /// coefficients. Σ is the plane x = 0, moved to and fro.
+    Quadratic {
+        fields: Box<[[[f64; 10]; 3]; 2]>,
+        moved: f64,
+        at_rate: f64,
+    },
+    /// A block on a belt under a load that is forced in time, which the third state is, and may become a pull: friction then drives.
+    Forced {
+        force: f64,
+        friction: f64,
+        load: f64,
+        decay: f64,
+        belt: f64,
+        rate: f64,
+    },
 }
 
-impl Quadratic {
-    fn random(random: &mut SplitMix) -> Self {
-        let mut fields = [[[0.0; 10]; 3]; 2];
+impl Random {
+    fn quadratic(random: &mut SplitMix) -> Self {
+        let mut fields = Box::new([[[0.0; 10]; 3]; 2]);
         for coefficient in fields.iter_mut().flatten().flatten() {
             *coefficient = random.between(-1.0, 1.0);
         }
-        Quadratic { fields }
+        Random::Quadratic {
+            fields,
+            moved: 0.0,
+            at_rate: 0.0,
+        }
+    }
+
+    fn moving(random: &mut SplitMix) -> Self {
+        let mut system = Random::quadratic(random);
+        if let Random::Quadratic { moved, at_rate, .. } = &mut system {
+            (*moved, *at_rate) = (random.between(0.05, 0.5), random.between(0.5, 3.0));
+        }
+        system
+    }
+
+    fn forced(random: &mut SplitMix) -> Self {
+        Random::Forced {
+            force: random.between(0.0, 2.0),
+            friction: random.between(0.1, 1.0),
+            load: random.between(0.0, 2.0),
+            decay: random.between(0.0, 3.0),
+            belt: random.between(-1.0, 1.0),
+            rate: random.between(0.3, 3.0),
+        }
     }
 }
 
-impl Filippov<3> for Quadratic {
+impl Filippov<3> for Random {
     fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T; 3]) -> [T; 3] {
-        let of_side = &self.fields[usize::from(side == Side::Above)];
-        let terms = [
-            x[0],
-            x[1],
-            x[2],
-            x[0] * x[0],
-            x[0] * x[1],
-            x[0] * x[2],
-            x[1] * x[1],
-            x[1] * x[2],
-            x[2] * x[2],
-        ];
-        std::array::from_fn(|i| {
-            let mut sum = -(x[i] * x[i] * x[i]) + of_side[i][0];
-            for (term, coefficient) in terms.iter().zip(&of_side[i][1..]) {
-                sum = sum + *term * *coefficient;
+        match self {
+            Random::Quadratic { fields, .. } => {
+                let of_side = &fields[usize::from(side == Side::Above)];
+                let terms = [
+                    x[0],
+                    x[1],
+                    x[2],
+                    x[0] * x[0],
+                    x[0] * x[1],
+                    x[0] * x[2],
+                    x[1] * x[1],
+                    x[1] * x[2],
+                    x[2] * x[2],
+                ];
+                std::array::from_fn(|i| {
+                    let mut sum = -(x[i] * x[i] * x[i]) + of_side[i][0];
+                    for (term, coefficient) in terms.iter().zip(&of_side[i][1..]) {
+                        sum = sum + *term * *coefficient;
+                    }
+                    sum
+                })
             }
-            sum
-        })
+            Random::Forced {
+                force,
+                friction,
+                load,
+                decay,
+                belt,
+                rate,
+            } => {
+                // The speed of slip, and not its modulus: each side's field goes on beyond Σ.
+                let slip = (x[1] - *belt) * side.sign();
+                let normal = x[2].sin() * *load + 1.0;
+                let resists = normal / (slip * *decay + 1.0) * (*friction * side.sign());
+                let push = x[2].cos() * *force - x[1] * 0.1;
+                [x[1], push - x[0] - resists, T::constant(*rate)]
+            }
+        }
     }
-    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 3]) -> T {
-        x[0]
+    fn boundary<T: Scalar>(&self, t: T, x: &[T; 3]) -> T {
+        match self {
+            Random::Quadratic { moved, at_rate, .. } => x[0] - (t * *at_rate).sin() * *moved,
+            Random::Forced { belt, .. } => x[1] - *belt,
+        }
     }
 }
 
@@ -229,31 +288,25 @@ fn course(orbit: &Orbit<3>) -> Vec<(TransitionKind, Mode)> {
     changes.map(|at| (at.kind, at.to)).collect()
 }
 
-#[test]
-fn random_systems_go_the_same_way_by_both_methods() {
+/// What random orbits have come to.
+#[derive(Debug, Default)]
+struct Counts {
+    to_the_end: usize,
+    two_folds: usize,
+    sticks: usize,
+}
+
+/// Every one goes the same way by both methods.
+fn same_way(systems: usize, make: fn(&mut SplitMix) -> Random) -> Counts {
     let mut random = SplitMix::new(2013);
-    let (mut counts, mut unresolved) = ([0; 3], 0);
-    for number in 0..3000 {
-        let system = Quadratic::random(&mut random);
+    let mut counts = Counts::default();
+    for number in 0..systems {
+        let system = make(&mut random);
         let start = std::array::from_fn(|_| random.between(-1.0, 1.0));
-        let [by_slopes, by_series] =
-            methods().map(|options| solve::<_, 3>(&system, 0.0, start, 8.0, &options));
-        let (by_slopes, by_series) = match (by_slopes, by_series) {
-            (Ok(a), Ok(b)) => (a, b),
-            (a, b) => {
-                // What no method resolves is told by both: crossings that pile up where no two-fold is.
-                let piled = |error: Option<Error>| matches!(error, Some(Error::EventPileUp { .. }));
-                assert!(
-                    piled(a.as_ref().err().map(|f| f.error.clone()))
-                        && piled(b.as_ref().err().map(|f| f.error.clone())),
-                    "{number}: {:?} {:?}",
-                    a.err().map(|f| f.error),
-                    b.err().map(|f| f.error)
-                );
-                unresolved += 1;
-                continue;
-            }
-        };
+        let [by_slopes, by_series] = methods().map(|options| {
+            solve(&system, 0.0, start, 8.0, &options)
+                .unwrap_or_else(|failure| panic!("{number}: {options:?}: {}", failure.error))
+        });
         let what = format!(
             "{number}: {:?} at {} and {:?} at {}",
             by_slopes.ending, by_slopes.t_end, by_series.ending, by_series.t_end
@@ -261,15 +314,42 @@ fn random_systems_go_the_same_way_by_both_methods() {
         assert_eq!(by_slopes.ending, by_series.ending, "{what}");
         assert_eq!(course(&by_slopes), course(&by_series), "{what}");
         assert!((by_slopes.t_end - by_series.t_end).abs() < 1e-6, "{what}");
-        counts[match by_slopes.ending {
-            Ending::EndTime => 0,
-            Ending::TwoFold(_) => 1,
-            _ => 2,
-        }] += 1;
+        counts.to_the_end += usize::from(by_slopes.ending == Ending::EndTime);
+        counts.two_folds += usize::from(matches!(by_slopes.ending, Ending::TwoFold(_)));
+        counts.sticks += course(&by_slopes)
+            .iter()
+            .filter(|(kind, _)| *kind == TransitionKind::StickEntry)
+            .count();
     }
-    // Nearly all run to the end, and some end at two-folds, or else nothing was tested.
+    counts
+}
+
+// Nearly all run to the end, many stick, and some end at two-folds, or else nothing was tested.
+
+#[test]
+fn random_quadratic_fields_go_the_same_way_by_both_methods() {
+    let counts = same_way(3000, Random::quadratic);
     assert!(
-        unresolved == 0 && counts[0] > 2950 && counts[1] >= 3,
-        "{counts:?} {unresolved}"
+        counts.to_the_end > 2950 && counts.two_folds >= 3 && counts.sticks > 1000,
+        "{counts:?}"
+    );
+}
+
+#[test]
+fn random_fields_with_a_moving_boundary_go_the_same_way_by_both_methods() {
+    let counts = same_way(2000, Random::moving);
+    assert!(
+        counts.to_the_end > 1950 && counts.two_folds >= 1 && counts.sticks > 1000,
+        "{counts:?}"
+    );
+}
+
+#[test]
+fn random_forced_friction_goes_the_same_way_by_both_methods() {
+    // Where the load vanishes a stick has ended before, unless nothing pushes.
+    let counts = same_way(2000, Random::forced);
+    assert!(
+        counts.to_the_end > 1950 && counts.sticks > 1000,
+        "{counts:?}"
     );
 }

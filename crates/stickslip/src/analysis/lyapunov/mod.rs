@@ -67,7 +67,7 @@ use measurement::Measurement;
 /// ```
 ///
 /// # Errors
-/// [`Error::Option`]; those of [`crate::run`]; [`Error::NoUniqueFuture`] where the orbit ends on a repelling part of Σ;
+/// [`Error::Option`]; those of [`crate::run`]; [`Error::NoUniqueFuture`] where the orbit ends on a repelling part of Σ or at a two-fold;
 /// [`Error::TangentSingular`] where it grazes Σ so exactly that tangent vectors have no image, or two
 /// contacts come to zero in the same instant.
 pub fn lyapunov_spectrum<S: Switched<N, G>, const N: usize, const G: usize>(

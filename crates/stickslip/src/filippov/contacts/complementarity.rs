@@ -5,7 +5,7 @@
 //! Contacts*, 1996, Ch. 8).
 
 use super::Contacts;
-use super::equations::{principal_minor, solve};
+use super::equations::{has_positive_pivots, principal_minor, solve};
 use super::joint::{Affine, Joint, rates};
 use crate::system::{Mode, Side, State, components};
 
@@ -113,6 +113,36 @@ fn is_consistent<S: Contacts<N, M>, const N: usize, const M: usize>(
             })
 }
 
+/// Whether a matrix is positive definite once each column is scaled by how strong friction is there: what one contact does to another
+/// differs from what that does to it by the ratio of their strengths.
+fn is_definite<const M: usize>(matrix: &[[f64; M]; M], count: usize) -> bool {
+    let mut strengths = [0.0; M];
+    // Along the couplings, from one contact of every group that hangs together.
+    for first in 0..count {
+        if strengths[first] != 0.0 {
+            continue;
+        }
+        strengths[first] = 1.0;
+        let mut reached = vec![first];
+        while let Some(i) = reached.pop() {
+            for j in 0..count {
+                if strengths[j] == 0.0 && matrix[i][j] * matrix[j][i] > 0.0 {
+                    strengths[j] = strengths[i] * matrix[i][j] / matrix[j][i];
+                    reached.push(j);
+                }
+            }
+        }
+    }
+    let mut symmetric = [[0.0; M]; M];
+    for i in 0..count {
+        for j in 0..count {
+            let (here, there) = (matrix[i][j] / strengths[j], matrix[j][i] / strengths[i]);
+            symmetric[i][j] = 0.5 * (here + there);
+        }
+    }
+    has_positive_pivots(&symmetric, count)
+}
+
 /// Rates at the contacts, in their order, as affine functions of the shares.
 struct Problem<const M: usize> {
     count: usize,
@@ -135,7 +165,8 @@ impl<const M: usize> Problem<M> {
     }
 
     /// Whether friction resists so that every problem with these slopes has one solution: all principal minors of their negative are
-    /// positive (a P-matrix; Samelson, Thrall & Wesler, *Proc. AMS* 9 (1958) 805).
+    /// positive (a P-matrix; Samelson, Thrall & Wesler, *Proc. AMS* 9 (1958) 805). Of a matrix that is definite they all are: Coulomb's
+    /// friction is decided by that, whatever the number of contacts.
     fn has_one_solution(&self) -> bool {
         let mut resistance = self.slopes;
         for value in resistance.iter_mut().flatten() {
@@ -146,6 +177,9 @@ impl<const M: usize> Problem<M> {
             .any(|(i, j)| i != j && resistance[i][j] != 0.0);
         if !off_diagonal {
             return (0..self.count).all(|i| resistance[i][i] > 0.0);
+        }
+        if is_definite(&resistance, self.count) {
+            return true;
         }
         self.count <= MOST_MINORS
             && (1..1_usize << self.count).all(|set| {

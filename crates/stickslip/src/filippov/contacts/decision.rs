@@ -3,17 +3,14 @@
 use super::Contacts;
 use super::complementarity::solutions;
 use super::equations::principal_minor;
-use super::joint::{Joint, gradients, rates};
-use crate::dual::Dual;
+use super::joint::{Joint, gradients};
 use crate::error::{Error, Point};
-use crate::filippov::flow::Flow;
+use crate::filippov::flow::{Flow, flow_path};
+use crate::filippov::rules::{LieDerivatives, SAME};
 use crate::filippov::run::Run;
 use crate::filippov::uncertainty::{ULPS, Uncertainty, uncertainties};
 use crate::ode::Timed;
 use crate::system::{Mode, Side, components};
-
-/// Friction that differs by less than this part is the same.
-const SAME: f64 = 1e-12;
 
 /// Friction that two contacts share to less than this part of what each does adds.
 const COUPLING: f64 = 1e-9;
@@ -44,11 +41,9 @@ enum Start {
 
 /// What is known of a motion where it begins, by contact.
 struct Beginning<const M: usize> {
-    /// Value and derivatives of the guards.
-    jets: [[f64; 4]; M],
+    /// Of the guards along the motion.
+    derivatives: [LieDerivatives; M],
     blurs: [Uncertainty; M],
-    /// See [`Decision::rate_blurs`].
-    rate_blurs: [(f64, f64); M],
 }
 
 impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
@@ -125,74 +120,39 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
     /// What is known of the motion in the mode decided.
     fn beginning(&self, run: &mut Run<N, M>, joint: &Joint<'_, S, M>) -> Beginning<M> {
         let Timed { t, x } = self.at;
-        // Four passes through the field on dual numbers, and two for each direction.
-        run.counters.field_calls += joint.field_calls() * (2 * N as u64 + 6);
+        // Four passes through the field and one for the blur, in each direction.
+        run.counters.field_calls += joint.field_calls() * 5 * (N as u64 + 1);
         Beginning {
-            jets: joint.jets(t, &x),
+            derivatives: LieDerivatives::along(t, &x, run.slack(), |t, x| {
+                let path = flow_path(t, x, |t, x| joint.field(t, x));
+                joint.field_and_guards(path.0, &path.1).1
+            }),
             blurs: uncertainties(joint, &self.at, &run.options.tolerance()),
-            rate_blurs: self.rate_blurs(joint, run.slack()),
         }
     }
 
-    /// How the motion of a contact in the mode decided begins.
+    /// How the motion of a contact in the mode decided begins: by the first derivative of its guard that does not vanish. Where none is left it
+    /// holds, as where there is one contact.
     fn start(&self, joint: &Joint<'_, S, M>, beginning: &Beginning<M>, i: usize) -> Start {
         let Timed { t, x } = self.at;
-        let [guard, rate, bend, _] = beginning.jets[i];
+        let derivatives = &beginning.derivatives[i];
         match self.modes[i] {
-            Mode::Stick => {
-                let blur = beginning.blurs[i];
-                if guard > blur.by_rounding + 1e-3 * blur.by_tolerance {
-                    Start::Order(0)
-                } else if rate > 0.0 {
-                    Start::Order(1)
-                } else {
-                    Start::Instead(Mode::Slip(joint.nearest_side(i, t, &x)))
-                }
-            }
+            Mode::Stick if derivatives.values[0] > beginning.blurs[i].zero() => Start::Order(0),
+            Mode::Stick => match derivatives.leading(false) {
+                (_, sign) if sign < 0.0 => Start::Instead(Mode::Slip(joint.nearest_side(i, t, &x))),
+                (order, _) => Start::Order(order.min(3)),
+            },
             Mode::Slip(_) => {
                 // What could hold it has just reached its end: the rate is zero, whatever rounding says of it.
                 let is_tangent = self.released == Some(i)
                     && !self.has_static_friction(i)
                     && (0..M).all(|j| j == i || self.modes[j] == self.before[j]);
-                // The size below which the rate is rounding.
-                let (spread, shift) = beginning.rate_blurs[i];
-                let drift = bend.abs() * t.abs();
-                let floor = ULPS * f64::EPSILON * (spread + rate.abs() + drift) + shift;
-                if !is_tangent && rate > floor {
-                    Start::Order(1)
-                } else if (is_tangent || rate >= -floor) && bend > 0.0 {
-                    Start::Order(2)
-                } else {
-                    Start::Instead(Mode::Stick)
+                match derivatives.leading(is_tangent) {
+                    (order, sign) if sign > 0.0 => Start::Order(order),
+                    _ => Start::Instead(Mode::Stick),
                 }
             }
         }
-    }
-
-    /// By how much the rate of each boundary function along the flow changes with the size of time and state, and with `slack` of
-    /// the state.
-    fn rate_blurs(&self, joint: &Joint<'_, S, M>, slack: f64) -> [(f64, f64); M] {
-        let Timed { t, x } = self.at;
-        let mut blurs = [(0.0, 0.0); M];
-        // Direction N is time.
-        for direction in 0..=N {
-            let seed = |at: usize| f64::from(u8::from(at == direction));
-            let seeded = std::array::from_fn(|k| Dual::new(x[k], seed(k)));
-            let time = Dual::new(t, seed(N));
-            let field = joint.field(time, &seeded);
-            let one = Dual::new(1.0, 0.0);
-            let rates = rates(self.system, (time, one), &seeded, &field);
-            for ((spread, shift), rate) in blurs.iter_mut().zip(rates) {
-                let change = rate.eps.abs();
-                if direction < N {
-                    *spread += change * x[direction].abs();
-                    *shift += change * slack;
-                } else {
-                    *spread += change * t.abs();
-                }
-            }
-        }
-        blurs
     }
 
     /// How far the rates of a contact lie apart with it below and above: twice what friction can do to it, at rest or in slip.

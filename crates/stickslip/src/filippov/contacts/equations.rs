@@ -45,3 +45,25 @@ pub(super) fn principal_minor<const M: usize>(a: &[[f64; M]; M], chosen: &[usize
     }
     product
 }
+
+/// Pivots below this part of a diagonal entry are rounding.
+const SINGULAR: f64 = 1e-12;
+
+/// Whether elimination finds all pivots positive, beyond rounding: of a symmetric matrix, whether it is positive definite.
+pub(super) fn has_positive_pivots<const M: usize>(a: &[[f64; M]; M], count: usize) -> bool {
+    let mut left = *a;
+    for k in 0..count {
+        let is_positive = left[k][k] > SINGULAR * a[k][k];
+        if !is_positive {
+            return false;
+        }
+        for i in k + 1..count {
+            let factor = left[i][k] / left[k][k];
+            let pivot = left[k];
+            for (entry, above) in left[i][..count].iter_mut().zip(pivot).skip(k + 1) {
+                *entry -= factor * above;
+            }
+        }
+    }
+    true
+}

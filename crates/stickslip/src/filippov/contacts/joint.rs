@@ -359,7 +359,9 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Flow<N> for Joint<'_, S,
     fn field_calls(&self) -> u64 {
         let around = self.count as u64 + 1;
         if S::MULTI_AFFINE && self.count > 1 {
-            around + ((NEWTON as u64 + 1) << self.count)
+            around.saturating_add(
+                (NEWTON as u64 + 1).saturating_mul(2_u64.saturating_pow(self.count as u32)),
+            )
         } else {
             around
         }

@@ -19,7 +19,9 @@ use crate::system::Side;
 /// is what it takes to hold, up to its limit. Which contacts hold after an event is the solution of the complementarity problem of all that
 /// stand at zero; where it has none, or more than one, the run ends with an error that says so.
 ///
-/// [`crate::AtRepelling`] chooses for systems of one boundary only, and only these end at two-folds.
+/// [`crate::AtRepelling`] chooses for systems of one boundary only, and only these end at two-folds and may lose their normal force
+/// ([`crate::Filippov::contact`]). Friction that couples contacts otherwise than Coulomb's is decided for at most eight that stand at zero together. Contacts
+/// whose share or rate vanishes are decided by the next derivative, one after the other in their order.
 ///
 /// Wrapped in [`Several`] it is taken by [`crate::solve`] and everything else that takes a system.
 ///

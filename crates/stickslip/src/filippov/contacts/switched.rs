@@ -116,32 +116,31 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
     }
 
     fn jumps_at(&self, at: &Transition<N, [Mode; M]>) -> Option<usize> {
-        let contact = at.contact;
-        let others_go_on = (0..M).all(|i| i == contact || at.from[i] == at.to[i]);
-        match at.kind {
-            TransitionKind::Crossing | TransitionKind::StickEntry => Some(contact),
+        let decision = Decision {
+            system: &self.0,
+            at: Timed { t: at.t, x: at.x },
+            before: at.from,
+            modes: at.to,
+            open: [false; M],
+            released: None,
+        };
+        let jumps = match at.kind {
+            TransitionKind::Crossing | TransitionKind::StickEntry => true,
             // Where what holds ends as what slips begins, the fields agree.
-            TransitionKind::StickExit => {
-                let decision = Decision {
-                    system: &self.0,
-                    at: Timed { t: at.t, x: at.x },
-                    before: at.from,
-                    modes: at.to,
-                    open: [false; M],
-                    released: None,
-                };
-                let jumps = !others_go_on || decision.has_static_friction(contact);
-                jumps.then_some(contact)
+            TransitionKind::StickExit | TransitionKind::Touch => {
+                changed(at).any(|i| at.from[i] != Mode::Stick || decision.has_static_friction(i))
             }
-            TransitionKind::Touch => (!others_go_on).then_some(contact),
-            TransitionKind::ContactLoss | TransitionKind::ContactGain => None,
-        }
+            TransitionKind::ContactLoss | TransitionKind::ContactGain => false,
+        };
+        jumps.then_some(at.contact)
     }
 
-    fn is_one_at_a_time(at: &Transition<N, [Mode; M]>) -> bool {
-        let mut others = (0..M).filter(|&i| i != at.contact && at.from[i] != at.to[i]);
+    fn is_one_at_a_time(&self, at: &Transition<N, [Mode; M]>) -> bool {
         // What lets another go happens at this contact; what another does at zero of its own is a second event at the same time.
-        others.all(|i| at.from[i] == Mode::Stick)
+        let joint = Joint::new(&self.0, &at.from);
+        let comes_of_this =
+            |i: usize| at.from[i] == Mode::Stick && joint.guard_at(i, at.t, &at.x) > NEAR_THE_END;
+        changed(at).all(|i| i == at.contact || comes_of_this(i))
     }
 
     fn contact_of(guard: usize) -> usize {
@@ -192,10 +191,21 @@ impl<S> Several<S> {
                 let [h, rate, ..] = jets[i];
                 // The time is known to rounding, and with it what the rate makes of that.
                 let drift = ULPS * f64::EPSILON * rate.abs() * t.abs();
-                h.abs() <= blur.by_rounding + 1e-3 * blur.by_tolerance + drift
+                h.abs() <= blur.zero() + drift
             }
         })
     }
+}
+
+/// A contact that holds is at its end, to what can be said of it afterwards, where what is left of its guard is less: it is 1/4 midway.
+const NEAR_THE_END: f64 = 1e-6;
+
+/// The contacts whose mode changes.
+fn changed<const N: usize, const M: usize>(
+    at: &Transition<N, [Mode; M]>,
+) -> impl Iterator<Item = usize> {
+    let (from, to) = (at.from, at.to);
+    (0..M).filter(move |&i| from[i] != to[i])
 }
 
 fn side_of(h: f64) -> Side {

@@ -57,7 +57,7 @@ where
     S: Switched<N, G>,
     V: EventFunctions<N, E>,
 {
-    /// A search through the steps that `system` makes with `options`, all of one run and in order.
+    /// A search through the steps that `system` makes with `options`: successive ones of one run, from any of them on.
     pub fn new(system: &'a S, events: &'a V, options: &Options) -> Self {
         EventSearch {
             system,

@@ -20,7 +20,7 @@ pub enum Happening<const N: usize, K = Mode> {
 
 /// An integration under way whose steps are searched for the zeros of the user's functions.
 ///
-/// Every step is searched over all its length, as for the solver's own events, by slip and by stick: pairs of zeros within a step are
+/// Every step is searched over all its length on its dense output, by slip and by stick: pairs of zeros within a step are
 /// seen however close they lie, down to the accuracy of the dense output. Each is then located on the step itself, to rounding. The
 /// motion is the same, to the last bit, as without. The work is not in the [`crate::Counters`].
 ///

@@ -87,6 +87,73 @@ fn oscillators_apart_go_on_as_each_alone_by_series() {
     each_goes_on_as_alone(&Options::tol(1e-15).method(Method::Taylor), 1e-12);
 }
 
+/// The first of them with a contact that is never at zero.
+struct WithIdle<'a>(&'a Rig<3>);
+
+impl Contacts<2, 2> for WithIdle<'_> {
+    fn field<T: Scalar>(&self, sides: &[Side; 2], t: T, x: &[T; 2]) -> [T; 2] {
+        Alone(self.0, 0).field(sides[0], t, x)
+    }
+    fn boundaries<T: Scalar>(&self, _t: T, x: &[T; 2]) -> [T; 2] {
+        [x[1], x[0] * x[0] + 1.0]
+    }
+}
+
+#[test]
+fn a_contact_that_never_acts_changes_nothing() {
+    let rig = three();
+    for (options, allowed) in [
+        (Options::tol(1e-13), 1e-11),
+        (Options::tol(1e-15).method(Method::Taylor), 1e-12),
+    ] {
+        let start = [START[0], START[3]];
+        let alone = solve(&Alone(&rig, 0), 0.0, start, 40.0, &options).unwrap();
+        let beside = solve(&Several(WithIdle(&rig)), 0.0, start, 40.0, &options).unwrap();
+        assert_eq!(alone.transitions.len(), beside.transitions.len());
+        assert!(alone.transitions.len() > 8);
+        for (alone, beside) in alone.transitions.iter().zip(&beside.transitions) {
+            assert_eq!((alone.kind, alone.to), (beside.kind, beside.to[0]));
+            assert_eq!((beside.contact, beside.to[1]), (0, Mode::Slip(Side::Above)));
+            assert!((alone.t - beside.t).abs() < allowed, "{alone:?} {beside:?}");
+        }
+        assert!((alone.x_end - beside.x_end).amax() < 10.0 * allowed);
+    }
+}
+
+#[test]
+fn a_contact_at_the_limit_of_what_holds_it_does_as_by_the_rules_of_one_boundary() {
+    // What pushes is just what friction can hold, and its rate is zero or is not: the second derivative decides, or the first.
+    let rig = |force: f64, omega: f64, stiffness: f64| {
+        let mut rig = Rig::<3>::at_rest();
+        (rig.forcing[0], rig.omega, rig.friction[0]) = (force, omega, 0.4);
+        rig.stiffness[0][0] = stiffness;
+        rig
+    };
+    for (rig, x, sticks) in [
+        // The push is at its largest, and holds.
+        (rig(0.4, 1.0, 0.0), 0.0, true),
+        (rig(-0.4, 1.0, 0.0), 0.0, true),
+        // At its least it does not.
+        (rig(-0.4, 1.0, 1.0), -0.8, false),
+        (rig(0.4, 1.0, 1.0), 0.8, false),
+        // It never changes.
+        (rig(0.0, 1.0, 1.0), -0.4, true),
+        (rig(0.0, 1.0, 1.0), 0.4, true),
+    ] {
+        for options in [
+            Options::tol(1e-12),
+            Options::tol(1e-14).method(Method::Taylor),
+        ] {
+            let alone = solve(&Alone(&rig, 0), 0.0, [x, 0.0], 1.0, &options).unwrap();
+            let several = solve(&Several(WithIdle(&rig)), 0.0, [x, 0.0], 1.0, &options).unwrap();
+            let first = alone.phases[0].mode;
+            assert_eq!(first == Mode::Stick, sticks, "{rig:?}");
+            assert_eq!(several.phases[0].mode[0], first, "{rig:?}");
+            assert!((several.x_end - alone.x_end).amax() < 1e-11, "{rig:?}");
+        }
+    }
+}
+
 #[test]
 fn two_that_come_to_rest_at_the_same_instant_are_decided_together() {
     // Two equal blocks with equal starts stop at the same time, whatever rounding says; the third has a time of its own.
@@ -129,6 +196,7 @@ fn an_ensemble_has_the_bits_of_each_orbit_alone() {
             ControlFlow::Continue(())
         },
     );
+    assert_eq!(ends.len(), 20);
     for (k, end) in ends.iter().enumerate() {
         let alone = solve(&system, 0.0, start(k).x, 10.0, &options).unwrap();
         assert_eq!(*end, alone.x_end);

@@ -105,6 +105,22 @@ fn two_contacts_that_come_to_rest_in_the_same_instant_have_no_derivative() {
 }
 
 #[test]
+fn two_contacts_that_give_way_in_the_same_instant_have_no_derivative() {
+    // Two equal blocks that are pulled alike, of which the second to give way is at its end itself, and not let go by the first.
+    let mut rig = Rig::<3>::at_rest();
+    (rig.pull, rig.ratio) = ([1.0, 1.0, 0.0], 1.5);
+    let run = |rig: &Rig<3>| monodromy(&Several(rig), 0.0, [0.0; 6], 3.0, &Options::tol(1e-12));
+    let error = run(&rig).unwrap_err();
+    assert!(matches!(error, Error::TangentSingular { .. }), "{error}");
+    // One after the other they have one.
+    rig.pull[1] = 1.25;
+    assert!(run(&rig).is_ok());
+    // Without more friction at rest the fields agree where they begin to slip, and nothing jumps.
+    (rig.pull[1], rig.ratio) = (1.0, 1.0);
+    assert!(run(&rig).is_ok());
+}
+
+#[test]
 fn a_forced_orbit_of_three_blocks_is_found_by_shooting() {
     let mut rig = stacked();
     // The third moves, too: one that stands still would do so anywhere.
