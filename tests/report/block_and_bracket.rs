@@ -116,8 +116,9 @@ pub fn chaotic(data: &Data) {
     close(third.value(), -0.038, 4.0 * third.std_error().unwrap());
 }
 
-/// What the estimator calls `ok` agrees with the equations within errors that are known without them, except one: the
-/// second exponent of Fig. 12. It is zero; the data give 0.005, which doubling the neighbourhoods hardly moves. Its row says so.
+/// What the estimator calls `ok` agrees with the equations within errors that are known without them. The second exponent of Fig. 12, which
+/// is zero, takes up nearly all of what is allowed: the data give 0.004, which doubling the neighbourhoods hardly moves, and another chaotic
+/// orbit may be beyond it. Its row says so then.
 pub fn data_against_equations(figures: &[(&str, &Data)]) {
     let mut off = Vec::new();
     let mut compared = 0;
@@ -143,9 +144,10 @@ pub fn data_against_equations(figures: &[(&str, &Data)]) {
             }
         }
     }
-    // One of a cycle, two of a torus, three of a chaotic motion with stick, each by two settings.
-    assert_eq!(compared, 2 * (1 + 2 + 3));
-    assert_eq!(off, ["fig12.lambda.2 corrected/data"]);
+    // One of a cycle, two of a torus, three of a chaotic motion with stick, each by two settings; but the second settings call the first of the torus
+    // unstable.
+    assert_eq!(compared, 2 * (1 + 2 + 3) - 1);
+    assert_eq!(off, Vec::<String>::new());
 }
 
 #[test]

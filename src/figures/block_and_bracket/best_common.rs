@@ -13,11 +13,11 @@ pub(crate) fn best_common() -> DataSettings {
             min: 12,
             max: 400,
         },
-        step: 3,
-        // Reference points all over the series, so far apart that each map begins where the one before it ends.
-        stride: 3,
+        step: 1,
+        // Reference points all over the series.
+        stride: 1,
         references: None,
-        affine: true,
+        affine: false,
         sensitivity: true,
         ..DataSettings::default()
     }
