@@ -60,11 +60,7 @@ fn csv_and_json_hold_the_same_numbers() {
     let folder = tempfile::tempdir().unwrap();
     let path = file(folder.path(), &henon(false));
     let csv = succeed(program().arg(&path).args(["--dt", "1", "--csv"]));
-    let json = succeed(
-        program()
-            .arg(&path)
-            .args(["--dt", "1", "--json", "--eps", "0.1"]),
-    );
+    let json = succeed(program().arg(&path).args(["--dt", "1", "--json"]));
     let document: serde_json::Value = serde_json::from_str(&json).unwrap();
     let exponents = document["exponents"].as_array().unwrap();
     let mut reader = csv::Reader::from_reader(csv.as_bytes());
@@ -128,12 +124,12 @@ fn reads_standard_input_and_chooses_columns() {
     assert_eq!(by_name, plain);
 }
 
-/// A constant column: no value, said so in every format.
+/// A column twice: a direction without a value, said so in every format.
 #[test]
 fn what_has_no_value_is_empty_null_or_a_dash() {
     let text: String = henon(false)
         .lines()
-        .map(|line| format!("{line},4\n"))
+        .map(|line| format!("{line},{}\n", line.split(',').next().unwrap()))
         .collect();
     let run = |format: &[&str]| {
         succeed(
@@ -200,8 +196,11 @@ fn bad_files_are_failures_that_say_where() {
             &"1e308,1\n-1e308,2\n1e308,3\n".repeat(50),
             "row 2, column 1 (counted from 1) is -1e308",
         ),
-        ("1 2\n3 4\n", "separate the columns by commas"),
-        ("1,5;2,5\n1,5;2,5\n", "decimal comma"),
+        (
+            "1 2\n3 4 5\n",
+            "the line has 3 columns, separated by spaces",
+        ),
+        ("1,5;2.5\n1.5;2,5\n", "decimal comma"),
         (
             "t,x\n0,1\n1,2\n3,3\n",
             "line 4, column 1 (t): the time goes",
@@ -364,6 +363,72 @@ fn files_as_they_come() {
         .clone();
     let text = String::from_utf8(output.stdout).unwrap();
     assert!(!text.contains(",ok"), "{text}");
+}
+
+/// Columns by spaces, a name in a comment, and the time step from the time.
+#[test]
+fn a_file_as_other_programs_write_it_needs_no_option() {
+    let rows: String = henon(false)
+        .lines()
+        .enumerate()
+        .map(|(i, line)| format!("{:.3}   {}\n", 0.5 * i as f64, line.replace(',', "   ")))
+        .collect();
+    let table = succeed(program().arg("-").write_stdin(format!("# t x y\n{rows}")));
+    assert!(
+        table.contains("3000 points of (x, y), dt = 0.5 from column t"),
+        "{table}"
+    );
+    let named = succeed(
+        program()
+            .args(["-", "--csv"])
+            .write_stdin(format!("# t x y\n{rows}")),
+    );
+    let given = succeed(
+        program()
+            .args(["-", "--dt", "0.5", "--csv"])
+            .write_stdin(henon(true)),
+    );
+    assert_eq!(named, given);
+    // Without names it is taken as the time with a word.
+    program()
+        .args(["-", "--csv"])
+        .write_stdin(rows)
+        .assert()
+        .success()
+        .stdout(given)
+        .stderr(contains(
+            "column 1 goes on evenly by 0.5 and is taken as the time",
+        ));
+}
+
+#[test]
+fn what_is_left_out_or_has_no_effect_is_said() {
+    let constant: String = henon(true)
+        .lines()
+        .enumerate()
+        .map(|(i, line)| format!("{line},{}\n", if i == 0 { "z" } else { "4" }))
+        .collect();
+    let plain = succeed(
+        program()
+            .args(["-", "--dt", "1", "--csv"])
+            .write_stdin(henon(true)),
+    );
+    program()
+        .args(["-", "--dt", "1", "--csv"])
+        .write_stdin(constant)
+        .assert()
+        .success()
+        .stdout(plain.clone())
+        .stderr("warning: column z is 4 in every row and is left out\n");
+    program()
+        .args(["-", "--dt", "1", "--csv", "--eps", "5"])
+        .write_stdin(henon(true))
+        .assert()
+        .success()
+        .stdout(plain)
+        .stderr(
+            starts_with("warning: --eps changes no neighbour").and(contains("--neighbours 12-24")),
+        );
 }
 
 #[test]

@@ -12,22 +12,50 @@ use stickslip::error::readable;
 #[non_exhaustive]
 pub enum SpectrumError {
     /// The input cannot be read.
-    #[error("cannot read {input}: {source}; give the path of a CSV file, or - for standard input")]
+    #[error(
+        "cannot read {input}: {source}; give the path of a text file of numbers or a .npy array, or - for standard input"
+    )]
     Read {
         /// Path, or `standard input`.
         input: String,
         /// What the operating system said.
         source: std::io::Error,
     },
-    /// The input is no CSV.
-    #[error("{input}{line}: {cause}", line = line.map_or(String::new(), |line| format!(", line {line}")))]
-    Csv {
+    /// The input is a file of another kind.
+    #[error("{input} {what}; {remedy}")]
+    Foreign {
         /// Path, or `standard input`.
         input: String,
-        /// Line, counted from 1, if known.
-        line: Option<u64>,
-        /// What is wrong.
+        /// What it is.
+        what: &'static str,
+        /// What to do.
+        remedy: &'static str,
+    },
+    /// A line that cannot be read as text, or not be kept.
+    #[error("{input}, line {line}: {cause}")]
+    Text {
+        /// Path, or `standard input`.
+        input: String,
+        /// Line, counted from 1.
+        line: u64,
+        /// What is wrong, and what to do.
         cause: String,
+    },
+    /// An array of numpy that is no series.
+    #[error("{input} is a .npy array, but {cause}")]
+    Array {
+        /// Path, or `standard input`.
+        input: String,
+        /// What is wrong, and what to do.
+        cause: String,
+    },
+    /// Nothing says how far apart the rows are in time.
+    #[error(
+        "--dt is missing, and {input} has no column named t or time: give the time between two lines, 1 for a map"
+    )]
+    NoTime {
+        /// Path, or `standard input`.
+        input: String,
     },
     /// A cell that is not a finite number.
     #[error("{input}, line {line}, column {column}: {cause}")]
@@ -132,6 +160,7 @@ impl ProgramError for SpectrumError {
                 | Self::Ambiguous { .. }
                 | Self::Twice { .. }
                 | Self::EpsWithCount { .. }
+                | Self::NoTime { .. }
                 | Self::Option { .. }
         )
     }

@@ -55,11 +55,14 @@ Output for machines:
           the number of reference points at which its direction is annihilated; undetermined, of those whose neighbours do not
           determine it
 
-A column named t or time is not used, but its steps are held against --dt; of others that go on as evenly a warning tells. Lines
-that start with # are skipped.
+A column named t or time is no coordinate: it gives the time step, or is held against --dt. Without names a first column that goes on
+evenly is the time, too; of others that do a warning tells. A comma is a decimal comma where something else separates the columns and
+no number has a point. Lines that start with # or % are skipped; the last one above the numbers may hold the names.
+A column that never changes is left out.
 
 Examples:
-  spectrum lorenz.csv --dt 0.02
+  spectrum lorenz.csv
+  spectrum lorenz.dat --dt 0.02
   spectrum run.csv --dt 0.2 --columns x1,x2,x3,x4 --step 3 --out pictures
   spectrum henon.csv --dt 1 --neighbours 30 --json
   generate | spectrum - --dt 0.01 --csv";
@@ -68,12 +71,13 @@ Examples:
 #[derive(Debug, Parser)]
 #[command(name = "spectrum", version, about = ABOUT, after_help = AFTER)]
 pub struct Arguments {
-    /// CSV file with one state per line, with or without names in the first; - for standard input
+    /// Text with one state per line, separated by commas, semicolons, tabs or spaces, with or without names in the first line; or a
+    /// .npy array; - for standard input
     pub file: PathBuf,
 
-    /// Time between two lines; 1 for a map
+    /// Time between two lines; 1 for a map [default: from a column named t or time]
     #[arg(long, value_name = "TIME", allow_negative_numbers = true)]
-    pub dt: f64,
+    pub dt: Option<f64>,
 
     /// Columns to use, by number (from 1) or name [default: all]
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
@@ -207,6 +211,28 @@ impl Arguments {
         }
         Ok(settings)
     }
+
+    /// What was set and changes nothing.
+    fn without_effect(&self, settings: &DataSettings) -> Option<String> {
+        match settings.neighbours {
+            Neighbourhood::Ball { min, max, .. } if min == max && self.eps.is_some() => {
+                Some(format!(
+                    "--eps changes no neighbour where the fewest and the most are both {min}; it only says which points are called starved: \
+                 give a range such as --neighbours {min}-{}",
+                    max.saturating_mul(2)
+                ))
+            }
+            _ => None,
+        }
+    }
+}
+
+/// Before the file is read: its times are held against it.
+fn check_dt(dt: Option<f64>) -> Result<(), SpectrumError> {
+    match dt {
+        Some(dt) => Series::new(vec![0.0], 1, dt).map(drop).map_err(Into::into),
+        None => Ok(()),
+    }
 }
 
 /// Everything the program does. Exit code 0 on success, 1 if something failed, 2 for a wrong command line.
@@ -234,9 +260,10 @@ pub struct Outcome {
 /// Whatever one of these runs into.
 pub fn run(arguments: &Arguments) -> Result<Outcome, SpectrumError> {
     let settings = arguments.settings()?;
-    let source = read(&arguments.file, &arguments.columns, arguments.dt)?;
-    let (columns, dt) = (source.names.len(), arguments.dt);
-    let series = Series::new(source.values.clone(), columns, dt)?;
+    check_dt(arguments.dt)?;
+    let mut source = read(&arguments.file, &arguments.columns, arguments.dt)?;
+    source.notes.extend(arguments.without_effect(&settings));
+    let series = Series::new(source.values.clone(), source.names.len(), source.dt)?;
     let spectrum = terminal::patiently(" points, {eta} left", |report| {
         data_spectrum_with(&series, &settings, report)
     })?;
@@ -246,11 +273,11 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, SpectrumError> {
         written = output::listing(&output::write_all(folder, &[picture])?);
     }
     let text = if arguments.json {
-        json(&spectrum, &source, dt)?
+        json(&spectrum, &source)?
     } else if arguments.csv {
         csv(&spectrum)?
     } else {
-        table(&spectrum, &source, dt) + &written
+        table(&spectrum, &source) + &written
     };
     Ok(Outcome {
         text,

@@ -16,16 +16,20 @@ const STARVED: f64 = 0.1;
 const COMBINED_ERRORS: f64 = 4.0;
 
 /// The spectrum and its evidence, for the terminal.
-pub fn table(spectrum: &DataSpectrum, source: &Table, dt: f64) -> String {
+pub fn table(spectrum: &DataSpectrum, source: &Table) -> String {
     let mut text = String::new();
     // Writing to a string cannot fail.
     let _ = writeln!(
         text,
-        "{}: {} points of ({}), dt = {}\n",
+        "{}: {} points of ({}), dt = {}{}\n",
         source.input,
         source.values.len() / source.names.len().max(1),
         source.names.join(", "),
-        readable(dt),
+        readable(source.dt),
+        source
+            .time
+            .as_ref()
+            .map_or(String::new(), |name| format!(" from column {name}")),
     );
     let _ = writeln!(
         text,
@@ -137,6 +141,7 @@ pub fn warnings(spectrum: &DataSpectrum, source: &Table) -> Vec<String> {
         ));
     }
     warnings.extend(disagreements(spectrum));
+    warnings.extend(source.notes.iter().cloned());
     warnings
 }
 
@@ -250,7 +255,7 @@ pub fn csv(spectrum: &DataSpectrum) -> Result<String, SpectrumError> {
 ///
 /// # Errors
 /// [`SpectrumError::Json`].
-pub fn json(spectrum: &DataSpectrum, source: &Table, dt: f64) -> Result<String, SpectrumError> {
+pub fn json(spectrum: &DataSpectrum, source: &Table) -> Result<String, SpectrumError> {
     let exponents: Vec<Value> = spectrum
         .exponents
         .iter()
@@ -281,7 +286,7 @@ pub fn json(spectrum: &DataSpectrum, source: &Table, dt: f64) -> Result<String, 
     };
     let document = json!({
         "settings": {
-            "dt": dt,
+            "dt": source.dt,
             "columns": source.names,
             "eps": eps,
             "min_neighbours": min,

@@ -1,0 +1,178 @@
+//! How a text file separates its columns and writes its numbers.
+
+use std::borrow::Cow;
+
+/// What separates the columns of a line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Separator {
+    /// One character.
+    Char(char),
+    /// Any number of spaces and tabs.
+    Spaces,
+}
+
+/// Separator, and whether numbers have a decimal comma.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Dialect {
+    separator: Separator,
+    has_decimal_comma: bool,
+}
+
+impl Dialect {
+    /// What the first lines use. The very first may be a header; it counts only where there is no other.
+    pub(super) fn sense<'t>(lines: impl Iterator<Item = &'t str> + Clone) -> Self {
+        let rest = lines.clone().skip(1);
+        let sample: Vec<&str> = if rest.clone().next().is_some() {
+            rest.collect()
+        } else {
+            lines.collect()
+        };
+        let separator = separator(&sample);
+        let mut dialect = Dialect {
+            separator,
+            has_decimal_comma: false,
+        };
+        // Between columns that something else separates, a comma can only be a decimal one. Where points are found too, none is taken as one.
+        let cells = || sample.iter().flat_map(|line| dialect.cells(line));
+        let commas = cells().any(|cell| with_point(&cell).is_some());
+        let points = cells().any(|cell| cell.contains('.') && parse(&cell).is_some());
+        dialect.has_decimal_comma = separator != Separator::Char(',') && commas && !points;
+        dialect
+    }
+
+    /// The cells of a line, without spaces around them and without quotes.
+    pub(super) fn cells<'t>(&self, line: &'t str) -> Vec<Cow<'t, str>> {
+        match self.separator {
+            Separator::Spaces => line.split_whitespace().map(unquoted).collect(),
+            Separator::Char(separator) if line.contains('"') => quoted(line, separator),
+            Separator::Char(separator) => line
+                .split(separator)
+                .map(|cell| Cow::Borrowed(cell.trim()))
+                .collect(),
+        }
+    }
+
+    /// The names in a comment, if there are `count` and none is a number.
+    pub(super) fn header<'t>(&self, comment: &'t str, count: usize) -> Option<Vec<Cow<'t, str>>> {
+        let separated = self.cells(comment);
+        let by_spaces = || comment.split_whitespace().map(unquoted).collect();
+        let names: Vec<Cow<str>> = if separated.len() == count {
+            separated
+        } else {
+            by_spaces()
+        };
+        let are_names = names.len() == count
+            && names
+                .iter()
+                .all(|name| !name.is_empty() && self.number(name).is_none());
+        are_names.then_some(names)
+    }
+
+    /// The number in a cell.
+    pub(super) fn number(&self, cell: &str) -> Option<f64> {
+        if self.has_decimal_comma
+            && let Some(pointed) = with_point(cell)
+        {
+            return parse(&pointed);
+        }
+        parse(cell)
+    }
+
+    /// What the separators are called, for a message.
+    pub(super) fn separated_by(&self) -> &'static str {
+        match self.separator {
+            Separator::Spaces => "spaces",
+            Separator::Char(';') => "semicolons",
+            Separator::Char('\t') => "tabs",
+            Separator::Char(_) => "commas",
+        }
+    }
+}
+
+fn separator(sample: &[&str]) -> Separator {
+    let any = |character: char| sample.iter().any(|line| line.contains(character));
+    if any(';') {
+        return Separator::Char(';');
+    }
+    if any('\t') {
+        // Columns that are aligned by several tabs leave empty cells in every line; a gap does so in some.
+        let aligned = |line: &&str| line.trim().split('\t').any(|cell| cell.trim().is_empty());
+        return if sample.iter().all(aligned) {
+            Separator::Spaces
+        } else {
+            Separator::Char('\t')
+        };
+    }
+    // Columns by commas hold no spaces inside; decimal commas between spaces do.
+    let by_commas = |line: &&str| {
+        line.split(',')
+            .all(|cell| cell.split_whitespace().count() <= 1)
+    };
+    if any(',') && sample.iter().all(by_commas) {
+        return Separator::Char(',');
+    }
+    let by_spaces = |line: &&str| line.split_whitespace().count() > 1;
+    let are_numbers = |line: &&str| {
+        let numbers = |cell: &str| parse(cell).is_some() || with_point(cell).is_some();
+        line.split_whitespace().any(numbers)
+    };
+    if sample
+        .iter()
+        .any(|line| by_spaces(line) && are_numbers(line))
+        && !sample.iter().any(|line| line.contains('"'))
+    {
+        Separator::Spaces
+    } else {
+        Separator::Char(',')
+    }
+}
+
+/// A number as people and Fortran write it.
+fn parse(cell: &str) -> Option<f64> {
+    cell.parse().ok().or_else(|| {
+        let is_fortran = cell
+            .bytes()
+            .all(|b| b.is_ascii_digit() || b"+-.dD".contains(&b));
+        is_fortran
+            .then(|| cell.replace(['d', 'D'], "e").parse().ok())
+            .flatten()
+    })
+}
+
+/// The cell with a point in the place of its one decimal comma.
+fn with_point(cell: &str) -> Option<String> {
+    let (whole, rest) = cell.split_once(',')?;
+    let begins = whole
+        .trim_start_matches(['+', '-'])
+        .bytes()
+        .all(|b| b.is_ascii_digit());
+    let goes_on = rest.bytes().next().is_some_and(|b| b.is_ascii_digit());
+    let pointed = format!("{whole}.{rest}");
+    (begins && goes_on && parse(&pointed).is_some()).then_some(pointed)
+}
+
+fn unquoted(cell: &str) -> Cow<'_, str> {
+    let inside = cell
+        .strip_prefix('"')
+        .and_then(|cell| cell.strip_suffix('"'));
+    Cow::Borrowed(inside.unwrap_or(cell))
+}
+
+/// A line with quotes, in which separators may stand.
+fn quoted(line: &str, separator: char) -> Vec<Cow<'_, str>> {
+    let delimiter = u8::try_from(separator).unwrap_or(b',');
+    let mut reader = csv::ReaderBuilder::new()
+        .has_headers(false)
+        .trim(csv::Trim::All)
+        .delimiter(delimiter)
+        .from_reader(line.as_bytes());
+    let mut record = csv::StringRecord::new();
+    match reader.read_record(&mut record) {
+        Ok(true) => record
+            .iter()
+            .map(|cell| Cow::Owned(cell.to_owned()))
+            .collect(),
+        // The text of a line is read already, and is not empty.
+        _ => vec![Cow::Borrowed(line)],
+    }
+}

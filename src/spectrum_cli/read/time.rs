@@ -1,0 +1,87 @@
+//! The time between two rows: from a column, or held against one.
+
+use stickslip::statistics::middle_two;
+
+/// Rows may be further apart in time than `dt` by this part of it.
+const UNEVEN: f64 = 0.01;
+/// A step that differs from one of ten digits by no more than this part is that one: the rest is rounding of the printed times.
+const ROUNDING: f64 = 1e-9;
+
+/// The times of the rows, with their lines.
+#[derive(Default)]
+pub(super) struct Clock(Vec<(u64, f64)>);
+
+/// Two rows that are not one step apart.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Gap {
+    /// Line of the later one.
+    pub line: u64,
+    /// Their times.
+    pub from: f64,
+    pub to: f64,
+    /// What the step should be.
+    pub dt: f64,
+}
+
+impl Clock {
+    pub(super) fn push(&mut self, line: u64, time: f64) {
+        self.0.push((line, time));
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// Whether all steps are `dt`; if not, the first that is another.
+    pub(super) fn holds(&self, dt: f64) -> Result<(), Gap> {
+        let gap = |pair: &&[(u64, f64)]| !agree(pair[1].1 - pair[0].1, dt);
+        self.0.windows(2).find(gap).map_or(Ok(()), |pair| {
+            let ((_, from), (line, to)) = (pair[0], pair[1]);
+            Err(Gap { line, from, to, dt })
+        })
+    }
+
+    /// The step that they all are.
+    pub(super) fn dt(&self) -> Result<f64, Gap> {
+        let steps: Vec<f64> = self
+            .0
+            .windows(2)
+            .map(|pair| pair[1].1 - pair[0].1)
+            .collect();
+        let Some([middle, _]) = middle_two(steps.iter().copied()) else {
+            // One row is too few whatever its step.
+            return Ok(1.0);
+        };
+        self.holds(middle)?;
+        let (first, last) = (self.0[0].1, self.0[steps.len()].1);
+        Ok(rounded((last - first) / steps.len() as f64))
+    }
+}
+
+/// The step of values that rise or fall evenly; two are even whatever they are.
+pub(super) fn even_step(values: impl DoubleEndedIterator<Item = f64> + Clone) -> Option<f64> {
+    let steps = values
+        .clone()
+        .count()
+        .checked_sub(1)
+        .filter(|&steps| steps > 1)?;
+    let (first, last) = (values.clone().next()?, values.clone().next_back()?);
+    let mean = (last - first) / steps as f64;
+    let mut pairs = values.clone().zip(values.skip(1));
+    let is_even = mean != 0.0 && pairs.all(|(one, next)| agree(next - one, mean));
+    is_even.then(|| rounded(mean))
+}
+
+/// Whether two steps are the same.
+pub(super) fn agree(step: f64, dt: f64) -> bool {
+    (step - dt).abs() <= UNEVEN * dt.abs()
+}
+
+fn rounded(step: f64) -> f64 {
+    let short: f64 = format!("{step:.9e}").parse().unwrap_or(step);
+    if (short - step).abs() <= ROUNDING * step.abs() {
+        short
+    } else {
+        step
+    }
+}
