@@ -19,14 +19,14 @@ pub(super) struct Dialect {
 }
 
 impl Dialect {
-    /// What the first lines use. The very first may be a header; it counts only where there is no other.
-    pub(super) fn sense<'t>(lines: impl Iterator<Item = &'t str> + Clone) -> Self {
-        let rest = lines.clone().skip(1);
-        let sample: Vec<&str> = if rest.clone().next().is_some() {
-            rest.collect()
-        } else {
-            lines.collect()
-        };
+    /// What the first lines use. The very first counts only if there is a number in it, or no other line.
+    pub(super) fn sense<'t>(lines: impl Iterator<Item = &'t str>) -> Self {
+        let mut sample: Vec<&str> = lines.collect();
+        let may_be_number = |part: &str| parse(part).is_some();
+        let parts = |line: &'t str| line.split([',', ';', '\t', ' ', '\r']);
+        if sample.len() > 1 && !parts(sample[0]).any(may_be_number) {
+            sample.remove(0);
+        }
         let separator = separator(&sample);
         let mut dialect = Dialect {
             separator,
