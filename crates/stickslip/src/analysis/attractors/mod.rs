@@ -1,10 +1,10 @@
 //! Which attractor an orbit comes to, found by recurrence.
 
 mod known;
-mod reached;
+pub(super) mod reached;
 mod recurrence;
 mod recurrent;
-mod rest;
+pub(super) mod rest;
 mod search;
 mod turning;
 

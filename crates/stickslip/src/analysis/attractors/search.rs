@@ -5,7 +5,7 @@ use std::collections::hash_map::DefaultHasher;
 use std::hash::{Hash, Hasher};
 
 use super::reached::{Kind, Reached, SectionPoint};
-use super::recurrence::{Extent, Nearness, Pattern, Recurrence};
+use super::recurrence::{Count, Extent, Nearness, Pattern, Recurrence};
 use super::rest::rest_at;
 use super::{RecurrenceSettings, recurrent, turning::Turning};
 use crate::error::Error;
@@ -19,6 +19,9 @@ use crate::system::State;
 
 /// Steps without a transition after which the turning points of the first state are watched.
 const QUIET: usize = 400;
+
+/// A look for a point of rest is put off by no more steps than this.
+const MOST_PATIENT: usize = 64;
 
 /// Phases that are kept for each return of the longest pattern.
 const PHASES: usize = 4;
@@ -49,9 +52,11 @@ pub(super) struct Search<'a, S: Switched<N, G>, const N: usize, const G: usize> 
     by_transition: Recurrence<N>,
     by_event: Recurrence<N>,
     phases: VecDeque<Phase<N, S::Mode>>,
-    most_phases: usize,
-    /// How many phases have ended.
-    ended: u64,
+    transitions: VecDeque<(TransitionKind, usize)>,
+    /// How many phases and transitions are kept at most.
+    most: usize,
+    /// How many there have been.
+    count: Count,
     /// What has happened since the last point of either kind.
     tag: DefaultHasher,
     /// Where the orbit has been since the last point, and since its start.
@@ -89,8 +94,9 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
             by_transition: recurrence(),
             by_event: recurrence(),
             phases: VecDeque::with_capacity(most_phases),
-            most_phases,
-            ended: 0,
+            transitions: VecDeque::with_capacity(most_phases),
+            most: most_phases,
+            count: Count::default(),
             tag: DefaultHasher::new(),
             lately: Extent::of(x),
             ever: Extent::of(x),
@@ -184,17 +190,14 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
         }
         // A step may be short for another reason: the next look comes after twice as many.
         *left = *patience;
-        *patience *= 2;
+        *patience = (2 * *patience).min(MOST_PATIENT);
         let (kind, x) = rest_at(self.system, mode, at, &scale, &self.near)?;
         Some((kind, vec![SectionPoint { t: at.t, x }]))
     }
 
     fn phase(&mut self, phase: Phase<N, S::Mode>) {
-        if self.phases.len() == self.most_phases {
-            self.phases.pop_front();
-        }
-        self.phases.push_back(phase);
-        self.ended += 1;
+        push(&mut self.phases, phase, self.most);
+        self.count.phases += 1;
     }
 
     fn transition(&mut self, at: &Transition<N, S::Mode>) -> Option<(Kind, Vec<SectionPoint<N>>)> {
@@ -202,6 +205,9 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
             return None;
         }
         self.quiet = 0;
+        self.patience = (1, 0);
+        push(&mut self.transitions, (at.kind, at.contact), self.most);
+        self.count.transitions += 1;
         (at.kind, at.from, at.to, at.contact).hash(&mut self.tag);
         if self.by == By::Events {
             return None;
@@ -210,7 +216,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
         self.by_event.clear();
         let (tag, extent) = self.since_last(&at.x);
         let at = SectionPoint { t: at.t, x: at.x };
-        let found = self.by_transition.pass(at, tag, self.ended, extent);
+        let found = self.by_transition.pass(at, tag, self.count, extent);
         self.closes(found, By::Transitions)
     }
 
@@ -219,7 +225,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
             return None;
         }
         let (tag, extent) = self.since_last(&at.x);
-        let found = self.by_event.pass(at, tag, self.ended, extent);
+        let found = self.by_event.pass(at, tag, self.count, extent);
         self.closes(found, By::Events)
     }
 
@@ -243,16 +249,10 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
             By::Transitions => &self.by_transition,
             By::Events => &self.by_event,
         };
-        // An orbit that winds up around a point of rest also repeats itself ever better.
-        if self.settings.forcing.is_none() && !recurrence.is_wide(&pattern) {
-            return None;
-        }
         let points = recurrence.last(pattern.returns);
-        let (from, to) = pattern.phases;
-        let kept = self.phases.len() as u64;
-        let drop = from.saturating_sub(self.ended - kept) as usize;
-        self.phases.drain(..drop.min(self.phases.len()));
-        self.phases.truncate((to - from) as usize);
+        let (from, to) = pattern.counts;
+        keep_last(&mut self.phases, to.phases - from.phases);
+        keep_last(&mut self.transitions, to.transitions - from.transitions);
         let kind = Kind::Periodic {
             returns: pattern.returns,
             period: pattern.period,
@@ -323,10 +323,24 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
             kind,
             points,
             phases,
+            transitions: self.transitions.into(),
             in_stick,
             mode,
             t: integration.t(),
             x: *integration.x(),
         }
     }
+}
+
+/// Takes one more, and forgets the first where there are too many.
+fn push<T>(into: &mut VecDeque<T>, one: T, most: usize) {
+    if into.len() == most {
+        into.pop_front();
+    }
+    into.push_back(one);
+}
+
+fn keep_last<T>(of: &mut VecDeque<T>, count: u64) {
+    let too_many = of.len().saturating_sub(count as usize);
+    of.drain(..too_many);
 }
