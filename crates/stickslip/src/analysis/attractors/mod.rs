@@ -1,6 +1,8 @@
 //! Which attractor an orbit comes to, found by recurrence.
 
+mod history;
 mod known;
+mod nearness;
 pub(super) mod reached;
 mod recurrence;
 mod recurrent;

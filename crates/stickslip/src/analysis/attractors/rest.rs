@@ -2,8 +2,8 @@
 
 use nalgebra::{DMatrix, DVector, SMatrix};
 
+use super::nearness::Nearness;
 use super::reached::Kind;
-use super::recurrence::Nearness;
 use crate::analysis::multipliers;
 use crate::dual::Dual;
 use crate::filippov::{Flow, Settled, Switched, UseFlow, Velocity};

@@ -1,17 +1,18 @@
 //! One orbit on its way to its attractor: what is noted of it, and when that is enough.
 
-use std::collections::VecDeque;
 use std::collections::hash_map::DefaultHasher;
 use std::hash::{Hash, Hasher};
 
+use super::history::History;
+use super::nearness::{Extent, Nearness};
 use super::reached::{Kind, Reached, SectionPoint};
-use super::recurrence::{Count, Extent, Nearness, Pattern, Recurrence};
+use super::recurrence::{Pattern, Recurrence};
 use super::rest::rest_at;
 use super::{RecurrenceSettings, recurrent, turning::Turning};
 use crate::error::Error;
 use crate::filippov::{
-    EventFunctions, Happening, Integration, Options, Phase, Progress, Summary, Switched,
-    Transition, TransitionKind, Watched,
+    EventFunctions, Happening, Integration, Options, Progress, Summary, Switched, Transition,
+    TransitionKind, Watched,
 };
 use crate::ode::Timed;
 use crate::orbit::Ending;
@@ -51,12 +52,7 @@ pub(super) struct Search<'a, S: Switched<N, G>, const N: usize, const G: usize> 
     by: By,
     by_transition: Recurrence<N>,
     by_event: Recurrence<N>,
-    phases: VecDeque<Phase<N, S::Mode>>,
-    transitions: VecDeque<(TransitionKind, usize)>,
-    /// How many phases and transitions are kept at most.
-    most: usize,
-    /// How many there have been.
-    count: Count,
+    history: History<N, S::Mode>,
     /// What has happened since the last point of either kind.
     tag: DefaultHasher,
     /// Where the orbit has been since the last point, and since its start.
@@ -85,7 +81,6 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
         };
         let most = settings.most_returns;
         let recurrence = || Recurrence::new(near, settings.forcing, most, settings.kept);
-        let most_phases = PHASES * most.max(settings.kept);
         Search {
             system,
             settings,
@@ -93,10 +88,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
             by,
             by_transition: recurrence(),
             by_event: recurrence(),
-            phases: VecDeque::with_capacity(most_phases),
-            transitions: VecDeque::with_capacity(most_phases),
-            most: most_phases,
-            count: Count::default(),
+            history: History::of(PHASES * most.max(settings.kept)),
             tag: DefaultHasher::new(),
             lately: Extent::of(x),
             ever: Extent::of(x),
@@ -161,7 +153,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
                     self.step(mode, &at)
                 }
                 Happening::Progress(Progress::PhaseEnd(phase)) => {
-                    self.phase(phase);
+                    self.history.phase(phase);
                     None
                 }
                 Happening::Progress(Progress::Transition(at)) => self.transition(&at),
@@ -195,19 +187,13 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
         Some((kind, vec![SectionPoint { t: at.t, x }]))
     }
 
-    fn phase(&mut self, phase: Phase<N, S::Mode>) {
-        push(&mut self.phases, phase, self.most);
-        self.count.phases += 1;
-    }
-
     fn transition(&mut self, at: &Transition<N, S::Mode>) -> Option<(Kind, Vec<SectionPoint<N>>)> {
         if at.kind == TransitionKind::Touch {
             return None;
         }
         self.quiet = 0;
         self.patience = (1, 0);
-        push(&mut self.transitions, (at.kind, at.contact), self.most);
-        self.count.transitions += 1;
+        self.history.transition(at);
         (at.kind, at.from, at.to, at.contact).hash(&mut self.tag);
         if self.by == By::Events {
             return None;
@@ -216,7 +202,9 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
         self.by_event.clear();
         let (tag, extent) = self.since_last(&at.x);
         let at = SectionPoint { t: at.t, x: at.x };
-        let found = self.by_transition.pass(at, tag, self.count, extent);
+        let found = self
+            .by_transition
+            .pass(at, tag, self.history.count(), extent);
         self.closes(found, By::Transitions)
     }
 
@@ -225,7 +213,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
             return None;
         }
         let (tag, extent) = self.since_last(&at.x);
-        let found = self.by_event.pass(at, tag, self.count, extent);
+        let found = self.by_event.pass(at, tag, self.history.count(), extent);
         self.closes(found, By::Events)
     }
 
@@ -250,9 +238,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
             By::Events => &self.by_event,
         };
         let points = recurrence.last(pattern.returns);
-        let (from, to) = pattern.counts;
-        keep_last(&mut self.phases, to.phases - from.phases);
-        keep_last(&mut self.transitions, to.transitions - from.transitions);
+        self.history.keep(&pattern.counts);
         let kind = Kind::Periodic {
             returns: pattern.returns,
             period: pattern.period,
@@ -305,42 +291,21 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
         integration: &Integration<'_, S, N, G>,
     ) -> Reached<N, S::Mode> {
         let mode = integration.mode();
-        let phases: Vec<_> = self.phases.into();
         let rests = matches!(kind, Kind::Equilibrium | Kind::EquilibriumSet);
-        let (mut whole, mut stuck) = (0.0, 0.0);
-        for phase in &phases {
-            whole += phase.duration();
-            if S::any_sticks(phase.mode) {
-                stuck += phase.duration();
-            }
-        }
-        let in_stick = if whole > 0.0 && !rests {
-            stuck / whole
-        } else {
-            f64::from(u8::from(S::any_sticks(mode)))
-        };
+        let by_phases = self.history.in_stick(S::any_sticks);
+        let in_stick = by_phases
+            .filter(|_| !rests)
+            .unwrap_or_else(|| f64::from(u8::from(S::any_sticks(mode))));
+        let (phases, transitions) = self.history.into_parts();
         Reached {
             kind,
             points,
             phases,
-            transitions: self.transitions.into(),
+            transitions,
             in_stick,
             mode,
             t: integration.t(),
             x: *integration.x(),
         }
     }
-}
-
-/// Takes one more, and forgets the first where there are too many.
-fn push<T>(into: &mut VecDeque<T>, one: T, most: usize) {
-    if into.len() == most {
-        into.pop_front();
-    }
-    into.push_back(one);
-}
-
-fn keep_last<T>(of: &mut VecDeque<T>, count: u64) {
-    let too_many = of.len().saturating_sub(count as usize);
-    of.drain(..too_many);
 }

@@ -1,6 +1,7 @@
 //! A sweep of one parameter that carries the state on: bifurcation diagrams, with hysteresis by a second sweep the other way.
 
 mod change;
+mod stability;
 
 use super::attractors::{Kind, Reached, RecurrenceSettings, attractor};
 use super::lyapunov::{Exponent, SpectrumOptions, lyapunov_spectrum};

@@ -3,7 +3,10 @@
 mod corner;
 mod corrector;
 mod critical;
+mod ends;
+mod line;
 mod rest;
+mod special;
 mod walk;
 
 use nalgebra::Complex;
@@ -174,7 +177,7 @@ pub struct Branch<const N: usize, K = Mode> {
 ///
 /// # Errors
 /// Those of [`crate::Integration::new`]; [`Error::Option`] for a setting that is not allowed; [`Error::Parameter`] where the last state's
-/// rate is not zero; [`Error::NotConverged`] where there is no first orbit.
+/// rate is not zero; [`Error::NotFound`] where there is no orbit near the start.
 ///
 /// ```
 /// use stickslip::analysis::{ContinuationSettings, Special, continue_periodic_orbit};

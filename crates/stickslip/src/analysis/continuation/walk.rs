@@ -2,8 +2,8 @@
 
 use super::corner::Behind;
 use super::corrector::{Corrector, Guess, OnBranch};
-use super::critical::{Critical, zero_between};
-use super::rest::hopf;
+use super::critical::Critical;
+use super::line::Line;
 use super::{Branch, BranchPoint, ContinuationSettings, Special, SpecialPoint, Stop};
 use crate::analysis::periodic::slope_at;
 use crate::analysis::sequence::SequenceBifurcation;
@@ -20,59 +20,25 @@ const RESOLUTION: f64 = 1e-11;
 /// Steps shorter than this lead nowhere.
 const SHORTEST: f64 = 1e-7;
 
-/// An orbit of less than this part of the widest one's extent is about to be an equilibrium.
-const SMALL: f64 = 0.04;
-
 /// No step is longer than this part of the orbit's own extent.
 const OF_EXTENT: f64 = 0.1;
 
 /// A branch under way.
 pub(super) struct Walk<'a, S: Switched<N, G>, const N: usize, const G: usize> {
-    corrector: Corrector<'a, S>,
-    settings: &'a ContinuationSettings,
+    pub(super) corrector: Corrector<'a, S>,
+    pub(super) settings: &'a ContinuationSettings,
     /// Width of the range.
-    width: f64,
+    pub(super) width: f64,
     /// Size of the first orbit.
-    size: f64,
+    pub(super) size: f64,
     /// Extent of the widest orbit yet.
-    widest: f64,
+    pub(super) widest: f64,
     /// The last two orbits.
-    before: OnBranch<N, S::Mode>,
-    last: OnBranch<N, S::Mode>,
-    step: f64,
-    points: Vec<BranchPoint<N, S::Mode>>,
-    special: Vec<SpecialPoint<N, S::Mode>>,
-}
-
-/// The line through the last two orbits, along which the next is sought.
-struct Line<const N: usize> {
-    base: Timed<N>,
-    period: f64,
-    /// Changes for a step of length 1.
-    direction: State<N>,
-    of_time: f64,
-    of_period: f64,
-    /// Distance between the two.
-    length: f64,
-    /// Weights of the components.
-    weights: State<N>,
-}
-
-impl<const N: usize> Line<N> {
-    /// Where the orbit is sought at a place on it.
-    fn guess(&self, s: f64) -> Guess<N> {
-        let at = Timed {
-            t: self.base.t + self.of_time * s,
-            x: self.base.x + self.direction * s,
-        };
-        let row = self.direction.component_mul(&self.weights);
-        Guess {
-            at,
-            period: self.period + self.of_period * s,
-            row,
-            value: row.dot(&at.x),
-        }
-    }
+    pub(super) before: OnBranch<N, S::Mode>,
+    pub(super) last: OnBranch<N, S::Mode>,
+    pub(super) step: f64,
+    pub(super) points: Vec<BranchPoint<N, S::Mode>>,
+    pub(super) special: Vec<SpecialPoint<N, S::Mode>>,
 }
 
 impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
@@ -99,11 +65,10 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
         let period = settings.forced.unwrap_or(period);
         let at = anchor(system, &Timed { t: 0.0, x }, period, options)?;
         let first = corrector.orbit(&at_parameter(at, period, x[N - 1]), 0.0);
-        let first = first.ok_or(Error::NotConverged {
-            what: "the first periodic orbit of the branch",
-            iterations: 12,
-            residual: f64::NAN,
-            wanted: 100.0 * options.atol.max(options.rtol),
+        let first = first.ok_or(Error::NotFound {
+            what: "a periodic orbit near the start of the branch",
+            t: at.t,
+            span: period,
         })?;
         let mut walk = Walk {
             corrector,
@@ -162,52 +127,8 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
         Some(Stop::NoConvergence)
     }
 
-    fn parameter(&self) -> f64 {
+    pub(super) fn parameter(&self) -> f64 {
         self.last.circuit.anchor.x[N - 1]
-    }
-
-    fn line(&self) -> Line<N> {
-        let (a, b) = (&self.before.circuit, &self.last.circuit);
-        let (state, parameter) = (1.0 / self.size, 1.0 / self.width);
-        let weights = State::from_fn(|i, _| {
-            let weight = if i + 1 < N { state } else { parameter };
-            weight * weight
-        });
-        let is_forced = self.settings.forced.is_some();
-        let mut way = b.anchor.x - a.anchor.x;
-        if !is_forced {
-            // Along the flow it is the same orbit.
-            let mut flow = self.last.branch.slope;
-            flow[N - 1] = 0.0;
-            way -= flow * (flow.dot(&way) / flow.norm_squared());
-        }
-        let length = way.component_mul(&way).dot(&weights).sqrt();
-        Line {
-            // Only the forcing knows the time.
-            base: Timed {
-                t: if is_forced { b.anchor.t } else { 0.0 },
-                x: b.anchor.x,
-            },
-            period: b.period,
-            direction: way / length,
-            of_time: if is_forced {
-                (b.anchor.t - a.anchor.t) / length
-            } else {
-                0.0
-            },
-            of_period: (b.period - a.period) / length,
-            length,
-            weights,
-        }
-    }
-
-    /// The orbit next to a place on the line, if there is one no farther from it than the place is from the last orbit.
-    fn on(&self, line: &Line<N>, s: f64) -> Option<OnBranch<N, S::Mode>> {
-        let guess = line.guess(s);
-        let found = self.corrector.orbit(&guess, s)?;
-        let off = found.branch.start - guess.at.x;
-        let distance = off.component_mul(&off).dot(&line.weights).sqrt();
-        (distance <= s.abs().max(0.1 * self.step)).then_some(found)
     }
 
     /// Takes a step, or gets behind a change of phases.
@@ -290,118 +211,8 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
         None
     }
 
-    /// Whether the next orbit lies outside the range; the last one is then that at its end.
-    fn leaves_range(&mut self, next: &OnBranch<N, S::Mode>) -> Option<Stop> {
-        let (low, high) = self.settings.range;
-        let (here, there) = (self.parameter(), next.circuit.anchor.x[N - 1]);
-        if (low..=high).contains(&there) {
-            return None;
-        }
-        let end = there.clamp(low, high);
-        let part = ((end - here) / (there - here)).clamp(0.0, 1.0);
-        let (a, b) = (&self.last.circuit, &next.circuit);
-        let at = Timed {
-            t: b.anchor.t,
-            x: a.anchor.x + (b.anchor.x - a.anchor.x) * part,
-        };
-        let found = self
-            .corrector
-            .orbit(&at_parameter(at, b.period, end), 0.0)
-            .filter(|found| found.circuit.sequence() == a.sequence());
-        if let Some(found) = found
-            && part > 0.0
-        {
-            self.take(found);
-        }
-        Some(Stop::Range)
-    }
-
-    /// Whether the orbit is about to be an equilibrium.
-    fn shrinks(&mut self) -> Option<Stop> {
-        let extent = self.last.circuit.extent;
-        if extent >= SMALL * self.widest || extent >= self.before.circuit.extent {
-            return None;
-        }
-        let (parameter, frequency) = hopf(self.corrector.system, &self.last, self.width)?;
-        Some(Stop::Equilibrium {
-            parameter,
-            frequency,
-        })
-    }
-
-    /// What is special between the last orbit and the next, by the multipliers.
-    fn note_critical(&mut self, line: &Line<N>, next: &OnBranch<N, S::Mode>) {
-        let is_forced = self.settings.forced.is_some();
-        let of = |orbit: &OnBranch<N, S::Mode>| Critical::of(&orbit.branch, is_forced);
-        let (here, there) = (of(&self.last), of(next));
-        let turns = {
-            let change = |a: &OnBranch<N, _>, b: &OnBranch<N, _>| {
-                b.circuit.anchor.x[N - 1] - a.circuit.anchor.x[N - 1]
-            };
-            change(&self.before, &self.last) * change(&self.last, next) < 0.0
-        };
-        type Function = fn(&Critical) -> Option<f64>;
-        let functions: [Function; 3] = [|c| Some(c.one), |c| Some(c.minus_one), |c| c.circle];
-        let mut found = Vec::new();
-        for (kind, function) in functions.into_iter().enumerate() {
-            let (Some(a), Some(b)) = (function(&here), function(&there)) else {
-                continue;
-            };
-            if a * b >= 0.0 {
-                continue;
-            }
-            let at = |s: f64| self.on(line, s);
-            let value = |s: f64| at(s).and_then(|orbit| function(&of(&orbit)));
-            let Some(orbit) = zero_between((0.0, a), (next.s, b), value).and_then(at) else {
-                continue;
-            };
-            let what = match kind {
-                0 if turns => Special::Fold,
-                0 => self.fold_or_branch(line, next, &orbit),
-                1 => Special::Flip,
-                _ => Special::NeimarkSacker {
-                    angle: of(&orbit).angle,
-                },
-            };
-            found.push((
-                orbit.s,
-                SpecialPoint {
-                    parameter: orbit.circuit.anchor.x[N - 1],
-                    what,
-                    behind: self.points.len(),
-                    x: orbit.circuit.anchor.x,
-                    period: orbit.circuit.period,
-                },
-            ));
-        }
-        found.sort_by(|a, b| a.0.total_cmp(&b.0));
-        self.special
-            .extend(found.into_iter().map(|(_, point)| point));
-    }
-
-    /// Whether the parameter turns back at an orbit between the last and the next one.
-    fn fold_or_branch(
-        &self,
-        line: &Line<N>,
-        next: &OnBranch<N, S::Mode>,
-        orbit: &OnBranch<N, S::Mode>,
-    ) -> Special<N, S::Mode> {
-        let near = 1e-3 * next.s;
-        let parameter = |s: f64| {
-            let found = self.on(line, s);
-            found.map(|found| found.circuit.anchor.x[N - 1])
-        };
-        let here = orbit.circuit.anchor.x[N - 1];
-        match (parameter(orbit.s - near), parameter(orbit.s + near)) {
-            (Some(before), Some(behind)) if (before - here) * (behind - here) < 0.0 => {
-                Special::BranchPoint
-            }
-            _ => Special::Fold,
-        }
-    }
-
     /// Goes on from this orbit.
-    fn take(&mut self, next: OnBranch<N, S::Mode>) {
+    pub(super) fn take(&mut self, next: OnBranch<N, S::Mode>) {
         self.widest = self.widest.max(next.circuit.extent);
         self.before = std::mem::replace(&mut self.last, next);
         self.note();
@@ -424,7 +235,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
 }
 
 /// The orbit at a given parameter, near a state.
-fn at_parameter<const N: usize>(at: Timed<N>, period: f64, parameter: f64) -> Guess<N> {
+pub(super) fn at_parameter<const N: usize>(at: Timed<N>, period: f64, parameter: f64) -> Guess<N> {
     let mut at = at;
     at.x[N - 1] = parameter;
     Guess {

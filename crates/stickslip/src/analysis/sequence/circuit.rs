@@ -1,6 +1,7 @@
 //! One period of a periodic orbit: its phases, and how far each event function is from a change of them.
 
-use super::margin::{Key, Margin, Site, landing, minima};
+use super::margin::{Key, Margin, Site, landing};
+use super::minima::minima;
 use crate::error::Error;
 use crate::filippov::{Options, Switched, Transition, TransitionKind, solve};
 use crate::ode::Timed;

@@ -3,6 +3,7 @@
 pub(super) mod circuit;
 pub(super) mod locate;
 mod margin;
+mod minima;
 mod name;
 
 use crate::filippov::{Options, Switched};

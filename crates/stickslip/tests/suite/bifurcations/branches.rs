@@ -175,7 +175,7 @@ fn what_cannot_be_followed_is_an_error_that_says_why() {
     };
     // From the focus there is no cycle.
     let error = begin([1e-9, 0.0, -0.5], 6.3, &settings);
-    assert!(matches!(error, Error::NotConverged { .. }), "{error}");
+    assert!(matches!(error, Error::NotFound { .. }), "{error}");
     let error = begin([1.3, 0.0, -0.5], 6.3, &ContinuationSettings::over(1.0, 1.0));
     assert!(
         matches!(error, Error::Option { name: "range", .. }),
