@@ -145,6 +145,12 @@
 //! }
 //! ```
 //!
+//! # Attractors, sweeps and branches
+//! [`analysis::attractor`] says which attractor a start leads to, without a list of them, and [`analysis::basin`] does so for many starts, with
+//! the shares. [`analysis::sweep`] leads an attractor along a parameter, up or down, and locates where its phases change; the name, of the
+//! four sliding bifurcations say, follows from the event function that vanishes there. [`analysis::continue_periodic_orbit`] follows a
+//! periodic orbit, stable or not, through folds and grazes. Their pages have examples.
+//!
 //! # Ensembles
 //! [`ensemble`] integrates many starts or parameters on all cores, each with the bits that it has alone, and hands back what came of them
 //! in order:
@@ -215,8 +221,8 @@ pub use error::Error;
 pub use filippov::{
     Approach, AtRepelling, Contacts, Direction, EventFunctions, EventRecord, EventSearch, Failure,
     Fate, Happening, Integration, Locator, Method, Observer, Options, OrbitWithEvents, Phase,
-    Plane, Progress, Several, Start, StepRecord, Summary, Switched, Transition, TransitionKind,
-    TwoFold, Watched, ensemble, fate, run, solve, solve_with_events,
+    Plane, Progress, Several, Start, StepRecord, Strobe, Summary, Switched, Transition,
+    TransitionKind, TwoFold, Visibility, Watched, ensemble, fate, run, solve, solve_with_events,
 };
 pub use orbit::{Counters, Ending, Orbit};
 pub use scalar::Scalar;

@@ -159,6 +159,14 @@ impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
     fn any_sticks(mode: Mode) -> bool {
         mode == Mode::Stick
     }
+
+    fn mode_of(mode: Mode, _contact: usize) -> Mode {
+        mode
+    }
+
+    fn with_mode_of(_mode: Mode, _contact: usize, does: Mode) -> Mode {
+        does
+    }
 }
 
 /// Static over kinetic friction at a point of Σ, each by how far the normal components of its two fields lie apart; 1 where the fields are

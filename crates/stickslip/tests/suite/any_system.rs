@@ -8,6 +8,8 @@ use stickslip::{
     Summary, analysis,
 };
 
+use crate::attractors::systems::{Driven, Leine, Rings, Wells};
+use crate::bifurcations::systems::{Beat, DrivenFamily, Twisted};
 use crate::grazes;
 use crate::lyapunov_equations::{
     Fork, FromSupport, Linear, Lorenz, Refracting, Rider, Roessler, Smooth,
@@ -77,22 +79,22 @@ macro_rules! systems {
 
 systems!(
     Any1, 1:
-    BlowUp(BlowUp), Breathing(Breathing), Brink(Brink), Fork(Fork), Line(Line), MovingLine(MovingLine), Nowhere(Nowhere),
+    Beat(Beat), BlowUp(BlowUp), Breathing(Breathing), Brink(Brink), Fork(Fork), Line(Line), MovingLine(MovingLine), Nowhere(Nowhere),
     Rest(Rest), Rider(Rider), TurningLine(TurningLine), Wall(Wall), Window(Window),
 );
 
 systems!(
     Any2, 2:
-    Belt(BeltOscillator), Ceiling(Ceiling), DenHartog(DenHartog), Dip(Dip), Floor(Floor), Forced(ForcedOscillator), FromSupport(FromSupport),
-    Gate(Gate), Kink(Kink), Ledge(Ledge), Linear(Smooth<Linear<2>>), Parabola(Parabola), Pit(Pit), Ramp(Ramp),
+    Belt(BeltOscillator), Ceiling(Ceiling), DenHartog(DenHartog), Dip(Dip), Driven(Driven), Floor(Floor), Forced(ForcedOscillator), FromSupport(FromSupport),
+    Gate(Gate), Kink(Kink), Ledge(Ledge), Leine(Leine), Linear(Smooth<Linear<2>>), Parabola(Parabola), Pit(Pit), Ramp(Ramp),
     Refracting(Refracting), ReversedBelt(Reversed<BeltOscillator>), ReversedForced(Reversed<ForcedOscillator>),
-    Shaken(grazes::Shaken), SpiralAtRest(grazes::AtRest), Spiral(Spiral), StaticFriction(StaticFriction), TwoFold(TwoFold), Zeno(Zeno),
+    Shaken(grazes::Shaken), SpiralAtRest(grazes::AtRest), Spiral(Spiral), StaticFriction(StaticFriction), TwoFold(TwoFold), Wells(Wells), Zeno(Zeno),
 );
 
 systems!(
     Any3, 3:
-    Folds(Folds), Random(Random), Linear(Smooth<Linear<3>>), Lorenz(Smooth<Lorenz>), Roessler(Smooth<Roessler>),
-    TwiceRound(TwiceRound),
+    DrivenFamily(DrivenFamily), Folds(Folds), Random(Random), Linear(Smooth<Linear<3>>), Lorenz(Smooth<Lorenz>), Rings(Rings),
+    Roessler(Smooth<Roessler>), TwiceRound(TwiceRound), Twisted(Twisted),
 );
 
 systems!(Any4, 4: Bracket(BlockAndBracket));

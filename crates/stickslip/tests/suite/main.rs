@@ -6,6 +6,8 @@
 )]
 
 mod any_system;
+mod attractors;
+mod bifurcations;
 mod contacts;
 #[cfg(feature = "data")]
 mod data_spectrum;

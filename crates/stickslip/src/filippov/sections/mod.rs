@@ -5,6 +5,7 @@ mod over_step;
 mod plane;
 mod search;
 mod solve;
+mod strobe;
 mod watched;
 
 use crate::scalar::Scalar;
@@ -13,6 +14,7 @@ use crate::system::{Mode, State};
 pub use plane::Plane;
 pub use search::EventSearch;
 pub use solve::{OrbitWithEvents, solve_with_events};
+pub use strobe::Strobe;
 pub use watched::{Happening, Watched};
 
 /// Which way a function passes through zero.
@@ -86,6 +88,14 @@ impl<V: EventFunctions<N, E>, const N: usize, const E: usize> EventFunctions<N, 
     }
     fn is_terminal(&self, number: usize) -> bool {
         (**self).is_terminal(number)
+    }
+}
+
+/// No events.
+impl<const N: usize> EventFunctions<N, 0> for () {
+    #[inline(always)]
+    fn values<T: Scalar>(&self, _t: T, _x: &[T; N]) -> [T; 0] {
+        []
     }
 }
 

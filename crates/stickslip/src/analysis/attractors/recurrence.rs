@@ -1,0 +1,245 @@
+//! Whether the points of a section repeat.
+
+use std::collections::VecDeque;
+
+use super::SectionPoint;
+use super::nearness::{Extent, Nearness, OF_SOLVER};
+use crate::system::State;
+
+/// Part of the scale that is kept from point to point: of a long way to the attractor nothing is left after some returns.
+const KEPT: f64 = 0.9;
+
+/// Ratios of differences that are looked at.
+const RATIOS: usize = 3;
+
+/// What may be left of the way where differences are too small to show a ratio: a way of so many.
+const UNSEEN: f64 = 100.0;
+
+/// A cycle is so many times wider than the solver's rounding.
+const WIDE: f64 = 10.0;
+
+/// Part of what a cycle covers that may be left of the way to it.
+const LITTLE: f64 = 0.01;
+
+/// How much has happened.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Count {
+    /// Phases that have ended.
+    pub phases: u64,
+    /// Transitions, touches left out.
+    pub transitions: u64,
+}
+
+/// A point with what is compared of it and what lies between it and the one before.
+#[derive(Clone, Copy, Debug)]
+struct Passage<const N: usize> {
+    at: SectionPoint<N>,
+    /// Stands for the transitions since the last point.
+    tag: u64,
+    /// Time modulo the forcing's period, in periods.
+    beat: f64,
+    /// What had happened before.
+    count: Count,
+    extent: Extent<N>,
+}
+
+/// The last points of a section, and how long they have repeated with every lag.
+pub(super) struct Recurrence<const N: usize> {
+    near: Nearness,
+    forcing: Option<f64>,
+    passages: VecDeque<Passage<N>>,
+    kept: usize,
+    /// For every lag, counted from 1, how many points in a row are near those as many before.
+    runs: Vec<usize>,
+    /// Size of every component lately.
+    scale: State<N>,
+}
+
+/// A pattern of the last points that repeats.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pattern<const N: usize> {
+    pub returns: usize,
+    pub period: f64,
+    /// What had happened before it and at its end.
+    pub counts: (Count, Count),
+    /// What the orbit covers in it.
+    pub extent: Extent<N>,
+}
+
+impl<const N: usize> Recurrence<N> {
+    pub fn new(near: Nearness, forcing: Option<f64>, most: usize, kept: usize) -> Self {
+        let kept = kept.max((RATIOS + 1) * most + 1);
+        Recurrence {
+            near,
+            forcing,
+            passages: VecDeque::with_capacity(kept),
+            kept,
+            runs: vec![0; most],
+            scale: State::zeros(),
+        }
+    }
+
+    pub fn clear(&mut self) {
+        self.passages.clear();
+        self.runs.fill(0);
+        self.scale = State::zeros();
+    }
+
+    pub fn points(&self) -> impl ExactSizeIterator<Item = &SectionPoint<N>> {
+        self.passages.iter().map(|passage| &passage.at)
+    }
+
+    /// The last `count` points.
+    pub fn last(&self, count: usize) -> Vec<SectionPoint<N>> {
+        let from = self.passages.len().saturating_sub(count);
+        self.points().skip(from).copied().collect()
+    }
+
+    /// Whether the orbit is still on its way to a pattern, or away from one: with some lag all of the last points came near to those before,
+    /// and nearer, or less near, than earlier.
+    pub fn still_moves(&self, part: f64) -> bool {
+        const STEADY: f64 = 1.25;
+        let near = Nearness {
+            closeness: part,
+            ..self.near
+        };
+        let total = self.passages.len();
+        let quarter = total / 4;
+        let mean = |lag: usize, last: usize| {
+            let mut sum = 0.0;
+            for k in last - quarter..last {
+                let (here, there) = (&self.passages[k], self.passages.get(k.checked_sub(lag)?)?);
+                let apart = self.apart(here, there, &near);
+                if here.tag != there.tag || apart > 1.0 {
+                    return None;
+                }
+                sum += apart;
+            }
+            Some(sum)
+        };
+        (1..=self.runs.len()).any(|lag| {
+            let Some(now) = mean(lag, total) else {
+                return false;
+            };
+            mean(lag, total - quarter)
+                .is_none_or(|before| now > STEADY * before || before > STEADY * now)
+        })
+    }
+
+    /// Takes the next point; the shortest pattern that has now repeated often enough, if there is one.
+    pub fn pass(
+        &mut self,
+        at: SectionPoint<N>,
+        tag: u64,
+        count: Count,
+        extent: Extent<N>,
+    ) -> Option<Pattern<N>> {
+        for i in 0..N {
+            self.scale[i] = extent.size(i).max(KEPT * self.scale[i]);
+        }
+        if self.passages.len() == self.kept {
+            self.passages.pop_front();
+        }
+        let beats = self.forcing.map_or(0.0, |period| at.t / period);
+        self.passages.push_back(Passage {
+            at,
+            tag,
+            beat: beats - beats.floor(),
+            count,
+            extent,
+        });
+        let last = self.passages.len() - 1;
+        let mut found = None;
+        for lag in 1..=self.runs.len().min(last) {
+            let (here, there) = (&self.passages[last], &self.passages[last - lag]);
+            let repeats = here.tag == there.tag && self.apart(here, there, &self.near) <= 1.0;
+            self.runs[lag - 1] = if repeats { self.runs[lag - 1] + 1 } else { 0 };
+            if found.is_none()
+                && self.runs[lag - 1] >= lag
+                && let Some(left) = self.left(last, lag)
+            {
+                let pattern = self.pattern(last, lag);
+                let is_cycle = self.forcing.is_some() || self.is_wide(&pattern, left);
+                found = is_cycle.then_some(pattern);
+            }
+        }
+        found
+    }
+
+    /// Largest difference of two points in units of what is allowed.
+    fn apart(&self, one: &Passage<N>, other: &Passage<N>, near: &Nearness) -> f64 {
+        let mut most = 0.0_f64;
+        for i in 0..N {
+            let allowed = near.allowed(self.scale[i]);
+            most = most.max((one.at.x[i] - other.at.x[i]).abs() / allowed);
+        }
+        if self.forcing.is_some() {
+            let gap = (one.beat - other.beat).abs();
+            most = most.max(gap.min(1.0 - gap) / near.allowed(1.0));
+        }
+        most
+    }
+
+    /// What is left of the way to the pattern, in differences of points a lag apart, if it is little: a geometric series of these differences,
+    /// by the slowest of the last few of its ratios. Points that creep past each other differ little, too.
+    fn left(&self, last: usize, lag: usize) -> Option<f64> {
+        let apart = |k: usize, near: &Nearness| {
+            let (here, before) = (&self.passages[k], &self.passages[k - lag]);
+            let comparable = here.tag == before.tag;
+            comparable.then(|| self.apart(here, before, near))
+        };
+        let tolerance = Nearness {
+            closeness: 0.0,
+            atol: self.near.atol / OF_SOLVER,
+            rtol: self.near.rtol / OF_SOLVER,
+        };
+        if apart(last, &tolerance)? <= 1.0 {
+            return Some(UNSEEN);
+        }
+        if last < (RATIOS + 1) * lag {
+            return None;
+        }
+        let mut slowest = 0.0_f64;
+        for k in 0..RATIOS {
+            let now = apart(last - k * lag, &self.near)?;
+            let before = apart(last - (k + 1) * lag, &self.near)?;
+            slowest = slowest.max(now / before);
+        }
+        let left = slowest / (1.0 - slowest);
+        (slowest < 1.0 && apart(last, &self.near)? * left <= 1.0).then_some(left)
+    }
+
+    fn pattern(&self, last: usize, lag: usize) -> Pattern<N> {
+        let (here, there) = (&self.passages[last], &self.passages[last - lag]);
+        let mut extent = here.extent;
+        for passage in self.passages.range(last + 1 - lag..last) {
+            extent.join(&passage.extent);
+        }
+        Pattern {
+            returns: lag,
+            period: here.at.t - there.at.t,
+            counts: (there.count, here.count),
+            extent,
+        }
+    }
+
+    /// Whether what is left of the way is little of what the orbit covers as well: an orbit that winds up around a point of rest also repeats
+    /// itself ever better.
+    fn is_wide(&self, pattern: &Pattern<N>, left: f64) -> bool {
+        let last = self.passages.len() - 1;
+        let (here, there) = (&self.passages[last], &self.passages[last - pattern.returns]);
+        let Extent { low, high } = pattern.extent;
+        let mut moves = false;
+        for i in 0..N {
+            let width = high[i] - low[i];
+            let rounding = self.near.rounding(pattern.extent.size(i));
+            if width > rounding {
+                moves |= width > WIDE * rounding;
+                if left * (here.at.x[i] - there.at.x[i]).abs() > LITTLE * width {
+                    return false;
+                }
+            }
+        }
+        moves
+    }
+}
