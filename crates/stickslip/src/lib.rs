@@ -188,8 +188,8 @@ pub use error::Error;
 pub use filippov::{
     Approach, AtRepelling, Contacts, Direction, EventFunctions, EventRecord, Failure, Fate,
     Happening, Integration, Locator, Method, Observer, Options, OrbitWithEvents, Phase, Plane,
-    Progress, Several, Start, StepRecord, Summary, Switched, Transition, TransitionKind, TwoFold,
-    Watched, ensemble, fate, run, solve, solve_with_events,
+    Progress, Several, Start, StepRecord, Strobe, Summary, Switched, Transition, TransitionKind,
+    TwoFold, Watched, ensemble, fate, run, solve, solve_with_events,
 };
 pub use orbit::{Counters, Ending, Orbit};
 pub use scalar::Scalar;

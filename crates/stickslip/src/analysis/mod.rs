@@ -1,6 +1,8 @@
 //! Analyses of systems and orbits: tangent points, monodromy by saltation, periodic orbits, attractors, Lyapunov spectra,
 //! classes of motion.
 
+mod attractors;
+mod basin;
 #[cfg(feature = "data")]
 pub mod data_spectrum;
 mod destination;
@@ -13,6 +15,11 @@ mod poincare;
 mod tangency;
 mod tangent;
 
+pub use attractors::{
+    Attractors, Kind, Reached, RecurrenceSettings, SectionPoint, attractor, attractor_on,
+    is_same_cycle,
+};
+pub use basin::{Basin, Share, basin};
 pub use destination::{Destination, destination};
 pub use lyapunov::{
     Exponent, Growth, Running, Spectrum, SpectrumOptions, lyapunov_spectrum,

@@ -38,11 +38,11 @@ pub(crate) use rules::LieDerivatives;
 pub use rules::{Fate, Visibility, fate};
 pub use scan::first_zero;
 pub use sections::{
-    Direction, EventFunctions, EventRecord, Happening, OrbitWithEvents, Plane, Watched,
+    Direction, EventFunctions, EventRecord, Happening, OrbitWithEvents, Plane, Strobe, Watched,
     solve_with_events,
 };
 pub(crate) use solve::tell;
 pub use solve::{Failure, Summary, run, solve};
 pub use switched::Switched;
-pub(crate) use switched::{GuardGradient, UseFlow, Velocity, gradient};
+pub(crate) use switched::{GuardGradient, Settled, UseFlow, Velocity, gradient};
 pub use two_fold::{Approach, TwoFold};

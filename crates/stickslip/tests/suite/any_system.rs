@@ -8,6 +8,7 @@ use stickslip::{
     Summary, analysis,
 };
 
+use crate::attractors::systems::{Driven, Leine, Rings, Wells};
 use crate::grazes;
 use crate::lyapunov_equations::{
     Fork, FromSupport, Linear, Lorenz, Refracting, Rider, Roessler, Smooth,
@@ -83,15 +84,15 @@ systems!(
 
 systems!(
     Any2, 2:
-    Belt(BeltOscillator), Ceiling(Ceiling), DenHartog(DenHartog), Dip(Dip), Floor(Floor), Forced(ForcedOscillator), FromSupport(FromSupport),
-    Gate(Gate), Kink(Kink), Ledge(Ledge), Linear(Smooth<Linear<2>>), Parabola(Parabola), Pit(Pit), Ramp(Ramp),
+    Belt(BeltOscillator), Ceiling(Ceiling), DenHartog(DenHartog), Dip(Dip), Driven(Driven), Floor(Floor), Forced(ForcedOscillator), FromSupport(FromSupport),
+    Gate(Gate), Kink(Kink), Ledge(Ledge), Leine(Leine), Linear(Smooth<Linear<2>>), Parabola(Parabola), Pit(Pit), Ramp(Ramp),
     Refracting(Refracting), ReversedBelt(Reversed<BeltOscillator>), ReversedForced(Reversed<ForcedOscillator>),
-    Shaken(grazes::Shaken), SpiralAtRest(grazes::AtRest), Spiral(Spiral), StaticFriction(StaticFriction), TwoFold(TwoFold), Zeno(Zeno),
+    Shaken(grazes::Shaken), SpiralAtRest(grazes::AtRest), Spiral(Spiral), StaticFriction(StaticFriction), TwoFold(TwoFold), Wells(Wells), Zeno(Zeno),
 );
 
 systems!(
     Any3, 3:
-    Folds(Folds), Quadratic(Quadratic), Linear(Smooth<Linear<3>>), Lorenz(Smooth<Lorenz>), Roessler(Smooth<Roessler>),
+    Folds(Folds), Quadratic(Quadratic), Linear(Smooth<Linear<3>>), Lorenz(Smooth<Lorenz>), Rings(Rings), Roessler(Smooth<Roessler>),
     TwiceRound(TwiceRound),
 );
 

@@ -26,7 +26,7 @@ fn close(found: f64, wanted: f64, tolerance: f64) {
 }
 
 /// A smooth system: `boundary` is never reached.
-pub struct Smooth<F>(F);
+pub struct Smooth<F>(pub F);
 
 /// A field written once for every scalar; closures cannot be.
 pub trait Field<const N: usize> {

@@ -6,6 +6,7 @@
 )]
 
 mod any_system;
+mod attractors;
 mod contacts;
 #[cfg(feature = "data")]
 mod data_spectrum;

@@ -4,6 +4,7 @@ mod crossings;
 mod over_step;
 mod plane;
 mod solve;
+mod strobe;
 mod watched;
 
 use crate::scalar::Scalar;
@@ -11,6 +12,7 @@ use crate::system::{Mode, State};
 
 pub use plane::Plane;
 pub use solve::{OrbitWithEvents, solve_with_events};
+pub use strobe::Strobe;
 pub use watched::{Happening, Watched};
 
 /// Which way a function passes through zero.
@@ -84,6 +86,14 @@ impl<V: EventFunctions<N, E>, const N: usize, const E: usize> EventFunctions<N, 
     }
     fn is_terminal(&self, number: usize) -> bool {
         (**self).is_terminal(number)
+    }
+}
+
+/// No events.
+impl<const N: usize> EventFunctions<N, 0> for () {
+    #[inline(always)]
+    fn values<T: Scalar>(&self, _t: T, _x: &[T; N]) -> [T; 0] {
+        []
     }
 }
 

@@ -100,7 +100,10 @@ where
             return Ok(Happening::Event(event));
         }
         let progress = self.integration.step()?;
-        if let Progress::Step = progress {
+        // Without functions a step needs no dense output.
+        if E > 0
+            && let Progress::Step = progress
+        {
             self.search();
         }
         Ok(Happening::Progress(progress))
@@ -157,6 +160,11 @@ where
     /// The integration, for what can be asked of it.
     pub fn integration(&self) -> &Integration<'a, S, N, G> {
         &self.integration
+    }
+
+    /// The integration, to be watched no longer, or otherwise.
+    pub(crate) fn into_integration(self) -> Integration<'a, S, N, G> {
+        self.integration
     }
 
     /// The last step, which ends at a terminal event, if it has one.

@@ -1,0 +1,142 @@
+//! Which attractors have been met before.
+
+use super::reached::{Kind, Reached, SectionPoint, turns};
+use super::recurrent::is_same_set;
+use super::rest::holds;
+use crate::filippov::{Settled, Switched, Velocity};
+use crate::ode::Timed;
+use crate::system::{State, components};
+
+/// Points between two of a set of equilibria that must be of it.
+const BETWEEN: usize = 16;
+
+/// The attractors met so far, each with a number in the order in which it was met first.
+///
+/// Two orbits have come to the same one if they have come to the same kind of motion, and
+/// - at an equilibrium, to the same point;
+/// - at a set of equilibria, to points between which (on a straight line, laid onto the boundary) there are only further ones;
+/// - on a periodic orbit, to the same points of the section in the same order, with the same cycle of phases;
+/// - on a recurrent one, to points of which nearly all lie near (5 % of their extent) to one of the other's.
+///
+/// Points are the same within so many times [`super::RecurrenceSettings::closeness`] of their size. Escapes are one, failures are one, and so
+/// are those that stay undecided, and ends where the future is not unique.
+///
+/// ```
+/// use stickslip::Options;
+/// use stickslip::analysis::{Attractors, RecurrenceSettings, attractor};
+/// use stickslip::models::BeltOscillator;
+///
+/// let belt = BeltOscillator { belt_speed: 0.2, ..BeltOscillator::default() };
+/// let (settings, options) = (RecurrenceSettings::within(500.0), Options::default());
+/// let mut known = Attractors::new(&belt, &settings);
+/// for start in [[0.5, 0.1], [-0.5, 0.3], [0.1, 0.0]] {
+///     let reached = attractor(&belt, start, &settings, &options)?;
+///     println!("{start:?} goes to attractor {}: {}", known.number(reached.clone()), reached.kind);
+/// }
+/// assert!(!known.found().is_empty());
+/// # Ok::<(), stickslip::Error>(())
+/// ```
+pub struct Attractors<'a, S: Switched<N, G>, const N: usize, const G: usize> {
+    system: &'a S,
+    closeness: f64,
+    found: Vec<Reached<N, S::Mode>>,
+}
+
+/// Closenesses within which points are the same: each of the two was found to one of them.
+const TIMES: f64 = 10.0;
+
+impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Attractors<'a, S, N, G> {
+    /// None yet, of this system.
+    pub fn new(system: &'a S, settings: &super::RecurrenceSettings) -> Self {
+        Attractors {
+            system,
+            closeness: TIMES * settings.closeness,
+            found: Vec::new(),
+        }
+    }
+
+    /// The number, counted from 0, of the attractor that an orbit has come to; the next one if it is a new one.
+    pub fn number(&mut self, reached: Reached<N, S::Mode>) -> usize {
+        let known = self
+            .found
+            .iter()
+            .position(|one| self.is_same(one, &reached));
+        known.unwrap_or_else(|| {
+            self.found.push(reached);
+            self.found.len() - 1
+        })
+    }
+
+    /// The attractors in the order of their numbers, each as the first orbit has come to it.
+    pub fn found(&self) -> &[Reached<N, S::Mode>] {
+        &self.found
+    }
+
+    /// The attractors, as [`Attractors::found`].
+    pub fn into_found(self) -> Vec<Reached<N, S::Mode>> {
+        self.found
+    }
+
+    /// Whether two orbits have come to the same attractor.
+    pub fn is_same(&self, one: &Reached<N, S::Mode>, other: &Reached<N, S::Mode>) -> bool {
+        match (&one.kind, &other.kind) {
+            (Kind::Equilibrium, Kind::Equilibrium) => {
+                one.mode == other.mode && self.is_near(&one.points, &other.points)
+            }
+            (Kind::EquilibriumSet, Kind::EquilibriumSet) => {
+                one.mode == other.mode
+                    && (self.is_near(&one.points, &other.points)
+                        || self.are_joined(&one.points, &other.points, one.mode))
+            }
+            (Kind::Periodic { returns: p, .. }, Kind::Periodic { returns: q, .. }) => {
+                p == q
+                    && super::is_same_cycle(&one.sequence(), &other.sequence())
+                    && self.is_near(&one.points, &other.points)
+            }
+            (Kind::Recurrent, Kind::Recurrent) => is_same_set(&one.points, &other.points),
+            (Kind::TwoFold(one), Kind::TwoFold(other)) => one == other,
+            (Kind::Escape, Kind::Escape)
+            | (Kind::Repelling, Kind::Repelling)
+            | (Kind::Failure(_), Kind::Failure(_))
+            | (Kind::Undecided, Kind::Undecided) => true,
+            _ => false,
+        }
+    }
+
+    /// Whether the points are the same, some turn apart.
+    fn is_near(&self, one: &[SectionPoint<N>], other: &[SectionPoint<N>]) -> bool {
+        let size = State::<N>::from_fn(|i, _| {
+            let sizes = one.iter().map(|point| point.x[i].abs());
+            sizes.fold(0.0, f64::max)
+        });
+        // A component that is always zero has no size of its own.
+        let least = 1e-3 * size.amax();
+        let same = move |a: &SectionPoint<N>, b: &SectionPoint<N>| {
+            (0..N).all(|i| (a.x[i] - b.x[i]).abs() <= self.closeness * size[i].max(least))
+        };
+        turns(one, other, same).next().is_some()
+    }
+
+    /// Whether there is rest all the way from one point to the other.
+    fn are_joined(
+        &self,
+        one: &[SectionPoint<N>],
+        other: &[SectionPoint<N>],
+        mode: S::Mode,
+    ) -> bool {
+        let (Some(one), Some(other)) = (one.first(), other.first()) else {
+            return false;
+        };
+        let (branch, t) = (S::Branch::default(), one.t);
+        (1..BETWEEN).all(|k| {
+            let part = k as f64 / BETWEEN as f64;
+            let x = one.x + (other.x - one.x) * part;
+            let x = self.system.with_flow(mode, branch, Settled(Timed { t, x }));
+            let velocity = self
+                .system
+                .with_flow(mode, branch, Velocity(t, components(&x)));
+            let rests = State::from(velocity).amax() <= self.closeness * x.amax();
+            rests && holds(self.system, mode, Timed { t, x })
+        })
+    }
+}

@@ -1,0 +1,156 @@
+//! Which attractor an orbit comes to, found by recurrence.
+
+mod known;
+mod reached;
+mod recurrence;
+mod recurrent;
+mod rest;
+mod search;
+mod turning;
+
+pub use known::Attractors;
+pub use reached::{Kind, Reached, SectionPoint, is_same_cycle};
+
+use crate::error::Error;
+use crate::filippov::{EventFunctions, Integration, Options, Strobe, Switched};
+use crate::system::State;
+use search::{By, Search};
+
+/// When an orbit is said to have come to an attractor.
+///
+/// Points of the section repeat if the last `p` of them are each near to the one `p` before, and what was left of the way to it, from the
+/// ratio of two differences `p` apart, is little as well: so points that creep do not pass for a pattern. The shortest such `p` is taken.
+/// The points' tags count, too: what transitions there were since the point before.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RecurrenceSettings {
+    /// After so much time it is undecided.
+    pub longest: f64,
+    /// Part of a component's size within which two states are the same. To it some hundred tolerances of the solver are added. Default 1e-6.
+    pub closeness: f64,
+    /// Patterns of more returns than this are not looked for. Default 64.
+    pub most_returns: usize,
+    /// The period of the forcing, in a system that depends on time; the section is then a strobe, unless it is the user's own. Default `None`.
+    pub forcing: Option<f64>,
+    /// Points of the section that are kept of an orbit that does not close, and needed to call it recurrent. Default 400.
+    pub kept: usize,
+}
+
+impl RecurrenceSettings {
+    /// The defaults, with this longest time.
+    pub fn within(longest: f64) -> Self {
+        RecurrenceSettings {
+            longest,
+            closeness: 1e-6,
+            most_returns: 64,
+            forcing: None,
+            kept: 400,
+        }
+    }
+
+    /// With a forcing of this period.
+    #[must_use]
+    pub fn forced(self, period: f64) -> Self {
+        RecurrenceSettings {
+            forcing: Some(period),
+            ..self
+        }
+    }
+
+    /// Checks every setting.
+    ///
+    /// # Errors
+    /// [`Error::Option`] with name, value and bound of the first that is not allowed.
+    pub fn check(&self) -> Result<(), Error> {
+        let require = |good: bool, name, value, bound| {
+            if good {
+                Ok(())
+            } else {
+                Err(Error::Option { name, value, bound })
+            }
+        };
+        let positive = |value: f64| value > 0.0 && value.is_finite();
+        let finite = "positive and finite";
+        require(positive(self.longest), "longest", self.longest, finite)?;
+        let near = self.closeness > 0.0 && self.closeness < 0.1;
+        let near_bound = "positive and less than 0.1";
+        require(near, "closeness", self.closeness, near_bound)?;
+        let most = self.most_returns as f64;
+        require(self.most_returns > 0, "most_returns", most, "at least 1")?;
+        let kept = self.kept as f64;
+        require(self.kept >= 16, "kept", kept, "at least 16")?;
+        let forcing = self.forcing.unwrap_or(1.0);
+        require(positive(forcing), "forcing", forcing, finite)
+    }
+}
+
+/// The attractor that the orbit from `x0` at time 0 comes to. No list of attractors is needed, and no section: its points are the
+/// transitions of the orbit, or the strobe of the forcing, or, for an orbit that meets no boundary for long, where the first state
+/// turns back.
+///
+/// Recognising attractors by recurrence goes back to Datseris & Wagemakers, *Chaos* 32 (2022) 023104; here the events take the place of their
+/// grid.
+///
+/// # Errors
+/// Those of [`Integration::new`]; [`Error::Option`] for a setting that is not allowed. What goes wrong later is a [`Kind`].
+///
+/// ```
+/// use stickslip::analysis::{Kind, RecurrenceSettings, attractor};
+/// use stickslip::{Options, models::BeltOscillator};
+///
+/// let belt = BeltOscillator { belt_speed: 0.2, ..BeltOscillator::default() };
+/// let reached = attractor(&belt, [0.5, 0.1], &RecurrenceSettings::within(500.0), &Options::default())?;
+/// assert!(matches!(reached.kind, Kind::Periodic { .. }));
+/// for phase in &reached.phases {
+///     println!("{:?} for {}", phase.mode, phase.duration());
+/// }
+/// # Ok::<(), stickslip::Error>(())
+/// ```
+pub fn attractor<S: Switched<N, G>, const N: usize, const G: usize>(
+    system: &S,
+    x0: impl Into<State<N>>,
+    settings: &RecurrenceSettings,
+    options: &Options,
+) -> Result<Reached<N, S::Mode>, Error> {
+    match settings.forcing {
+        Some(period) => {
+            let strobe = Strobe { first: 0.0, period };
+            // A step must not pass over two flashes.
+            let longest = options.longest_step.min(0.5 * period);
+            let options = options.longest_step(longest);
+            attractor_on(system, &strobe, x0, settings, &options)
+        }
+        None => seek(system, &(), By::Transitions, x0.into(), settings, options),
+    }
+}
+
+/// The same by the points of a section of the user's own.
+///
+/// # Errors
+/// As [`attractor`].
+pub fn attractor_on<S: Switched<N, G>, V: EventFunctions<N, 1>, const N: usize, const G: usize>(
+    system: &S,
+    section: &V,
+    x0: impl Into<State<N>>,
+    settings: &RecurrenceSettings,
+    options: &Options,
+) -> Result<Reached<N, S::Mode>, Error> {
+    seek(system, section, By::Events, x0.into(), settings, options)
+}
+
+fn seek<S, V, const N: usize, const E: usize, const G: usize>(
+    system: &S,
+    section: &V,
+    by: By,
+    x0: State<N>,
+    settings: &RecurrenceSettings,
+    options: &Options,
+) -> Result<Reached<N, S::Mode>, Error>
+where
+    S: Switched<N, G>,
+    V: EventFunctions<N, E>,
+{
+    settings.check()?;
+    let integration = Integration::new(system, 0.0, x0, settings.longest, options)?;
+    let search = Search::new(system, &x0, by, settings, options);
+    Ok(search.follow(integration, section))
+}

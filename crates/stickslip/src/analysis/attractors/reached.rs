@@ -1,0 +1,111 @@
+//! What an orbit has come to.
+
+use std::fmt;
+
+use crate::error::Error;
+use crate::filippov::{Phase, TwoFold};
+use crate::system::{Mode, State};
+
+/// A point of a section.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SectionPoint<const N: usize> {
+    /// Time.
+    pub t: f64,
+    /// State.
+    pub x: State<N>,
+}
+
+/// What kind of motion an orbit has come to.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Kind {
+    /// An equilibrium of slip, or of the sliding field in stick, that attracts all around it on its set.
+    Equilibrium,
+    /// Rest at one of a whole set of equilibria, as a block that friction holds on a floor.
+    EquilibriumSet,
+    /// A periodic orbit.
+    Periodic {
+        /// After how many points of the section it closes.
+        returns: usize,
+        /// Period.
+        period: f64,
+    },
+    /// Quasi-periodic or chaotic: the points of the section return to everywhere that they have been, and no pattern of them repeats.
+    /// Which of the two it is, exponents tell ([`crate::analysis::motion`]).
+    Recurrent,
+    /// A component passed the escape bound of the options.
+    Escape,
+    /// It has come to where Σ repels, and its future is not unique.
+    Repelling,
+    /// It has come to a two-fold, and its future is not unique.
+    TwoFold(TwoFold),
+    /// The integration failed.
+    Failure(Error),
+    /// None of these could be told within the longest time.
+    Undecided,
+}
+
+impl fmt::Display for Kind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Kind::Equilibrium => f.write_str("equilibrium"),
+            Kind::EquilibriumSet => f.write_str("set of equilibria"),
+            Kind::Periodic { returns, period } => {
+                write!(f, "periodic, {returns} returns, period {period}")
+            }
+            Kind::Recurrent => f.write_str("recurrent, not periodic"),
+            Kind::Escape => f.write_str("escape"),
+            Kind::Repelling => f.write_str("end where the boundary repels"),
+            Kind::TwoFold(_) => f.write_str("end at a two-fold"),
+            Kind::Failure(error) => write!(f, "failure: {error}"),
+            Kind::Undecided => f.write_str("undecided"),
+        }
+    }
+}
+
+/// What an orbit has come to, with the evidence.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reached<const N: usize, K = Mode> {
+    /// The kind of motion.
+    pub kind: Kind,
+    /// Of a periodic orbit the points of the section in one period; of an equilibrium that point alone, refined; otherwise the last points.
+    pub points: Vec<SectionPoint<N>>,
+    /// Of a periodic orbit the phases that ended in one period, in order of time; otherwise the last phases.
+    pub phases: Vec<Phase<N, K>>,
+    /// Part of the time of these phases in which a contact sticks; at rest, and without phases, 1 or 0 by the mode at the end.
+    pub in_stick: f64,
+    /// Mode at the end.
+    pub mode: K,
+    /// Time at which the orbit was left.
+    pub t: f64,
+    /// State at that time.
+    pub x: State<N>,
+}
+
+impl<const N: usize, K: Copy + PartialEq> Reached<N, K> {
+    /// The modes gone through in the phases; where none ended, the mode at the end alone.
+    pub fn sequence(&self) -> Vec<K> {
+        if self.phases.is_empty() {
+            return vec![self.mode];
+        }
+        self.phases.iter().map(|phase| phase.mode).collect()
+    }
+}
+
+/// By how many places `other` must be turned to have the elements of `one`, for every way that there is.
+pub(crate) fn turns<'a, T>(
+    one: &'a [T],
+    other: &'a [T],
+    same: impl Fn(&T, &T) -> bool + 'a,
+) -> impl Iterator<Item = usize> + 'a {
+    let length = if one.len() == other.len() {
+        one.len()
+    } else {
+        0
+    };
+    (0..length).filter(move |by| (0..length).all(|i| same(&one[i], &other[(i + by) % length])))
+}
+
+/// Whether two sequences are the same but for where they begin.
+pub fn is_same_cycle<T: PartialEq>(one: &[T], other: &[T]) -> bool {
+    one.is_empty() && other.is_empty() || turns(one, other, |a, b| a == b).next().is_some()
+}

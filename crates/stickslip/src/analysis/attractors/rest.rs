@@ -1,0 +1,135 @@
+//! Whether an orbit comes to rest, and where.
+
+use nalgebra::{DMatrix, DVector, SMatrix};
+
+use super::reached::Kind;
+use super::recurrence::Nearness;
+use crate::analysis::multipliers;
+use crate::dual::Dual;
+use crate::filippov::{Flow, Settled, Switched, UseFlow, Velocity};
+use crate::ode::Timed;
+use crate::system::{State, components};
+
+/// Newton steps allowed.
+const MOST: usize = 30;
+
+/// Part of the largest entry of the Jacobian below which an eigenvalue, or a singular value, cannot be told from zero.
+const ZERO: f64 = 1e-7;
+
+/// A point of rest.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Rest<const N: usize> {
+    pub x: State<N>,
+    /// The Jacobian of the mode's field there.
+    pub jacobian: SMatrix<f64, N, N>,
+}
+
+/// The equilibrium of a mode near `x` by Newton's iteration with the Jacobian's pseudo-inverse, so that of a set of equilibria the nearest
+/// is found; `None` where it does not converge.
+pub(crate) fn equilibrium_near<S: Switched<N, G>, const N: usize, const G: usize>(
+    system: &S,
+    mode: S::Mode,
+    t: f64,
+    x: &State<N>,
+) -> Option<Rest<N>> {
+    let branch = S::Branch::default();
+    let mut x = *x;
+    let mut smallest = f64::INFINITY;
+    for _ in 0..MOST {
+        let jacobian = jacobian_of(system, mode, t, &x);
+        let velocity = system.with_flow(mode, branch, Velocity(t, components(&x)));
+        let dynamic = DMatrix::from_fn(N, N, |i, j| jacobian[(i, j)]);
+        if dynamic.iter().chain(&velocity).any(|v| !v.is_finite()) {
+            return None;
+        }
+        let right = DVector::from_fn(N, |i, _| -velocity[i]);
+        let bound = ZERO * dynamic.amax();
+        let step = dynamic.svd(true, true).solve(&right, bound).ok()?;
+        let size = step.amax();
+        // The last step is rounding once it is no smaller than the one before.
+        if size == 0.0 || size >= 0.5 * smallest {
+            let rounding = 1e-12 * x.amax().max(f64::MIN_POSITIVE) + f64::MIN_POSITIVE;
+            return (size <= rounding.max(1e-12)).then_some(Rest { x, jacobian });
+        }
+        smallest = size;
+        x += State::from_fn(|i, _| step[i]);
+        x = system.with_flow(mode, branch, Settled(Timed { t, x }));
+    }
+    None
+}
+
+/// The Jacobian of a mode's field, by dual numbers.
+fn jacobian_of<S: Switched<N, G>, const N: usize, const G: usize>(
+    system: &S,
+    mode: S::Mode,
+    t: f64,
+    x: &State<N>,
+) -> SMatrix<f64, N, N> {
+    let mut jacobian = SMatrix::zeros();
+    for j in 0..N {
+        let seeded = std::array::from_fn(|i| Dual::new(x[i], f64::from(u8::from(i == j))));
+        let here = Velocity(Dual::new(t, 0.0), &seeded);
+        let column = system.with_flow(mode, S::Branch::default(), here);
+        for i in 0..N {
+            jacobian[(i, j)] = column[i].eps;
+        }
+    }
+    jacobian
+}
+
+/// The smallest guard of a mode at a point.
+struct LeastGuard<const N: usize>(Timed<N>);
+
+impl<const N: usize> UseFlow<N> for LeastGuard<N> {
+    type Output = f64;
+
+    fn with<F: Flow<N>>(self, flow: &F) -> f64 {
+        let Timed { t, x } = self.0;
+        let guards = F::GUARDS.iter().map(|&i| flow.guard_at(i, t, &x));
+        guards.fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// Whether a mode holds at a point.
+pub(super) fn holds<S: Switched<N, G>, const N: usize, const G: usize>(
+    system: &S,
+    mode: S::Mode,
+    at: Timed<N>,
+) -> bool {
+    system.with_flow(mode, system.branch(&at), LeastGuard(at)) > 0.0
+}
+
+/// The point of rest that an orbit at `x` is about to reach, and whether it is one of a set; `None` where there is none that near, or one
+/// that does not attract.
+pub(super) fn rest_at<S: Switched<N, G>, const N: usize, const G: usize>(
+    system: &S,
+    mode: S::Mode,
+    at: &Timed<N>,
+    scale: &State<N>,
+    near: &Nearness,
+) -> Option<(Kind, State<N>)> {
+    let Rest { x, jacobian } = equilibrium_near(system, mode, at.t, &at.x)?;
+    // The orbit may turn about it some steps wide.
+    const TURN: f64 = 10.0;
+    let is_near = |i: usize| (x[i] - at.x[i]).abs() <= TURN * near.allowed(scale[i]);
+    if !(0..N).all(is_near) || !holds(system, mode, Timed { t: at.t, x }) {
+        return None;
+    }
+    let bound = ZERO * jacobian.amax();
+    let mut zeros = 0;
+    for value in multipliers(&jacobian) {
+        if value.norm() <= bound {
+            zeros += 1;
+        } else if value.re >= -bound {
+            return None;
+        }
+    }
+    // Off its boundary the sliding field leaves the boundary function as it is: a zero for each contact that sticks.
+    let of_stick = system.normals(mode, &Timed { t: at.t, x }).len();
+    let kind = if zeros > of_stick {
+        Kind::EquilibriumSet
+    } else {
+        Kind::Equilibrium
+    };
+    Some((kind, x))
+}

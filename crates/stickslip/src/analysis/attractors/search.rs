@@ -1,0 +1,332 @@
+//! One orbit on its way to its attractor: what is noted of it, and when that is enough.
+
+use std::collections::VecDeque;
+use std::collections::hash_map::DefaultHasher;
+use std::hash::{Hash, Hasher};
+
+use super::reached::{Kind, Reached, SectionPoint};
+use super::recurrence::{Extent, Nearness, Pattern, Recurrence};
+use super::rest::rest_at;
+use super::{RecurrenceSettings, recurrent, turning::Turning};
+use crate::error::Error;
+use crate::filippov::{
+    EventFunctions, Happening, Integration, Options, Phase, Progress, Summary, Switched,
+    Transition, TransitionKind, Watched,
+};
+use crate::ode::Timed;
+use crate::orbit::Ending;
+use crate::system::State;
+
+/// Steps without a transition after which the turning points of the first state are watched.
+const QUIET: usize = 400;
+
+/// Phases that are kept for each return of the longest pattern.
+const PHASES: usize = 4;
+
+/// What makes the points of the section.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum By {
+    /// The events' own transitions.
+    Transitions,
+    /// A section of the user's.
+    Events,
+}
+
+/// How far one stage has brought it.
+enum Stage<const N: usize> {
+    /// Nothing has happened for long.
+    Quiet,
+    /// It is known, or the run is over.
+    Done(Kind, Vec<SectionPoint<N>>),
+}
+
+/// What is noted of an orbit.
+pub(super) struct Search<'a, S: Switched<N, G>, const N: usize, const G: usize> {
+    system: &'a S,
+    settings: &'a RecurrenceSettings,
+    near: Nearness,
+    by: By,
+    by_transition: Recurrence<N>,
+    by_event: Recurrence<N>,
+    phases: VecDeque<Phase<N, S::Mode>>,
+    most_phases: usize,
+    /// How many phases have ended.
+    ended: u64,
+    /// What has happened since the last point of either kind.
+    tag: DefaultHasher,
+    /// Where the orbit has been since the last point, and since its start.
+    lately: Extent<N>,
+    ever: Extent<N>,
+    /// State at the step before.
+    before: State<N>,
+    /// Steps since the last transition.
+    quiet: usize,
+    /// How many steps a look for a point of rest is put off, and how many are left of that.
+    patience: (usize, usize),
+}
+
+impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> {
+    pub fn new(
+        system: &'a S,
+        x: &State<N>,
+        by: By,
+        settings: &'a RecurrenceSettings,
+        options: &Options,
+    ) -> Self {
+        let near = Nearness {
+            closeness: settings.closeness,
+            rtol: options.rtol,
+            atol: options.atol,
+        };
+        let most = settings.most_returns;
+        let recurrence = || Recurrence::new(near, settings.forcing, most, settings.kept);
+        let most_phases = PHASES * most.max(settings.kept);
+        Search {
+            system,
+            settings,
+            near,
+            by,
+            by_transition: recurrence(),
+            by_event: recurrence(),
+            phases: VecDeque::with_capacity(most_phases),
+            most_phases,
+            ended: 0,
+            tag: DefaultHasher::new(),
+            lately: Extent::of(x),
+            ever: Extent::of(x),
+            before: *x,
+            quiet: 0,
+            patience: (1, 0),
+        }
+    }
+
+    /// Follows the orbit to the end.
+    pub fn follow<V: EventFunctions<N, E>, const E: usize>(
+        mut self,
+        integration: Integration<'a, S, N, G>,
+        section: &V,
+    ) -> Reached<N, S::Mode> {
+        let mut watched = Watched::new(integration, section).endless();
+        let may_be_quiet = E == 0 && self.settings.forcing.is_none();
+        match self.stage(&mut watched, may_be_quiet) {
+            Stage::Done(kind, points) => self.reached(kind, points, watched.integration()),
+            Stage::Quiet => {
+                let turning = Turning::of(self.system);
+                let mut watched = Watched::new(watched.into_integration(), &turning).endless();
+                match self.stage(&mut watched, false) {
+                    Stage::Done(kind, points) => self.reached(kind, points, watched.integration()),
+                    Stage::Quiet => {
+                        self.reached(Kind::Undecided, Vec::new(), watched.integration())
+                    }
+                }
+            }
+        }
+    }
+
+    fn stage<'w, V: EventFunctions<N, E>, const E: usize>(
+        &mut self,
+        watched: &mut Watched<'w, S, V, N, E, G>,
+        may_be_quiet: bool,
+    ) -> Stage<N> {
+        loop {
+            let happening = match watched.step() {
+                Ok(happening) => happening,
+                Err(error) => return self.failed(error),
+            };
+            let done = match happening {
+                Happening::Event(event) => {
+                    let at = SectionPoint {
+                        t: event.t,
+                        x: event.x,
+                    };
+                    self.event(at)
+                }
+                Happening::Progress(Progress::Step) => {
+                    let integration = watched.integration();
+                    let mode = integration.mode();
+                    let at = Timed {
+                        t: integration.t(),
+                        x: *integration.x(),
+                    };
+                    self.quiet += 1;
+                    if may_be_quiet && self.quiet > QUIET {
+                        return Stage::Quiet;
+                    }
+                    self.step(mode, &at)
+                }
+                Happening::Progress(Progress::PhaseEnd(phase)) => {
+                    self.phase(phase);
+                    None
+                }
+                Happening::Progress(Progress::Transition(at)) => self.transition(&at),
+                Happening::Progress(Progress::End(summary)) => Some(self.ended(&summary)),
+            };
+            if let Some((kind, points)) = done {
+                return Stage::Done(kind, points);
+            }
+        }
+    }
+
+    fn step(&mut self, mode: S::Mode, at: &Timed<N>) -> Option<(Kind, Vec<SectionPoint<N>>)> {
+        self.lately.include(&at.x);
+        self.ever.include(&at.x);
+        let moved = at.x - self.before;
+        self.before = at.x;
+        let scale = State::from_fn(|i, _| self.ever.size(i));
+        let stays = |i: usize| moved[i].abs() <= self.near.allowed(scale[i]);
+        if self.settings.forcing.is_some() || !(0..N).all(stays) {
+            return None;
+        }
+        let (patience, left) = &mut self.patience;
+        if *left > 0 {
+            *left -= 1;
+            return None;
+        }
+        // A step may be short for another reason: the next look comes after twice as many.
+        *left = *patience;
+        *patience *= 2;
+        let (kind, x) = rest_at(self.system, mode, at, &scale, &self.near)?;
+        Some((kind, vec![SectionPoint { t: at.t, x }]))
+    }
+
+    fn phase(&mut self, phase: Phase<N, S::Mode>) {
+        if self.phases.len() == self.most_phases {
+            self.phases.pop_front();
+        }
+        self.phases.push_back(phase);
+        self.ended += 1;
+    }
+
+    fn transition(&mut self, at: &Transition<N, S::Mode>) -> Option<(Kind, Vec<SectionPoint<N>>)> {
+        if at.kind == TransitionKind::Touch {
+            return None;
+        }
+        self.quiet = 0;
+        (at.kind, at.from, at.to, at.contact).hash(&mut self.tag);
+        if self.by == By::Events {
+            return None;
+        }
+        // Turning points count where there is nothing else for long.
+        self.by_event.clear();
+        let (tag, extent) = self.since_last(&at.x);
+        let at = SectionPoint { t: at.t, x: at.x };
+        let found = self.by_transition.pass(at, tag, self.ended, extent);
+        self.closes(found, By::Transitions)
+    }
+
+    fn event(&mut self, at: SectionPoint<N>) -> Option<(Kind, Vec<SectionPoint<N>>)> {
+        if self.by == By::Transitions && self.quiet <= QUIET {
+            return None;
+        }
+        let (tag, extent) = self.since_last(&at.x);
+        let found = self.by_event.pass(at, tag, self.ended, extent);
+        self.closes(found, By::Events)
+    }
+
+    /// What has happened since the last point, and where the orbit has been; from here it counts anew.
+    fn since_last(&mut self, x: &State<N>) -> (u64, Extent<N>) {
+        let tag = self.tag.finish();
+        self.tag = DefaultHasher::new();
+        let mut extent = self.lately;
+        extent.include(x);
+        self.lately = Extent::of(x);
+        (tag, extent)
+    }
+
+    fn closes(
+        &mut self,
+        found: Option<Pattern<N>>,
+        by: By,
+    ) -> Option<(Kind, Vec<SectionPoint<N>>)> {
+        let pattern = found?;
+        let recurrence = match by {
+            By::Transitions => &self.by_transition,
+            By::Events => &self.by_event,
+        };
+        // An orbit that winds up around a point of rest also repeats itself ever better.
+        if self.settings.forcing.is_none() && !recurrence.is_wide(&pattern) {
+            return None;
+        }
+        let points = recurrence.last(pattern.returns);
+        let (from, to) = pattern.phases;
+        let kept = self.phases.len() as u64;
+        let drop = from.saturating_sub(self.ended - kept) as usize;
+        self.phases.drain(..drop.min(self.phases.len()));
+        self.phases.truncate((to - from) as usize);
+        let kind = Kind::Periodic {
+            returns: pattern.returns,
+            period: pattern.period,
+        };
+        Some((kind, points))
+    }
+
+    fn ended(&mut self, summary: &Summary<N>) -> (Kind, Vec<SectionPoint<N>>) {
+        let kind = match summary.ending {
+            Ending::Repelling => Kind::Repelling,
+            Ending::TwoFold(which) => Kind::TwoFold(which),
+            Ending::EndTime | Ending::Stopped | Ending::Failed => return self.open(),
+        };
+        let Summary { t, x, .. } = *summary;
+        (kind, vec![SectionPoint { t, x }])
+    }
+
+    /// Nothing has closed in the longest time.
+    fn open(&mut self) -> (Kind, Vec<SectionPoint<N>>) {
+        let uses_events = self.by == By::Events || self.quiet > QUIET;
+        let recurrence = if uses_events {
+            &self.by_event
+        } else {
+            &self.by_transition
+        };
+        let points = recurrence.last(self.settings.kept);
+        let kind = if points.len() >= self.settings.kept
+            && recurrent::returns_everywhere(&points)
+            && !recurrence.still_moves(recurrent::PART)
+        {
+            Kind::Recurrent
+        } else {
+            Kind::Undecided
+        };
+        (kind, points)
+    }
+
+    fn failed(&mut self, error: Error) -> Stage<N> {
+        let kind = match error {
+            Error::Escaped { .. } => Kind::Escape,
+            other => Kind::Failure(other),
+        };
+        Stage::Done(kind, Vec::new())
+    }
+
+    fn reached(
+        self,
+        kind: Kind,
+        points: Vec<SectionPoint<N>>,
+        integration: &Integration<'_, S, N, G>,
+    ) -> Reached<N, S::Mode> {
+        let mode = integration.mode();
+        let phases: Vec<_> = self.phases.into();
+        let rests = matches!(kind, Kind::Equilibrium | Kind::EquilibriumSet);
+        let (mut whole, mut stuck) = (0.0, 0.0);
+        for phase in &phases {
+            whole += phase.duration();
+            if S::any_sticks(phase.mode) {
+                stuck += phase.duration();
+            }
+        }
+        let in_stick = if whole > 0.0 && !rests {
+            stuck / whole
+        } else {
+            f64::from(u8::from(S::any_sticks(mode)))
+        };
+        Reached {
+            kind,
+            points,
+            phases,
+            in_stick,
+            mode,
+            t: integration.t(),
+            x: *integration.x(),
+        }
+    }
+}

@@ -1,0 +1,96 @@
+//! Basins of attraction: which attractor each of many starts leads to.
+
+use rayon::prelude::*;
+
+use super::attractors::{Attractors, Reached, RecurrenceSettings, attractor};
+use crate::error::Error;
+use crate::filippov::{Options, Switched};
+use crate::system::{Mode, State};
+
+/// Starts whose outcomes are held at the same time: what bounds the memory.
+const WAVE: usize = 4096;
+
+/// Which attractor each start leads to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Basin<const N: usize, K = Mode> {
+    /// The attractors by their numbers, which are given in the order in which the starts first lead there.
+    pub attractors: Vec<Reached<N, K>>,
+    /// For each start, in order, the number of its attractor.
+    pub reached: Vec<usize>,
+}
+
+/// A part of the starts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Share {
+    /// How many of them.
+    pub starts: usize,
+    /// Which part that is.
+    pub part: f64,
+    /// Standard error of that part, if the starts were drawn at random: `√(p (1 − p)/n)`.
+    pub std_error: f64,
+}
+
+impl<const N: usize, K> Basin<N, K> {
+    /// The part of the starts that leads to attractor `number`.
+    pub fn share(&self, number: usize) -> Share {
+        let starts = self.reached.iter().filter(|one| **one == number).count();
+        let total = self.reached.len() as f64;
+        let part = starts as f64 / total;
+        Share {
+            starts,
+            part,
+            std_error: (part * (1.0 - part) / total).sqrt(),
+        }
+    }
+}
+
+/// The basins of attraction of a system on a set of starts, on all threads, with the same bits on any number of them: every start is
+/// followed by itself, and the attractors are told apart afterwards, in the order of the starts.
+///
+/// ```
+/// use stickslip::analysis::{RecurrenceSettings, basin};
+/// use stickslip::{Options, State, models::BeltOscillator};
+///
+/// let belt = BeltOscillator { belt_speed: 0.2, ..BeltOscillator::default() };
+/// let starts = (0..20).map(|k| State::from([0.1 * f64::from(k) - 1.0, 0.0]));
+/// let found = basin(&belt, starts, &RecurrenceSettings::within(500.0), &Options::default())?;
+/// for (number, attractor) in found.attractors.iter().enumerate() {
+///     println!("{}: {:.0} %", attractor.kind, 100.0 * found.share(number).part);
+/// }
+/// assert_eq!(found.reached.len(), 20);
+/// # Ok::<(), stickslip::Error>(())
+/// ```
+///
+/// # Errors
+/// As [`attractor`], for the first start that has one.
+pub fn basin<S, const N: usize, const G: usize>(
+    system: &S,
+    starts: impl IntoIterator<Item = State<N>>,
+    settings: &RecurrenceSettings,
+    options: &Options,
+) -> Result<Basin<N, S::Mode>, Error>
+where
+    S: Switched<N, G> + Sync,
+{
+    let mut known = Attractors::new(system, settings);
+    let mut reached = Vec::new();
+    let mut starts = starts.into_iter();
+    loop {
+        let wave: Vec<_> = starts.by_ref().take(WAVE).collect();
+        if wave.is_empty() {
+            break;
+        }
+        let outcomes: Vec<_> = wave
+            .into_par_iter()
+            .with_max_len(16)
+            .map(|x| attractor(system, x, settings, options))
+            .collect();
+        for outcome in outcomes {
+            reached.push(known.number(outcome?));
+        }
+    }
+    Ok(Basin {
+        attractors: known.into_found(),
+        reached,
+    })
+}

@@ -1,0 +1,34 @@
+//! The section of time: a flash at every whole period.
+
+use std::f64::consts::PI;
+
+use super::EventFunctions;
+use crate::scalar::Scalar;
+
+/// A strobe: the section of a forced system that its orbits pass at `first`, `first + period`, `first + 2 period`, ….
+///
+/// ```
+/// use stickslip::{Options, Strobe, analysis::PoincareMap, models::ForcedOscillator};
+///
+/// let system = ForcedOscillator::default();
+/// let strobe = Strobe { first: 0.0, period: 2.0 };
+/// let options = Options::tol(1e-10);
+/// let mut map = PoincareMap::new(&system, &strobe, (0.0, [0.1, 0.2]), 3.0, &options)?;
+/// assert!((map.step()?.t - 2.0).abs() < 1e-12);
+/// # Ok::<(), stickslip::Error>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Strobe {
+    /// Time of a flash.
+    pub first: f64,
+    /// Time between two flashes.
+    pub period: f64,
+}
+
+impl<const N: usize> EventFunctions<N, 1> for Strobe {
+    #[inline(always)]
+    fn values<T: Scalar>(&self, t: T, _x: &[T; N]) -> [T; 1] {
+        // Zero at each flash, rising and falling in turn.
+        [((t - self.first) * (PI / self.period)).sin()]
+    }
+}

@@ -1,0 +1,327 @@
+//! Attractors found by recurrence, and their basins, against what is published of them.
+
+use std::f64::consts::PI;
+
+use stickslip::analysis::{
+    Attractors, Kind, Reached, RecurrenceSettings, attractor, attractor_on, basin, is_same_cycle,
+    periodic_orbit,
+};
+use stickslip::statistics::SplitMix;
+use stickslip::{Direction, Error, Method, Mode, Options, Plane, Side, State, math};
+
+use crate::any_system::Listed;
+use crate::lyapunov_equations::{Lorenz, Smooth};
+use crate::solver::systems::{DenHartog, Line};
+
+pub mod systems;
+use systems::{Driven, Leine, Rings, Wells};
+
+const ABOVE: Mode = Mode::Slip(Side::Above);
+const BELOW: Mode = Mode::Slip(Side::Below);
+
+fn within(longest: f64) -> RecurrenceSettings {
+    RecurrenceSettings::within(longest)
+}
+
+fn reached<S: Listed<N>, const N: usize>(
+    system: &S,
+    x: [f64; N],
+    settings: &RecurrenceSettings,
+    options: &Options,
+) -> Reached<N> {
+    attractor(&system.any(), x, settings, options).expect("a start that is allowed")
+}
+
+#[test]
+fn the_stick_slip_cycle_of_leine_is_found_and_refined() {
+    for method in [Method::Dop853, Method::Taylor] {
+        let options = Options::tol(1e-13).method(method);
+        let found = reached(&Leine, [1.0, 0.0], &within(200.0), &options);
+        let Kind::Periodic { returns: 2, period } = found.kind else {
+            panic!("{:?}", found.kind);
+        };
+        let exact = 12.001_031_294_831;
+        assert!((period - exact).abs() < 1e-11, "{period}");
+        assert!(is_same_cycle(&found.sequence(), &[Mode::Stick, BELOW]));
+        let [stick, slip] = [Mode::Stick, BELOW].map(|mode| {
+            let phase = found.phases.iter().find(|phase| phase.mode == mode);
+            *phase.expect("is in the sequence")
+        });
+        assert!((stick.duration() - 7.705_031_769_350).abs() < 1e-11);
+        assert!((slip.duration() - 4.295_999_525_480).abs() < 1e-11);
+        assert!((stick.x_start[0] + 0.541_006_353_870).abs() < 1e-11);
+        assert!((found.in_stick - stick.duration() / period).abs() < 1e-12);
+        // By shooting from a point of its slip.
+        let orbit = stickslip::solve(&Leine.any(), 0.0, slip.x_start, 2.0, &options);
+        let inside = orbit.expect("runs").x_end;
+        let cycle = periodic_orbit(&Leine.any(), inside, period, &options).expect("converges");
+        assert!((cycle.period - exact).abs() < 1e-11, "{}", cycle.period);
+    }
+}
+
+/// Published shares of starts that end on the fixed point (P16): Stender & Hoffmann 2022.
+const SHARES: [(f64, f64); 10] = [
+    (1.1, 0.0),
+    (1.175, 0.0132),
+    (1.25, 0.08),
+    (1.4, 0.213),
+    (1.475, 0.2776),
+    (1.5, 0.304),
+    (1.55, 0.3544),
+    (1.7, 0.4922),
+    (1.775, 0.5678),
+    (1.85, 1.0),
+];
+
+fn starts(count: usize) -> impl Iterator<Item = State<2>> {
+    let mut random = SplitMix::new(16);
+    (0..count).map(move |_| [random.between(-2.0, 2.0), random.between(0.0, 2.0)].into())
+}
+
+#[test]
+fn shares_of_starts_are_the_published_ones_within_three_standard_errors() {
+    for (vd, published) in SHARES {
+        let system = Driven { vd };
+        let settings = within(2e4);
+        let found = basin(&system.any(), starts(5000), &settings, &Options::tol(1e-8)).unwrap();
+        let at = |kind: fn(&Kind) -> bool| {
+            let mut these =
+                (0..found.attractors.len()).filter(|k| kind(&found.attractors[*k].kind));
+            let part = these.next().map_or(0.0, |k| found.share(k).part);
+            assert_eq!(these.next(), None, "one of each kind at vd = {vd}");
+            part
+        };
+        let rest = at(|kind| *kind == Kind::Equilibrium);
+        let cycle = at(|kind| matches!(kind, Kind::Periodic { returns: 2, .. }));
+        assert_eq!(
+            found.attractors.len(),
+            usize::from(rest > 0.0) + usize::from(cycle > 0.0)
+        );
+        assert!((rest + cycle - 1.0).abs() < 1e-12);
+        // Both are samples of 5000.
+        let error = (published * (1.0 - published) / 5000.0).sqrt();
+        assert!(
+            (rest - published).abs() <= 3.0 * error,
+            "{vd}: {rest}, published {published}"
+        );
+        // The fixed point is known: x = F(-vd).
+        for attractor in &found.attractors {
+            if attractor.kind == Kind::Equilibrium {
+                let exact = 0.5 + 0.5 * math::exp(-2.0 * vd);
+                assert!((attractor.points[0].x[0] - exact).abs() < 1e-12);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_basin_has_the_same_bits_on_any_number_of_threads() {
+    let system = Driven { vd: 1.5 };
+    let run = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
+        pool.install(|| {
+            basin(
+                &system.any(),
+                starts(200),
+                &within(5e3),
+                &Options::tol(1e-7),
+            )
+            .unwrap()
+        })
+    };
+    let one = run(1);
+    assert_eq!(one, run(3));
+    // In the order of the starts, of which each is followed as if alone.
+    let first = starts(1).next().unwrap();
+    let alone = reached(&system, first.into(), &within(5e3), &Options::tol(1e-7));
+    assert_eq!(one.attractors[one.reached[0]], alone);
+    assert_eq!(one.reached[0], 0);
+}
+
+#[test]
+fn rest_is_told_apart_by_the_interval_that_holds_it() {
+    // |x - x³| ≤ 0.3 where friction holds: about -1, 0 and 1, and not between.
+    let system = Wells { friction: 0.3 };
+    let any = system.any();
+    let mut known = Attractors::new(&any, &within(100.0));
+    let mut number = |x: f64| {
+        let found = reached(&system, [x, 0.0], &within(100.0), &Options::default());
+        assert_eq!(found.kind, Kind::EquilibriumSet, "from {x}");
+        assert_eq!((found.mode, found.in_stick), (Mode::Stick, 1.0));
+        known.number(found)
+    };
+    let places = [1.0, 1.1, -1.0, 0.0, 0.9, 1.4, -0.9, 0.2, -0.2];
+    assert_eq!(places.map(&mut number), [0, 0, 1, 2, 0, 0, 1, 2, 2]);
+}
+
+#[test]
+fn a_cycle_that_meets_no_boundary_is_known_by_where_it_turns_back() {
+    let far = Rings { place: 50.0 };
+    let any = far.any();
+    let settings = within(400.0);
+    let mut known = Attractors::new(&any, &settings);
+    for start in [[0.9, 0.0, -0.5], [0.0, -2.0, -0.5], [1.0, 1.0, -0.5]] {
+        let found = reached(&far, start, &settings, &Options::default());
+        let Kind::Periodic { returns: 1, period } = found.kind else {
+            panic!("{:?}", found.kind);
+        };
+        assert!((period - 2.0 * PI).abs() < 1e-6);
+        let radius = (1.0 + 0.5_f64.sqrt()).sqrt();
+        assert!((found.points[0].x - State::from([radius, 0.0, -0.5])).amax() < 1e-5);
+        assert_eq!(found.sequence(), [BELOW]);
+        assert_eq!(known.number(found), 0);
+    }
+    // Inside the repelling cycle all goes to the focus, by slower and slower turns that are no cycles.
+    let found = reached(&far, [0.5, 0.0, -0.5], &settings, &Options::default());
+    assert_eq!(
+        found.kind,
+        Kind::EquilibriumSet,
+        "the parameter is any number"
+    );
+    assert!(found.points[0].x.xy().amax() < 1e-9);
+    assert_eq!(known.number(found), 1);
+}
+
+#[test]
+fn a_slow_spiral_is_no_cycle() {
+    // A tenth of a percent in a turn: to the cycle it would take 14000, to the focus as many.
+    let found = |x: f64, p: f64, longest: f64| {
+        let start = [x, 0.0, p];
+        reached(
+            &Rings { place: 50.0 },
+            start,
+            &within(longest),
+            &Options::tol(1e-11),
+        )
+        .kind
+    };
+    assert_eq!(found(0.01, -2e-4, 2e3), Kind::Undecided);
+    // Where the fold has just gone the orbit creeps past r = 1 for 2π/√(8·1e-6) or so.
+    assert_eq!(found(1.01, -1.0 - 1e-5, 100.0), Kind::Undecided);
+    assert_eq!(found(1.01, -1.0 - 1e-5, 2e3), Kind::EquilibriumSet);
+}
+
+#[test]
+fn what_does_not_close_is_recurrent_or_undecided() {
+    let options = Options::tol(1e-9);
+    // A turn of 2π seen once a unit of time: never the same.
+    let start = [1.4, 0.0, 0.0];
+    let ring = reached(
+        &Rings { place: 50.0 },
+        start,
+        &within(600.0).forced(1.0),
+        &options,
+    );
+    assert_eq!(ring.kind, Kind::Recurrent);
+    // The same at every eighth of a turn closes.
+    let eighth = within(600.0).forced(PI / 4.0);
+    let ring = reached(&Rings { place: 50.0 }, start, &eighth, &options);
+    assert!(
+        matches!(ring.kind, Kind::Periodic { returns: 8, .. }),
+        "{}",
+        ring.kind
+    );
+    let chaos = Smooth(Lorenz);
+    let found = |z: f64, longest| reached(&chaos, [1.0, 1.0, z], &within(longest), &options);
+    let (one, other) = (found(20.0, 600.0), found(25.0, 600.0));
+    assert_eq!([&one.kind, &other.kind], [&Kind::Recurrent; 2]);
+    let any = chaos.any();
+    assert!(Attractors::new(&any, &within(600.0)).is_same(&one, &other));
+    // Too short to say so.
+    assert_eq!(found(20.0, 60.0).kind, Kind::Undecided);
+}
+
+#[test]
+fn forced_orbits_are_compared_at_whole_periods() {
+    let system = DenHartog {
+        frequency: 0.7,
+        friction: 0.2,
+    };
+    let period = 2.0 * PI / 0.7;
+    let settings = within(2e3).forced(period);
+    let found = reached(&system, [0.3, 0.2], &settings, &Options::tol(1e-11));
+    let Kind::Periodic {
+        returns: 1,
+        period: p,
+    } = found.kind
+    else {
+        panic!("{}", found.kind);
+    };
+    assert!((p - period).abs() < 1e-12);
+    assert!(is_same_cycle(&found.sequence(), &[ABOVE, BELOW]));
+    let turning = found.phases.iter().map(|phase| phase.x_end[0].abs());
+    for amplitude in turning {
+        assert!((amplitude - 1.927_774_517_9).abs() < 1e-5, "{amplitude}");
+    }
+}
+
+#[test]
+fn a_section_of_the_user_s_own_takes_the_place_of_the_transitions() {
+    let section = Plane {
+        point: State::from([0.0, 0.0]),
+        normal: State::from([0.0, 1.0]),
+        direction: Direction::Both,
+    };
+    let found = attractor_on(
+        &Leine.any(),
+        &section,
+        [1.0, 0.0],
+        &within(200.0),
+        &Options::tol(1e-12),
+    )
+    .unwrap();
+    // It turns back twice a period.
+    assert!(matches!(found.kind, Kind::Periodic { returns: 2, .. }));
+    assert!(is_same_cycle(&found.sequence(), &[Mode::Stick, BELOW]));
+    let largest = found
+        .points
+        .iter()
+        .map(|point| point.x[0])
+        .fold(0.0, f64::max);
+    assert!((largest - 1.133_944_676_442).abs() < 1e-10, "{largest}");
+}
+
+#[test]
+fn ends_and_failures_are_kinds_and_bad_settings_errors() {
+    let default = Options::default();
+    let apart = Line {
+        below: -1.0,
+        above: 1.0,
+    };
+    let kind = |x: f64, options| reached(&apart, [x], &within(1e3), options).kind;
+    assert_eq!(kind(0.0, &default), Kind::Repelling);
+    assert_eq!(kind(0.5, &default.escape(10.0)), Kind::Escape);
+    let bad = |settings: RecurrenceSettings| {
+        let found = attractor(&Leine.any(), [1.0, 0.0], &settings, &default);
+        match found.unwrap_err() {
+            Error::Option { name, .. } => name,
+            other => panic!("{other}"),
+        }
+    };
+    assert_eq!(bad(within(-1.0)), "longest");
+    assert_eq!(bad(within(f64::NAN)), "longest");
+    let settings = RecurrenceSettings {
+        closeness: 0.5,
+        ..within(1.0)
+    };
+    assert_eq!(bad(settings), "closeness");
+    assert_eq!(bad(within(1.0).forced(0.0)), "forcing");
+    let (most_returns, kept) = (0, 3);
+    assert_eq!(
+        bad(RecurrenceSettings {
+            most_returns,
+            ..within(1.0)
+        }),
+        "most_returns"
+    );
+    assert_eq!(
+        bad(RecurrenceSettings {
+            kept,
+            ..within(1.0)
+        }),
+        "kept"
+    );
+}

@@ -1,0 +1,71 @@
+//! Systems with attractors that are known.
+
+use stickslip::{Filippov, Scalar, Side};
+
+/// `x'' = -x - 0.1 x' - F`, a block on a belt of speed `vd`, the friction decaying with slip speed: the example of bSTAB (Stender &
+/// Hoffmann, *Nonlinear Dyn.* 107 (2022) 1451).
+#[derive(Clone, Copy, PartialEq)]
+pub struct Driven {
+    pub vd: f64,
+}
+
+impl Filippov<2> for Driven {
+    #[inline(always)]
+    fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T; 2]) -> [T; 2] {
+        let slip = (x[1] - self.vd) * side.sign();
+        let friction = ((slip * -2.0).exp() * 0.5 + 0.5) * side.sign();
+        [x[1], -x[0] - x[1] * 0.1 - friction]
+    }
+    #[inline(always)]
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
+        x[1] - self.vd
+    }
+}
+
+/// `x'' = -x - sgn(w)/(1 + 3|w|)`, `w = x' - 0.2` (Leine, van Campen, de Kraker & van den Steen, *Nonlinear Dyn.* 16 (1998) 41).
+pub struct Leine;
+
+impl Filippov<2> for Leine {
+    fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T; 2]) -> [T; 2] {
+        let slip = (x[1] - 0.2) * side.sign();
+        let friction = (slip * 3.0 + 1.0).recip() * side.sign();
+        [x[1], -x[0] - friction]
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
+        x[1] - 0.2
+    }
+}
+
+/// `x'' = x - x³ - F sgn x'`: friction holds on three intervals of the axis that do not meet.
+pub struct Wells {
+    pub friction: f64,
+}
+
+impl Filippov<2> for Wells {
+    fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T; 2]) -> [T; 2] {
+        [
+            x[1],
+            x[0] - x[0] * x[0] * x[0] - self.friction * side.sign(),
+        ]
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
+        x[1]
+    }
+}
+
+/// `r' = r (p + 2 r² - r⁴)`, `θ' = 1` in the plane, the parameter `p` being the third state: cycles at `r² = 1 ± √(1 + p)`, which meet in a
+/// fold at `p = -1`, `r = 1`. The boundary `x = place` is crossed, or is far away, and the fields are the same on both sides.
+pub struct Rings {
+    pub place: f64,
+}
+
+impl Filippov<3> for Rings {
+    fn field<T: Scalar>(&self, _side: Side, _t: T, x: &[T; 3]) -> [T; 3] {
+        let square = x[0] * x[0] + x[1] * x[1];
+        let grows = x[2] + square * 2.0 - square * square;
+        [x[0] * grows - x[1], x[1] * grows + x[0], T::constant(0.0)]
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 3]) -> T {
+        x[0] - self.place
+    }
+}
