@@ -34,8 +34,8 @@ await() {
 }
 
 out=$folder/out
-sweep=(basin basins --grid 48x48)
-"$STICKSLIP" "${sweep[@]}" --out "$folder/single" >/dev/null
+sweep=(basin basins --grid 128x96)
+timeout 60 "$STICKSLIP" "${sweep[@]}" --out "$folder/single" >/dev/null
 "$here/loopback/up.sh" "$slurm"
 export SLURM_CONF=$slurm/slurm.conf
 said=$("$here/submit.sh" 8 "$out" "${sweep[@]}")

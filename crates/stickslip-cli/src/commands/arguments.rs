@@ -1,6 +1,7 @@
 //! Arguments that several commands share.
 
 use clap::{Args, ValueEnum};
+use serde::{Deserialize, Serialize};
 use stickslip::{AtRepelling, Method, Options};
 
 use super::Failure;
@@ -91,7 +92,8 @@ impl StartArguments {
 }
 
 /// How steps are made.
-#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 enum MethodName {
     /// Taylor series of the solution: the fastest for tolerances of 1e-9 and less
     #[default]
@@ -101,7 +103,8 @@ enum MethodName {
 }
 
 /// What to do where the future is not unique.
-#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 enum Repelling {
     /// End the run
     #[default]
@@ -113,7 +116,7 @@ enum Repelling {
 }
 
 /// How to integrate.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args, Serialize, Deserialize)]
 pub(super) struct SolverArguments {
     /// Relative and absolute error that a step may make, between 1e-15 and 0.1
     #[arg(long, value_name = "ERROR", default_value_t = 1e-12)]

@@ -1,23 +1,29 @@
 //! The command line: what can be asked, and what follows from each question.
 
 mod arguments;
+mod attractors;
+mod basin;
 mod check;
 mod figures;
 mod lyapunov;
+mod merge;
 mod new;
 mod orbit;
+mod range;
 mod recording;
 mod simulate;
+mod sweeping;
 mod tables;
 mod tangents;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
 use crate::file::FileError;
 use crate::output::{Artifact, OutputError, png, write_all};
+use crate::sweep::SweepError;
 use crate::system::SettingError;
 use crate::terminal::{Said, finish};
 use arguments::OutputArguments;
@@ -40,6 +46,8 @@ Wherever a FILE is asked for, the name of a shipped model will do: belt, forced,
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    Basin(basin::Arguments),
+    Merge(merge::Arguments),
     New(new::Arguments),
     Check(check::Arguments),
     Simulate(simulate::Arguments),
@@ -53,6 +61,8 @@ enum Command {
 /// Exit code 0 on success, 1 if something failed (`error: …` on standard error), 2 for a wrong command line or file.
 pub fn main() -> ExitCode {
     let outcome = match CommandLine::parse().command {
+        Command::Basin(arguments) => basin::run(&arguments),
+        Command::Merge(arguments) => merge::run(&arguments),
         Command::New(arguments) => new::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
@@ -73,6 +83,8 @@ pub(crate) enum Failure {
     #[error("{0}")]
     Usage(String),
     #[error(transparent)]
+    Sweep(#[from] SweepError),
+    #[error(transparent)]
     Output(#[from] OutputError),
     #[error("{}", told(.0))]
     Computation(#[from] stickslip::Error),
@@ -83,6 +95,7 @@ impl Failure {
     pub(crate) fn is_usage(&self) -> bool {
         match self {
             Failure::File(_) | Failure::Setting(_) | Failure::Usage(_) => true,
+            Failure::Sweep(error) => error.is_usage(),
             Failure::Output(_) => false,
             Failure::Computation(error) => matches!(
                 error,
@@ -128,6 +141,15 @@ struct Found {
 impl Found {
     /// Writes the files and says what was found.
     fn written(self, output: &OutputArguments) -> Result<Said, Failure> {
+        self.written_besides(Vec::new(), output)
+    }
+
+    /// As [`Found::written`], besides files that are on disk already.
+    fn written_besides(
+        self,
+        there: Vec<PathBuf>,
+        output: &OutputArguments,
+    ) -> Result<Said, Failure> {
         let mut artifacts = self.tables;
         for (name, svg) in self.figures {
             if output.png {
@@ -138,7 +160,8 @@ impl Found {
             }
             artifacts.push(Artifact::text(format!("{name}.svg"), svg));
         }
-        let paths = write_all(Path::new(&output.out), &artifacts)?;
+        let mut paths = there;
+        paths.extend(write_all(Path::new(&output.out), &artifacts)?);
         let paths: Vec<String> = paths
             .iter()
             .map(|path| path.display().to_string())

@@ -29,3 +29,4 @@ pub use progress::Progress;
 pub use run::{Computed, Task, run};
 pub use share::Share;
 pub use store::Store;
+pub use whole::write_whole;

@@ -45,6 +45,28 @@ pub(super) fn write(
     Ok(())
 }
 
+/// Writes a table or another file that need not fit into memory: `content` writes it bit by bit, and it appears under its name when it is
+/// complete. Its folder must exist.
+///
+/// # Errors
+/// Those of `content`; [`SweepError::Write`]. What was at `path` before then stays.
+pub fn write_whole<E: From<SweepError>>(
+    path: &Path,
+    content: impl FnOnce(&mut dyn Write) -> Result<(), E>,
+) -> Result<(), E> {
+    let folder = path.parent().unwrap_or(Path::new("."));
+    let failed = SweepError::write(path);
+    let mut of_content = Ok(());
+    let staged = stage(folder, |file| {
+        of_content = content(file);
+        Ok(())
+    });
+    of_content?;
+    let persisted = staged.and_then(|file| file.persist(path).map_err(|error| error.error));
+    persisted.map_err(failed)?;
+    Ok(())
+}
+
 /// As [`write`], but what is there already stays: whoever is first has written the file. Whether it was this call.
 ///
 /// # Errors

@@ -3,17 +3,18 @@
 use std::ops::ControlFlow;
 
 use stickslip::analysis::{
-    PeriodicOrbit, SpectrumOptions, find_periodic_orbit, lyapunov_spectrum, multipliers,
-    periodic_orbit, periodic_orbit_forced,
+    PeriodicOrbit, RecurrenceSettings, SpectrumOptions, attractor, find_periodic_orbit,
+    lyapunov_spectrum, multipliers, periodic_orbit, periodic_orbit_forced,
 };
 use stickslip::{
-    Ending, Error, EventRecord, Happening, Integration, Phase, Progress, Several, State,
+    Ending, Error, EventRecord, Happening, Integration, Options, Phase, Progress, Several, State,
     StepRecord, Summary, Switched, Watched,
 };
 
 use super::erased::{
     Ended, Erase, Passage, Periodic, PhaseView, SpectrumFound, StepView, TransitionView, Watcher,
 };
+use super::reached::Outcome;
 use super::system::{ManyContacts, OneContact, Section};
 use super::{Kernel, Run, Shooting};
 
@@ -126,7 +127,7 @@ where
 }
 
 /// A state from a slice of its components; of a wrong number of them, the rest is not a number, which every run refuses.
-fn state<const N: usize>(x: &[f64]) -> State<N> {
+pub(super) fn state<const N: usize>(x: &[f64]) -> State<N> {
     State::from_fn(|i, _| x.get(i).copied().unwrap_or(f64::NAN))
 }
 
@@ -228,5 +229,24 @@ where
             stick_fraction: spectrum.stick_fraction,
             duration: spectrum.duration,
         })
+    }
+
+    fn attractor(
+        &self,
+        x: &[f64],
+        settings: &RecurrenceSettings,
+        options: &Options,
+    ) -> Result<Outcome, Error> {
+        let reached = attractor(&self.system, state::<N>(x), settings, options)?;
+        Ok(Outcome::of(&reached, self.contacts))
+    }
+
+    fn is_same_attractor(
+        &self,
+        one: &Outcome,
+        other: &Outcome,
+        settings: &RecurrenceSettings,
+    ) -> bool {
+        one.is_same(other, &self.system, settings)
     }
 }

@@ -6,14 +6,16 @@
 
 mod compiled;
 mod erased;
+mod reached;
 mod system;
 
 pub use erased::{
     Ended, Modes, Passage, Periodic, PhaseView, SpectrumFound, StepView, TransitionView, Watcher,
 };
+pub use reached::{Motion, Outcome, PhaseThere};
 pub use system::{ManyContacts, OneContact, Section};
 
-use stickslip::analysis::SpectrumOptions;
+use stickslip::analysis::{RecurrenceSettings, SpectrumOptions};
 use stickslip::{Error, Options};
 
 /// Most states that a system may have.
@@ -86,6 +88,25 @@ pub trait Kernel: Send + Sync {
         x: &[f64],
         settings: &SpectrumOptions,
     ) -> Result<SpectrumFound, Error>;
+
+    /// The attractor that the orbit from `x` at time 0 comes to.
+    ///
+    /// # Errors
+    /// Those of [`stickslip::analysis::attractor`].
+    fn attractor(
+        &self,
+        x: &[f64],
+        settings: &RecurrenceSettings,
+        options: &Options,
+    ) -> Result<Outcome, Error>;
+
+    /// Whether two orbits have come to the same attractor.
+    fn is_same_attractor(
+        &self,
+        one: &Outcome,
+        other: &Outcome,
+        settings: &RecurrenceSettings,
+    ) -> bool;
 }
 
 /// The kernel of a system of one contact and `states` states; `None` for more than [`MOST_STATES`], or none.
