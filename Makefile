@@ -37,7 +37,7 @@ readings: build-figures ## Search all readings of Figs. 10-12 anew into golden/,
 
 # The program as the tests build it: its bits are the same, and nothing is compiled twice.
 cluster-test: ## A sweep as a job array on a Slurm of one node, with a kill and a requeue; needs slurm-wlm and munge
-	$(CARGO) build --locked --profile test -p stickslip-cli
+	$(CARGO) test --locked --no-run
 	timeout --kill-after=10 150 cluster/test.sh "$$($(CARGO) metadata --locked --no-deps --format-version 1 | sed -E 's/.*"target_directory":"([^"]*)".*/\1/')/debug/stickslip"
 
 bench: ## Run the benchmarks

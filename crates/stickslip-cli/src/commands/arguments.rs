@@ -47,7 +47,7 @@ fn assignment(option: &str, text: &str) -> Result<(String, f64), Failure> {
 }
 
 /// From where to where.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args, Serialize, Deserialize)]
 pub(super) struct StartArguments {
     /// Another value of a state at the start; may be given several times
     #[arg(long, value_name = "STATE=VALUE")]
@@ -88,6 +88,18 @@ impl StartArguments {
             })?);
         }
         Ok((self.t_start.unwrap_or(system.file.time.start), start))
+    }
+}
+
+impl StartArguments {
+    /// The state at the start of what is looked at from time 0 on, as the attractors are.
+    pub(super) fn at_zero(&self, system: &System) -> Result<Vec<f64>, Failure> {
+        match self.of(system)? {
+            (t, _) if t != 0.0 && system.built.depends_on_time => Err(Failure::Usage(format!(
+                "the start is at t = {t}, and attractors are looked for from t = 0 on; give --t-start 0"
+            ))),
+            (_, start) => Ok(start),
+        }
     }
 }
 

@@ -12,6 +12,17 @@ pub(super) fn sequence(outcome: &Outcome) -> String {
     phases.join(" ")
 }
 
+/// As [`sequence`], and the same text wherever in a cycle the phases begin.
+pub(super) fn cycle(outcome: &Outcome) -> String {
+    let phases: Vec<String> = outcome.sequence().iter().map(letters).collect();
+    let turned = |by: usize| {
+        let (end, begin) = phases.split_at(by);
+        [begin, end].concat().join(" ")
+    };
+    let all = (0..phases.len()).map(turned);
+    all.min().unwrap_or_default()
+}
+
 /// Motion, period, returns, phases, and part of the time in stick; empty where there is none.
 pub(super) fn fields(outcome: &Outcome) -> [String; 5] {
     let (period, returns) = match outcome.motion {

@@ -6,6 +6,7 @@ mod basin;
 mod check;
 mod figures;
 mod lyapunov;
+mod map;
 mod merge;
 mod new;
 mod orbit;
@@ -47,6 +48,7 @@ Wherever a FILE is asked for, the name of a shipped model will do: belt, forced,
 #[derive(Debug, Subcommand)]
 enum Command {
     Basin(basin::Arguments),
+    Map(map::Arguments),
     Merge(merge::Arguments),
     New(new::Arguments),
     Check(check::Arguments),
@@ -62,6 +64,7 @@ enum Command {
 pub fn main() -> ExitCode {
     let outcome = match CommandLine::parse().command {
         Command::Basin(arguments) => basin::run(&arguments),
+        Command::Map(arguments) => map::run(&arguments),
         Command::Merge(arguments) => merge::run(&arguments),
         Command::New(arguments) => new::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),

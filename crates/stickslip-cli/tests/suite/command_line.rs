@@ -6,17 +6,17 @@ use assert_cmd::Command;
 use predicates::prelude::*;
 use predicates::str::contains;
 
-pub fn program(folder: &Path) -> Command {
+fn program(folder: &Path) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_stickslip"));
     command.current_dir(folder);
     command
 }
 
-pub fn folder() -> tempfile::TempDir {
+fn folder() -> tempfile::TempDir {
     tempfile::tempdir().unwrap()
 }
 
-pub fn text(path: impl AsRef<Path>) -> String {
+fn text(path: impl AsRef<Path>) -> String {
     std::fs::read_to_string(path).unwrap()
 }
 

@@ -2,7 +2,6 @@
 
 mod against_compiled;
 mod bad_files;
-mod basins;
 mod command_line;
 mod known_answers;
 mod recorded;

@@ -1,4 +1,4 @@
-//! A sweep that is quick to compute and whose bits depend on everything they may depend on.
+//! A sweep that is quick to compute and whose bits depend on everything they may depend on; and the program.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -73,4 +73,19 @@ pub fn undisturbed(plan: &Plan) -> Vec<u8> {
         ..task(plan, folder.path())
     };
     table(&compute(&one).unwrap().store)
+}
+
+/// The program, called in a folder.
+pub fn program(folder: &Path) -> assert_cmd::Command {
+    let mut command = assert_cmd::Command::new(env!("CARGO_BIN_EXE_stickslip"));
+    command.current_dir(folder);
+    command
+}
+
+pub fn folder() -> tempfile::TempDir {
+    tempfile::tempdir().unwrap()
+}
+
+pub fn text(path: impl AsRef<Path>) -> String {
+    std::fs::read_to_string(path).unwrap()
 }

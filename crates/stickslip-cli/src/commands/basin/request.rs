@@ -7,7 +7,7 @@ use stickslip::analysis::RecurrenceSettings;
 
 use super::super::Failure;
 use super::super::arguments::{OutputArguments, SolverArguments};
-use super::super::range::StateRange;
+use super::super::range::{StateRange, grid};
 use super::super::sweeping::Sweep;
 use super::starts::Points;
 use super::{Arguments, found};
@@ -61,7 +61,7 @@ impl Basin {
                 Points::Grid { columns, rows }
             }
         };
-        let (_, start) = arguments.start.of(system)?;
+        let start = arguments.start.at_zero(system)?;
         let basin = Self {
             plane,
             points,
@@ -91,18 +91,6 @@ impl Basin {
         }
         start
     }
-}
-
-/// The numbers of columns and rows of `200x100`.
-fn grid(text: &str) -> Result<(NonZeroUsize, NonZeroUsize), Failure> {
-    let numbers = text.split_once('x').and_then(|(columns, rows)| {
-        Some((columns.trim().parse().ok()?, rows.trim().parse().ok()?))
-    });
-    numbers.ok_or_else(|| {
-        Failure::Usage(format!(
-            "--grid {text}: numbers of columns and rows are expected, both at least 1, as in --grid 200x100"
-        ))
-    })
 }
 
 impl Sweep for Basin {

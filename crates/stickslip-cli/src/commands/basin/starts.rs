@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
-use super::super::range::StateRange;
+use super::super::range::{StateRange, middle};
 
 /// Random starts in a block.
 const IN_BLOCK: usize = 100;
@@ -52,14 +52,10 @@ impl Points {
     /// Where in the plane a point is.
     pub(super) fn at(&self, index: usize, ranges: &[StateRange; 2]) -> [f64; 2] {
         let parts = match *self {
-            Points::Grid { columns, rows } => {
-                let (columns, rows) = (columns.get(), rows.get());
-                let middle = |k: usize, of: usize| (k as f64 + 0.5) / of as f64;
-                [
-                    middle(index % columns, columns),
-                    middle(index / columns, rows),
-                ]
-            }
+            Points::Grid { columns, rows } => [
+                middle(index % columns, columns),
+                middle(index / columns, rows),
+            ],
             Points::Random { seed, .. } => {
                 let first = 2 * index as u64;
                 [uniform(seed, first), uniform(seed, first + 1)]

@@ -10,7 +10,7 @@ use predicates::prelude::*;
 use predicates::str::contains;
 use serde_json::Value;
 
-use super::command_line::{folder, program, text};
+use super::common::{folder, program, text};
 
 /// A sweep of some blocks that takes a moment.
 const SWEEP: [&str; 4] = ["basin", "basins", "--grid", "24x16"];
