@@ -2,7 +2,7 @@
 CARGO ?= cargo
 FIGURES := fig04 fig06 fig07 fig08 fig10 fig11 fig12 locator
 
-.PHONY: help figures report test golden readings bench bench-peers check clean $(FIGURES)
+.PHONY: help figures report test golden readings cluster-test bench bench-peers check clean $(FIGURES)
 .DEFAULT_GOAL := help
 
 help: ## Show the targets
@@ -34,6 +34,11 @@ readings: build-figures ## Search all readings of Figs. 10-12 anew into golden/,
 	$(CARGO) run --locked --release --quiet --bin readings -- --out target/readings
 	cp target/readings/readings.csv target/readings/readings.txt golden/
 	rm -r target/readings
+
+# The program as the tests build it: its bits are the same, and nothing is compiled twice.
+cluster-test: ## A sweep as a job array on a Slurm of one node, with a kill and a requeue; needs slurm-wlm and munge
+	$(CARGO) test --locked --no-run
+	timeout --kill-after=10 150 cluster/test.sh "$$($(CARGO) metadata --locked --no-deps --format-version 1 | sed -E 's/.*"target_directory":"([^"]*)".*/\1/')/debug/stickslip"
 
 bench: ## Run the benchmarks
 	$(CARGO) bench --locked

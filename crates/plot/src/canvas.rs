@@ -246,6 +246,30 @@ impl<'a> Canvas<'a> {
         Ok(())
     }
 
+    /// Rectangles in one path: upper left and lower right corners in turn.
+    pub(super) fn tiles(&mut self, corners: &[BackendCoord], color: Color) -> fmt::Result {
+        if corners.is_empty() {
+            return Ok(());
+        }
+        self.out.push_str("<path d=\"");
+        for pair in corners.chunks_exact(2) {
+            let ((x, y), (right, bottom)) = (pair[0], pair[1]);
+            write!(
+                self.out,
+                "M{x} {y}h{}v{}h{}z",
+                right - x,
+                bottom - y,
+                x - right
+            )?;
+        }
+        // Smoothed edges would let the paper shine through between neighbours.
+        writeln!(
+            self.out,
+            "\" fill=\"{}\" shape-rendering=\"crispEdges\"/>",
+            color.hex()
+        )
+    }
+
     /// A filled polygon.
     fn area(&mut self, corners: &[BackendCoord], color: Color) -> fmt::Result {
         if corners.len() < 3 {

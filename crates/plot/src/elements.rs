@@ -99,6 +99,12 @@ pub(super) struct Mark<C> {
     pub(super) symbol: Symbol,
 }
 
+/// Rectangles that make one area; upper left and lower right corners in turn.
+pub(super) struct Tiles<C> {
+    pub(super) corners: Vec<C>,
+    pub(super) color: Color,
+}
+
 /// A text at a point.
 pub(super) struct Label<C> {
     pub(super) at: C,
@@ -110,6 +116,14 @@ impl<'a, C> PointCollection<'a, C> for &'a Stroke<C> {
     type IntoIter = &'a [C];
     fn point_iter(self) -> Self::IntoIter {
         &self.points
+    }
+}
+
+impl<'a, C> PointCollection<'a, C> for &'a Tiles<C> {
+    type Point = &'a C;
+    type IntoIter = &'a [C];
+    fn point_iter(self) -> Self::IntoIter {
+        &self.corners
     }
 }
 
@@ -138,6 +152,18 @@ impl<C> Drawable<Canvas<'_>> for Stroke<C> {
     ) -> Drawn {
         let points: Vec<BackendCoord> = points.collect();
         drawn(canvas.stroke(&points, &self.pen))
+    }
+}
+
+impl<C> Drawable<Canvas<'_>> for Tiles<C> {
+    fn draw<I: Iterator<Item = BackendCoord>>(
+        &self,
+        points: I,
+        canvas: &mut Canvas<'_>,
+        _: (u32, u32),
+    ) -> Drawn {
+        let points: Vec<BackendCoord> = points.collect();
+        drawn(canvas.tiles(&points, self.color))
     }
 }
 

@@ -256,6 +256,12 @@ mod tests {
                     .into(),
                 "#56b4e9",
             ),
+            (
+                Cells::new((0.0, 0.5), (0.0, 0.5), 2, [true, false, false, true])
+                    .fill(PURPLE)
+                    .into(),
+                "#cc79a7",
+            ),
             (Guide::vertical(0.5).label("*t*_0", 0.5).into(), "t</tspan>"),
             (Guide::horizontal(0.5).color(ORANGE).into(), "#e69f00"),
             (
@@ -305,7 +311,8 @@ mod tests {
             .with(Curve::new(far))
             .with(Markers::new(far).label(0, "far", (5.0, 5.0)))
             .with(Band::rect((2.0, 3.0), (0.0, 1.0)))
-            .with(Region::between(far, [(2.0, 4.0), (1e6, 5.0)]));
+            .with(Region::between(far, [(2.0, 4.0), (1e6, 5.0)]))
+            .with(Cells::new((2.0, 3.0), (0.0, 1.0), 1, [true]));
         assert_eq!(figure().row(1.0, panel).render().unwrap(), empty);
     }
 
@@ -325,9 +332,10 @@ mod tests {
                 .with(Curve::new([(0.0, 0.0), (1.0, 1.0)]).legend("line"))
                 .with(Guide::horizontal(0.5))
                 .with(Markers::new([(0.5, 0.5)]).legend("point"))
-                .with(Band::x(0.1, 0.2).legend("area"));
+                .with(Band::x(0.1, 0.2).legend("area"))
+                .with(Cells::new((0.0, 1.0), (0.0, 1.0), 1, [true]).legend("cells"));
             let svg = figure().row(1.0, panel).render().unwrap();
-            for text in ["line", "point", "area"] {
+            for text in ["line", "point", "area", "cells"] {
                 assert_eq!(svg.matches(&format!(">{text}<")).count(), 1, "{place:?}");
             }
         }

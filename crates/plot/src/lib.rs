@@ -1,7 +1,7 @@
 //! Figures for a journal, drawn over plotters, which nothing else knows; of what they show this crate knows nothing.
 //!
 //! A [`Figure`] is rows of [`Panel`]s; a panel has two [`Axis`]es and layers: [`Curve`], [`Markers`],
-//! [`Guide`], [`Band`], [`Region`], [`Note`], [`Dimension`], [`Inset`]. Sizes, widths and offsets are in px at the
+//! [`Guide`], [`Band`], [`Region`], [`Cells`], [`Note`], [`Dimension`], [`Inset`]. Sizes, widths and offsets are in px at the
 //! figure's nominal size (1 px = 1/96 inch; 658 px are a journal's text width), offsets `(right, up)`. Everything
 //! else is in the data's units.
 //!
@@ -58,7 +58,9 @@ pub use color::{
 pub use elements::Shape;
 pub use error::PlotError;
 pub use figure::{Cell, Figure};
-pub use layers::{AnyLayer, Band, Curve, Dimension, Guide, Inset, Markers, Note, Place, Region};
+pub use layers::{
+    AnyLayer, Band, Cells, Curve, Dimension, Guide, Inset, Markers, Note, Place, Region,
+};
 pub use legend::Legend;
 pub use metrics::FACES;
 pub use panel::Panel;

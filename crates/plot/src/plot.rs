@@ -12,7 +12,7 @@ use plotters::style::{RGBColor, ShapeStyle};
 use super::axis::Axis;
 use super::canvas::{Canvas, units};
 use super::color::Color;
-use super::elements::{Label, Mark, Stroke, Symbol, Words};
+use super::elements::{Label, Mark, Stroke, Symbol, Tiles, Words};
 use super::pen::Pen;
 use super::polyline::{self, Bounds, Point};
 use crate::error::PlotError;
@@ -78,6 +78,18 @@ impl Sheet<'_, '_> {
             backend(&(frame.right, frame.bottom)),
         ];
         Ok(self.page.draw(&Rectangle::new(corners, solid(color)))?)
+    }
+
+    /// Rectangles as one area.
+    pub(super) fn rects(&self, frames: &[Frame], color: Color) -> Drawn {
+        let corners = |frame: &Frame| {
+            [
+                backend(&(frame.left, frame.top)),
+                backend(&(frame.right, frame.bottom)),
+            ]
+        };
+        let corners = frames.iter().flat_map(corners).collect();
+        Ok(self.page.draw(&Tiles { corners, color })?)
     }
 
     pub(super) fn outline(&self, frame: &Frame, pen: &Pen) -> Drawn {

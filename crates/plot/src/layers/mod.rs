@@ -2,6 +2,7 @@
 //! lines.
 
 mod band;
+mod cells;
 mod curve;
 mod dimension;
 mod guide;
@@ -11,6 +12,7 @@ mod note;
 mod region;
 
 pub use band::Band;
+pub use cells::Cells;
 pub use curve::Curve;
 pub use dimension::Dimension;
 pub use guide::Guide;
@@ -54,7 +56,9 @@ macro_rules! any_layer {
         }
     )*};
 }
-any_layer!(Band, Curve, Dimension, Guide, Inset, Markers, Note, Region);
+any_layer!(
+    Band, Cells, Curve, Dimension, Guide, Inset, Markers, Note, Region
+);
 
 /// A place in a panel.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,0 +1,105 @@
+//! How much longer a system from a file takes than the same one compiled. Besides Criterion's times, the ratios are
+//! printed from runs that take turns, so that whatever else the machine does meets both alike.
+
+use std::hint::black_box;
+use std::time::{Duration, Instant};
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use stickslip::models::{BeltOscillator, BlockAndBracket, Caption, ForcedOscillator, Reading};
+use stickslip::{Filippov, Method, Options, State, run};
+use stickslip_cli::file::SystemFile;
+use stickslip_cli::system::System;
+use stickslip_kernels::kernel::Run;
+
+/// Time that each orbit is followed for.
+const SPAN: f64 = 100.0;
+
+/// Runs of each kind for a ratio.
+const TURNS: usize = 21;
+
+fn methods() -> [(&'static str, Options); 2] {
+    [
+        ("taylor", Options::tol(1e-12).method(Method::Taylor)),
+        ("order 8", Options::tol(1e-12).method(Method::Dop853)),
+    ]
+}
+
+fn shipped(name: &str) -> System {
+    let file = SystemFile::open(name).unwrap_or_else(|error| panic!("{error}"));
+    file.with(&[]).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn from_file(system: &System, x: &[f64], options: &Options) -> f64 {
+    let settings = Run {
+        t: 0.0,
+        x,
+        t_end: SPAN,
+        options,
+    };
+    system
+        .kernel()
+        .run(&settings, None, &mut ())
+        .map_or(f64::NAN, |ended| ended.x[0])
+}
+
+fn compiled<S: Filippov<N>, const N: usize>(system: &S, x: &[f64], options: &Options) -> f64 {
+    let x = State::<N>::from_fn(|i, _| x[i]);
+    run(system, 0.0, x, SPAN, options, &mut ()).map_or(f64::NAN, |summary| summary.x[0])
+}
+
+fn compare<S: Filippov<N>, const N: usize>(c: &mut Criterion, name: &str, x: &[f64], system: &S) {
+    let file = shipped(name);
+    for (method, options) in methods() {
+        assert!((from_file(&file, x, &options) - compiled(system, x, &options)).abs() < 1e-9);
+        let mut group = c.benchmark_group(format!("{name}, {method}"));
+        group.bench_function("compiled", |b| {
+            b.iter(|| compiled(system, black_box(x), &options));
+        });
+        group.bench_function("file", |b| {
+            b.iter(|| from_file(&file, black_box(x), &options))
+        });
+        group.finish();
+        let mut times = [const { Vec::new() }; 2];
+        for _ in 0..TURNS {
+            times[0].push(timed(|| compiled(system, black_box(x), &options)));
+            times[1].push(timed(|| from_file(&file, black_box(x), &options)));
+        }
+        let [compiled, file] = times.map(middle);
+        println!(
+            "{name}, {method}: file over compiled {:.2}",
+            file / compiled
+        );
+    }
+}
+
+/// Seconds of one run, from as many as fill some milliseconds.
+fn timed(mut run: impl FnMut() -> f64) -> f64 {
+    let begin = Instant::now();
+    let mut count = 0;
+    while begin.elapsed() < Duration::from_millis(20) {
+        black_box(run());
+        count += 1;
+    }
+    begin.elapsed().as_secs_f64() / f64::from(count)
+}
+
+fn middle(mut times: Vec<f64>) -> f64 {
+    times.sort_by(f64::total_cmp);
+    times[times.len() / 2]
+}
+
+fn models(c: &mut Criterion) {
+    compare(c, "belt", &[0.5, 1.5], &BeltOscillator::default());
+    compare(c, "forced", &[0.0, 0.0], &ForcedOscillator::default());
+    match BlockAndBracket::from_caption(&Caption::FIG11, &Reading::exact()) {
+        Ok(bracket) => compare(c, "bracket", &[0.0, 0.0, 0.0, -0.1], &bracket),
+        Err(error) => panic!("{error}"),
+    }
+}
+
+criterion_group! {
+    name = benches;
+    config = Criterion::default().sample_size(20).measurement_time(Duration::from_secs(1)).warm_up_time(Duration::from_millis(300));
+    targets = models
+}
+criterion_main!(benches);

@@ -1,0 +1,196 @@
+//! Arguments that several commands share.
+
+use clap::{Args, ValueEnum};
+use serde::{Deserialize, Serialize};
+use stickslip::{AtRepelling, Method, Options};
+
+use super::Failure;
+use crate::file::{SystemFile, did_you_mean, number};
+use crate::system::System;
+
+/// Which system, with which values.
+#[derive(Debug, Args)]
+pub(super) struct SystemArguments {
+    /// File of the system, or name of a shipped model
+    #[arg(value_name = "FILE")]
+    file: String,
+
+    /// Another value of a parameter, a number or an expression of numbers; may be given several times
+    #[arg(long, value_name = "NAME=VALUE")]
+    set: Vec<String>,
+}
+
+impl SystemArguments {
+    pub(super) fn system(&self) -> Result<System, Failure> {
+        let file = SystemFile::open(&self.file)?;
+        let mut settings = Vec::with_capacity(self.set.len());
+        for setting in &self.set {
+            settings.push(assignment("--set", setting)?);
+        }
+        Ok(file.with(&settings)?)
+    }
+}
+
+/// A name and a number from `name=value`.
+fn assignment(option: &str, text: &str) -> Result<(String, f64), Failure> {
+    let Some((name, value)) = text.split_once('=') else {
+        return Err(Failure::Usage(format!(
+            "{option} {text}: a name, `=` and a value are expected, as in {option} mu0=0.4"
+        )));
+    };
+    let value = number(value).map_err(|message| {
+        Failure::Usage(format!(
+            "{option} {text}: the value is no number: {message}"
+        ))
+    })?;
+    Ok((name.trim().to_owned(), value))
+}
+
+/// From where to where.
+#[derive(Clone, Debug, Args, Serialize, Deserialize)]
+pub(super) struct StartArguments {
+    /// Another value of a state at the start; may be given several times
+    #[arg(long, value_name = "STATE=VALUE")]
+    start: Vec<String>,
+
+    /// Time at the start; default as in the file, or 0
+    #[arg(long, value_name = "TIME", allow_negative_numbers = true)]
+    t_start: Option<f64>,
+}
+
+impl StartArguments {
+    /// Time and state at the start.
+    pub(super) fn of(&self, system: &System) -> Result<(f64, Vec<f64>), Failure> {
+        let names = || system.file.states.iter().map(|state| state.name.as_str());
+        let mut given: Vec<Option<f64>> = match &system.built.start {
+            Some(start) => start.iter().copied().map(Some).collect(),
+            None => vec![None; system.states()],
+        };
+        for text in &self.start {
+            let (name, value) = assignment("--start", text)?;
+            let plain = stickslip_kernels::expression::normal(&name);
+            let Some(number) = names().position(|state| state == plain) else {
+                let all: Vec<&str> = names().collect();
+                let help = did_you_mean(&name, names())
+                    .unwrap_or_else(|| format!("the states are {}", all.join(", ")));
+                return Err(Failure::Usage(format!(
+                    "there is no state `{name}`; {help}"
+                )));
+            };
+            given[number] = Some(value);
+        }
+        let mut start = Vec::with_capacity(given.len());
+        for (name, value) in names().zip(given) {
+            start.push(value.ok_or_else(|| {
+                Failure::Usage(format!(
+                    "the start has no value of `{name}`; add [start] to the file, or --start {name}=0"
+                ))
+            })?);
+        }
+        Ok((self.t_start.unwrap_or(system.file.time.start), start))
+    }
+}
+
+impl StartArguments {
+    /// The state at the start of what is looked at from time 0 on, as the attractors are.
+    pub(super) fn at_zero(&self, system: &System) -> Result<Vec<f64>, Failure> {
+        match self.of(system)? {
+            (t, _) if t != 0.0 && system.built.depends_on_time => Err(Failure::Usage(format!(
+                "the start is at t = {t}, and attractors are looked for from t = 0 on; give --t-start 0"
+            ))),
+            (_, start) => Ok(start),
+        }
+    }
+}
+
+/// How steps are made.
+#[derive(Clone, Copy, Debug, Default, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum MethodName {
+    /// Taylor series of the solution: the fastest for tolerances of 1e-9 and less
+    #[default]
+    Taylor,
+    /// Dormand and Prince's Runge-Kutta method of order 8
+    Dop853,
+}
+
+/// What to do where the future is not unique.
+#[derive(Clone, Copy, Debug, Default, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum Repelling {
+    /// End the run
+    #[default]
+    Stop,
+    /// Go on below the boundary
+    Below,
+    /// Go on above the boundary
+    Above,
+}
+
+/// How to integrate.
+#[derive(Clone, Debug, Args, Serialize, Deserialize)]
+pub(super) struct SolverArguments {
+    /// Relative and absolute error that a step may make, between 1e-15 and 0.1
+    #[arg(long, value_name = "ERROR", default_value_t = 1e-12)]
+    tol: f64,
+
+    /// Absolute error, where it is to differ from the relative one
+    #[arg(long, value_name = "ERROR")]
+    atol: Option<f64>,
+
+    /// Method
+    #[arg(long, value_enum, default_value_t)]
+    method: MethodName,
+
+    /// Longest step; default unbounded
+    #[arg(long, value_name = "TIME")]
+    longest_step: Option<f64>,
+
+    /// Size of a state beyond which the orbit is said to have escaped
+    #[arg(long, value_name = "BOUND", default_value_t = 1e6)]
+    escape: f64,
+
+    /// What to do where both fields lead away from the boundary
+    #[arg(long, value_enum, default_value_t)]
+    at_repelling: Repelling,
+}
+
+impl SolverArguments {
+    /// The solver's options.
+    pub(super) fn options(&self) -> Result<Options, Failure> {
+        let options = Options {
+            atol: self.atol.unwrap_or(self.tol),
+            longest_step: self.longest_step.unwrap_or(f64::INFINITY),
+            ..Options::tol(self.tol)
+        };
+        let options = options
+            .escape(self.escape)
+            .method(match self.method {
+                MethodName::Taylor => Method::Taylor,
+                MethodName::Dop853 => Method::Dop853,
+            })
+            .at_repelling(match self.at_repelling {
+                Repelling::Stop => AtRepelling::Stop,
+                Repelling::Below => AtRepelling::GoBelow,
+                Repelling::Above => AtRepelling::GoAbove,
+            });
+        options.check()?;
+        Ok(options)
+    }
+}
+
+/// What to write, and where.
+#[derive(Debug, Args)]
+pub(super) struct OutputArguments {
+    /// Folder for the files; made if it does not exist
+    #[arg(long, value_name = "DIR", default_value = "stickslip-output")]
+    pub(super) out: String,
+
+    /// Print the result as JSON
+    #[arg(long)]
+    pub(super) json: bool,
+
+    /// Also write the figures as PNG, at twice the nominal size (needs a build with `--features png`)
+    #[arg(long)]
+    pub(super) png: bool,
+}

@@ -1,0 +1,61 @@
+//! `stickslip basin`: which attractor each of many starts leads to.
+
+mod figure;
+mod found;
+mod request;
+mod starts;
+
+use super::Failure;
+use super::arguments::{OutputArguments, SolverArguments, StartArguments, SystemArguments};
+use super::sweeping::{SweepArguments, sweep};
+use crate::terminal::Said;
+pub(super) use request::Basin;
+
+/// Find which attractor each of many starts in a plane leads to
+///
+/// Attractors are found by recurrence; none need be named. Writes basin.csv with all starts, attractors.csv with the shares and their standard
+/// errors, and basin.svg. Finished blocks are in sweep/: after a kill the same command goes on from there.
+#[derive(Debug, clap::Args)]
+pub(super) struct Arguments {
+    #[command(flatten)]
+    system: SystemArguments,
+    #[command(flatten)]
+    start: StartArguments,
+
+    /// Range of the first coordinate of the starts; default: the first state, with its range in the file
+    #[arg(long, value_name = "STATE=LOW:HIGH")]
+    x: Option<String>,
+
+    /// Range of the second coordinate; default: the second state, with its range in the file
+    #[arg(long, value_name = "STATE=LOW:HIGH")]
+    y: Option<String>,
+
+    /// Starts in the middle of so many cells along each coordinate
+    #[arg(long, value_name = "COLUMNSxROWS", default_value = "100x100")]
+    grid: String,
+
+    /// So many random starts instead of a grid
+    #[arg(long, value_name = "NUMBER", conflicts_with = "grid")]
+    random: Option<usize>,
+
+    /// Seed of random starts
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    seed: u64,
+
+    /// Time after which an orbit that has come to no attractor is called undecided
+    #[arg(long, value_name = "TIME", default_value_t = 2000.0)]
+    until: f64,
+
+    #[command(flatten)]
+    solver: SolverArguments,
+    #[command(flatten)]
+    sweep: SweepArguments,
+    #[command(flatten)]
+    output: OutputArguments,
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
+    let system = arguments.system.system()?;
+    let wanted = Basin::new(arguments, &system)?;
+    sweep(&wanted, &system, &arguments.sweep, &arguments.output)
+}

@@ -1,0 +1,131 @@
+//! What a basin is of, and what its blocks hold.
+
+use std::num::NonZeroUsize;
+
+use serde::{Deserialize, Serialize};
+use stickslip::analysis::RecurrenceSettings;
+
+use super::super::Failure;
+use super::super::arguments::{OutputArguments, SolverArguments};
+use super::super::range::{StateRange, grid};
+use super::super::sweeping::Sweep;
+use super::starts::Points;
+use super::{Arguments, found};
+use crate::sweep::{BlockError, Store};
+use crate::system::System;
+use crate::terminal::Said;
+use stickslip_kernels::kernel::Outcome;
+
+/// Everything that a basin depends on besides the system.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(in super::super) struct Basin {
+    /// The coordinates of the plane.
+    pub(super) plane: [StateRange; 2],
+    /// The points in it.
+    pub(super) points: Points,
+    /// The other components of the starts.
+    start: Vec<f64>,
+    until: f64,
+    solver: SolverArguments,
+}
+
+/// What a block holds.
+#[derive(Debug, Serialize, Deserialize)]
+pub(super) struct Reached {
+    /// The attractors that its starts lead to, in the order in which they do so first.
+    pub(super) attractors: Vec<Outcome>,
+    /// Which of these each start leads to.
+    pub(super) starts: Vec<usize>,
+}
+
+impl Basin {
+    pub(super) fn new(arguments: &Arguments, system: &System) -> Result<Self, Failure> {
+        let plane = [
+            StateRange::new("--x", arguments.x.as_deref(), 0, system)?,
+            StateRange::new("--y", arguments.y.as_deref(), 1, system)?,
+        ];
+        if plane[0].state == plane[1].state {
+            let name = &system.file.states[plane[0].state].name;
+            return Err(Failure::Usage(format!(
+                "--x and --y are both `{name}`; a plane has two states"
+            )));
+        }
+        let points = match arguments.random {
+            Some(number) => Points::Random {
+                number: NonZeroUsize::new(number)
+                    .ok_or_else(|| Failure::Usage("--random 0: give at least 1".into()))?,
+                seed: arguments.seed,
+            },
+            None => {
+                let (columns, rows) = grid(&arguments.grid)?;
+                Points::Grid { columns, rows }
+            }
+        };
+        let start = arguments.start.at_zero(system)?;
+        let basin = Self {
+            plane,
+            points,
+            start,
+            until: arguments.until,
+            solver: arguments.solver.clone(),
+        };
+        basin.settings(system).check()?;
+        // A wrong option is better told before the sweep than by its first block.
+        basin.solver.options()?;
+        Ok(basin)
+    }
+
+    pub(super) fn settings(&self, system: &System) -> RecurrenceSettings {
+        RecurrenceSettings {
+            forcing: system.built.period,
+            ..RecurrenceSettings::within(self.until)
+        }
+    }
+
+    /// The state that point `index` of the plane stands for.
+    pub(super) fn start(&self, index: usize) -> Vec<f64> {
+        let mut start = self.start.clone();
+        let at = self.points.at(index, &self.plane);
+        for (range, value) in self.plane.iter().zip(at) {
+            start[range.state] = value;
+        }
+        start
+    }
+}
+
+impl Sweep for Basin {
+    const COMMAND: &'static str = "basin";
+
+    fn size(&self) -> (NonZeroUsize, NonZeroUsize) {
+        (self.points.blocks(), NonZeroUsize::MIN)
+    }
+
+    fn block(
+        &self,
+        system: &System,
+        index: usize,
+        _before: Option<&[u8]>,
+    ) -> Result<Vec<u8>, BlockError> {
+        let (settings, kernel) = (self.settings(system), system.kernel());
+        let options = self.solver.options().map_err(|error| error.to_string())?;
+        let mut reached = Reached {
+            attractors: Vec::new(),
+            starts: Vec::new(),
+        };
+        for point in self.points.of_block(index) {
+            let outcome = kernel.attractor(&self.start(point), &settings, &options)?;
+            let number = found::number(&mut reached.attractors, outcome, system, &settings);
+            reached.starts.push(number);
+        }
+        Ok(serde_json::to_vec(&reached)?)
+    }
+
+    fn finish(
+        &self,
+        system: &System,
+        store: &Store,
+        output: &OutputArguments,
+    ) -> Result<Said, Failure> {
+        found::Found::read(self, system, store, output)?.written(self, system, output)
+    }
+}

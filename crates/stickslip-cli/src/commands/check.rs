@@ -1,0 +1,212 @@
+//! `stickslip check`: what was understood of a file.
+
+use std::fmt::Write;
+
+use super::Failure;
+use super::arguments::SystemArguments;
+use crate::file::Rate;
+use crate::system::System;
+use crate::tangents::{Line, OnLine};
+use crate::terminal::Said;
+
+/// Say what was understood of a file
+#[derive(Debug, clap::Args)]
+pub(super) struct Arguments {
+    #[command(flatten)]
+    system: SystemArguments,
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
+    let system = arguments.system.system()?;
+    Ok(Said {
+        text: understood(&system),
+        failure: None,
+    })
+}
+
+/// A line with a title in front.
+fn entry(text: &mut String, title: &str, content: &str) {
+    // Writing into a text cannot fail.
+    let _ = writeln!(text, "{title:12}{content}");
+}
+
+/// Lines under one title.
+fn lines(text: &mut String, title: &str, contents: impl IntoIterator<Item = String>) {
+    for (k, content) in contents.into_iter().enumerate() {
+        entry(text, if k == 0 { title } else { "" }, &content);
+    }
+}
+
+/// A unit or meaning behind a value.
+fn behind(parts: &[&str]) -> String {
+    let parts = parts.iter().filter(|part| !part.is_empty());
+    parts.map(|part| format!("  {part}")).collect()
+}
+
+fn understood(system: &System) -> String {
+    let file = &system.file;
+    let mut text = format!("{}\n", file.name);
+    for row in file.description.iter().flat_map(|text| text.lines()) {
+        let _ = writeln!(text, "  {row}");
+    }
+    text.push('\n');
+    let start = system.built.start.as_deref();
+    lines(
+        &mut text,
+        "states",
+        file.states.iter().enumerate().map(|(k, state)| {
+            let from = start.map_or_else(String::new, |start| format!(", starts at {}", start[k]));
+            let unit = if state.unit.is_empty() {
+                String::new()
+            } else {
+                format!(" ({})", state.unit)
+            };
+            let meaning = state.meaning.as_deref().unwrap_or_default();
+            format!("{}{unit}{from}{}", state.name, behind(&[meaning]))
+        }),
+    );
+    lines(
+        &mut text,
+        "parameters",
+        file.parameters
+            .iter()
+            .zip(&system.values)
+            .map(|(parameter, value)| {
+                let meaning = parameter.meaning.as_deref().unwrap_or_default();
+                let set = if *value == parameter.value {
+                    ""
+                } else {
+                    "(set)"
+                };
+                format!(
+                    "{} = {value}{}",
+                    parameter.name,
+                    behind(&[&parameter.unit, set, meaning])
+                )
+            }),
+    );
+    for contact in &file.contacts {
+        entry(
+            &mut text,
+            "contact",
+            &format!("{}: Σ is where {} = 0", contact.name, contact.boundary.text),
+        );
+        if let Some(friction) = &contact.friction {
+            entry(
+                &mut text,
+                "",
+                &format!("friction in slip  {}", friction.text),
+            );
+        }
+        if let Some(holding) = &contact.holding {
+            entry(
+                &mut text,
+                "",
+                &format!("static friction   {}", holding.text),
+            );
+        }
+        if let Some(force) = &contact.normal_force {
+            entry(
+                &mut text,
+                "",
+                &format!(
+                    "normal force      {}, lost where it is negative",
+                    force.text
+                ),
+            );
+        }
+    }
+    lines(
+        &mut text,
+        "definitions",
+        file.definitions
+            .iter()
+            .map(|definition| format!("{} = {}", definition.name, definition.formula.text)),
+    );
+    lines(
+        &mut text,
+        "field",
+        file.states
+            .iter()
+            .zip(&file.field)
+            .map(|(state, rate)| match rate {
+                Rate::Same(formula) => format!("d{}/dt = {}", state.name, formula.text),
+                Rate::BySide { below, above } => {
+                    format!(
+                        "d{}/dt = {} below, {} above",
+                        state.name, below.text, above.text
+                    )
+                }
+            }),
+    );
+    let period = system
+        .built
+        .period
+        .map_or_else(String::new, |period| format!(", period {period}"));
+    let time = if system.built.depends_on_time {
+        "the system depends on time"
+    } else {
+        "the system does not depend on time"
+    };
+    entry(&mut text, "time", &format!("{time}{period}"));
+    if let Some(section) = &file.section {
+        let direction = super::recording::direction_name(section.direction);
+        entry(
+            &mut text,
+            "section",
+            &format!("where {} = 0, passed {direction}", section.function.text),
+        );
+    }
+    if let Some(start) = start {
+        let t = file.time.start;
+        lines(
+            &mut text,
+            "start",
+            file.contacts.iter().enumerate().map(|(k, contact)| {
+                let height = system.height(k, t, start);
+                let where_ = if height < 0.0 {
+                    "below"
+                } else if height > 0.0 {
+                    "above"
+                } else {
+                    "on"
+                };
+                format!(
+                    "{where_} the boundary of {} ({} = {height})",
+                    contact.name, contact.boundary.text
+                )
+            }),
+        );
+    }
+    if let Some((line, found)) = on_boundary(system) {
+        let listed = super::tangents::listing(system, &line, &found);
+        let listed = if listed.is_empty() {
+            vec!["no tangent point, and no stick zone".to_owned()]
+        } else {
+            listed
+        };
+        let (low, high) = line.range;
+        let along = &file.states[line.along].name;
+        entry(
+            &mut text,
+            "boundary",
+            &format!("along {along} from {low} to {high}, at t = {}:", line.t),
+        );
+        lines(&mut text, "", listed);
+    }
+    text
+}
+
+/// Tangent points and stick zones, where one contact and two states leave nothing to choose but the range, and the file has that.
+fn on_boundary(system: &System) -> Option<(Line, OnLine)> {
+    if system.contacts() != 1 || system.states() != 2 {
+        return None;
+    }
+    let (t, start) = (system.file.time.start, system.built.start.as_deref()?);
+    let whole = (f64::NEG_INFINITY, f64::INFINITY);
+    let line = Line::through(system, 0, None, whole, (t, start))?;
+    let range = system.file.states[line.along].range?;
+    let line = Line { range, ..line };
+    let found = line.scan(system);
+    Some((line, found))
+}

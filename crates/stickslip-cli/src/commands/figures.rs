@@ -1,0 +1,204 @@
+//! The figures of an orbit.
+
+use plot::*;
+use stickslip::Mode;
+
+use super::recording::Recording;
+use crate::output::OutputError;
+use crate::system::System;
+
+/// Colours of curves, in order.
+const COLOURS: [Color; 4] = [BLUE, VERMILLION, GREEN, PURPLE];
+
+/// Height of a state's panel in the time history, px.
+const HISTORY: f64 = 130.0;
+
+/// Height of the strip of a contact's stick intervals, px.
+const STRIP: f64 = 36.0;
+
+/// What the axis of time takes under the last strip, px.
+const AXIS: f64 = 44.0;
+
+/// What lies between two panels and around all of them, px.
+const BETWEEN: f64 = 16.0;
+
+/// A name in mathematics: italic, digits and what follows `_` below the line.
+pub(super) fn symbol(name: &str) -> String {
+    let (letters, index) = match name.split_once('_') {
+        Some((letters, index)) if !letters.is_empty() => (letters, index),
+        _ => name.split_at(name.trim_end_matches(|c: char| c.is_ascii_digit()).len()),
+    };
+    let plain = |text: &str| {
+        let mut escaped = String::new();
+        for c in text.chars() {
+            if "*_^\\{}".contains(c) {
+                escaped.push('\\');
+            }
+            escaped.push(c);
+        }
+        escaped
+    };
+    if index.is_empty() {
+        format!("*{}*", plain(letters))
+    } else {
+        format!("*{}*_{{{}}}", plain(letters), plain(index))
+    }
+}
+
+/// A symbol with its unit.
+pub(super) fn with_unit(name: &str, unit: &str) -> String {
+    let symbol = symbol(name);
+    if unit.is_empty() || unit == "1" {
+        return symbol;
+    }
+    // A unit is a product of powers; the page has no signs to be read as mark-up in it but these.
+    let unit = unit.replace('\\', "").replace('*', "·").replace('_', "\\_");
+    format!("{symbol}, {unit}")
+}
+
+/// The unit of time.
+pub(super) fn time_label(system: &System) -> String {
+    with_unit("t", system.file.time.unit.as_deref().unwrap_or_default())
+}
+
+/// An axis for values, with a little room at both ends.
+pub(super) fn axis(label: &str, values: impl Iterator<Item = f64>) -> Axis {
+    let (low, high) = values
+        .filter(|value| value.is_finite())
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
+            (low.min(v), high.max(v))
+        });
+    let (low, high) = if low <= high { (low, high) } else { (0.0, 0.0) };
+    // What differs by rounding only has one value.
+    let least = 1e-9 * low.abs().max(high.abs()).max(1e-6);
+    let room = if high - low > least {
+        0.05 * (high - low)
+    } else {
+        0.5 * low.abs().max(1.0)
+    };
+    Axis::new(label, low - room, high + room)
+}
+
+/// The phase portrait in the plane of the first two states, stick in another colour.
+pub(super) fn portrait(system: &System, recording: &Recording) -> Result<String, OutputError> {
+    let states = &system.file.states;
+    let component = |k: usize| recording.points.iter().map(move |point| point.x[k]);
+    let label = |k: usize| with_unit(&states[k].name, &states[k].unit);
+    let mut panel = Panel::new(axis(&label(0), component(0)), axis(&label(1), component(1)))
+        .legend(Legend::Below);
+    let curve = |keep: &dyn Fn(f64) -> bool| {
+        let points: Vec<(f64, f64)> = recording
+            .points
+            .iter()
+            .map(|point| {
+                if keep(point.t) {
+                    (point.x[0], point.x[1])
+                } else {
+                    (f64::NAN, f64::NAN)
+                }
+            })
+            .collect();
+        Curve::new(points)
+    };
+    panel.add(curve(&|_| true).color(BLUE).width(1.2).legend("orbit"));
+    let sticks: Vec<(f64, f64)> = recording
+        .phases
+        .iter()
+        .filter(|phase| phase.modes.as_slice().contains(&Mode::Stick))
+        .map(|phase| (phase.t_start, phase.t_end))
+        .collect();
+    if !sticks.is_empty() {
+        let is_stuck = |t: f64| {
+            let next = sticks.partition_point(|stick| stick.1 < t);
+            sticks.get(next).is_some_and(|stick| stick.0 <= t)
+        };
+        panel.add(curve(&is_stuck).color(ORANGE).width(3.0).legend("stick"));
+    }
+    if let Some(first) = recording.points.first() {
+        panel.add(
+            Markers::new([(first.x[0], first.x[1])])
+                .color(BLACK)
+                .open()
+                .legend("start"),
+        );
+    }
+    if !recording.passages.is_empty() {
+        let points = recording.passages.iter().map(|at| (at.x[0], at.x[1]));
+        panel.add(
+            Markers::new(points)
+                .size(4.0)
+                .color(VERMILLION)
+                .legend("section"),
+        );
+    }
+    let description = format!(
+        "Phase portrait of {}: {} against {}, from t = {} on. It sticks {} times.",
+        system.file.name,
+        states[1].name,
+        states[0].name,
+        recording.points.first().map_or(0.0, |point| point.t),
+        sticks.len()
+    );
+    let title = format!("{}: phase portrait", system.file.name);
+    let figure = Figure::new("portrait", (560.0, 480.0), &title, &description).row(1.0, panel);
+    Ok(figure.render()?)
+}
+
+/// All states against time, and when each contact sticks.
+pub(super) fn history(system: &System, recording: &Recording) -> Result<String, OutputError> {
+    let times = || recording.points.iter().map(|point| point.t);
+    let (from, to) = (
+        times().next().unwrap_or(0.0),
+        times().next_back().unwrap_or(1.0),
+    );
+    let time = |label: &str| Axis::new(label, from, to);
+    let states = &system.file.states;
+    let (rows, strips) = (states.len() as f64, system.contacts() as f64);
+    let height = HISTORY * rows + STRIP * strips + AXIS + BETWEEN * (rows + strips);
+    let title = format!("{}: time history", system.file.name);
+    let description = format!(
+        "Time history of {} from t = {from} to {to}: {}; under them when each contact sticks.",
+        system.file.name,
+        states
+            .iter()
+            .map(|state| state.name.as_str())
+            .collect::<Vec<_>>()
+            .join(", ")
+    );
+    let mut figure = Figure::new("history", (720.0, height), &title, &description);
+    let all_sticks: Vec<Vec<(f64, f64)>> = (0..system.contacts())
+        .map(|contact| recording.sticks_of(contact))
+        .collect();
+    for (k, state) in states.iter().enumerate() {
+        let values = recording.points.iter().map(|point| point.x[k]);
+        let label = with_unit(&state.name, &state.unit);
+        let mut panel = Panel::new(time("").bare(), axis(&label, values));
+        if let [sticks] = &all_sticks[..] {
+            for &(begin, end) in sticks {
+                panel.add(Band::x(begin, end).fill(LIGHT_ORANGE));
+            }
+        }
+        let curve = recording.points.iter().map(|point| (point.t, point.x[k]));
+        panel.add(
+            Curve::new(curve)
+                .color(COLOURS[k % COLOURS.len()])
+                .width(1.2),
+        );
+        figure = figure.row(HISTORY, panel);
+    }
+    for (k, (contact, sticks)) in system.file.contacts.iter().zip(&all_sticks).enumerate() {
+        let is_last = k + 1 == system.contacts();
+        let x = if is_last {
+            time(&time_label(system))
+        } else {
+            time("").bare()
+        };
+        let y = Axis::new(&format!("stick: {}", symbol(&contact.name)), 0.0, 1.0).ticks(&[]);
+        let mut strip = Panel::new(x, y);
+        for &(begin, end) in sticks {
+            strip.add(Band::rect((begin, end), (0.15, 0.85)).fill(ORANGE));
+        }
+        figure = figure.row(if is_last { STRIP + AXIS } else { STRIP }, strip);
+    }
+    Ok(figure.render()?)
+}

@@ -1,0 +1,213 @@
+//! The plane of two parameters three times: attractor, exponent, part of time in stick.
+
+use plot::{
+    Axis, BLUE, Cells, Color, Figure, GREEN, LIGHT_GREY, Legend, MID_GREY, ORANGE, PURPLE, Panel,
+    SKY, VERMILLION, WHITE,
+};
+
+use super::super::figures;
+use super::cell::Largest;
+use super::found::{Found, Shown};
+use super::request::Map;
+use crate::output::OutputError;
+use crate::system::System;
+
+/// Colours of classes, in the order of their sizes.
+const COLOURS: [Color; 6] = [BLUE, ORANGE, GREEN, PURPLE, SKY, VERMILLION];
+
+/// From pale to dark: how negative an exponent is.
+const BLUES: [Color; 4] = [
+    Color(200, 224, 242),
+    Color(132, 184, 222),
+    Color(48, 132, 190),
+    Color(0, 76, 130),
+];
+
+/// From pale to dark: how positive an exponent is, or how large a part of time.
+const REDS: [Color; 4] = [
+    Color(252, 226, 184),
+    Color(243, 178, 98),
+    Color(213, 94, 0),
+    Color(128, 48, 0),
+];
+
+/// Entries of the legend of attractors; smaller classes have one together.
+const MOST: usize = 6;
+
+/// The cells of one colour.
+struct Layer {
+    set: Vec<bool>,
+    colour: Color,
+    legend: String,
+}
+
+pub(super) fn map(found: &Found, map: &Map, system: &System) -> Result<String, OutputError> {
+    let panel = |label: &str, title: &str, layers: Vec<Layer>| {
+        let mut panel = Panel::new(axis(0, map, system), axis(1, map, system))
+            .label(label)
+            .title(title)
+            .legend(Legend::Below);
+        let [x, y] = [0, 1].map(|k: usize| (map.plane[k].low, map.plane[k].high));
+        for layer in layers {
+            let cells = Cells::new(x, y, map.columns.get(), layer.set);
+            panel.add(cells.fill(layer.colour).legend(&layer.legend));
+        }
+        (1.0, panel.into())
+    };
+    let panels = vec![
+        panel("(a)", "attractor", attractors(found)),
+        panel("(b)", "largest Lyapunov exponent", exponents(&found.cells)),
+        panel("(c)", "part of time in stick", sticks(&found.cells)),
+    ];
+    let title = format!("{}: map of two parameters", system.file.name);
+    let classes: Vec<&str> = found.classes.iter().map(|class| class.0.as_str()).collect();
+    let description = format!(
+        "What the orbit from the start comes to, over {} and {}: {}; its largest Lyapunov exponent; and the part of time in stick.",
+        map.plane[0].name,
+        map.plane[1].name,
+        classes.join("; ")
+    );
+    let figure = Figure::new("map", (1000.0, 460.0), &title, &description).columns(1.0, panels);
+    Ok(figure.render()?)
+}
+
+fn axis(k: usize, map: &Map, system: &System) -> Axis {
+    let range = &map.plane[k];
+    let parameters = system.file.parameters.iter();
+    let unit = parameters
+        .filter(|parameter| parameter.name == range.name)
+        .map(|parameter| parameter.unit.as_str())
+        .next();
+    let label = figures::with_unit(&range.name, unit.unwrap_or_default());
+    Axis::new(&label, range.low, range.high)
+}
+
+/// A layer for each class, the largest first.
+fn attractors(found: &Found) -> Vec<Layer> {
+    let mut order: Vec<usize> = (0..found.classes.len()).collect();
+    // A stable sort: equal classes stay in their order.
+    order.sort_by(|&one, &other| found.classes[other].1.cmp(&found.classes[one].1));
+    let (shown, rest) = order.split_at(order.len().min(MOST));
+    let set = |of: &[usize]| {
+        let cells = found.cells.iter();
+        cells.map(|cell| of.contains(&cell.class)).collect()
+    };
+    let mut colours = COLOURS.iter().cycle();
+    let mut layers: Vec<Layer> = shown
+        .iter()
+        .map(|&class| {
+            let name = found.classes[class].0.clone();
+            let colour = match name.as_str() {
+                "escape" => LIGHT_GREY,
+                "undecided" | "failure" => MID_GREY,
+                _ => colours.next().copied().unwrap_or(BLUE),
+            };
+            Layer {
+                set: set(&[class]),
+                colour,
+                legend: name,
+            }
+        })
+        .collect();
+    if !rest.is_empty() {
+        layers.push(Layer {
+            set: set(rest),
+            colour: MID_GREY,
+            legend: format!("{} further kinds", rest.len()),
+        });
+    }
+    layers
+}
+
+/// The layers that have cells.
+fn filled(layers: Vec<Layer>) -> Vec<Layer> {
+    let is_filled = |layer: &Layer| layer.set.contains(&true);
+    layers.into_iter().filter(is_filled).collect()
+}
+
+fn exponents(cells: &[Shown]) -> Vec<Layer> {
+    let finite = |cell: &Shown| match cell.largest {
+        Largest::Finite { value, .. } if !cell.largest.is_zero() => Some(value),
+        _ => None,
+    };
+    let layer = |is_in: &dyn Fn(&Shown) -> bool, colour, legend: String| Layer {
+        set: cells.iter().map(is_in).collect(),
+        colour,
+        legend,
+    };
+    let mut layers = vec![layer(
+        &|cell| cell.largest == Largest::Annihilated,
+        PURPLE,
+        "−∞: stick takes all".to_owned(),
+    )];
+    // The most negative first.
+    for (sign, colours) in [(-1.0, BLUES), (1.0, REDS)] {
+        let values = || cells.iter().filter_map(finite).map(move |v| sign * v);
+        let most = values().fold(0.0, f64::max);
+        let mut of_sign = Vec::new();
+        for (k, colour) in colours.into_iter().enumerate() {
+            let [low, high] = [k, k + 1].map(|k| most * k as f64 / colours.len() as f64);
+            let is_last = k + 1 == colours.len();
+            let is_in = |cell: &Shown| {
+                let value = finite(cell).map(|value| sign * value);
+                // The largest is in the last, whatever rounding does to its end.
+                value.is_some_and(|value| value > low && (value <= high || is_last))
+            };
+            let ends = if sign < 0.0 {
+                [-high, -low]
+            } else {
+                [low, high]
+            };
+            let [from, to] = ends.map(|end| plot::number(end, decimals(most)));
+            of_sign.push(layer(&is_in, colour, format!("{from} to {to}")));
+        }
+        if sign < 0.0 {
+            of_sign.reverse();
+            layers.extend(of_sign);
+            layers.push(layer(
+                &|cell| cell.largest.is_zero(),
+                LIGHT_GREY,
+                "0 within its error".to_owned(),
+            ));
+        } else {
+            layers.extend(of_sign);
+        }
+    }
+    filled(layers)
+}
+
+/// Decimal places that tell the quarters of a value apart.
+fn decimals(most: f64) -> usize {
+    let mut decimals = 1;
+    let mut unit = 0.1;
+    while decimals < 9 && unit > most / 40.0 {
+        unit /= 10.0;
+        decimals += 1;
+    }
+    decimals
+}
+
+fn sticks(cells: &[Shown]) -> Vec<Layer> {
+    let layer = |is_in: &dyn Fn(f64) -> bool, colour, legend: &str| Layer {
+        set: cells
+            .iter()
+            .map(|cell| cell.in_stick.is_some_and(is_in))
+            .collect(),
+        colour,
+        legend: legend.to_owned(),
+    };
+    let [first, second, third, fourth] = REDS;
+    filled(vec![
+        layer(&|part| part <= 0.0, LIGHT_GREY, "no stick"),
+        layer(&|part| part > 0.0 && part <= 0.25, first, "up to 25 %"),
+        layer(&|part| part > 0.25 && part <= 0.5, second, "25 to 50 %"),
+        layer(&|part| part > 0.5 && part <= 0.75, third, "50 to 75 %"),
+        layer(&|part| part > 0.75 && part < 1.0, fourth, "75 to 100 %"),
+        layer(&|part| part >= 1.0, SKY, "always in stick"),
+        Layer {
+            set: cells.iter().map(|cell| cell.in_stick.is_none()).collect(),
+            colour: WHITE,
+            legend: "no attractor".to_owned(),
+        },
+    ])
+}

@@ -1,0 +1,144 @@
+//! What a map has shown, as a table and in words.
+
+use std::fmt::Write;
+use std::path::PathBuf;
+
+use serde_json::json;
+
+use super::super::arguments::OutputArguments;
+use super::super::{Failure, tables};
+use super::cell::{Cell, Largest};
+use super::figure;
+use super::request::Map;
+use crate::output::OutputError;
+use crate::sweep::{Store, SweepError, write_whole};
+use crate::system::System;
+use crate::terminal::Said;
+
+/// What the figure shows of a cell.
+#[derive(Clone, Copy)]
+pub(super) struct Shown {
+    /// Which of the classes.
+    pub(super) class: usize,
+    pub(super) in_stick: Option<f64>,
+    pub(super) largest: Largest,
+}
+
+/// Everything found.
+pub(super) struct Found {
+    /// Kinds of motion with their phases, in the order in which they are met first, each with its number of cells.
+    pub(super) classes: Vec<(String, usize)>,
+    /// Row by row from the lowest second parameter.
+    pub(super) cells: Vec<Shown>,
+    table: PathBuf,
+}
+
+impl Found {
+    /// Reads the blocks one after the other and writes the table.
+    pub(super) fn read(
+        map: &Map,
+        store: &Store,
+        output: &OutputArguments,
+    ) -> Result<Self, Failure> {
+        let table = PathBuf::from(&output.out).join("map.csv");
+        let (mut classes, mut shown): (Vec<(String, usize)>, _) = (Vec::new(), Vec::new());
+        let columns = [
+            "motion",
+            "period",
+            "phases",
+            "in_stick",
+            "lambda1",
+            "std_error",
+        ];
+        let names = map.plane.iter().map(|range| range.name.as_str());
+        let heading: Vec<&str> = names.chain(columns).collect();
+        write_whole(&table, |file| {
+            let mut rows = csv::Writer::from_writer(file);
+            rows.write_record(&heading).map_err(OutputError::from)?;
+            store.for_each(|row, content| {
+                let cells: Vec<Cell> =
+                    serde_json::from_slice(content).map_err(|error| SweepError::Block {
+                        block: row,
+                        source: error.into(),
+                    })?;
+                for (column, cell) in cells.iter().enumerate() {
+                    let values = map.parameters(column, row).map(tables::exact);
+                    let record = values.into_iter().chain(cell.fields());
+                    rows.write_record(record).map_err(OutputError::from)?;
+                    let name = cell.class();
+                    let known = classes.iter().position(|known| known.0 == name);
+                    let class = known.unwrap_or_else(|| {
+                        classes.push((name, 0));
+                        classes.len() - 1
+                    });
+                    classes[class].1 += 1;
+                    shown.push(Shown {
+                        class,
+                        in_stick: cell.in_stick,
+                        largest: cell.largest,
+                    });
+                }
+                Ok::<_, Failure>(())
+            })?;
+            rows.flush()
+                .map_err(|error| OutputError::from(csv::Error::from(error)))?;
+            Ok::<_, Failure>(())
+        })?;
+        Ok(Self {
+            classes,
+            cells: shown,
+            table,
+        })
+    }
+
+    /// Writes the figure and says what was found.
+    pub(super) fn written(
+        self,
+        map: &Map,
+        system: &System,
+        output: &OutputArguments,
+    ) -> Result<Said, Failure> {
+        let found = super::super::Found {
+            summary: self.summary(map, system),
+            json: self.json(map, system),
+            tables: Vec::new(),
+            figures: vec![("map".to_owned(), figure::map(&self, map, system)?)],
+            failure: None,
+        };
+        found.written_besides(vec![self.table], output)
+    }
+
+    fn summary(&self, map: &Map, system: &System) -> String {
+        let all = self.cells.len();
+        let range = |k: usize| {
+            let range = &map.plane[k];
+            format!("{} from {} to {}", range.name, range.low, range.high)
+        };
+        let mut text = format!(
+            "{}: {all} cells, {}, {}\n",
+            system.file.name,
+            range(0),
+            range(1)
+        );
+        for (name, cells) in &self.classes {
+            let percent = 100.0 * *cells as f64 / all as f64;
+            // Writing into a text cannot fail.
+            let _ = writeln!(text, "  {percent:6.2} %  {name}");
+        }
+        text
+    }
+
+    fn json(&self, map: &Map, system: &System) -> serde_json::Value {
+        let classes: Vec<serde_json::Value> = self
+            .classes
+            .iter()
+            .map(|(name, cells)| json!({ "motion": name, "cells": cells }))
+            .collect();
+        json!({
+            "system": tables::system_json(system),
+            "arguments": map,
+            "cells": self.cells.len(),
+            "classes": classes,
+        })
+    }
+}

@@ -1,0 +1,138 @@
+//! What a map is of, and what its blocks hold.
+
+use std::collections::BTreeMap;
+use std::num::NonZeroUsize;
+
+use serde::{Deserialize, Serialize};
+use stickslip::analysis::RecurrenceSettings;
+
+use super::super::Failure;
+use super::super::arguments::{OutputArguments, SolverArguments, StartArguments};
+use super::super::range::{ParameterRange, grid, middle};
+use super::super::sweeping::Sweep;
+use super::cell::Cell;
+use super::{Arguments, found};
+use crate::sweep::{BlockError, Store};
+use crate::system::System;
+use crate::terminal::Said;
+
+/// Everything that a map depends on besides the system.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(in super::super) struct Map {
+    /// The two parameters.
+    pub(super) plane: [ParameterRange; 2],
+    pub(super) columns: NonZeroUsize,
+    rows: NonZeroUsize,
+    start: StartArguments,
+    until: f64,
+    duration: f64,
+    solver: SolverArguments,
+}
+
+impl Map {
+    pub(super) fn new(arguments: &Arguments, system: &System) -> Result<Self, Failure> {
+        let plane = [
+            ParameterRange::new("--x", &arguments.x, system)?,
+            ParameterRange::new("--y", &arguments.y, system)?,
+        ];
+        if plane[0].name == plane[1].name {
+            let name = &plane[0].name;
+            return Err(Failure::Usage(format!(
+                "--x and --y are both `{name}`; a map has two parameters"
+            )));
+        }
+        let (columns, rows) = grid(&arguments.grid)?;
+        let map = Self {
+            plane,
+            columns,
+            rows,
+            start: arguments.start.clone(),
+            until: arguments.until,
+            duration: arguments.duration,
+            solver: arguments.solver.clone(),
+        };
+        // What is wrong is better told before the sweep than by one of its blocks.
+        map.solver.options()?;
+        if !(map.duration > 0.0 && map.duration.is_finite()) {
+            return Err(Failure::Usage(format!(
+                "--duration {}: it must be positive and finite",
+                map.duration
+            )));
+        }
+        let (columns, rows) = (map.columns.get() - 1, map.rows.get() - 1);
+        for (column, row) in [(0, 0), (columns, 0), (0, rows), (columns, rows)] {
+            let system = map.system(system, map.parameters(column, row))?;
+            map.settings(&system).check()?;
+            map.start.at_zero(&system)?;
+        }
+        Ok(map)
+    }
+
+    /// The values of the two parameters in a cell.
+    pub(super) fn parameters(&self, column: usize, row: usize) -> [f64; 2] {
+        let [x, y] = &self.plane;
+        [
+            x.at(middle(column, self.columns)),
+            y.at(middle(row, self.rows)),
+        ]
+    }
+
+    /// The system with these values of the two parameters.
+    fn system(&self, system: &System, values: [f64; 2]) -> Result<System, Failure> {
+        let names = system.file.parameters.iter().map(|one| one.name.clone());
+        let mut all: BTreeMap<String, f64> = names.zip(system.values.iter().copied()).collect();
+        for (range, value) in self.plane.iter().zip(values) {
+            all.insert(range.name.clone(), value);
+        }
+        let all: Vec<(String, f64)> = all.into_iter().collect();
+        Ok(system.file.with(&all)?)
+    }
+
+    fn settings(&self, system: &System) -> RecurrenceSettings {
+        RecurrenceSettings {
+            forcing: system.built.period,
+            ..RecurrenceSettings::within(self.until)
+        }
+    }
+
+    fn cell(&self, system: &System, column: usize, row: usize) -> Result<Cell, Failure> {
+        let system = self.system(system, self.parameters(column, row))?;
+        let (settings, options) = (self.settings(&system), self.solver.options()?);
+        let start = self.start.at_zero(&system)?;
+        Ok(Cell::at(
+            &system,
+            &start,
+            &settings,
+            self.duration,
+            &options,
+        )?)
+    }
+}
+
+impl Sweep for Map {
+    const COMMAND: &'static str = "map";
+
+    fn size(&self) -> (NonZeroUsize, NonZeroUsize) {
+        (self.rows, NonZeroUsize::MIN)
+    }
+
+    fn block(
+        &self,
+        system: &System,
+        index: usize,
+        _before: Option<&[u8]>,
+    ) -> Result<Vec<u8>, BlockError> {
+        let cells = (0..self.columns.get()).map(|column| self.cell(system, column, index));
+        let cells: Vec<Cell> = cells.collect::<Result<_, _>>()?;
+        Ok(serde_json::to_vec(&cells)?)
+    }
+
+    fn finish(
+        &self,
+        system: &System,
+        store: &Store,
+        output: &OutputArguments,
+    ) -> Result<Said, Failure> {
+        found::Found::read(self, store, output)?.written(self, system, output)
+    }
+}

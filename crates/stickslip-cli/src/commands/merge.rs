@@ -1,0 +1,32 @@
+//! `stickslip merge`: shares of a sweep, joined.
+
+use super::Failure;
+use super::arguments::OutputArguments;
+use super::basin::Basin;
+use super::map::Map;
+use super::sweeping::{Sweep, finish, merged};
+use crate::terminal::Said;
+
+/// Join the shares of a sweep that were computed with --shard, and write its tables and figures
+///
+/// Refuses gaps, blocks that differ between two shares, and shares or blocks of another sweep, and names them.
+#[derive(Debug, clap::Args)]
+pub(super) struct Arguments {
+    /// Folders that the shares were computed into
+    #[arg(required = true, value_name = "FOLDER")]
+    shares: Vec<String>,
+
+    #[command(flatten)]
+    output: OutputArguments,
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
+    let merged = merged(&arguments.output.out, &arguments.shares)?;
+    match merged.store.plan().command.as_str() {
+        Basin::COMMAND => finish::<Basin>(&merged.store, &arguments.output),
+        Map::COMMAND => finish::<Map>(&merged.store, &arguments.output),
+        other => Err(Failure::Usage(format!(
+            "the shares are of `{other}`, which this program does not know; use the one that computed them"
+        ))),
+    }
+}

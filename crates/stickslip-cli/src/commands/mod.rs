@@ -1,0 +1,187 @@
+//! The command line: what can be asked, and what follows from each question.
+
+mod arguments;
+mod attractors;
+mod basin;
+mod check;
+mod figures;
+mod lyapunov;
+mod map;
+mod merge;
+mod new;
+mod orbit;
+mod range;
+mod recording;
+mod simulate;
+mod sweeping;
+mod tables;
+mod tangents;
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+use crate::file::FileError;
+use crate::output::{Artifact, OutputError, png, write_all};
+use crate::sweep::SweepError;
+use crate::system::SettingError;
+use crate::terminal::{Said, finish};
+use arguments::OutputArguments;
+
+/// Dry-friction systems from files: orbits with exact transitions between slip and stick, tangent points, periodic orbits, Lyapunov spectra
+#[derive(Debug, Parser)]
+#[command(name = "stickslip", version, after_help = AFTER_HELP)]
+struct CommandLine {
+    #[command(subcommand)]
+    command: Command,
+}
+
+const AFTER_HELP: &str = "\
+Begin with:
+  stickslip new my-system.toml         write an example with comments
+  stickslip check my-system.toml       see what was understood
+  stickslip simulate my-system.toml    phases and transitions, with figures
+
+Wherever a FILE is asked for, the name of a shipped model will do: belt, forced, bracket, leine, basins, den-hartog.";
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Basin(basin::Arguments),
+    Map(map::Arguments),
+    Merge(merge::Arguments),
+    New(new::Arguments),
+    Check(check::Arguments),
+    Simulate(simulate::Arguments),
+    Tangents(tangents::Arguments),
+    Orbit(orbit::Arguments),
+    Lyapunov(lyapunov::Arguments),
+}
+
+/// Everything the program does.
+///
+/// Exit code 0 on success, 1 if something failed (`error: …` on standard error), 2 for a wrong command line or file.
+pub fn main() -> ExitCode {
+    let outcome = match CommandLine::parse().command {
+        Command::Basin(arguments) => basin::run(&arguments),
+        Command::Map(arguments) => map::run(&arguments),
+        Command::Merge(arguments) => merge::run(&arguments),
+        Command::New(arguments) => new::run(&arguments),
+        Command::Check(arguments) => check::run(&arguments),
+        Command::Simulate(arguments) => simulate::run(&arguments),
+        Command::Tangents(arguments) => tangents::run(&arguments),
+        Command::Orbit(arguments) => orbit::run(&arguments),
+        Command::Lyapunov(arguments) => lyapunov::run(&arguments),
+    };
+    finish(outcome)
+}
+
+/// Why a command failed.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum Failure {
+    #[error(transparent)]
+    File(#[from] FileError),
+    #[error(transparent)]
+    Setting(#[from] SettingError),
+    #[error("{0}")]
+    Usage(String),
+    #[error(transparent)]
+    Sweep(#[from] SweepError),
+    #[error(transparent)]
+    Output(#[from] OutputError),
+    #[error("{}", told(.0))]
+    Computation(#[from] stickslip::Error),
+}
+
+impl Failure {
+    /// Whether the command line or the file is at fault and not the computation or the machine.
+    pub(crate) fn is_usage(&self) -> bool {
+        match self {
+            Failure::File(_) | Failure::Setting(_) | Failure::Usage(_) => true,
+            Failure::Sweep(error) => error.is_usage(),
+            Failure::Output(_) => false,
+            Failure::Computation(error) => matches!(
+                error,
+                stickslip::Error::Option { .. } | stickslip::Error::Interval { .. }
+            ),
+        }
+    }
+}
+
+/// An error of the library as it concerns somebody who writes files and not Rust.
+fn told(error: &stickslip::Error) -> String {
+    use stickslip::Error;
+    match error {
+        Error::NotAdditive { t, x, pair } => format!(
+            "the friction of contacts {} and {} does not add at t = {t}, x = {x}: what one does depends on the side of the other; \
+             in a file each contact's friction must depend on its own side only",
+            pair.0, pair.1
+        ),
+        Error::Escaped { .. } => format!("{error} (--escape)"),
+        Error::NoUniqueFuture { t, x } => format!(
+            "the orbit has no unique future after t = {t}, x = {x}: both fields lead away from the boundary; choose one with \
+             --at-repelling below or above, or start elsewhere"
+        ),
+        other => other.to_string(),
+    }
+}
+
+/// What a command has found.
+#[derive(Default)]
+struct Found {
+    /// For people.
+    summary: String,
+    /// For programs.
+    json: serde_json::Value,
+    /// Tables.
+    tables: Vec<Artifact>,
+    /// Names and texts of the figures.
+    figures: Vec<(String, String)>,
+    /// What went wrong behind what was found all the same.
+    failure: Option<String>,
+}
+
+impl Found {
+    /// Writes the files and says what was found.
+    fn written(self, output: &OutputArguments) -> Result<Said, Failure> {
+        self.written_besides(Vec::new(), output)
+    }
+
+    /// As [`Found::written`], besides files that are on disk already.
+    fn written_besides(
+        self,
+        there: Vec<PathBuf>,
+        output: &OutputArguments,
+    ) -> Result<Said, Failure> {
+        let mut artifacts = self.tables;
+        for (name, svg) in self.figures {
+            if output.png {
+                artifacts.push(Artifact {
+                    name: format!("{name}.png"),
+                    bytes: png(&svg)?,
+                });
+            }
+            artifacts.push(Artifact::text(format!("{name}.svg"), svg));
+        }
+        let mut paths = there;
+        paths.extend(write_all(Path::new(&output.out), &artifacts)?);
+        let paths: Vec<String> = paths
+            .iter()
+            .map(|path| path.display().to_string())
+            .collect();
+        let text = if output.json {
+            let mut json = self.json;
+            if let Some(object) = json.as_object_mut() {
+                object.insert("files".to_owned(), paths.into());
+            }
+            format!("{json:#}\n")
+        } else {
+            let wrote: String = paths.iter().map(|path| format!("wrote {path}\n")).collect();
+            format!("{}\n{wrote}", self.summary)
+        };
+        Ok(Said {
+            text,
+            failure: self.failure,
+        })
+    }
+}

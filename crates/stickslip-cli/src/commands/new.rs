@@ -1,0 +1,54 @@
+//! `stickslip new`: an example to change.
+
+use std::path::{Path, PathBuf};
+
+use super::Failure;
+use crate::output::{Artifact, OutputError, write_all};
+use crate::terminal::Said;
+
+/// Write an example of a system's file, with comments
+#[derive(Debug, clap::Args)]
+pub(super) struct Arguments {
+    /// File to write
+    #[arg(value_name = "FILE", default_value = "system.toml")]
+    file: PathBuf,
+}
+
+/// The example.
+const EXAMPLE: &str = include_str!("../../systems/example.toml");
+
+pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
+    let path = &arguments.file;
+    if path.exists() {
+        return Err(Failure::Usage(format!(
+            "{} exists already; choose another name, or remove it first",
+            path.display()
+        )));
+    }
+    let Some(name) = path.file_name().and_then(|name| name.to_str()) else {
+        return Err(Failure::Usage(format!(
+            "{} is no name of a file; give one that ends with .toml",
+            path.display()
+        )));
+    };
+    let folder = match path.parent() {
+        Some(parent) if parent != Path::new("") => parent,
+        _ => Path::new("."),
+    };
+    let written = write_all(folder, &[Artifact::text(name, EXAMPLE)]);
+    written.map_err(|error| match error {
+        // There is no --out here.
+        OutputError::CreateDir { path, source } | OutputError::Write { path, source } => {
+            Failure::Usage(format!(
+                "cannot write {}: {source}; choose another place",
+                path.display()
+            ))
+        }
+        other => other.into(),
+    })?;
+    let shown = path.display();
+    Ok(Said {
+        text: format!("wrote {shown}\nnext: stickslip check {shown}\n"),
+        failure: None,
+    })
+}

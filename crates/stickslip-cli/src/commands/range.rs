@@ -1,0 +1,148 @@
+//! Ranges of states and parameters, from the command line or the file.
+
+use std::num::NonZeroUsize;
+
+use serde::{Deserialize, Serialize};
+
+use super::Failure;
+use crate::file::{did_you_mean, number};
+use crate::system::System;
+
+/// A range of a state.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct StateRange {
+    /// Which component.
+    pub(super) state: usize,
+    /// From where.
+    pub(super) low: f64,
+    /// To where.
+    pub(super) high: f64,
+}
+
+impl StateRange {
+    /// The range of `--option STATE=LOW:HIGH`; where it is not given, that of the file for the component `default`.
+    pub(super) fn new(
+        option: &str,
+        given: Option<&str>,
+        default: usize,
+        system: &System,
+    ) -> Result<Self, Failure> {
+        let states = &system.file.states;
+        let Some(text) = given else {
+            let Some(state) = states.get(default) else {
+                return Err(Failure::Usage(format!(
+                    "a plane of starts needs two states, and the system has {}",
+                    states.len()
+                )));
+            };
+            let Some((low, high)) = state.range else {
+                return Err(Failure::Usage(format!(
+                    "from where to where do the starts go in `{}`? Give {option} {}=LOW:HIGH, or its range in the file",
+                    state.name, state.name
+                )));
+            };
+            return Self::checked(default, low, high, option);
+        };
+        let (name, low, high) = name_and_range(option, text)?;
+        let names = || states.iter().map(|state| state.name.as_str());
+        let plain = stickslip_kernels::expression::normal(&name);
+        let Some(state) = names().position(|state| state == plain) else {
+            let all: Vec<&str> = names().collect();
+            let help = did_you_mean(&name, names())
+                .unwrap_or_else(|| format!("the states are {}", all.join(", ")));
+            return Err(Failure::Usage(format!(
+                "there is no state `{name}`; {help}"
+            )));
+        };
+        Self::checked(state, low, high, option)
+    }
+
+    fn checked(state: usize, low: f64, high: f64, option: &str) -> Result<Self, Failure> {
+        check_ends(low, high, option)?;
+        Ok(Self { state, low, high })
+    }
+
+    /// The value at a part of the way.
+    pub(super) fn at(&self, part: f64) -> f64 {
+        self.low + (self.high - self.low) * part
+    }
+}
+
+/// A range of a parameter.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct ParameterRange {
+    /// Its name.
+    pub(super) name: String,
+    /// From where.
+    pub(super) low: f64,
+    /// To where.
+    pub(super) high: f64,
+}
+
+impl ParameterRange {
+    /// The range of `--option NAME=LOW:HIGH`.
+    pub(super) fn new(option: &str, text: &str, system: &System) -> Result<Self, Failure> {
+        let (name, low, high) = name_and_range(option, text)?;
+        let plain = stickslip_kernels::expression::normal(&name);
+        let known = system.file.parameters.iter();
+        let Some(known) = known.map(|one| &one.name).find(|known| **known == plain) else {
+            // The same words as for --set.
+            return match system.file.with(&[(name.clone(), low)]) {
+                Err(error) => Err(error.into()),
+                Ok(_) => Err(Failure::Usage(format!("there is no parameter `{name}`"))),
+            };
+        };
+        check_ends(low, high, option)?;
+        let name = known.clone();
+        Ok(Self { name, low, high })
+    }
+
+    /// The value at a part of the way.
+    pub(super) fn at(&self, part: f64) -> f64 {
+        self.low + (self.high - self.low) * part
+    }
+}
+
+fn check_ends(low: f64, high: f64, option: &str) -> Result<(), Failure> {
+    if low < high && low.is_finite() && high.is_finite() {
+        Ok(())
+    } else {
+        Err(Failure::Usage(format!(
+            "{option}: from {low} to {high} is no range; both ends must be finite, the lower one first"
+        )))
+    }
+}
+
+/// The numbers of columns and rows of `200x100`.
+pub(super) fn grid(text: &str) -> Result<(NonZeroUsize, NonZeroUsize), Failure> {
+    let numbers = text.split_once('x').and_then(|(columns, rows)| {
+        Some((columns.trim().parse().ok()?, rows.trim().parse().ok()?))
+    });
+    numbers.ok_or_else(|| {
+        Failure::Usage(format!(
+            "--grid {text}: numbers of columns and rows are expected, both at least 1, as in --grid 200x100"
+        ))
+    })
+}
+
+/// Where along a row of so many cells the middle of one is.
+pub(super) fn middle(cell: usize, of: NonZeroUsize) -> f64 {
+    (cell as f64 + 0.5) / of.get() as f64
+}
+
+/// Name and ends of `NAME=LOW:HIGH`.
+fn name_and_range(option: &str, text: &str) -> Result<(String, f64, f64), Failure> {
+    let wrong = |what: &str| {
+        Failure::Usage(format!(
+            "{option} {text}: {what}; a name, `=` and two ends are expected, as in {option} x=-1:1"
+        ))
+    };
+    let (name, range) = text
+        .split_once('=')
+        .ok_or_else(|| wrong("there is no `=`"))?;
+    let (low, high) = range
+        .split_once(':')
+        .ok_or_else(|| wrong("there is no `:`"))?;
+    let end = |text: &str| number(text).map_err(|_| wrong(&format!("`{text}` is no number")));
+    Ok((name.trim().to_owned(), end(low)?, end(high)?))
+}

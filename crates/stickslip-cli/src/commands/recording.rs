@@ -1,0 +1,190 @@
+//! An orbit as a command keeps it.
+
+use std::ops::ControlFlow;
+
+use stickslip::{Direction, Mode, Side, TransitionKind};
+
+use crate::terminal::Patience;
+use stickslip_kernels::kernel::{Modes, Passage, PhaseView, StepView, TransitionView, Watcher};
+
+/// Points per step for a curve through the orbit: a step of high order is long, and a curve through its ends alone would be a polygon.
+const PER_STEP: u32 = 16;
+
+/// A phase.
+pub(super) struct Phase {
+    pub(super) modes: Modes,
+    pub(super) t_start: f64,
+    pub(super) t_end: f64,
+    pub(super) x_start: Vec<f64>,
+    pub(super) x_end: Vec<f64>,
+}
+
+impl Phase {
+    pub(super) fn duration(&self) -> f64 {
+        self.t_end - self.t_start
+    }
+}
+
+/// A transition.
+pub(super) struct Transition {
+    pub(super) kind: TransitionKind,
+    pub(super) contact: usize,
+    pub(super) from: Modes,
+    pub(super) to: Modes,
+    pub(super) t: f64,
+    pub(super) x: Vec<f64>,
+    pub(super) residual: f64,
+}
+
+/// A passage of the section.
+pub(super) struct Crossed {
+    pub(super) t: f64,
+    pub(super) x: Vec<f64>,
+    pub(super) direction: Direction,
+}
+
+/// A point of the orbit.
+pub(super) struct Point {
+    pub(super) t: f64,
+    pub(super) x: Vec<f64>,
+    /// Whether it is the end of a step and not between.
+    pub(super) ends_step: bool,
+}
+
+/// All of an orbit.
+pub(super) struct Recording {
+    pub(super) phases: Vec<Phase>,
+    pub(super) transitions: Vec<Transition>,
+    pub(super) passages: Vec<Crossed>,
+    pub(super) points: Vec<Point>,
+    span: (f64, f64),
+    patience: Patience,
+}
+
+impl Recording {
+    pub(super) fn new(t: f64, x: &[f64], t_end: f64, patience: Patience) -> Self {
+        Recording {
+            phases: Vec::new(),
+            transitions: Vec::new(),
+            passages: Vec::new(),
+            points: vec![Point {
+                t,
+                x: x.to_vec(),
+                ends_step: true,
+            }],
+            span: (t, t_end),
+            patience,
+        }
+    }
+
+    /// Takes off the terminal how far the run is.
+    pub(super) fn close(&self) {
+        self.patience.clear();
+    }
+
+    /// From when to when a contact sticks, whatever the others do meanwhile.
+    pub(super) fn sticks_of(&self, contact: usize) -> Vec<(f64, f64)> {
+        let mut sticks: Vec<(f64, f64)> = Vec::new();
+        for phase in &self.phases {
+            if phase.modes.as_slice().get(contact) != Some(&Mode::Stick) {
+                continue;
+            }
+            match sticks.last_mut() {
+                Some(last) if last.1 == phase.t_start => last.1 = phase.t_end,
+                _ => sticks.push((phase.t_start, phase.t_end)),
+            }
+        }
+        sticks
+    }
+}
+
+impl Watcher for Recording {
+    fn watches_steps(&self) -> bool {
+        true
+    }
+
+    fn step(&mut self, step: &StepView<'_>) -> ControlFlow<()> {
+        for k in 1..PER_STEP {
+            let part = f64::from(k) / f64::from(PER_STEP);
+            let t = step.t_start + part * (step.t_end - step.t_start);
+            let mut x = vec![0.0; step.x_end.len()];
+            step.at(t, &mut x);
+            self.points.push(Point {
+                t,
+                x,
+                ends_step: false,
+            });
+        }
+        self.points.push(Point {
+            t: step.t_end,
+            x: step.x_end.to_vec(),
+            ends_step: true,
+        });
+        let (from, to) = self.span;
+        self.patience.done((step.t_end - from) / (to - from));
+        ControlFlow::Continue(())
+    }
+
+    fn phase(&mut self, phase: &PhaseView<'_>) -> ControlFlow<()> {
+        self.phases.push(Phase {
+            modes: phase.modes,
+            t_start: phase.t_start,
+            t_end: phase.t_end,
+            x_start: phase.x_start.to_vec(),
+            x_end: phase.x_end.to_vec(),
+        });
+        ControlFlow::Continue(())
+    }
+
+    fn transition(&mut self, at: &TransitionView<'_>) -> ControlFlow<()> {
+        self.transitions.push(Transition {
+            kind: at.kind,
+            contact: at.contact,
+            from: at.from,
+            to: at.to,
+            t: at.t,
+            x: at.x.to_vec(),
+            residual: at.residual,
+        });
+        ControlFlow::Continue(())
+    }
+
+    fn passage(&mut self, at: &Passage<'_>) -> ControlFlow<()> {
+        self.passages.push(Crossed {
+            t: at.t,
+            x: at.x.to_vec(),
+            direction: at.direction,
+        });
+        ControlFlow::Continue(())
+    }
+}
+
+/// A mode in a table.
+pub(super) fn mode_name(mode: Mode) -> &'static str {
+    match mode {
+        Mode::Slip(Side::Below) => "slip below",
+        Mode::Slip(Side::Above) => "slip above",
+        Mode::Stick => "stick",
+    }
+}
+
+/// A kind of transition in a table.
+pub(super) fn kind_name(kind: TransitionKind) -> &'static str {
+    match kind {
+        TransitionKind::Crossing => "crossing",
+        TransitionKind::StickEntry => "stick entry",
+        TransitionKind::StickExit => "stick exit",
+        TransitionKind::Touch => "touch",
+        TransitionKind::ContactLoss => "contact loss",
+        TransitionKind::ContactGain => "contact gain",
+    }
+}
+
+/// A direction in a table.
+pub(super) fn direction_name(direction: Direction) -> &'static str {
+    match direction {
+        Direction::Rising => "rising",
+        Direction::Falling => "falling",
+        Direction::Both => "both",
+    }
+}

@@ -1,0 +1,174 @@
+//! Sweeps as commands: what all of them share.
+
+use std::collections::BTreeMap;
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use serde_json::json;
+
+use super::Failure;
+use super::arguments::OutputArguments;
+use crate::file::SystemFile;
+use crate::problem::Source;
+use crate::sweep::{BlockError, Computed, Plan, Progress, Share, Store, Task, run};
+use crate::system::System;
+use crate::terminal::Said;
+
+/// How much of a sweep to compute, and by how many.
+#[derive(Debug, clap::Args)]
+pub(super) struct SweepArguments {
+    /// Compute share I of N only, for another machine or job to compute the rest; `stickslip merge` joins them
+    #[arg(long, value_name = "I/N", default_value_t = Share::WHOLE, hide_default_value = true)]
+    shard: Share,
+
+    /// Number of threads; one for each core if not given. It changes no bit of the result
+    #[arg(long, value_name = "NUMBER")]
+    threads: Option<NonZeroUsize>,
+}
+
+/// A command that computes block by block. What it holds is everything that the blocks depend on, besides the system, and goes into
+/// the manifest.
+pub(super) trait Sweep: Serialize + DeserializeOwned + Sync {
+    /// Name of the command.
+    const COMMAND: &'static str;
+
+    /// Number of chains of blocks, and of blocks in each.
+    fn size(&self) -> (NonZeroUsize, NonZeroUsize);
+
+    /// What a block holds; `before` is the one before it in its chain.
+    fn block(
+        &self,
+        system: &System,
+        index: usize,
+        before: Option<&[u8]>,
+    ) -> Result<Vec<u8>, BlockError>;
+
+    /// Tables, figures and words from all blocks.
+    fn finish(
+        &self,
+        system: &System,
+        store: &Store,
+        output: &OutputArguments,
+    ) -> Result<Said, Failure>;
+}
+
+/// The name under which the manifest has the values of the parameters.
+const PARAMETERS: &str = "parameters";
+
+/// The folder of a sweep in the folder for all files.
+fn folder(out: &str) -> PathBuf {
+    Path::new(out).join("sweep")
+}
+
+/// Computes what is missing of a sweep. If it is all there then, the sweep is finished.
+pub(super) fn sweep<S: Sweep>(
+    wanted: &S,
+    system: &System,
+    arguments: &SweepArguments,
+    output: &OutputArguments,
+) -> Result<Said, Failure> {
+    let plan = plan(wanted, system)?;
+    let task = Task {
+        plan: &plan,
+        folder: &folder(&output.out),
+        share: arguments.shard,
+        threads: arguments.threads,
+    };
+    let progress = Progress::begin();
+    let computed = run(
+        &task,
+        &|done, all| progress.set(done, all),
+        |index, before| wanted.block(system, index, before),
+    );
+    progress.clear();
+    let computed = computed?;
+    if arguments.shard.is_whole() {
+        wanted.finish(system, &computed.store, output)
+    } else {
+        Ok(share_done(arguments.shard, &computed, output))
+    }
+}
+
+/// Tables and figures of a sweep whose blocks are all there.
+pub(super) fn finish<S: Sweep>(store: &Store, output: &OutputArguments) -> Result<Said, Failure> {
+    let (wanted, system) = of_plan::<S>(store.plan())?;
+    wanted.finish(&system, store, output)
+}
+
+/// Joins shares in the folder for all files.
+pub(super) fn merged(
+    out: &str,
+    shares: &[String],
+) -> Result<crate::sweep::Merged, crate::sweep::SweepError> {
+    let shares: Vec<PathBuf> = shares.iter().map(|share| folder(share)).collect();
+    crate::sweep::merge(&folder(out), &shares)
+}
+
+fn plan<S: Sweep>(wanted: &S, system: &System) -> Result<Plan, Failure> {
+    let internal = |error: serde_json::Error| Failure::Usage(error.to_string());
+    let value = serde_json::to_value(wanted).map_err(internal)?;
+    let mut arguments: BTreeMap<String, serde_json::Value> =
+        serde_json::from_value(value).map_err(internal)?;
+    let names = system.file.parameters.iter();
+    let values: BTreeMap<&str, f64> = names
+        .map(|parameter| parameter.name.as_str())
+        .zip(system.values.iter().copied())
+        .collect();
+    arguments.insert(PARAMETERS.to_owned(), json!(values));
+    let (chains, length) = wanted.size();
+    Ok(Plan {
+        command: S::COMMAND.to_owned(),
+        arguments,
+        system: system.file.source.name.clone(),
+        system_text: system.file.source.text.clone(),
+        chains,
+        length,
+    })
+}
+
+fn of_plan<S: Sweep>(plan: &Plan) -> Result<(S, System), Failure> {
+    let wrong = |error: serde_json::Error| {
+        Failure::Usage(format!(
+            "the manifest's arguments are not those of {}: {error}",
+            S::COMMAND
+        ))
+    };
+    let mut arguments = plan.arguments.clone();
+    let parameters = arguments.remove(PARAMETERS).unwrap_or_default();
+    let parameters: BTreeMap<String, f64> = serde_json::from_value(parameters).map_err(wrong)?;
+    let wanted = serde_json::from_value(json!(arguments)).map_err(wrong)?;
+    let file = SystemFile::parse(Source {
+        name: plan.system.clone(),
+        text: plan.system_text.clone(),
+    })?;
+    let parameters: Vec<(String, f64)> = parameters.into_iter().collect();
+    Ok((wanted, file.with(&parameters)?))
+}
+
+fn share_done(share: Share, computed: &Computed, output: &OutputArguments) -> Said {
+    let (new, old, repaired) = (computed.new, computed.old, computed.repaired.len());
+    let folder = computed.store.folder().display().to_string();
+    let text = if output.json {
+        let json = json!({
+            "share": share.to_string(),
+            "computed": new,
+            "there_before": old,
+            "repaired": repaired,
+            "folder": folder,
+        });
+        format!("{json:#}\n")
+    } else {
+        format!(
+            "share {share}: {} blocks, {old} of them there before, {repaired} damaged and computed anew\n\
+             wrote {folder}\n\
+             join all shares with `stickslip merge --out DIR FOLDER...`\n",
+            new + old
+        )
+    };
+    Said {
+        text,
+        failure: None,
+    }
+}

@@ -1,0 +1,175 @@
+//! Orbits as tables and as JSON.
+
+use serde_json::{Value, json};
+use stickslip::Mode;
+
+use super::recording::{
+    Crossed, Phase, Recording, Transition, direction_name, kind_name, mode_name,
+};
+use crate::output::{Artifact, OutputError};
+use crate::system::System;
+use stickslip_kernels::kernel::Modes;
+
+/// A number that reads back to the last bit.
+pub(super) fn exact(value: f64) -> String {
+    format!("{value:?}")
+}
+
+/// Names of the states, with something behind each.
+fn states(system: &System, suffix: &str) -> Vec<String> {
+    let states = system.file.states.iter();
+    states
+        .map(|state| format!("{}{suffix}", state.name))
+        .collect()
+}
+
+/// Names of the contacts, with something before each.
+fn contacts(system: &System, prefix: &str) -> Vec<String> {
+    let contacts = system.file.contacts.iter();
+    contacts
+        .map(|contact| format!("{prefix}{}", contact.name))
+        .collect()
+}
+
+fn heading(columns: &[&str], further: &[Vec<String>]) -> Vec<String> {
+    let columns = columns.iter().map(|&column| column.to_owned());
+    columns.chain(further.iter().flatten().cloned()).collect()
+}
+
+fn numbers(values: &[f64]) -> Vec<String> {
+    values.iter().map(|&value| exact(value)).collect()
+}
+
+fn modes(modes: &Modes) -> Vec<String> {
+    modes
+        .as_slice()
+        .iter()
+        .map(|&mode| mode_name(mode).to_owned())
+        .collect()
+}
+
+/// `phases.csv`
+pub(super) fn phases(
+    name: &str,
+    system: &System,
+    phases: &[Phase],
+) -> Result<Artifact, OutputError> {
+    let heading = heading(
+        &["phase", "t_start", "t_end", "duration"],
+        &[
+            contacts(system, ""),
+            states(system, "_start"),
+            states(system, "_end"),
+        ],
+    );
+    let rows = phases.iter().enumerate().map(|(k, phase)| {
+        let times = [phase.t_start, phase.t_end, phase.duration()];
+        let mut row = vec![(k + 1).to_string()];
+        row.extend(numbers(&times));
+        row.extend(modes(&phase.modes));
+        row.extend(numbers(&phase.x_start));
+        row.extend(numbers(&phase.x_end));
+        row
+    });
+    Artifact::csv(format!("{name}.csv"), &heading, rows)
+}
+
+/// `transitions.csv`
+pub(super) fn transitions(
+    name: &str,
+    system: &System,
+    transitions: &[Transition],
+) -> Result<Artifact, OutputError> {
+    let heading = heading(
+        &["t", "kind", "contact"],
+        &[
+            contacts(system, "from_"),
+            contacts(system, "to_"),
+            states(system, ""),
+            vec!["residual".to_owned()],
+        ],
+    );
+    let rows = transitions.iter().map(|at| {
+        let mut row = vec![
+            exact(at.t),
+            kind_name(at.kind).to_owned(),
+            contact_name(system, at.contact),
+        ];
+        row.extend(modes(&at.from));
+        row.extend(modes(&at.to));
+        row.extend(numbers(&at.x));
+        row.push(exact(at.residual));
+        row
+    });
+    Artifact::csv(format!("{name}.csv"), &heading, rows)
+}
+
+/// `section.csv`
+pub(super) fn passages(
+    name: &str,
+    system: &System,
+    passages: &[Crossed],
+) -> Result<Artifact, OutputError> {
+    let heading = heading(&["t", "direction"], &[states(system, "")]);
+    let rows = passages.iter().map(|at| {
+        let mut row = vec![exact(at.t), direction_name(at.direction).to_owned()];
+        row.extend(numbers(&at.x));
+        row
+    });
+    Artifact::csv(format!("{name}.csv"), &heading, rows)
+}
+
+/// `steps.csv`: the ends of the steps, where the solution is as accurate as the run.
+pub(super) fn steps(
+    name: &str,
+    system: &System,
+    recording: &Recording,
+) -> Result<Artifact, OutputError> {
+    let heading = heading(&["t"], &[states(system, "")]);
+    let ends = recording.points.iter().filter(|point| point.ends_step);
+    let rows = ends.map(|point| {
+        let mut row = vec![exact(point.t)];
+        row.extend(numbers(&point.x));
+        row
+    });
+    Artifact::csv(format!("{name}.csv"), &heading, rows)
+}
+
+pub(super) fn contact_name(system: &System, contact: usize) -> String {
+    let contacts = &system.file.contacts;
+    contacts
+        .get(contact)
+        .map_or_else(String::new, |contact| contact.name.clone())
+}
+
+/// The system's name and values, as JSON.
+pub(super) fn system_json(system: &System) -> Value {
+    let parameters = system.file.parameters.iter().zip(&system.values);
+    let parameters: serde_json::Map<String, Value> = parameters
+        .map(|(parameter, &value)| (parameter.name.clone(), json!(value)))
+        .collect();
+    json!({ "name": system.file.name, "parameters": parameters })
+}
+
+/// A state, by names.
+pub(super) fn state_json(system: &System, x: &[f64]) -> Value {
+    let states = system.file.states.iter().zip(x);
+    let map: serde_json::Map<String, Value> = states
+        .map(|(state, &value)| (state.name.clone(), json!(value)))
+        .collect();
+    Value::Object(map)
+}
+
+/// The modes of a phase in a few letters, of several contacts separated by `|`: `+` and `-` for slip above and below, `S` for stick.
+pub(super) fn letters(modes: &Modes) -> String {
+    let letters: Vec<&str> = modes
+        .as_slice()
+        .iter()
+        .map(|mode| match mode {
+            Mode::Stick => "S",
+            Mode::Slip(side) if side.sign() > 0.0 => "+",
+            Mode::Slip(_) => "-",
+        })
+        .collect();
+    letters.join("|")
+}

@@ -1,0 +1,304 @@
+//! `stickslip tangents`: tangent points and stick zones on a boundary.
+
+use std::fmt::Write;
+
+use plot::*;
+use serde_json::json;
+use stickslip::Side;
+use stickslip::analysis::Visibility;
+
+use super::arguments::{OutputArguments, StartArguments, SystemArguments};
+use super::{Failure, Found, figures, tables};
+use crate::file::did_you_mean;
+use crate::output::{Artifact, OutputError};
+use crate::system::System;
+use crate::tangents::{Kind, Line, OnLine};
+use crate::terminal::Said;
+
+/// Tangent points and stick zones on the boundary of a contact
+///
+/// The boundary is looked at along one state, at one time (--t-start); further states keep their values of the start. Tangent points that are nearer to each other than
+/// 1/2000 of the range, and double ones, are not found. Writes tangents.csv, zones.csv and tangents.svg.
+#[derive(Debug, clap::Args)]
+pub(super) struct Arguments {
+    #[command(flatten)]
+    system: SystemArguments,
+    #[command(flatten)]
+    start: StartArguments,
+    /// Contact; default the first
+    #[arg(long, value_name = "NAME")]
+    contact: Option<String>,
+    /// State along which to look; default the first that the boundary's equation leaves free
+    #[arg(long, value_name = "STATE")]
+    along: Option<String>,
+    /// Lowest value of that state; default as in [ranges]
+    #[arg(long, value_name = "VALUE", allow_negative_numbers = true)]
+    from: Option<f64>,
+    /// Highest value of that state; default as in [ranges]
+    #[arg(long, value_name = "VALUE", allow_negative_numbers = true)]
+    to: Option<f64>,
+    #[command(flatten)]
+    output: OutputArguments,
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
+    let system = arguments.system.system()?;
+    let start = arguments.start.of(&system)?;
+    let line = arguments.line(&system, (start.0, &start.1))?;
+    let found = line.scan(&system);
+    Found {
+        summary: summary(&system, &line, &found),
+        json: json(&system, &line, &found),
+        tables: csv(&system, &line, &found)?,
+        figures: vec![("tangents".to_owned(), figure(&system, &line, &found)?)],
+        failure: None,
+    }
+    .written(&arguments.output)
+}
+
+impl Arguments {
+    fn line(&self, system: &System, start: (f64, &[f64])) -> Result<Line, Failure> {
+        let contacts = system
+            .file
+            .contacts
+            .iter()
+            .map(|contact| contact.name.as_str());
+        let contact = self.contact.as_deref();
+        let contact = contact
+            .map(|name| position("contact", name, contacts))
+            .transpose()?
+            .unwrap_or(0);
+        let states = system.file.states.iter().map(|state| state.name.as_str());
+        let along = self.along.as_deref();
+        let along = along
+            .map(|name| position("state", name, states))
+            .transpose()?;
+        let whole = (f64::NEG_INFINITY, f64::INFINITY);
+        let line = Line::through(system, contact, along, whole, start).ok_or_else(|| {
+            Failure::Usage(
+                "there is no line to look along: the boundary must change with one state and leave another one free"
+                    .to_owned(),
+            )
+        })?;
+        let state = &system.file.states[line.along];
+        let missing = |option: &str| {
+            Failure::Usage(format!(
+                "from where to where of `{}`? Give {option}, or add {} = [lowest, highest] to [ranges] of the file",
+                state.name, state.name
+            ))
+        };
+        let from = self
+            .from
+            .or(state.range.map(|range| range.0))
+            .ok_or_else(|| missing("--from"))?;
+        let to = self
+            .to
+            .or(state.range.map(|range| range.1))
+            .ok_or_else(|| missing("--to"))?;
+        if !(from < to && from.is_finite() && to.is_finite()) {
+            return Err(Failure::Usage(format!(
+                "the range of `{}` from {from} to {to} is empty; give a --from below --to",
+                state.name
+            )));
+        }
+        let range = (from, to);
+        Ok(Line { range, ..line })
+    }
+}
+
+fn position<'a>(
+    what: &str,
+    name: &str,
+    known: impl Iterator<Item = &'a str> + Clone,
+) -> Result<usize, Failure> {
+    let plain = stickslip_kernels::expression::normal(name);
+    known
+        .clone()
+        .position(|known| known == plain)
+        .ok_or_else(|| {
+            let all: Vec<&str> = known.clone().collect();
+            let help = did_you_mean(name, known.clone())
+                .unwrap_or_else(|| format!("there are {}", all.join(", ")));
+            Failure::Usage(format!("there is no {what} `{name}`; {help}"))
+        })
+}
+
+pub(super) fn side_name(side: Side) -> &'static str {
+    match side {
+        Side::Below => "below",
+        Side::Above => "above",
+    }
+}
+
+pub(super) fn visibility_name(visibility: Visibility) -> &'static str {
+    match visibility {
+        Visibility::Visible => "visible",
+        Visibility::Invisible => "invisible",
+        Visibility::Degenerate => "degenerate",
+    }
+}
+
+pub(super) fn kind_name(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Stick => "stick",
+        Kind::Repelling => "repelling",
+    }
+}
+
+/// What was found, line by line, under the names of the states.
+pub(super) fn listing(system: &System, line: &Line, found: &OnLine) -> Vec<String> {
+    let states = &system.file.states;
+    let (along, solved) = (&states[line.along].name, &states[line.solved].name);
+    let points = found.points.iter().map(|point| {
+        format!(
+            "{} tangent point of the field {}  {along} = {}, {solved} = {}",
+            visibility_name(point.visibility),
+            side_name(point.side),
+            point.x[line.along],
+            point.x[line.solved],
+        )
+    });
+    let zones = found.zones.iter().map(|zone| {
+        let name = match zone.kind {
+            Kind::Stick => "stick zone",
+            Kind::Repelling => "repelling zone",
+        };
+        format!("{name}  {along} from {} to {}", zone.from, zone.to)
+    });
+    points.chain(zones).collect()
+}
+
+fn summary(system: &System, line: &Line, found: &OnLine) -> String {
+    let (low, high) = line.range;
+    let along = &system.file.states[line.along].name;
+    let mut text = format!(
+        "{}: boundary of {} along {along} from {low} to {high}, t = {}\n",
+        system.file.name, system.file.contacts[line.contact].name, line.t
+    );
+    let others = (0..system.states()).filter(|&k| k != line.along && k != line.solved);
+    for k in others {
+        // Writing into a text cannot fail.
+        let _ = writeln!(text, "  at {} = {}", system.file.states[k].name, line.x[k]);
+    }
+    let listed = listing(system, line, found);
+    if listed.is_empty() {
+        text.push_str("  no tangent point, and no stick zone\n");
+    }
+    for row in listed {
+        let _ = writeln!(text, "  {row}");
+    }
+    text
+}
+
+fn csv(system: &System, line: &Line, found: &OnLine) -> Result<Vec<Artifact>, OutputError> {
+    let mut heading = vec!["side".to_owned(), "visibility".to_owned(), "t".to_owned()];
+    heading.extend(system.file.states.iter().map(|state| state.name.clone()));
+    let points = found.points.iter().map(|point| {
+        let mut row = vec![
+            side_name(point.side).to_owned(),
+            visibility_name(point.visibility).to_owned(),
+            tables::exact(line.t),
+        ];
+        row.extend(point.x.iter().map(|&x| tables::exact(x)));
+        row
+    });
+    let points = Artifact::csv("tangents.csv", &heading, points)?;
+    let along = &system.file.states[line.along].name;
+    let heading = [
+        "kind".to_owned(),
+        format!("{along}_from"),
+        format!("{along}_to"),
+    ];
+    let zones = found.zones.iter().map(|zone| {
+        let kind = kind_name(zone.kind).to_owned();
+        vec![kind, tables::exact(zone.from), tables::exact(zone.to)]
+    });
+    Ok(vec![points, Artifact::csv("zones.csv", &heading, zones)?])
+}
+
+fn json(system: &System, line: &Line, found: &OnLine) -> serde_json::Value {
+    let points = found.points.iter().map(|point| {
+        json!({
+            "side": side_name(point.side),
+            "visibility": visibility_name(point.visibility),
+            "x": tables::state_json(system, &point.x),
+        })
+    });
+    let points: Vec<serde_json::Value> = points.collect();
+    let zones = found.zones.iter();
+    let zones: Vec<serde_json::Value> = zones
+        .map(|zone| json!({ "kind": kind_name(zone.kind), "from": zone.from, "to": zone.to }))
+        .collect();
+    json!({
+        "system": tables::system_json(system),
+        "contact": system.file.contacts[line.contact].name,
+        "along": system.file.states[line.along].name,
+        "t": line.t,
+        "tangent_points": points,
+        "zones": zones,
+    })
+}
+
+fn figure(system: &System, line: &Line, found: &OnLine) -> Result<String, OutputError> {
+    let state = &system.file.states[line.along];
+    let (low, high) = line.range;
+    let all = found.rates.iter().flat_map(|(_, rates)| *rates);
+    let boundary = &system.file.contacts[line.contact];
+    let mut panel = Panel::new(
+        Axis::new(&figures::with_unit(&state.name, &state.unit), low, high),
+        figures::axis("rate upwards through Σ", all.chain([0.0])),
+    )
+    .legend(Legend::Below);
+    let mut seen: Vec<Kind> = Vec::new();
+    for zone in &found.zones {
+        let fill = match zone.kind {
+            Kind::Stick => LIGHT_ORANGE,
+            Kind::Repelling => LIGHT_GREY,
+        };
+        let band = Band::x(zone.from, zone.to).fill(fill);
+        let is_new = !seen.contains(&zone.kind);
+        panel.add(match zone.kind {
+            Kind::Stick if is_new => band.legend("both fields push to Σ: stick"),
+            Kind::Repelling if is_new => band.legend("both fields lead away from Σ"),
+            _ => band,
+        });
+        seen.push(zone.kind);
+    }
+    panel.add(Guide::horizontal(0.0));
+    for (side, colour, name) in [(0, BLUE, "field below Σ"), (1, VERMILLION, "field above Σ")] {
+        let curve = found.rates.iter().map(|(s, rates)| (*s, rates[side]));
+        panel.add(Curve::new(curve).color(colour).legend(name));
+    }
+    for visibility in [
+        Visibility::Visible,
+        Visibility::Invisible,
+        Visibility::Degenerate,
+    ] {
+        let points: Vec<(f64, f64)> = found
+            .points
+            .iter()
+            .filter(|point| point.visibility == visibility)
+            .map(|point| (point.x[line.along], 0.0))
+            .collect();
+        if points.is_empty() {
+            continue;
+        }
+        let name = format!("{} tangent point", visibility_name(visibility));
+        let markers = Markers::new(points).color(BLACK).legend(&name);
+        panel.add(match visibility {
+            Visibility::Visible => markers,
+            Visibility::Invisible => markers.open(),
+            Visibility::Degenerate => markers.shape(Shape::Cross),
+        });
+    }
+    let title = format!("{}: boundary of {}", system.file.name, boundary.name);
+    let description = format!(
+        "How fast the fields below and above go upwards through the boundary of {}, along {} from {low} to {high}: {} tangent points, {} zones.",
+        boundary.name,
+        state.name,
+        found.points.len(),
+        found.zones.len()
+    );
+    let figure = Figure::new("tangents", (640.0, 420.0), &title, &description).row(1.0, panel);
+    Ok(figure.render()?)
+}

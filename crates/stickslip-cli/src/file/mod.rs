@@ -1,0 +1,246 @@
+//! Systems as files: what a `system.toml` says.
+//!
+//! ```toml
+//! name = "Block on a belt"
+//!
+//! [states]                       # in this order; units, or "" where there are none
+//! x = "m"
+//! v = "m/s"
+//!
+//! [parameters]
+//! k = 1
+//! mu0 = { value = 0.4, unit = "1", range = [0, 1] }
+//! vp = 0.2
+//!
+//! [definitions]                  # names for parts of what follows
+//! slip = "belt*(v - vp)"         # the name of a contact is the sign of its side, here |v - vp|
+//!
+//! [contacts.belt]
+//! boundary = "v - vp"            # belt is -1 where this is negative, +1 where it is positive
+//! friction = "mu0/(1 + slip)"    # how large friction is in slip; friction(belt) is belt times that
+//!
+//! [field]                        # the rates of the states
+//! x = "v"
+//! v = "-k*x - friction(belt)"
+//!
+//! [start]
+//! x = 0.5
+//! v = 0
+//! ```
+//!
+//! Friction is written by side and not by the sign of a velocity, so that each side's formula goes on smoothly across Σ.
+//! `static` beside `friction` is how large it may be while the contact holds. Where the sides differ in more than friction,
+//! `by_side(belt, below, above)` is one expression or the other, and so is `v = { below = "…", above = "…" }` in `[field]`.
+
+mod build;
+mod formula;
+mod names;
+mod read;
+mod table;
+
+pub use build::{Built, Fields};
+pub(crate) use build::{built, values};
+pub use formula::Formula;
+pub use names::{Meaning, Names, did_you_mean};
+
+use std::ops::Range;
+use std::path::Path;
+
+use stickslip::Direction;
+
+use crate::problem::{Problem, Source};
+
+/// What a file says, its names known to be right.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SystemFile {
+    /// The file.
+    pub source: Source,
+    /// Name of the system.
+    pub name: String,
+    /// What it is.
+    pub description: Option<String>,
+    /// About time.
+    pub time: Time,
+    /// Components of the state, in their order.
+    pub states: Vec<StateEntry>,
+    /// Parameters.
+    pub parameters: Vec<Parameter>,
+    /// Named parts.
+    pub definitions: Vec<Named>,
+    /// Contacts.
+    pub contacts: Vec<Contact>,
+    /// Rates of the states, in their order.
+    pub field: Vec<Rate>,
+    /// Poincaré section.
+    pub section: Option<SectionEntry>,
+    /// What every name stands for.
+    pub names: Names,
+}
+
+/// What `[time]` and `[start]` say of time.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Time {
+    /// Unit of time.
+    pub unit: Option<String>,
+    /// When runs begin; 0 unless given.
+    pub start: f64,
+    /// When runs end unless told otherwise.
+    pub end: Option<f64>,
+    /// Period in time, of a driven system.
+    pub period: Option<Formula>,
+}
+
+/// A component of the state.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StateEntry {
+    /// Name.
+    pub name: String,
+    /// Unit, empty where there is none.
+    pub unit: String,
+    /// What it is, in words.
+    pub meaning: Option<String>,
+    /// Where runs begin.
+    pub start: Option<Formula>,
+    /// The part that figures and scans show.
+    pub range: Option<(f64, f64)>,
+}
+
+/// A parameter.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parameter {
+    /// Name.
+    pub name: String,
+    /// Value.
+    pub value: f64,
+    /// Unit, empty where there is none.
+    pub unit: String,
+    /// What it is, in words.
+    pub meaning: Option<String>,
+    /// Values that are allowed.
+    pub range: Option<(f64, f64)>,
+    /// Where the value stands.
+    pub place: Range<usize>,
+}
+
+/// A named part of other expressions.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Named {
+    /// Name.
+    pub name: String,
+    /// What it stands for.
+    pub formula: Formula,
+}
+
+/// A contact.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Contact {
+    /// Name.
+    pub name: String,
+    /// The boundary function.
+    pub boundary: Formula,
+    /// How large friction is in slip.
+    pub friction: Option<Formula>,
+    /// How large friction may be while the contact holds, where that differs.
+    pub holding: Option<Formula>,
+    /// The normal force, where contact can be lost.
+    pub normal_force: Option<Formula>,
+    /// Where it stands.
+    pub place: Range<usize>,
+}
+
+/// The rate of a state.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Rate {
+    /// One expression.
+    Same(Formula),
+    /// One on each side of the only contact.
+    BySide {
+        /// Where the boundary function is negative.
+        below: Formula,
+        /// Where it is positive.
+        above: Formula,
+    },
+}
+
+/// A Poincaré section.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SectionEntry {
+    /// The function that is zero on it.
+    pub function: Formula,
+    /// Which way it is passed.
+    pub direction: Direction,
+}
+
+/// A file that cannot be used.
+#[derive(Clone, Debug, thiserror::Error)]
+pub enum FileError {
+    /// It cannot be read.
+    #[error(
+        "cannot read {path}: {cause}; give the path of a system's file or the name of a shipped model ({shipped})"
+    )]
+    Unreadable {
+        /// The path as given.
+        path: String,
+        /// What the operating system said.
+        cause: String,
+        /// Names of the shipped models.
+        shipped: String,
+    },
+    /// Its content is wrong.
+    #[error("{}", problem.shown(source_text))]
+    Wrong {
+        /// What is wrong, and where.
+        problem: Box<Problem>,
+        /// The file.
+        source_text: Box<Source>,
+    },
+}
+
+/// The value of an expression of numbers, as on a command line.
+///
+/// # Errors
+/// What is wrong with it.
+pub fn number(text: &str) -> Result<f64, String> {
+    let source = Source {
+        name: String::new(),
+        text: text.to_owned(),
+    };
+    let formula =
+        Formula::parsed(text, 0..text.len(), &source).map_err(|problem| problem.message)?;
+    build::value(&formula).map_err(|problem| problem.message)
+}
+
+impl SystemFile {
+    /// Reads a file, or a shipped model by its name. A file of that name comes first.
+    ///
+    /// # Errors
+    /// [`FileError`].
+    pub fn open(path: &str) -> Result<SystemFile, FileError> {
+        let shipped = crate::shipped::named(path).filter(|_| !Path::new(path).is_file());
+        let text = match shipped {
+            Some(text) => text.to_owned(),
+            None => std::fs::read_to_string(path).map_err(|cause| FileError::Unreadable {
+                path: path.to_owned(),
+                cause: cause.to_string(),
+                shipped: crate::shipped::names().join(", "),
+            })?,
+        };
+        let name = path.to_owned();
+        SystemFile::parse(Source { name, text })
+    }
+
+    /// What a text says.
+    ///
+    /// # Errors
+    /// [`FileError::Wrong`] with the first thing that is wrong.
+    pub fn parse(source: Source) -> Result<SystemFile, FileError> {
+        let read = read::read(&source).and_then(|file| {
+            build::check(&file)?;
+            Ok(file)
+        });
+        read.map_err(|problem| FileError::Wrong {
+            problem: Box::new(problem),
+            source_text: Box::new(source),
+        })
+    }
+}

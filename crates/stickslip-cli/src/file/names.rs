@@ -1,0 +1,132 @@
+//! What names stand for, and what somebody may have meant who wrote another one.
+
+use std::collections::HashMap;
+use std::ops::Range;
+
+use crate::problem::Problem;
+use stickslip_kernels::expression::{FUNCTIONS, begins_name, is_in_name, normal};
+
+/// What a name of the file stands for; numbers count the entries of each kind from 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Meaning {
+    /// Time.
+    Time,
+    /// π.
+    Pi,
+    /// A component of the state.
+    State(usize),
+    /// A parameter.
+    Parameter(usize),
+    /// A definition.
+    Definition(usize),
+    /// A contact: the sign of its side.
+    Contact(usize),
+}
+
+impl Meaning {
+    pub(super) fn told(self) -> &'static str {
+        match self {
+            Meaning::Time => "time",
+            Meaning::Pi => "the number π",
+            Meaning::State(_) => "a state",
+            Meaning::Parameter(_) => "a parameter",
+            Meaning::Definition(_) => "a definition",
+            Meaning::Contact(_) => "a contact",
+        }
+    }
+}
+
+/// Functions that are not among [`FUNCTIONS`].
+pub(super) const FURTHER_FUNCTIONS: [&str; 4] = ["min", "max", "friction", "by_side"];
+
+/// The names of a file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Names {
+    known: HashMap<String, (Meaning, Range<usize>)>,
+}
+
+impl Names {
+    /// The names that every file has.
+    pub(super) fn new() -> Self {
+        let mut names = Names::default();
+        for (name, meaning) in [
+            ("t", Meaning::Time),
+            ("pi", Meaning::Pi),
+            ("π", Meaning::Pi),
+        ] {
+            names.known.insert(name.to_owned(), (meaning, 0..0));
+        }
+        names
+    }
+
+    /// Adds a name; it as it is compared.
+    pub(super) fn add(
+        &mut self,
+        name: &str,
+        place: Range<usize>,
+        meaning: Meaning,
+    ) -> Result<String, Problem> {
+        let mut characters = name.chars();
+        let good = characters.next().is_some_and(begins_name) && characters.all(is_in_name);
+        if !good {
+            return Err(
+                Problem::new(format!("`{name}` cannot be a name in an expression"), place)
+                    .help("a name is letters, digits and `_`, and does not begin with a digit"),
+            );
+        }
+        let name = normal(name);
+        if is_function(&name) {
+            return Err(
+                Problem::new(format!("`{name}` is a function already"), place)
+                    .help("choose another name"),
+            );
+        }
+        match self.known.get(&name) {
+            None => {
+                self.known.insert(name.clone(), (meaning, place));
+                Ok(name)
+            }
+            Some((known, first)) if first.is_empty() => {
+                let message = format!("`{name}` is the name of {} already", known.told());
+                Err(Problem::new(message, place).help("choose another name"))
+            }
+            Some((known, first)) => {
+                let message = format!("`{name}` is the name of {} already", known.told());
+                Err(Problem::new(message, place)
+                    .label("here again")
+                    .also(first.clone(), format!("{} of this name", known.told()))
+                    .help("in expressions all names are together; choose another one"))
+            }
+        }
+    }
+
+    /// What a name stands for.
+    pub fn get(&self, name: &str) -> Option<Meaning> {
+        self.known.get(&normal(name)).map(|&(meaning, _)| meaning)
+    }
+
+    /// A known name that is like it.
+    pub(super) fn like(&self, name: &str) -> Option<String> {
+        let mut known: Vec<&str> = self.known.keys().map(String::as_str).collect();
+        known.sort_unstable();
+        did_you_mean(name, known)
+    }
+}
+
+pub(super) fn is_function(name: &str) -> bool {
+    let plain = FUNCTIONS.iter().map(|(name, _)| *name);
+    plain.chain(FURTHER_FUNCTIONS).any(|known| known == name)
+}
+
+/// "did you mean", if one of the known names is like this one.
+pub fn did_you_mean<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
+    // Names are often written with or without their underscores and in another case.
+    let plain = |name: &str| name.replace('_', "").to_lowercase();
+    let likeness = |other: &str| {
+        let as_written = strsim::jaro_winkler(name, other);
+        as_written.max(strsim::jaro_winkler(&plain(name), &plain(other)))
+    };
+    let rated = known.into_iter().map(|other| (likeness(other), other));
+    let best = rated.reduce(|best, other| if other.0 > best.0 { other } else { best })?;
+    (best.0 > 0.75).then(|| format!("did you mean `{}`?", best.1))
+}

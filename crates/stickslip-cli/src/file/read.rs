@@ -1,0 +1,366 @@
+//! From the text of a file to its entries.
+
+use stickslip::Direction;
+use toml::de::DeTable;
+
+use super::names::{Meaning, Names, did_you_mean};
+use super::table::{Entry, Table, listed};
+use super::{Contact, Named, Parameter, Rate, SectionEntry, StateEntry, SystemFile, Time};
+use crate::problem::{Problem, Source};
+use stickslip_kernels::expression::normal;
+use stickslip_kernels::kernel::{MOST_CONTACTS, MOST_STATES};
+
+/// The tables and entries of a file.
+const ENTRIES: [&str; 11] = [
+    "name",
+    "description",
+    "time",
+    "states",
+    "parameters",
+    "definitions",
+    "contacts",
+    "field",
+    "start",
+    "section",
+    "ranges",
+];
+
+pub(super) fn read(source: &Source) -> Result<SystemFile, Problem> {
+    let parsed = DeTable::parse(&source.text).map_err(|error| not_toml(&error, source))?;
+    let file = Table::of_file(source, &parsed);
+    file.only(&ENTRIES)?;
+    let name = file.need(
+        "name",
+        "what the system is called, as in name = \"Block on a belt\"",
+    )?;
+    let mut names = Names::new();
+    let mut states = states(&file, &mut names)?;
+    let parameters = parameters(&file, &mut names)?;
+    let contacts = contacts(&file, &mut names)?;
+    let definitions = definitions(&file, &mut names)?;
+    let field = field(&file, &states, contacts.len())?;
+    start(&file, &mut states)?;
+    ranges(&file, &mut states)?;
+    Ok(SystemFile {
+        name: name.text()?.to_owned(),
+        description: text(&file, "description")?,
+        time: time(&file)?,
+        section: section(&file)?,
+        source: source.clone(),
+        states,
+        parameters,
+        definitions,
+        contacts,
+        field,
+        names,
+    })
+}
+
+/// What is not even TOML.
+fn not_toml(error: &toml::de::Error, source: &Source) -> Problem {
+    let place = error.span().unwrap_or(0..0);
+    let line = source.text[..place.start]
+        .rfind('\n')
+        .map_or(0, |end| end + 1);
+    let line = source.text[line..].lines().next().unwrap_or_default();
+    let key = line.split('=').next().unwrap_or_default();
+    let unquoted = !key.is_ascii() && !key.contains(['"', '\'']);
+    let problem = Problem::new(error.message().to_owned(), place);
+    if unquoted {
+        let key = key.trim();
+        return problem.help(format!(
+            "to the left of `=` a name with other letters than A to Z stands in quotes: \"{key}\" = …"
+        ));
+    }
+    problem.help(
+        "the file must be TOML: names = values, texts and expressions in quotes, tables as [name]",
+    )
+}
+
+fn text(table: &Table<'_>, name: &str) -> Result<Option<String>, Problem> {
+    let entry = table.get(name);
+    entry
+        .map(|entry| entry.text().map(|text| text.trim().to_owned()))
+        .transpose()
+}
+
+fn time(file: &Table<'_>) -> Result<Time, Problem> {
+    let Some(table) = file.table("time")? else {
+        return Ok(Time::default());
+    };
+    table.only(&["unit", "start", "end", "period"])?;
+    let number = |name: &str| table.get(name).map(Entry::finite).transpose();
+    let (start, end) = (number("start")?.unwrap_or(0.0), number("end")?);
+    if let (Some(entry), Some(end)) = (table.get("end"), end) {
+        if end <= start {
+            let message = format!("the end {end} does not lie after the start {start}");
+            return Err(Problem::new(message, entry.place()));
+        }
+    }
+    Ok(Time {
+        unit: text(&table, "unit")?,
+        start,
+        end,
+        period: table.get("period").map(Entry::formula).transpose()?,
+    })
+}
+
+fn states(file: &Table<'_>, names: &mut Names) -> Result<Vec<StateEntry>, Problem> {
+    let example = "[states] with the name and the unit of each, as in x = \"m\"";
+    let table = file.need("states", example)?.table("", "states")?;
+    let mut states = Vec::new();
+    for (number, (name, place, entry)) in table.entries().enumerate() {
+        if number == MOST_STATES {
+            let message = format!("this is state number {}", number + 1);
+            return Err(Problem::new(message, place).help(format!(
+                "a file can have {MOST_STATES} states; a larger system can be written in Rust with the library"
+            )));
+        }
+        let name = names.add(name, place, Meaning::State(number))?;
+        let (unit, meaning) = match entry.as_table(&format!("states.{name}")) {
+            Some(table) => {
+                table.only(&["unit", "meaning"])?;
+                (
+                    text(&table, "unit")?.unwrap_or_default(),
+                    text(&table, "meaning")?,
+                )
+            }
+            None => (entry.text()?.to_owned(), None),
+        };
+        states.push(StateEntry {
+            name,
+            unit,
+            meaning,
+            start: None,
+            range: None,
+        });
+    }
+    if states.is_empty() {
+        return Err(
+            Problem::new("[states] is empty", table.place).help(format!("it needs {example}"))
+        );
+    }
+    Ok(states)
+}
+
+fn parameters(file: &Table<'_>, names: &mut Names) -> Result<Vec<Parameter>, Problem> {
+    let Some(table) = file.table("parameters")? else {
+        return Ok(Vec::new());
+    };
+    let mut parameters = Vec::new();
+    for (number, (name, place, entry)) in table.entries().enumerate() {
+        let name = names.add(name, place.clone(), Meaning::Parameter(number))?;
+        let mut parameter = Parameter {
+            value: 0.0,
+            unit: String::new(),
+            meaning: None,
+            range: None,
+            place,
+            name,
+        };
+        let mut given = entry;
+        if let Some(table) = entry.as_table(&format!("parameters.{}", parameter.name)) {
+            table.only(&["value", "unit", "range", "meaning"])?;
+            given = table.need("value", "a number, or an expression of numbers")?;
+            parameter.unit = text(&table, "unit")?.unwrap_or_default();
+            parameter.meaning = text(&table, "meaning")?;
+            parameter.range = table
+                .get("range")
+                .map(|range| range.interval(true))
+                .transpose()?;
+        }
+        parameter.place = given.place();
+        // Of numbers alone: parameters are set one by one.
+        parameter.value = super::build::value(&given.formula()?)?;
+        if let Some((low, high)) = parameter.range {
+            if !(low..=high).contains(&parameter.value) {
+                let message = format!(
+                    "{} = {} lies outside its range from {low} to {high}",
+                    parameter.name, parameter.value
+                );
+                return Err(Problem::new(message, parameter.place));
+            }
+        }
+        parameters.push(parameter);
+    }
+    Ok(parameters)
+}
+
+fn definitions(file: &Table<'_>, names: &mut Names) -> Result<Vec<Named>, Problem> {
+    let Some(table) = file.table("definitions")? else {
+        return Ok(Vec::new());
+    };
+    let entries = table.entries().enumerate();
+    let named = entries.map(|(number, (name, place, entry))| {
+        Ok(Named {
+            name: names.add(name, place, Meaning::Definition(number))?,
+            formula: entry.formula()?,
+        })
+    });
+    named.collect()
+}
+
+fn contacts(file: &Table<'_>, names: &mut Names) -> Result<Vec<Contact>, Problem> {
+    let example = "[contacts.NAME] with a boundary, as in boundary = \"v - vp\"";
+    let table = file.need("contacts", example)?.table("", "contacts")?;
+    let mut contacts = Vec::new();
+    for (number, (name, place, entry)) in table.entries().enumerate() {
+        if number == MOST_CONTACTS {
+            let message = format!("this is contact number {}", number + 1);
+            return Err(Problem::new(message, place).help(format!(
+                "a file can have {MOST_CONTACTS} contacts; a larger system can be written in Rust with the library"
+            )));
+        }
+        let name = names.add(name, place.clone(), Meaning::Contact(number))?;
+        let table = entry.table("contacts", &name)?;
+        table.only(&["boundary", "friction", "static", "normal_force"])?;
+        let formula = |name: &str| table.get(name).map(Entry::formula).transpose();
+        let boundary =
+            "an expression that is zero where the contact can stick, as in boundary = \"v - vp\"";
+        let contact = Contact {
+            boundary: table.need("boundary", boundary)?.formula()?,
+            friction: formula("friction")?,
+            holding: formula("static")?,
+            normal_force: formula("normal_force")?,
+            name,
+            place,
+        };
+        if let (Some(holding), None) = (&contact.holding, &contact.friction) {
+            let message = format!(
+                "contact `{}` has static friction but no friction in slip",
+                contact.name
+            );
+            return Err(Problem::new(message, holding.whole()).help(format!(
+                "write friction = \"…\" beside it, and friction({}) in [field]",
+                contact.name
+            )));
+        }
+        contacts.push(contact);
+    }
+    let several = contacts.len() > 1;
+    if let Some(force) = contacts
+        .iter()
+        .find_map(|contact| contact.normal_force.as_ref().filter(|_| several))
+    {
+        return Err(Problem::new(
+            "a normal force that can vanish is possible with one contact only",
+            force.whole(),
+        )
+        .help("with several contacts, let friction vanish with the normal force by max(0, …)"));
+    }
+    if contacts.is_empty() {
+        return Err(
+            Problem::new("[contacts] is empty", table.place).help(format!("it needs {example}"))
+        );
+    }
+    Ok(contacts)
+}
+
+fn field(file: &Table<'_>, states: &[StateEntry], contacts: usize) -> Result<Vec<Rate>, Problem> {
+    let example = "[field] with the rate of every state, as in x = \"v\"";
+    let table = file.need("field", example)?.table("", "field")?;
+    let rows = by_state(&table, states)?;
+    let rows = states.iter().zip(rows).map(|(state, entry)| {
+        let Some(entry) = entry else {
+            let message = format!("[field] has no rate of the state `{}`", state.name);
+            return Err(Problem::new(message, table.place.clone()).help(format!(
+                "add {} = \"…\", its derivative by time",
+                state.name
+            )));
+        };
+        let Some(sides) = entry.as_table(&format!("field.{}", state.name)) else {
+            return entry.formula().map(Rate::Same);
+        };
+        if contacts != 1 {
+            let message = format!("with {contacts} contacts it is not clear whose sides these are");
+            return Err(Problem::new(message, entry.place())
+                .help("name the contact: by_side(contact, below, above)"));
+        }
+        sides.only(&["below", "above"])?;
+        let side = |name: &str| sides.need(name, "the rate on that side")?.formula();
+        Ok(Rate::BySide {
+            below: side("below")?,
+            above: side("above")?,
+        })
+    });
+    rows.collect()
+}
+
+/// The entries of a table whose names are states, in the order of the states.
+fn by_state<'a>(
+    table: &Table<'a>,
+    states: &[StateEntry],
+) -> Result<Vec<Option<Entry<'a>>>, Problem> {
+    let mut rows = vec![None; states.len()];
+    for (name, place, entry) in table.entries() {
+        let known = || states.iter().map(|state| state.name.as_str());
+        match known().position(|state| state == normal(name)) {
+            Some(number) => rows[number] = Some(entry),
+            None => {
+                let all: Vec<&str> = known().collect();
+                let help = did_you_mean(name, known())
+                    .unwrap_or_else(|| format!("the states are {}", listed(&all)));
+                return Err(Problem::new(format!("there is no state `{name}`"), place).help(help));
+            }
+        }
+    }
+    Ok(rows)
+}
+
+fn start(file: &Table<'_>, states: &mut [StateEntry]) -> Result<(), Problem> {
+    let Some(table) = file.table("start")? else {
+        return Ok(());
+    };
+    let rows = by_state(&table, states)?;
+    for (state, entry) in states.iter_mut().zip(rows) {
+        let Some(entry) = entry else {
+            let message = format!("[start] has no value of the state `{}`", state.name);
+            return Err(Problem::new(message, table.place).help(format!("add {} = 0", state.name)));
+        };
+        state.start = Some(entry.formula()?);
+    }
+    Ok(())
+}
+
+fn ranges(file: &Table<'_>, states: &mut [StateEntry]) -> Result<(), Problem> {
+    let Some(table) = file.table("ranges")? else {
+        return Ok(());
+    };
+    let rows = by_state(&table, states)?;
+    for (state, entry) in states.iter_mut().zip(rows) {
+        state.range = entry.map(|entry| entry.interval(false)).transpose()?;
+    }
+    Ok(())
+}
+
+fn section(file: &Table<'_>) -> Result<Option<SectionEntry>, Problem> {
+    let Some(table) = file.table("section")? else {
+        return Ok(None);
+    };
+    table.only(&["function", "direction"])?;
+    let function = table
+        .need("function", "an expression that is zero on the section")?
+        .formula()?;
+    let direction = match table.get("direction") {
+        None => Direction::Both,
+        Some(entry) => match entry.text()? {
+            "rising" => Direction::Rising,
+            "falling" => Direction::Falling,
+            "both" => Direction::Both,
+            other => {
+                let known = ["rising", "falling", "both"];
+                let help = did_you_mean(other, known)
+                    .unwrap_or_else(|| format!("it can be {}", listed(&known)));
+                return Err(Problem::new(
+                    format!("there is no direction `{other}`"),
+                    entry.place(),
+                )
+                .help(help));
+            }
+        },
+    };
+    Ok(Some(SectionEntry {
+        function,
+        direction,
+    }))
+}

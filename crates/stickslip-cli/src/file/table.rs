@@ -1,0 +1,216 @@
+//! The tables of a file: entries in the order of the file, each with its place.
+
+use std::ops::Range;
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use super::formula::Formula;
+use super::names::did_you_mean;
+use crate::problem::{Problem, Source};
+
+/// A value and where it stands.
+#[derive(Clone, Copy)]
+pub(super) struct Entry<'a> {
+    pub source: &'a Source,
+    value: &'a Spanned<DeValue<'a>>,
+}
+
+/// A table and what messages call it.
+pub(super) struct Table<'a> {
+    pub place: Range<usize>,
+    /// As in `[parameters]`; empty for the whole file.
+    title: String,
+    entries: Vec<(&'a str, Range<usize>, Entry<'a>)>,
+}
+
+impl<'a> Table<'a> {
+    pub(super) fn of_file(source: &'a Source, table: &'a Spanned<DeTable<'a>>) -> Self {
+        Table::new(source, table.span(), table.get_ref(), String::new())
+    }
+
+    fn new(source: &'a Source, place: Range<usize>, table: &'a DeTable<'a>, title: String) -> Self {
+        let entries = table.iter().map(|(key, value)| {
+            let entry = Entry { source, value };
+            (key.get_ref().as_ref(), key.span(), entry)
+        });
+        let mut entries: Vec<_> = entries.collect();
+        entries.sort_by_key(|(_, place, _)| place.start);
+        Table {
+            place,
+            title,
+            entries,
+        }
+    }
+
+    /// Names, their places and values in the order of the file.
+    pub(super) fn entries(&self) -> impl Iterator<Item = (&'a str, Range<usize>, Entry<'a>)> {
+        self.entries.iter().cloned()
+    }
+
+    pub(super) fn get(&self, name: &str) -> Option<Entry<'a>> {
+        let mut entries = self.entries.iter();
+        entries
+            .find(|(key, ..)| *key == name)
+            .map(|&(_, _, entry)| entry)
+    }
+
+    /// The entry of a name that must be there.
+    pub(super) fn need(&self, name: &str, what: &str) -> Result<Entry<'a>, Problem> {
+        self.get(name).ok_or_else(|| {
+            let place = if self.title.is_empty() {
+                0..0
+            } else {
+                self.place.clone()
+            };
+            Problem::new(format!("{} has no `{name}`", self.told()), place)
+                .help(format!("it is needed: {what}"))
+        })
+    }
+
+    /// The table of a name.
+    pub(super) fn table(&self, name: &str) -> Result<Option<Table<'a>>, Problem> {
+        self.get(name)
+            .map(|entry| entry.table(&self.title, name))
+            .transpose()
+    }
+
+    /// Refuses entries that are not among those that can be here.
+    pub(super) fn only(&self, known: &[&str]) -> Result<(), Problem> {
+        for (name, place, _) in &self.entries {
+            if !known.contains(name) {
+                let message = format!("{} has no entry `{name}`", self.told());
+                let help = did_you_mean(name, known.iter().copied())
+                    .unwrap_or_else(|| format!("there can be {}", listed(known)));
+                return Err(Problem::new(message, place.clone())
+                    .label("not known")
+                    .help(help));
+            }
+        }
+        Ok(())
+    }
+
+    fn told(&self) -> String {
+        if self.title.is_empty() {
+            "the file".to_owned()
+        } else {
+            format!("[{}]", self.title)
+        }
+    }
+}
+
+/// Names in backticks, with commas.
+pub(super) fn listed(names: &[&str]) -> String {
+    let names: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
+    names.join(", ")
+}
+
+impl<'a> Entry<'a> {
+    pub(super) fn place(self) -> Range<usize> {
+        self.value.span()
+    }
+
+    fn wrong(self, wanted: &str) -> Problem {
+        let found = match self.value.get_ref() {
+            DeValue::String(_) => "a text",
+            DeValue::Integer(_) | DeValue::Float(_) => "a number",
+            DeValue::Boolean(_) => "true or false",
+            DeValue::Datetime(_) => "a date",
+            DeValue::Array(_) => "a list",
+            DeValue::Table(_) => "a table",
+        };
+        Problem::new(
+            format!("{wanted} is expected here, not {found}"),
+            self.place(),
+        )
+    }
+
+    pub(super) fn table(self, above: &str, name: &str) -> Result<Table<'a>, Problem> {
+        let title = if above.is_empty() {
+            name.to_owned()
+        } else {
+            format!("{above}.{name}")
+        };
+        match self.value.get_ref() {
+            DeValue::Table(table) => Ok(Table::new(self.source, self.place(), table, title)),
+            _ => Err(self.wrong(&format!("a table [{title}]"))),
+        }
+    }
+
+    /// A table, if it is one.
+    pub(super) fn as_table(self, title: &str) -> Option<Table<'a>> {
+        match self.value.get_ref() {
+            DeValue::Table(table) => Some(Table::new(
+                self.source,
+                self.place(),
+                table,
+                title.to_owned(),
+            )),
+            _ => None,
+        }
+    }
+
+    pub(super) fn text(self) -> Result<&'a str, Problem> {
+        match self.value.get_ref() {
+            DeValue::String(text) => Ok(text),
+            _ => Err(self.wrong("a text in quotes")),
+        }
+    }
+
+    /// A number, which may be infinite but not NaN.
+    fn number(self) -> Option<f64> {
+        match self.value.get_ref() {
+            DeValue::Integer(integer) => i64::from_str_radix(integer.as_str(), integer.radix())
+                .ok()
+                .map(|value| value as f64),
+            DeValue::Float(float) => float.as_str().parse().ok(),
+            _ => None,
+        }
+    }
+
+    /// A finite number.
+    pub(super) fn finite(self) -> Result<f64, Problem> {
+        match self.number() {
+            Some(value) if value.is_finite() => Ok(value),
+            Some(value) => Err(Problem::new(
+                format!("a finite number is expected here, not {value}"),
+                self.place(),
+            )),
+            None => Err(self.wrong("a number")),
+        }
+    }
+
+    /// An expression: a text, or a number.
+    pub(super) fn formula(self) -> Result<Formula, Problem> {
+        match self.value.get_ref() {
+            DeValue::String(text) => Formula::parsed(text, self.place(), self.source),
+            DeValue::Integer(_) | DeValue::Float(_) => {
+                Ok(Formula::number(self.finite()?, self.place()))
+            }
+            _ => Err(self.wrong("an expression in quotes, or a number,")),
+        }
+    }
+
+    /// A lower and an upper bound, not equal; infinite only if that is allowed.
+    pub(super) fn interval(self, may_be_infinite: bool) -> Result<(f64, f64), Problem> {
+        let wanted = "a range [lowest, highest]";
+        let DeValue::Array(array) = self.value.get_ref() else {
+            return Err(self.wrong(wanted));
+        };
+        let ends: Vec<Entry<'_>> = array.iter().map(|value| Entry { value, ..self }).collect();
+        let [low, high] = ends[..] else {
+            let message = format!("{wanted} has two numbers, this has {}", ends.len());
+            return Err(Problem::new(message, self.place()));
+        };
+        let end = |entry: Entry<'_>| match entry.number() {
+            Some(value) if may_be_infinite && !value.is_nan() => Ok(value),
+            _ => entry.finite(),
+        };
+        let (low, high) = (end(low)?, end(high)?);
+        if low < high {
+            return Ok((low, high));
+        }
+        let message = format!("the range from {low} to {high} is empty");
+        Err(Problem::new(message, self.place()).help("the lower end comes first"))
+    }
+}

@@ -1,0 +1,118 @@
+//! A block as it is on disk: a line that says what follows, then what was computed.
+
+use std::fmt::Write;
+
+use sha2::{Digest, Sha256};
+
+/// The first word of every block.
+const MARKER: &str = "stickslip-block";
+
+/// What is found under the name of a block.
+#[derive(Debug, PartialEq)]
+pub(super) enum Found {
+    /// What was computed.
+    Whole(Vec<u8>),
+    /// A block of another sweep.
+    Stranger,
+    /// A block that cannot be used, and why.
+    Damaged(&'static str),
+}
+
+/// SHA-256 in hexadecimal.
+pub(super) fn digest(bytes: &[u8]) -> String {
+    let mut text = String::with_capacity(64);
+    for byte in Sha256::digest(bytes) {
+        // Writing into a string does not fail.
+        let _ = write!(text, "{byte:02x}");
+    }
+    text
+}
+
+/// The bytes on disk of block `index` of the sweep with this fingerprint.
+pub(super) fn encode(fingerprint: &str, index: usize, content: &[u8]) -> Vec<u8> {
+    let (length, checksum) = (content.len(), digest(content));
+    let mut bytes = format!("{MARKER} {fingerprint} {index} {length} {checksum}\n").into_bytes();
+    bytes.extend_from_slice(content);
+    bytes
+}
+
+/// What `bytes` are, under the name of block `index` of the sweep with this fingerprint.
+pub(super) fn decode(fingerprint: &str, index: usize, bytes: &[u8]) -> Found {
+    let Some((content, words)) = split(bytes) else {
+        return Found::Damaged("cut short or no block");
+    };
+    let [marker, sweep, number, length, checksum] = words[..] else {
+        return Found::Damaged("no block");
+    };
+    if marker != MARKER {
+        return Found::Damaged("no block");
+    }
+    if number.parse() != Ok(index) {
+        return Found::Damaged("another block under its name");
+    }
+    match length.parse::<usize>() {
+        Ok(length) if content.len() < length => return Found::Damaged("cut short"),
+        Ok(length) if content.len() == length => {}
+        _ => return Found::Damaged("of another length than it says"),
+    }
+    if digest(content) != checksum {
+        return Found::Damaged("changed since it was written");
+    }
+    // Told last: what is damaged may have any fingerprint.
+    if sweep != fingerprint {
+        return Found::Stranger;
+    }
+    Found::Whole(content.to_vec())
+}
+
+/// What follows the first line, and the words of that line.
+fn split(bytes: &[u8]) -> Option<(&[u8], Vec<&str>)> {
+    let end = bytes.iter().position(|byte| *byte == b'\n')?;
+    let line = std::str::from_utf8(&bytes[..end]).ok()?;
+    Some((&bytes[end + 1..], line.split(' ').collect()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_written_is_read() {
+        for content in [&b""[..], b"1,2\n3,4\n", b"\n\0\xff"] {
+            let found = decode("f", 7, &encode("f", 7, content));
+            assert_eq!(found, Found::Whole(content.to_vec()));
+        }
+    }
+
+    #[test]
+    fn every_cut_and_every_changed_byte_is_noticed() {
+        let whole = encode("fingerprint", 7, b"1.25,-3\n");
+        for cut in 0..whole.len() {
+            let found = decode("fingerprint", 7, &whole[..cut]);
+            assert!(
+                matches!(found, Found::Damaged(_)),
+                "cut at {cut}: {found:?}"
+            );
+        }
+        for place in 0..whole.len() {
+            let mut changed = whole.clone();
+            changed[place] ^= 1;
+            let found = decode("fingerprint", 7, &changed);
+            assert!(!matches!(found, Found::Whole(_)), "changed at {place}");
+        }
+    }
+
+    #[test]
+    fn a_renamed_block_and_one_of_another_sweep_are_told_apart() {
+        let block = encode("ours", 7, b"x");
+        assert!(matches!(decode("ours", 8, &block), Found::Damaged(_)));
+        assert_eq!(decode("theirs", 7, &block), Found::Stranger);
+    }
+
+    #[test]
+    fn the_digest_is_the_published_one() {
+        // FIPS 180-2, appendix B.1.
+        let published = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
+        assert_eq!(digest(b"abc"), published);
+    }
+}

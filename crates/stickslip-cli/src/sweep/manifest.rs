@@ -1,0 +1,188 @@
+//! What says of which sweep the blocks in a folder are.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::num::NonZeroUsize;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use super::block::digest;
+use super::error::SweepError;
+use super::plan::Plan;
+use super::whole;
+
+/// Name of the file.
+pub(super) const NAME: &str = "manifest.json";
+
+/// Version of the files' form.
+const FORMAT: u32 = 1;
+
+/// The program and its version: another one may have other bits.
+const PROGRAM: &str = concat!("stickslip ", env!("CARGO_PKG_VERSION"));
+
+/// The file `manifest.json`.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Manifest {
+    format: u32,
+    program: String,
+    command: String,
+    arguments: BTreeMap<String, Value>,
+    chains: NonZeroUsize,
+    blocks_in_chain: NonZeroUsize,
+    system: System,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct System {
+    name: String,
+    sha256: String,
+    text: String,
+}
+
+impl Manifest {
+    pub(super) fn of(plan: &Plan) -> Self {
+        Self {
+            format: FORMAT,
+            program: PROGRAM.to_owned(),
+            command: plan.command.clone(),
+            arguments: plan.arguments.clone(),
+            chains: plan.chains,
+            blocks_in_chain: plan.length,
+            system: System {
+                name: plan.system.clone(),
+                sha256: digest(plan.system_text.as_bytes()),
+                text: plan.system_text.clone(),
+            },
+        }
+    }
+
+    pub(super) fn into_plan(self) -> Plan {
+        Plan {
+            command: self.command,
+            arguments: self.arguments,
+            system: self.system.name,
+            system_text: self.system.text,
+            chains: self.chains,
+            length: self.blocks_in_chain,
+        }
+    }
+
+    /// The manifest in `folder`, if there is one.
+    ///
+    /// # Errors
+    /// [`SweepError::Read`], [`SweepError::BadManifest`].
+    pub(super) fn read(folder: &Path) -> Result<Option<Self>, SweepError> {
+        let path = folder.join(NAME);
+        let bytes = match fs::read(&path) {
+            Ok(bytes) => bytes,
+            Err(error) if whole::is_absent(&error) => return Ok(None),
+            Err(source) => return Err(SweepError::Read { path, source }),
+        };
+        let bad = |reason: String| SweepError::BadManifest {
+            path: path.clone(),
+            reason,
+        };
+        // The version is asked first: another one may have other fields.
+        let value: Value =
+            serde_json::from_slice(&bytes).map_err(|error| bad(error.to_string()))?;
+        match value.get("format").and_then(Value::as_u64) {
+            Some(format) if format == u64::from(FORMAT) => {}
+            Some(format) => {
+                return Err(bad(format!(
+                    "its format is {format}, and this program reads {FORMAT}"
+                )));
+            }
+            None => return Err(bad("it has no format".to_owned())),
+        }
+        let manifest: Self =
+            serde_json::from_value(value).map_err(|error| bad(error.to_string()))?;
+        if digest(manifest.system.text.as_bytes()) != manifest.system.sha256 {
+            return Err(bad(
+                "the system's text in it is not the one that its hash is of".to_owned(),
+            ));
+        }
+        Ok(Some(manifest))
+    }
+
+    /// The bytes on disk.
+    ///
+    /// # Errors
+    /// [`SweepError::BadManifest`] if it cannot be written down.
+    pub(super) fn bytes(&self, folder: &Path) -> Result<Vec<u8>, SweepError> {
+        let mut bytes =
+            serde_json::to_vec_pretty(self).map_err(|error| SweepError::BadManifest {
+                path: folder.join(NAME),
+                reason: error.to_string(),
+            })?;
+        bytes.push(b'\n');
+        Ok(bytes)
+    }
+
+    /// What differs first between two sweeps: what it is, its value here and its value in the other; nothing if their blocks are the same.
+    pub(super) fn difference(&self, other: &Self) -> Option<(String, String, String)> {
+        let named = [
+            ("the program", &self.program, &other.program),
+            ("the command", &self.command, &other.command),
+            ("the system's name", &self.system.name, &other.system.name),
+        ];
+        for (what, old, new) in named {
+            if old != new {
+                return Some((what.to_owned(), quoted(old), quoted(new)));
+            }
+        }
+        let names = self.arguments.keys().chain(other.arguments.keys());
+        for name in names {
+            let (old, new) = (self.arguments.get(name), other.arguments.get(name));
+            if old != new {
+                return Some((format!("the argument `{name}`"), shown(old), shown(new)));
+            }
+        }
+        if let Some((line, old, new)) = first_line(&self.system.text, &other.system.text) {
+            return Some((format!("line {line} of the system"), old, new));
+        }
+        let counts = [
+            ("the number of chains", self.chains, other.chains),
+            (
+                "the number of blocks in a chain",
+                self.blocks_in_chain,
+                other.blocks_in_chain,
+            ),
+        ];
+        counts
+            .into_iter()
+            .find(|(_, old, new)| old != new)
+            .map(|(what, old, new)| (what.to_owned(), old.to_string(), new.to_string()))
+    }
+}
+
+fn quoted(text: &str) -> String {
+    format!("`{text}`")
+}
+
+fn shown(value: Option<&Value>) -> String {
+    value.map_or("not given".to_owned(), Value::to_string)
+}
+
+/// The first line in which two texts differ, counted from 1.
+fn first_line(old: &str, new: &str) -> Option<(usize, String, String)> {
+    if old == new {
+        return None;
+    }
+    let (mut olds, mut news) = (old.split('\n'), new.split('\n'));
+    let mut line = 0;
+    loop {
+        line += 1;
+        let (old, new) = (olds.next(), news.next());
+        if old != new {
+            let shown =
+                |line: Option<&str>| line.map_or("nothing".to_owned(), |it| format!("{it:?}"));
+            return Some((line, shown(old), shown(new)));
+        }
+        // Not reached: texts that differ have a line in which they do.
+        old?;
+    }
+}

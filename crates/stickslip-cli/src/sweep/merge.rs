@@ -1,0 +1,185 @@
+//! Joins the shares of a sweep that were computed in folders of their own.
+
+use std::path::Path;
+
+use super::block::Found;
+use super::error::SweepError;
+use super::manifest::Manifest;
+use super::share::Share;
+use super::store::{Store, Writer};
+
+/// Ranges of missing blocks that an error names; of more it says how many.
+const NAMED: usize = 12;
+
+/// What was joined.
+#[derive(Debug)]
+pub struct Merged {
+    /// The folder with all blocks.
+    pub store: Store,
+    /// Blocks that more than one folder had, all with the same bytes.
+    pub repeated: usize,
+}
+
+/// Joins the blocks of the sweep whose shares are in `folders`, in the folder `out`, which may be one of them. Everything is checked
+/// before anything is written.
+///
+/// # Errors
+/// [`SweepError::NoSweep`] for a folder without one, [`SweepError::StrangeShare`] for a share of another sweep,
+/// [`SweepError::Stranger`] for a block of another one, [`SweepError::Gaps`], [`SweepError::Overlap`]; [`SweepError::Differs`] if
+/// `out` holds another sweep; those of files.
+pub fn merge(out: &Path, folders: &[impl AsRef<Path>]) -> Result<Merged, SweepError> {
+    let sources = folders
+        .iter()
+        .map(|folder| Store::open(folder.as_ref()))
+        .collect::<Result<Vec<_>, _>>()?;
+    let Some(first) = sources.first() else {
+        return Err(SweepError::NoSweep {
+            folder: out.to_owned(),
+        });
+    };
+    for source in &sources {
+        same_sweep(first, source)?;
+        source.check_names()?;
+    }
+    let (mut missing, mut damaged, mut repeated) = (Vec::new(), Vec::new(), 0);
+    for block in 0..first.plan().blocks() {
+        let picked = pick(&sources, block)?;
+        repeated += usize::from(picked.copies > 1);
+        if picked.content.is_none() {
+            missing.push(block);
+            damaged.extend(picked.damaged);
+        }
+    }
+    if !missing.is_empty() {
+        return Err(SweepError::Gaps {
+            missing: missing.len(),
+            total: first.plan().blocks(),
+            which: ranges(&missing),
+            damaged: if damaged.is_empty() {
+                String::new()
+            } else {
+                format!(" ({})", damaged.join(", "))
+            },
+        });
+    }
+    let writer = Writer::open(out, first.plan(), Share::WHOLE)?;
+    for block in 0..first.plan().blocks() {
+        let (content, source) = match pick(&sources, block)?.content {
+            Some(found) => found,
+            // Taken away since it was checked, and told as that.
+            None => (first.block(block)?, first),
+        };
+        match writer.store.find(block)? {
+            Some(Found::Whole(there)) if there == content => {}
+            Some(Found::Whole(_)) => {
+                return Err(SweepError::Overlap {
+                    block,
+                    one: out.to_owned(),
+                    other: source.folder().to_owned(),
+                });
+            }
+            Some(Found::Stranger) => {
+                return Err(SweepError::Stranger {
+                    path: writer.store.path(block),
+                });
+            }
+            Some(Found::Damaged(_)) | None => writer.put(block, &content)?,
+        }
+    }
+    Ok(Merged {
+        store: writer.store,
+        repeated,
+    })
+}
+
+fn same_sweep(first: &Store, second: &Store) -> Result<(), SweepError> {
+    let (one, two) = (Manifest::of(first.plan()), Manifest::of(second.plan()));
+    match one.difference(&two) {
+        None => Ok(()),
+        Some((what, one, two)) => Err(SweepError::StrangeShare {
+            first: first.folder().to_owned(),
+            second: second.folder().to_owned(),
+            what,
+            one,
+            two,
+        }),
+    }
+}
+
+/// What the folders have of a block.
+struct Picked<'a> {
+    content: Option<(Vec<u8>, &'a Store)>,
+    copies: usize,
+    damaged: Vec<String>,
+}
+
+fn pick(sources: &[Store], block: usize) -> Result<Picked<'_>, SweepError> {
+    let mut picked = Picked {
+        content: None,
+        copies: 0,
+        damaged: Vec::new(),
+    };
+    for source in sources {
+        let content = match source.find(block)? {
+            None => continue,
+            Some(Found::Stranger) => {
+                return Err(SweepError::Stranger {
+                    path: source.path(block),
+                });
+            }
+            Some(Found::Damaged(damage)) => {
+                let path = source.path(block);
+                picked
+                    .damaged
+                    .push(format!("{} is {damage}", path.display()));
+                continue;
+            }
+            Some(Found::Whole(content)) => content,
+        };
+        picked.copies += 1;
+        match &picked.content {
+            None => picked.content = Some((content, source)),
+            Some((same, _)) if *same == content => {}
+            Some((_, other)) => {
+                return Err(SweepError::Overlap {
+                    block,
+                    one: source.folder().to_owned(),
+                    other: other.folder().to_owned(),
+                });
+            }
+        }
+    }
+    Ok(picked)
+}
+
+/// Ascending indices as text: `0-3, 7`.
+fn ranges(blocks: &[usize]) -> String {
+    let runs: Vec<&[usize]> = blocks.chunk_by(|one, next| one + 1 == *next).collect();
+    let name = |run: &&[usize]| match run {
+        [first, .., last] => format!("{first}-{last}"),
+        [one] => one.to_string(),
+        [] => String::new(),
+    };
+    let named: Vec<String> = runs.iter().take(NAMED).map(name).collect();
+    let rest: usize = runs.iter().skip(NAMED).map(|run| run.len()).sum();
+    if rest == 0 {
+        named.join(", ")
+    } else {
+        format!("{} and {rest} more", named.join(", "))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn missing_blocks_are_told_as_ranges() {
+        assert_eq!(ranges(&[0, 1, 2, 3, 7, 9, 10]), "0-3, 7, 9-10");
+        let odd: Vec<usize> = (0..15).map(|k| 2 * k + 1).collect();
+        assert_eq!(
+            ranges(&odd),
+            "1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23 and 3 more"
+        );
+    }
+}

@@ -1,0 +1,256 @@
+//! The folder of a sweep.
+
+use std::fs::{self, File, OpenOptions, TryLockError};
+use std::io::{self, ErrorKind};
+use std::path::{Path, PathBuf};
+
+use super::block::{Found, decode, digest, encode};
+use super::error::SweepError;
+use super::manifest::{self, Manifest};
+use super::plan::Plan;
+use super::share::Share;
+use super::whole;
+
+/// Ending of the names of blocks.
+const ENDING: &str = ".block";
+
+/// A folder with blocks of a sweep.
+#[derive(Debug)]
+pub struct Store {
+    folder: PathBuf,
+    plan: Plan,
+    fingerprint: String,
+}
+
+/// A folder that a share's blocks are written into.
+#[derive(Debug)]
+pub(super) struct Writer {
+    pub(super) store: Store,
+    staging: PathBuf,
+    // Held for as long as the writer is there; the system gives it back however the process ends.
+    _lock: File,
+}
+
+impl Store {
+    /// The sweep in `folder`.
+    ///
+    /// # Errors
+    /// [`SweepError::NoSweep`], [`SweepError::Read`], [`SweepError::BadManifest`].
+    pub fn open(folder: &Path) -> Result<Self, SweepError> {
+        let Some(manifest) = Manifest::read(folder)? else {
+            return Err(SweepError::NoSweep {
+                folder: folder.to_owned(),
+            });
+        };
+        Self::of(folder, manifest)
+    }
+
+    fn of(folder: &Path, manifest: Manifest) -> Result<Self, SweepError> {
+        Ok(Self {
+            folder: folder.to_owned(),
+            fingerprint: digest(&manifest.bytes(folder)?),
+            plan: manifest.into_plan(),
+        })
+    }
+
+    /// The folder.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// What the sweep is.
+    pub fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// Hands the blocks to `each`, in order, one at a time.
+    ///
+    /// # Errors
+    /// Those of `each`; [`SweepError::Damaged`] at a block that is not there or not whole, [`SweepError::Stranger`],
+    /// [`SweepError::Read`].
+    pub fn for_each<E: From<SweepError>>(
+        &self,
+        mut each: impl FnMut(usize, &[u8]) -> Result<(), E>,
+    ) -> Result<(), E> {
+        for block in 0..self.plan.blocks() {
+            each(block, &self.block(block)?)?;
+        }
+        Ok(())
+    }
+
+    /// What was computed as `block`.
+    pub(super) fn block(&self, block: usize) -> Result<Vec<u8>, SweepError> {
+        let damage = match self.find(block)? {
+            Some(Found::Whole(content)) => return Ok(content),
+            Some(Found::Damaged(damage)) => damage,
+            Some(Found::Stranger) => {
+                return Err(SweepError::Stranger {
+                    path: self.path(block),
+                });
+            }
+            None => "not there",
+        };
+        Err(SweepError::Damaged {
+            block,
+            damage: damage.to_owned(),
+            folder: self.folder.clone(),
+        })
+    }
+
+    /// What is under the name of `block`; nothing if nothing is.
+    pub(super) fn find(&self, block: usize) -> Result<Option<Found>, SweepError> {
+        let path = self.path(block);
+        match fs::read(&path) {
+            Ok(bytes) => Ok(Some(decode(&self.fingerprint, block, &bytes))),
+            Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
+            Err(source) => Err(SweepError::Read { path, source }),
+        }
+    }
+
+    /// Checks that every file with the ending of a block has the name of a block of this sweep.
+    pub(super) fn check_names(&self) -> Result<(), SweepError> {
+        for name in block_names(&self.folder)? {
+            let index = name.strip_suffix(ENDING).and_then(|stem| stem.parse().ok());
+            let known = index.is_some_and(|index| {
+                index < self.plan.blocks() && self.path(index).ends_with(&name)
+            });
+            if !known {
+                return Err(SweepError::Stranger {
+                    path: blocks(&self.folder).join(name),
+                });
+            }
+        }
+        Ok(())
+    }
+
+    pub(super) fn path(&self, block: usize) -> PathBuf {
+        blocks(&self.folder).join(format!("{block:08}{ENDING}"))
+    }
+}
+
+impl Writer {
+    /// Makes the folder fit for a share of a sweep: nobody else at work on that share, the manifest of this sweep and of no other,
+    /// nothing unfinished.
+    ///
+    /// # Errors
+    /// [`SweepError::CreateFolder`], [`SweepError::Write`], [`SweepError::Read`], [`SweepError::Busy`], [`SweepError::Differs`],
+    /// [`SweepError::BadManifest`], [`SweepError::NoManifest`].
+    pub(super) fn open(folder: &Path, plan: &Plan, share: Share) -> Result<Self, SweepError> {
+        let wanted = Manifest::of(plan);
+        // Before anything is made: a folder of another sweep is left as it is.
+        let mut there = Manifest::read(folder)?;
+        check(folder, there.as_ref(), &wanted)?;
+        let staging = folder
+            .join("work")
+            .join(share.to_string().replace('/', "-of-"));
+        whole::make_folder(&blocks(folder))?;
+        whole::make_folder(&staging)?;
+        let lock = lock(&staging, share, folder)?;
+        if there.is_none() {
+            let path = folder.join(manifest::NAME);
+            whole::write_once(&path, &staging, &wanted.bytes(folder)?)?;
+            // Another process may have been faster, with other arguments.
+            there = Manifest::read(folder)?;
+            check(folder, there.as_ref(), &wanted)?;
+        }
+        Ok(Self {
+            store: Store::of(folder, wanted)?,
+            staging,
+            _lock: lock,
+        })
+    }
+
+    /// Puts a block on disk.
+    ///
+    /// # Errors
+    /// [`SweepError::Write`].
+    pub(super) fn put(&self, block: usize, content: &[u8]) -> Result<(), SweepError> {
+        let bytes = encode(&self.store.fingerprint, block, content);
+        let path = self.store.path(block);
+        whole::write(&path, &self.staging, |file| file.write_all(&bytes))
+    }
+}
+
+fn blocks(folder: &Path) -> PathBuf {
+    folder.join("blocks")
+}
+
+/// Names of the files in the folder of blocks that have the ending of a block.
+fn block_names(folder: &Path) -> Result<Vec<String>, SweepError> {
+    let path = blocks(folder);
+    let entries = match fs::read_dir(&path) {
+        Ok(entries) => entries,
+        Err(error) if whole::is_absent(&error) => return Ok(Vec::new()),
+        Err(source) => return Err(SweepError::Read { path, source }),
+    };
+    let mut names = Vec::new();
+    for entry in entries {
+        let entry = entry.map_err(SweepError::read(&path))?;
+        let name = entry.file_name().to_string_lossy().into_owned();
+        if name.ends_with(ENDING) {
+            names.push(name);
+        }
+    }
+    names.sort();
+    Ok(names)
+}
+
+/// Whether the sweep that is in `folder` is the wanted one, or none.
+fn check(folder: &Path, there: Option<&Manifest>, wanted: &Manifest) -> Result<(), SweepError> {
+    let Some(there) = there else {
+        return if block_names(folder)?.is_empty() {
+            Ok(())
+        } else {
+            Err(SweepError::NoManifest {
+                folder: folder.to_owned(),
+            })
+        };
+    };
+    match there.difference(wanted) {
+        None => Ok(()),
+        Some((what, old, new)) => Err(SweepError::Differs {
+            folder: folder.to_owned(),
+            what,
+            old,
+            new,
+        }),
+    }
+}
+
+/// The lock of a share. Whoever holds it removes what a killed process has left unfinished.
+fn lock(staging: &Path, share: Share, folder: &Path) -> Result<File, SweepError> {
+    const NAME: &str = "lock";
+    let path = staging.join(NAME);
+    let file = OpenOptions::new()
+        .create(true)
+        .truncate(false)
+        .write(true)
+        .open(&path)
+        .map_err(SweepError::write(&path))?;
+    match file.try_lock() {
+        Ok(()) => {}
+        Err(TryLockError::WouldBlock) => {
+            return Err(SweepError::Busy {
+                share: share.to_string(),
+                folder: folder.to_owned(),
+            });
+        }
+        // Some shared file systems have no locks. Two processes on one share then do the same work twice and write the same
+        // bytes; only what a kill has left must stay, as it may be the other's.
+        Err(TryLockError::Error(error)) if error.kind() == ErrorKind::Unsupported => {
+            return Ok(file);
+        }
+        Err(TryLockError::Error(source)) => return Err(SweepError::Write { path, source }),
+    }
+    let clear = || -> io::Result<()> {
+        for entry in fs::read_dir(staging)? {
+            let entry = entry?;
+            if entry.file_name() != NAME {
+                fs::remove_file(entry.path())?;
+            }
+        }
+        Ok(())
+    };
+    clear().map_err(SweepError::write(staging))?;
+    Ok(file)
+}

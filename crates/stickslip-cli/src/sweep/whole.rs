@@ -1,0 +1,103 @@
+//! Files that are complete or not there.
+
+use std::fs;
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
+
+use tempfile::NamedTempFile;
+
+use super::error::SweepError;
+
+/// Whether a file could not be read because there is none; a file in the place of a folder above it is told when the folder is made.
+pub(super) fn is_absent(error: &io::Error) -> bool {
+    use io::ErrorKind::{NotADirectory, NotFound};
+    matches!(error.kind(), NotFound | NotADirectory)
+}
+
+/// Makes a folder and those above it.
+///
+/// # Errors
+/// [`SweepError::CreateFolder`].
+pub(super) fn make_folder(path: &Path) -> Result<(), SweepError> {
+    fs::create_dir_all(path).map_err(|source| SweepError::CreateFolder {
+        path: path.to_owned(),
+        // The system says no more than that something of this name exists.
+        source: if path.is_file() {
+            io::Error::new(source.kind(), "it is a file, not a folder")
+        } else {
+            source
+        },
+    })
+}
+
+/// Writes `path` by way of a temporary file in `staging`, on the same file system, so that it is never seen unfinished.
+///
+/// # Errors
+/// [`SweepError::Write`], also if `content` fails; the temporary file is then removed, and what was at `path` before stays.
+pub(super) fn write(
+    path: &Path,
+    staging: &Path,
+    content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> Result<(), SweepError> {
+    let staged = stage(staging, content).map_err(SweepError::write(path))?;
+    let persisted = staged.persist(path).map_err(|error| error.error);
+    persisted.map_err(SweepError::write(path))?;
+    Ok(())
+}
+
+/// Writes a table or another file that need not fit into memory: `content` writes it bit by bit, and it appears under its name when it is
+/// complete. Its folder must exist.
+///
+/// # Errors
+/// Those of `content`; [`SweepError::Write`]. What was at `path` before then stays.
+pub fn write_whole<E: From<SweepError>>(
+    path: &Path,
+    content: impl FnOnce(&mut dyn Write) -> Result<(), E>,
+) -> Result<(), E> {
+    let folder = path.parent().unwrap_or(Path::new("."));
+    let failed = SweepError::write(path);
+    let mut of_content = Ok(());
+    let staged = stage(folder, |file| {
+        of_content = content(file);
+        Ok(())
+    });
+    of_content?;
+    let persisted = staged.and_then(|file| file.persist(path).map_err(|error| error.error));
+    persisted.map_err(failed)?;
+    Ok(())
+}
+
+/// As [`write`], but what is there already stays: whoever is first has written the file. Whether it was this call.
+///
+/// # Errors
+/// [`SweepError::Write`].
+pub(super) fn write_once(path: &Path, staging: &Path, bytes: &[u8]) -> Result<bool, SweepError> {
+    let staged = stage(staging, |file| file.write_all(bytes)).map_err(SweepError::write(path))?;
+    match staged.persist_noclobber(path) {
+        Ok(_) => Ok(true),
+        Err(error) if error.error.kind() == io::ErrorKind::AlreadyExists => Ok(false),
+        Err(error) => Err(SweepError::write(path)(error.error)),
+    }
+}
+
+fn stage(
+    folder: &Path,
+    content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> io::Result<NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    // Temporary files are private by default; these are to be read by everyone the umask lets.
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        builder.permissions(fs::Permissions::from_mode(0o666));
+    }
+    let file = builder.tempfile_in(folder)?;
+    let mut buffered = BufWriter::new(file);
+    content(&mut buffered)?;
+    let file = buffered
+        .into_inner()
+        .map_err(io::IntoInnerError::into_error)?;
+    // The name may be on disk before the content is, unless the content is made to.
+    file.as_file().sync_all()?;
+    Ok(file)
+}

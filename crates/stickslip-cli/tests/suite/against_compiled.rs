@@ -1,0 +1,224 @@
+//! Systems from files have the orbits of the same systems compiled.
+
+use stickslip::models::{BeltOscillator, BlockAndBracket, Caption, ForcedOscillator, Reading};
+use stickslip::{Contacts, Filippov, Options, Scalar, Several, Side, State, solve};
+use stickslip_cli::system::System;
+
+use super::recorded::{Event, methods, open, read, run};
+
+/// Differences that rounding may make.
+const ALLOWED: f64 = 1e-12;
+
+fn assert_same(name: &str, file: &[Event], compiled: &[Event]) {
+    assert!(
+        compiled.len() >= 4,
+        "{name}: only {} transitions",
+        compiled.len()
+    );
+    assert_eq!(file.len(), compiled.len(), "{name}");
+    for (k, (one, other)) in file.iter().zip(compiled).enumerate() {
+        assert_eq!((one.0, one.1), (other.0, other.1), "{name}, transition {k}");
+        let near = |a: f64, b: f64| (a - b).abs() <= ALLOWED * b.abs().max(1.0);
+        let states = one.3.iter().zip(&other.3);
+        let all = near(one.2, other.2) && states.clone().all(|(&a, &b)| near(a, b));
+        assert!(
+            all,
+            "{name}, transition {k}: {one:?} from the file, {other:?} compiled"
+        );
+    }
+}
+
+fn compare<S: Filippov<N>, const N: usize>(name: &str, file: &System, system: &S, t_end: f64) {
+    let start = file.built.start.clone().unwrap();
+    for options in methods() {
+        let x = State::<N>::from_fn(|i, _| start[i]);
+        let orbit = solve(system, 0.0, x, t_end, &options).unwrap();
+        let compiled: Vec<Event> = orbit
+            .transitions
+            .iter()
+            .map(|at| (at.kind, at.contact, at.t, at.x.as_slice().to_vec()))
+            .collect();
+        let (ended, events) = run(file, t_end, &options);
+        assert_same(name, &events, &compiled);
+        let far = ended.x.iter().zip(&orbit.x_end).map(|(a, b)| (a - b).abs());
+        assert!(far.fold(0.0, f64::max) <= ALLOWED, "{name}");
+    }
+}
+
+#[test]
+fn the_three_models_of_the_paper() {
+    compare("belt", &open("belt"), &BeltOscillator::default(), 50.0);
+    compare(
+        "forced",
+        &open("forced"),
+        &ForcedOscillator::default(),
+        10.0,
+    );
+    let bracket = BlockAndBracket::from_caption(&Caption::FIG11, &Reading::exact()).unwrap();
+    compare("bracket", &open("bracket"), &bracket, 60.0);
+}
+
+/// Friction oscillators of one mass, by their law and their drive.
+struct Block {
+    belt_speed: f64,
+    damping: f64,
+    drive: Option<f64>,
+    law: Law,
+}
+
+enum Law {
+    Hyperbolic(f64),
+    Exponential { slow: f64, fast: f64, decay: f64 },
+    Coulomb(f64),
+}
+
+impl Filippov<2> for Block {
+    #[inline(always)]
+    fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; 2]) -> [T; 2] {
+        let slip_speed = (x[1] - self.belt_speed) * side.sign();
+        let size = match self.law {
+            Law::Hyperbolic(decay) => (slip_speed * decay + 1.0).recip(),
+            Law::Exponential { slow, fast, decay } => {
+                (slip_speed * -decay).exp() * (slow - fast) + fast
+            }
+            Law::Coulomb(size) => T::constant(size),
+        };
+        let force = -x[0] - x[1] * self.damping - size * side.sign();
+        match self.drive {
+            Some(frequency) => [x[1], force + (t * frequency).cos()],
+            None => [x[1], force],
+        }
+    }
+    #[inline(always)]
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
+        x[1] - self.belt_speed
+    }
+}
+
+#[test]
+fn the_three_benchmark_problems() {
+    let leine = Block {
+        belt_speed: 0.2,
+        damping: 0.0,
+        drive: None,
+        law: Law::Hyperbolic(3.0),
+    };
+    compare("leine", &open("leine"), &leine, 50.0);
+    let basins = Block {
+        belt_speed: 1.5,
+        damping: 0.1,
+        drive: None,
+        law: Law::Exponential {
+            slow: 1.0,
+            fast: 0.5,
+            decay: 2.0,
+        },
+    };
+    let file = open("basins");
+    let mut onto_the_cycle = file;
+    onto_the_cycle.built.start = Some(vec![-2.0, 0.0]);
+    compare("basins", &onto_the_cycle, &basins, 60.0);
+    let den_hartog = Block {
+        belt_speed: 0.0,
+        damping: 0.0,
+        drive: Some(0.7),
+        law: Law::Coulomb(0.2),
+    };
+    compare("den-hartog", &open("den-hartog"), &den_hartog, 60.0);
+}
+
+/// Two blocks on a belt, joined by a spring; friction 1 and 0.9 at rest, 0.6 of that in slip.
+struct TwoBlocks;
+
+impl TwoBlocks {
+    fn with<T: Scalar>(friction: [f64; 2], sides: &[Side; 2], x: &[T; 4]) -> [T; 4] {
+        let pull = (x[1] - x[0]) * 0.5;
+        [
+            x[2],
+            x[3],
+            -x[0] + pull - friction[0] * sides[0].sign(),
+            -x[1] - pull - friction[1] * sides[1].sign(),
+        ]
+    }
+}
+
+impl Contacts<4, 2> for TwoBlocks {
+    fn field<T: Scalar>(&self, sides: &[Side; 2], _t: T, x: &[T; 4]) -> [T; 4] {
+        TwoBlocks::with([0.6, 0.54], sides, x)
+    }
+    fn holding<T: Scalar>(&self, sides: &[Side; 2], held: &[bool; 2], _t: T, x: &[T; 4]) -> [T; 4] {
+        let friction = [
+            if held[0] { 1.0 } else { 0.6 },
+            if held[1] { 0.9 } else { 0.54 },
+        ];
+        TwoBlocks::with(friction, sides, x)
+    }
+    fn boundaries<T: Scalar>(&self, _t: T, x: &[T; 4]) -> [T; 2] {
+        [x[2] - 0.2, x[3] - 0.2]
+    }
+}
+
+/// The same as a file.
+pub const TWO_BLOCKS: &str = r#"
+name = "Two blocks on a belt"
+[states]
+x1 = "m"
+x2 = "m"
+v1 = "m/s"
+v2 = "m/s"
+[definitions]
+pull = "(x2 - x1)*0.5"
+[contacts.first]
+boundary = "v1 - 0.2"
+friction = "0.6"
+static = "1"
+[contacts.second]
+boundary = "v2 - 0.2"
+friction = "0.54"
+static = "0.9"
+[field]
+x1 = "v1"
+x2 = "v2"
+v1 = "-x1 + pull - friction(first)"
+v2 = "-x2 - pull - friction(second)"
+[start]
+x1 = 0
+x2 = 0.1
+v1 = 0.2
+v2 = 0.2
+"#;
+
+#[test]
+fn two_contacts_with_static_friction() {
+    let file = read(TWO_BLOCKS);
+    for options in methods() {
+        let start = State::from([0.0, 0.1, 0.2, 0.2]);
+        let orbit = solve(&Several(TwoBlocks), 0.0, start, 40.0, &options).unwrap();
+        let compiled: Vec<Event> = orbit
+            .transitions
+            .iter()
+            .map(|at| (at.kind, at.contact, at.t, at.x.as_slice().to_vec()))
+            .collect();
+        let (_, events) = run(&file, 40.0, &options);
+        assert_same("two blocks", &events, &compiled);
+    }
+}
+
+#[test]
+fn one_contact_has_the_same_bits() {
+    let file = open("belt");
+    let start = file.built.start.clone().unwrap();
+    for options in methods() {
+        let orbit = solve(
+            &BeltOscillator::default(),
+            0.0,
+            State::from([start[0], start[1]]),
+            20.0,
+            &Options { ..options },
+        )
+        .unwrap();
+        let (ended, _) = run(&file, 20.0, &options);
+        assert_eq!(ended.x, orbit.x_end.as_slice());
+        assert_eq!(ended.counters, orbit.counters);
+    }
+}

@@ -1,0 +1,589 @@
+//! Files with one thing wrong, each with what is said about it, and where.
+
+use stickslip_cli::file::{FileError, SystemFile};
+use stickslip_cli::problem::{Problem, Source};
+
+/// A good file, of which each case changes one place.
+const GOOD: &str = r#"name = "test"
+description = "a block"
+[time]
+unit = "s"
+start = 0
+end = 20
+period = "2*pi/w"
+[states]
+x = "m"
+v = { unit = "m/s", meaning = "velocity" }
+[parameters]
+mu0 = 0.4
+delta = { value = 3, unit = "s/m", range = [0, inf] }
+vp = "1/5"
+w = 1.5
+[definitions]
+slip = "belt*(v - vp)"
+drive = "sin(w*t)"
+[contacts.belt]
+boundary = "v - vp"
+friction = "mu0/(1 + delta*slip)"
+static = "2*mu0"
+[field]
+x = "v"
+v = "drive - x - friction(belt)"
+[start]
+x = 0.5
+v = "vp/2"
+[section]
+function = "x"
+direction = "rising"
+[ranges]
+x = [-2, 2]
+"#;
+
+/// What is changed into what; what is then said, of which part of the file, and with which advice.
+type Case = (
+    &'static str,
+    &'static str,
+    &'static str,
+    &'static str,
+    &'static str,
+);
+
+const CASES: [Case; 62] = [
+    // The file itself.
+    (
+        "name = \"test\"\n",
+        "",
+        "the file has no `name`",
+        "",
+        "what the system is called",
+    ),
+    (
+        "[time]",
+        "[tiem]",
+        "the file has no entry `tiem`",
+        "tiem",
+        "did you mean `time`?",
+    ),
+    (
+        "[time]",
+        "[qqq]",
+        "the file has no entry `qqq`",
+        "qqq",
+        "there can be `name`",
+    ),
+    (
+        "name = \"test\"",
+        "name = 3",
+        "a text in quotes is expected here, not a number",
+        "3",
+        "",
+    ),
+    (
+        "name = \"test\"",
+        "name = test",
+        "",
+        "test",
+        "the file must be TOML",
+    ),
+    (
+        "mu0 = 0.4",
+        "mu0 = 0.4\nmu0 = 0.5",
+        "duplicate key",
+        "mu0",
+        "the file must be TOML",
+    ),
+    ("mu0 = 0.4", "μ0 = 0.4", "", "μ", "in quotes: \"μ0\""),
+    ("[states]", "[states", "", "", "the file must be TOML"),
+    // Time.
+    (
+        "end = 20",
+        "end = -1",
+        "the end -1 does not lie after the start 0",
+        "-1",
+        "",
+    ),
+    (
+        "end = 20",
+        "end = nan",
+        "a finite number is expected here, not NaN",
+        "nan",
+        "",
+    ),
+    (
+        "end = 20",
+        "stop = 20",
+        "[time] has no entry `stop`",
+        "stop",
+        "did you mean `start`?",
+    ),
+    (
+        "\"2*pi/w\"",
+        "\"-2*pi/w\"",
+        "the period is -4.1887902047863905, but must be positive",
+        "\"-2*pi/w\"",
+        "",
+    ),
+    (
+        "\"2*pi/w\"",
+        "\"2*pi/x\"",
+        "a period cannot depend on `x`, which is a state",
+        "x",
+        "numbers and parameters",
+    ),
+    (
+        "\"2*pi/w\"",
+        "\"t\"",
+        "a period cannot depend on `t`, which is time",
+        "t",
+        "",
+    ),
+    // States.
+    (
+        "[states]\nx = \"m\"\nv = { unit = \"m/s\", meaning = \"velocity\" }",
+        "[states]",
+        "[states] is empty",
+        "",
+        "x = \"m\"",
+    ),
+    (
+        "[states]",
+        "[stats]",
+        "the file has no entry `stats`",
+        "stats",
+        "did you mean `states`?",
+    ),
+    (
+        "meaning = \"velocity\"",
+        "start = 3",
+        "[states.v] has no entry `start`",
+        "start",
+        "there can be `unit`, `meaning`",
+    ),
+    (
+        "x = \"m\"",
+        "x = 5",
+        "a text in quotes is expected here, not a number",
+        "5",
+        "",
+    ),
+    (
+        "x = \"m\"\n",
+        "x = \"m\"\n\"2x\" = \"m\"\n",
+        "`2x` cannot be a name",
+        "\"2x\"",
+        "letters, digits",
+    ),
+    (
+        "x = \"m\"\n",
+        "x = \"m\"\n\"a b\" = \"m\"\n",
+        "`a b` cannot be a name",
+        "\"a b\"",
+        "letters, digits",
+    ),
+    (
+        "x = \"m\"\n",
+        "x = \"m\"\nsin = \"m\"\n",
+        "`sin` is a function already",
+        "sin",
+        "another name",
+    ),
+    (
+        "x = \"m\"\n",
+        "x = \"m\"\nt = \"m\"\n",
+        "`t` is the name of time already",
+        "t",
+        "another name",
+    ),
+    (
+        "x = \"m\"\n",
+        "x=\"\"\na=\"\"\nb=\"\"\nc=\"\"\nd=\"\"\ne=\"\"\nf=\"\"\ng=\"\"\n",
+        "this is state number 9",
+        "v",
+        "8 states",
+    ),
+    // Parameters.
+    (
+        "w = 1.5",
+        "x = 1.5",
+        "`x` is the name of a state already",
+        "x",
+        "all names are together",
+    ),
+    (
+        "mu0 = 0.4",
+        "mu0 = nan",
+        "a finite number is expected here, not NaN",
+        "nan",
+        "",
+    ),
+    (
+        "mu0 = 0.4",
+        "mu0 = true",
+        "an expression in quotes, or a number, is expected here, not true or false",
+        "true",
+        "",
+    ),
+    (
+        "vp = \"1/5\"",
+        "vp = \"1/0\"",
+        "this is infinite",
+        "1/0",
+        "change the expression",
+    ),
+    (
+        "vp = \"1/5\"",
+        "vp = \"sqrt(-2)\"",
+        "this is not a number",
+        "sqrt(-2)",
+        "change the expression",
+    ),
+    (
+        "vp = \"1/5\"",
+        "vp = \"mu0/2\"",
+        "unknown name `mu0`",
+        "mu0",
+        "goes into [definitions]",
+    ),
+    (
+        "value = 3",
+        "value = -3",
+        "delta = -3 lies outside its range from 0 to inf",
+        "-3",
+        "",
+    ),
+    ("[0, inf]", "[0]", "has two numbers, this has 1", "[0]", ""),
+    (
+        "[0, inf]",
+        "[5, 1]",
+        "the range from 5 to 1 is empty",
+        "[5, 1]",
+        "lower end comes first",
+    ),
+    (
+        "[0, inf]",
+        "[0, nan]",
+        "a finite number is expected here",
+        "nan",
+        "",
+    ),
+    (
+        "value = 3, ",
+        "",
+        "[parameters.delta] has no `value`",
+        "{ unit = \"s/m\", range = [0, inf] }",
+        "it is needed",
+    ),
+    // Expressions.
+    (
+        "drive - x",
+        "drive - xx",
+        "unknown name `xx`",
+        "xx",
+        "names are states",
+    ),
+    (
+        "mu0/(1",
+        "mu_0/(1",
+        "unknown name `mu_0`",
+        "mu_0",
+        "did you mean `mu0`?",
+    ),
+    (
+        "mu0/(1",
+        "2 mu0/(1",
+        "the name `mu0` is not expected here",
+        "mu0",
+        "2*x",
+    ),
+    (
+        "sin(w*t)",
+        "sin w*t",
+        "the name `w` is not expected here",
+        "w",
+        "a product needs its sign",
+    ),
+    (
+        "sin(w*t)",
+        "sinus(w*t)",
+        "unknown function `sinus`",
+        "sinus",
+        "did you mean `sin`?",
+    ),
+    (
+        "sin(w*t)",
+        "log(w)",
+        "unknown function `log`",
+        "log",
+        "the natural logarithm is ln",
+    ),
+    (
+        "sin(w*t)",
+        "pow(w, 2)",
+        "unknown function `pow`",
+        "pow",
+        "x^2",
+    ),
+    (
+        "sin(w*t)",
+        "sin(w, t)",
+        "sin takes one argument, not 2",
+        "sin(w, t)",
+        "",
+    ),
+    (
+        "sin(w*t)",
+        "max(w)",
+        "max takes two or more arguments, not 1",
+        "max(w)",
+        "",
+    ),
+    (
+        "sin(w*t)",
+        "w(t)",
+        "`w` is a parameter, not a function",
+        "w",
+        "w*(…)",
+    ),
+    ("sin(w*t)", "sin(w*t", "this bracket is not closed", "(", ""),
+    (
+        "sin(w*t)",
+        "sin(w*t))",
+        "`)` is not expected here",
+        ")",
+        "no bracket is open",
+    ),
+    ("sin(w*t)", "w**2", "`**` is no operator", "**", "x^2"),
+    (
+        "sin(w*t)",
+        "|x|",
+        "`|` does not belong into an expression",
+        "|",
+        "abs(…)",
+    ),
+    (
+        "sin(w*t)",
+        "ln(w - 1.5)",
+        "this is infinite",
+        "ln(w - 1.5)",
+        "",
+    ),
+    (
+        "sin(w*t)",
+        "sgn(x)",
+        "unknown function `sgn`",
+        "sgn",
+        "the sign of its side",
+    ),
+    ("sin(w*t)", "", "there is no expression here", "", ""),
+    (
+        "sin(w*t)",
+        "drive + 1",
+        "the definition of `drive` depends on itself",
+        "\"drive + 1\"",
+        "",
+    ),
+    // Contacts.
+    (
+        "boundary = \"v - vp\"\n",
+        "",
+        "[contacts.belt] has no `boundary`",
+        "[contacts.belt]",
+        "zero where the contact can stick",
+    ),
+    (
+        "boundary = \"v - vp\"",
+        "boundary = \"t - 1\"",
+        "the boundary of contact `belt` depends on no state",
+        "\"t - 1\"",
+        "v - vp",
+    ),
+    (
+        "boundary = \"v - vp\"",
+        "boundary = \"slip\"",
+        "a boundary cannot depend on the side of a contact",
+        "belt",
+        "sides belong into [field]",
+    ),
+    (
+        "friction = \"mu0/(1 + delta*slip)\"\n",
+        "",
+        "has static friction but no friction in slip",
+        "\"2*mu0\"",
+        "friction(belt)",
+    ),
+    (
+        "friction(belt)",
+        "friction(best)",
+        "`best` is no contact",
+        "best",
+        "did you mean `belt`?",
+    ),
+    (
+        "friction(belt)",
+        "0.4*belt",
+        "the friction of contact `belt` is not used in [field]",
+        "belt",
+        "friction(belt)",
+    ),
+    (
+        "[contacts.belt]",
+        "[contacts.other]\nboundary = \"x\"\n[contacts.belt]",
+        "the field is the same on both sides of contact `other`",
+        "other",
+        "by_side(other",
+    ),
+    // Field, start, section, ranges.
+    (
+        "v = \"drive - x - friction(belt)\"\n",
+        "",
+        "[field] has no rate of the state `v`",
+        "[field]",
+        "its derivative by time",
+    ),
+    (
+        "x = 0.5\n",
+        "",
+        "[start] has no value of the state `x`",
+        "[start]",
+        "x = 0",
+    ),
+    (
+        "direction = \"rising\"",
+        "direction = \"up\"",
+        "there is no direction `up`",
+        "\"up\"",
+        "`rising`",
+    ),
+];
+
+fn problem_of(text: &str) -> (Problem, String) {
+    let source = Source {
+        name: "test.toml".to_owned(),
+        text: text.to_owned(),
+    };
+    match SystemFile::parse(source) {
+        Ok(_) => panic!("it was understood:\n{text}"),
+        Err(FileError::Wrong {
+            problem,
+            source_text,
+        }) => {
+            let shown = problem.shown(&source_text);
+            (*problem, shown)
+        }
+        Err(other) => panic!("{other}"),
+    }
+}
+
+#[test]
+fn the_good_file_is_good() {
+    let source = Source {
+        name: "test.toml".to_owned(),
+        text: GOOD.to_owned(),
+    };
+    SystemFile::parse(source).unwrap_or_else(|error| panic!("{error}"));
+}
+
+#[test]
+fn each_bad_file_is_told_what_is_wrong_where_and_what_to_do() {
+    for (from, to, message, token, help) in CASES {
+        let places = GOOD.matches(from).count();
+        assert!(places > 0, "`{from}` is not in the good file");
+        let text = GOOD.replacen(from, to, 1);
+        let (problem, shown) = problem_of(&text);
+        assert!(
+            problem.message.contains(message),
+            "{from} -> {to}:\n{shown}"
+        );
+        let place = &text[problem.place.clone()];
+        assert!(
+            place.starts_with(token),
+            "{from} -> {to} points at `{place}`:\n{shown}"
+        );
+        if !token.is_empty() && !token.starts_with('[') {
+            assert_eq!(place, token, "{from} -> {to}:\n{shown}");
+        }
+        let advice = problem.help.as_deref().unwrap_or_default();
+        assert!(advice.contains(help), "{from} -> {to}:\n{shown}");
+        // Line and column, and the line itself.
+        let line = text[..problem.place.start].matches('\n').count();
+        let begin = text[..problem.place.start]
+            .rfind('\n')
+            .map_or(0, |end| end + 1);
+        let column = text[begin..problem.place.start].chars().count();
+        let wanted = format!("test.toml:{}:{}", line + 1, column + 1);
+        assert!(shown.contains(&wanted), "{wanted}:\n{shown}");
+        let source = text.lines().nth(line).unwrap_or_default();
+        assert!(shown.contains(source), "{shown}");
+    }
+}
+
+#[test]
+fn what_needs_several_contacts_or_sides_is_told() {
+    let two = GOOD
+        .replace(
+            "v = \"drive - x - friction(belt)\"",
+            "v = { below = \"1\", above = \"-friction(belt)\" }",
+        )
+        .replace("[field]", "[contacts.wall]\nboundary = \"x\"\n[field]");
+    let (problem, _) = problem_of(&two);
+    assert!(
+        problem
+            .message
+            .contains("with 2 contacts it is not clear whose sides")
+    );
+    let force = GOOD
+        .replace("static = \"2*mu0\"", "normal_force = \"1 - x\"")
+        .replace("[field]", "[contacts.wall]\nboundary = \"x\"\n[field]");
+    let (problem, _) = problem_of(&force);
+    assert!(problem.message.contains("with one contact only"));
+    let mut many = GOOD.to_owned();
+    for name in ["a", "b", "c", "d"] {
+        many = many.replace(
+            "[field]",
+            &format!("[contacts.{name}]\nboundary = \"x\"\n[field]"),
+        );
+    }
+    let (problem, _) = problem_of(&many);
+    assert!(
+        problem.message.contains("contact number 5"),
+        "{}",
+        problem.message
+    );
+}
+
+#[test]
+fn places_are_right_in_every_kind_of_quotes() {
+    for (quoted, token) in [
+        ("'v - vq'", "vq"),
+        ("\"\"\"\n  v - vq\"\"\"", "vq"),
+        ("'''v - vq'''", "vq"),
+        // With escapes bytes cannot be counted, and the whole is shown.
+        (r#""v - v\u0071""#, r#""v - v\u0071""#),
+    ] {
+        let text = GOOD.replacen("boundary = \"v - vp\"", &format!("boundary = {quoted}"), 1);
+        let (problem, shown) = problem_of(&text);
+        assert_eq!(&text[problem.place.clone()], token, "{shown}");
+    }
+}
+
+#[test]
+fn nesting_without_end_is_refused() {
+    let deep = format!("{}x{}", "(".repeat(5000), ")".repeat(5000));
+    let (problem, _) = problem_of(&GOOD.replacen("sin(w*t)", &deep, 1));
+    assert!(problem.message.contains("nested deeper than 100 levels"));
+}
+
+#[test]
+fn greek_names_and_the_micro_sign_are_the_same_letter() {
+    let text = GOOD
+        .replacen("mu0 = 0.4", "\"\u{b5}₀\" = 0.4", 1)
+        .replace("mu0/(1", "μ₀/(1")
+        .replace("2*mu0", "2·\u{b5}₀");
+    let source = Source {
+        name: "test.toml".to_owned(),
+        text,
+    };
+    let file = SystemFile::parse(source).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(file.parameters[0].name, "μ₀");
+    assert!(file.with(&[("\u{b5}₀".to_owned(), 0.3)]).is_ok());
+}

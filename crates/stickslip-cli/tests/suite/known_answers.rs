@@ -1,0 +1,187 @@
+//! Answers that are known in closed form or to many digits from elsewhere.
+
+use stickslip::analysis::{Exponent, SpectrumOptions, Visibility};
+use stickslip::models::BeltOscillator;
+use stickslip::{Method, Options, Side, math};
+use stickslip_cli::tangents::{Kind, Line};
+use stickslip_kernels::kernel::{Run, Shooting};
+
+use super::recorded::{open, read};
+
+fn taylor() -> Options {
+    Options::tol(1e-13).method(Method::Taylor)
+}
+
+/// P15: the period of the limit cycle, to the digits that are published.
+#[test]
+fn the_limit_cycle_of_leine() {
+    let system = open("leine");
+    let start = system.built.start.clone().unwrap();
+    let options = taylor();
+    let run = Run {
+        t: 0.0,
+        x: &start,
+        t_end: 0.0,
+        options: &options,
+    };
+    let search = Shooting::Found {
+        transient: 50.0,
+        longest: 50.0,
+    };
+    let orbit = system.kernel().periodic(&run, search).unwrap();
+    assert!(
+        (orbit.period - 12.001031294831).abs() < 1e-11,
+        "{}",
+        orbit.period
+    );
+    // Stick takes all that is not along the orbit.
+    assert!((orbit.multipliers[0].re - 1.0).abs() < 1e-9);
+    assert!(orbit.multipliers[1].norm() < 1e-9);
+}
+
+/// P17: without stops the amplitude is Den Hartog's.
+#[test]
+fn the_amplitudes_of_den_hartog() {
+    for (frequency, friction) in [(0.7, 0.2), (0.8, 0.1), (1.3, 0.1), (0.6, 0.1)] {
+        let settings = [("O".to_owned(), frequency), ("S".to_owned(), friction)];
+        let system = open("den-hartog").file.with(&settings).unwrap();
+        let period = 2.0 * std::f64::consts::PI / frequency;
+        assert_eq!(system.built.period, Some(period));
+        let options = taylor();
+        let amplitude_known = {
+            let v = 1.0 / (1.0 - frequency * frequency);
+            let half = std::f64::consts::PI / frequency;
+            let u = math::sin(half) / (frequency * (1.0 + math::cos(half)));
+            (v * v - friction * friction * u * u).sqrt()
+        };
+        // On the orbit the block turns back once a period at the amplitude.
+        let guess = [amplitude_known, 0.0];
+        let (mut t, mut x) = (0.0, guess.to_vec());
+        // The phase of the drive at which it does is found by going there.
+        let wait = Run {
+            t,
+            x: &x,
+            t_end: 400.0 * period,
+            options: &options,
+        };
+        let ended = system.kernel().run(&wait, None, &mut ()).unwrap();
+        (t, x) = (ended.t, ended.x);
+        let run = Run {
+            t,
+            x: &x,
+            t_end: t,
+            options: &options,
+        };
+        let orbit = system
+            .kernel()
+            .periodic(&run, Shooting::Forced { period })
+            .unwrap();
+        let once = Run {
+            t: orbit.t,
+            x: &orbit.x,
+            t_end: orbit.t + 1.01 * period,
+            options: &options,
+        };
+        let mut turning = Highest(0.0);
+        system
+            .kernel()
+            .run(&once, system.section(), &mut turning)
+            .unwrap();
+        let error = (turning.0 - amplitude_known).abs();
+        assert!(error < 1e-9, "O = {frequency}, S = {friction}: {error:e}");
+    }
+}
+
+struct Highest(f64);
+
+impl stickslip_kernels::kernel::Watcher for Highest {
+    fn passage(
+        &mut self,
+        at: &stickslip_kernels::kernel::Passage<'_>,
+    ) -> std::ops::ControlFlow<()> {
+        self.0 = self.0.max(at.x[0]);
+        std::ops::ControlFlow::Continue(())
+    }
+}
+
+/// Eq. (16) of the paper: six tangent points in closed form, three visible, and three stick zones between them.
+#[test]
+fn the_tangent_points_of_the_belt_oscillator() {
+    let system = open("belt");
+    let start = system.built.start.clone().unwrap();
+    let line = Line::through(&system, 0, None, (-2.0, 2.0), (0.0, &start)).unwrap();
+    let found = line.scan(&system);
+    let known = BeltOscillator::default().tangent_points().unwrap();
+    assert_eq!(found.points.len(), known.len());
+    for (point, known) in found.points.iter().zip(&known) {
+        assert!((point.x[0] - known.position).abs() < 1e-14);
+        assert_eq!(point.x[1], 1.0);
+        assert_eq!(
+            (point.side, point.visibility),
+            (known.side, known.visibility)
+        );
+    }
+    let zones: Vec<(f64, f64)> = found
+        .zones
+        .iter()
+        .filter(|zone| zone.kind == Kind::Stick)
+        .map(|zone| (zone.from, zone.to))
+        .collect();
+    let known = BeltOscillator::default().stick_zones().unwrap();
+    assert_eq!(zones.len(), 3);
+    for (zone, known) in zones.iter().zip(&known) {
+        assert!((zone.0 - known.0).abs() < 1e-14 && (zone.1 - known.1).abs() < 1e-14);
+    }
+}
+
+/// The stick zone of static friction reaches further than the tangent points of slip.
+#[test]
+fn static_friction_widens_the_stick_zone() {
+    let system = read(
+        r#"
+name = "static"
+[states]
+x = ""
+v = ""
+[contacts.belt]
+boundary = "v - 0.2"
+friction = "0.6"
+static = "1"
+[field]
+x = "v"
+v = "-x - friction(belt)"
+"#,
+    );
+    let line = Line::through(&system, 0, None, (-2.0, 2.0), (0.0, &[0.0, 0.2])).unwrap();
+    let found = line.scan(&system);
+    let points: Vec<(f64, Side, Visibility)> = found
+        .points
+        .iter()
+        .map(|point| (point.x[0], point.side, point.visibility))
+        .collect();
+    let wanted = [
+        (0.6, Side::Below, Visibility::Visible),
+        (-0.6, Side::Above, Visibility::Invisible),
+    ];
+    assert_eq!(points.len(), 2);
+    for (point, wanted) in points.iter().zip(wanted) {
+        assert!((point.0 - wanted.0).abs() < 1e-15);
+        assert_eq!((point.1, point.2), (wanted.1, wanted.2));
+    }
+    assert_eq!(found.zones.len(), 1);
+    let zone = found.zones[0];
+    assert_eq!(zone.kind, Kind::Stick);
+    assert!((zone.from + 1.0).abs() < 1e-15 && (zone.to - 1.0).abs() < 1e-15);
+}
+
+#[test]
+fn the_exponents_of_a_sticking_orbit() {
+    let system = open("leine");
+    let start = system.built.start.clone().unwrap();
+    let settings = SpectrumOptions::over(50.0, 200.0).solver(taylor());
+    let spectrum = system.kernel().spectrum(0.0, &start, &settings).unwrap();
+    assert!(spectrum.exponents[0].value().abs() < 0.05);
+    assert_eq!(spectrum.exponents[1], Exponent::Annihilated);
+    assert!(spectrum.stick_entries >= 15);
+    assert!((spectrum.stick_fraction - 7.705031769350 / 12.001031294831).abs() < 0.02);
+}

@@ -1,0 +1,7 @@
+//! Tests of files, systems and commands.
+
+mod against_compiled;
+mod bad_files;
+mod command_line;
+mod known_answers;
+mod recorded;

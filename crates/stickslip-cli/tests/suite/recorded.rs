@@ -1,0 +1,58 @@
+//! What the tests keep of a run.
+
+use std::ops::ControlFlow;
+
+use stickslip::{Method, Options, TransitionKind};
+use stickslip_cli::file::SystemFile;
+use stickslip_cli::problem::Source;
+use stickslip_cli::system::System;
+use stickslip_kernels::kernel::{Ended, Run, TransitionView, Watcher};
+
+/// A transition: kind, contact, time and state.
+pub type Event = (TransitionKind, usize, f64, Vec<f64>);
+
+/// The transitions of a run.
+#[derive(Default)]
+pub struct Events(pub Vec<Event>);
+
+impl Watcher for Events {
+    fn transition(&mut self, at: &TransitionView<'_>) -> ControlFlow<()> {
+        self.0.push((at.kind, at.contact, at.t, at.x.to_vec()));
+        ControlFlow::Continue(())
+    }
+}
+
+/// A shipped model, or a file.
+pub fn open(file: &str) -> System {
+    let read = SystemFile::open(file).unwrap_or_else(|error| panic!("{error}"));
+    read.with(&[]).unwrap()
+}
+
+/// A system from the text of a file.
+pub fn read(text: &str) -> System {
+    let source = Source {
+        name: "test.toml".to_owned(),
+        text: text.to_owned(),
+    };
+    let file = SystemFile::parse(source).unwrap_or_else(|error| panic!("{error}"));
+    file.with(&[]).unwrap()
+}
+
+/// Both methods with adaptive steps.
+pub fn methods() -> [Options; 2] {
+    [Method::Taylor, Method::Dop853].map(|method| Options::tol(1e-13).method(method))
+}
+
+/// A run from the start of the file.
+pub fn run(system: &System, t_end: f64, options: &Options) -> (Ended, Vec<Event>) {
+    let x = system.built.start.clone().expect("the file has a start");
+    let run = Run {
+        t: system.file.time.start,
+        x: &x,
+        t_end,
+        options,
+    };
+    let mut events = Events::default();
+    let ended = system.kernel().run(&run, None, &mut events).unwrap();
+    (ended, events.0)
+}

@@ -1,0 +1,253 @@
+//! `stickslip basin` and `merge`.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::{Command as Process, Stdio};
+use std::thread::sleep;
+use std::time::Duration;
+
+use predicates::prelude::*;
+use predicates::str::contains;
+use serde_json::Value;
+
+use super::common::{folder, program, text};
+
+/// A sweep of some blocks that takes a moment.
+const SWEEP: [&str; 4] = ["basin", "basins", "--grid", "24x16"];
+
+/// All files below a folder but locks, by name.
+fn files(top: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let mut all = BTreeMap::new();
+    let mut folders = vec![top.to_owned()];
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(&folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.file_name().unwrap() != "lock" {
+                let name = path.strip_prefix(top).unwrap().to_owned();
+                all.insert(name, std::fs::read(&path).unwrap());
+            }
+        }
+    }
+    all
+}
+
+fn attractors(top: &Path, arguments: &[&str]) -> Vec<Value> {
+    let output = program(top)
+        .args(["basin", "basins", "--json"])
+        .args(arguments)
+        .assert()
+        .success();
+    let json: Value = serde_json::from_slice(&output.get_output().stdout).unwrap();
+    json["attractors"].as_array().unwrap().clone()
+}
+
+/// Share and standard error of the equilibrium.
+fn equilibrium(attractors: &[Value]) -> (f64, f64) {
+    let found = attractors.iter().find(|one| one["motion"] == "equilibrium");
+    found.map_or((0.0, 0.0), |one| {
+        (
+            one["share"].as_f64().unwrap(),
+            one["std_error"].as_f64().unwrap(),
+        )
+    })
+}
+
+/// Shares of the fixed point as published with bSTAB's example, of 5000 random starts each.
+#[test]
+fn shares_are_the_published_ones() {
+    let top = folder();
+    for (speed, published) in [
+        (1.1, 0.0),
+        (1.4, 0.213),
+        (1.5, 0.304),
+        (1.7, 0.4922),
+        (1.9, 1.0),
+    ] {
+        let setting = format!("vd={speed}");
+        let arguments = [
+            "--set", &setting, "--random", "600", "--tol", "1e-9", "--seed", "7",
+        ];
+        let out = format!("out {speed}");
+        let (share, std_error) = equilibrium(&attractors(
+            top.path(),
+            &[&arguments[..], &["--out", &out]].concat(),
+        ));
+        let theirs = published * (1.0 - published) / 5000.0_f64;
+        let bound = 3.0 * (std_error * std_error + theirs).sqrt();
+        assert!(
+            (share - published).abs() <= bound,
+            "{speed}: {share} +- {std_error}"
+        );
+        // 600 starts tell 0.2 from 0.3.
+        assert!(std_error < 0.021);
+    }
+}
+
+#[test]
+fn other_seeds_are_other_starts_and_the_same_seed_the_same() {
+    let top = folder();
+    let table = |seed: &str, out: &str| {
+        attractors(
+            top.path(),
+            &["--random", "20", "--seed", seed, "--out", out],
+        );
+        text(top.path().join(out).join("basin.csv"))
+    };
+    let one = table("1", "a");
+    assert_eq!(table("1", "b"), one);
+    assert_ne!(table("2", "c"), one);
+    assert_eq!(one.lines().count(), 21);
+}
+
+#[test]
+fn shares_of_the_work_are_merged_to_what_one_run_gives() {
+    let top = folder();
+    let run = |arguments: &[&str]| {
+        program(top.path())
+            .args(SWEEP)
+            .args(arguments)
+            .assert()
+            .success()
+    };
+    run(&["--out", "single", "--threads", "1"]);
+    for number in ["1", "2", "3"] {
+        run(&["--shard", &format!("{number}/3"), "--out", number])
+            .stdout(contains(format!("share {number}/3")))
+            .stdout(contains("stickslip merge"));
+    }
+    let merge = |shares: &[&str]| {
+        let mut program = program(top.path());
+        program
+            .args(["merge", "--out", "merged"])
+            .args(shares)
+            .assert()
+    };
+    merge(&["1", "3"])
+        .code(1)
+        .stderr(contains("5 of 16 blocks are missing: 1, 4, 7, 10, 13"));
+    merge(&["1", "2", "3", "nowhere"])
+        .code(2)
+        .stderr(contains("nowhere"));
+    assert!(!top.path().join("merged").exists());
+    merge(&["1", "2", "3"])
+        .success()
+        .stdout(contains("wrote merged/basin.csv"));
+    assert!(files(&top.path().join("single")) == files(&top.path().join("merged")));
+}
+
+#[test]
+fn another_argument_or_system_is_refused_in_the_same_folder() {
+    let top = folder();
+    program(top.path())
+        .args(["new", "mine.toml"])
+        .assert()
+        .success();
+    let sweep = |arguments: &[&str]| {
+        let mut program = program(top.path());
+        program
+            .args([
+                "basin",
+                "mine.toml",
+                "--grid",
+                "3x3",
+                "--x",
+                "x=-1:1",
+                "--y",
+                "v=-1:1",
+            ])
+            .args(arguments)
+            .assert()
+    };
+    sweep(&[]).success();
+    let before = files(&top.path().join("stickslip-output"));
+    sweep(&["--until", "100"])
+        .code(2)
+        .stderr(contains(
+            "the argument `until` was 2000.0 there and is 100.0 now",
+        ))
+        .stderr(contains("--out"));
+    sweep(&["--tol", "1e-9"])
+        .code(2)
+        .stderr(contains("the argument `solver`"));
+    let mine = top.path().join("mine.toml");
+    std::fs::write(&mine, text(&mine) + "# more\n").unwrap();
+    sweep(&[])
+        .code(2)
+        .stderr(contains("of the system was"))
+        .stderr(contains("# more"));
+    assert!(files(&top.path().join("stickslip-output")) == before);
+}
+
+#[test]
+fn wrong_planes_are_told() {
+    let top = folder();
+    for (arguments, said) in [
+        (&["--grid", "0x4"][..], "--grid 0x4"),
+        (&["--grid", "ten"], "--grid ten"),
+        (&["--random", "0"], "--random 0"),
+        (&["--x", "y=0:1"], "there is no state `y`"),
+        (&["--x", "x=1:0"], "from 1 to 0 is no range"),
+        (&["--x", "x"], "there is no `=`"),
+        (&["--x", "x=a:1"], "`a` is no number"),
+        (&["--y", "x=0:1"], "a plane has two states"),
+        (&["--shard", "3/2"], "`3/2` is no share"),
+        (&["--until", "0"], "longest"),
+    ] {
+        program(top.path())
+            .args(["basin", "basins"])
+            .args(arguments)
+            .assert()
+            .code(2)
+            .stderr(contains(said));
+    }
+    // Nothing was made of it.
+    assert_eq!(std::fs::read_dir(top.path()).unwrap().count(), 0);
+    std::fs::write(top.path().join("file"), "precious").unwrap();
+    program(top.path())
+        .args(SWEEP)
+        .args(["--out", "file"])
+        .assert()
+        .code(1)
+        .stderr(contains("it is a file, not a folder").or(contains("Not a directory")));
+    assert_eq!(text(top.path().join("file")), "precious");
+}
+
+#[test]
+fn killed_at_any_moment_the_same_command_goes_on() {
+    let top = folder();
+    let out = |name: &str| top.path().join(name);
+    program(top.path())
+        .args(SWEEP)
+        .args(["--out", "whole"])
+        .assert()
+        .success();
+    let whole = files(&out("whole"));
+    let mut within = 0;
+    for moment in 0..10_u64 {
+        let name = format!("killed {moment}");
+        let mut child = Process::new(env!("CARGO_BIN_EXE_stickslip"))
+            .current_dir(top.path())
+            .args(SWEEP)
+            .args(["--out", &name])
+            .stdout(Stdio::null())
+            .spawn()
+            .unwrap();
+        // The first block tells that it has begun; how long that takes depends on the machine.
+        while std::fs::read_dir(out(&name).join("sweep/blocks")).map_or(0, Iterator::count) == 0 {
+            sleep(Duration::from_millis(1));
+        }
+        sleep(Duration::from_millis(7 * moment));
+        child.kill().unwrap();
+        child.wait().unwrap();
+        within += usize::from(!out(&name).join("basin.csv").exists());
+        program(top.path())
+            .args(SWEEP)
+            .args(["--out", &name])
+            .assert()
+            .success();
+        assert!(files(&out(&name)) == whole, "{moment}");
+    }
+    assert!(within >= 3, "only {within} of 10 were killed within");
+}

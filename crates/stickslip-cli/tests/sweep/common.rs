@@ -1,0 +1,91 @@
+//! A sweep that is quick to compute and whose bits depend on everything they may depend on; and the program.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use std::num::NonZeroUsize;
+use std::path::Path;
+
+use serde_json::json;
+use stickslip_cli::sweep::{BlockError, Computed, Plan, Share, Store, SweepError, Task, run};
+
+/// A sweep of so many chains of blocks.
+pub fn plan(chains: usize, length: usize) -> Plan {
+    Plan {
+        command: "test".to_owned(),
+        arguments: BTreeMap::from([
+            ("a b = µ".to_owned(), json!(0.1)),
+            ("grid".to_owned(), json!([3, 4])),
+        ]),
+        system: "a system".to_owned(),
+        system_text: "first\nmu = 0.3\nlast\n".to_owned(),
+        chains: NonZeroUsize::new(chains).unwrap(),
+        length: NonZeroUsize::new(length).unwrap(),
+    }
+}
+
+/// A block: iterates of the logistic map, which are chaotic, from the end of the block before.
+pub fn block(index: usize, before: Option<&[u8]>) -> Result<Vec<u8>, BlockError> {
+    let mut x = match before {
+        None => 0.3 + 1e-3 * index as f64,
+        Some(bytes) => {
+            let text = std::str::from_utf8(bytes)?;
+            text.lines().last().ok_or("an empty block")?.parse()?
+        }
+    };
+    let mut text = String::new();
+    for _ in 0..50 {
+        x = 3.99 * x * (1.0 - x);
+        writeln!(text, "{x:?}")?;
+    }
+    Ok(text.into_bytes())
+}
+
+pub fn task<'a>(plan: &'a Plan, folder: &'a Path) -> Task<'a> {
+    Task {
+        plan,
+        folder,
+        share: Share::WHOLE,
+        threads: None,
+    }
+}
+
+pub fn compute(task: &Task<'_>) -> Result<Computed, SweepError> {
+    run(task, &|_, _| {}, block)
+}
+
+/// All blocks of a complete sweep, one after the other.
+pub fn table(store: &Store) -> Vec<u8> {
+    let mut table = Vec::new();
+    let appended = store.for_each(|index, content| {
+        table.extend_from_slice(format!("# {index}\n").as_bytes());
+        table.extend_from_slice(content);
+        Ok::<_, SweepError>(())
+    });
+    appended.unwrap();
+    table
+}
+
+/// What an undisturbed run on one thread gives.
+pub fn undisturbed(plan: &Plan) -> Vec<u8> {
+    let folder = tempfile::tempdir().unwrap();
+    let one = Task {
+        threads: NonZeroUsize::new(1),
+        ..task(plan, folder.path())
+    };
+    table(&compute(&one).unwrap().store)
+}
+
+/// The program, called in a folder.
+pub fn program(folder: &Path) -> assert_cmd::Command {
+    let mut command = assert_cmd::Command::new(env!("CARGO_BIN_EXE_stickslip"));
+    command.current_dir(folder);
+    command
+}
+
+pub fn folder() -> tempfile::TempDir {
+    tempfile::tempdir().unwrap()
+}
+
+pub fn text(path: impl AsRef<Path>) -> String {
+    std::fs::read_to_string(path).unwrap()
+}

@@ -1,0 +1,187 @@
+//! What a folder may hold, and what is said of everything else.
+
+use std::fs;
+use std::path::Path;
+
+use serde_json::json;
+use stickslip_cli::sweep::{Plan, Share, SweepError, Task};
+
+use super::common::{block, compute, plan, table, task, undisturbed};
+
+/// What is said if a sweep is tried where another has been.
+fn refusal(old: &Plan, new: &Plan) -> String {
+    let folder = tempfile::tempdir().unwrap();
+    compute(&task(old, folder.path())).unwrap();
+    let before = files(folder.path());
+    let error = compute(&task(new, folder.path())).unwrap_err();
+    assert!(error.is_usage());
+    assert_eq!(files(folder.path()), before, "something was changed");
+    error.to_string()
+}
+
+/// Names and contents of all files.
+fn files(folder: &Path) -> Vec<(String, Vec<u8>)> {
+    let mut all = Vec::new();
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            all.extend(files(&path));
+        } else {
+            all.push((path.display().to_string(), fs::read(&path).unwrap()));
+        }
+    }
+    all.sort();
+    all
+}
+
+#[test]
+fn another_argument_is_refused_with_both_values() {
+    let old = plan(2, 1);
+    let mut new = old.clone();
+    new.arguments.insert("a b = µ".to_owned(), json!(0.2));
+    let said = refusal(&old, &new);
+    let wanted = "the argument `a b = µ` was 0.1 there and is 0.2 now";
+    assert!(said.contains(wanted) && said.contains("--out"), "{said}");
+
+    let mut new = old.clone();
+    new.arguments.remove("grid");
+    let said = refusal(&old, &new);
+    assert!(
+        said.contains("`grid` was [3,4] there and is not given now"),
+        "{said}"
+    );
+
+    let said = refusal(&old, &plan(3, 1));
+    assert!(said.contains("the number of chains was 2"), "{said}");
+}
+
+#[test]
+fn numbers_that_differ_in_the_last_bit_are_not_the_same() {
+    let old = plan(2, 1);
+    let mut new = old.clone();
+    let next = 0.1_f64.next_up();
+    new.arguments.insert("a b = µ".to_owned(), json!(next));
+    assert!(refusal(&old, &new).contains("0.10000000000000002"));
+}
+
+#[test]
+fn another_system_is_refused_with_the_line() {
+    let old = plan(2, 1);
+    let with = |text: &str| Plan {
+        system_text: text.to_owned(),
+        ..old.clone()
+    };
+    let said = refusal(&old, &with("first\nmu = 0.4\nlast\n"));
+    let wanted = r#"line 2 of the system was "mu = 0.3" there and is "mu = 0.4" now"#;
+    assert!(said.contains(wanted), "{said}");
+    let said = refusal(&old, &with("first\nmu = 0.3\nlast\nmore\n"));
+    assert!(
+        said.contains(r#"line 4 of the system was "" there and is "more" now"#),
+        "{said}"
+    );
+}
+
+#[test]
+fn blocks_of_another_sweep_are_not_overwritten() {
+    let (ours, theirs) = (plan(2, 1), plan(3, 1));
+    let (here, there) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    compute(&task(&theirs, there.path())).unwrap();
+    compute(&task(&ours, here.path())).unwrap();
+    let name = "blocks/00000001.block";
+    fs::copy(there.path().join(name), here.path().join(name)).unwrap();
+    let error = compute(&task(&ours, here.path())).unwrap_err();
+    let said = error.to_string();
+    assert!(
+        said.contains(name) && said.contains("another sweep"),
+        "{said}"
+    );
+    fs::remove_file(here.path().join(name)).unwrap();
+    let all = compute(&task(&ours, here.path())).unwrap();
+    assert!(table(&all.store) == undisturbed(&ours));
+}
+
+#[test]
+fn a_manifest_that_is_gone_or_damaged_is_told() {
+    let plan = plan(2, 1);
+    let folder = tempfile::tempdir().unwrap();
+    compute(&task(&plan, folder.path())).unwrap();
+    let path = folder.path().join("manifest.json");
+    let sound = fs::read_to_string(&path).unwrap();
+    fs::remove_file(&path).unwrap();
+    let said = |wanted: &str| {
+        let error = compute(&task(&plan, folder.path())).unwrap_err();
+        assert!(error.to_string().contains(wanted), "{error}");
+    };
+    said("no manifest.json");
+    let other_format = sound.replace("\"format\": 1", "\"format\": 2");
+    let other_text = sound.replace("mu = 0.3", "mu = 0.4");
+    let other_program = sound.replace("stickslip 0.", "stickslip 9.");
+    for (text, wanted) in [
+        (&sound[..sound.len() / 2], "is no manifest"),
+        ("{}", "it has no format"),
+        (&other_format, "its format is 2, and this program reads 1"),
+        (&other_text, "not the one that its hash is of"),
+        (&other_program, "the program was `stickslip 9."),
+    ] {
+        fs::write(&path, text).unwrap();
+        said(wanted);
+    }
+    fs::write(&path, sound).unwrap();
+    assert_eq!(compute(&task(&plan, folder.path())).unwrap().old, 2);
+}
+
+#[test]
+fn a_folder_that_is_a_file_or_below_one_is_told() {
+    let file = tempfile::NamedTempFile::new().unwrap();
+    for folder in [file.path().to_owned(), file.path().join("below")] {
+        let error = compute(&task(&plan(2, 1), &folder)).unwrap_err();
+        assert!(matches!(error, SweepError::CreateFolder { .. }), "{error}");
+        assert!(error.to_string().contains("--out"));
+    }
+}
+
+#[test]
+fn a_block_that_cannot_be_written_is_named_and_the_others_stay() {
+    let plan = plan(4, 1);
+    let folder = tempfile::tempdir().unwrap();
+    let first = Task {
+        share: Share::new(1, 2).unwrap(),
+        ..task(&plan, folder.path())
+    };
+    compute(&first).unwrap();
+    // A folder in the place of the block: nobody can replace it by a file.
+    let place = folder.path().join("blocks/00000003.block");
+    fs::create_dir(&place).unwrap();
+    let error = compute(&task(&plan, folder.path())).unwrap_err();
+    assert!(error.to_string().contains("00000003.block"), "{error}");
+    fs::remove_dir(&place).unwrap();
+    let all = compute(&task(&plan, folder.path())).unwrap();
+    assert!(all.old >= 2);
+    assert!(table(&all.store) == undisturbed(&plan));
+}
+
+#[test]
+fn an_error_of_a_block_names_it_and_keeps_what_was_done() {
+    let plan = plan(1, 4);
+    let folder = tempfile::tempdir().unwrap();
+    let failing = |index, before: Option<&[u8]>| match index {
+        2 => Err("no such state".into()),
+        _ => block(index, before),
+    };
+    let whole = task(&plan, folder.path());
+    let error = stickslip_cli::sweep::run(&whole, &|_, _| {}, failing).unwrap_err();
+    assert_eq!(error.to_string(), "block 2: no such state");
+    let all = compute(&whole).unwrap();
+    assert_eq!((all.old, all.new), (2, 2));
+    assert!(table(&all.store) == undisturbed(&plan));
+}
+
+#[test]
+fn shares_are_numbered_from_one() {
+    assert_eq!("3/8".parse::<Share>().unwrap().to_string(), "3/8");
+    for wrong in ["0/8", "9/8", "3", "3/", "/8", "-1/8", "3/8/2", "0/0", "a/b"] {
+        let error = wrong.parse::<Share>().unwrap_err();
+        assert!(error.is_usage());
+        assert!(error.to_string().contains(&format!("`{wrong}`")), "{error}");
+    }
+}

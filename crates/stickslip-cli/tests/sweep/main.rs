@@ -1,0 +1,10 @@
+//! Sweeps, and the commands that make them: the same bits however they are computed, and nothing lost. Apart from the other tests, which
+//! compile the solver into them.
+
+mod basins;
+mod common;
+mod folders;
+mod kill;
+mod maps;
+mod merge;
+mod same_bits;

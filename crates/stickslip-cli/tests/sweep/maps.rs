@@ -1,0 +1,98 @@
+//! `stickslip map`.
+
+use predicates::str::contains;
+
+use super::common::{folder, program, text};
+
+const MAP: [&str; 8] = [
+    "map",
+    "basins",
+    "--x",
+    "vd=1.4:2",
+    "--y",
+    "d=0.05:0.15",
+    "--grid",
+    "4x2",
+];
+
+#[test]
+fn a_map_has_the_known_exponent_of_the_equilibrium() {
+    let top = folder();
+    program(top.path())
+        .args(MAP)
+        .args(["--tol", "1e-10", "--out", "map"])
+        .assert()
+        .success()
+        .stdout(contains("8 cells, vd from 1.4 to 2, d from 0.05 to 0.15"))
+        .stdout(contains("equilibrium"));
+    let svg = text(top.path().join("map/map.svg"));
+    roxmltree::Document::parse(&svg).unwrap();
+    let mut rows = csv::Reader::from_path(top.path().join("map/map.csv")).unwrap();
+    let (mut equilibria, mut cycles) = (0, 0);
+    for row in rows.records() {
+        let row = row.unwrap();
+        let number = |k: usize| row[k].parse::<f64>().unwrap();
+        let (speed, damping, in_stick, exponent) = (number(0), number(1), number(5), number(6));
+        match &row[2] {
+            "equilibrium" => {
+                equilibria += 1;
+                // Half the trace of the Jacobian where the block rests: -d + exp(-2 vd).
+                let exact = (stickslip::math::exp(-2.0 * speed) - damping) / 2.0;
+                assert!(
+                    (exponent - exact).abs() < 2e-3 * damping,
+                    "{exponent} for {exact}"
+                );
+                assert_eq!((in_stick, &row[4]), (0.0, "-"));
+            }
+            "periodic" => {
+                cycles += 1;
+                assert!(exponent.abs() < 1e-3, "{exponent}");
+                assert!(in_stick > 0.0 && in_stick < 0.3);
+                assert_eq!(&row[4], "- S");
+            }
+            other => panic!("{other}"),
+        }
+    }
+    assert!(equilibria > 1 && cycles > 1, "{equilibria} and {cycles}");
+}
+
+#[test]
+fn shares_of_a_map_are_merged_to_what_one_run_gives() {
+    let top = folder();
+    let run = |arguments: &[&str]| {
+        program(top.path())
+            .args(MAP)
+            .args(arguments)
+            .assert()
+            .success()
+    };
+    run(&["--out", "single"]);
+    run(&["--shard", "1/2", "--out", "a"]);
+    run(&["--shard", "2/2", "--out", "b"]);
+    program(top.path())
+        .args(["merge", "--out", "merged", "b", "a"])
+        .assert()
+        .success();
+    for name in ["map.csv", "map.svg"] {
+        let of = |folder: &str| text(top.path().join(folder).join(name));
+        assert!(of("merged") == of("single"), "{name}");
+    }
+}
+
+#[test]
+fn wrong_maps_are_told() {
+    let top = folder();
+    for (x, y, said) in [
+        ("x=0:1", "d=0:1", "there is no parameter `x`"),
+        ("vd=0:1", "vd=0:1", "a map has two parameters"),
+        ("vd=0:1", "mud=-1:1", "not allowed"),
+        ("vd=1:1", "d=0:1", "from 1 to 1 is no range"),
+    ] {
+        program(top.path())
+            .args(["map", "basins", "--x", x, "--y", y])
+            .assert()
+            .code(2)
+            .stderr(contains(said));
+    }
+    assert_eq!(std::fs::read_dir(top.path()).unwrap().count(), 0);
+}

@@ -1,0 +1,306 @@
+//! Expressions with their names resolved: what they share is there once, what is constant is folded.
+
+use std::collections::HashMap;
+
+use super::functions::Function;
+use super::tree::Binary;
+use stickslip::math;
+
+/// A number in a [`Graph`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Id(u32);
+
+impl Id {
+    pub(super) fn of(index: usize) -> Self {
+        Id(index as u32)
+    }
+
+    pub(super) fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// A constant part of an expression is no finite number.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NotANumber {
+    /// What it is instead: infinite, or NaN.
+    pub value: f64,
+}
+
+/// How a number is made. Constants are kept as their bits, so that equal ones are found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Node {
+    Constant(u64),
+    /// Time is 0, the states follow.
+    Input(u8),
+    Negative(Id),
+    Sum(Id, Id),
+    Difference(Id, Id),
+    Product(Id, Id),
+    Quotient(Id, Id),
+    IntegerPower(Id, i32),
+    RealPower(Id, u64),
+    Call(Function, Id),
+    Larger(Id, Id),
+    Smaller(Id, Id),
+}
+
+impl Node {
+    /// What it is made of.
+    pub(super) fn operands(self) -> [Option<Id>; 2] {
+        match self {
+            Node::Constant(_) | Node::Input(_) => [None, None],
+            Node::Negative(a)
+            | Node::IntegerPower(a, _)
+            | Node::RealPower(a, _)
+            | Node::Call(_, a) => [Some(a), None],
+            Node::Sum(a, b)
+            | Node::Difference(a, b)
+            | Node::Product(a, b)
+            | Node::Quotient(a, b)
+            | Node::Larger(a, b)
+            | Node::Smaller(a, b) => [Some(a), Some(b)],
+        }
+    }
+}
+
+/// Numbers and how they are made of each other; each stands behind what it is made of.
+///
+/// Nothing is reordered or multiplied out: a number has the bits that the expression as written has.
+#[derive(Clone, Debug, Default)]
+pub struct Graph {
+    nodes: Vec<Node>,
+    known: HashMap<Node, Id>,
+}
+
+type Made = Result<Id, NotANumber>;
+
+impl Graph {
+    /// An empty one.
+    pub fn new() -> Self {
+        Graph::default()
+    }
+
+    pub(super) fn node(&self, id: Id) -> Node {
+        self.nodes[id.index()]
+    }
+
+    fn add(&mut self, node: Node) -> Id {
+        if let Some(&id) = self.known.get(&node) {
+            return id;
+        }
+        let id = Id::of(self.nodes.len());
+        self.nodes.push(node);
+        self.known.insert(node, id);
+        id
+    }
+
+    /// Time.
+    pub fn time(&mut self) -> Id {
+        self.add(Node::Input(0))
+    }
+
+    /// A component of the state, counted from 0.
+    pub fn state(&mut self, number: usize) -> Id {
+        self.add(Node::Input(number as u8 + 1))
+    }
+
+    /// A constant.
+    ///
+    /// # Errors
+    /// [`NotANumber`] unless it is finite.
+    pub fn constant(&mut self, value: f64) -> Made {
+        if !value.is_finite() {
+            return Err(NotANumber { value });
+        }
+        // There is one zero.
+        Ok(self.add(Node::Constant((value + 0.0).to_bits())))
+    }
+
+    /// The value of a constant.
+    pub fn value(&self, id: Id) -> Option<f64> {
+        match self.node(id) {
+            Node::Constant(bits) => Some(f64::from_bits(bits)),
+            _ => None,
+        }
+    }
+
+    /// The negative.
+    ///
+    /// # Errors
+    /// As [`Graph::constant`], here and below.
+    pub fn negative(&mut self, a: Id) -> Made {
+        match self.node(a) {
+            Node::Constant(bits) => self.constant(-f64::from_bits(bits)),
+            Node::Negative(inner) => Ok(inner),
+            _ => Ok(self.add(Node::Negative(a))),
+        }
+    }
+
+    /// Two joined by an operator.
+    ///
+    /// # Errors
+    /// As [`Graph::constant`].
+    pub fn binary(&mut self, operator: Binary, a: Id, b: Id) -> Made {
+        match operator {
+            Binary::Sum => self.sum(a, b),
+            Binary::Difference => self.difference(a, b),
+            Binary::Product => self.product(a, b),
+            Binary::Quotient => self.quotient(a, b),
+            Binary::Power => self.power(a, b),
+        }
+    }
+
+    fn sum(&mut self, a: Id, b: Id) -> Made {
+        match (self.value(a), self.value(b)) {
+            (Some(a), Some(b)) => self.constant(a + b),
+            (Some(0.0), None) => Ok(b),
+            (None, Some(0.0)) => Ok(a),
+            _ => Ok(self.either_way(Node::Sum(a, b), Node::Sum(b, a))),
+        }
+    }
+
+    fn difference(&mut self, a: Id, b: Id) -> Made {
+        match (self.value(a), self.value(b)) {
+            (Some(a), Some(b)) => self.constant(a - b),
+            (Some(0.0), None) => self.negative(b),
+            (None, Some(0.0)) => Ok(a),
+            _ if a == b => self.constant(0.0),
+            _ => Ok(self.add(Node::Difference(a, b))),
+        }
+    }
+
+    fn product(&mut self, a: Id, b: Id) -> Made {
+        match (self.value(a), self.value(b)) {
+            (Some(a), Some(b)) => self.constant(a * b),
+            (Some(factor), None) => self.scaled(b, factor),
+            (None, Some(factor)) => self.scaled(a, factor),
+            _ => Ok(self.either_way(Node::Product(a, b), Node::Product(b, a))),
+        }
+    }
+
+    fn scaled(&mut self, a: Id, factor: f64) -> Made {
+        if factor == 1.0 {
+            return Ok(a);
+        }
+        if factor == -1.0 {
+            return self.negative(a);
+        }
+        let factor = self.constant(factor)?;
+        if self.value(factor) == Some(0.0) {
+            return Ok(factor);
+        }
+        Ok(self.add(Node::Product(a, factor)))
+    }
+
+    fn quotient(&mut self, a: Id, b: Id) -> Made {
+        match (self.value(a), self.value(b)) {
+            (Some(a), Some(b)) => self.constant(a / b),
+            (None, Some(0.0)) => Err(NotANumber {
+                value: f64::INFINITY,
+            }),
+            (None, Some(1.0)) => Ok(a),
+            (None, Some(-1.0)) => self.negative(a),
+            (Some(0.0), None) => Ok(a),
+            _ => Ok(self.add(Node::Quotient(a, b))),
+        }
+    }
+
+    fn power(&mut self, a: Id, b: Id) -> Made {
+        let Some(exponent) = self.value(b) else {
+            // For positive bases: of others a power with an exponent that changes is no real number.
+            let logarithm = self.call(Function::Ln, a)?;
+            let product = self.product(logarithm, b)?;
+            return self.call(Function::Exp, product);
+        };
+        let whole = exponent as i32;
+        let is_whole = f64::from(whole) == exponent;
+        if let Some(base) = self.value(a) {
+            return self.constant(if is_whole {
+                math::powi(base, whole)
+            } else {
+                math::pow(base, exponent)
+            });
+        }
+        match exponent {
+            0.0 => self.constant(1.0),
+            1.0 => Ok(a),
+            0.5 => self.call(Function::Sqrt, a),
+            _ if is_whole => Ok(self.add(Node::IntegerPower(a, whole))),
+            _ => Ok(self.add(Node::RealPower(a, exponent.to_bits()))),
+        }
+    }
+
+    /// A function of one argument.
+    ///
+    /// # Errors
+    /// As [`Graph::constant`].
+    pub fn call(&mut self, function: Function, a: Id) -> Made {
+        match self.value(a) {
+            Some(a) => self.constant(function.of(a)),
+            None => Ok(self.add(Node::Call(function, a))),
+        }
+    }
+
+    /// The larger of two.
+    ///
+    /// # Errors
+    /// As [`Graph::constant`].
+    pub fn larger(&mut self, a: Id, b: Id) -> Made {
+        match (self.value(a), self.value(b)) {
+            (Some(a), Some(b)) => self.constant(a.max(b)),
+            _ => Ok(self.add(Node::Larger(a, b))),
+        }
+    }
+
+    /// The smaller of two.
+    ///
+    /// # Errors
+    /// As [`Graph::constant`].
+    pub fn smaller(&mut self, a: Id, b: Id) -> Made {
+        match (self.value(a), self.value(b)) {
+            (Some(a), Some(b)) => self.constant(a.min(b)),
+            _ => Ok(self.add(Node::Smaller(a, b))),
+        }
+    }
+
+    /// The node, or the one with its operands exchanged if that is there already.
+    fn either_way(&mut self, node: Node, exchanged: Node) -> Id {
+        match self.known.get(&exchanged) {
+            Some(&id) => id,
+            None => self.add(node),
+        }
+    }
+
+    /// What the numbers are made of, themselves included: by index, whether it is.
+    pub(super) fn reached(&self, roots: &[Id]) -> Vec<bool> {
+        let mut reached = vec![false; self.nodes.len()];
+        for root in roots {
+            reached[root.index()] = true;
+        }
+        for i in (0..self.nodes.len()).rev() {
+            if reached[i] {
+                for operand in self.nodes[i].operands().into_iter().flatten() {
+                    reached[operand.index()] = true;
+                }
+            }
+        }
+        reached
+    }
+
+    /// Whether a number depends on time.
+    pub fn depends_on_time(&self, root: Id) -> bool {
+        self.depends(root, |input| input == 0)
+    }
+
+    /// Whether a number depends on the state.
+    pub fn depends_on_state(&self, root: Id) -> bool {
+        self.depends(root, |input| input > 0)
+    }
+
+    fn depends(&self, root: Id, wanted: impl Fn(u8) -> bool) -> bool {
+        let reached = self.reached(&[root]);
+        let mut nodes = self.nodes.iter().zip(reached);
+        nodes.any(|(node, reached)| reached && matches!(node, Node::Input(k) if wanted(*k)))
+    }
+}

@@ -1,0 +1,488 @@
+//! Expressions in the order of their evaluation.
+
+use stickslip::Scalar;
+
+use super::functions::Function;
+use super::graph::{Graph, Id, Node};
+
+/// How many numbers a tape can hold at once, time and states among them.
+pub const MOST_REGISTERS: usize = 64;
+
+/// How many the short tapes hold: most systems need no more, and a number's room must be made at every evaluation.
+const FEW_REGISTERS: usize = 16;
+
+/// An expression needs more than [`MOST_REGISTERS`] numbers at once.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "the expressions need more than {MOST_REGISTERS} numbers at once; write sums so that one part is finished before the next begins"
+)]
+pub struct TooLarge;
+
+/// Several expressions of time and state, evaluated together.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tape {
+    steps: Vec<Step>,
+    registers: usize,
+    outputs: Vec<Output>,
+}
+
+/// One operation: `to` becomes `a operation b`, or `a operation constant`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Step {
+    operation: Operation,
+    a: u8,
+    b: u8,
+    to: u8,
+    constant: f64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Operation {
+    Add,
+    Subtract,
+    Multiply,
+    Divide,
+    AddConstant,
+    SubtractConstant,
+    SubtractFromConstant,
+    MultiplyConstant,
+    DivideByConstant,
+    DivideConstant,
+    Negate,
+    Constant,
+    /// Sine into `to`, cosine into `b`.
+    SineCosine,
+    Other(Other),
+}
+
+/// The operations that take longer than a call does: for nested dual numbers these are long functions, which would be compiled for each number of
+/// registers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Other {
+    /// The exponent is the constant.
+    IntegerPower,
+    RealPower,
+    Call(Function),
+    Larger,
+    Smaller,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Output {
+    Register(u8),
+    Constant(f64),
+}
+
+impl Tape {
+    /// A tape for the numbers `roots`, of `states` states.
+    ///
+    /// # Errors
+    /// [`TooLarge`].
+    pub fn new(graph: &Graph, roots: &[Id], states: usize) -> Result<Tape, TooLarge> {
+        Layout::new(graph, roots, states).tape(roots)
+    }
+
+    /// How many operations it has.
+    pub fn operations(&self) -> usize {
+        self.steps.len()
+    }
+
+    /// The numbers at time `t` and state `x`. They are written to the front of `out`; those that it has no room for are left out.
+    #[inline(always)]
+    pub fn evaluate<T: Scalar>(&self, t: T, x: &[T], out: &mut [T]) {
+        if self.registers <= FEW_REGISTERS {
+            self.run::<T, FEW_REGISTERS>(t, x, out);
+        } else {
+            self.run::<T, MOST_REGISTERS>(t, x, out);
+        }
+    }
+
+    /// One of these for each kind of number, however many kinds of systems there are: inlined into the solver it would be compiled for
+    /// each of them.
+    #[inline(never)]
+    fn run<T: Scalar, const R: usize>(&self, t: T, x: &[T], out: &mut [T]) {
+        let mut registers = [T::zero(); R];
+        registers[0] = t;
+        for (register, &component) in registers[1..].iter_mut().zip(x) {
+            *register = component;
+        }
+        for step in &self.steps {
+            // All are less than R, a power of two: this tells the compiler.
+            let [a, b, to] = [step.a, step.b, step.to].map(|k| usize::from(k) & (R - 1));
+            let constant = step.constant;
+            registers[to] = match step.operation {
+                Operation::Add => registers[a] + registers[b],
+                Operation::Subtract => registers[a] - registers[b],
+                Operation::Multiply => registers[a] * registers[b],
+                Operation::Divide => registers[a] / registers[b],
+                Operation::AddConstant => registers[a] + constant,
+                Operation::SubtractConstant => registers[a] - constant,
+                Operation::SubtractFromConstant => T::constant(constant) - registers[a],
+                Operation::MultiplyConstant => registers[a] * constant,
+                Operation::DivideByConstant => registers[a] / constant,
+                Operation::DivideConstant => T::constant(constant) / registers[a],
+                Operation::Negate => -registers[a],
+                Operation::Constant => T::constant(constant),
+                Operation::SineCosine => {
+                    let (sine, cosine) = sine_cosine(registers[a]);
+                    registers[b] = cosine;
+                    sine
+                }
+                Operation::Other(other) => other.of(registers[a], registers[b], constant),
+            };
+        }
+        for (out, output) in out.iter_mut().zip(&self.outputs) {
+            *out = match *output {
+                Output::Register(k) => registers[usize::from(k) & (R - 1)],
+                // Numbers that fold know these two without looking at them.
+                Output::Constant(0.0) => T::zero(),
+                Output::Constant(1.0) => T::one(),
+                Output::Constant(value) => T::constant(value),
+            };
+        }
+    }
+}
+
+impl Other {
+    #[inline(never)]
+    fn of<T: Scalar>(self, a: T, b: T, constant: f64) -> T {
+        match self {
+            Other::IntegerPower => a.powi(constant as i32),
+            Other::RealPower => a.powf(constant),
+            Other::Call(function) => function.of(a),
+            Other::Larger => a.max(b),
+            Other::Smaller => a.min(b),
+        }
+    }
+}
+
+#[inline(never)]
+fn sine_cosine<T: Scalar>(a: T) -> (T, T) {
+    a.sin_cos()
+}
+
+/// Registers are given out as numbers come and taken back when they are used for the last time.
+struct Layout<'a> {
+    graph: &'a Graph,
+    reached: Vec<bool>,
+    /// By number, the last that is made of it; its own where it is an output, which lasts.
+    last_use: Vec<usize>,
+    register: Vec<Option<u8>>,
+    free: Vec<u8>,
+    given: usize,
+    steps: Vec<Step>,
+}
+
+impl<'a> Layout<'a> {
+    fn new(graph: &'a Graph, roots: &[Id], states: usize) -> Self {
+        let reached = graph.reached(roots);
+        let count = reached.len();
+        let mut last_use = vec![0; count];
+        for (i, _) in reached.iter().enumerate().filter(|(_, reached)| **reached) {
+            for operand in graph.node(Id::of(i)).operands().into_iter().flatten() {
+                last_use[operand.index()] = i;
+            }
+        }
+        for root in roots {
+            last_use[root.index()] = usize::MAX;
+        }
+        Layout {
+            graph,
+            reached,
+            last_use,
+            register: vec![None; count],
+            free: Vec::new(),
+            given: states + 1,
+            steps: Vec::new(),
+        }
+    }
+
+    fn tape(mut self, roots: &[Id]) -> Result<Tape, TooLarge> {
+        for i in 0..self.reached.len() {
+            if self.reached[i] && self.register[i].is_none() {
+                self.make(i)?;
+            }
+        }
+        let outputs = roots.iter().map(|&root| match self.graph.value(root) {
+            Some(value) => Output::Constant(value),
+            None => Output::Register(self.register[root.index()].unwrap_or(0)),
+        });
+        Ok(Tape {
+            outputs: outputs.collect(),
+            registers: self.given,
+            steps: self.steps,
+        })
+    }
+
+    fn make(&mut self, i: usize) -> Result<(), TooLarge> {
+        let node = self.graph.node(Id::of(i));
+        let value = |id: Id| self.graph.value(id);
+        use Operation as Op;
+        let (operation, a, b, constant) = match node {
+            // Where it is used, it stands in the operation; where it cannot, it is loaded there.
+            Node::Constant(_) => return Ok(()),
+            Node::Input(k) => {
+                self.register[i] = Some(k);
+                return Ok(());
+            }
+            Node::Negative(a) => (Op::Negate, a, None, 0.0),
+            Node::Sum(a, b) => match (value(a), value(b)) {
+                (Some(c), _) => (Op::AddConstant, b, None, c),
+                (_, Some(c)) => (Op::AddConstant, a, None, c),
+                _ => (Op::Add, a, Some(b), 0.0),
+            },
+            Node::Difference(a, b) => match (value(a), value(b)) {
+                (Some(c), _) => (Op::SubtractFromConstant, b, None, c),
+                (_, Some(c)) => (Op::SubtractConstant, a, None, c),
+                _ => (Op::Subtract, a, Some(b), 0.0),
+            },
+            Node::Product(a, b) => match (value(a), value(b)) {
+                (Some(c), _) => (Op::MultiplyConstant, b, None, c),
+                (_, Some(c)) => (Op::MultiplyConstant, a, None, c),
+                _ => (Op::Multiply, a, Some(b), 0.0),
+            },
+            Node::Quotient(a, b) => match (value(a), value(b)) {
+                (Some(c), _) => (Op::DivideConstant, b, None, c),
+                (_, Some(c)) => (Op::DivideByConstant, a, None, c),
+                _ => (Op::Divide, a, Some(b), 0.0),
+            },
+            Node::IntegerPower(a, n) => (Op::Other(Other::IntegerPower), a, None, f64::from(n)),
+            Node::RealPower(a, bits) => {
+                (Op::Other(Other::RealPower), a, None, f64::from_bits(bits))
+            }
+            Node::Call(function, a) => return self.call(i, function, a),
+            Node::Larger(a, b) => (Op::Other(Other::Larger), a, Some(b), 0.0),
+            Node::Smaller(a, b) => (Op::Other(Other::Smaller), a, Some(b), 0.0),
+        };
+        let from = self.operand(a)?;
+        let with = b.map_or(Ok(0), |b| self.operand(b))?;
+        self.release([Some(a), b], i);
+        let to = self.take()?;
+        self.register[i] = Some(to);
+        self.steps.push(Step {
+            operation,
+            a: from,
+            b: with,
+            to,
+            constant,
+        });
+        Ok(())
+    }
+
+    /// A function; sine and cosine of the same number are made together.
+    fn call(&mut self, i: usize, function: Function, a: Id) -> Result<(), TooLarge> {
+        let other = match function {
+            Function::Sin => self.partner(i, Function::Cos, a),
+            Function::Cos => self.partner(i, Function::Sin, a),
+            _ => None,
+        };
+        let from = self.operand(a)?;
+        let Some(other) = other else {
+            self.release([Some(a), None], i);
+            let to = self.take()?;
+            self.register[i] = Some(to);
+            self.steps.push(Step {
+                operation: Operation::Other(Other::Call(function)),
+                a: from,
+                b: 0,
+                to,
+                constant: 0.0,
+            });
+            return Ok(());
+        };
+        let (first, second) = (self.take()?, self.take()?);
+        self.register[i] = Some(first);
+        self.register[other] = Some(second);
+        let (sine, cosine) = match function {
+            Function::Sin => (first, second),
+            _ => (second, first),
+        };
+        self.steps.push(Step {
+            operation: Operation::SineCosine,
+            a: from,
+            b: cosine,
+            to: sine,
+            constant: 0.0,
+        });
+        self.release([Some(a), None], other);
+        Ok(())
+    }
+
+    /// A further call with the same argument, to be made behind `i`.
+    fn partner(&self, i: usize, function: Function, a: Id) -> Option<usize> {
+        let wanted = Node::Call(function, a);
+        (i + 1..self.reached.len())
+            .find(|&k| self.reached[k] && self.graph.node(Id::of(k)) == wanted)
+    }
+
+    /// The register of an operand; a constant is loaded into one.
+    fn operand(&mut self, operand: Id) -> Result<u8, TooLarge> {
+        if let Some(register) = self.register[operand.index()] {
+            return Ok(register);
+        }
+        let to = self.take()?;
+        self.register[operand.index()] = Some(to);
+        self.steps.push(Step {
+            operation: Operation::Constant,
+            a: 0,
+            b: 0,
+            to,
+            constant: self.graph.value(operand).unwrap_or(f64::NAN),
+        });
+        Ok(to)
+    }
+
+    fn take(&mut self) -> Result<u8, TooLarge> {
+        if let Some(register) = self.free.pop() {
+            return Ok(register);
+        }
+        if self.given == MOST_REGISTERS {
+            return Err(TooLarge);
+        }
+        self.given += 1;
+        Ok((self.given - 1) as u8)
+    }
+
+    /// Takes back the registers of what `user` is the last to use; the inputs keep theirs.
+    fn release(&mut self, operands: [Option<Id>; 2], user: usize) {
+        for operand in operands.into_iter().flatten() {
+            let k = operand.index();
+            let is_input = matches!(self.graph.node(operand), Node::Input(_));
+            if self.last_use[k] == user && !is_input {
+                if let Some(register) = self.register[k] {
+                    if !self.free.contains(&register) {
+                        self.free.push(register);
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tree::Binary::*;
+    use super::*;
+
+    fn value(tape: &Tape, t: f64, x: &[f64]) -> Vec<f64> {
+        let mut out = vec![f64::NAN; tape.outputs.len()];
+        tape.evaluate(t, x, &mut out);
+        out
+    }
+
+    #[test]
+    fn what_is_shared_is_made_once_and_what_is_constant_not_at_all() {
+        let mut graph = Graph::new();
+        let (x, v) = (graph.state(0), graph.state(1));
+        let product = graph.binary(Product, x, v).unwrap();
+        let again = graph.binary(Product, v, x).unwrap();
+        assert_eq!(product, again);
+        let two = graph.constant(2.0).unwrap();
+        let three = graph.constant(3.0).unwrap();
+        let six = graph.binary(Product, two, three).unwrap();
+        let first = graph.binary(Sum, product, six).unwrap();
+        let second = graph.binary(Quotient, six, again).unwrap();
+        let tape = Tape::new(&graph, &[first, second, six, v], 2).unwrap();
+        assert_eq!(tape.operations(), 3);
+        assert_eq!(value(&tape, 0.0, &[2.0, 5.0]), [16.0, 0.6, 6.0, 5.0]);
+    }
+
+    #[test]
+    fn sine_and_cosine_are_made_together_in_either_order() {
+        for (first, second) in [
+            (Function::Sin, Function::Cos),
+            (Function::Cos, Function::Sin),
+        ] {
+            let mut graph = Graph::new();
+            let (t, x) = (graph.time(), graph.state(0));
+            let angle = graph.binary(Product, t, x).unwrap();
+            let one = graph.call(first, angle).unwrap();
+            let between = graph.binary(Sum, one, x).unwrap();
+            let other = graph.call(second, angle).unwrap();
+            let both = graph.binary(Product, between, other).unwrap();
+            let tape = Tape::new(&graph, &[both], 1).unwrap();
+            assert_eq!(tape.operations(), 4);
+            let (t, x) = (0.7, 1.3);
+            let wanted = (first.of(t * x) + x) * second.of(t * x);
+            assert_eq!(value(&tape, t, &[x]), [wanted]);
+        }
+    }
+
+    #[test]
+    fn registers_are_used_again() {
+        let mut graph = Graph::new();
+        let x = graph.state(0);
+        let mut sum = x;
+        for k in 1..500 {
+            let c = graph.constant(f64::from(k)).unwrap();
+            let shifted = graph.binary(Sum, x, c).unwrap();
+            let sine = graph.call(Function::Sin, shifted).unwrap();
+            sum = graph.binary(Sum, sum, sine).unwrap();
+        }
+        let tape = Tape::new(&graph, &[sum], 1).unwrap();
+        assert!(tape.registers <= 5, "{}", tape.registers);
+        let wanted = (1..500).fold(0.3, |sum, k| sum + Function::Sin.of(0.3 + f64::from(k)));
+        assert_eq!(value(&tape, 0.0, &[0.3]), [wanted]);
+    }
+
+    #[test]
+    fn many_numbers_at_once_are_held_and_too_many_refused() {
+        let chain = |count: usize| {
+            let mut graph = Graph::new();
+            let x = graph.state(0);
+            let parts: Vec<Id> = (0..count)
+                .map(|k| {
+                    let c = graph.constant(k as f64 + 0.5).unwrap();
+                    graph.binary(Product, x, c).unwrap()
+                })
+                .collect();
+            let mut sum = x;
+            for &part in parts.iter().rev() {
+                sum = graph.binary(Sum, sum, part).unwrap();
+            }
+            Tape::new(&graph, &[sum], 1)
+        };
+        for count in [5, 30, 60] {
+            let tape = chain(count).unwrap();
+            let wanted = (0..count)
+                .rev()
+                .fold(2.0, |sum, k| sum + 2.0 * (k as f64 + 0.5));
+            assert_eq!(value(&tape, 0.0, &[2.0]), [wanted]);
+        }
+        assert_eq!(chain(100), Err(TooLarge));
+    }
+
+    #[test]
+    fn powers_choose_the_cheapest_way() {
+        let mut graph = Graph::new();
+        let x = graph.state(0);
+        let mut power = |p: f64| {
+            let p = graph.constant(p).unwrap();
+            graph.binary(Power, x, p).unwrap()
+        };
+        let roots = [power(3.0), power(0.5), power(-1.0), power(1.5), power(0.0)];
+        let tape = Tape::new(&graph, &roots, 1).unwrap();
+        let x = 1.7f64;
+        let wanted = [
+            x * (x * x),
+            x.sqrt(),
+            1.0 / x,
+            stickslip::math::pow(x, 1.5),
+            1.0,
+        ];
+        assert_eq!(value(&tape, 0.0, &[x]), wanted);
+    }
+
+    #[test]
+    fn what_is_no_number_is_refused_where_it_is_made() {
+        let mut graph = Graph::new();
+        let (zero, x) = (graph.constant(0.0).unwrap(), graph.state(0));
+        let minus = graph.constant(-2.0).unwrap();
+        assert!(graph.binary(Quotient, zero, zero).is_err());
+        assert!(graph.binary(Quotient, x, zero).is_err());
+        assert!(graph.call(Function::Ln, zero).is_err());
+        assert!(graph.call(Function::Sqrt, minus).is_err());
+        assert!(graph.constant(f64::NAN).is_err());
+        assert_eq!(graph.binary(Product, x, zero), Ok(zero));
+    }
+}

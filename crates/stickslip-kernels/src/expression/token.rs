@@ -1,0 +1,151 @@
+//! The words of an expression.
+
+use std::ops::Range;
+
+use super::SyntaxError;
+
+/// A word.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Token {
+    Number(f64),
+    Name(String),
+    Plus,
+    Minus,
+    Times,
+    Over,
+    Power,
+    /// `²` or `³`, a power written small.
+    SmallPower(u8),
+    Open,
+    Close,
+    Comma,
+}
+
+impl Token {
+    /// As a message names it.
+    pub(super) fn told(&self) -> String {
+        match self {
+            Token::Number(value) => format!("the number {value}"),
+            Token::Name(name) => format!("the name `{name}`"),
+            Token::Plus => "`+`".into(),
+            Token::Minus => "`-`".into(),
+            Token::Times => "`*`".into(),
+            Token::Over => "`/`".into(),
+            Token::Power => "`^`".into(),
+            Token::SmallPower(_) => "a power".into(),
+            Token::Open => "`(`".into(),
+            Token::Close => "`)`".into(),
+            Token::Comma => "`,`".into(),
+        }
+    }
+}
+
+/// Whether a name can begin so.
+pub fn begins_name(c: char) -> bool {
+    c.is_alphabetic() || c == '_'
+}
+
+/// Whether a name can go on so: letters, digits, and digits written as an index.
+pub fn is_in_name(c: char) -> bool {
+    begins_name(c) || c.is_ascii_digit() || ('₀'..='₉').contains(&c)
+}
+
+/// A name as it is compared: the micro sign is the Greek letter, which looks the same and is another character.
+pub fn normal(name: &str) -> String {
+    name.replace('\u{b5}', "μ")
+}
+
+/// The words of a text, each with its place.
+pub(super) fn tokens(text: &str) -> Result<Vec<(Token, Range<usize>)>, SyntaxError> {
+    let mut found = Vec::new();
+    let mut rest = text;
+    while let Some(c) = rest.chars().next() {
+        let at = text.len() - rest.len();
+        let length = match c {
+            _ if c.is_whitespace() => {
+                rest = &rest[c.len_utf8()..];
+                continue;
+            }
+            _ if c.is_ascii_digit() || c == '.' => number_length(rest),
+            _ if begins_name(c) => rest.find(|c| !is_in_name(c)).unwrap_or(rest.len()),
+            _ => c.len_utf8(),
+        };
+        let place = at..at + length;
+        let (word, after) = rest.split_at(length);
+        let token = match c {
+            _ if c.is_ascii_digit() || c == '.' => {
+                let value = word.parse().ok().filter(|value: &f64| value.is_finite());
+                let no_number =
+                    || SyntaxError::new(format!("`{word}` is no number"), place.clone());
+                Token::Number(value.ok_or_else(no_number)?)
+            }
+            _ if begins_name(c) => Token::Name(normal(word)),
+            '+' => Token::Plus,
+            '-' | '−' => Token::Minus,
+            '*' if after.starts_with('*') => {
+                let both = at..at + 2;
+                return Err(
+                    SyntaxError::new("`**` is no operator", both).help("write a power as `^`: x^2")
+                );
+            }
+            '*' | '·' | '×' => Token::Times,
+            '/' => Token::Over,
+            '^' => Token::Power,
+            '²' => Token::SmallPower(2),
+            '³' => Token::SmallPower(3),
+            '(' => Token::Open,
+            ')' => Token::Close,
+            ',' => Token::Comma,
+            '|' => {
+                return Err(SyntaxError::new("`|` does not belong into an expression", place).help(
+                    "the magnitude of a slip speed is the contact's sign times the speed; an absolute value is `abs(…)`",
+                ));
+            }
+            '<' | '>' | '=' | '?' | '!' | '&' => {
+                return Err(
+                    SyntaxError::new(format!("`{c}` does not belong into an expression"), place).help(
+                        "what differs from side to side of a contact is `by_side(contact, below, above)`; bounds are `min` and `max`",
+                    ),
+                );
+            }
+            '[' | '{' => {
+                return Err(SyntaxError::new(
+                    format!("`{c}` does not belong into an expression"),
+                    place,
+                )
+                .help("group by round brackets: (…)"));
+            }
+            _ => {
+                let message = format!("`{c}` does not belong into an expression");
+                return Err(SyntaxError::new(message, place));
+            }
+        };
+        found.push((token, place));
+        rest = after;
+    }
+    Ok(found)
+}
+
+/// How long a number is at the beginning of a text: digits, a point, an exponent.
+fn number_length(text: &str) -> usize {
+    let bytes = text.as_bytes();
+    let digits = |from: usize| {
+        let count = bytes[from..]
+            .iter()
+            .take_while(|b| b.is_ascii_digit())
+            .count();
+        from + count
+    };
+    let mut end = digits(0);
+    if bytes.get(end) == Some(&b'.') {
+        end = digits(end + 1);
+    }
+    if matches!(bytes.get(end), Some(b'e' | b'E')) {
+        let sign = usize::from(matches!(bytes.get(end + 1), Some(b'+' | b'-')));
+        let exponent = digits(end + 1 + sign);
+        if exponent > end + 1 + sign {
+            end = exponent;
+        }
+    }
+    end
+}

@@ -1,0 +1,235 @@
+//! What a kernel tells, without the number of states and contacts in its type.
+
+use std::ops::ControlFlow;
+
+use serde::{Deserialize, Serialize};
+use stickslip::analysis::Exponent;
+use stickslip::nalgebra::Complex;
+use stickslip::{Counters, Direction, Ending, Mode, Side, TransitionKind};
+
+use super::MOST_CONTACTS;
+
+/// What each contact does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(into = "String", try_from = "String")]
+pub struct Modes {
+    modes: [Mode; MOST_CONTACTS],
+    count: u8,
+}
+
+impl Modes {
+    /// Of these contacts; of the first [`MOST_CONTACTS`] if there are more.
+    pub fn new(of: &[Mode]) -> Self {
+        let mut modes = [Mode::Stick; MOST_CONTACTS];
+        let count = of.len().min(MOST_CONTACTS);
+        modes[..count].copy_from_slice(&of[..count]);
+        Modes {
+            modes,
+            count: count as u8,
+        }
+    }
+
+    /// One for each contact.
+    pub fn as_slice(&self) -> &[Mode] {
+        &self.modes[..usize::from(self.count)]
+    }
+}
+
+/// A sign for each contact, as in tables.
+impl From<Modes> for String {
+    fn from(modes: Modes) -> String {
+        let letter = |mode: &Mode| match mode {
+            Mode::Slip(Side::Below) => '-',
+            Mode::Slip(Side::Above) => '+',
+            Mode::Stick => 'S',
+        };
+        modes.as_slice().iter().map(letter).collect()
+    }
+}
+
+impl TryFrom<String> for Modes {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Modes, String> {
+        let mode = |letter| match letter {
+            '-' => Ok(Mode::Slip(Side::Below)),
+            '+' => Ok(Mode::Slip(Side::Above)),
+            'S' => Ok(Mode::Stick),
+            other => Err(format!("`{other}` is no mode: -, + or S is")),
+        };
+        let modes: Vec<Mode> = text.chars().map(mode).collect::<Result<_, String>>()?;
+        if modes.is_empty() || modes.len() > MOST_CONTACTS {
+            return Err(format!(
+                "`{text}` is not the modes of 1 to {MOST_CONTACTS} contacts"
+            ));
+        }
+        Ok(Modes::new(&modes))
+    }
+}
+
+/// The modes that the library has for a system.
+pub(super) trait Erase: Copy + PartialEq {
+    fn erased(self, contacts: usize) -> Modes;
+    /// The library's again. A contact that only fills up the number has no side that would matter.
+    fn restored(modes: &Modes) -> Self;
+}
+
+impl Erase for Mode {
+    fn erased(self, _contacts: usize) -> Modes {
+        Modes::new(&[self])
+    }
+
+    fn restored(modes: &Modes) -> Mode {
+        modes.modes[0]
+    }
+}
+
+impl<const M: usize> Erase for [Mode; M] {
+    fn erased(self, contacts: usize) -> Modes {
+        Modes::new(&self[..contacts.min(M)])
+    }
+
+    fn restored(modes: &Modes) -> [Mode; M] {
+        let known = modes.as_slice();
+        std::array::from_fn(|i| known.get(i).copied().unwrap_or(Mode::Slip(Side::Above)))
+    }
+}
+
+/// An accepted step.
+pub struct StepView<'a> {
+    /// Modes during the step.
+    pub modes: Modes,
+    /// Time at the start.
+    pub t_start: f64,
+    /// Time at the end.
+    pub t_end: f64,
+    /// State at the end.
+    pub x_end: &'a [f64],
+    pub(super) sample: &'a dyn Fn(f64, &mut [f64]),
+}
+
+impl StepView<'_> {
+    /// Writes the state at a time of the step into `x`.
+    pub fn at(&self, t: f64, x: &mut [f64]) {
+        (self.sample)(t, x);
+    }
+}
+
+/// A phase: part of an orbit between two transitions.
+#[derive(Clone, Copy, Debug)]
+pub struct PhaseView<'a> {
+    /// Modes in it.
+    pub modes: Modes,
+    /// Time at the start.
+    pub t_start: f64,
+    /// Time at the end.
+    pub t_end: f64,
+    /// State at the start.
+    pub x_start: &'a [f64],
+    /// State at the end.
+    pub x_end: &'a [f64],
+}
+
+/// A transition.
+#[derive(Clone, Copy, Debug)]
+pub struct TransitionView<'a> {
+    /// What happened.
+    pub kind: TransitionKind,
+    /// At which contact, counted from 0.
+    pub contact: usize,
+    /// Modes before.
+    pub from: Modes,
+    /// Modes after.
+    pub to: Modes,
+    /// Time.
+    pub t: f64,
+    /// State.
+    pub x: &'a [f64],
+    /// What is left of the function whose zero was sought.
+    pub residual: f64,
+}
+
+/// A passage of the section.
+#[derive(Clone, Copy, Debug)]
+pub struct Passage<'a> {
+    /// Time.
+    pub t: f64,
+    /// State.
+    pub x: &'a [f64],
+    /// Modes there.
+    pub modes: Modes,
+    /// Which way.
+    pub direction: Direction,
+}
+
+/// Told of an orbit as it is made, in order of time. Each method may end the run.
+pub trait Watcher {
+    /// Whether it is told of steps; where it is not, a part of the work can be left out.
+    fn watches_steps(&self) -> bool {
+        false
+    }
+    /// After every step.
+    fn step(&mut self, _step: &StepView<'_>) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+    /// After every phase.
+    fn phase(&mut self, _phase: &PhaseView<'_>) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+    /// At every transition, after the phase that it ends.
+    fn transition(&mut self, _at: &TransitionView<'_>) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+    /// At every passage of the section.
+    fn passage(&mut self, _at: &Passage<'_>) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+}
+
+/// Watches nothing.
+impl Watcher for () {}
+
+/// How and where a run ended.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ended {
+    /// Why.
+    pub ending: Ending,
+    /// Last time.
+    pub t: f64,
+    /// Last state.
+    pub x: Vec<f64>,
+    /// Work done.
+    pub counters: Counters,
+}
+
+/// A periodic orbit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Periodic {
+    /// Time at which it is at `x`.
+    pub t: f64,
+    /// A state on it.
+    pub x: Vec<f64>,
+    /// Period.
+    pub period: f64,
+    /// Largest component of what is left of `x(t + period) − x`.
+    pub residual: f64,
+    /// Floquet multipliers, the one nearest to 1 first.
+    pub multipliers: Vec<Complex<f64>>,
+}
+
+/// A Lyapunov spectrum.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SpectrumFound {
+    /// The exponents in descending order, annihilated ones last.
+    pub exponents: Vec<Exponent>,
+    /// The exponents as they stood at times since measuring began.
+    pub convergence: Vec<(f64, Vec<f64>)>,
+    /// What the sum of the finite ones differs from the rate of volumes.
+    pub defect: f64,
+    /// Entries into stick while measuring.
+    pub stick_entries: usize,
+    /// Part of the measured time in stick, of any contact.
+    pub stick_fraction: f64,
+    /// Time measured.
+    pub duration: f64,
+}

@@ -1,0 +1,189 @@
+//! What an orbit has come to, without the number of states and contacts in its type, and on disk.
+
+use serde::{Deserialize, Serialize};
+use stickslip::analysis::{Attractors, Kind, Reached, RecurrenceSettings, SectionPoint};
+use stickslip::{Phase, Switched};
+
+use super::compiled::state;
+use super::erased::{Erase, Modes};
+
+/// What kind of motion an orbit has come to: as [`stickslip::analysis::Kind`], which says more of each.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Motion {
+    /// An equilibrium.
+    Equilibrium,
+    /// One of a whole set of equilibria.
+    EquilibriumSet,
+    /// A periodic orbit.
+    Periodic {
+        /// Points of the section in a period.
+        returns: usize,
+        /// Period.
+        period: f64,
+    },
+    /// Quasi-periodic or chaotic.
+    Recurrent,
+    /// A component passed the escape bound.
+    Escape,
+    /// An end where the boundary repels.
+    Repelling,
+    /// An end at a two-fold.
+    TwoFold,
+    /// The integration failed, and how.
+    Failure(String),
+    /// None of these within the longest time.
+    Undecided,
+}
+
+impl Motion {
+    fn of(kind: &Kind) -> Self {
+        match kind {
+            Kind::Equilibrium => Motion::Equilibrium,
+            Kind::EquilibriumSet => Motion::EquilibriumSet,
+            &Kind::Periodic { returns, period } => Motion::Periodic { returns, period },
+            Kind::Recurrent => Motion::Recurrent,
+            Kind::Escape => Motion::Escape,
+            Kind::Repelling => Motion::Repelling,
+            Kind::TwoFold(_) => Motion::TwoFold,
+            Kind::Failure(error) => Motion::Failure(error.to_string()),
+            Kind::Undecided => Motion::Undecided,
+        }
+    }
+
+    /// The library's kind, if it is one whose points tell one from another.
+    fn kind(&self) -> Option<Kind> {
+        match *self {
+            Motion::Equilibrium => Some(Kind::Equilibrium),
+            Motion::EquilibriumSet => Some(Kind::EquilibriumSet),
+            Motion::Periodic { returns, period } => Some(Kind::Periodic { returns, period }),
+            Motion::Recurrent => Some(Kind::Recurrent),
+            _ => None,
+        }
+    }
+
+    /// A word for tables.
+    pub fn word(&self) -> &'static str {
+        match self {
+            Motion::Equilibrium => "equilibrium",
+            Motion::EquilibriumSet => "set of equilibria",
+            Motion::Periodic { .. } => "periodic",
+            Motion::Recurrent => "recurrent",
+            Motion::Escape => "escape",
+            Motion::Repelling => "end where the boundary repels",
+            Motion::TwoFold => "end at a two-fold",
+            Motion::Failure(_) => "failure",
+            Motion::Undecided => "undecided",
+        }
+    }
+}
+
+/// A phase of an attractor.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PhaseThere {
+    /// Modes in it.
+    pub modes: Modes,
+    /// Time at the start.
+    pub t_start: f64,
+    /// Time at the end.
+    pub t_end: f64,
+    /// State at the start.
+    pub x_start: Vec<f64>,
+    /// State at the end.
+    pub x_end: Vec<f64>,
+}
+
+/// What an orbit has come to.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Outcome {
+    /// The kind of motion.
+    pub motion: Motion,
+    /// Time and state at the points of the section, or at the equilibrium. Kinds that points do not tell apart have none.
+    pub points: Vec<(f64, Vec<f64>)>,
+    /// The phases that ended in one period. Kinds that points do not tell apart have none.
+    pub phases: Vec<PhaseThere>,
+    /// Part of the time in which a contact sticks.
+    pub in_stick: f64,
+    /// Modes at the end.
+    pub modes: Modes,
+    /// Time and state where the orbit was left; not kept on disk.
+    #[serde(skip)]
+    pub left_at: (f64, Vec<f64>),
+}
+
+impl Outcome {
+    /// The modes gone through in the phases; where none ended, those at the end alone.
+    pub fn sequence(&self) -> Vec<Modes> {
+        if self.phases.is_empty() {
+            vec![self.modes]
+        } else {
+            self.phases.iter().map(|phase| phase.modes).collect()
+        }
+    }
+
+    pub(super) fn of<const N: usize, K: Erase>(reached: &Reached<N, K>, contacts: usize) -> Self {
+        let motion = Motion::of(&reached.kind);
+        let told_by_points = motion.kind().is_some();
+        let points = reached.points.iter().filter(|_| told_by_points);
+        let phases = reached.phases.iter().filter(|_| told_by_points);
+        let phase = |phase: &Phase<N, K>| PhaseThere {
+            modes: phase.mode.erased(contacts),
+            t_start: phase.t_start,
+            t_end: phase.t_end,
+            x_start: phase.x_start.as_slice().to_vec(),
+            x_end: phase.x_end.as_slice().to_vec(),
+        };
+        Self {
+            motion,
+            points: points.map(|at| (at.t, at.x.as_slice().to_vec())).collect(),
+            phases: phases.map(phase).collect(),
+            in_stick: reached.in_stick,
+            modes: reached.mode.erased(contacts),
+            left_at: (reached.t, reached.x.as_slice().to_vec()),
+        }
+    }
+
+    fn restored<const N: usize, K: Erase>(&self, kind: Kind) -> Reached<N, K> {
+        let phase = |phase: &PhaseThere| Phase {
+            mode: K::restored(&phase.modes),
+            t_start: phase.t_start,
+            t_end: phase.t_end,
+            x_start: state(&phase.x_start),
+            x_end: state(&phase.x_end),
+        };
+        Reached {
+            kind,
+            points: self
+                .points
+                .iter()
+                .map(|(t, x)| SectionPoint { t: *t, x: state(x) })
+                .collect(),
+            phases: self.phases.iter().map(phase).collect(),
+            in_stick: self.in_stick,
+            mode: K::restored(&self.modes),
+            t: self.left_at.0,
+            x: state(&self.left_at.1),
+        }
+    }
+
+    /// Whether it is the same attractor of the system as the other.
+    pub(super) fn is_same<S, const N: usize, const G: usize>(
+        &self,
+        other: &Outcome,
+        system: &S,
+        settings: &RecurrenceSettings,
+    ) -> bool
+    where
+        S: Switched<N, G>,
+        S::Mode: Erase,
+    {
+        match (self.motion.kind(), other.motion.kind()) {
+            (Some(one), Some(two)) => {
+                let known = Attractors::new(system, settings);
+                known.is_same(&self.restored(one), &other.restored(two))
+            }
+            (None, None) => self.motion.word() == other.motion.word(),
+            _ => false,
+        }
+    }
+}
