@@ -12,6 +12,9 @@ const KEPT: f64 = 0.9;
 /// Ratios of differences that are looked at.
 const RATIOS: usize = 3;
 
+/// Over so many repetitions differences that become less than this part of what they were are shrinking.
+const SHRINKING: (usize, f64) = (4, 0.9);
+
 /// What may be left of the way where differences are too small to show a ratio: a way of so many.
 const UNSEEN: f64 = 100.0;
 
@@ -68,7 +71,7 @@ pub(super) struct Pattern<const N: usize> {
 
 impl<const N: usize> Recurrence<N> {
     pub fn new(near: Nearness, forcing: Option<f64>, most: usize, kept: usize) -> Self {
-        let kept = kept.max((RATIOS + 1) * most + 1);
+        let kept = kept.max((SHRINKING.0 + 1) * most + 1);
         Recurrence {
             near,
             forcing,
@@ -159,8 +162,10 @@ impl<const N: usize> Recurrence<N> {
                 && let Some(left) = self.left(last, lag)
             {
                 let pattern = self.pattern(last, lag);
-                let is_cycle = self.forcing.is_some() || self.is_wide(&pattern, left);
-                found = is_cycle.then_some(pattern);
+                if self.forcing.is_some() || self.is_wide(&pattern, left) {
+                    let shortest = self.shortest(last, lag);
+                    found = shortest.map(|lag| self.pattern(last, lag));
+                }
             }
         }
         found
@@ -207,6 +212,29 @@ impl<const N: usize> Recurrence<N> {
         }
         let left = slowest / (1.0 - slowest);
         (slowest < 1.0 && apart(last, &self.near)? * left <= 1.0).then_some(left)
+    }
+
+    /// The shortest pattern that one which repeats is made of; none if it is on its way to a shorter one: an orbit that winds up around a cycle
+    /// is nearly back after some turns before it is after each.
+    fn shortest(&self, last: usize, lag: usize) -> Option<usize> {
+        for part in (1..lag).filter(|part| lag.is_multiple_of(*part)) {
+            if self.runs[part - 1] >= lag {
+                return Some(part);
+            }
+            let apart = |k: usize| {
+                let (here, there) = (&self.passages[k], self.passages.get(k.checked_sub(part)?)?);
+                (here.tag == there.tag).then(|| self.apart(here, there, &self.near))
+            };
+            // A part of other transitions is no pattern.
+            let Some(now) = apart(last) else {
+                continue;
+            };
+            let before = last.checked_sub(SHRINKING.0 * lag).and_then(apart)?;
+            if now < SHRINKING.1 * before {
+                return None;
+            }
+        }
+        Some(lag)
     }
 
     fn pattern(&self, last: usize, lag: usize) -> Pattern<N> {

@@ -285,8 +285,12 @@ fn den_hartog_s_amplitudes_are_found_from_a_run_and_refined() {
         let exact = (v * v - friction * friction * u * u).sqrt();
         let period = 2.0 * PI / frequency;
         let options = Options::tol(1e-12);
-        let found = reached(&system, [0.5, 0.0], &within(2e4).forced(period), &options);
-        println!("{frequency} {friction} {} {}", found.kind, found.t);
+        let found = reached(&system, [0.5, 0.0], &within(3e3).forced(period), &options);
+        assert!(
+            matches!(found.kind, Kind::Periodic { returns: 1, .. }),
+            "{frequency} {friction} {}",
+            found.kind
+        );
         assert!(is_same_cycle(&found.sequence(), &[ABOVE, BELOW]));
         let x = found.points[0].x;
         let cycle = periodic_orbit_forced(&system.any(), 0.0, x, period, &options).unwrap();
