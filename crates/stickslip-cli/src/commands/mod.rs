@@ -3,7 +3,9 @@
 mod arguments;
 mod attractors;
 mod basin;
+mod bifurcation;
 mod check;
+mod exponent;
 mod figures;
 mod lyapunov;
 mod map;
@@ -48,6 +50,7 @@ Wherever a FILE is asked for, the name of a shipped model will do: belt, forced,
 #[derive(Debug, Subcommand)]
 enum Command {
     Basin(basin::Arguments),
+    Bifurcation(bifurcation::Arguments),
     Map(map::Arguments),
     Merge(merge::Arguments),
     New(new::Arguments),
@@ -64,6 +67,7 @@ enum Command {
 pub fn main() -> ExitCode {
     let outcome = match CommandLine::parse().command {
         Command::Basin(arguments) => basin::run(&arguments),
+        Command::Bifurcation(arguments) => bifurcation::run(&arguments),
         Command::Map(arguments) => map::run(&arguments),
         Command::Merge(arguments) => merge::run(&arguments),
         Command::New(arguments) => new::run(&arguments),
