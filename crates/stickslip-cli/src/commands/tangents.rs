@@ -42,6 +42,7 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
+    arguments.output.check()?;
     let system = arguments.system.system()?;
     let start = arguments.start.of(&system)?;
     let line = arguments.line(&system, (start.0, &start.1))?;
