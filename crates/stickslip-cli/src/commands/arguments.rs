@@ -121,7 +121,7 @@ pub(super) struct SolverArguments {
         long,
         value_name = "ERROR",
         allow_negative_numbers = true,
-        default_value_t = 1e-12
+        default_value = "1e-12"
     )]
     tol: f64,
 
@@ -142,7 +142,7 @@ pub(super) struct SolverArguments {
         long,
         value_name = "BOUND",
         allow_negative_numbers = true,
-        default_value_t = 1e6
+        default_value = "1e6"
     )]
     escape: f64,
 

@@ -17,7 +17,8 @@ use crate::terminal::Said;
 
 /// Tangent points and stick zones on the boundary of a contact
 ///
-/// The boundary is looked at along one state, at one time (--t-start); further states keep their values of the start. Tangent points that are nearer to each other than
+/// The boundary is looked at along one state, at one time (--t-start); further states keep their values of the start, and further contacts slip on the side where these
+/// have them. Tangent points that are nearer to each other than
 /// 1/2000 of the range, and double ones, are not found. Writes tangents.csv, zones.csv and tangents.svg.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
