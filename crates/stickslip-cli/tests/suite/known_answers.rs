@@ -15,7 +15,20 @@ fn taylor() -> Options {
 /// P17: without stops the amplitude is Den Hartog's.
 #[test]
 fn the_amplitudes_of_den_hartog() {
-    for (frequency, friction) in [(0.7, 0.2), (0.8, 0.1), (1.3, 0.1), (0.6, 0.1)] {
+    let known = [
+        (0.6, 0.1),
+        (0.7, 0.2),
+        (0.8, 0.1),
+        (0.8, 0.3),
+        (0.9, 0.3),
+        (1.1, 0.4),
+        (1.2, 0.2),
+        (1.3, 0.1),
+        (1.5, 0.2),
+        (1.7, 0.3),
+        (2.0, 0.1),
+    ];
+    for (frequency, friction) in known {
         let settings = [("O".to_owned(), frequency), ("S".to_owned(), friction)];
         let system = open("den-hartog").file.with(&settings).unwrap();
         let period = 2.0 * std::f64::consts::PI / frequency;
