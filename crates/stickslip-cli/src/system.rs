@@ -84,16 +84,16 @@ impl SystemFile {
                 let name = name.clone();
                 return Err(SettingError::Twice { name });
             }
-            if let Some((low, high)) = self.parameters[number].range {
-                if !(low..=high).contains(value) {
-                    let (name, value) = (name.clone(), *value);
-                    return Err(SettingError::OutsideRange {
-                        name,
-                        value,
-                        low,
-                        high,
-                    });
-                }
+            if let Some((low, high)) = self.parameters[number].range
+                && !(low..=high).contains(value)
+            {
+                let (name, value) = (name.clone(), *value);
+                return Err(SettingError::OutsideRange {
+                    name,
+                    value,
+                    low,
+                    high,
+                });
             }
             values[number] = *value;
         }

@@ -121,6 +121,10 @@ fn told(error: &stickslip::Error) -> String {
              in a file each contact's friction must depend on its own side only",
             pair.0, pair.1
         ),
+        Error::NotConverged { .. } => format!(
+            "{error}, after a longer --transient or by another --start; the motion may also be quasi-periodic or chaotic, which `stickslip \
+             lyapunov` tells"
+        ),
         Error::Escaped { .. } => format!("{error} (--escape)"),
         Error::NoUniqueFuture { t, x } => format!(
             "the orbit has no unique future after t = {t}, x = {x}: both fields lead away from the boundary; choose one with \
