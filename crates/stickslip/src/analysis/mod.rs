@@ -1,8 +1,10 @@
-//! Analyses of systems and orbits: tangent points, monodromy by saltation, periodic orbits, attractors, Lyapunov spectra,
-//! classes of motion.
+//! Analyses of systems and orbits: tangent points, monodromy by saltation, periodic orbits and their branches, attractors and basins,
+//! bifurcations, Lyapunov spectra, classes of motion.
 
 mod attractors;
 mod basin;
+mod bifurcation;
+mod continuation;
 #[cfg(feature = "data")]
 pub mod data_spectrum;
 mod destination;
@@ -12,6 +14,7 @@ pub mod motion;
 mod multipliers;
 mod periodic;
 mod poincare;
+mod sequence;
 mod tangency;
 mod tangent;
 
@@ -20,6 +23,10 @@ pub use attractors::{
     is_same_cycle,
 };
 pub use basin::{Basin, Share, basin};
+pub use bifurcation::{AttractorChange, Sweep, SweepPoint, SweepSettings, WhatChanges, sweep};
+pub use continuation::{
+    Branch, BranchPoint, ContinuationSettings, Special, SpecialPoint, Stop, continue_periodic_orbit,
+};
 pub use destination::{Destination, destination};
 pub use lyapunov::{
     Exponent, Growth, Running, Spectrum, SpectrumOptions, lyapunov_spectrum,
@@ -29,5 +36,6 @@ pub use monodromy::{Monodromy, monodromy};
 pub use multipliers::multipliers;
 pub use periodic::{PeriodicOrbit, find_periodic_orbit, periodic_orbit, periodic_orbit_forced};
 pub use poincare::{PoincareMap, Return};
+pub use sequence::{SequenceBifurcation, SequenceChange};
 pub use tangency::{Visibility, tangency, visibility};
 pub use tangent::saltation;

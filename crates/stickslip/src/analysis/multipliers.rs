@@ -30,10 +30,8 @@ pub fn multipliers<const N: usize>(matrix: &SMatrix<f64, N, N>) -> [Complex<f64>
             found.copy_from_slice(&pair);
             return found;
         }
-        // Ever more iterations mean rounding, which no sum of them takes away.
         let dynamic = DMatrix::from_fn(N, N, |i, j| matrix[(i, j)]);
-        if let Some(schur) = Schur::try_new(dynamic, f64::EPSILON, 100 * N) {
-            let values = schur.complex_eigenvalues();
+        if let Some(values) = by_schur(dynamic) {
             found = std::array::from_fn(|i| values[i]);
         }
     }
@@ -43,6 +41,32 @@ pub fn multipliers<const N: usize>(matrix: &SMatrix<f64, N, N>) -> [Complex<f64>
         found[..=nearest].rotate_right(1);
     }
     found
+}
+
+/// Eigenvalues of a square matrix in no order; not numbers where it is not finite.
+pub(super) fn eigenvalues(matrix: &DMatrix<f64>) -> Vec<Complex<f64>> {
+    let unknown = || vec![Complex::new(f64::NAN, f64::NAN); matrix.nrows()];
+    if !matrix.iter().all(|v| v.is_finite()) {
+        return unknown();
+    }
+    match matrix.nrows() {
+        1 => vec![Complex::new(matrix[(0, 0)], 0.0)],
+        2 => planar(
+            matrix[(0, 0)],
+            matrix[(0, 1)],
+            matrix[(1, 0)],
+            matrix[(1, 1)],
+        )
+        .to_vec(),
+        _ => by_schur(matrix.clone()).unwrap_or_else(unknown),
+    }
+}
+
+fn by_schur(matrix: DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
+    let size = matrix.nrows();
+    // Ever more iterations mean rounding, which no sum of them takes away.
+    let schur = Schur::try_new(matrix, f64::EPSILON, 100 * size)?;
+    Some(schur.complex_eigenvalues().iter().copied().collect())
 }
 
 /// Of the matrix with the rows (a, b) and (c, d).

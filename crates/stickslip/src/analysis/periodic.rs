@@ -141,7 +141,7 @@ pub fn find_periodic_orbit<S: Switched<N, G>, const N: usize, const G: usize>(
 }
 
 /// The vector that moves a state: of its side's field, or on Σ the sliding one.
-fn slope_at<S: Switched<N, G>, const N: usize, const G: usize>(
+pub(super) fn slope_at<S: Switched<N, G>, const N: usize, const G: usize>(
     system: &S,
     t: f64,
     x: &State<N>,
@@ -205,7 +205,7 @@ fn shoot<S: Switched<N, G>, const N: usize, const G: usize>(
 
 /// What rounding may leave of a turn's gap: some units in the last place of the state for every step (the weights of a step of
 /// order 8 add up to 14), enlarged as far as the turn enlarges what is off at its start.
-fn rounding<const N: usize>(turn: &Monodromy<N>, x: &State<N>) -> f64 {
+pub(super) fn rounding<const N: usize>(turn: &Monodromy<N>, x: &State<N>) -> f64 {
     const ULPS: f64 = 16.0;
     let size = x.amax().max(turn.summary.x.amax());
     ULPS * f64::EPSILON * turn.summary.counters.steps as f64 * size * turn.matrix.amax().max(1.0)

@@ -159,6 +159,14 @@ impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
     fn any_sticks(mode: Mode) -> bool {
         mode == Mode::Stick
     }
+
+    fn mode_of(mode: Mode, _contact: usize) -> Mode {
+        mode
+    }
+
+    fn with_mode_of(_mode: Mode, _contact: usize, does: Mode) -> Mode {
+        does
+    }
 }
 
 /// Friction that differs by less than this part is the same.

@@ -90,7 +90,9 @@ impl<const N: usize, const G: usize> Run<N, G> {
         if let Some(step) = self.options.fixed_step().or(self.options.first_step) {
             return step.min(longest);
         }
-        first_step(field, t, x, slope, &self.options.tolerance(), longest)
+        // A state that is nearly zero asks for less than moves the time, though nothing is singular there.
+        let chosen = first_step(field, t, x, slope, &self.options.tolerance(), longest);
+        chosen.max(2.0 * SHORTEST * t.abs())
     }
 
     /// Length of the next step and whether it ends at the end time: a last step is stretched a little rather than followed by

@@ -13,7 +13,7 @@ use crate::error::Error;
 use crate::ode::Timed;
 use crate::orbit::Ending;
 use crate::scalar::Scalar;
-use crate::system::State;
+use crate::system::{Mode, State};
 
 /// A switched system: what [`crate::solve`], [`crate::run`] and the analyses take. [`crate::Filippov`] systems are of this kind, with one
 /// contact, and so is [`crate::Several`], with as many as it has; nothing else can be.
@@ -109,6 +109,14 @@ pub trait Switched<const N: usize, const G: usize> {
     /// Whether any contact sticks.
     #[doc(hidden)]
     fn any_sticks(mode: Self::Mode) -> bool;
+
+    /// What a contact does in a mode.
+    #[doc(hidden)]
+    fn mode_of(mode: Self::Mode, contact: usize) -> Mode;
+
+    /// The mode with a contact doing that instead.
+    #[doc(hidden)]
+    fn with_mode_of(mode: Self::Mode, contact: usize, does: Mode) -> Self::Mode;
 }
 
 /// The mode at a start, and how many derivatives of each of its guards vanish there, if there is a unique one.

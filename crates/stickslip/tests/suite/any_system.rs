@@ -9,6 +9,7 @@ use stickslip::{
 };
 
 use crate::attractors::systems::{Driven, Leine, Rings, Wells};
+use crate::bifurcations::systems::{Beat, DrivenFamily, Twisted};
 use crate::grazes;
 use crate::lyapunov_equations::{
     Fork, FromSupport, Linear, Lorenz, Refracting, Rider, Roessler, Smooth,
@@ -78,7 +79,7 @@ macro_rules! systems {
 
 systems!(
     Any1, 1:
-    BlowUp(BlowUp), Breathing(Breathing), Brink(Brink), Fork(Fork), Line(Line), MovingLine(MovingLine), Nowhere(Nowhere),
+    Beat(Beat), BlowUp(BlowUp), Breathing(Breathing), Brink(Brink), Fork(Fork), Line(Line), MovingLine(MovingLine), Nowhere(Nowhere),
     Rest(Rest), Rider(Rider), TurningLine(TurningLine), Wall(Wall), Window(Window),
 );
 
@@ -92,8 +93,8 @@ systems!(
 
 systems!(
     Any3, 3:
-    Folds(Folds), Quadratic(Quadratic), Linear(Smooth<Linear<3>>), Lorenz(Smooth<Lorenz>), Rings(Rings), Roessler(Smooth<Roessler>),
-    TwiceRound(TwiceRound),
+    DrivenFamily(DrivenFamily), Folds(Folds), Quadratic(Quadratic), Linear(Smooth<Linear<3>>), Lorenz(Smooth<Lorenz>), Rings(Rings), Roessler(Smooth<Roessler>),
+    TwiceRound(TwiceRound), Twisted(Twisted),
 );
 
 systems!(Any4, 4: Bracket(BlockAndBracket));

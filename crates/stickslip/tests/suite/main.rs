@@ -7,6 +7,7 @@
 
 mod any_system;
 mod attractors;
+mod bifurcations;
 mod contacts;
 #[cfg(feature = "data")]
 mod data_spectrum;

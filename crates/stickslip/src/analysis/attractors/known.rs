@@ -89,9 +89,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Attractors<'a, S, N,
                         || self.are_joined(&one.points, &other.points, one.mode))
             }
             (Kind::Periodic { returns: p, .. }, Kind::Periodic { returns: q, .. }) => {
-                p == q
-                    && super::is_same_cycle(&one.sequence(), &other.sequence())
-                    && self.is_near(&one.points, &other.points)
+                p == q && one.has_sequence_of(other) && self.is_near(&one.points, &other.points)
             }
             (Kind::Recurrent, Kind::Recurrent) => is_same_set(&one.points, &other.points),
             (Kind::TwoFold(one), Kind::TwoFold(other)) => one == other,

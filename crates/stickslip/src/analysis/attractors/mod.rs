@@ -1,10 +1,12 @@
 //! Which attractor an orbit comes to, found by recurrence.
 
+mod history;
 mod known;
-mod reached;
+mod nearness;
+pub(super) mod reached;
 mod recurrence;
 mod recurrent;
-mod rest;
+pub(super) mod rest;
 mod search;
 mod turning;
 

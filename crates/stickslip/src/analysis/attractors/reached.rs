@@ -3,7 +3,7 @@
 use std::fmt;
 
 use crate::error::Error;
-use crate::filippov::{Phase, TwoFold};
+use crate::filippov::{Phase, TransitionKind, TwoFold};
 use crate::system::{Mode, State};
 
 /// A point of a section.
@@ -71,6 +71,9 @@ pub struct Reached<const N: usize, K = Mode> {
     pub points: Vec<SectionPoint<N>>,
     /// Of a periodic orbit the phases that ended in one period, in order of time; otherwise the last phases.
     pub phases: Vec<Phase<N, K>>,
+    /// The transitions of these phases with the contact that each begins at; in several contacts, and where contact is lost and gained, there is
+    /// more to them than to the modes.
+    pub transitions: Vec<(TransitionKind, usize)>,
     /// Part of the time of these phases in which a contact sticks; at rest, and without phases, 1 or 0 by the mode at the end.
     pub in_stick: f64,
     /// Mode at the end.
@@ -88,6 +91,12 @@ impl<const N: usize, K: Copy + PartialEq> Reached<N, K> {
             return vec![self.mode];
         }
         self.phases.iter().map(|phase| phase.mode).collect()
+    }
+
+    /// Whether two periodic orbits have the same cycle of phases and transitions.
+    pub fn has_sequence_of(&self, other: &Self) -> bool {
+        is_same_cycle(&self.sequence(), &other.sequence())
+            && is_same_cycle(&self.transitions, &other.transitions)
     }
 }
 

@@ -3,10 +3,8 @@
 use std::collections::VecDeque;
 
 use super::SectionPoint;
+use super::nearness::{Extent, Nearness, OF_SOLVER};
 use crate::system::State;
-
-/// Tolerances by which two points may differ that the solver cannot tell apart.
-const OF_SOLVER: f64 = 100.0;
 
 /// Part of the scale that is kept from point to point: of a long way to the attractor nothing is left after some returns.
 const KEPT: f64 = 0.9;
@@ -14,59 +12,25 @@ const KEPT: f64 = 0.9;
 /// Ratios of differences that are looked at.
 const RATIOS: usize = 3;
 
-/// An orbit this many tolerances wide is more than a point of rest.
-const WIDE: f64 = 100.0;
+/// Over so many repetitions differences that become less than this part of what they were are shrinking.
+const SHRINKING: (usize, f64) = (4, 0.9);
 
-/// How near counts as the same.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Nearness {
-    /// Part of a component's size.
-    pub closeness: f64,
-    /// Of the solver.
-    pub rtol: f64,
-    pub atol: f64,
-}
+/// What may be left of the way where differences are too small to show a ratio: a way of so many.
+const UNSEEN: f64 = 100.0;
 
-impl Nearness {
-    /// By how much a component of this size may differ.
-    pub fn allowed(&self, scale: f64) -> f64 {
-        self.closeness * scale + self.rounding(scale)
-    }
+/// A cycle is so many times wider than the solver's rounding.
+const WIDE: f64 = 10.0;
 
-    /// What the solver leaves of a difference.
-    pub fn rounding(&self, scale: f64) -> f64 {
-        OF_SOLVER * (self.atol + self.rtol * scale)
-    }
-}
+/// Part of what a cycle covers that may be left of the way to it.
+const LITTLE: f64 = 0.01;
 
-/// Smallest and largest value of each component at the ends of steps.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Extent<const N: usize> {
-    pub low: State<N>,
-    pub high: State<N>,
-}
-
-impl<const N: usize> Extent<N> {
-    pub fn of(x: &State<N>) -> Self {
-        Extent { low: *x, high: *x }
-    }
-
-    pub fn include(&mut self, x: &State<N>) {
-        for i in 0..N {
-            self.low[i] = self.low[i].min(x[i]);
-            self.high[i] = self.high[i].max(x[i]);
-        }
-    }
-
-    fn join(&mut self, other: &Self) {
-        self.include(&other.low);
-        self.include(&other.high);
-    }
-
-    /// Largest size of a component.
-    pub fn size(&self, i: usize) -> f64 {
-        self.low[i].abs().max(self.high[i].abs())
-    }
+/// How much has happened.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Count {
+    /// Phases that have ended.
+    pub phases: u64,
+    /// Transitions, touches left out.
+    pub transitions: u64,
 }
 
 /// A point with what is compared of it and what lies between it and the one before.
@@ -77,8 +41,8 @@ struct Passage<const N: usize> {
     tag: u64,
     /// Time modulo the forcing's period, in periods.
     beat: f64,
-    /// How many phases had ended.
-    phases: u64,
+    /// What had happened before.
+    count: Count,
     extent: Extent<N>,
 }
 
@@ -99,15 +63,15 @@ pub(super) struct Recurrence<const N: usize> {
 pub(super) struct Pattern<const N: usize> {
     pub returns: usize,
     pub period: f64,
-    /// How many phases had ended before it and at its end.
-    pub phases: (u64, u64),
+    /// What had happened before it and at its end.
+    pub counts: (Count, Count),
     /// What the orbit covers in it.
     pub extent: Extent<N>,
 }
 
 impl<const N: usize> Recurrence<N> {
     pub fn new(near: Nearness, forcing: Option<f64>, most: usize, kept: usize) -> Self {
-        let kept = kept.max((RATIOS + 1) * most + 1);
+        let kept = kept.max((SHRINKING.0 + 1) * most + 1);
         Recurrence {
             near,
             forcing,
@@ -170,7 +134,7 @@ impl<const N: usize> Recurrence<N> {
         &mut self,
         at: SectionPoint<N>,
         tag: u64,
-        phases: u64,
+        count: Count,
         extent: Extent<N>,
     ) -> Option<Pattern<N>> {
         for i in 0..N {
@@ -184,7 +148,7 @@ impl<const N: usize> Recurrence<N> {
             at,
             tag,
             beat: beats - beats.floor(),
-            phases,
+            count,
             extent,
         });
         let last = self.passages.len() - 1;
@@ -193,8 +157,15 @@ impl<const N: usize> Recurrence<N> {
             let (here, there) = (&self.passages[last], &self.passages[last - lag]);
             let repeats = here.tag == there.tag && self.apart(here, there, &self.near) <= 1.0;
             self.runs[lag - 1] = if repeats { self.runs[lag - 1] + 1 } else { 0 };
-            if found.is_none() && self.runs[lag - 1] >= lag && self.has_settled(last, lag) {
-                found = Some(self.pattern(last, lag));
+            if found.is_none()
+                && self.runs[lag - 1] >= lag
+                && let Some(left) = self.left(last, lag)
+            {
+                let pattern = self.pattern(last, lag);
+                if self.forcing.is_some() || self.is_wide(&pattern, left) {
+                    let shortest = self.shortest(last, lag);
+                    found = shortest.map(|lag| self.pattern(last, lag));
+                }
             }
         }
         found
@@ -214,9 +185,9 @@ impl<const N: usize> Recurrence<N> {
         most
     }
 
-    /// Whether what is left of the way to the pattern is little: a geometric series of the differences of points a lag apart, by the
-    /// slowest of the last few of its ratios. Points that creep past each other differ little, too.
-    fn has_settled(&self, last: usize, lag: usize) -> bool {
+    /// What is left of the way to the pattern, in differences of points a lag apart, if it is little: a geometric series of these differences,
+    /// by the slowest of the last few of its ratios. Points that creep past each other differ little, too.
+    fn left(&self, last: usize, lag: usize) -> Option<f64> {
         let apart = |k: usize, near: &Nearness| {
             let (here, before) = (&self.passages[k], &self.passages[k - lag]);
             let comparable = here.tag == before.tag;
@@ -227,23 +198,43 @@ impl<const N: usize> Recurrence<N> {
             atol: self.near.atol / OF_SOLVER,
             rtol: self.near.rtol / OF_SOLVER,
         };
-        if apart(last, &tolerance).is_some_and(|by| by <= 1.0) {
-            return true;
+        if apart(last, &tolerance)? <= 1.0 {
+            return Some(UNSEEN);
         }
         if last < (RATIOS + 1) * lag {
-            return false;
+            return None;
         }
         let mut slowest = 0.0_f64;
         for k in 0..RATIOS {
-            let now = apart(last - k * lag, &self.near);
-            let before = apart(last - (k + 1) * lag, &self.near);
-            let (Some(now), Some(before)) = (now, before) else {
-                return false;
-            };
+            let now = apart(last - k * lag, &self.near)?;
+            let before = apart(last - (k + 1) * lag, &self.near)?;
             slowest = slowest.max(now / before);
         }
-        let now = apart(last, &self.near).unwrap_or(f64::INFINITY);
-        slowest < 1.0 && now * slowest / (1.0 - slowest) <= 1.0
+        let left = slowest / (1.0 - slowest);
+        (slowest < 1.0 && apart(last, &self.near)? * left <= 1.0).then_some(left)
+    }
+
+    /// The shortest pattern that one which repeats is made of; none if it is on its way to a shorter one: an orbit that winds up around a cycle
+    /// is nearly back after some turns before it is after each.
+    fn shortest(&self, last: usize, lag: usize) -> Option<usize> {
+        for part in (1..lag).filter(|part| lag.is_multiple_of(*part)) {
+            if self.runs[part - 1] >= lag {
+                return Some(part);
+            }
+            let apart = |k: usize| {
+                let (here, there) = (&self.passages[k], self.passages.get(k.checked_sub(part)?)?);
+                (here.tag == there.tag).then(|| self.apart(here, there, &self.near))
+            };
+            // A part of other transitions is no pattern.
+            let Some(now) = apart(last) else {
+                continue;
+            };
+            let before = last.checked_sub(SHRINKING.0 * lag).and_then(apart)?;
+            if now < SHRINKING.1 * before {
+                return None;
+            }
+        }
+        Some(lag)
     }
 
     fn pattern(&self, last: usize, lag: usize) -> Pattern<N> {
@@ -255,14 +246,28 @@ impl<const N: usize> Recurrence<N> {
         Pattern {
             returns: lag,
             period: here.at.t - there.at.t,
-            phases: (there.phases, here.phases),
+            counts: (there.count, here.count),
             extent,
         }
     }
 
-    /// Whether the pattern is more than a point of rest that the orbit turns about ever closer.
-    pub fn is_wide(&self, pattern: &Pattern<N>) -> bool {
+    /// Whether what is left of the way is little of what the orbit covers as well: an orbit that winds up around a point of rest also repeats
+    /// itself ever better.
+    fn is_wide(&self, pattern: &Pattern<N>, left: f64) -> bool {
+        let last = self.passages.len() - 1;
+        let (here, there) = (&self.passages[last], &self.passages[last - pattern.returns]);
         let Extent { low, high } = pattern.extent;
-        (0..N).any(|i| high[i] - low[i] > WIDE * self.near.allowed(pattern.extent.size(i)))
+        let mut moves = false;
+        for i in 0..N {
+            let width = high[i] - low[i];
+            let rounding = self.near.rounding(pattern.extent.size(i));
+            if width > rounding {
+                moves |= width > WIDE * rounding;
+                if left * (here.at.x[i] - there.at.x[i]).abs() > LITTLE * width {
+                    return false;
+                }
+            }
+        }
+        moves
     }
 }

@@ -2,8 +2,8 @@
 
 use nalgebra::{DMatrix, DVector, SMatrix};
 
+use super::nearness::Nearness;
 use super::reached::Kind;
-use super::recurrence::Nearness;
 use crate::analysis::multipliers;
 use crate::dual::Dual;
 use crate::filippov::{Flow, Settled, Switched, UseFlow, Velocity};
@@ -25,12 +25,13 @@ pub(crate) struct Rest<const N: usize> {
 }
 
 /// The equilibrium of a mode near `x` by Newton's iteration with the Jacobian's pseudo-inverse, so that of a set of equilibria the nearest
-/// is found; `None` where it does not converge.
+/// is found; `None` where it does not converge. Only the first `free` states are changed: behind them may be a parameter.
 pub(crate) fn equilibrium_near<S: Switched<N, G>, const N: usize, const G: usize>(
     system: &S,
     mode: S::Mode,
     t: f64,
     x: &State<N>,
+    free: usize,
 ) -> Option<Rest<N>> {
     let branch = S::Branch::default();
     let mut x = *x;
@@ -38,11 +39,11 @@ pub(crate) fn equilibrium_near<S: Switched<N, G>, const N: usize, const G: usize
     for _ in 0..MOST {
         let jacobian = jacobian_of(system, mode, t, &x);
         let velocity = system.with_flow(mode, branch, Velocity(t, components(&x)));
-        let dynamic = DMatrix::from_fn(N, N, |i, j| jacobian[(i, j)]);
+        let dynamic = DMatrix::from_fn(free, free, |i, j| jacobian[(i, j)]);
         if dynamic.iter().chain(&velocity).any(|v| !v.is_finite()) {
             return None;
         }
-        let right = DVector::from_fn(N, |i, _| -velocity[i]);
+        let right = DVector::from_fn(free, |i, _| -velocity[i]);
         let bound = ZERO * dynamic.amax();
         let step = dynamic.svd(true, true).solve(&right, bound).ok()?;
         let size = step.amax();
@@ -52,7 +53,7 @@ pub(crate) fn equilibrium_near<S: Switched<N, G>, const N: usize, const G: usize
             return (size <= rounding.max(1e-12)).then_some(Rest { x, jacobian });
         }
         smallest = size;
-        x += State::from_fn(|i, _| step[i]);
+        x += State::from_fn(|i, _| if i < free { step[i] } else { 0.0 });
         x = system.with_flow(mode, branch, Settled(Timed { t, x }));
     }
     None
@@ -108,7 +109,7 @@ pub(super) fn rest_at<S: Switched<N, G>, const N: usize, const G: usize>(
     scale: &State<N>,
     near: &Nearness,
 ) -> Option<(Kind, State<N>)> {
-    let Rest { x, jacobian } = equilibrium_near(system, mode, at.t, &at.x)?;
+    let Rest { x, jacobian } = equilibrium_near(system, mode, at.t, &at.x, N)?;
     // The orbit may turn about it some steps wide.
     const TURN: f64 = 10.0;
     let is_near = |i: usize| (x[i] - at.x[i]).abs() <= TURN * near.allowed(scale[i]);

@@ -1,17 +1,18 @@
 //! One orbit on its way to its attractor: what is noted of it, and when that is enough.
 
-use std::collections::VecDeque;
 use std::collections::hash_map::DefaultHasher;
 use std::hash::{Hash, Hasher};
 
+use super::history::History;
+use super::nearness::{Extent, Nearness};
 use super::reached::{Kind, Reached, SectionPoint};
-use super::recurrence::{Extent, Nearness, Pattern, Recurrence};
+use super::recurrence::{Pattern, Recurrence};
 use super::rest::rest_at;
 use super::{RecurrenceSettings, recurrent, turning::Turning};
 use crate::error::Error;
 use crate::filippov::{
-    EventFunctions, Happening, Integration, Options, Phase, Progress, Summary, Switched,
-    Transition, TransitionKind, Watched,
+    EventFunctions, Happening, Integration, Options, Progress, Summary, Switched, Transition,
+    TransitionKind, Watched,
 };
 use crate::ode::Timed;
 use crate::orbit::Ending;
@@ -19,6 +20,9 @@ use crate::system::State;
 
 /// Steps without a transition after which the turning points of the first state are watched.
 const QUIET: usize = 400;
+
+/// A look for a point of rest is put off by no more steps than this.
+const MOST_PATIENT: usize = 64;
 
 /// Phases that are kept for each return of the longest pattern.
 const PHASES: usize = 4;
@@ -48,10 +52,7 @@ pub(super) struct Search<'a, S: Switched<N, G>, const N: usize, const G: usize> 
     by: By,
     by_transition: Recurrence<N>,
     by_event: Recurrence<N>,
-    phases: VecDeque<Phase<N, S::Mode>>,
-    most_phases: usize,
-    /// How many phases have ended.
-    ended: u64,
+    history: History<N, S::Mode>,
     /// What has happened since the last point of either kind.
     tag: DefaultHasher,
     /// Where the orbit has been since the last point, and since its start.
@@ -80,7 +81,6 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
         };
         let most = settings.most_returns;
         let recurrence = || Recurrence::new(near, settings.forcing, most, settings.kept);
-        let most_phases = PHASES * most.max(settings.kept);
         Search {
             system,
             settings,
@@ -88,9 +88,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
             by,
             by_transition: recurrence(),
             by_event: recurrence(),
-            phases: VecDeque::with_capacity(most_phases),
-            most_phases,
-            ended: 0,
+            history: History::of(PHASES * most.max(settings.kept)),
             tag: DefaultHasher::new(),
             lately: Extent::of(x),
             ever: Extent::of(x),
@@ -155,7 +153,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
                     self.step(mode, &at)
                 }
                 Happening::Progress(Progress::PhaseEnd(phase)) => {
-                    self.phase(phase);
+                    self.history.phase(phase);
                     None
                 }
                 Happening::Progress(Progress::Transition(at)) => self.transition(&at),
@@ -184,17 +182,9 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
         }
         // A step may be short for another reason: the next look comes after twice as many.
         *left = *patience;
-        *patience *= 2;
+        *patience = (2 * *patience).min(MOST_PATIENT);
         let (kind, x) = rest_at(self.system, mode, at, &scale, &self.near)?;
         Some((kind, vec![SectionPoint { t: at.t, x }]))
-    }
-
-    fn phase(&mut self, phase: Phase<N, S::Mode>) {
-        if self.phases.len() == self.most_phases {
-            self.phases.pop_front();
-        }
-        self.phases.push_back(phase);
-        self.ended += 1;
     }
 
     fn transition(&mut self, at: &Transition<N, S::Mode>) -> Option<(Kind, Vec<SectionPoint<N>>)> {
@@ -202,6 +192,8 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
             return None;
         }
         self.quiet = 0;
+        self.patience = (1, 0);
+        self.history.transition(at);
         (at.kind, at.from, at.to, at.contact).hash(&mut self.tag);
         if self.by == By::Events {
             return None;
@@ -210,7 +202,9 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
         self.by_event.clear();
         let (tag, extent) = self.since_last(&at.x);
         let at = SectionPoint { t: at.t, x: at.x };
-        let found = self.by_transition.pass(at, tag, self.ended, extent);
+        let found = self
+            .by_transition
+            .pass(at, tag, self.history.count(), extent);
         self.closes(found, By::Transitions)
     }
 
@@ -219,7 +213,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
             return None;
         }
         let (tag, extent) = self.since_last(&at.x);
-        let found = self.by_event.pass(at, tag, self.ended, extent);
+        let found = self.by_event.pass(at, tag, self.history.count(), extent);
         self.closes(found, By::Events)
     }
 
@@ -243,16 +237,8 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
             By::Transitions => &self.by_transition,
             By::Events => &self.by_event,
         };
-        // An orbit that winds up around a point of rest also repeats itself ever better.
-        if self.settings.forcing.is_none() && !recurrence.is_wide(&pattern) {
-            return None;
-        }
         let points = recurrence.last(pattern.returns);
-        let (from, to) = pattern.phases;
-        let kept = self.phases.len() as u64;
-        let drop = from.saturating_sub(self.ended - kept) as usize;
-        self.phases.drain(..drop.min(self.phases.len()));
-        self.phases.truncate((to - from) as usize);
+        self.history.keep(&pattern.counts);
         let kind = Kind::Periodic {
             returns: pattern.returns,
             period: pattern.period,
@@ -305,24 +291,17 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
         integration: &Integration<'_, S, N, G>,
     ) -> Reached<N, S::Mode> {
         let mode = integration.mode();
-        let phases: Vec<_> = self.phases.into();
         let rests = matches!(kind, Kind::Equilibrium | Kind::EquilibriumSet);
-        let (mut whole, mut stuck) = (0.0, 0.0);
-        for phase in &phases {
-            whole += phase.duration();
-            if S::any_sticks(phase.mode) {
-                stuck += phase.duration();
-            }
-        }
-        let in_stick = if whole > 0.0 && !rests {
-            stuck / whole
-        } else {
-            f64::from(u8::from(S::any_sticks(mode)))
-        };
+        let by_phases = self.history.in_stick(S::any_sticks);
+        let in_stick = by_phases
+            .filter(|_| !rests)
+            .unwrap_or_else(|| f64::from(u8::from(S::any_sticks(mode))));
+        let (phases, transitions) = self.history.into_parts();
         Reached {
             kind,
             points,
             phases,
+            transitions,
             in_stick,
             mode,
             t: integration.t(),

@@ -169,6 +169,15 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
     fn any_sticks(mode: [Mode; M]) -> bool {
         mode.contains(&Mode::Stick)
     }
+
+    fn mode_of(mode: [Mode; M], contact: usize) -> Mode {
+        mode[contact]
+    }
+
+    fn with_mode_of(mut mode: [Mode; M], contact: usize, does: Mode) -> [Mode; M] {
+        mode[contact] = does;
+        mode
+    }
 }
 
 impl<S> Several<S> {

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use stickslip::analysis::{
     Attractors, Kind, Reached, RecurrenceSettings, attractor, attractor_on, basin, is_same_cycle,
-    periodic_orbit,
+    periodic_orbit, periodic_orbit_forced,
 };
 use stickslip::statistics::SplitMix;
 use stickslip::{Direction, Error, Method, Mode, Options, Plane, Side, State, math};
@@ -82,7 +82,10 @@ fn starts(count: usize) -> impl Iterator<Item = State<2>> {
 fn shares_of_starts_are_the_published_ones_within_three_standard_errors() {
     for (vd, published) in SHARES {
         let system = Driven { vd };
-        let settings = within(2e4);
+        let settings = RecurrenceSettings {
+            closeness: 1e-5,
+            ..within(2e4)
+        };
         let found = basin(&system.any(), starts(5000), &settings, &Options::tol(1e-8)).unwrap();
         let at = |kind: fn(&Kind) -> bool| {
             let mut these =
@@ -255,6 +258,48 @@ fn forced_orbits_are_compared_at_whole_periods() {
     let turning = found.phases.iter().map(|phase| phase.x_end[0].abs());
     for amplitude in turning {
         assert!((amplitude - 1.927_774_517_9).abs() < 1e-5, "{amplitude}");
+    }
+}
+
+#[test]
+fn den_hartog_s_amplitudes_are_found_from_a_run_and_refined() {
+    let settings = [
+        (0.65, 0.2),
+        (0.7, 0.2),
+        (0.7, 0.5),
+        (0.77, 0.3),
+        (0.77, 0.6),
+        (0.83, 0.4),
+        (1.3, 0.2),
+        (1.3, 0.4),
+        (1.45, 0.15),
+        (1.45, 0.3),
+    ];
+    for (frequency, friction) in settings {
+        let system = DenHartog {
+            frequency,
+            friction,
+        };
+        let v = 1.0 / (1.0 - frequency * frequency);
+        let u = math::sin(PI / frequency) / (frequency * (1.0 + math::cos(PI / frequency)));
+        let exact = (v * v - friction * friction * u * u).sqrt();
+        let period = 2.0 * PI / frequency;
+        let options = Options::tol(1e-12);
+        let found = reached(&system, [0.5, 0.0], &within(3e3).forced(period), &options);
+        assert!(
+            matches!(found.kind, Kind::Periodic { returns: 1, .. }),
+            "{frequency} {friction} {}",
+            found.kind
+        );
+        assert!(is_same_cycle(&found.sequence(), &[ABOVE, BELOW]));
+        let x = found.points[0].x;
+        let cycle = periodic_orbit_forced(&system.any(), 0.0, x, period, &options).unwrap();
+        let orbit = stickslip::solve(&system.any(), 0.0, cycle.x, period, &options).unwrap();
+        for at in &orbit.transitions {
+            let error = (at.x[0].abs() - exact).abs();
+            assert!(error < 1e-9, "{frequency} {friction}: {error:e}");
+        }
+        assert_eq!(orbit.transitions.len(), 2);
     }
 }
 

@@ -1,0 +1,75 @@
+//! The last phases and transitions of an orbit.
+
+use std::collections::VecDeque;
+
+use super::recurrence::Count;
+use crate::filippov::{Phase, Transition, TransitionKind};
+
+/// As many as there is room for, and how many there have been.
+pub(super) struct History<const N: usize, K> {
+    phases: VecDeque<Phase<N, K>>,
+    transitions: VecDeque<(TransitionKind, usize)>,
+    most: usize,
+    count: Count,
+}
+
+impl<const N: usize, K: Copy> History<N, K> {
+    /// With room for so many of each.
+    pub fn of(most: usize) -> Self {
+        History {
+            phases: VecDeque::with_capacity(most),
+            transitions: VecDeque::with_capacity(most),
+            most,
+            count: Count::default(),
+        }
+    }
+
+    pub fn count(&self) -> Count {
+        self.count
+    }
+
+    pub fn phase(&mut self, phase: Phase<N, K>) {
+        push(&mut self.phases, phase, self.most);
+        self.count.phases += 1;
+    }
+
+    pub fn transition(&mut self, at: &Transition<N, K>) {
+        push(&mut self.transitions, (at.kind, at.contact), self.most);
+        self.count.transitions += 1;
+    }
+
+    /// Keeps what lies between two counts, of which the second is that of now.
+    pub fn keep(&mut self, (from, to): &(Count, Count)) {
+        keep_last(&mut self.phases, to.phases - from.phases);
+        keep_last(&mut self.transitions, to.transitions - from.transitions);
+    }
+
+    /// Part of the time of the phases in which the mode is one that sticks; none without phases.
+    pub fn in_stick(&self, sticks: impl Fn(K) -> bool) -> Option<f64> {
+        let (mut whole, mut stuck) = (0.0, 0.0);
+        for phase in &self.phases {
+            whole += phase.duration();
+            if sticks(phase.mode) {
+                stuck += phase.duration();
+            }
+        }
+        (whole > 0.0).then_some(stuck / whole)
+    }
+
+    pub fn into_parts(self) -> (Vec<Phase<N, K>>, Vec<(TransitionKind, usize)>) {
+        (self.phases.into(), self.transitions.into())
+    }
+}
+
+/// Takes one more, and forgets the first where there are too many.
+fn push<T>(into: &mut VecDeque<T>, one: T, most: usize) {
+    if into.len() == most {
+        into.pop_front();
+    }
+    into.push_back(one);
+}
+
+fn keep_last<T>(of: &mut VecDeque<T>, count: u64) {
+    let too_many = of.len().saturating_sub(count as usize);
+    of.drain(..too_many);
+}

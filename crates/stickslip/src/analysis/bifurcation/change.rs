@@ -1,0 +1,208 @@
+//! Where between two values of a parameter an attractor changes.
+
+use super::stability::loss_of_stability;
+use super::{Reached, WhatChanges};
+use crate::analysis::attractors::Kind;
+use crate::analysis::periodic::{periodic_orbit, periodic_orbit_forced};
+use crate::analysis::sequence::circuit::Circuit;
+use crate::analysis::sequence::locate::{self, Known, is_same};
+use crate::analysis::sequence::{SequenceBifurcation, SequenceChange, circuit_from, describe};
+use crate::filippov::{Options, Switched};
+use crate::ode::Timed;
+use crate::system::State;
+
+/// Part of the interval to which a change is located.
+const RESOLUTION: f64 = 1e-10;
+
+/// First step on the way, as a part of it, and by how much each is longer than the one before.
+const FIRST: f64 = 1.0 / 64.0;
+const GROWTH: f64 = 1.3;
+
+/// A value of the parameter and what was found there.
+type End<'a, const N: usize, K> = (f64, &'a Reached<N, K>);
+
+pub(super) fn locate<S: Switched<N, G>, const N: usize, const G: usize>(
+    family: &impl Fn(f64) -> S,
+    [one, other]: [End<'_, N, S::Mode>; 2],
+    forcing: Option<f64>,
+    options: &Options,
+) -> WhatChanges<N, S::Mode> {
+    let mut unnamed = None;
+    for (from, to) in [(one, other), (other, one)] {
+        match from.1.kind {
+            Kind::Equilibrium => {
+                if let Some(found) = loss_of_stability(family, from, to.0) {
+                    return found;
+                }
+            }
+            Kind::Periodic { returns, period } => {
+                // The forcing's own period is known better.
+                let forced = forcing.map(|one| one * returns as f64);
+                let shooting = Shooting {
+                    family,
+                    forced,
+                    options,
+                };
+                let found = shooting.change(from, period, to.0);
+                match found {
+                    Some(found) if found.bifurcation != SequenceBifurcation::Unnamed => {
+                        return WhatChanges::Sequence(found);
+                    }
+                    found => unnamed = unnamed.or(found),
+                }
+            }
+            _ => {}
+        }
+    }
+    unnamed.map_or(WhatChanges::Unlocated, WhatChanges::Sequence)
+}
+
+/// Periodic orbits of a family by shooting.
+struct Shooting<'a, F> {
+    family: &'a F,
+    /// The period, where it is that of the forcing.
+    forced: Option<f64>,
+    options: &'a Options,
+}
+
+impl<F> Shooting<'_, F> {
+    /// Where the phases of the orbit change on the way to another value.
+    fn change<S: Switched<N, G>, const N: usize, const G: usize>(
+        &self,
+        from: End<'_, N, S::Mode>,
+        period: f64,
+        to: f64,
+    ) -> Option<SequenceChange<N, S::Mode>>
+    where
+        F: Fn(f64) -> S,
+    {
+        let at = from.1.points.first()?;
+        let start = Timed { t: at.t, x: at.x };
+        let rough = circuit_from(&(self.family)(from.0), &start, period, self.options)?;
+        let first = self.orbit(from.0, &rough.anchor, rough.period)?;
+        let wanted = first.circuit.sequence();
+        let mut good = vec![first];
+        let mut behind: Option<Known<(), N, S::Mode>> = None;
+        let mut solve = |s: f64, good: &[Known<(), N, S::Mode>]| {
+            let (guess, period) = extrapolated(good, s);
+            let found = self.orbit(s, &guess, period);
+            let is_other = |one: &Known<(), N, S::Mode>| !is_same(&one.circuit.sequence(), &wanted);
+            if let Some(other) = found.as_ref().filter(|one| is_other(one)) {
+                behind = Some(other.clone());
+            }
+            found
+        };
+        // In small steps, so that it is this orbit that is followed and not another one near by.
+        let mut step = FIRST * (to - from.0);
+        let bad = loop {
+            let at = good.last()?.s;
+            if at == to {
+                // It goes on all the way: what was swept has left it for another reason.
+                return None;
+            }
+            let goes_on = (to - at) / step > 1.0;
+            let next = if goes_on { at + step } else { to };
+            match solve(next, &good) {
+                Some(found) if is_same(&found.circuit.sequence(), &wanted) => good.push(found),
+                _ => break next,
+            }
+            step *= GROWTH;
+        };
+        let resolution = RESOLUTION * (to - from.0).abs();
+        let bad = locate::locate(&mut good, bad, resolution, &mut solve);
+        let last = good.last()?;
+        let system = (self.family)(last.s);
+        // From the side with fewer phases all event functions are smooth, and a graze is no root.
+        let simple = behind
+            .as_ref()
+            .filter(|one| one.circuit.parts.len() < last.circuit.parts.len());
+        if let Some(simple) = simple
+            && let Some(found) = self.back_from(last, simple, resolution)
+        {
+            return Some(found);
+        }
+        let after = behind.map(|other| other.circuit.modes());
+        let place = (last.s, (bad - last.s).abs());
+        describe(&system, last, after.unwrap_or_default(), place)
+    }
+
+    /// The change as it is seen from an orbit with fewer phases on the other side of it, or beside it where the branch turns back.
+    fn back_from<S: Switched<N, G>, const N: usize, const G: usize>(
+        &self,
+        edge: &Known<(), N, S::Mode>,
+        simple: &Known<(), N, S::Mode>,
+        resolution: f64,
+    ) -> Option<SequenceChange<N, S::Mode>>
+    where
+        F: Fn(f64) -> S,
+    {
+        let way = edge.s - simple.s;
+        let way = way.abs().max(1e4 * resolution) * way.signum();
+        [0.3 * way, -0.3 * way].into_iter().find_map(|step| {
+            let solve = |s: f64, good: &[Known<(), N, S::Mode>]| {
+                let (guess, period) = extrapolated(good, s);
+                self.orbit(s, &guess, period)
+            };
+            let (good, bad) = locate::approach(simple.clone(), step, resolution, solve)?;
+            let last = good.last()?;
+            let place = (last.s, (bad - last.s).abs());
+            let after = last.circuit.modes();
+            let mut found = describe(&(self.family)(last.s), last, after, place)?;
+            (found.before, found.after) = (edge.circuit.modes(), found.before);
+            (found.bifurcation != SequenceBifurcation::Unnamed).then_some(found)
+        })
+    }
+
+    fn orbit<S: Switched<N, G>, const N: usize, const G: usize>(
+        &self,
+        parameter: f64,
+        guess: &Timed<N>,
+        period: f64,
+    ) -> Option<Known<(), N, S::Mode>>
+    where
+        F: Fn(f64) -> S,
+    {
+        let system = (self.family)(parameter);
+        let cycle = match self.forced {
+            Some(period) => periodic_orbit_forced(&system, guess.t, guess.x, period, self.options),
+            None => periodic_orbit(&system, guess.x, period, self.options),
+        }
+        .ok()?;
+        let start = Timed {
+            t: cycle.t,
+            x: cycle.x,
+        };
+        let circuit = Circuit::follow(&system, &start, cycle.period, self.options).ok()?;
+        Some(Known {
+            s: parameter,
+            circuit,
+            branch: (),
+        })
+    }
+}
+
+/// Where the orbit is expected by those known: on the line through the last two, no further than they are apart.
+pub(in crate::analysis) fn extrapolated<B, const N: usize, K: Copy + PartialEq>(
+    good: &[Known<B, N, K>],
+    s: f64,
+) -> (Timed<N>, f64) {
+    match good {
+        [.., one, two] if two.s != one.s => {
+            let part = ((s - two.s) / (two.s - one.s)).clamp(-1.0, 1.0);
+            let (a, b) = (&one.circuit, &two.circuit);
+            let guess = Timed {
+                t: b.anchor.t + part * (b.anchor.t - a.anchor.t),
+                x: b.anchor.x + (b.anchor.x - a.anchor.x) * part,
+            };
+            (guess, b.period + part * (b.period - a.period))
+        }
+        [.., last] => (last.circuit.anchor, last.circuit.period),
+        [] => (
+            Timed {
+                t: 0.0,
+                x: State::zeros(),
+            },
+            0.0,
+        ),
+    }
+}

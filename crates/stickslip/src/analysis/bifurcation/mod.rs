@@ -1,0 +1,175 @@
+//! A sweep of one parameter that carries the state on: bifurcation diagrams, with hysteresis by a second sweep the other way.
+
+mod change;
+mod stability;
+
+use super::attractors::{Kind, Reached, RecurrenceSettings, attractor};
+use super::lyapunov::{Exponent, SpectrumOptions, lyapunov_spectrum};
+use super::sequence::SequenceChange;
+use crate::error::Error;
+use crate::filippov::{Options, Switched};
+use crate::system::{Mode, State};
+pub(super) use change::extrapolated;
+
+/// How a parameter is swept.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SweepSettings {
+    /// When an attractor is reached.
+    pub recurrence: RecurrenceSettings,
+    /// How the first Lyapunov exponent is measured, if it is wanted.
+    pub spectrum: Option<SpectrumOptions>,
+    /// The solver's settings for locating changes; none are located without.
+    pub locating: Option<Options>,
+}
+
+impl SweepSettings {
+    /// With this longest time for each attractor; changes are located with a tolerance of 1e-13, and exponents are not measured.
+    pub fn within(longest: f64) -> Self {
+        SweepSettings {
+            recurrence: RecurrenceSettings::within(longest),
+            spectrum: None,
+            locating: Some(Options::tol(1e-13)),
+        }
+    }
+
+    /// With a forcing of this period.
+    #[must_use]
+    pub fn forced(self, period: f64) -> Self {
+        SweepSettings {
+            recurrence: self.recurrence.forced(period),
+            ..self
+        }
+    }
+}
+
+/// What was found at one value of the parameter.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SweepPoint<const N: usize, K = Mode> {
+    /// The parameter.
+    pub parameter: f64,
+    /// The attractor: section points, phases with the sticks' durations and lengths, and their sequence.
+    pub reached: Reached<N, K>,
+    /// The largest Lyapunov exponent, if it was asked for and could be measured.
+    pub exponent: Option<Exponent>,
+}
+
+/// A difference between the attractors at two neighbouring values of the parameter.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AttractorChange<const N: usize, K = Mode> {
+    /// The two values, in the order of the sweep.
+    pub between: (f64, f64),
+    /// What it is.
+    pub what: WhatChanges<N, K>,
+}
+
+/// What becomes of an attractor between two values of a parameter.
+#[derive(Clone, Debug, PartialEq)]
+pub enum WhatChanges<const N: usize, K = Mode> {
+    /// The phases of a periodic orbit.
+    Sequence(SequenceChange<N, K>),
+    /// An equilibrium loses its stability, in the direction of the sweep or against it: a pair of eigenvalues of its field crosses the imaginary
+    /// axis, or one passes through zero.
+    Equilibrium {
+        /// The parameter.
+        parameter: f64,
+        /// The equilibrium there.
+        x: State<N>,
+        /// Size of the imaginary part of the eigenvalues that cross: 0 where it is one, and otherwise a Hopf bifurcation.
+        frequency: f64,
+    },
+    /// It could not be located: the orbits on both sides go on through the interval, or are not periodic, or do not converge.
+    Unlocated,
+}
+
+/// A sweep of a parameter.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sweep<const N: usize, K = Mode> {
+    /// What was found, in the order of the parameters.
+    pub points: Vec<SweepPoint<N, K>>,
+    /// Where it is not the same kind of motion, with the same phases, as at the value before.
+    pub changes: Vec<AttractorChange<N, K>>,
+}
+
+/// Follows an attractor through `parameters`, in their order, from the state that was reached at the one before: up, down or as they come.
+/// `family` makes the system of each parameter.
+///
+/// Between two values where the phases of a periodic orbit differ, the orbit itself is followed by shooting, to where its phases change: to
+/// 1e-10 of the interval, and named by the event function that vanishes there ([`super::SequenceBifurcation`]). An equilibrium is
+/// followed to where it loses its stability.
+///
+/// ```
+/// use stickslip::analysis::{SweepSettings, sweep};
+/// use stickslip::{Options, models::BeltOscillator};
+///
+/// let family = |belt_speed| BeltOscillator { belt_speed, ..BeltOscillator::default() };
+/// let speeds = (0..5).map(|k| 0.2 + 0.05 * f64::from(k));
+/// let found = sweep(family, speeds, [0.5, 0.1], &SweepSettings::within(500.0), &Options::default())?;
+/// for point in &found.points {
+///     println!("{}: {}, {:.3} of the time in stick", point.parameter, point.reached.kind, point.reached.in_stick);
+/// }
+/// assert_eq!(found.points.len(), 5);
+/// # Ok::<(), stickslip::Error>(())
+/// ```
+///
+/// # Errors
+/// As [`attractor`], for the first parameter that has one.
+pub fn sweep<S: Switched<N, G>, const N: usize, const G: usize>(
+    family: impl Fn(f64) -> S,
+    parameters: impl IntoIterator<Item = f64>,
+    x0: impl Into<State<N>>,
+    settings: &SweepSettings,
+    options: &Options,
+) -> Result<Sweep<N, S::Mode>, Error> {
+    let mut x = x0.into();
+    let mut points: Vec<SweepPoint<N, S::Mode>> = Vec::new();
+    let mut changes = Vec::new();
+    for parameter in parameters {
+        let system = family(parameter);
+        let reached = attractor(&system, x, &settings.recurrence, options)?;
+        if let Some(next) = carried_on(&reached, &settings.recurrence) {
+            x = next;
+        }
+        let exponent = settings.spectrum.and_then(|spectrum| {
+            let spectrum = lyapunov_spectrum(&system, (0.0, x), &spectrum).ok()?;
+            spectrum.exponents.first().copied()
+        });
+        if let (Some(before), Some(locating)) = (points.last(), &settings.locating)
+            && is_change(&before.reached, &reached)
+        {
+            let ends = [(before.parameter, &before.reached), (parameter, &reached)];
+            changes.push(AttractorChange {
+                between: (before.parameter, parameter),
+                what: change::locate(&family, ends, settings.recurrence.forcing, locating),
+            });
+        }
+        points.push(SweepPoint {
+            parameter,
+            reached,
+            exponent,
+        });
+    }
+    Ok(Sweep { points, changes })
+}
+
+/// The state from which the next parameter's run begins; none after an escape or a failure.
+fn carried_on<const N: usize, K>(
+    reached: &Reached<N, K>,
+    settings: &RecurrenceSettings,
+) -> Option<State<N>> {
+    match reached.kind {
+        Kind::Escape | Kind::Failure(_) | Kind::Repelling | Kind::TwoFold(_) => None,
+        // At a flash of the strobe, at which the next run begins, too.
+        _ if settings.forcing.is_some() => reached.points.last().map(|point| point.x),
+        _ => Some(reached.x),
+    }
+}
+
+fn is_change<const N: usize, K: Copy + PartialEq>(
+    one: &Reached<N, K>,
+    other: &Reached<N, K>,
+) -> bool {
+    match (&one.kind, &other.kind) {
+        (Kind::Periodic { .. }, Kind::Periodic { .. }) => !one.has_sequence_of(other),
+        (one, other) => std::mem::discriminant(one) != std::mem::discriminant(other),
+    }
+}

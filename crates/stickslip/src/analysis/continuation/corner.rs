@@ -1,0 +1,176 @@
+//! The branch behind a change of phases, where the line through its orbits may not lead to it: it may turn back.
+
+use super::corrector::{Corrector, Guess, OnBranch};
+use crate::analysis::bifurcation::extrapolated;
+use crate::analysis::sequence::locate::approach;
+use crate::analysis::sequence::{SequenceBifurcation, SequenceChange, describe};
+use crate::filippov::Switched;
+use crate::ode::Timed;
+use crate::system::State;
+
+/// Distances in the parameter, as parts of its range, at which orbits with other phases are tried.
+const DISTANCES: [f64; 3] = [1e-3, 1e-4, 1e-2];
+
+/// How far the orbit may lie from the corner by the way across the flow that the orbits before it have come. Where stick forgets all, and the
+/// other orbit has the multiplier λ, it is 1/(1 - λ) of that.
+const PARTS: [f64; 8] = [-2.0, -4.0, -1.0, -8.0, -0.5, -16.0, 0.0, 1.0];
+
+/// Part of the parameter's range to which the change is located.
+const RESOLUTION: f64 = 1e-11;
+
+/// What was found around a change of phases.
+pub(super) struct Behind<'a, S: Switched<N, G>, const N: usize, const G: usize> {
+    pub corrector: &'a Corrector<'a, S>,
+    /// The orbits up to it.
+    pub good: &'a [OnBranch<N, S::Mode>],
+    /// Orbits with other phases, the nearest one first.
+    pub found: &'a [OnBranch<N, S::Mode>],
+    /// Width of the parameter's range.
+    pub width: f64,
+}
+
+/// The change and two orbits behind it, the nearer one first.
+pub(super) struct Entered<const N: usize, K> {
+    pub change: SequenceChange<N, K>,
+    /// A state on the orbit at the change.
+    pub at: Timed<N>,
+    pub orbits: Option<[OnBranch<N, K>; 2]>,
+}
+
+impl<S: Switched<N, G>, const N: usize, const G: usize> Behind<'_, S, N, G> {
+    /// Describes the change, which was located to a parameter with an uncertainty, and gets behind it.
+    pub fn enter(&self, place: (f64, f64)) -> Option<Entered<N, S::Mode>> {
+        let edge = self.good.last()?;
+        let other = self.found.first().cloned();
+        let other = other.or_else(|| self.around().map(|[near, _]| near));
+        // From the side with fewer phases all event functions are smooth, and a graze is no root.
+        let simple = other
+            .as_ref()
+            .filter(|one| one.circuit.parts.len() < edge.circuit.parts.len());
+        if let Some(simple) = simple
+            && let Some(entered) = self.back_from(simple)
+        {
+            return Some(entered);
+        }
+        let after = other.as_ref().map(|one| one.circuit.modes());
+        let change = describe(
+            self.corrector.system,
+            edge,
+            after.unwrap_or_default(),
+            place,
+        )?;
+        let far = other.as_ref().and_then(|near| {
+            let is_same = |one: &&OnBranch<N, _>| {
+                one.circuit.sequence() == near.circuit.sequence() && one.s - near.s > 1e-7
+            };
+            self.found.iter().rev().find(is_same).cloned()
+        });
+        let orbits = match (other, far) {
+            (Some(near), Some(far)) => Some([near, far]),
+            _ => self.around(),
+        };
+        let at = edge.circuit.anchor;
+        Some(Entered { change, orbits, at })
+    }
+
+    /// Comes back to the change from an orbit with fewer phases behind it.
+    fn back_from(&self, simple: &OnBranch<N, S::Mode>) -> Option<Entered<N, S::Mode>> {
+        let edge = self.good.last()?;
+        let corner = edge.circuit.anchor.x[N - 1];
+        let here = simple.circuit.anchor.x[N - 1];
+        let least = 1e-6 * self.width;
+        let way = (corner - here).abs().max(least) * (corner - here).signum();
+        for step in [0.3 * way, -0.3 * way] {
+            let mut first = simple.clone();
+            first.s = here;
+            let by_parameter = |s: f64, good: &[OnBranch<N, S::Mode>]| {
+                let (at, period) = extrapolated(good, s);
+                self.at_parameter(at, period, s)
+            };
+            let resolution = RESOLUTION * self.width;
+            let Some((good, bad)) = approach(first, step, resolution, by_parameter) else {
+                continue;
+            };
+            let last = good.last()?;
+            let place = (last.s, (bad - last.s).abs());
+            let before = last.circuit.modes();
+            let mut change = describe(self.corrector.system, last, before, place)?;
+            if change.bifurcation == SequenceBifurcation::Unnamed {
+                continue;
+            }
+            (change.before, change.after) = (edge.circuit.modes(), change.before);
+            // Away from it again, by an orbit that is far enough to show the way.
+            let apart = good.iter().rev().find(|one| (one.s - last.s).abs() > least);
+            let same = last.circuit.sequence();
+            let further = || {
+                DISTANCES.iter().find_map(|part| {
+                    let s = last.s - step.signum() * 0.1 * part * self.width;
+                    let found = self.at_parameter(last.circuit.anchor, last.circuit.period, s)?;
+                    (found.circuit.sequence() == same).then_some(found)
+                })
+            };
+            let far = apart.cloned().or_else(further);
+            let orbits = far.map(|far| [last.clone(), far]);
+            let at = last.circuit.anchor;
+            return Some(Entered { change, orbits, at });
+        }
+        None
+    }
+
+    fn at_parameter(
+        &self,
+        mut at: Timed<N>,
+        period: f64,
+        parameter: f64,
+    ) -> Option<OnBranch<N, S::Mode>> {
+        at.x[N - 1] = parameter;
+        let row = State::from_fn(|i, _| f64::from(u8::from(i == N - 1)));
+        let guess = Guess {
+            at,
+            period,
+            row,
+            value: parameter,
+        };
+        self.corrector.orbit(&guess, parameter)
+    }
+
+    /// Two orbits next to the last one with other phases than it, the nearer one first.
+    fn around(&self) -> Option<[OnBranch<N, S::Mode>; 2]> {
+        let corner = self.good.last()?;
+        let at = &corner.circuit.anchor;
+        let here = at.x[N - 1];
+        let is_apart = |one: &&OnBranch<N, S::Mode>| {
+            (one.circuit.anchor.x[N - 1] - here).abs() > 1e-6 * self.width
+        };
+        let before = self.good.iter().rev().find(is_apart)?;
+        let way = at.x - before.circuit.anchor.x;
+        let mut slope = way / way[N - 1];
+        let mut flow = corner.branch.slope;
+        flow[N - 1] = 0.0;
+        slope -= flow * (flow.dot(&slope) / flow.norm_squared());
+        let old = corner.circuit.sequence();
+        let period = corner.circuit.period;
+        let orbit = |x: State<N>| {
+            let found = self.at_parameter(Timed { t: at.t, x }, period, x[N - 1])?;
+            (found.circuit.sequence() != old).then_some(found)
+        };
+        for distance in DISTANCES.map(|part| part * self.width * way[N - 1].signum()) {
+            for offset in [distance, -distance] {
+                for part in PARTS {
+                    let mut guess = at.x + slope * (offset * part);
+                    guess[N - 1] = here + offset;
+                    let Some(near) = orbit(guess) else {
+                        continue;
+                    };
+                    let further = near.circuit.anchor.x + (guess - at.x) * 0.5;
+                    if let Some(far) = orbit(further)
+                        && far.circuit.sequence() == near.circuit.sequence()
+                    {
+                        return Some([near, far]);
+                    }
+                }
+            }
+        }
+        None
+    }
+}

@@ -1,0 +1,90 @@
+//! The functions of an orbit's multipliers that vanish where it branches, folds, flips or sheds a torus.
+
+use nalgebra::{Complex, DMatrix};
+
+use super::corrector::Solved;
+use crate::analysis::multipliers::eigenvalues;
+
+/// The functions at one orbit.
+#[derive(Clone, Debug)]
+pub(super) struct Critical {
+    /// Zero where a multiplier besides the trivial one is 1: the determinant of Newton's matrix for a given parameter.
+    pub one: f64,
+    /// Zero where a multiplier is −1.
+    pub minus_one: f64,
+    /// Zero where a pair is on the unit circle; none where there is no pair.
+    pub circle: Option<f64>,
+    /// Angle of that pair.
+    pub angle: f64,
+    /// The multipliers, the trivial one of a system that does not depend on time left out.
+    pub multipliers: Vec<Complex<f64>>,
+}
+
+impl Critical {
+    pub fn of<const N: usize>(solved: &Solved<N>, is_forced: bool) -> Self {
+        let states = N - 1;
+        let matrix = DMatrix::from_fn(states, states, |i, j| solved.matrix[(i, j)]);
+        let shifted = |by: f64| {
+            DMatrix::from_fn(states, states, |i, j| {
+                matrix[(i, j)] + if i == j { by } else { 0.0 }
+            })
+        };
+        let one = if is_forced {
+            shifted(-1.0).determinant()
+        } else {
+            let mut bordered = shifted(-1.0).resize(N, N, 0.0);
+            for i in 0..states {
+                bordered[(i, states)] = solved.slope[i];
+                bordered[(states, i)] = solved.slope[i];
+            }
+            // Of one sign with the forced one's: the border takes the trivial multiplier's place.
+            -bordered.determinant()
+        };
+        let mut multipliers = eigenvalues(&matrix);
+        multipliers.sort_by(|a, b| b.norm_sqr().total_cmp(&a.norm_sqr()));
+        if !is_forced {
+            let off = |k: usize| (multipliers[k] - 1.0).norm_sqr();
+            if let Some(k) = (0..states).min_by(|a, b| off(*a).total_cmp(&off(*b))) {
+                multipliers.remove(k);
+            }
+        }
+        let pairs = multipliers.iter().filter(|value| value.im > 0.0);
+        let nearest = pairs.min_by(|a, b| {
+            let off = |value: &Complex<f64>| (value.norm_sqr() - 1.0).abs();
+            off(a).total_cmp(&off(b))
+        });
+        Critical {
+            one,
+            minus_one: shifted(1.0).determinant(),
+            circle: nearest.map(|value| value.norm_sqr() - 1.0),
+            angle: nearest.map_or(0.0, |value| crate::math::atan2(value.im, value.re)),
+            multipliers,
+        }
+    }
+}
+
+/// The zero between two places at which a function has different signs, by regula falsi with the Illinois rule.
+pub(super) fn zero_between(
+    (mut a, mut at_a): (f64, f64),
+    (mut b, mut at_b): (f64, f64),
+    mut function: impl FnMut(f64) -> Option<f64>,
+) -> Option<f64> {
+    const MOST: usize = 60;
+    for _ in 0..MOST {
+        let next = b - at_b * (b - a) / (at_b - at_a);
+        if (next - b).abs() <= 1e-13 * (1.0 + b.abs()) {
+            return Some(next);
+        }
+        let value = function(next)?;
+        if value == 0.0 {
+            return Some(next);
+        }
+        if value * at_b < 0.0 {
+            (a, at_a) = (b, at_b);
+        } else {
+            at_a *= 0.5;
+        }
+        (b, at_b) = (next, value);
+    }
+    Some(b)
+}

@@ -1,0 +1,84 @@
+//! The line along which the next orbit of a branch is sought.
+
+use super::corrector::{Guess, OnBranch};
+use super::walk::Walk;
+use crate::filippov::Switched;
+use crate::ode::Timed;
+use crate::system::State;
+
+/// The line through the last two orbits, along which the next is sought.
+pub(super) struct Line<const N: usize> {
+    pub base: Timed<N>,
+    pub period: f64,
+    /// Changes for a step of length 1.
+    pub direction: State<N>,
+    pub of_time: f64,
+    pub of_period: f64,
+    /// Distance between the two.
+    pub length: f64,
+    /// Weights of the components.
+    pub weights: State<N>,
+}
+
+impl<const N: usize> Line<N> {
+    /// Where the orbit is sought at a place on it.
+    pub fn guess(&self, s: f64) -> Guess<N> {
+        let at = Timed {
+            t: self.base.t + self.of_time * s,
+            x: self.base.x + self.direction * s,
+        };
+        let row = self.direction.component_mul(&self.weights);
+        Guess {
+            at,
+            period: self.period + self.of_period * s,
+            row,
+            value: row.dot(&at.x),
+        }
+    }
+}
+
+impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
+    pub(super) fn line(&self) -> Line<N> {
+        let (a, b) = (&self.before.circuit, &self.last.circuit);
+        let (state, parameter) = (1.0 / self.size, 1.0 / self.width);
+        let weights = State::from_fn(|i, _| {
+            let weight = if i + 1 < N { state } else { parameter };
+            weight * weight
+        });
+        let is_forced = self.settings.forced.is_some();
+        let mut way = b.anchor.x - a.anchor.x;
+        if !is_forced {
+            // Along the flow it is the same orbit.
+            let mut flow = self.last.branch.slope;
+            flow[N - 1] = 0.0;
+            way -= flow * (flow.dot(&way) / flow.norm_squared());
+        }
+        let length = way.component_mul(&way).dot(&weights).sqrt();
+        Line {
+            // Only the forcing knows the time.
+            base: Timed {
+                t: if is_forced { b.anchor.t } else { 0.0 },
+                x: b.anchor.x,
+            },
+            period: b.period,
+            direction: way / length,
+            of_time: if is_forced {
+                (b.anchor.t - a.anchor.t) / length
+            } else {
+                0.0
+            },
+            of_period: (b.period - a.period) / length,
+            length,
+            weights,
+        }
+    }
+
+    /// The orbit next to a place on the line, if there is one no farther from it than the place is from the last orbit.
+    pub(super) fn on(&self, line: &Line<N>, s: f64) -> Option<OnBranch<N, S::Mode>> {
+        let guess = line.guess(s);
+        let found = self.corrector.orbit(&guess, s)?;
+        let off = found.branch.start - guess.at.x;
+        let distance = off.component_mul(&off).dot(&line.weights).sqrt();
+        (distance <= s.abs().max(0.1 * self.step)).then_some(found)
+    }
+}

@@ -1,0 +1,217 @@
+//! Periodic orbits followed along a parameter, stable or not, through folds and changes of their phases.
+
+mod corner;
+mod corrector;
+mod critical;
+mod ends;
+mod line;
+mod rest;
+mod special;
+mod walk;
+
+use nalgebra::Complex;
+
+use super::sequence::SequenceChange;
+use crate::error::Error;
+use crate::filippov::{Options, Switched};
+use crate::system::{Mode, State};
+use walk::Walk;
+
+/// How far and how finely a branch is followed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContinuationSettings {
+    /// The branch ends where the parameter leaves this range.
+    pub range: (f64, f64),
+    /// First and longest step, as a part of the range and of the orbit's size. Default 0.02.
+    pub step: f64,
+    /// Orbits on the branch, at most. Default 1000.
+    pub most_points: usize,
+    /// The period of the orbit, where it is the forcing's. The forcing's period itself cannot be the parameter: to vary it, measure time in it.
+    pub forced: Option<f64>,
+}
+
+impl ContinuationSettings {
+    /// The defaults, in this range.
+    pub fn over(from: f64, to: f64) -> Self {
+        ContinuationSettings {
+            range: (from.min(to), from.max(to)),
+            step: 0.02,
+            most_points: 1000,
+            forced: None,
+        }
+    }
+
+    /// With this period, a whole number of the forcing's.
+    #[must_use]
+    pub fn forced(self, period: f64) -> Self {
+        ContinuationSettings {
+            forced: Some(period),
+            ..self
+        }
+    }
+
+    fn check(&self) -> Result<(), Error> {
+        let require = |good: bool, name, value, bound| {
+            if good {
+                Ok(())
+            } else {
+                Err(Error::Option { name, value, bound })
+            }
+        };
+        let width = self.range.1 - self.range.0;
+        let is_range = width > 0.0 && width.is_finite();
+        require(
+            is_range,
+            "range",
+            width,
+            "a range of positive, finite width",
+        )?;
+        let step = self.step > 0.0 && self.step <= 1.0;
+        require(step, "step", self.step, "positive and at most 1")?;
+        let most = self.most_points;
+        require(most >= 2, "most_points", most as f64, "at least 2")?;
+        let forced = self.forced.unwrap_or(1.0);
+        let good = forced > 0.0 && forced.is_finite();
+        require(good, "forced", forced, "positive and finite")
+    }
+}
+
+/// A periodic orbit on a branch.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BranchPoint<const N: usize, K = Mode> {
+    /// The parameter.
+    pub parameter: f64,
+    /// A time and a state on the orbit, in the middle of a slip; the last component is the parameter.
+    pub t: f64,
+    /// See `t`.
+    pub x: State<N>,
+    /// Period.
+    pub period: f64,
+    /// The multipliers by falling size, without the trivial one of a system that does not depend on time.
+    pub multipliers: Vec<Complex<f64>>,
+    /// The modes gone through in one period.
+    pub sequence: Vec<K>,
+}
+
+impl<const N: usize, K> BranchPoint<N, K> {
+    /// Whether all multipliers are inside the unit circle.
+    pub fn is_stable(&self) -> bool {
+        self.multipliers.iter().all(|value| value.norm() < 1.0)
+    }
+}
+
+/// What is special about an orbit on a branch.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Special<const N: usize, K = Mode> {
+    /// The branch turns back: a multiplier is 1.
+    Fold,
+    /// A multiplier is 1, and the branch goes on: another one meets it.
+    BranchPoint,
+    /// A multiplier is −1: a branch of twice the period begins.
+    Flip,
+    /// A pair of multipliers is on the unit circle: a torus is shed.
+    NeimarkSacker {
+        /// The angle of the pair, in radians.
+        angle: f64,
+    },
+    /// The phases change.
+    Sequence(Box<SequenceChange<N, K>>),
+}
+
+/// A special orbit on a branch.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SpecialPoint<const N: usize, K = Mode> {
+    /// The parameter.
+    pub parameter: f64,
+    /// What is special.
+    pub what: Special<N, K>,
+    /// Behind how many points of the branch it lies.
+    pub behind: usize,
+    /// A state on the orbit.
+    pub x: State<N>,
+    /// Its period.
+    pub period: f64,
+}
+
+/// Why a branch was followed no further.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Stop {
+    /// The parameter has come to an end of its range.
+    Range,
+    /// There are as many points as asked for.
+    Points,
+    /// The orbit shrinks to an equilibrium, which has a pair of imaginary eigenvalues at this parameter: a Hopf bifurcation.
+    Equilibrium {
+        /// The parameter.
+        parameter: f64,
+        /// Size of the eigenvalues: angle per unit of time.
+        frequency: f64,
+    },
+    /// The phases change at the last point of all, and no orbit with other phases was found next to it.
+    SequenceEnds,
+    /// No further orbit was found within the shortest step behind the last one.
+    NoConvergence,
+}
+
+/// A branch of periodic orbits.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Branch<const N: usize, K = Mode> {
+    /// The orbits, in the order in which they were found.
+    pub points: Vec<BranchPoint<N, K>>,
+    /// The special ones between them, in the same order.
+    pub special: Vec<SpecialPoint<N, K>>,
+    /// Why there are no more.
+    pub stop: Stop,
+}
+
+/// Follows the periodic orbit near `x`, with a period near `period`, from its parameter upwards or downwards by pseudo-arclength.
+///
+/// **The parameter is the last state**, and its rate is zero: a system of two states and a parameter is a [`crate::Filippov`] system of three.
+/// So the derivative with respect to it comes, like that with respect to the states, from the user's functions on dual numbers and from
+/// saltation at every transition, and nothing is differenced. For a system from a file it is one input more to the same formulas.
+///
+/// Every orbit is found by Newton's iteration for its state, period and parameter with the monodromy matrix, in the plane across the line
+/// through the last two (Keller 1977; Govaerts & Kuznetsov for folds, flips and Neimark–Sacker bifurcations). Between orbits at which a
+/// function of the multipliers has different signs its zero is located; where the phases change, so is the zero of the event function
+/// ([`SequenceChange`]), and the branch goes on with the new phases, back if it turns there (a nonsmooth fold).
+///
+/// # Errors
+/// Those of [`crate::Integration::new`]; [`Error::Option`] for a setting that is not allowed; [`Error::Parameter`] where the last state's
+/// rate is not zero; [`Error::NotFound`] where there is no orbit near the start.
+///
+/// ```
+/// use stickslip::analysis::{ContinuationSettings, Special, continue_periodic_orbit};
+/// use stickslip::{Filippov, Options, Scalar, Side};
+///
+/// /// r' = r (p + 2 r² - r⁴), θ' = 1: two cycles for -1 < p < 0.
+/// struct Rings;
+/// impl Filippov<3> for Rings {
+///     fn field<T: Scalar>(&self, _side: Side, _t: T, x: &[T; 3]) -> [T; 3] {
+///         let square = x[0] * x[0] + x[1] * x[1];
+///         let grows = x[2] + square * 2.0 - square * square;
+///         [x[0] * grows - x[1], x[1] * grows + x[0], T::constant(0.0)]
+///     }
+///     fn boundary<T: Scalar>(&self, _t: T, x: &[T; 3]) -> T {
+///         x[0] - 10.0
+///     }
+/// }
+///
+/// let settings = ContinuationSettings::over(-1.5, 0.0);
+/// let branch = continue_periodic_orbit(&Rings, [1.3, 0.0, -0.5], 6.3, false, &settings, &Options::tol(1e-12))?;
+/// assert_eq!(branch.special[0].what, Special::Fold);
+/// assert!((branch.special[0].parameter + 1.0).abs() < 1e-9);
+/// # Ok::<(), stickslip::Error>(())
+/// ```
+pub fn continue_periodic_orbit<S: Switched<N, G>, const N: usize, const G: usize>(
+    system: &S,
+    x: impl Into<State<N>>,
+    period: f64,
+    upwards: bool,
+    settings: &ContinuationSettings,
+    options: &Options,
+) -> Result<Branch<N, S::Mode>, Error> {
+    settings.check()?;
+    let mut walk = Walk::begin(system, x.into(), period, settings, options)?;
+    let stop = walk.go(upwards);
+    Ok(walk.into_branch(stop))
+}

@@ -1,0 +1,81 @@
+//! The special orbits between two on a branch, by their multipliers.
+
+use super::corrector::OnBranch;
+use super::critical::{Critical, zero_between};
+use super::line::Line;
+use super::walk::Walk;
+use super::{Special, SpecialPoint};
+use crate::filippov::Switched;
+
+impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
+    /// What is special between the last orbit and the next, by the multipliers.
+    pub(super) fn note_critical(&mut self, line: &Line<N>, next: &OnBranch<N, S::Mode>) {
+        let is_forced = self.settings.forced.is_some();
+        let of = |orbit: &OnBranch<N, S::Mode>| Critical::of(&orbit.branch, is_forced);
+        let (here, there) = (of(&self.last), of(next));
+        let turns = {
+            let change = |a: &OnBranch<N, _>, b: &OnBranch<N, _>| {
+                b.circuit.anchor.x[N - 1] - a.circuit.anchor.x[N - 1]
+            };
+            change(&self.before, &self.last) * change(&self.last, next) < 0.0
+        };
+        type Function = fn(&Critical) -> Option<f64>;
+        let functions: [Function; 3] = [|c| Some(c.one), |c| Some(c.minus_one), |c| c.circle];
+        let mut found = Vec::new();
+        for (kind, function) in functions.into_iter().enumerate() {
+            let (Some(a), Some(b)) = (function(&here), function(&there)) else {
+                continue;
+            };
+            if a * b >= 0.0 {
+                continue;
+            }
+            let at = |s: f64| self.on(line, s);
+            let value = |s: f64| at(s).and_then(|orbit| function(&of(&orbit)));
+            let Some(orbit) = zero_between((0.0, a), (next.s, b), value).and_then(at) else {
+                continue;
+            };
+            let what = match kind {
+                0 if turns => Special::Fold,
+                0 => self.fold_or_branch(line, next, &orbit),
+                1 => Special::Flip,
+                _ => Special::NeimarkSacker {
+                    angle: of(&orbit).angle,
+                },
+            };
+            found.push((
+                orbit.s,
+                SpecialPoint {
+                    parameter: orbit.circuit.anchor.x[N - 1],
+                    what,
+                    behind: self.points.len(),
+                    x: orbit.circuit.anchor.x,
+                    period: orbit.circuit.period,
+                },
+            ));
+        }
+        found.sort_by(|a, b| a.0.total_cmp(&b.0));
+        self.special
+            .extend(found.into_iter().map(|(_, point)| point));
+    }
+
+    /// Whether the parameter turns back at an orbit between the last and the next one.
+    fn fold_or_branch(
+        &self,
+        line: &Line<N>,
+        next: &OnBranch<N, S::Mode>,
+        orbit: &OnBranch<N, S::Mode>,
+    ) -> Special<N, S::Mode> {
+        let near = 1e-3 * next.s;
+        let parameter = |s: f64| {
+            let found = self.on(line, s);
+            found.map(|found| found.circuit.anchor.x[N - 1])
+        };
+        let here = orbit.circuit.anchor.x[N - 1];
+        match (parameter(orbit.s - near), parameter(orbit.s + near)) {
+            (Some(before), Some(behind)) if (before - here) * (behind - here) < 0.0 => {
+                Special::BranchPoint
+            }
+            _ => Special::Fold,
+        }
+    }
+}

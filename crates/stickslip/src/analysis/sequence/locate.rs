@@ -1,0 +1,140 @@
+//! Where on a branch of periodic orbits their phases change.
+
+use super::circuit::{Circuit, Kind};
+use super::margin::{Margin, Site};
+
+/// A periodic orbit on a branch.
+#[derive(Clone, Debug)]
+pub(crate) struct Known<B, const N: usize, K> {
+    /// Place on the branch.
+    pub s: f64,
+    pub circuit: Circuit<N, K>,
+    /// What the branch itself needs of it.
+    pub branch: B,
+}
+
+/// A margin of this part of its scale is vanishing: where it grows as a root, a change located to 1e-10 leaves some 1e-6.
+pub(super) const VANISHING: f64 = 3e-5;
+
+/// Trials allowed.
+const MOST: usize = 200;
+
+/// Part of the way to where a margin would be zero by which a trial falls short of it, or goes beyond.
+const SHORT: f64 = 1e-3;
+
+/// Whether two orbits have the same phases, the same part being the first.
+pub(crate) fn is_same<K: PartialEq>(one: &[Kind<K>], other: &[Kind<K>]) -> bool {
+    one.len() == other.len() && one == other
+}
+
+/// The last orbit before the phases change or the branch ends, which it does between it and `bad`, to `resolution` in the place; and where the
+/// first trial behind it was. `good` holds one orbit or more, in order; `solve` finds one at a place, given those known.
+pub(crate) fn locate<B, const N: usize, K: Copy + PartialEq>(
+    good: &mut Vec<Known<B, N, K>>,
+    mut bad: f64,
+    resolution: f64,
+    mut solve: impl FnMut(f64, &[Known<B, N, K>]) -> Option<Known<B, N, K>>,
+) -> f64 {
+    for trial in 0..MOST {
+        let [.., last] = good.as_slice() else { break };
+        let (from, way) = (last.s, bad - last.s);
+        if way.abs() <= resolution {
+            break;
+        }
+        let zero = (trial % 3 < 2)
+            .then(|| estimate(good, bad, trial % 2 == 1))
+            .flatten();
+        let s = match zero {
+            Some(zero) => {
+                let off = SHORT * (zero - from) + 0.25 * resolution * way.signum();
+                let s = if trial % 3 == 0 {
+                    zero - off
+                } else {
+                    zero + off
+                };
+                let inside = (s - from) * (bad - s) > 0.0;
+                if inside { s } else { from + 0.5 * way }
+            }
+            None => from + 0.5 * way,
+        };
+        if s == from || s == bad {
+            break;
+        }
+        let wanted = last.circuit.sequence();
+        match solve(s, good) {
+            Some(found) if is_same(&found.circuit.sequence(), &wanted) => good.push(found),
+            _ => bad = s,
+        }
+    }
+    bad
+}
+
+/// Follows a branch from `first`, by steps that begin with `step`, to the last orbit before its phases change; `None` where they do not within
+/// some dozens of steps.
+pub(crate) fn approach<B, const N: usize, K: Copy + PartialEq>(
+    first: Known<B, N, K>,
+    step: f64,
+    resolution: f64,
+    mut solve: impl FnMut(f64, &[Known<B, N, K>]) -> Option<Known<B, N, K>>,
+) -> Option<(Vec<Known<B, N, K>>, f64)> {
+    const STEPS: usize = 40;
+    const GROWTH: f64 = 1.3;
+    let wanted = first.circuit.sequence();
+    let mut good = vec![first];
+    let mut step = step;
+    for _ in 0..STEPS {
+        let s = good.last()?.s + step;
+        match solve(s, &good) {
+            Some(found) if is_same(&found.circuit.sequence(), &wanted) => good.push(found),
+            _ => {
+                let bad = locate(&mut good, s, resolution, &mut solve);
+                return Some((good, bad));
+            }
+        }
+        step *= GROWTH;
+    }
+    None
+}
+
+/// Where the first of the margins would be zero that are falling, by the last two orbits; those of short phases by their
+/// squares if asked: a phase that begins at a graze grows as a root.
+fn estimate<B, const N: usize, K: Copy + PartialEq>(
+    good: &[Known<B, N, K>],
+    bad: f64,
+    by_squares: bool,
+) -> Option<f64> {
+    let [.., one, two] = good else { return None };
+    let mut best: Option<f64> = None;
+    for margin in &two.circuit.margins {
+        let Some(before) = one.circuit.margin(margin.key) else {
+            continue;
+        };
+        let is_square = by_squares && margin.key.site == Site::Duration;
+        let of = |value: f64| if is_square { value * value } else { value };
+        let (first, second) = (of(before.value), of(margin.value));
+        if second.abs() >= first.abs() {
+            continue;
+        }
+        let zero = two.s - second * (two.s - one.s) / (second - first);
+        let inside = (zero - two.s) * (bad - zero) > 0.0;
+        let nearer = best.is_none_or(|other| (zero - two.s).abs() < (other - two.s).abs());
+        if inside && nearer {
+            best = Some(zero);
+        }
+    }
+    best
+}
+
+/// The margin that has come nearest to zero. If a phase is vanishing it is that, for at its end other functions vanish with it.
+pub(crate) fn least<const N: usize, K: Copy + PartialEq>(
+    circuit: &Circuit<N, K>,
+) -> Option<&Margin<N, K>> {
+    let nearest = |is_asked: fn(&Margin<N, K>) -> bool| {
+        let asked = circuit.margins.iter().filter(|margin| is_asked(margin));
+        asked.min_by(|a, b| a.relative().total_cmp(&b.relative()))
+    };
+    let shortest = nearest(|margin| margin.key.site == Site::Duration);
+    shortest
+        .filter(|margin| margin.relative() <= VANISHING)
+        .or_else(|| nearest(|_| true))
+}

@@ -1,0 +1,160 @@
+//! How far the event functions of a periodic orbit are from a change of its phases.
+
+use super::circuit::is_of_contact;
+use crate::filippov::{Flow, Switched, Transition, TransitionKind, UseFlow};
+use crate::ode::Timed;
+use crate::system::{Mode, Side};
+
+/// Where on an orbit a change of its phases may begin.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Site {
+    /// A guard is smallest within a phase.
+    Minimum(usize),
+    /// A slip ends on the boundary, near to where stick begins or no longer does.
+    Landing,
+    /// A phase is short.
+    Duration,
+}
+
+/// What tells a margin from the others of the orbit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Key {
+    pub part: usize,
+    pub site: Site,
+    /// Which of its kind in the part.
+    pub count: usize,
+}
+
+/// The value of an event function that a change of the phases would make zero.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Margin<const N: usize, K> {
+    pub key: Key,
+    pub value: f64,
+    /// Size that such values have on this orbit.
+    pub scale: f64,
+    /// Mode before.
+    pub incoming: K,
+    pub contact: usize,
+    pub at: Timed<N>,
+    pub is_contact_function: bool,
+}
+
+impl<const N: usize, K> Margin<N, K> {
+    /// Part of its scale.
+    pub fn relative(&self) -> f64 {
+        self.value.abs() / self.scale
+    }
+}
+
+/// First and second derivative in time of a contact's distance from the boundary (positive on the side in question) along the fields of both
+/// sides.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Rates {
+    /// Of the side that the orbit comes from.
+    pub own: [f64; 2],
+    /// Of the other side.
+    pub other: [f64; 2],
+}
+
+impl Rates {
+    pub fn none() -> Self {
+        let none = [f64::NAN; 2];
+        Rates {
+            own: none,
+            other: none,
+        }
+    }
+
+    /// At a point of the boundary that a slip on `side` comes to.
+    pub fn at<S: Switched<N, G>, const N: usize, const G: usize>(
+        system: &S,
+        mode: S::Mode,
+        contact: usize,
+        side: Side,
+        at: &Timed<N>,
+    ) -> Self {
+        let of = |side| {
+            let mode = S::with_mode_of(mode, contact, Mode::Slip(side));
+            let [_, first, second, _] =
+                system.with_flow(mode, S::Branch::default(), Jet(contact, *at));
+            [first, second]
+        };
+        Rates {
+            own: of(side),
+            other: of(side.opposite()),
+        }
+    }
+}
+
+/// Value and derivatives in time of a guard.
+struct Jet<const N: usize>(usize, Timed<N>);
+
+impl<const N: usize> UseFlow<N> for Jet<N> {
+    type Output = [f64; 4];
+
+    fn with<F: Flow<N>>(self, flow: &F) -> [f64; 4] {
+        flow.jet(self.0, self.1.t, &self.1.x)
+    }
+}
+
+/// The smallest of a contact's guards of stick at a point: positive where it would stick.
+struct Hold<'a, S, const N: usize, const G: usize> {
+    system: &'a S,
+    contact: usize,
+    at: Timed<N>,
+}
+
+impl<S: Switched<N, G>, const N: usize, const G: usize> UseFlow<N> for Hold<'_, S, N, G> {
+    type Output = f64;
+
+    fn with<F: Flow<N>>(self, flow: &F) -> f64 {
+        let of_contact =
+            |i: &usize| S::contact_of(*i) == self.contact && !is_contact_function(self.system, *i);
+        let guards = F::GUARDS.iter().copied().filter(of_contact);
+        let values = guards.map(|i| flow.guard_at(i, self.at.t, &self.at.x));
+        values.fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// Whether a guard is the contact function, at which the mode goes on.
+pub(super) fn is_contact_function<S: Switched<N, G>, const N: usize, const G: usize>(
+    system: &S,
+    guard: usize,
+) -> bool {
+    system.passed(guard, &mut S::Branch::default()).is_some()
+}
+
+/// Where a slip ends on the boundary.
+pub(super) fn landing<S: Switched<N, G>, const N: usize, const G: usize>(
+    system: &S,
+    part: usize,
+    at: &Transition<N, S::Mode>,
+) -> Option<Margin<N, S::Mode>> {
+    let (Mode::Slip(side), TransitionKind::Crossing | TransitionKind::StickEntry) =
+        (S::mode_of(at.from, at.contact), at.kind)
+    else {
+        return None;
+    };
+    let here = Timed { t: at.t, x: at.x };
+    let stuck = S::with_mode_of(at.from, at.contact, Mode::Stick);
+    let hold = Hold::<S, N, G> {
+        system,
+        contact: at.contact,
+        at: here,
+    };
+    let value = system.with_flow(stuck, S::Branch::default(), hold);
+    let rates = Rates::at(system, at.from, at.contact, side, &here);
+    Some(Margin {
+        key: Key {
+            part,
+            site: Site::Landing,
+            count: 0,
+        },
+        value,
+        scale: rates.own[0].abs() + rates.other[0].abs(),
+        incoming: at.from,
+        contact: at.contact,
+        at: here,
+        is_contact_function: is_of_contact(at.kind),
+    })
+}

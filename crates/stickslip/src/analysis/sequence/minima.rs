@@ -1,0 +1,115 @@
+//! The smallest values of the guards within the phases of a periodic orbit.
+
+use super::margin::{Key, Margin, Site, is_contact_function};
+use crate::filippov::{Flow, StepRecord, Switched, Transition, UseFlow};
+use crate::ode::Timed;
+use crate::orbit::Orbit;
+
+/// Samples of a step by which the minima of its guards are sought.
+const SAMPLES: usize = 8;
+
+/// The smallest values of all guards within the phases.
+pub(super) fn minima<S: Switched<N, G>, const N: usize, const G: usize>(
+    system: &S,
+    orbit: &Orbit<N, S::Mode>,
+    turns: &[Transition<N, S::Mode>],
+) -> Vec<Margin<N, S::Mode>> {
+    let mut found: Vec<Margin<N, S::Mode>> = Vec::new();
+    let last = turns.len().saturating_sub(1);
+    for step in &orbit.steps {
+        // Before the first transition it is the last part that goes on.
+        let passed = turns.iter().filter(|at| at.t <= step.t_start).count();
+        let part = passed.checked_sub(1).unwrap_or(last);
+        let begins = turns.iter().any(|at| at.t == step.t_start);
+        let middle = step.dense.at_time(0.5 * (step.t_start + step.t_end));
+        let branch = system.branch(&Timed {
+            t: 0.5 * (step.t_start + step.t_end),
+            x: middle,
+        });
+        let search = Minima { step, begins };
+        for (guard, at, value, scale) in system.with_flow(step.mode, branch, search) {
+            let site = Site::Minimum(guard);
+            let same =
+                |margin: &&Margin<N, S::Mode>| margin.key.part == part && margin.key.site == site;
+            let count = found.iter().filter(same).count();
+            let contact = S::contact_of(guard);
+            let of_contact = is_contact_function(system, guard);
+            found.push(Margin {
+                key: Key { part, site, count },
+                value,
+                scale,
+                incoming: step.mode,
+                contact,
+                at,
+                is_contact_function: of_contact,
+            });
+        }
+    }
+    found
+}
+
+/// The minima of the guards of a step's mode within it.
+struct Minima<'a, K, const N: usize> {
+    step: &'a StepRecord<N, K>,
+    /// Whether a phase begins with the step: a guard may leave zero there without a rate.
+    begins: bool,
+}
+
+impl<K, const N: usize> UseFlow<N> for Minima<'_, K, N> {
+    /// Guard, place, value, and the largest size that it has in the step.
+    type Output = Vec<(usize, Timed<N>, f64, f64)>;
+
+    fn with<F: Flow<N>>(self, flow: &F) -> Self::Output {
+        let step = self.step;
+        let length = step.t_end - step.t_start;
+        let place = |s: f64| {
+            let t = step.t_start + s * length;
+            let x = step.dense.at_time(t);
+            Timed { t, x }
+        };
+        let mut found = Vec::new();
+        for &guard in F::GUARDS {
+            let jet = |s: f64| {
+                let Timed { t, x } = place(s);
+                flow.jet(guard, t, &x)
+            };
+            let first = usize::from(self.begins);
+            let samples: Vec<_> = (first..=SAMPLES)
+                .map(|k| {
+                    let s = k as f64 / SAMPLES as f64;
+                    (s, jet(s))
+                })
+                .collect();
+            let sizes = samples.iter().map(|(_, jet)| jet[0].abs());
+            let scale = sizes.fold(f64::MIN_POSITIVE, f64::max);
+            for pair in samples.windows(2) {
+                let ((mut a, before), (mut b, behind)) = (pair[0], pair[1]);
+                if !(before[1] < 0.0 && behind[1] >= 0.0) {
+                    continue;
+                }
+                let mut s = 0.5 * (a + b);
+                // Newton's iteration on the rate, held between the samples by bisection.
+                for _ in 0..60 {
+                    let [_, rate, second, _] = jet(s);
+                    if rate < 0.0 {
+                        a = s;
+                    } else {
+                        b = s;
+                    }
+                    let newton = s - rate / (second * length);
+                    let next = if newton > a && newton < b {
+                        newton
+                    } else {
+                        0.5 * (a + b)
+                    };
+                    if (next - s).abs() <= f64::EPSILON {
+                        break;
+                    }
+                    s = next;
+                }
+                found.push((guard, place(s), jet(s)[0], scale));
+            }
+        }
+        found
+    }
+}

@@ -1,0 +1,78 @@
+//! Changes of the phases of a periodic orbit: where in a parameter, and at which event function.
+
+pub(super) mod circuit;
+pub(super) mod locate;
+mod margin;
+mod minima;
+mod name;
+
+use crate::filippov::{Options, Switched};
+use crate::ode::Timed;
+use crate::system::{Mode, State};
+use locate::{Known, least};
+pub use name::SequenceBifurcation;
+
+/// A change of the phases of a periodic orbit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SequenceChange<const N: usize, K = Mode> {
+    /// The parameter.
+    pub parameter: f64,
+    /// Between it and the nearest parameter that was seen with other phases, or without such an orbit.
+    pub uncertainty: f64,
+    /// What it is called.
+    pub bifurcation: SequenceBifurcation,
+    /// Where on the orbit, on the boundary to rounding.
+    pub x: State<N>,
+    /// The event function there on the last orbit before the change, in units of the size that it has on this orbit.
+    pub residual: f64,
+    /// First and second derivative in time of the contact's distance from the boundary there, along the field that the orbit comes by; not
+    /// numbers where it comes by stick. At a graze the first is zero.
+    pub own: [f64; 2],
+    /// The same, positive on the other side, along that side's field. At a crossing- or switching-sliding the first is zero, and the sign of
+    /// the second tells them apart.
+    pub other: [f64; 2],
+    /// Period of the orbit.
+    pub period: f64,
+    /// The modes before it, coming from where the branch was followed.
+    pub before: Vec<K>,
+    /// The modes of the orbit that was found next to it: the one that it becomes there, or, where the branch turns back, the one that it
+    /// meets; none where none was found.
+    pub after: Vec<K>,
+}
+
+/// Describes the change behind the last orbit of `good`.
+pub(super) fn describe<S, B, const N: usize, const G: usize>(
+    system: &S,
+    good: &Known<B, N, S::Mode>,
+    after: Vec<S::Mode>,
+    (parameter, uncertainty): (f64, f64),
+) -> Option<SequenceChange<N, S::Mode>>
+where
+    S: Switched<N, G>,
+{
+    let margin = least(&good.circuit)?;
+    let (bifurcation, rates) = name::name(system, margin);
+    Some(SequenceChange {
+        parameter,
+        uncertainty,
+        bifurcation,
+        x: margin.at.x,
+        residual: margin.relative(),
+        own: rates.own,
+        other: rates.other,
+        period: good.circuit.period,
+        before: good.circuit.modes(),
+        after,
+    })
+}
+
+/// The circuit of a periodic orbit through `start`, begun in the middle of its longest slip.
+pub(super) fn circuit_from<S: Switched<N, G>, const N: usize, const G: usize>(
+    system: &S,
+    start: &Timed<N>,
+    period: f64,
+    options: &Options,
+) -> Option<circuit::Circuit<N, S::Mode>> {
+    let anchor = circuit::anchor(system, start, period, options).ok()?;
+    circuit::Circuit::follow(system, &anchor, period, options).ok()
+}

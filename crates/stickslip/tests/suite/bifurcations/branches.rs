@@ -1,0 +1,201 @@
+//! Branches of periodic orbits through folds and changes of their phases.
+
+use std::f64::consts::{LN_10, PI};
+
+use stickslip::analysis::{
+    Branch, ContinuationSettings, SequenceBifurcation, Special, Stop, continue_periodic_orbit,
+};
+use stickslip::{Error, Mode, Options, Side, State, math};
+
+use super::sweeps::touching;
+use super::systems::{DrivenFamily, Twisted};
+use crate::any_system::Listed;
+use crate::attractors::systems::Rings;
+
+const BELOW: Mode = Mode::Slip(Side::Below);
+
+fn branch<S: Listed<3>>(
+    system: &S,
+    x: [f64; 3],
+    (period, upwards): (f64, bool),
+    settings: &ContinuationSettings,
+) -> Branch<3> {
+    let options = Options::tol(1e-13);
+    continue_periodic_orbit(&system.any(), x, period, upwards, settings, &options).unwrap()
+}
+
+#[test]
+fn a_fold_of_cycles_and_the_focus_that_the_inner_one_shrinks_to() {
+    // Met by no boundary, and crossing one that means nothing.
+    for place in [50.0, 0.3] {
+        let settings = ContinuationSettings::over(-1.5, 0.5);
+        let start = [(1.0 + 0.5_f64.sqrt()).sqrt(), 0.0, -0.5];
+        let found = branch(&Rings { place }, start, (2.0 * PI, false), &settings);
+        let (fold, others) = found.special.split_first().expect("a fold");
+        assert_eq!(fold.what, Special::Fold);
+        assert!((fold.parameter + 1.0).abs() < 1e-9, "{}", fold.parameter);
+        assert!((fold.x.xy().norm() - 1.0).abs() < 1e-6);
+        // The boundary is left where r = 0.3, and met by nothing from there on.
+        let exact = -(2.0 * 0.09 - 0.09 * 0.09);
+        match others {
+            [] => assert_eq!(place, 50.0),
+            [left] => {
+                assert!((left.parameter - exact).abs() < 1e-9, "{}", left.parameter);
+                let Special::Sequence(change) = &left.what else {
+                    panic!("{left:?}");
+                };
+                assert_eq!(change.bifurcation, SequenceBifurcation::Grazing);
+                assert_eq!((change.after.as_slice(), place), (&[BELOW][..], 0.3));
+            }
+            more => panic!("{more:?}"),
+        }
+        for (k, point) in found.points.iter().enumerate() {
+            let square = point.x.xy().norm_squared();
+            let root = (1.0 + point.parameter).max(0.0).sqrt();
+            let exact = if k < fold.behind {
+                1.0 + root
+            } else {
+                1.0 - root
+            };
+            assert!((square - exact).abs() < 1e-6, "{k}: {square} {exact}");
+            assert_eq!(point.is_stable(), k < fold.behind, "{k}");
+            // d(r g)/dr over a turn.
+            let rate = 4.0 * square - 4.0 * square * square;
+            let multiplier = math::exp(2.0 * PI * rate);
+            assert!((point.multipliers[0].re - multiplier).abs() < 1e-7 * multiplier.max(1.0));
+        }
+        let Stop::Equilibrium {
+            parameter,
+            frequency,
+        } = found.stop
+        else {
+            panic!("{:?}", found.stop);
+        };
+        assert!(
+            parameter.abs() < 1e-9 && (frequency - 1.0).abs() < 1e-9,
+            "{parameter}"
+        );
+        assert!(found.points.len() < 300, "{}", found.points.len());
+    }
+}
+
+#[test]
+fn a_branch_that_leaves_its_range_ends_there() {
+    let settings = ContinuationSettings::over(-0.7, 0.3);
+    let start = [1.3, 0.0, -0.5];
+    for (upwards, end) in [(true, 0.3), (false, -0.7)] {
+        let found = branch(&Rings { place: 50.0 }, start, (6.3, upwards), &settings);
+        assert_eq!((found.stop, found.special.len()), (Stop::Range, 0));
+        assert!((found.points.last().unwrap().parameter - end).abs() < 1e-12);
+    }
+    let few = ContinuationSettings {
+        most_points: 5,
+        ..settings
+    };
+    let found = branch(&Rings { place: 50.0 }, start, (6.3, true), &few);
+    assert_eq!((found.stop, found.points.len()), (Stop::Points, 5));
+}
+
+#[test]
+fn the_branch_of_stick_and_slip_turns_back_where_it_grazes_and_ends_in_the_focus() {
+    let settings = ContinuationSettings::over(1.0, 2.0);
+    let start = [-1.0, -1.2, 1.5];
+    let found = branch(&DrivenFamily, start, (6.32, true), &settings);
+    let [graze] = found.special.as_slice() else {
+        panic!("{:?} {:?}", found.special, found.stop);
+    };
+    let Special::Sequence(change) = &graze.what else {
+        panic!("{graze:?}");
+    };
+    assert_eq!(change.bifurcation, SequenceBifurcation::GrazingSliding);
+    assert!(
+        (graze.parameter - touching()).abs() < 1e-9,
+        "{} {}",
+        graze.parameter,
+        touching()
+    );
+    // With stick it is stable and forgets all; without, it is not.
+    let (with_stick, slipping) = found.points.split_at(graze.behind);
+    assert!(
+        with_stick
+            .iter()
+            .all(|point| point.is_stable() && point.sequence.len() == 2)
+    );
+    assert!(
+        slipping
+            .iter()
+            .all(|point| !point.is_stable() && point.sequence == [BELOW])
+    );
+    assert!(with_stick.len() > 10 && slipping.len() > 10);
+    let Stop::Equilibrium {
+        parameter,
+        frequency,
+    } = found.stop
+    else {
+        panic!("{:?}", found.stop);
+    };
+    // The friction's fall takes all the damping away: 0.1 = e^(-2 vd).
+    assert!((parameter - 0.5 * LN_10).abs() < 1e-9, "{parameter}");
+    assert!((frequency - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn a_flip_and_a_torus_are_located_and_named() {
+    let settings = ContinuationSettings::over(-0.35, 0.25).forced(2.0 * PI);
+    for half_turn in [true, false] {
+        let start = [1.0, 0.0, -0.3];
+        let found = branch(&Twisted { half_turn }, start, (2.0 * PI, true), &settings);
+        let [special] = found.special.as_slice() else {
+            panic!("{:?}", found.special);
+        };
+        assert!(special.parameter.abs() < 1e-9, "{}", special.parameter);
+        match special.what {
+            Special::Flip => assert!(half_turn),
+            Special::NeimarkSacker { angle } => {
+                assert!(!half_turn && (angle - 0.6 * PI).abs() < 1e-8, "{angle}");
+            }
+            ref other => panic!("{other:?}"),
+        }
+        assert_eq!(found.stop, Stop::Range);
+        for point in &found.points {
+            assert_eq!(point.is_stable(), point.parameter < 0.0);
+            let on_circle = State::from([math::cos(point.t), math::sin(point.t)]);
+            assert!((point.x.xy() - on_circle).amax() < 1e-9);
+        }
+    }
+}
+
+#[test]
+fn what_cannot_be_followed_is_an_error_that_says_why() {
+    let options = Options::default();
+    let settings = ContinuationSettings::over(-1.0, 0.0);
+    let rings = Rings { place: 50.0 };
+    let begin = |x: [f64; 3], period, settings: &ContinuationSettings| {
+        continue_periodic_orbit(&rings.any(), x, period, true, settings, &options).unwrap_err()
+    };
+    // From the focus there is no cycle.
+    let error = begin([1e-9, 0.0, -0.5], 6.3, &settings);
+    assert!(matches!(error, Error::NotFound { .. }), "{error}");
+    let error = begin([1.3, 0.0, -0.5], 6.3, &ContinuationSettings::over(1.0, 1.0));
+    assert!(
+        matches!(error, Error::Option { name: "range", .. }),
+        "{error}"
+    );
+    let error = begin([1.3, 0.0, -0.5], 6.3, &settings.forced(-1.0));
+    assert!(
+        matches!(error, Error::Option { name: "forced", .. }),
+        "{error}"
+    );
+    // The last state is a state.
+    let lorenz = crate::lyapunov_equations::Smooth(crate::lyapunov_equations::Lorenz);
+    let error = continue_periodic_orbit(
+        &lorenz.any(),
+        [1.0, 1.0, 20.0],
+        1.0,
+        true,
+        &settings,
+        &options,
+    );
+    let error = error.unwrap_err();
+    assert!(matches!(error, Error::Parameter { .. }), "{error}");
+}

@@ -1,0 +1,263 @@
+//! Sweeps up and down, and where the phases change between two values.
+
+use std::f64::consts::{LN_10, PI};
+
+use stickslip::analysis::{
+    Exponent, Kind, SequenceBifurcation, SequenceChange, SpectrumOptions, Sweep, SweepSettings,
+    WhatChanges, is_same_cycle, sweep,
+};
+use stickslip::{Mode, Options, Side, math, solve};
+
+use super::systems::{Beat, Rhythm};
+use crate::any_system::Listed;
+use crate::attractors::systems::Driven;
+use crate::solver::systems::DenHartog;
+
+const ABOVE: Mode = Mode::Slip(Side::Above);
+const BELOW: Mode = Mode::Slip(Side::Below);
+
+/// A system for as long as the tests run: those of the list are lent.
+fn kept<S>(system: S) -> &'static S {
+    Box::leak(Box::new(system))
+}
+
+/// The only change in a sweep, which is one of phases.
+fn only<const N: usize>(found: &Sweep<N>) -> &SequenceChange<N> {
+    let [change] = found.changes.as_slice() else {
+        panic!("{:?}", found.changes);
+    };
+    match &change.what {
+        WhatChanges::Sequence(change) => change,
+        other => panic!("{other:?}"),
+    }
+}
+
+/// Values from one to the other.
+fn values(from: f64, to: f64, steps: u32) -> impl Iterator<Item = f64> {
+    (0..=steps).map(move |k| from + (to - from) * f64::from(k) / f64::from(steps))
+}
+
+/// The change between two values, met on the way up and on the way down.
+fn both_ways(rhythm: Rhythm, from: f64, to: f64) -> [SequenceChange<1>; 2] {
+    [(from, to), (to, from)].map(|(from, to)| {
+        let settings = SweepSettings::within(400.0).forced(2.0 * PI);
+        let family = |p| kept(Beat { rhythm, p }).any();
+        let options = Options::tol(1e-11);
+        let found = sweep(family, values(from, to, 3), [-0.5], &settings, &options).unwrap();
+        only(&found).clone()
+    })
+}
+
+fn check<const N: usize>(change: &SequenceChange<N>, name: SequenceBifurcation, exact: f64) {
+    assert_eq!(change.bifurcation, name, "{change:?}");
+    let error = (change.parameter - exact).abs();
+    assert!(error < 1e-9, "{} for {exact}: {error:e}", change.parameter);
+    assert!(
+        change.uncertainty < 1e-9 && change.residual < 1e-4,
+        "{change:?}"
+    );
+}
+
+#[test]
+fn grazing_sliding_where_the_orbit_touches_the_boundary() {
+    // y = sin t under y = p.
+    let [up, down] = both_ways(Rhythm::Touch, 0.8, 1.2);
+    for change in [&up, &down] {
+        check(change, SequenceBifurcation::GrazingSliding, 1.0);
+        assert!((change.x[0] - 1.0).abs() < 1e-8);
+        // Tangent from below, with the curvature of the sine; from above it is pushed down.
+        assert!(change.own[0].abs() < 1e-4 && (change.own[1] - 1.0).abs() < 1e-3);
+        assert_eq!(change.other[0], -1.0);
+    }
+    assert_eq!(down.before, [BELOW]);
+    assert!(is_same_cycle(&down.after, &[BELOW, Mode::Stick]));
+    assert!(is_same_cycle(&up.before, &[BELOW, Mode::Stick]));
+}
+
+#[test]
+fn adding_sliding_where_the_stick_touches_its_edge() {
+    // The field above pushes down by 1 - p cos t, at least by 1 - p.
+    for change in both_ways(Rhythm::Part, 0.9, 1.1) {
+        check(&change, SequenceBifurcation::AddingSliding, 1.0);
+        let long = [ABOVE, Mode::Stick, BELOW, Mode::Stick];
+        let short = [Mode::Stick, BELOW];
+        let (a, b) = (&change.before, &change.after);
+        assert!(
+            is_same_cycle(a, &long) && is_same_cycle(b, &short)
+                || is_same_cycle(b, &long) && is_same_cycle(a, &short)
+        );
+    }
+}
+
+/// Where `Rhythm::Meet` lands from below: `(t - t₀)/2 - cos t + cos t₀ = 0` from `t₀ = 7π/6` on.
+fn landing() -> f64 {
+    let start = 7.0 * PI / 6.0;
+    let height = |t: f64| 0.5 * (t - start) - math::cos(t) + math::cos(start);
+    let (mut a, mut b) = (2.0 * PI, 7.2);
+    assert!(height(a) < 0.0 && height(b) > 0.0);
+    for _ in 0..80 {
+        let middle = 0.5 * (a + b);
+        if height(middle) < 0.0 {
+            a = middle
+        } else {
+            b = middle
+        }
+    }
+    a
+}
+
+#[test]
+fn crossing_sliding_where_the_field_above_begins_to_lead_away() {
+    // sin(t - p) rises through 7/10.
+    let rises = math::atan(0.7 / 0.51_f64.sqrt());
+    let exact = landing() - rises;
+    for change in both_ways(Rhythm::Meet, exact - 0.11, exact + 0.1) {
+        check(&change, SequenceBifurcation::CrossingSliding, exact);
+        assert!(change.own[0] < -0.1 && change.other[0].abs() < 1e-8);
+        // Away from the boundary at cos(t - p) = √0.51.
+        assert!((change.other[1] - 0.51_f64.sqrt()).abs() < 1e-6);
+    }
+}
+
+#[test]
+fn switching_sliding_where_the_field_above_ceases_to_lead_away() {
+    // sin(t - p) falls through 7/10.
+    let falls = PI - math::atan(0.7 / 0.51_f64.sqrt());
+    let exact = landing() - falls;
+    for change in both_ways(Rhythm::Meet, exact - 0.11, exact + 0.1) {
+        check(&change, SequenceBifurcation::SwitchingSliding, exact);
+        assert!(change.own[0] < -0.1 && change.other[0].abs() < 1e-8);
+        assert!((change.other[1] + 0.51_f64.sqrt()).abs() < 1e-6);
+    }
+}
+
+#[test]
+fn a_contact_grazes_where_its_function_touches_zero() {
+    // p - cos t.
+    for change in both_ways(Rhythm::Lift, 0.8, 1.2) {
+        check(&change, SequenceBifurcation::ContactGrazing, 1.0);
+    }
+}
+
+#[test]
+fn den_hartog_s_orbits_have_stops_from_his_edge_on() {
+    for frequency in [0.6, 0.7, 0.8, 1.25] {
+        // At the stop the friction just holds: A O² = S, with A² = V² - S² U².
+        let v = 1.0 / (1.0 - frequency * frequency);
+        let angle = PI / frequency;
+        let u = math::sin(angle) / (frequency * (1.0 + math::cos(angle)));
+        let edge = v.abs() / (u * u + 1.0 / (frequency * frequency * frequency * frequency)).sqrt();
+        let family = |friction| {
+            kept(DenHartog {
+                frequency,
+                friction,
+            })
+            .any()
+        };
+        let settings = SweepSettings::within(2e3).forced(2.0 * PI / frequency);
+        let options = Options::tol(1e-10);
+        let values = [edge - 0.02, edge + 0.03];
+        let found = sweep(family, values, [1.0, 0.0], &settings, &options).unwrap();
+        let change = only(&found);
+        check(change, SequenceBifurcation::CrossingSliding, edge);
+        assert!(is_same_cycle(&change.before, &[ABOVE, BELOW]));
+        assert!((change.x[0].abs() - edge / (frequency * frequency)).abs() < 1e-8);
+    }
+}
+
+#[test]
+fn the_ends_of_bistability_are_found_by_sweeps_up_and_down() {
+    // At half a logarithm of ten the friction's fall takes all the damping away: 0.1 = e^(-2 vd).
+    let focus = 0.5 * LN_10;
+    let family = |vd| kept(Driven { vd }).any();
+    let settings = SweepSettings::within(3e4);
+    let options = Options::tol(1e-10);
+    let down = sweep(
+        family,
+        values(1.3, 1.0, 6),
+        [0.55, 0.0],
+        &settings,
+        &options,
+    )
+    .unwrap();
+    let [change] = down.changes.as_slice() else {
+        panic!("{:?}", down.changes);
+    };
+    let WhatChanges::Equilibrium {
+        parameter,
+        x,
+        frequency,
+    } = &change.what
+    else {
+        panic!("{change:?}");
+    };
+    assert!((parameter - focus).abs() < 1e-12, "{parameter}");
+    assert!((frequency - 1.0).abs() < 1e-12 && (x[0] - 0.55).abs() < 1e-12);
+    // Up from there the block goes on sticking and slipping, to where the cycle only touches the belt's speed.
+    let up = sweep(
+        family,
+        values(1.0, 2.0, 50),
+        [0.0, 0.0],
+        &settings,
+        &options,
+    )
+    .unwrap();
+    let touch = only(&up);
+    check(touch, SequenceBifurcation::GrazingSliding, touching());
+    assert!(is_same_cycle(&touch.before, &[Mode::Stick, BELOW]));
+    assert_eq!(touch.after, [BELOW], "the unstable cycle of slip alone");
+    // Between the two it depends on where one comes from.
+    let at = |found: &Sweep<2>, vd: f64| {
+        let point = found
+            .points
+            .iter()
+            .find(|point| (point.parameter - vd).abs() < 1e-9);
+        point.expect("was swept").reached.kind.clone()
+    };
+    assert_eq!(at(&down, 1.2), Kind::Equilibrium);
+    assert!(matches!(at(&up, 1.2), Kind::Periodic { returns: 2, .. }));
+    assert_eq!(at(&up, 2.0), Kind::Equilibrium);
+}
+
+/// The belt's speed at which the orbit that leaves the belt at the tangent point comes back to it, by a turn that meets the belt before and not after.
+pub fn touching() -> f64 {
+    let meets = |vd: f64| {
+        let tangent = [1.0 - 0.1 * vd, vd];
+        let system = Driven { vd };
+        let orbit = solve(&system.any(), 0.0, tangent, 9.0, &Options::tol(1e-14)).unwrap();
+        orbit.transitions.iter().any(|at| at.t > 3.0)
+    };
+    let (mut a, mut b) = (1.7, 2.0);
+    assert!(meets(a) && !meets(b));
+    for _ in 0..50 {
+        let middle = 0.5 * (a + b);
+        if meets(middle) {
+            a = middle
+        } else {
+            b = middle
+        }
+    }
+    a
+}
+
+#[test]
+fn exponents_are_measured_where_they_are_asked_for_and_nothing_is_located_where_not() {
+    let family = |vd| kept(Driven { vd }).any();
+    let mut settings = SweepSettings::within(3e4);
+    settings.spectrum = Some(SpectrumOptions::over(50.0, 500.0));
+    settings.locating = None;
+    let found = sweep(
+        family,
+        [1.5, 1.9],
+        [0.0, 1.5],
+        &settings,
+        &Options::tol(1e-9),
+    )
+    .unwrap();
+    assert_eq!(found.changes, []);
+    let [cycle, rest] = [0, 1].map(|k| found.points[k].exponent);
+    assert!(matches!(cycle, Some(Exponent::Finite { value, .. }) if value.abs() < 1e-2));
+    // Half of the damping that is left: (0.1 - e^(-2 vd))/2.
+    let exact = -0.5 * (0.1 - math::exp(-3.8));
+    assert!((rest.unwrap().value() - exact).abs() < 1e-3);
+}
