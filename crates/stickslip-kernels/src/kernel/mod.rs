@@ -12,7 +12,7 @@ mod system;
 pub use erased::{
     Ended, Modes, Passage, Periodic, PhaseView, SpectrumFound, StepView, TransitionView, Watcher,
 };
-pub use reached::{Motion, Outcome, PhaseThere};
+pub use reached::{Motion, Outcome, PhaseThere, TransitionThere};
 pub use system::{ManyContacts, OneContact, Section};
 
 use stickslip::analysis::{RecurrenceSettings, SpectrumOptions};
