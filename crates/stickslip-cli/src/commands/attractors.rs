@@ -29,6 +29,15 @@ pub(super) fn cycle(outcome: &Outcome) -> String {
     all.min().unwrap_or_default()
 }
 
+/// The kind of motion, of a periodic orbit with the cycle of its phases.
+pub(super) fn class(outcome: &Outcome) -> String {
+    let word = outcome.motion.word();
+    match outcome.motion {
+        Motion::Periodic { .. } => format!("{word}, {}", cycle(outcome)),
+        _ => word.to_owned(),
+    }
+}
+
 /// Motion, period, returns, phases, and part of the time in stick; empty where there is none.
 pub(super) fn fields(outcome: &Outcome) -> [String; 5] {
     let (period, returns) = match outcome.motion {

@@ -45,8 +45,8 @@ fn up_and_down_show_the_hysteresis() {
     let table = text(top.path().join("d/bifurcation.csv"));
     let cycles = values(&table, "up", "periodic");
     assert_eq!(cycles[0], 1.0);
-    let last = *cycles.last().unwrap();
-    assert!((1.775..1.85).contains(&last), "{last}");
+    let last_cycle = *cycles.last().unwrap();
+    assert!((1.775..1.85).contains(&last_cycle), "{last_cycle}");
     let rests = values(&table, "down", "equilibrium");
     assert_eq!(rests[0], 2.0);
     let born = 0.5 * stickslip::math::ln(10.0);
@@ -55,6 +55,21 @@ fn up_and_down_show_the_hysteresis() {
     // Every value is in one of them, or is where the equilibrium attracts too weakly to tell.
     let undecided = values(&table, "down", "undecided");
     assert!(undecided.iter().all(|value| (value - born).abs() < 0.025));
+
+    // Both ends of the interval of two attractors, between the values of the sweep.
+    let changes = text(top.path().join("d/changes.csv"));
+    let change = |way: &str, what: &str| {
+        let mut rows = csv::Reader::from_reader(changes.as_bytes());
+        let mut rows = rows.records().map(Result::unwrap);
+        let row = rows.find(|row| &row[0] == way && &row[4] == what).unwrap();
+        let number = |k: usize| row[k].parse::<f64>().unwrap_or(f64::NAN);
+        (number(1), number(5), row[6].to_owned())
+    };
+    let (lower, ..) = change("down", "Hopf bifurcation of the equilibrium");
+    assert!((lower - born).abs() < 1e-12, "{lower}");
+    let (upper, uncertainty, before) = change("up", "grazing-sliding");
+    assert!(uncertainty < 1e-10 && before == "S -", "{uncertainty}");
+    assert!((last_cycle..last_cycle + 0.025).contains(&upper), "{upper}");
 
     let sticks = text(top.path().join("d/sticks.csv"));
     let mut rows = csv::Reader::from_reader(sticks.as_bytes());
@@ -96,7 +111,12 @@ fn ways_computed_apart_are_merged_to_what_one_run_gives() {
         .args(["merge", "--out", "merged", "a", "b"])
         .assert()
         .success();
-    for name in ["bifurcation.csv", "sticks.csv", "bifurcation.svg"] {
+    for name in [
+        "bifurcation.csv",
+        "sticks.csv",
+        "changes.csv",
+        "bifurcation.svg",
+    ] {
         let of = |folder: &str| text(top.path().join(folder).join(name));
         assert!(of("merged") == of("single"), "{name}");
     }

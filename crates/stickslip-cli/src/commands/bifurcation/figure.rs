@@ -46,7 +46,7 @@ pub(super) fn diagram(
     let title = format!("{}: bifurcation diagram", system.file.name);
     let description = format!(
         "Attractors of {} over {} from {} to {}, followed up and down: {} at the points of the section, durations of stick, and the largest \
-         Lyapunov exponent.",
+         Lyapunov exponent; lines where changes were located.",
         system.file.name, range.name, range.low, range.high, first.name
     );
     let height = 90.0 + 170.0 * rows.len() as f64;
@@ -69,6 +69,9 @@ pub(super) fn diagram(
         let mut panel = Panel::new(x, figures::axis(&label, values));
         if label.contains('λ') {
             panel.add(Guide::horizontal(0.0));
+        }
+        for value in found.located() {
+            panel.add(Guide::vertical(value));
         }
         // Up is an open square around the point of down, so that both are seen where they agree.
         let up = Markers::new(of(&found.up).iter().copied());

@@ -6,14 +6,14 @@ use std::path::{Path, PathBuf};
 
 use serde_json::json;
 use stickslip::Mode;
-use stickslip_kernels::kernel::Motion;
+use stickslip_kernels::kernel::{Change, Modes, Motion};
 
 use super::super::arguments::OutputArguments;
 use super::super::exponent::Largest;
 use super::super::{Failure, attractors, tables};
 use super::figure;
-use super::request::{At, Bifurcation, Part};
-use crate::output::OutputError;
+use super::request::{At, Between, Bifurcation, Part};
+use crate::output::{Artifact, OutputError};
 use crate::sweep::{Store, SweepError, write_whole};
 use crate::system::System;
 use crate::terminal::Said;
@@ -27,6 +27,8 @@ pub(super) struct Way {
     pub(super) sticks: Vec<(f64, f64)>,
     /// Largest exponents.
     pub(super) exponents: Vec<(f64, f64)>,
+    /// What changes on the way, and between which values.
+    pub(super) changes: Vec<Between>,
     /// Values between which the motion stays the same, in the order of the way, and what it is.
     spans: Vec<(f64, f64, String)>,
 }
@@ -66,6 +68,15 @@ impl Found {
         heading.extend(strings(&["std_error"]));
         heading.extend(states.clone());
         let mut ways = (Way::default(), Way::default());
+        store.for_each(|block, content| {
+            let way = if diagram.is_up(block) {
+                &mut ways.0
+            } else {
+                &mut ways.1
+            };
+            way.changes.extend(part(block, content)?.changes);
+            Ok::<_, Failure>(())
+        })?;
         table(
             &found.files[0],
             &heading,
@@ -110,11 +121,64 @@ impl Found {
         let found = super::super::Found {
             summary: self.summary(diagram, system),
             json: self.json(diagram, system),
-            tables: Vec::new(),
+            tables: vec![self.changes_table(diagram, system)?],
             figures: vec![(name, figure::diagram(&self, diagram, system)?)],
             failure: None,
         };
         found.written_besides(self.files, output)
+    }
+
+    /// Where changes were located, on either way.
+    pub(super) fn located(&self) -> impl Iterator<Item = f64> + '_ {
+        let changes = self.up.changes.iter().chain(&self.down.changes);
+        changes.filter_map(|between| located(&between.change))
+    }
+
+    fn changes_table(&self, diagram: &Bifurcation, system: &System) -> Result<Artifact, Failure> {
+        let columns = ["from", "to", "what", "uncertainty", "before", "after"];
+        let mut heading = strings(&["way", diagram.parameter.name.as_str()]);
+        heading.extend(strings(&columns));
+        heading.extend(system.file.states.iter().map(|state| state.name.clone()));
+        let mut rows = Vec::new();
+        for (name, way) in [("up", &self.up), ("down", &self.down)] {
+            for between in &way.changes {
+                let mut row = strings(&[name]);
+                row.push(
+                    located(&between.change)
+                        .map(tables::exact)
+                        .unwrap_or_default(),
+                );
+                row.extend([between.values.0, between.values.1].map(tables::exact));
+                row.push(what(&between.change));
+                let x = match &between.change {
+                    Change::Sequence {
+                        uncertainty,
+                        before,
+                        after,
+                        x,
+                        ..
+                    } => {
+                        row.push(tables::exact(*uncertainty));
+                        row.extend([before, after].map(|modes| phases(modes)));
+                        &x[..]
+                    }
+                    Change::Equilibrium { x, .. } => {
+                        row.extend(vec![String::new(); 3]);
+                        &x[..]
+                    }
+                    Change::Unlocated => {
+                        row.extend(vec![String::new(); 3]);
+                        &[]
+                    }
+                };
+                let states = 0..system.states();
+                row.extend(
+                    states.map(|k| x.get(k).copied().map(tables::exact).unwrap_or_default()),
+                );
+                rows.push(row);
+            }
+        }
+        Ok(Artifact::csv("changes.csv", &heading, rows)?)
     }
 
     fn summary(&self, diagram: &Bifurcation, system: &System) -> String {
@@ -127,6 +191,18 @@ impl Found {
             for (first, last, motion) in &way.spans {
                 // Writing into a text cannot fail.
                 let _ = writeln!(text, "  {name:<4}  {first} to {last}: {motion}");
+            }
+            for Between { values, change } in &way.changes {
+                let _ = match located(change) {
+                    Some(value) => writeln!(text, "  {name:<4}  at {value}: {}", what(change)),
+                    None => writeln!(
+                        text,
+                        "  {name:<4}  between {} and {}: {}",
+                        values.0,
+                        values.1,
+                        what(change)
+                    ),
+                };
             }
         }
         text
@@ -142,8 +218,8 @@ impl Found {
         json!({
             "system": tables::system_json(system),
             "arguments": diagram,
-            "up": spans(&self.up),
-            "down": spans(&self.down),
+            "up": { "motions": spans(&self.up), "changes": self.up.changes },
+            "down": { "motions": spans(&self.down), "changes": self.down.changes },
         })
     }
 }
@@ -161,11 +237,7 @@ impl Way {
         {
             self.exponents.push((value, exponent));
         }
-        let word = at.outcome.motion.word();
-        let motion = match at.outcome.motion {
-            Motion::Periodic { .. } => format!("{word}, {}", attractors::cycle(&at.outcome)),
-            _ => word.to_owned(),
-        };
+        let motion = attractors::class(&at.outcome);
         match self.spans.last_mut() {
             Some(last) if last.2 == motion => last.1 = value,
             _ => self.spans.push((value, value, motion)),
@@ -178,6 +250,34 @@ fn sticks(at: &At) -> impl Iterator<Item = &stickslip_kernels::kernel::PhaseTher
     let is_periodic = matches!(at.outcome.motion, Motion::Periodic { .. });
     let phases = at.outcome.phases.iter().filter(move |_| is_periodic);
     phases.filter(|phase| phase.modes.as_slice().contains(&Mode::Stick))
+}
+
+/// Where a change is.
+fn located(change: &Change) -> Option<f64> {
+    match *change {
+        Change::Sequence { parameter, .. } | Change::Equilibrium { parameter, .. } => {
+            Some(parameter)
+        }
+        Change::Unlocated => None,
+    }
+}
+
+/// What a change is called.
+fn what(change: &Change) -> String {
+    match change {
+        Change::Sequence { name, .. } => name.clone(),
+        Change::Equilibrium { frequency, .. } if *frequency > 0.0 => {
+            "Hopf bifurcation of the equilibrium".to_owned()
+        }
+        Change::Equilibrium { .. } => "zero eigenvalue of the equilibrium".to_owned(),
+        Change::Unlocated => "not located".to_owned(),
+    }
+}
+
+/// Modes as signs.
+fn phases(modes: &[Modes]) -> String {
+    let signs: Vec<String> = modes.iter().map(tables::letters).collect();
+    signs.join(" ")
 }
 
 fn way_name(is_up: bool) -> &'static str {
@@ -216,6 +316,14 @@ fn stick_rows(is_up: bool, at: &At) -> Vec<Vec<String>> {
         row
     };
     sticks(at).map(row).collect()
+}
+
+/// What a block holds.
+fn part(block: usize, content: &[u8]) -> Result<Part, SweepError> {
+    serde_json::from_slice(content).map_err(|error| SweepError::Block {
+        block,
+        source: error.into(),
+    })
 }
 
 /// Writes a table of rows that `each` makes of what was found at each value.

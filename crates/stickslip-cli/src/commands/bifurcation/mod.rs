@@ -15,7 +15,8 @@ pub(super) use request::Bifurcation;
 /// Follow attractors over a parameter, up and down, each from the state reached at the value before
 ///
 /// For each value: the points of the section, the sequence of phases, durations and lengths of stick, and the largest Lyapunov exponent. Where
-/// both ways differ, there is more than one attractor. Writes bifurcation.csv, sticks.csv and bifurcation.svg. Finished blocks are in sweep/: after a kill the
+/// both ways differ, there is more than one attractor. A change of the phases is located and named by the event function that vanishes there. Writes
+/// bifurcation.csv, sticks.csv, changes.csv and bifurcation.svg. Finished blocks are in sweep/: after a kill the
 /// same command goes on from there.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {

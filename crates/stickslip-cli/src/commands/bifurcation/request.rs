@@ -3,11 +3,13 @@
 use std::num::NonZeroUsize;
 
 use serde::{Deserialize, Serialize};
-use stickslip::analysis::RecurrenceSettings;
-use stickslip_kernels::kernel::{Motion, Outcome};
+use stickslip::Options;
+use stickslip::analysis::{RecurrenceSettings, SweepSettings};
+use stickslip_kernels::kernel::{Change, Motion, Outcome};
 
 use super::super::Failure;
 use super::super::arguments::{OutputArguments, SolverArguments, StartArguments};
+use super::super::attractors;
 use super::super::exponent::Largest;
 use super::super::range::ParameterRange;
 use super::super::sweeping::{Sweep, check_duration};
@@ -41,12 +43,32 @@ pub(super) struct At {
     pub(super) largest: Largest,
 }
 
+/// A change between two neighbouring values.
+#[derive(Debug, Serialize, Deserialize)]
+pub(super) struct Between {
+    pub(super) values: (f64, f64),
+    pub(super) change: Change,
+}
+
+/// Where a block ends and the next one goes on.
+#[derive(Debug, Serialize, Deserialize)]
+struct Last {
+    value: f64,
+    /// The motion there, as [`attractors::class`] has it.
+    class: String,
+    /// The state that the orbit there began from.
+    start: Vec<f64>,
+    /// The state that the orbit at the next value begins from.
+    carried: Vec<f64>,
+}
+
 /// What a block holds.
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct Part {
     pub(super) found: Vec<At>,
-    /// The state that the next block begins from.
-    carried: Vec<f64>,
+    /// Changes from each value to the next, the first of them from the last value of the block before.
+    pub(super) changes: Vec<Between>,
+    last: Option<Last>,
 }
 
 impl Bifurcation {
@@ -111,21 +133,34 @@ impl Bifurcation {
         before: Option<&[u8]>,
     ) -> Result<Part, BlockError> {
         let options = self.solver.options()?;
-        let mut carried = match before {
-            Some(before) => Some(serde_json::from_slice::<Part>(before)?.carried),
+        let mut last = match before {
+            Some(before) => serde_json::from_slice::<Part>(before)?.last,
             None => None,
         };
-        let mut found = Vec::new();
+        let (mut found, mut changes) = (Vec::new(), Vec::new());
         for value in self.values_of(block) {
-            let system = self.parameter.system(system, value)?;
-            let settings = self.settings(&system);
-            let start = match carried.take() {
-                Some(carried) => carried,
-                None => self.start.at_zero(&system)?,
+            let here = self.parameter.system(system, value)?;
+            let settings = self.settings(&here);
+            let start = match &last {
+                Some(last) => last.carried.clone(),
+                None => self.start.at_zero(&here)?,
             };
-            let outcome = system.kernel().attractor(&start, &settings, &options)?;
-            carried = Some(carried_on(&outcome, settings.forcing.is_some()).unwrap_or(start));
-            let largest = Largest::on(&system, &outcome, self.duration, &options);
+            let outcome = here.kernel().attractor(&start, &settings, &options)?;
+            let class = attractors::class(&outcome);
+            if let Some(last) = last.filter(|last| last.class != class) {
+                for change in self.changes(system, &last, value, &settings, &options)? {
+                    let values = (last.value, value);
+                    changes.push(Between { values, change });
+                }
+            }
+            last = Some(Last {
+                value,
+                class,
+                carried: carried_on(&outcome, settings.forcing.is_some())
+                    .unwrap_or_else(|| start.clone()),
+                start,
+            });
+            let largest = Largest::on(&here, &outcome, self.duration, &options);
             found.push(At {
                 value,
                 outcome,
@@ -134,8 +169,32 @@ impl Bifurcation {
         }
         Ok(Part {
             found,
-            carried: carried.unwrap_or_default(),
+            changes,
+            last,
         })
+    }
+
+    /// What the attractor becomes between the last value and this one.
+    fn changes(
+        &self,
+        system: &System,
+        last: &Last,
+        value: f64,
+        recurrence: &RecurrenceSettings,
+        options: &Options,
+    ) -> Result<Vec<Change>, Failure> {
+        let settings = SweepSettings {
+            recurrence: *recurrence,
+            ..SweepSettings::within(self.until)
+        };
+        let family = |value| {
+            let there = self.parameter.system(system, value);
+            there.ok().map(|there| there.equations())
+        };
+        let between = (last.value, value);
+        Ok(system
+            .kernel()
+            .changes(&family, between, &last.start, &settings, options)?)
     }
 }
 
