@@ -110,7 +110,7 @@ impl System {
         let built = crate::file::built(&file, &values).map_err(|p| wrong(p, &file.source))?;
         let states = file.states.len();
         let kernel = match equations(&built) {
-            Equations::OneContact(system) => of_one_contact(system, states),
+            Equations::OneContact(system) => of_one_contact(*system, states),
             Equations::ManyContacts(system) => of_many_contacts(system, states),
         };
         let Some(kernel) = kernel else {
@@ -186,12 +186,12 @@ fn equations(built: &Built) -> Equations {
                 },
                 _ => None,
             };
-            Equations::OneContact(OneContact {
+            Equations::OneContact(Box::new(OneContact {
                 field: [below.clone(), above.clone()],
                 holding,
                 boundary: boundaries,
                 normal_force: built.normal_force.clone(),
-            })
+            }))
         }
         _ => Equations::ManyContacts(ManyContacts {
             field: built.fields.slip.clone(),

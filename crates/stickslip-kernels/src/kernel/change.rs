@@ -11,7 +11,7 @@ use super::system::{ManyContacts, OneContact};
 #[derive(Clone, Debug)]
 pub enum Equations {
     /// Of one contact.
-    OneContact(OneContact),
+    OneContact(Box<OneContact>),
     /// Of several.
     ManyContacts(ManyContacts),
 }
@@ -27,7 +27,7 @@ pub(super) trait OfEquations: Clone {
 impl OfEquations for OneContact {
     fn of(equations: Equations) -> Option<Self> {
         match equations {
-            Equations::OneContact(system) => Some(system),
+            Equations::OneContact(system) => Some(*system),
             Equations::ManyContacts(_) => None,
         }
     }
