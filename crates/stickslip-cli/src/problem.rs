@@ -16,7 +16,7 @@ pub struct Problem {
     /// What is said at that place.
     pub label: String,
     /// A second place that has to do with it, and what is said there.
-    pub also: Option<(Range<usize>, String)>,
+    pub also: Option<Box<(Range<usize>, String)>>,
     /// What to do about it.
     pub help: Option<String>,
 }
@@ -46,7 +46,7 @@ impl Problem {
     #[must_use]
     pub fn also(self, place: Range<usize>, label: impl Into<String>) -> Self {
         Problem {
-            also: Some((place, label.into())),
+            also: Some(Box::new((place, label.into()))),
             ..self
         }
     }
@@ -70,7 +70,7 @@ impl Problem {
     pub fn shown(&self, source: &Source) -> String {
         let primary = Label::primary((), self.place.clone()).with_message(&self.label);
         let mut labels = vec![primary];
-        if let Some((place, label)) = &self.also {
+        if let Some((place, label)) = self.also.as_deref() {
             labels.push(Label::secondary((), place.clone()).with_message(label));
         }
         let diagnostic = Diagnostic::error()

@@ -5,7 +5,7 @@ use stickslip::Direction;
 use crate::file::{Built, FileError, SystemFile, did_you_mean};
 use crate::problem::{Problem, Source};
 use stickslip_kernels::kernel::{
-    Kernel, ManyContacts, OneContact, Section, of_many_contacts, of_one_contact,
+    Equations, Kernel, ManyContacts, OneContact, Section, of_many_contacts, of_one_contact,
 };
 
 /// A system ready to run.
@@ -84,16 +84,16 @@ impl SystemFile {
                 let name = name.clone();
                 return Err(SettingError::Twice { name });
             }
-            if let Some((low, high)) = self.parameters[number].range {
-                if !(low..=high).contains(value) {
-                    let (name, value) = (name.clone(), *value);
-                    return Err(SettingError::OutsideRange {
-                        name,
-                        value,
-                        low,
-                        high,
-                    });
-                }
+            if let Some((low, high)) = self.parameters[number].range
+                && !(low..=high).contains(value)
+            {
+                let (name, value) = (name.clone(), *value);
+                return Err(SettingError::OutsideRange {
+                    name,
+                    value,
+                    low,
+                    high,
+                });
             }
             values[number] = *value;
         }
@@ -109,31 +109,9 @@ impl System {
         };
         let built = crate::file::built(&file, &values).map_err(|p| wrong(p, &file.source))?;
         let states = file.states.len();
-        let kernel = match &built.fields.slip[..] {
-            [below, above] => {
-                let holding = match &built.fields.holding[..] {
-                    [_, held] => match &held[..] {
-                        [below, above] => Some([below.clone(), above.clone()]),
-                        _ => None,
-                    },
-                    _ => None,
-                };
-                let system = OneContact {
-                    field: [below.clone(), above.clone()],
-                    holding,
-                    boundary: built.boundaries.clone(),
-                    normal_force: built.normal_force.clone(),
-                };
-                of_one_contact(system, states)
-            }
-            _ => {
-                let system = ManyContacts {
-                    field: built.fields.slip.clone(),
-                    holding: built.fields.holding.clone(),
-                    boundaries: built.boundaries.clone(),
-                };
-                of_many_contacts(system, states)
-            }
+        let kernel = match equations(&built) {
+            Equations::OneContact(system) => of_one_contact(*system, states),
+            Equations::ManyContacts(system) => of_many_contacts(system, states),
         };
         let Some(kernel) = kernel else {
             // The reader lets no file through that has more states or contacts than there are kernels for, save one of
@@ -164,6 +142,11 @@ impl System {
         })
     }
 
+    /// Its equations alone.
+    pub fn equations(&self) -> Equations {
+        equations(&self.built)
+    }
+
     /// The compiled solver for it.
     pub fn kernel(&self) -> &dyn Kernel {
         &*self.kernel
@@ -189,5 +172,31 @@ impl System {
         let mut heights = vec![f64::NAN; self.contacts()];
         self.built.boundaries.evaluate(t, x, &mut heights);
         heights[contact]
+    }
+}
+
+fn equations(built: &Built) -> Equations {
+    let boundaries = built.boundaries.clone();
+    match &built.fields.slip[..] {
+        [below, above] => {
+            let holding = match &built.fields.holding[..] {
+                [_, held] => match &held[..] {
+                    [below, above] => Some([below.clone(), above.clone()]),
+                    _ => None,
+                },
+                _ => None,
+            };
+            Equations::OneContact(Box::new(OneContact {
+                field: [below.clone(), above.clone()],
+                holding,
+                boundary: boundaries,
+                normal_force: built.normal_force.clone(),
+            }))
+        }
+        _ => Equations::ManyContacts(ManyContacts {
+            field: built.fields.slip.clone(),
+            holding: built.fields.holding.clone(),
+            boundaries,
+        }),
     }
 }

@@ -234,10 +234,10 @@ impl Line {
             if rate == 0.0 {
                 continue;
             }
-            if let Some((before, rate_before)) = last {
-                if rate * rate_before < 0.0 {
-                    roots.push(self.root(system, fields, side, (before, s), rate_before));
-                }
+            if let Some((before, rate_before)) = last
+                && rate * rate_before < 0.0
+            {
+                roots.push(self.root(system, fields, side, (before, s), rate_before));
             }
             last = Some((s, rate));
         }

@@ -6,6 +6,7 @@ use stickslip::{AtRepelling, Method, Options};
 
 use super::Failure;
 use crate::file::{SystemFile, did_you_mean, number};
+use crate::output::OutputError;
 use crate::system::System;
 
 /// Which system, with which values.
@@ -131,11 +132,16 @@ enum Repelling {
 #[derive(Clone, Debug, Args, Serialize, Deserialize)]
 pub(super) struct SolverArguments {
     /// Relative and absolute error that a step may make, between 1e-15 and 0.1
-    #[arg(long, value_name = "ERROR", default_value_t = 1e-12)]
+    #[arg(
+        long,
+        value_name = "ERROR",
+        allow_negative_numbers = true,
+        default_value = "1e-12"
+    )]
     tol: f64,
 
     /// Absolute error, where it is to differ from the relative one
-    #[arg(long, value_name = "ERROR")]
+    #[arg(long, value_name = "ERROR", allow_negative_numbers = true)]
     atol: Option<f64>,
 
     /// Method
@@ -143,11 +149,16 @@ pub(super) struct SolverArguments {
     method: MethodName,
 
     /// Longest step; default unbounded
-    #[arg(long, value_name = "TIME")]
+    #[arg(long, value_name = "TIME", allow_negative_numbers = true)]
     longest_step: Option<f64>,
 
     /// Size of a state beyond which the orbit is said to have escaped
-    #[arg(long, value_name = "BOUND", default_value_t = 1e6)]
+    #[arg(
+        long,
+        value_name = "BOUND",
+        allow_negative_numbers = true,
+        default_value = "1e6"
+    )]
     escape: f64,
 
     /// What to do where both fields lead away from the boundary
@@ -193,4 +204,17 @@ pub(super) struct OutputArguments {
     /// Also write the figures as PNG, at twice the nominal size (needs a build with `--features png`)
     #[arg(long)]
     pub(super) png: bool,
+}
+
+impl OutputArguments {
+    /// Refuses what cannot be written before anything is computed for it.
+    ///
+    /// # Errors
+    /// [`OutputError::PngNotBuilt`].
+    pub(super) fn check(&self) -> Result<(), OutputError> {
+        if self.png && !cfg!(feature = "png") {
+            return Err(OutputError::PngNotBuilt);
+        }
+        Ok(())
+    }
 }

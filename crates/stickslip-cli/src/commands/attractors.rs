@@ -6,10 +6,16 @@ use super::tables::{exact, letters, state_json};
 use crate::system::System;
 use stickslip_kernels::kernel::{Motion, Outcome};
 
-/// The phases of a period, or the modes of a rest, as signs.
+/// The phases of a period, or the modes of a rest, as signs; of other motions, whose phases are only the last ones, nothing.
 pub(super) fn sequence(outcome: &Outcome) -> String {
-    let phases: Vec<String> = outcome.sequence().iter().map(letters).collect();
-    phases.join(" ")
+    match outcome.motion {
+        Motion::Periodic { .. } => {
+            let phases: Vec<String> = outcome.sequence().iter().map(letters).collect();
+            phases.join(" ")
+        }
+        Motion::Equilibrium | Motion::EquilibriumSet => letters(&outcome.modes),
+        _ => String::new(),
+    }
 }
 
 /// As [`sequence`], and the same text wherever in a cycle the phases begin.
@@ -21,6 +27,15 @@ pub(super) fn cycle(outcome: &Outcome) -> String {
     };
     let all = (0..phases.len()).map(turned);
     all.min().unwrap_or_default()
+}
+
+/// The kind of motion, of a periodic orbit with the cycle of its phases.
+pub(super) fn class(outcome: &Outcome) -> String {
+    let word = outcome.motion.word();
+    match outcome.motion {
+        Motion::Periodic { .. } => format!("{word}, {}", cycle(outcome)),
+        _ => word.to_owned(),
+    }
 }
 
 /// Motion, period, returns, phases, and part of the time in stick; empty where there is none.
@@ -74,7 +89,7 @@ pub(super) fn json(outcome: &Outcome, system: &System) -> Value {
         "motion": outcome.motion.word(),
         "period": period,
         "returns": returns,
-        "phases": outcome.sequence().iter().map(letters).collect::<Vec<_>>(),
+        "phases": sequence(outcome).split_whitespace().collect::<Vec<_>>(),
         "in_stick": outcome.in_stick,
         "points": points,
     })

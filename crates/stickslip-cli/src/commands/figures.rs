@@ -14,7 +14,10 @@ const COLOURS: [Color; 4] = [BLUE, VERMILLION, GREEN, PURPLE];
 const HISTORY: f64 = 130.0;
 
 /// Height of the strip of a contact's stick intervals, px.
-const STRIP: f64 = 36.0;
+const STRIP: f64 = 24.0;
+
+/// Least height of all strips, px.
+const LEAST: f64 = 36.0;
 
 /// What the axis of time takes under the last strip, px.
 const AXIS: f64 = 44.0;
@@ -153,8 +156,10 @@ pub(super) fn history(system: &System, recording: &Recording) -> Result<String, 
     );
     let time = |label: &str| Axis::new(label, from, to);
     let states = &system.file.states;
-    let (rows, strips) = (states.len() as f64, system.contacts() as f64);
-    let height = HISTORY * rows + STRIP * strips + AXIS + BETWEEN * (rows + strips);
+    // The word beside them wants as much.
+    let strips_height = (STRIP * system.contacts() as f64).max(LEAST);
+    let panels = states.len() as f64;
+    let height = HISTORY * panels + strips_height + AXIS + BETWEEN * (panels + 1.0);
     let title = format!("{}: time history", system.file.name);
     let description = format!(
         "Time history of {} from t = {from} to {to}: {}; under them when each contact sticks.",
@@ -186,19 +191,28 @@ pub(super) fn history(system: &System, recording: &Recording) -> Result<String, 
         );
         figure = figure.row(HISTORY, panel);
     }
-    for (k, (contact, sticks)) in system.file.contacts.iter().zip(&all_sticks).enumerate() {
-        let is_last = k + 1 == system.contacts();
-        let x = if is_last {
-            time(&time_label(system))
-        } else {
-            time("").bare()
-        };
-        let y = Axis::new(&format!("stick: {}", symbol(&contact.name)), 0.0, 1.0).ticks(&[]);
-        let mut strip = Panel::new(x, y);
+    let rows = system.contacts();
+    // The first contact stands at the top.
+    let floor = |contact: usize| (rows - 1 - contact) as f64;
+    let names: Vec<(f64, String)> = system
+        .file
+        .contacts
+        .iter()
+        .enumerate()
+        .map(|(k, contact)| (floor(k) + 0.5, symbol(&contact.name)))
+        .collect();
+    let ticks: Vec<(f64, &str)> = names
+        .iter()
+        .map(|(at, name)| (*at, name.as_str()))
+        .collect();
+    let y = Axis::new("stick", 0.0, rows as f64).ticks(&ticks);
+    let mut strips = Panel::new(time(&time_label(system)), y);
+    for (k, sticks) in all_sticks.iter().enumerate() {
+        let y = (floor(k) + 0.2, floor(k) + 0.8);
         for &(begin, end) in sticks {
-            strip.add(Band::rect((begin, end), (0.15, 0.85)).fill(ORANGE));
+            strips.add(Band::rect((begin, end), y).fill(ORANGE));
         }
-        figure = figure.row(if is_last { STRIP + AXIS } else { STRIP }, strip);
     }
+    figure = figure.row(strips_height + AXIS, strips);
     Ok(figure.render()?)
 }

@@ -23,10 +23,20 @@ pub(super) struct Arguments {
     #[command(flatten)]
     start: StartArguments,
     /// Time before measuring
-    #[arg(long, value_name = "TIME", default_value_t = 200.0)]
+    #[arg(
+        long,
+        value_name = "TIME",
+        allow_negative_numbers = true,
+        default_value_t = 200.0
+    )]
     transient: f64,
     /// Time measured
-    #[arg(long, value_name = "TIME", default_value_t = 2000.0)]
+    #[arg(
+        long,
+        value_name = "TIME",
+        allow_negative_numbers = true,
+        default_value_t = 2000.0
+    )]
     duration: f64,
     #[command(flatten)]
     solver: SolverArguments,
@@ -35,6 +45,7 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
+    arguments.output.check()?;
     let system = arguments.system.system()?;
     let options = arguments.solver.options()?;
     let (t, x) = arguments.start.of(&system)?;

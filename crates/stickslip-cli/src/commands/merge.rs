@@ -3,6 +3,7 @@
 use super::Failure;
 use super::arguments::OutputArguments;
 use super::basin::Basin;
+use super::bifurcation::Bifurcation;
 use super::map::Map;
 use super::sweeping::{Sweep, finish, merged};
 use crate::terminal::Said;
@@ -24,6 +25,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
     let merged = merged(&arguments.output.out, &arguments.shares)?;
     match merged.store.plan().command.as_str() {
         Basin::COMMAND => finish::<Basin>(&merged.store, &arguments.output),
+        Bifurcation::COMMAND => finish::<Bifurcation>(&merged.store, &arguments.output),
         Map::COMMAND => finish::<Map>(&merged.store, &arguments.output),
         other => Err(Failure::Usage(format!(
             "the shares are of `{other}`, which this program does not know; use the one that computed them"

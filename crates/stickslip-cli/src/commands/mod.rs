@@ -3,7 +3,9 @@
 mod arguments;
 mod attractors;
 mod basin;
+mod bifurcation;
 mod check;
+mod exponent;
 mod figures;
 mod lyapunov;
 mod map;
@@ -48,6 +50,7 @@ Wherever a FILE is asked for, the name of a shipped model will do: belt, forced,
 #[derive(Debug, Subcommand)]
 enum Command {
     Basin(basin::Arguments),
+    Bifurcation(bifurcation::Arguments),
     Map(map::Arguments),
     Merge(merge::Arguments),
     New(new::Arguments),
@@ -64,6 +67,7 @@ enum Command {
 pub fn main() -> ExitCode {
     let outcome = match CommandLine::parse().command {
         Command::Basin(arguments) => basin::run(&arguments),
+        Command::Bifurcation(arguments) => bifurcation::run(&arguments),
         Command::Map(arguments) => map::run(&arguments),
         Command::Merge(arguments) => merge::run(&arguments),
         Command::New(arguments) => new::run(&arguments),
@@ -116,6 +120,10 @@ fn told(error: &stickslip::Error) -> String {
             "the friction of contacts {} and {} does not add at t = {t}, x = {x}: what one does depends on the side of the other; \
              in a file each contact's friction must depend on its own side only",
             pair.0, pair.1
+        ),
+        Error::NotConverged { .. } => format!(
+            "{error}, after a longer --transient or by another --start; the motion may also be quasi-periodic or chaotic, which `stickslip \
+             lyapunov` tells"
         ),
         Error::Escaped { .. } => format!("{error} (--escape)"),
         Error::NoUniqueFuture { t, x } => format!(

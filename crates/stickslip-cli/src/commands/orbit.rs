@@ -24,10 +24,20 @@ pub(super) struct Arguments {
     #[command(flatten)]
     start: StartArguments,
     /// How long the run before is; 0 to shoot from the start
-    #[arg(long, value_name = "TIME", default_value_t = 200.0)]
+    #[arg(
+        long,
+        value_name = "TIME",
+        allow_negative_numbers = true,
+        default_value_t = 200.0
+    )]
     transient: f64,
     /// How long the orbit may take to come back
-    #[arg(long, value_name = "TIME", default_value_t = 100.0)]
+    #[arg(
+        long,
+        value_name = "TIME",
+        allow_negative_numbers = true,
+        default_value_t = 100.0
+    )]
     longest: f64,
     /// Periods of the drive in one of the orbit; default the fewest after which the run comes back, 16 at most
     #[arg(long, value_name = "COUNT")]
@@ -41,7 +51,11 @@ pub(super) struct Arguments {
 /// Most periods of the drive that are tried for one of the orbit.
 const MOST_PERIODS: u32 = 16;
 
+/// Part of the state within which it has come back after a part of the period that was found.
+const RETURNED: f64 = 1e-6;
+
 pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
+    arguments.output.check()?;
     let system = arguments.system.system()?;
     let options = arguments.solver.options()?;
     let (t, x) = arguments.start.of(&system)?;
@@ -113,7 +127,30 @@ impl Search<'_> {
             transient: self.transient,
             longest: self.longest,
         };
-        self.system.kernel().periodic(&self.run(t, x, t), shooting)
+        let found = self
+            .system
+            .kernel()
+            .periodic(&self.run(t, x, t), shooting)?;
+        self.shortest(found)
+    }
+
+    /// The same orbit with its shortest period. Where stick has made all returns equal but for rounding, one of the later ones may be the nearest.
+    fn shortest(&self, orbit: Periodic) -> Result<Periodic, Error> {
+        let kernel = self.system.kernel();
+        let size = orbit
+            .x
+            .iter()
+            .fold(f64::MIN_POSITIVE, |size, x| size.max(x.abs()));
+        for parts in (2..=MOST_PERIODS).rev() {
+            let period = orbit.period / f64::from(parts);
+            let part = self.run(orbit.t, &orbit.x, orbit.t + period);
+            let ended = kernel.run(&part, None, &mut ())?;
+            let away = ended.x.iter().zip(&orbit.x).map(|(a, b)| (a - b).abs());
+            if away.fold(0.0, f64::max) <= RETURNED * size {
+                return kernel.periodic(&part, Shooting::Free { period });
+            }
+        }
+        Ok(orbit)
     }
 
     /// Of a driven one: first a whole number of periods as a transient, then as many as it takes to come back.

@@ -97,10 +97,27 @@ impl ParameterRange {
         Ok(Self { name, low, high })
     }
 
+    /// The system with this value of the parameter.
+    pub(super) fn system(&self, system: &System, value: f64) -> Result<System, Failure> {
+        with_values(system, &[(&self.name, value)])
+    }
+
     /// The value at a part of the way.
     pub(super) fn at(&self, part: f64) -> f64 {
         self.low + (self.high - self.low) * part
     }
+}
+
+/// The system with these values of some parameters, by name.
+pub(super) fn with_values(system: &System, values: &[(&str, f64)]) -> Result<System, Failure> {
+    let known = system.file.parameters.iter().zip(&system.values);
+    let all: Vec<(String, f64)> = known
+        .map(|(parameter, &value)| {
+            let given = values.iter().find(|given| given.0 == parameter.name);
+            (parameter.name.clone(), given.map_or(value, |given| given.1))
+        })
+        .collect();
+    Ok(system.file.with(&all)?)
 }
 
 fn check_ends(low: f64, high: f64, option: &str) -> Result<(), Failure> {

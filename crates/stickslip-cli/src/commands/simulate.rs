@@ -31,6 +31,7 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
+    arguments.output.check()?;
     let system = arguments.system.system()?;
     let options = arguments.solver.options()?;
     let (t, x) = arguments.start.of(&system)?;
@@ -139,7 +140,7 @@ fn summary(system: &System, recording: &Recording, ended: Option<&Ended>) -> Str
     let _ = writeln!(text, "  transitions  {transitions}");
     for (number, contact) in system.file.contacts.iter().enumerate() {
         let sticks = recording.sticks_of(number);
-        let total: f64 = sticks.iter().map(|(from, to)| to - from).sum();
+        let total = sticks.iter().fold(0.0, |sum, (from, to)| sum + (to - from));
         let name = if system.contacts() == 1 {
             String::new()
         } else {

@@ -106,6 +106,16 @@ pub(super) fn merged(
     crate::sweep::merge(&folder(out), &shares)
 }
 
+/// Whether exponents can be measured for so long.
+pub(super) fn check_duration(duration: f64) -> Result<(), Failure> {
+    if duration > 0.0 && duration.is_finite() {
+        return Ok(());
+    }
+    Err(Failure::Usage(format!(
+        "--duration {duration}: it must be positive and finite"
+    )))
+}
+
 fn plan<S: Sweep>(wanted: &S, system: &System) -> Result<Plan, Failure> {
     let internal = |error: serde_json::Error| Failure::Usage(error.to_string());
     let value = serde_json::to_value(wanted).map_err(internal)?;

@@ -17,7 +17,8 @@ use crate::terminal::Said;
 
 /// Tangent points and stick zones on the boundary of a contact
 ///
-/// The boundary is looked at along one state, at one time (--t-start); further states keep their values of the start. Tangent points that are nearer to each other than
+/// The boundary is looked at along one state, at one time (--t-start); further states keep their values of the start, and further contacts slip on the side where these
+/// have them. Tangent points that are nearer to each other than
 /// 1/2000 of the range, and double ones, are not found. Writes tangents.csv, zones.csv and tangents.svg.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
@@ -42,6 +43,7 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
+    arguments.output.check()?;
     let system = arguments.system.system()?;
     let start = arguments.start.of(&system)?;
     let line = arguments.line(&system, (start.0, &start.1))?;

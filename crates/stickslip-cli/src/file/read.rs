@@ -91,11 +91,11 @@ fn time(file: &Table<'_>) -> Result<Time, Problem> {
     table.only(&["unit", "start", "end", "period"])?;
     let number = |name: &str| table.get(name).map(Entry::finite).transpose();
     let (start, end) = (number("start")?.unwrap_or(0.0), number("end")?);
-    if let (Some(entry), Some(end)) = (table.get("end"), end) {
-        if end <= start {
-            let message = format!("the end {end} does not lie after the start {start}");
-            return Err(Problem::new(message, entry.place()));
-        }
+    if let (Some(entry), Some(end)) = (table.get("end"), end)
+        && end <= start
+    {
+        let message = format!("the end {end} does not lie after the start {start}");
+        return Err(Problem::new(message, entry.place()));
     }
     Ok(Time {
         unit: text(&table, "unit")?,
@@ -172,14 +172,14 @@ fn parameters(file: &Table<'_>, names: &mut Names) -> Result<Vec<Parameter>, Pro
         parameter.place = given.place();
         // Of numbers alone: parameters are set one by one.
         parameter.value = super::build::value(&given.formula()?)?;
-        if let Some((low, high)) = parameter.range {
-            if !(low..=high).contains(&parameter.value) {
-                let message = format!(
-                    "{} = {} lies outside its range from {low} to {high}",
-                    parameter.name, parameter.value
-                );
-                return Err(Problem::new(message, parameter.place));
-            }
+        if let Some((low, high)) = parameter.range
+            && !(low..=high).contains(&parameter.value)
+        {
+            let message = format!(
+                "{} = {} lies outside its range from {low} to {high}",
+                parameter.name, parameter.value
+            );
+            return Err(Problem::new(message, parameter.place));
         }
         parameters.push(parameter);
     }

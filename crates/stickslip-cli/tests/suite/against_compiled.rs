@@ -1,7 +1,7 @@
 //! Systems from files have the orbits of the same systems compiled.
 
 use stickslip::models::{BeltOscillator, BlockAndBracket, Caption, ForcedOscillator, Reading};
-use stickslip::{Contacts, Filippov, Options, Scalar, Several, Side, State, solve};
+use stickslip::{Contacts, Counters, Filippov, Scalar, Several, Side, State, solve};
 use stickslip_cli::system::System;
 
 use super::recorded::{Event, methods, open, read, run};
@@ -55,7 +55,7 @@ fn the_three_models_of_the_paper() {
         10.0,
     );
     let bracket = BlockAndBracket::from_caption(&Caption::FIG11, &Reading::exact()).unwrap();
-    compare("bracket", &open("bracket"), &bracket, 60.0);
+    compare("bracket", &open("bracket"), &bracket, 130.0);
 }
 
 /// Friction oscillators of one mass, by their law and their drive.
@@ -114,10 +114,7 @@ fn the_three_benchmark_problems() {
             decay: 2.0,
         },
     };
-    let file = open("basins");
-    let mut onto_the_cycle = file;
-    onto_the_cycle.built.start = Some(vec![-2.0, 0.0]);
-    compare("basins", &onto_the_cycle, &basins, 60.0);
+    compare("basins", &open("basins"), &basins, 60.0);
     let den_hartog = Block {
         belt_speed: 0.0,
         damping: 0.0,
@@ -214,11 +211,13 @@ fn one_contact_has_the_same_bits() {
             0.0,
             State::from([start[0], start[1]]),
             20.0,
-            &Options { ..options },
+            &options,
         )
         .unwrap();
         let (ended, _) = run(&file, 20.0, &options);
         assert_eq!(ended.x, orbit.x_end.as_slice());
-        assert_eq!(ended.counters, orbit.counters);
+        // Whoever keeps the whole orbit asks for the solution over every step, which takes calls of the field.
+        let of = |counters: Counters| (counters.steps, counters.rejected, counters.locations);
+        assert_eq!(of(ended.counters), of(orbit.counters));
     }
 }

@@ -6,43 +6,29 @@ use stickslip::{Method, Options, Side, math};
 use stickslip_cli::tangents::{Kind, Line};
 use stickslip_kernels::kernel::{Run, Shooting};
 
-use super::recorded::{open, read};
+use super::recorded::{open, read, run};
 
 fn taylor() -> Options {
     Options::tol(1e-13).method(Method::Taylor)
 }
 
-/// P15: the period of the limit cycle, to the digits that are published.
-#[test]
-fn the_limit_cycle_of_leine() {
-    let system = open("leine");
-    let start = system.built.start.clone().unwrap();
-    let options = taylor();
-    let run = Run {
-        t: 0.0,
-        x: &start,
-        t_end: 0.0,
-        options: &options,
-    };
-    let search = Shooting::Found {
-        transient: 50.0,
-        longest: 50.0,
-    };
-    let orbit = system.kernel().periodic(&run, search).unwrap();
-    assert!(
-        (orbit.period - 12.001031294831).abs() < 1e-11,
-        "{}",
-        orbit.period
-    );
-    // Stick takes all that is not along the orbit.
-    assert!((orbit.multipliers[0].re - 1.0).abs() < 1e-9);
-    assert!(orbit.multipliers[1].norm() < 1e-9);
-}
-
 /// P17: without stops the amplitude is Den Hartog's.
 #[test]
 fn the_amplitudes_of_den_hartog() {
-    for (frequency, friction) in [(0.7, 0.2), (0.8, 0.1), (1.3, 0.1), (0.6, 0.1)] {
+    let known = [
+        (0.6, 0.1),
+        (0.7, 0.2),
+        (0.8, 0.1),
+        (0.8, 0.3),
+        (0.9, 0.3),
+        (1.1, 0.4),
+        (1.2, 0.2),
+        (1.3, 0.1),
+        (1.5, 0.2),
+        (1.7, 0.3),
+        (2.0, 0.1),
+    ];
+    for (frequency, friction) in known {
         let settings = [("O".to_owned(), frequency), ("S".to_owned(), friction)];
         let system = open("den-hartog").file.with(&settings).unwrap();
         let period = 2.0 * std::f64::consts::PI / frequency;
@@ -66,7 +52,7 @@ fn the_amplitudes_of_den_hartog() {
         };
         let ended = system.kernel().run(&wait, None, &mut ()).unwrap();
         (t, x) = (ended.t, ended.x);
-        let run = Run {
+        let near = Run {
             t,
             x: &x,
             t_end: t,
@@ -74,7 +60,7 @@ fn the_amplitudes_of_den_hartog() {
         };
         let orbit = system
             .kernel()
-            .periodic(&run, Shooting::Forced { period })
+            .periodic(&near, Shooting::Forced { period })
             .unwrap();
         let once = Run {
             t: orbit.t,
@@ -184,4 +170,81 @@ fn the_exponents_of_a_sticking_orbit() {
     assert_eq!(spectrum.exponents[1], Exponent::Annihilated);
     assert!(spectrum.stick_entries >= 15);
     assert!((spectrum.stick_fraction - 7.705031769350 / 12.001031294831).abs() < 0.02);
+}
+
+/// Four blocks that do not touch each other do what each does alone: eight states and four contacts are the most there can be.
+#[test]
+fn four_blocks_side_by_side_are_four_blocks() {
+    let mut text = "name = \"four\"\n[states]\n".to_owned();
+    let (mut contacts, mut field, mut start) = (String::new(), String::new(), String::new());
+    for k in 1..=4 {
+        text += &format!("x{k} = \"\"\nv{k} = \"\"\n");
+        contacts += &format!(
+            "[contacts.c{k}]\nboundary = \"v{k} - 0.{k}\"\nfriction = \"1/(1 + 3*c{k}*(v{k} - 0.{k}))\"\n"
+        );
+        field += &format!("x{k} = \"v{k}\"\nv{k} = \"-x{k} - friction(c{k})\"\n");
+        start += &format!("x{k} = 0\nv{k} = 0\n");
+    }
+    text += &format!("{contacts}[field]\n{field}[start]\n{start}");
+    let four = read(&text);
+    let (ended, together) = run(&four, 30.0, &taylor());
+    for k in 1..=4usize {
+        let speed = k as f64 / 10.0;
+        let one = open("leine")
+            .file
+            .with(&[("vd".to_owned(), speed)])
+            .unwrap();
+        let (alone_ended, alone) = run(&one, 30.0, &taylor());
+        let of_this: Vec<_> = together.iter().filter(|event| event.1 == k - 1).collect();
+        assert!(alone.len() >= 4);
+        assert_eq!(of_this.len(), alone.len(), "block {k}");
+        for (one, other) in of_this.iter().zip(&alone) {
+            assert_eq!(one.0, other.0);
+            assert!((one.2 - other.2).abs() < 1e-10, "{one:?} {other:?}");
+        }
+        for i in 0..2 {
+            assert!((ended.x[2 * (k - 1) + i] - alone_ended.x[i]).abs() < 1e-10);
+        }
+    }
+}
+
+/// A field on each side without friction, of one state: it comes to rest on the boundary.
+#[test]
+fn one_state_slides_on_a_point() {
+    let system = read(
+        r#"
+name = "relay"
+[states]
+x = ""
+[contacts.relay]
+boundary = "x"
+[field]
+x = { below = "2", above = "-1" }
+[start]
+x = 1
+"#,
+    );
+    let (ended, events) = run(&system, 3.0, &taylor());
+    assert_eq!(ended.x, [0.0]);
+    assert_eq!(events.len(), 1);
+    assert!((events[0].2 - 1.0).abs() < 1e-14);
+}
+
+/// What the documentation shows is a file that is understood, and all of its examples are of the same system.
+#[test]
+fn the_examples_of_the_documentation_are_good_files() {
+    let readme = include_str!("../../README.md").to_owned();
+    let module = include_str!("../../src/file/mod.rs").lines();
+    let module: Vec<&str> = module
+        .map(|line| line.trim_start_matches("//!").trim_start())
+        .collect();
+    for text in [readme, module.join("\n")] {
+        let example = text
+            .split("```toml\n")
+            .nth(1)
+            .and_then(|rest| rest.split("```").next());
+        let system = read(example.expect("an example"));
+        let (ended, events) = run(&system, 50.0, &taylor());
+        assert!(events.len() > 10 && ended.t == 50.0);
+    }
 }

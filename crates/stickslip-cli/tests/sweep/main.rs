@@ -2,6 +2,7 @@
 //! compile the solver into them.
 
 mod basins;
+mod bifurcations;
 mod common;
 mod folders;
 mod kill;

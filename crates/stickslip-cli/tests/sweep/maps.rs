@@ -8,7 +8,7 @@ const MAP: [&str; 8] = [
     "map",
     "basins",
     "--x",
-    "vd=1.4:2",
+    "vd=1.2:2",
     "--y",
     "d=0.05:0.15",
     "--grid",
@@ -23,7 +23,7 @@ fn a_map_has_the_known_exponent_of_the_equilibrium() {
         .args(["--tol", "1e-10", "--out", "map"])
         .assert()
         .success()
-        .stdout(contains("8 cells, vd from 1.4 to 2, d from 0.05 to 0.15"))
+        .stdout(contains("8 cells, vd from 1.2 to 2, d from 0.05 to 0.15"))
         .stdout(contains("equilibrium"));
     let svg = text(top.path().join("map/map.svg"));
     roxmltree::Document::parse(&svg).unwrap();

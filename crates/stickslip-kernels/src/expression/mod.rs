@@ -7,7 +7,7 @@
 //! So the text is parsed here, once and to no number type at all.
 //!
 //! # The way of an expression
-//! [`parse`] makes a tree of the text, and every branch knows its place there. A [`Graph`] takes trees with all names resolved,
+//! [`parse()`] makes a tree of the text, and every branch knows its place there. A [`Graph`] takes trees with all names resolved,
 //! shares what they have in common and folds what is constant. A [`Tape`] is the graph in the order of evaluation, with few
 //! registers.
 

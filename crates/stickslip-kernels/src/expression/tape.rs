@@ -110,26 +110,25 @@ impl Tape {
             // All are less than R, a power of two: this tells the compiler.
             let [a, b, to] = [step.a, step.b, step.to].map(|k| usize::from(k) & (R - 1));
             let constant = step.constant;
-            registers[to] = match step.operation {
-                Operation::Add => registers[a] + registers[b],
-                Operation::Subtract => registers[a] - registers[b],
-                Operation::Multiply => registers[a] * registers[b],
-                Operation::Divide => registers[a] / registers[b],
-                Operation::AddConstant => registers[a] + constant,
-                Operation::SubtractConstant => registers[a] - constant,
-                Operation::SubtractFromConstant => T::constant(constant) - registers[a],
-                Operation::MultiplyConstant => registers[a] * constant,
-                Operation::DivideByConstant => registers[a] / constant,
-                Operation::DivideConstant => T::constant(constant) / registers[a],
-                Operation::Negate => -registers[a],
-                Operation::Constant => T::constant(constant),
-                Operation::SineCosine => {
-                    let (sine, cosine) = sine_cosine(registers[a]);
-                    registers[b] = cosine;
-                    sine
-                }
-                Operation::Other(other) => other.of(registers[a], registers[b], constant),
-            };
+            let r = &mut registers;
+            // Each writes its result itself. One place for all would have it put together first and copied then, which takes longer than
+            // most operations.
+            match step.operation {
+                Operation::Add => r[to] = r[a] + r[b],
+                Operation::Subtract => r[to] = r[a] - r[b],
+                Operation::Multiply => r[to] = r[a] * r[b],
+                Operation::Divide => r[to] = r[a] / r[b],
+                Operation::AddConstant => r[to] = r[a] + constant,
+                Operation::SubtractConstant => r[to] = r[a] - constant,
+                Operation::SubtractFromConstant => r[to] = T::constant(constant) - r[a],
+                Operation::MultiplyConstant => r[to] = r[a] * constant,
+                Operation::DivideByConstant => r[to] = r[a] / constant,
+                Operation::DivideConstant => r[to] = T::constant(constant) / r[a],
+                Operation::Negate => r[to] = -r[a],
+                Operation::Constant => r[to] = T::constant(constant),
+                Operation::SineCosine => (r[to], r[b]) = sine_cosine(r[a]),
+                Operation::Other(other) => r[to] = other.of(r[a], r[b], constant),
+            }
         }
         for (out, output) in out.iter_mut().zip(&self.outputs) {
             *out = match *output {
@@ -348,12 +347,12 @@ impl<'a> Layout<'a> {
         for operand in operands.into_iter().flatten() {
             let k = operand.index();
             let is_input = matches!(self.graph.node(operand), Node::Input(_));
-            if self.last_use[k] == user && !is_input {
-                if let Some(register) = self.register[k] {
-                    if !self.free.contains(&register) {
-                        self.free.push(register);
-                    }
-                }
+            if self.last_use[k] == user
+                && !is_input
+                && let Some(register) = self.register[k]
+                && !self.free.contains(&register)
+            {
+                self.free.push(register);
             }
         }
     }

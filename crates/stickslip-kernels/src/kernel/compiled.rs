@@ -1,16 +1,19 @@
 //! The instances.
 
+use std::cell::Cell;
 use std::ops::ControlFlow;
 
 use stickslip::analysis::{
-    PeriodicOrbit, RecurrenceSettings, SpectrumOptions, attractor, find_periodic_orbit,
-    lyapunov_spectrum, multipliers, periodic_orbit, periodic_orbit_forced,
+    PeriodicOrbit, RecurrenceSettings, SpectrumOptions, SweepSettings, attractor,
+    find_periodic_orbit, lyapunov_spectrum, multipliers, periodic_orbit, periodic_orbit_forced,
+    sweep,
 };
 use stickslip::{
     Ending, Error, EventRecord, Happening, Integration, Options, Phase, Progress, Several, State,
     StepRecord, Summary, Switched, Watched,
 };
 
+use super::change::{Change, Family, OfEquations};
 use super::erased::{
     Ended, Erase, Passage, Periodic, PhaseView, SpectrumFound, StepView, TransitionView, Watcher,
 };
@@ -152,7 +155,7 @@ fn periodic<const N: usize>(orbit: &PeriodicOrbit<N>) -> Periodic {
 
 impl<S, const N: usize, const G: usize> Kernel for Sized<S, N, G>
 where
-    S: Switched<N, G> + Send + Sync,
+    S: Switched<N, G> + OfEquations + Send + Sync,
     S::Mode: Erase,
 {
     fn run(
@@ -239,6 +242,33 @@ where
     ) -> Result<Outcome, Error> {
         let reached = attractor(&self.system, state::<N>(x), settings, options)?;
         Ok(Outcome::of(&reached, self.contacts))
+    }
+
+    fn changes(
+        &self,
+        family: &Family<'_>,
+        (from, to): (f64, f64),
+        x: &[f64],
+        settings: &SweepSettings,
+        options: &Options,
+    ) -> Result<Vec<Change>, Error> {
+        // Where there is no system, the search goes on with this one, and what it finds is not told.
+        let complete = Cell::new(true);
+        let system = |parameter| {
+            let system = family(parameter).and_then(S::of);
+            system.unwrap_or_else(|| {
+                complete.set(false);
+                self.system.clone()
+            })
+        };
+        let found = sweep(system, [from, to], state::<N>(x), settings, options)?;
+        if !complete.get() {
+            return Ok(vec![Change::Unlocated]);
+        }
+        let changes = found.changes.iter();
+        Ok(changes
+            .map(|change| Change::of(change, self.contacts))
+            .collect())
     }
 
     fn is_same_attractor(

@@ -4,18 +4,20 @@
 //! the library's functions that hand what they find to who asked, as slices. An instance costs seconds of compile time; the
 //! rest of the package is compiled once.
 
+mod change;
 mod compiled;
 mod erased;
 mod reached;
 mod system;
 
+pub use change::{Change, Equations, Family};
 pub use erased::{
     Ended, Modes, Passage, Periodic, PhaseView, SpectrumFound, StepView, TransitionView, Watcher,
 };
-pub use reached::{Motion, Outcome, PhaseThere};
+pub use reached::{Motion, Outcome, PhaseThere, TransitionThere};
 pub use system::{ManyContacts, OneContact, Section};
 
-use stickslip::analysis::{RecurrenceSettings, SpectrumOptions};
+use stickslip::analysis::{RecurrenceSettings, SpectrumOptions, SweepSettings};
 use stickslip::{Error, Options};
 
 /// Most states that a system may have.
@@ -99,6 +101,20 @@ pub trait Kernel: Send + Sync {
         settings: &RecurrenceSettings,
         options: &Options,
     ) -> Result<Outcome, Error>;
+
+    /// What becomes of the attractor that the orbit from `x` comes to at the first of two values of a parameter, when the parameter goes to
+    /// the second and the state is carried on; nothing if it stays the same kind of motion.
+    ///
+    /// # Errors
+    /// Those of [`stickslip::analysis::sweep`].
+    fn changes(
+        &self,
+        family: &Family<'_>,
+        between: (f64, f64),
+        x: &[f64],
+        settings: &SweepSettings,
+        options: &Options,
+    ) -> Result<Vec<Change>, Error>;
 
     /// Whether two orbits have come to the same attractor.
     fn is_same_attractor(

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use stickslip::analysis::{Attractors, Kind, Reached, RecurrenceSettings, SectionPoint};
-use stickslip::{Phase, Switched};
+use stickslip::{Phase, Switched, TransitionKind};
 
 use super::compiled::state;
 use super::erased::{Erase, Modes};
@@ -78,6 +78,28 @@ impl Motion {
     }
 }
 
+/// A transition between phases of an attractor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct TransitionThere {
+    /// What happened.
+    #[serde(with = "KindOnDisk")]
+    pub kind: TransitionKind,
+    /// At which contact.
+    pub contact: usize,
+}
+
+/// How the kinds of transitions are written; the compiler keeps it like the library's.
+#[derive(Serialize, Deserialize)]
+#[serde(remote = "TransitionKind", rename_all = "kebab-case")]
+enum KindOnDisk {
+    Crossing,
+    StickEntry,
+    StickExit,
+    Touch,
+    ContactLoss,
+    ContactGain,
+}
+
 /// A phase of an attractor.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PhaseThere {
@@ -102,6 +124,8 @@ pub struct Outcome {
     pub points: Vec<(f64, Vec<f64>)>,
     /// The phases that ended in one period. Kinds that points do not tell apart have none.
     pub phases: Vec<PhaseThere>,
+    /// The transitions of these phases.
+    pub transitions: Vec<TransitionThere>,
     /// Part of the time in which a contact sticks.
     pub in_stick: f64,
     /// Modes at the end.
@@ -126,6 +150,7 @@ impl Outcome {
         let told_by_points = motion.kind().is_some();
         let points = reached.points.iter().filter(|_| told_by_points);
         let phases = reached.phases.iter().filter(|_| told_by_points);
+        let transitions = reached.transitions.iter().filter(|_| told_by_points);
         let phase = |phase: &Phase<N, K>| PhaseThere {
             modes: phase.mode.erased(contacts),
             t_start: phase.t_start,
@@ -137,6 +162,9 @@ impl Outcome {
             motion,
             points: points.map(|at| (at.t, at.x.as_slice().to_vec())).collect(),
             phases: phases.map(phase).collect(),
+            transitions: transitions
+                .map(|&(kind, contact)| TransitionThere { kind, contact })
+                .collect(),
             in_stick: reached.in_stick,
             modes: reached.mode.erased(contacts),
             left_at: (reached.t, reached.x.as_slice().to_vec()),
@@ -159,6 +187,11 @@ impl Outcome {
                 .map(|(t, x)| SectionPoint { t: *t, x: state(x) })
                 .collect(),
             phases: self.phases.iter().map(phase).collect(),
+            transitions: self
+                .transitions
+                .iter()
+                .map(|at| (at.kind, at.contact))
+                .collect(),
             in_stick: self.in_stick,
             mode: K::restored(&self.modes),
             t: self.left_at.0,

@@ -2,42 +2,13 @@
 
 use serde::{Deserialize, Serialize};
 use stickslip::Options;
-use stickslip::analysis::{Exponent, RecurrenceSettings, SpectrumOptions};
-use stickslip_kernels::kernel::{Motion, Outcome};
+use stickslip::analysis::RecurrenceSettings;
+use stickslip_kernels::kernel::Motion;
 
 use super::super::attractors;
+use super::super::exponent::Largest;
 use super::super::tables::exact;
 use crate::system::System;
-
-/// Exponents of an orbit nearer to zero than so many of their standard errors are zero.
-const ERRORS: f64 = 3.0;
-
-/// An exponent of a periodic orbit is zero to about this, whatever its standard error.
-const ROUNDING: f64 = 1e-6;
-
-/// A largest Lyapunov exponent.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub(super) enum Largest {
-    /// A number.
-    Finite { value: f64, std_error: f64 },
-    /// Stick takes all directions to zero.
-    Annihilated,
-    /// There is no orbit to measure, or it could not be followed.
-    Unmeasured,
-}
-
-impl Largest {
-    /// Whether it is zero within its error.
-    pub(super) fn is_zero(&self) -> bool {
-        match *self {
-            Largest::Finite { value, std_error } => {
-                value.abs() <= (ERRORS * std_error).max(ROUNDING)
-            }
-            _ => false,
-        }
-    }
-}
 
 /// What is found at one pair of parameters.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -69,11 +40,7 @@ impl Cell {
         Ok(Self {
             phases,
             in_stick: is_there.then_some(outcome.in_stick),
-            largest: if is_there {
-                largest(system, &outcome, duration, options)
-            } else {
-                Largest::Unmeasured
-            },
+            largest: Largest::on(system, &outcome, duration, options),
             motion: outcome.motion,
         })
     }
@@ -99,11 +66,7 @@ impl Cell {
             Motion::Periodic { period, .. } => exact(period),
             _ => String::new(),
         };
-        let (value, std_error) = match self.largest {
-            Largest::Finite { value, std_error } => (exact(value), exact(std_error)),
-            Largest::Annihilated => ("-inf".to_owned(), String::new()),
-            Largest::Unmeasured => (String::new(), String::new()),
-        };
+        let [value, std_error] = self.largest.fields();
         [
             self.motion.word().to_owned(),
             period,
@@ -112,20 +75,5 @@ impl Cell {
             value,
             std_error,
         ]
-    }
-}
-
-/// The largest exponent on the attractor, measured from where the orbit has come to it.
-fn largest(system: &System, outcome: &Outcome, duration: f64, options: &Options) -> Largest {
-    let (t, x) = &outcome.left_at;
-    // On the attractor already: only the frame has to turn to it.
-    let settings = SpectrumOptions::over(0.1 * duration, duration).solver(*options);
-    match system.kernel().spectrum(*t, x, &settings) {
-        Ok(spectrum) => match spectrum.exponents.first() {
-            Some(&Exponent::Finite { value, std_error }) => Largest::Finite { value, std_error },
-            Some(Exponent::Annihilated) => Largest::Annihilated,
-            None => Largest::Unmeasured,
-        },
-        Err(_) => Largest::Unmeasured,
     }
 }

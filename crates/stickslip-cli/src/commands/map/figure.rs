@@ -5,8 +5,8 @@ use plot::{
     SKY, VERMILLION, WHITE,
 };
 
+use super::super::exponent::Largest;
 use super::super::figures;
-use super::cell::Largest;
 use super::found::{Found, Shown};
 use super::request::Map;
 use crate::output::OutputError;

@@ -6,8 +6,9 @@ use std::path::PathBuf;
 use serde_json::json;
 
 use super::super::arguments::OutputArguments;
+use super::super::exponent::Largest;
 use super::super::{Failure, tables};
-use super::cell::{Cell, Largest};
+use super::cell::Cell;
 use super::figure;
 use super::request::Map;
 use crate::output::OutputError;

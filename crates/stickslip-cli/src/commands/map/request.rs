@@ -1,6 +1,5 @@
 //! What a map is of, and what its blocks hold.
 
-use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
 
 use serde::{Deserialize, Serialize};
@@ -8,8 +7,8 @@ use stickslip::analysis::RecurrenceSettings;
 
 use super::super::Failure;
 use super::super::arguments::{OutputArguments, SolverArguments, StartArguments};
-use super::super::range::{ParameterRange, grid, middle};
-use super::super::sweeping::Sweep;
+use super::super::range::{ParameterRange, grid, middle, with_values};
+use super::super::sweeping::{Sweep, check_duration};
 use super::cell::Cell;
 use super::{Arguments, found};
 use crate::sweep::{BlockError, Store};
@@ -53,12 +52,7 @@ impl Map {
         };
         // What is wrong is better told before the sweep than by one of its blocks.
         map.solver.options()?;
-        if !(map.duration > 0.0 && map.duration.is_finite()) {
-            return Err(Failure::Usage(format!(
-                "--duration {}: it must be positive and finite",
-                map.duration
-            )));
-        }
+        check_duration(map.duration)?;
         let (columns, rows) = (map.columns.get() - 1, map.rows.get() - 1);
         for (column, row) in [(0, 0), (columns, 0), (0, rows), (columns, rows)] {
             let system = map.system(system, map.parameters(column, row))?;
@@ -79,13 +73,8 @@ impl Map {
 
     /// The system with these values of the two parameters.
     fn system(&self, system: &System, values: [f64; 2]) -> Result<System, Failure> {
-        let names = system.file.parameters.iter().map(|one| one.name.clone());
-        let mut all: BTreeMap<String, f64> = names.zip(system.values.iter().copied()).collect();
-        for (range, value) in self.plane.iter().zip(values) {
-            all.insert(range.name.clone(), value);
-        }
-        let all: Vec<(String, f64)> = all.into_iter().collect();
-        Ok(system.file.with(&all)?)
+        let [x, y] = &self.plane;
+        with_values(system, &[(&x.name, values[0]), (&y.name, values[1])])
     }
 
     fn settings(&self, system: &System) -> RecurrenceSettings {

@@ -1,0 +1,56 @@
+//! `stickslip bifurcation`: attractors over one parameter, up and down.
+
+mod figure;
+mod found;
+mod request;
+
+use std::num::NonZeroUsize;
+
+use super::Failure;
+use super::arguments::{OutputArguments, SolverArguments, StartArguments, SystemArguments};
+use super::sweeping::{SweepArguments, sweep};
+use crate::terminal::Said;
+pub(super) use request::Bifurcation;
+
+/// Follow attractors over a parameter, up and down, each from the state reached at the value before
+///
+/// For each value: the points of the section, the sequence of phases, durations and lengths of stick, and the largest Lyapunov exponent. Where
+/// both ways differ, there is more than one attractor. A change of the phases is located and named by the event function that vanishes there. Writes
+/// bifurcation.csv, sticks.csv, changes.csv and bifurcation.svg. Finished blocks are in sweep/: after a kill the
+/// same command goes on from there.
+#[derive(Debug, clap::Args)]
+pub(super) struct Arguments {
+    #[command(flatten)]
+    system: SystemArguments,
+    #[command(flatten)]
+    start: StartArguments,
+
+    /// The parameter and its range
+    #[arg(long, value_name = "NAME=LOW:HIGH")]
+    parameter: String,
+
+    /// Number of values, both ends among them
+    #[arg(long, value_name = "NUMBER", default_value = "201")]
+    values: NonZeroUsize,
+
+    /// Time after which an orbit that has come to no attractor is called undecided
+    #[arg(long, value_name = "TIME", default_value_t = 2000.0)]
+    until: f64,
+
+    /// Time over which the Lyapunov exponent is measured, on the attractor
+    #[arg(long, value_name = "TIME", default_value_t = 500.0)]
+    duration: f64,
+
+    #[command(flatten)]
+    solver: SolverArguments,
+    #[command(flatten)]
+    sweep: SweepArguments,
+    #[command(flatten)]
+    output: OutputArguments,
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
+    let system = arguments.system.system()?;
+    let wanted = Bifurcation::new(arguments, &system)?;
+    sweep(&wanted, &system, &arguments.sweep, &arguments.output)
+}

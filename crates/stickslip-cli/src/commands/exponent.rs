@@ -1,0 +1,68 @@
+//! The largest Lyapunov exponent of an attractor.
+
+use serde::{Deserialize, Serialize};
+use stickslip::Options;
+use stickslip::analysis::{Exponent, SpectrumOptions};
+use stickslip_kernels::kernel::Outcome;
+
+use super::tables::exact;
+use crate::system::System;
+
+/// Exponents of an orbit nearer to zero than so many of their standard errors are zero.
+const ERRORS: f64 = 3.0;
+
+/// An exponent of a periodic orbit is zero to about this, whatever its standard error.
+const ROUNDING: f64 = 1e-6;
+
+/// A largest Lyapunov exponent.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum Largest {
+    /// A number.
+    Finite { value: f64, std_error: f64 },
+    /// Stick takes all directions to zero.
+    Annihilated,
+    /// There is no orbit to measure, or it could not be followed.
+    Unmeasured,
+}
+
+impl Largest {
+    /// Whether it is zero within its error.
+    pub(super) fn is_zero(&self) -> bool {
+        match *self {
+            Largest::Finite { value, std_error } => {
+                value.abs() <= (ERRORS * std_error).max(ROUNDING)
+            }
+            _ => false,
+        }
+    }
+
+    /// Value and standard error for tables; empty where there is none.
+    pub(super) fn fields(&self) -> [String; 2] {
+        match *self {
+            Largest::Finite { value, std_error } => [exact(value), exact(std_error)],
+            Largest::Annihilated => ["-inf".to_owned(), String::new()],
+            Largest::Unmeasured => [String::new(), String::new()],
+        }
+    }
+
+    /// Measured on an attractor from where the orbit has come to it; not measured where there is none.
+    pub(super) fn on(system: &System, outcome: &Outcome, duration: f64, options: &Options) -> Self {
+        if outcome.points.is_empty() {
+            return Largest::Unmeasured;
+        }
+        let (t, x) = &outcome.left_at;
+        // On the attractor already: only the frame has to turn to it.
+        let settings = SpectrumOptions::over(0.1 * duration, duration).solver(*options);
+        match system.kernel().spectrum(*t, x, &settings) {
+            Ok(spectrum) => match spectrum.exponents.first() {
+                Some(&Exponent::Finite { value, std_error }) => {
+                    Largest::Finite { value, std_error }
+                }
+                Some(Exponent::Annihilated) => Largest::Annihilated,
+                None => Largest::Unmeasured,
+            },
+            Err(_) => Largest::Unmeasured,
+        }
+    }
+}

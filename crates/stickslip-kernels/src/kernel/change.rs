@@ -1,0 +1,107 @@
+//! What becomes of an attractor between two values of a parameter, without the number of states and contacts in its type, and on disk.
+
+use serde::{Deserialize, Serialize};
+use stickslip::Several;
+use stickslip::analysis::{AttractorChange, WhatChanges};
+
+use super::erased::{Erase, Modes};
+use super::system::{ManyContacts, OneContact};
+
+/// The equations of a system of any kind.
+#[derive(Clone, Debug)]
+pub enum Equations {
+    /// Of one contact.
+    OneContact(Box<OneContact>),
+    /// Of several.
+    ManyContacts(ManyContacts),
+}
+
+/// The equations at each value of a parameter; `None` where there are none.
+pub type Family<'a> = dyn Fn(f64) -> Option<Equations> + 'a;
+
+/// A kind of system that a kernel is made for.
+pub(super) trait OfEquations: Clone {
+    fn of(equations: Equations) -> Option<Self>;
+}
+
+impl OfEquations for OneContact {
+    fn of(equations: Equations) -> Option<Self> {
+        match equations {
+            Equations::OneContact(system) => Some(*system),
+            Equations::ManyContacts(_) => None,
+        }
+    }
+}
+
+impl OfEquations for Several<ManyContacts> {
+    fn of(equations: Equations) -> Option<Self> {
+        match equations {
+            Equations::OneContact(_) => None,
+            Equations::ManyContacts(system) => Some(Several(system)),
+        }
+    }
+}
+
+/// What becomes of an attractor between two neighbouring values of a parameter.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Change {
+    /// The phases of a periodic orbit: as [`stickslip::analysis::SequenceChange`], which says more of each.
+    Sequence {
+        /// The parameter.
+        parameter: f64,
+        /// How far from it other phases were seen.
+        uncertainty: f64,
+        /// What it is called.
+        name: String,
+        /// Where on the orbit.
+        x: Vec<f64>,
+        /// Period of the orbit.
+        period: f64,
+        /// The modes before it.
+        before: Vec<Modes>,
+        /// The modes after it; none where no orbit was found there.
+        after: Vec<Modes>,
+    },
+    /// An equilibrium loses its stability, or gains it.
+    Equilibrium {
+        /// The parameter.
+        parameter: f64,
+        /// The equilibrium there.
+        x: Vec<f64>,
+        /// Size of the imaginary part of the eigenvalues that cross.
+        frequency: f64,
+    },
+    /// It could not be located.
+    Unlocated,
+}
+
+impl Change {
+    pub(super) fn of<const N: usize, K: Erase>(
+        change: &AttractorChange<N, K>,
+        contacts: usize,
+    ) -> Self {
+        let erased = |modes: &[K]| modes.iter().map(|mode| mode.erased(contacts)).collect();
+        match &change.what {
+            WhatChanges::Sequence(change) => Change::Sequence {
+                parameter: change.parameter,
+                uncertainty: change.uncertainty,
+                name: change.bifurcation.to_string(),
+                x: change.x.as_slice().to_vec(),
+                period: change.period,
+                before: erased(&change.before),
+                after: erased(&change.after),
+            },
+            WhatChanges::Equilibrium {
+                parameter,
+                x,
+                frequency,
+            } => Change::Equilibrium {
+                parameter: *parameter,
+                x: x.as_slice().to_vec(),
+                frequency: *frequency,
+            },
+            WhatChanges::Unlocated => Change::Unlocated,
+        }
+    }
+}
