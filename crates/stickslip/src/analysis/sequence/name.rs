@@ -72,9 +72,9 @@ pub(super) fn name<S: Switched<N, G>, const N: usize, const G: usize>(
             rates.own[0].abs() <= (1.0 + AGREE) * rates.other[0].abs()
         }
     };
-    // Fields that agree are both tangent to rounding, which has either sign.
+    // Fields that agree are both tangent to rounding, which has either sign; what is a distance to one side is the opposite to the other.
     let [own, other] = [rates.own[0], rates.other[0]];
-    let differ = (own - other).abs() > AGREE * (own.abs() + other.abs());
+    let differ = (own + other).abs() > AGREE * (own.abs() + other.abs());
     let name = match (is_tangent, rates.other) {
         (true, [rate, _]) if rate < 0.0 && differ => SequenceBifurcation::GrazingSliding,
         (true, _) => SequenceBifurcation::Grazing,
