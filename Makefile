@@ -12,15 +12,15 @@ figures: $(FIGURES) ## Compute and draw all figures into figures/
 
 # One build for all binaries; the runs then only start them, one after the other even under make -j.
 build-figures:
-	$(CARGO) build --locked --release --bins
+	$(CARGO) build --locked --release -p stickslip-replication --bins
 .PHONY: build-figures
 .NOTPARALLEL:
 
 $(FIGURES): build-figures
-	$(CARGO) run --locked --release --quiet --bin $@ -- --out-dir figures
+	$(CARGO) run --locked --release --quiet -p stickslip-replication --bin $@ -- --out-dir figures
 
 report: build-figures ## The verdict on every claim: report/index.html, report/claims.csv, figures/{convergence,scan}.*, README
-	$(CARGO) run --locked --release --quiet --bin report
+	$(CARGO) run --locked --release --quiet -p stickslip-replication --bin report
 
 test: ## Run all tests; the test profile is optimised, see Cargo.toml
 	$(CARGO) test --locked
@@ -31,7 +31,7 @@ golden: ## Rewrite golden/ and what repeats it (figures/, report/, README) on pu
 
 # A search that was stopped goes on where it was; one that is complete is never taken for a new one.
 readings: build-figures ## Search all readings of Figs. 10-12 anew into golden/, some ten minutes
-	$(CARGO) run --locked --release --quiet --bin readings -- --out target/readings
+	$(CARGO) run --locked --release --quiet -p stickslip-replication --bin readings -- --out target/readings
 	cp target/readings/readings.csv target/readings/readings.txt golden/
 	rm -r target/readings
 
@@ -52,16 +52,16 @@ PEERS_STAMP := $(PEERS_VENV)/installed.txt
 PEERS_WANTED := benches/peers/requirements.txt
 
 bench-peers: ## Error against run time beside SciPy, numba, heyoka and pydiffsol; ours alone without Python
-	$(CARGO) build --locked --release --bin peers
+	$(CARGO) build --locked --release -p stickslip-replication --bin peers
 	@if cmp -s $(PEERS_WANTED) $(PEERS_STAMP) \
 	    || { $(PYTHON) -m venv --clear $(PEERS_VENV) \
 	    && $(PEERS_VENV)/bin/python -m pip install --quiet --disable-pip-version-check -r $(PEERS_WANTED) \
 	    && cp $(PEERS_WANTED) $(PEERS_STAMP); }; then \
-	    $(CARGO) run --locked --release --quiet --bin peers -- --python $(PEERS_VENV)/bin/python $(PEERS_ARGS); \
+	    $(CARGO) run --locked --release --quiet -p stickslip-replication --bin peers -- --python $(PEERS_VENV)/bin/python $(PEERS_ARGS); \
 	else \
 	    echo "no peers: Python 3.11 or later ($(PYTHON)) with venv, and a network to install $(PEERS_WANTED) from," \
 	        "are needed; measuring ours alone" >&2; \
-	    $(CARGO) run --locked --release --quiet --bin peers -- $(PEERS_ARGS); \
+	    $(CARGO) run --locked --release --quiet -p stickslip-replication --bin peers -- $(PEERS_ARGS); \
 	fi
 
 check: ## Formatting, lints and documentation, every warning an error
