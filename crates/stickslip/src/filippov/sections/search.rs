@@ -27,7 +27,8 @@ use crate::system::State;
 /// }
 ///
 /// let belt = BeltOscillator { belt_speed: 0.2, ..BeltOscillator::default() };
-/// let section = Plane { point: [0.0, 0.0].into(), normal: [1.0, 0.0].into(), direction: Direction::Rising };
+/// // Where the block turns back.
+/// let section = Plane { point: [0.0, 0.0].into(), normal: [0.0, 1.0].into(), direction: Direction::Falling };
 /// let settings = SpectrumOptions::over(50.0, 500.0);
 /// let mut returns = Returns(EventSearch::new(&belt, &section, &settings.solver), 0);
 /// lyapunov_spectrum_watched(&belt, (0.0, [0.5, 0.1]), &settings, &mut returns)?;
