@@ -8,93 +8,38 @@ use stickslip::{
     Summary, analysis,
 };
 
-use crate::attractors::systems::{Driven, Leine, Rings, Wells};
-use crate::bifurcations::systems::{Beat, DrivenFamily, Twisted};
+use crate::den_hartog::DenHartog;
 use crate::grazes;
-use crate::lyapunov_equations::{
-    Fork, FromSupport, Linear, Lorenz, Refracting, Rider, Roessler, Smooth,
-};
+use crate::line::Line;
+use crate::listed::{Listed, systems};
+use crate::lyapunov_equations::{Fork, FromSupport, Linear, Refracting, Rider, Roessler};
 use crate::sections::Watches;
+use crate::smooth::{Lorenz, Smooth};
 use crate::solver::systems::{
-    BlowUp, Breathing, Ceiling, DenHartog, Dip, Floor, Ledge, Line, MovingLine, Parabola, Rest,
-    Reversed, Spiral, StaticFriction, TurningLine, TwiceRound, TwoFold, Wall, Window, Zeno,
+    BlowUp, Breathing, Ceiling, Dip, Floor, Ledge, MovingLine, Parabola, Rest, Reversed, Spiral,
+    StaticFriction, TurningLine, TwiceRound, TwoFold, Wall, Window, Zeno,
 };
 use crate::taylor::{Brink, Gate, Kink, Nowhere, Pit, Ramp};
 use crate::two_folds::{Folds, Random};
 
-/// A system that is one of those below.
-pub trait Listed<const N: usize>: Filippov<N> {
-    type Any<'a>: Filippov<N>
-    where
-        Self: 'a;
-    fn any(&self) -> Self::Any<'_>;
-}
-
-macro_rules! systems {
-    ($any:ident, $n:literal: $($name:ident($system:ty)),* $(,)?) => {
-        pub enum $any<'a> {
-            $($name(&'a $system)),*
-        }
-
-        impl Filippov<$n> for $any<'_> {
-            #[inline(never)]
-            fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; $n]) -> [T; $n] {
-                match self {
-                    $($any::$name(system) => system.field(side, t, x)),*
-                }
-            }
-            #[inline(never)]
-            fn holding<T: Scalar>(&self, side: Side, t: T, x: &[T; $n]) -> [T; $n] {
-                match self {
-                    $($any::$name(system) => system.holding(side, t, x)),*
-                }
-            }
-            #[inline(never)]
-            fn boundary<T: Scalar>(&self, t: T, x: &[T; $n]) -> T {
-                match self {
-                    $($any::$name(system) => system.boundary(t, x)),*
-                }
-            }
-            #[inline(never)]
-            fn contact<T: Scalar>(&self, t: T, x: &[T; $n]) -> Option<T> {
-                match self {
-                    $($any::$name(system) => system.contact(t, x)),*
-                }
-            }
-            fn check_parameters(&self) -> Result<(), Error> {
-                match self {
-                    $($any::$name(system) => system.check_parameters()),*
-                }
-            }
-        }
-
-        $(impl Listed<$n> for $system {
-            type Any<'a> = $any<'a>;
-            fn any(&self) -> $any<'_> {
-                $any::$name(self)
-            }
-        })*
-    };
-}
-
 systems!(
     Any1, 1:
-    Beat(Beat), BlowUp(BlowUp), Breathing(Breathing), Brink(Brink), Fork(Fork), Line(Line), MovingLine(MovingLine), Nowhere(Nowhere),
+    BlowUp(BlowUp), Breathing(Breathing), Brink(Brink), Fork(Fork), Line(Line), MovingLine(MovingLine), Nowhere(Nowhere),
     Rest(Rest), Rider(Rider), TurningLine(TurningLine), Wall(Wall), Window(Window),
 );
 
 systems!(
     Any2, 2:
-    Belt(BeltOscillator), Ceiling(Ceiling), DenHartog(DenHartog), Dip(Dip), Driven(Driven), Floor(Floor), Forced(ForcedOscillator), FromSupport(FromSupport),
-    Gate(Gate), Kink(Kink), Ledge(Ledge), Leine(Leine), Linear(Smooth<Linear<2>>), Parabola(Parabola), Pit(Pit), Ramp(Ramp),
+    Belt(BeltOscillator), Ceiling(Ceiling), DenHartog(DenHartog), Dip(Dip), Floor(Floor), Forced(ForcedOscillator), FromSupport(FromSupport),
+    Gate(Gate), Kink(Kink), Ledge(Ledge), Linear(Smooth<Linear<2>>), Parabola(Parabola), Pit(Pit), Ramp(Ramp),
     Refracting(Refracting), ReversedBelt(Reversed<BeltOscillator>), ReversedForced(Reversed<ForcedOscillator>),
-    Shaken(grazes::Shaken), SpiralAtRest(grazes::AtRest), Spiral(Spiral), StaticFriction(StaticFriction), TwoFold(TwoFold), Wells(Wells), Zeno(Zeno),
+    Shaken(grazes::Shaken), SpiralAtRest(grazes::AtRest), Spiral(Spiral), StaticFriction(StaticFriction), TwoFold(TwoFold), Zeno(Zeno),
 );
 
 systems!(
     Any3, 3:
-    DrivenFamily(DrivenFamily), Folds(Folds), Random(Random), Linear(Smooth<Linear<3>>), Lorenz(Smooth<Lorenz>), Rings(Rings),
-    Roessler(Smooth<Roessler>), TwiceRound(TwiceRound), Twisted(Twisted),
+    Folds(Folds), Random(Random), Linear(Smooth<Linear<3>>), Lorenz(Smooth<Lorenz>),
+    Roessler(Smooth<Roessler>), TwiceRound(TwiceRound),
 );
 
 systems!(Any4, 4: Bracket(BlockAndBracket));

@@ -8,7 +8,8 @@ use stickslip::{
     Filippov, Method, Observer, Options, Scalar, Side, State, Transition, TransitionKind, math,
 };
 
-use crate::any_system::{Listed, run};
+use crate::any_system::run;
+use crate::listed::Listed;
 
 const CASES: u32 = 100_000;
 

@@ -12,6 +12,7 @@ use crate::any_system::{
     lyapunov_spectrum, lyapunov_spectrum_watched, monodromy, periodic_orbit, periodic_orbit_forced,
     run,
 };
+use crate::smooth::{Field, Lorenz, Smooth};
 
 fn values<const N: usize>(spectrum: &Spectrum<N>) -> [f64; N] {
     spectrum.exponents.map(|exponent| exponent.value())
@@ -23,23 +24,6 @@ fn close(found: f64, wanted: f64, tolerance: f64) {
         off <= tolerance,
         "{found} is {off:e} off {wanted}, allowed {tolerance:e}"
     );
-}
-
-/// A smooth system: `boundary` is never reached.
-pub struct Smooth<F>(pub F);
-
-/// A field written once for every scalar; closures cannot be.
-pub trait Field<const N: usize> {
-    fn at<T: Scalar>(&self, x: &[T; N]) -> [T; N];
-}
-
-impl<F: Field<N>, const N: usize> Filippov<N> for Smooth<F> {
-    fn field<T: Scalar>(&self, _side: Side, _t: T, x: &[T; N]) -> [T; N] {
-        self.0.at(x)
-    }
-    fn boundary<T: Scalar>(&self, _t: T, _x: &[T; N]) -> T {
-        T::constant(-1.0)
-    }
 }
 
 pub struct Linear<const N: usize>([[f64; N]; N]);
@@ -93,17 +77,6 @@ fn a_state_at_rest_does_not_mislead_the_tangent_vectors() {
     let wanted = nalgebra::Matrix2::new(c, s, -s, c) * decay;
     // Some fifty pieces, each within a hundred tolerances.
     close((flow.matrix - wanted).amax(), 0.0, decay * 5e-9);
-}
-
-pub struct Lorenz;
-impl Field<3> for Lorenz {
-    fn at<T: Scalar>(&self, x: &[T; 3]) -> [T; 3] {
-        [
-            (x[1] - x[0]) * 10.0,
-            x[0] * (-x[2] + 28.0) - x[1],
-            x[0] * x[1] - x[2] * (8.0 / 3.0),
-        ]
-    }
 }
 
 #[test]

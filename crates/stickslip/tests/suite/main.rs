@@ -1,4 +1,4 @@
-//! The tests of the library, in one binary.
+//! The tests of the solver and of what follows one orbit, in one binary.
 
 #![allow(
     clippy::duplicate_mod,
@@ -6,18 +6,22 @@
 )]
 
 mod any_system;
-mod attractors;
-mod bifurcations;
 mod contacts;
-#[cfg(feature = "data")]
-mod data_spectrum;
+#[path = "../common/den_hartog.rs"]
+mod den_hartog;
 mod ensemble;
 mod grazes;
+#[path = "../common/line.rs"]
+mod line;
+#[path = "../common/listed.rs"]
+mod listed;
 mod lyapunov_equations;
 mod models;
 mod no_allocation;
 mod periodic;
 mod sections;
+#[path = "../common/smooth.rs"]
+mod smooth;
 mod solver;
 mod taylor;
 mod two_folds;

@@ -5,7 +5,8 @@ use std::ops::ControlFlow;
 use stickslip::models::{BeltOscillator, ForcedOscillator};
 use stickslip::{Locator, Method, Observer, Options, State, StepRecord, Transition};
 
-use crate::any_system::{Listed, run};
+use crate::any_system::run;
+use crate::listed::Listed;
 
 /// Counts and keeps nothing.
 #[derive(Default)]

@@ -6,8 +6,11 @@ use nalgebra::{Matrix2, Matrix4, SMatrix};
 use stickslip::analysis::{Destination, destination, multipliers};
 use stickslip::{Error, Method, Options, State, math};
 
-use crate::any_system::{Listed, find_periodic_orbit, periodic_orbit_forced, run, solve};
-use crate::solver::systems::{DenHartog, Floor, Line, MovingLine, TwiceRound, decaying_friction};
+use crate::any_system::{find_periodic_orbit, periodic_orbit_forced, run, solve};
+use crate::den_hartog::DenHartog;
+use crate::line::Line;
+use crate::listed::Listed;
+use crate::solver::systems::{Floor, MovingLine, TwiceRound, decaying_friction};
 
 #[test]
 fn the_cycle_with_stick_is_found_without_a_guess() {

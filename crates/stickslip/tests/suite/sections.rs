@@ -11,9 +11,11 @@ use stickslip::{
     Progress, Scalar, Several, Side, State, Watched, math,
 };
 
-use crate::any_system::{Listed, monodromy, periodic_orbit, solve, solve_with_events};
+use crate::any_system::{monodromy, periodic_orbit, solve, solve_with_events};
 use crate::contacts::rig::Rig;
-use crate::solver::systems::{DenHartog, Floor, decaying_friction};
+use crate::den_hartog::DenHartog;
+use crate::listed::Listed;
+use crate::solver::systems::{Floor, decaying_friction};
 
 /// A function of one kind or another, so that the search is compiled once for all of them.
 #[derive(Clone, Copy)]

@@ -8,7 +8,8 @@ use stickslip::{
     Error, Filippov, Method, Options, Orbit, Scalar, Side, State, TransitionKind, math,
 };
 
-use crate::any_system::{Listed, lyapunov_spectrum, run, solve};
+use crate::any_system::{lyapunov_spectrum, run, solve};
+use crate::listed::Listed;
 use crate::solver::systems::{Floor, Parabola};
 
 fn taylor(tolerance: f64) -> Options {

@@ -7,7 +7,8 @@ use stickslip::models::{BeltOscillator, ForcedOscillator};
 use stickslip::{Integration, Observer, Progress, StepRecord, Summary};
 
 use super::tol;
-use crate::any_system::{Listed, run, solve};
+use crate::any_system::{run, solve};
+use crate::listed::Listed;
 
 /// The steps that `asks` says to ask for, with their numbers, and the end.
 fn follow<S: Listed<2>>(

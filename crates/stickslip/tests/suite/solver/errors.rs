@@ -8,8 +8,10 @@ use stickslip::{
     Approach, Ending, Error, Failure, Method, Options, Orbit, State, TransitionKind, TwoFold, math,
 };
 
-use crate::any_system::{Listed, solve};
-use crate::solver::systems::{BlowUp, Ledge, Line, Wall, Window, Zeno, decaying_friction};
+use crate::any_system::solve;
+use crate::line::Line;
+use crate::listed::Listed;
+use crate::solver::systems::{BlowUp, Ledge, Wall, Window, Zeno, decaying_friction};
 
 pub fn failure<S: Listed<N>, const N: usize>(
     system: &S,

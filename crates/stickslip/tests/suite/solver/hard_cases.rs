@@ -13,9 +13,11 @@ use stickslip::{
 };
 
 use super::check::{TIGHT, assert_consistent, every_locator, kinds};
-use crate::any_system::{Listed, run, solve};
+use crate::any_system::{run, solve};
+use crate::den_hartog::DenHartog;
+use crate::listed::Listed;
 use crate::solver::systems::{
-    BlowUp, Breathing, Ceiling, DenHartog, Dip, Floor, Parabola, Rest, TurningLine, TwoFold, Zeno,
+    BlowUp, Breathing, Ceiling, Dip, Floor, Parabola, Rest, TurningLine, TwoFold, Zeno,
     decaying_friction,
 };
 

@@ -7,7 +7,8 @@ use stickslip::models::BeltOscillator;
 use stickslip::{Mode, Side, State, math};
 
 use super::check::{TIGHT, kinds};
-use crate::any_system::{Listed, monodromy, periodic_orbit, solve};
+use crate::any_system::{monodromy, periodic_orbit, solve};
+use crate::listed::Listed;
 use crate::solver::systems::{Dip, Floor, MovingLine, Spiral, StaticFriction, decaying_friction};
 
 /// Differences over five points with this change err by its fourth power times the fifth derivative, and by the run's

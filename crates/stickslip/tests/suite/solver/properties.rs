@@ -9,7 +9,8 @@ use stickslip::models::{BeltOscillator, ForcedOscillator};
 use stickslip::{Mode, Observer, Orbit, Side, State, Transition, TransitionKind};
 
 use super::check::{assert_consistent, changes, ulp_of_boundary};
-use crate::any_system::{Listed, run, solve};
+use crate::any_system::{run, solve};
+use crate::listed::Listed;
 use crate::solver::systems::Reversed;
 
 fn belt() -> impl Strategy<Value = BeltOscillator> {

@@ -6,9 +6,11 @@ use stickslip::models::{BeltOscillator, ForcedOscillator};
 use stickslip::{AtRepelling, Ending, Fate, Mode, Side, State, fate, math};
 
 use super::check::{TIGHT, assert_consistent, kinds};
-use crate::any_system::{Listed, solve};
+use crate::any_system::solve;
+use crate::line::Line;
+use crate::listed::Listed;
 use crate::solver::systems::{
-    Line, MovingLine, TurningLine, TwoFold, coulomb_friction, decaying_friction,
+    MovingLine, TurningLine, TwoFold, coulomb_friction, decaying_friction,
 };
 
 const BELOW: Mode = Mode::Slip(Side::Below);

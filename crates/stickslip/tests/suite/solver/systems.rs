@@ -78,24 +78,6 @@ impl Filippov<2> for Spiral {
     }
 }
 
-/// `x' = below` for `x < 0`, `x' = above` for `x > 0`: attracting, crossed or repelling by the signs.
-pub struct Line {
-    pub below: f64,
-    pub above: f64,
-}
-
-impl Filippov<1> for Line {
-    fn field<T: Scalar>(&self, side: Side, _t: T, _x: &[T; 1]) -> [T; 1] {
-        [T::constant(match side {
-            Side::Below => self.below,
-            Side::Above => self.above,
-        })]
-    }
-    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 1]) -> T {
-        x[0]
-    }
-}
-
 /// `x' = a` below and `-a` above a boundary that moves as `sin t`: slides while `|cos t| < a`. With `a < 0` it repels
 /// where it would slide.
 pub struct MovingLine {
@@ -225,22 +207,6 @@ impl Filippov<1> for TurningLine {
     }
     fn boundary<T: Scalar>(&self, t: T, x: &[T; 1]) -> T {
         x[0] - t * t * (0.5 * self.speed)
-    }
-}
-
-/// `x'' = -x - S sgn x' + cos Ωt`, on whose orbits without stick Den Hartog (1930) has the amplitude.
-pub struct DenHartog {
-    pub frequency: f64,
-    pub friction: f64,
-}
-
-impl Filippov<2> for DenHartog {
-    fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; 2]) -> [T; 2] {
-        let push = (t * self.frequency).cos() - self.friction * side.sign();
-        [x[1], push - x[0]]
-    }
-    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
-        x[1]
     }
 }
 

@@ -7,7 +7,8 @@ use super::super::check::{
     TIGHT, assert_consistent, assert_lands_on_boundary, every_locator, kinds,
 };
 use crate::any_system::solve;
-use crate::solver::systems::{Breathing, Line, MovingLine, Spiral};
+use crate::line::Line;
+use crate::solver::systems::{Breathing, MovingLine, Spiral};
 
 #[test]
 fn the_spiral_crosses_the_circle_at_time_one() {

@@ -9,9 +9,10 @@ use stickslip::analysis::{
 use stickslip::statistics::SplitMix;
 use stickslip::{Direction, Error, Method, Mode, Options, Plane, Side, State, math};
 
-use crate::any_system::Listed;
-use crate::lyapunov_equations::{Lorenz, Smooth};
-use crate::solver::systems::{DenHartog, Line};
+use crate::den_hartog::DenHartog;
+use crate::line::Line;
+use crate::listed::Listed;
+use crate::smooth::{Lorenz, Smooth};
 
 pub mod systems;
 use systems::{Driven, Leine, Rings, Wells};

@@ -9,9 +9,9 @@ use stickslip::analysis::{
 use stickslip::{Mode, Options, Side, math, solve};
 
 use super::systems::{Beat, Rhythm};
-use crate::any_system::Listed;
 use crate::attractors::systems::Driven;
-use crate::solver::systems::DenHartog;
+use crate::den_hartog::DenHartog;
+use crate::listed::Listed;
 
 const ABOVE: Mode = Mode::Slip(Side::Above);
 const BELOW: Mode = Mode::Slip(Side::Below);

@@ -9,8 +9,8 @@ use stickslip::{Error, Mode, Options, Side, State, math};
 
 use super::sweeps::touching;
 use super::systems::{DrivenFamily, Twisted};
-use crate::any_system::Listed;
 use crate::attractors::systems::Rings;
+use crate::listed::Listed;
 
 const BELOW: Mode = Mode::Slip(Side::Below);
 
@@ -187,7 +187,7 @@ fn what_cannot_be_followed_is_an_error_that_says_why() {
         "{error}"
     );
     // The last state is a state.
-    let lorenz = crate::lyapunov_equations::Smooth(crate::lyapunov_equations::Lorenz);
+    let lorenz = crate::smooth::Smooth(crate::smooth::Lorenz);
     let error = continue_periodic_orbit(
         &lorenz.any(),
         [1.0, 1.0, 20.0],

@@ -1,0 +1,22 @@
+//! All systems of these tests as one type for each number of states.
+
+use stickslip::{Error, Filippov, Scalar, Side};
+
+use crate::attractors::systems::{Driven, Leine, Rings, Wells};
+use crate::bifurcations::systems::{Beat, DrivenFamily, Twisted};
+use crate::den_hartog::DenHartog;
+use crate::line::Line;
+use crate::listed::{Listed, systems};
+use crate::smooth::{Lorenz, Smooth};
+
+systems!(Any1, 1: Beat(Beat), Line(Line));
+
+systems!(
+    Any2, 2:
+    DenHartog(DenHartog), Driven(Driven), Leine(Leine), Wells(Wells),
+);
+
+systems!(
+    Any3, 3:
+    DrivenFamily(DrivenFamily), Lorenz(Smooth<Lorenz>), Rings(Rings), Twisted(Twisted),
+);

@@ -1,0 +1,14 @@
+//! The tests of what looks at many orbits: attractors, basins, sweeps and branches. They compile the solver for systems of their own
+//! inside loops of their own, which the tests of the solver do not wait for.
+
+mod any_system;
+mod attractors;
+mod bifurcations;
+#[path = "../common/den_hartog.rs"]
+mod den_hartog;
+#[path = "../common/line.rs"]
+mod line;
+#[path = "../common/listed.rs"]
+mod listed;
+#[path = "../common/smooth.rs"]
+mod smooth;
