@@ -81,6 +81,27 @@ fn csv_and_json_hold_the_same_numbers() {
     assert_eq!(document["settings"]["theiler"], 1);
 }
 
+/// The sum of Hénon's exponents is ln 0.3 at every point, and a divergence that is another is told.
+#[test]
+fn a_known_divergence_is_held_against_the_sum() {
+    let run = |divergence: &str| {
+        let output = program()
+            .args(["-", "--dt", "1", "--divergence", divergence])
+            .write_stdin(henon(false))
+            .assert()
+            .success()
+            .get_output()
+            .clone();
+        [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).unwrap())
+    };
+    let [table, warnings] = run("-1.2039728043259361");
+    assert!(table.contains("add up to -1.20397") && table.contains("as does"));
+    assert_eq!(warnings, "");
+    let [table, warnings] = run("-1.3");
+    assert!(table.contains("unlike the divergence"));
+    assert!(warnings.contains("from the divergence -1.30000"));
+}
+
 #[test]
 fn reads_standard_input_and_chooses_columns() {
     let text: String = henon(true)
@@ -155,6 +176,8 @@ fn writes_a_named_picture() {
             "-",
             "--dt",
             "1",
+            "--estimator",
+            "sano-sawada",
             "--affine",
             "--neighbours",
             "15-30",
@@ -310,7 +333,7 @@ fn doubtful_spectra_come_with_a_warning() {
         (column, vec![], "unpredictable", "all columns of the state"),
         (
             henon(false),
-            vec!["--step", "4", "--stride", "2"],
+            vec!["--step", "4", "--stride", "2", "--estimator", "sano-sawada"],
             "unstable",
             "smaller --step",
         ),

@@ -1,5 +1,6 @@
 //! The program `spectrum`: the Lyapunov spectrum of anyone's time series.
 
+mod balance;
 mod draw;
 mod error;
 mod read;
@@ -9,11 +10,13 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::str::FromStr;
 
-use clap::Parser;
+use clap::{Parser, ValueEnum};
 
 use crate::figures::output::{self, Artifact};
 use crate::terminal;
-use stickslip::analysis::data_spectrum::{DataSettings, Neighbourhood, Series, data_spectrum_with};
+use stickslip::analysis::data_spectrum::{
+    DataSettings, Degree, Estimator, Neighbourhood, Series, data_spectrum_with,
+};
 
 pub use draw::draw;
 pub use error::SpectrumError;
@@ -26,7 +29,8 @@ const ABOUT: &str = "Lyapunov exponents of a time series of states, by Sano and 
 const AFTER: &str = "\
 Status of an exponent:
   ok            the series has points in its direction, and nothing else speaks against it
-  unstable      with neighbourhoods of twice the size it is another by more than 4 stderr and 5 %: biased
+  unstable      what the neighbourhoods' curvature does to it is not small: extrapolated to zero size it is another by more than 2
+                statistical errors and 5 % (sano-sawada: with neighbourhoods of twice the size, by more than 4 stderr and 5 %)
   starved       most balls held too few neighbours, so that the nearest were taken at any distance: give more points or fewer
                 --neighbours; a larger --eps helps only if the maximum of --neighbours is above the minimum
   unpredictable the maps do not predict the next state: noise, or columns of the state are missing
@@ -34,13 +38,15 @@ Status of an exponent:
                 rounding and is none of the system's
   annihilated   minus infinity: maps that the data determine take the direction to nothing
 
-stderr is statistical only and knows nothing of bias. eps_sensitivity (table and --json) is by how much the exponent changes
-with neighbourhoods of twice the size, a measure of the bias. Columns are used as they are, not standardised: bring
+stderr holds the scatter over time and the whole way of the extrapolation to neighbourhoods of size zero; over 200 series of known
+spectrum the true value was within two of it at least nine times in ten where the status is ok. With --estimator sano-sawada, the
+estimator of Eqs. (25) and (26) without correction, it is statistical only and knows nothing of bias. eps_sensitivity (table and
+--json) is by how much the exponent changes with neighbourhoods of twice the size, a measure of the bias. Columns are used as they are, not standardised: bring
 them to comparable units first. Flows that are sampled densely gain from --step 5 --affine.
 
 Further columns of the table:
   by rank r     the exponent by a second fit, restricted to the r tangent directions (r is set by --rank); where it differs from the
-                first by much more than both errors, believe neither
+                linear one of full rank by much more than both errors, believe neither
   direction     what neighbours do in the direction of that number, by decreasing size: tangent (they spread in proportion to the
                 neighbourhood), curvature (with a higher power), noise (to the same extent at all sizes), flat (not at all)
   slope         of that spread over the radius, both logarithmic: 1 tangent, 2 curvature, 0 noise
@@ -53,7 +59,8 @@ Output for machines:
   --json  an object with settings and exponents, a list of {index, exponent, stderr, status, …}, and warnings; null for -inf and where
           there is no value. Of an exponent also: eps_sensitivity; fixed_rank and fixed_rank_stderr, the second fit; collapses,
           the number of reference points at which its direction is annihilated; undetermined, of those whose neighbours do not
-          determine it
+          determine it; sano_sawada and sano_sawada_stderr, Eqs. (25) and (26) without correction. Of the spectrum also: sum, of the
+          exponents of the tangent directions, and its sum_stderr; balance, what --divergence says of it
 
 A column named t or time is no coordinate: it gives the time step, or is held against --dt. Without names a first column that goes on
 evenly is the time, too; of others that do a warning tells. A comma is a decimal comma where something else separates the columns and
@@ -65,6 +72,7 @@ Examples:
   spectrum lorenz.dat --dt 0.02
   spectrum run.csv --dt 0.2 --columns x1,x2,x3,x4 --step 3 --out pictures
   spectrum henon.csv --dt 1 --neighbours 30 --json
+  spectrum lorenz.csv --dt 0.02 --divergence -13.6667
   generate | spectrum - --dt 0.01 --csv";
 
 /// Arguments of the program.
@@ -113,6 +121,19 @@ pub struct Arguments {
     #[arg(long, value_name = "FRACTION", default_value_t = DataSettings::default().rank_tolerance, allow_negative_numbers = true)]
     pub rank_tolerance: f64,
 
+    /// What is made of the local maps
+    #[arg(long, value_enum, default_value_t = Method::Extrapolated)]
+    pub estimator: Method,
+
+    /// Degree of the maps that are extrapolated [default: quadratic where the series is long enough]
+    #[arg(long, value_enum)]
+    pub degree: Option<MapDegree>,
+
+    /// Mean divergence of the system per unit of time (trace of the Jacobian; of a map ln |det J|), which the exponents must add up to;
+    /// only where the columns are its state
+    #[arg(long, value_name = "VALUE", allow_negative_numbers = true)]
+    pub divergence: Option<f64>,
+
     /// Tikhonov regularisation, as a fraction of the largest singular value
     #[arg(
         long,
@@ -152,6 +173,24 @@ pub struct Arguments {
     pub out: Option<PathBuf>,
 }
 
+/// What is made of the local maps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Method {
+    /// From two sizes of the neighbourhoods to size zero, with the error of that
+    Extrapolated,
+    /// Linear maps of one size, Eqs. (25) and (26) of the paper, no correction
+    SanoSawada,
+}
+
+/// Degree of the maps that are extrapolated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum MapDegree {
+    /// Linear maps
+    Linear,
+    /// Quadratic forms beside them
+    Quadratic,
+}
+
 /// How many neighbours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Count {
@@ -183,7 +222,15 @@ impl Arguments {
     /// # Errors
     /// [`SpectrumError::EpsWithCount`].
     pub fn settings(&self) -> Result<DataSettings, SpectrumError> {
+        let degree = self.degree.map(|degree| match degree {
+            MapDegree::Linear => Degree::Linear,
+            MapDegree::Quadratic => Degree::Quadratic,
+        });
         let mut settings = DataSettings {
+            estimator: match self.estimator {
+                Method::Extrapolated => Estimator::Extrapolated { degree },
+                Method::SanoSawada => Estimator::SanoSawada,
+            },
             theiler: self.theiler,
             step: self.step,
             affine: self.affine,
@@ -213,17 +260,22 @@ impl Arguments {
     }
 
     /// What was set and changes nothing.
-    fn without_effect(&self, settings: &DataSettings) -> Option<String> {
-        match settings.neighbours {
-            Neighbourhood::Ball { min, max, .. } if min == max && self.eps.is_some() => {
-                Some(format!(
-                    "--eps changes no neighbour where the fewest and the most are both {min}; it only says which points are called starved: \
+    fn without_effect(&self, settings: &DataSettings) -> Vec<String> {
+        let mut notes = Vec::new();
+        if let Neighbourhood::Ball { min, max, .. } = settings.neighbours
+            && min == max
+            && self.eps.is_some()
+        {
+            notes.push(format!(
+                "--eps changes no neighbour where the fewest and the most are both {min}; it only says which points are called starved: \
                  give a range such as --neighbours {min}-{}",
-                    max.saturating_mul(2)
-                ))
-            }
-            _ => None,
+                max.saturating_mul(2)
+            ));
         }
+        if self.degree.is_some() && settings.estimator == Estimator::SanoSawada {
+            notes.push("--degree changes nothing with --estimator sano-sawada, whose maps are linear".to_owned());
+        }
+        notes
     }
 }
 
@@ -267,20 +319,26 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, SpectrumError> {
     let spectrum = terminal::patiently(" points, {eta} left", |report| {
         data_spectrum_with(&series, &settings, report)
     })?;
-    let mut written = String::new();
+    let balance = arguments
+        .divergence
+        .map(|divergence| (divergence, spectrum.balance(divergence)));
+    let mut written = balance.map_or(String::new(), |(divergence, balance)| {
+        balance::line(&spectrum, divergence, &balance)
+    });
     if let Some(folder) = &arguments.out {
         let picture = Artifact::text("spectrum.svg", draw(&spectrum, &source.input)?);
-        written = output::listing(&output::write_all(folder, &[picture])?);
+        written += &output::listing(&output::write_all(folder, &[picture])?);
     }
     let text = if arguments.json {
-        json(&spectrum, &source)?
+        json(&spectrum, &source, balance.map(|(_, balance)| balance))?
     } else if arguments.csv {
         csv(&spectrum)?
     } else {
         table(&spectrum, &source) + &written
     };
-    Ok(Outcome {
-        text,
-        warnings: warnings(&spectrum, &source),
-    })
+    let mut warnings = warnings(&spectrum, &source);
+    warnings.extend(balance.and_then(|(divergence, balance)| {
+        balance::warning(&spectrum, divergence, &balance)
+    }));
+    Ok(Outcome { text, warnings })
 }

@@ -4,10 +4,13 @@ use std::fmt::Write;
 
 use serde_json::{Value, json};
 
+use super::balance;
 use super::error::SpectrumError;
 use super::read::Table;
 use crate::figures::FigureError;
-use stickslip::analysis::data_spectrum::{DataExponent, DataSpectrum, Neighbourhood, Status};
+use stickslip::analysis::data_spectrum::{
+    Balance, DataExponent, DataSpectrum, Estimator, Neighbourhood, Status,
+};
 use stickslip::error::readable;
 
 /// With a larger part of the reference points starved there is a warning.
@@ -67,9 +70,10 @@ pub fn table(spectrum: &DataSpectrum, source: &Table) -> String {
     let _ = writeln!(
         text,
         "\n{} tangent direction{}: the data determine as many exponents; a value in brackets is none of the system's.\n\
-         stderr is statistical only; eps_sensitivity is the change with neighbourhoods of twice the size, a measure of bias.",
+         {}; eps_sensitivity is the change with neighbourhoods of twice the size, a measure of bias.",
         spectrum.dimension,
-        if spectrum.dimension == 1 { "" } else { "s" }
+        if spectrum.dimension == 1 { "" } else { "s" },
+        estimator(spectrum)
     );
     let counts = &spectrum.neighbours;
     let settings = &spectrum.settings;
@@ -91,6 +95,28 @@ pub fn table(spectrum: &DataSpectrum, source: &Table) -> String {
         if settings.affine { "affine" } else { "linear" },
     );
     text
+}
+
+/// Which estimator it is, and what its error holds.
+fn estimator(spectrum: &DataSpectrum) -> String {
+    let Some(sizes) = &spectrum.sizes else {
+        return "Sano-Sawada, Eqs. (25) and (26): stderr is statistical only".to_owned();
+    };
+    let uncorrected: Vec<String> = spectrum
+        .exponents
+        .iter()
+        .take(spectrum.dimension)
+        .map(|exponent| short(exponent.sano_sawada.0))
+        .collect();
+    let ([few, many], [near, far]) = (sizes.neighbours, sizes.radius);
+    format!(
+        "Extrapolated to size zero from {} maps of {few} and {many} neighbours, mean distance {} and {}; by Sano-Sawada, Eqs. (25) and \
+         (26), no correction: {}.\nstderr holds scatter over time and extrapolation",
+        sizes.degree.word(),
+        short(near),
+        short(far),
+        uncorrected.join(", ")
+    )
 }
 
 /// What makes the spectrum doubtful, each with its remedy.
@@ -136,8 +162,12 @@ pub fn warnings(spectrum: &DataSpectrum, source: &Table) -> Vec<String> {
     }
     if let Some(which) = indices(Status::Unstable) {
         warnings.push(format!(
-            "exponent {which} changes with the size of the neighbourhoods by more than four standard errors and 5 %, which is bias: \
-             try a smaller --step, fewer --neighbours, --affine, or more points"
+            "exponent {which} changes with the size of the neighbourhoods by more than {} standard errors and 5 %, which is bias: \
+             try a smaller --step, fewer --neighbours, --affine, or more points",
+            match spectrum.settings.estimator {
+                Estimator::SanoSawada => "four",
+                Estimator::Extrapolated { .. } => "two",
+            }
         ));
     }
     warnings.extend(disagreements(spectrum));
@@ -171,16 +201,17 @@ fn counting(source: &Table) -> Vec<String> {
 fn disagreements(spectrum: &DataSpectrum) -> Vec<String> {
     let warn = |(i, exponent): (usize, &DataExponent)| {
         let (value, stderr) = exponent.fixed_rank?;
-        let difference = value - exponent.value;
-        let variance = stderr * stderr + exponent.stderr * exponent.stderr;
+        let (linear, error) = exponent.sano_sawada;
+        let difference = value - linear;
+        let variance = stderr * stderr + error * error;
         let far = difference * difference > COMBINED_ERRORS * COMBINED_ERRORS * variance;
         (exponent.status == Status::Ok && far).then(|| {
             format!(
-                "exponent {i}: the fit of rank {} gives {} instead of {}; the two disagree: treat both as uncertain by their \
+                "exponent {i}: the fit of rank {} gives {} instead of the linear one's {}; the two disagree: treat both as uncertain by their \
                  difference",
                 spectrum.fixed_rank,
                 short(value),
-                short(exponent.value)
+                short(linear)
             )
         })
     };
@@ -208,7 +239,7 @@ fn value(exponent: &DataExponent) -> String {
 }
 
 /// Five significant digits or five decimals, whichever is shorter.
-fn short(v: f64) -> String {
+pub(super) fn short(v: f64) -> String {
     if v.is_nan() {
         "–".into()
     } else if !v.is_finite() || v == 0.0 {
@@ -255,7 +286,11 @@ pub fn csv(spectrum: &DataSpectrum) -> Result<String, SpectrumError> {
 ///
 /// # Errors
 /// [`SpectrumError::Json`].
-pub fn json(spectrum: &DataSpectrum, source: &Table) -> Result<String, SpectrumError> {
+pub fn json(
+    spectrum: &DataSpectrum,
+    source: &Table,
+    balance: Option<Balance>,
+) -> Result<String, SpectrumError> {
     let exponents: Vec<Value> = spectrum
         .exponents
         .iter()
@@ -271,6 +306,8 @@ pub fn json(spectrum: &DataSpectrum, source: &Table) -> Result<String, SpectrumE
                 "fixed_rank_stderr": exponent.fixed_rank.map(|(_, stderr)| stderr),
                 "collapses": exponent.collapses,
                 "undetermined": exponent.undetermined,
+                "sano_sawada": exponent.sano_sawada.0,
+                "sano_sawada_stderr": exponent.sano_sawada.1,
             })
         })
         .collect();
@@ -286,6 +323,7 @@ pub fn json(spectrum: &DataSpectrum, source: &Table) -> Result<String, SpectrumE
     };
     let document = json!({
         "settings": {
+            "estimator": settings.estimator.words(),
             "dt": source.dt,
             "columns": source.names,
             "eps": eps,
@@ -301,6 +339,14 @@ pub fn json(spectrum: &DataSpectrum, source: &Table) -> Result<String, SpectrumE
             "references": settings.references,
         },
         "exponents": exponents,
+        "sum": spectrum.sum.0,
+        "sum_stderr": spectrum.sum.1,
+        "balance": balance.as_ref().map(balance::value),
+        "sizes": spectrum.sizes.as_ref().map(|sizes| json!({
+            "degree": sizes.degree.word(),
+            "neighbours": sizes.neighbours,
+            "radius": sizes.radius,
+        })),
         "dimension": spectrum.dimension,
         "directions": directions,
         "neighbourhoods": {
