@@ -32,7 +32,9 @@ pub(super) fn line(spectrum: &DataSpectrum, divergence: f64, balance: &Balance) 
             short(sum),
             short(stderr)
         ),
-        Balance::Unknown => "The exponents have no sum to hold against the divergence.\n".to_owned(),
+        Balance::Unknown => {
+            "The exponents have no sum to hold against the divergence.\n".to_owned()
+        }
     }
 }
 

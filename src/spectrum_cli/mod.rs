@@ -273,7 +273,10 @@ impl Arguments {
             ));
         }
         if self.degree.is_some() && settings.estimator == Estimator::SanoSawada {
-            notes.push("--degree changes nothing with --estimator sano-sawada, whose maps are linear".to_owned());
+            notes.push(
+                "--degree changes nothing with --estimator sano-sawada, whose maps are linear"
+                    .to_owned(),
+            );
         }
         notes
     }
@@ -337,8 +340,8 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, SpectrumError> {
         table(&spectrum, &source) + &written
     };
     let mut warnings = warnings(&spectrum, &source);
-    warnings.extend(balance.and_then(|(divergence, balance)| {
-        balance::warning(&spectrum, divergence, &balance)
-    }));
+    warnings.extend(
+        balance.and_then(|(divergence, balance)| balance::warning(&spectrum, divergence, &balance)),
+    );
     Ok(Outcome { text, warnings })
 }

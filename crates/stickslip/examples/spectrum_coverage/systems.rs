@@ -252,7 +252,7 @@ fn exponents<S: System<N>, const N: usize>(seed: u64, points: usize) -> Vec<f64>
             *tangent = moved.map(|v| v.eps);
         }
         x = S::next(x);
-        for i in 0..N {
+        for (i, sum) in sums.iter_mut().enumerate() {
             let (before, rest) = tangents.split_at_mut(i);
             let tangent = &mut rest[0];
             for other in before.iter() {
@@ -264,7 +264,7 @@ fn exponents<S: System<N>, const N: usize>(seed: u64, points: usize) -> Vec<f64>
             }
             let length = tangent.iter().map(|v| v * v).sum::<f64>().sqrt();
             tangent.iter_mut().for_each(|v| *v /= length);
-            sums[i] += math::ln(length);
+            *sum += math::ln(length);
         }
     }
     // A direction that nothing feeds keeps its vector and its position.

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use stickslip::statistics::middle_two;
 
-use crate::trial::{Row, Verdict};
+use super::trial::{Row, Verdict};
 
 /// First line of the CSV.
 const HEADER: &str = "system,points,seed,index,known,exponent,stderr,status,holds,sano_sawada,sano_sawada_stderr,sano_sawada_status,\

@@ -4,7 +4,7 @@ use stickslip::analysis::data_spectrum::{
     DataError, DataExponent, DataSettings, Series, Status, data_spectrum,
 };
 
-use crate::systems::Case;
+use super::systems::Case;
 
 /// An exponent by both estimators.
 pub struct Row {

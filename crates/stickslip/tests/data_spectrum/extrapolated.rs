@@ -92,7 +92,10 @@ fn short_series_get_linear_maps() {
         Degree::Quadratic
     );
     let linear = of(5000, degree(Some(Degree::Linear)));
-    assert_eq!((linear.degree, linear.neighbours), (Degree::Linear, [12, 24]));
+    assert_eq!(
+        (linear.degree, linear.neighbours),
+        (Degree::Linear, [12, 24])
+    );
     let many = DataSettings {
         neighbours: Neighbourhood::Nearest(40),
         ..DataSettings::default()

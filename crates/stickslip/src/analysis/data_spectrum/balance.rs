@@ -46,8 +46,7 @@ impl DataSpectrum {
             0 => Balance::Whole {
                 excess,
                 stderr,
-                agrees: excess.abs()
-                    <= (STANDARD_ERRORS * stderr).max(ROUNDING * divergence.abs()),
+                agrees: excess.abs() <= (STANDARD_ERRORS * stderr).max(ROUNDING * divergence.abs()),
             },
             exponents => Balance::Rest {
                 exponents,

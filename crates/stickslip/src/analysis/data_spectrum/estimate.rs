@@ -139,7 +139,8 @@ fn estimate<const N: usize>(
                 let j = i * settings.stride;
                 let selection = finder.select(j, &settings.neighbours, times, cloud.spread, found);
                 let neighbours = &found[..selection.count];
-                let wide = sensitivity.then(|| scratch.decompose(&cloud, j, found, &rule).map(N, &rule));
+                let wide =
+                    sensitivity.then(|| scratch.decompose(&cloud, j, found, &rule).map(N, &rule));
                 let decomposed = scratch.decompose(&cloud, j, neighbours, &rule);
                 let full = decomposed.map(N, &rule);
                 Local {

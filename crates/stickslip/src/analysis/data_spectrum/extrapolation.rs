@@ -210,7 +210,11 @@ impl<const N: usize> Chains<N> {
         let [small, large] = self.radius;
         let rise = large * large - small * small;
         // Neighbourhoods of the same radius, as of points in few places, tell nothing of another.
-        let weight = if rise > 0.0 { small * small / rise } else { 0.0 };
+        let weight = if rise > 0.0 {
+            small * small / rise
+        } else {
+            0.0
+        };
         let [small, large] = &self.stretches;
         let pairs = small.iter().zip(large);
         pairs

@@ -140,8 +140,7 @@ impl Fitter {
             }
         }
         design.extend_from_slice(along);
-        for c in 0..N {
-            let origin = points[j + polynomial.step][c];
+        for (c, origin) in points[j + polynomial.step].iter().enumerate() {
             let images = neighbours
                 .iter()
                 .map(|&(_, k)| points[k as usize + polynomial.step][c] - origin);
@@ -264,7 +263,10 @@ mod tests {
             }
             assert_eq!(row[2], 0.0);
         }
-        let linear = fit(&Polynomial { forms: 0, ..polynomial });
+        let linear = fit(&Polynomial {
+            forms: 0,
+            ..polynomial
+        });
         assert!((linear.matrix[0][0] - 0.4).abs() > 1e-3);
     }
 
@@ -283,7 +285,9 @@ mod tests {
         let neighbours: Vec<Neighbour> = (1..30).map(|k| (0.01 * f64::from(k * k), k)).collect();
         let mut fitter = Fitter::default();
         let mut rank = |neighbours: &[Neighbour]| {
-            fitter.fit(&points, 0, neighbours, &directions, &polynomial).rank
+            fitter
+                .fit(&points, 0, neighbours, &directions, &polynomial)
+                .rank
         };
         assert_eq!(rank(&neighbours), 0);
         assert_eq!(rank(&neighbours[..4]), 0);
@@ -300,7 +304,10 @@ mod tests {
         };
         let forms = |columns| linear.quadratic(columns).forms;
         assert_eq!([2, 4, 6, 7, 8, 10].map(forms), [2, 4, 6, 6, 5, 5]);
-        let thick = Polynomial { tangent: 8, ..linear };
+        let thick = Polynomial {
+            tangent: 8,
+            ..linear
+        };
         assert_eq!(thick.quadratic(10).forms, 8);
     }
 }
