@@ -68,6 +68,6 @@ were chosen.
 const TAIL: &str = "
 An exponent counts where the system has it; one that is called `ok` and that no exponent of the system answers to counts as not within.
 \"ok\" is the share of the system's exponents that are called so, \"within 2σ\" how often the true one is within two standard errors of
-these, \"error\" the median distance from it, per unit of time. Exponents that are not `ok` are nearly all strong contractions that no
-series shows (`unidentified`).
+these, \"error\" the median distance from it, per unit of time. Those that are not `ok` are mostly strong contractions that no series shows
+(`unidentified`), and Chua's where the corners of its diode are in the neighbourhoods (`unstable`).
 ";
