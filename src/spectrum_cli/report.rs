@@ -5,9 +5,11 @@ use std::fmt::Write;
 use serde_json::{Value, json};
 
 use super::error::SpectrumError;
+use super::findings::Findings;
+use super::opinion;
 use super::read::Table;
 use crate::figures::FigureError;
-use stickslip::analysis::data_spectrum::{DataExponent, DataSpectrum, Neighbourhood, Status};
+use stickslip::analysis::data_spectrum::{DataExponent, Neighbourhood, Status};
 use stickslip::error::readable;
 
 /// With a larger part of the reference points starved there is a warning.
@@ -16,12 +18,13 @@ const STARVED: f64 = 0.1;
 const COMBINED_ERRORS: f64 = 4.0;
 
 /// The spectrum and its evidence, for the terminal.
-pub fn table(spectrum: &DataSpectrum, source: &Table) -> String {
+pub fn table(findings: &Findings, source: &Table) -> String {
+    let spectrum = &findings.spectrum;
     let mut text = String::new();
     // Writing to a string cannot fail.
     let _ = writeln!(
         text,
-        "{}: {} points of ({}), dt = {}{}\n",
+        "{}: {} points of ({}), dt = {}{}",
         source.input,
         source.values.len() / source.names.len().max(1),
         source.names.join(", "),
@@ -31,6 +34,10 @@ pub fn table(spectrum: &DataSpectrum, source: &Table) -> String {
             .as_ref()
             .map_or(String::new(), |name| format!(" from column {name}")),
     );
+    if let Some(embedded) = &findings.embedded {
+        text += &embedded.text(source);
+    }
+    text.push('\n');
     let _ = writeln!(
         text,
         "{:>5}  {:>12}  {:>10}  {:>15}  {:<13} {:>15}  {:<10} {:>5}",
@@ -49,10 +56,10 @@ pub fn table(spectrum: &DataSpectrum, source: &Table) -> String {
             text,
             "{:>5}  {:>12}  {:>10}  {:>15}  {:<13} {:>15}  {:<10} {:>5}",
             i + 1,
-            value(exponent),
+            value(exponent, findings.is_spurious(i)),
             short(exponent.stderr),
             short(exponent.eps_sensitivity),
-            exponent.status.word(),
+            findings.status(i),
             exponent
                 .fixed_rank
                 .map_or("–".into(), |(value, _)| short(value)),
@@ -71,6 +78,15 @@ pub fn table(spectrum: &DataSpectrum, source: &Table) -> String {
         spectrum.dimension,
         if spectrum.dimension == 1 { "" } else { "s" }
     );
+    if let Some(embedded) = &findings.embedded {
+        text += &embedded.origins(spectrum);
+    }
+    if let Some(divergence) = &findings.divergence {
+        text += &opinion::divergence_text(divergence);
+    }
+    if let Some(test) = &findings.surrogates {
+        text += &opinion::surrogates_text(test);
+    }
     let counts = &spectrum.neighbours;
     let settings = &spectrum.settings;
     let _ = writeln!(
@@ -94,7 +110,8 @@ pub fn table(spectrum: &DataSpectrum, source: &Table) -> String {
 }
 
 /// What makes the spectrum doubtful, each with its remedy.
-pub fn warnings(spectrum: &DataSpectrum, source: &Table) -> Vec<String> {
+pub fn warnings(findings: &Findings, source: &Table) -> Vec<String> {
+    let spectrum = &findings.spectrum;
     let mut warnings = counting(source);
     let part = spectrum.starved as f64 / spectrum.references as f64;
     if part > STARVED {
@@ -140,7 +157,13 @@ pub fn warnings(spectrum: &DataSpectrum, source: &Table) -> Vec<String> {
              try a smaller --step, fewer --neighbours, --affine, or more points"
         ));
     }
-    warnings.extend(disagreements(spectrum));
+    warnings.extend(disagreements(findings));
+    warnings.extend(
+        findings
+            .embedded
+            .iter()
+            .flat_map(|embedded| embedded.warnings()),
+    );
     warnings.extend(source.notes.iter().cloned());
     warnings
 }
@@ -168,13 +191,14 @@ fn counting(source: &Table) -> Vec<String> {
 }
 
 /// Exponents that nothing else speaks against, but on which the two fits differ.
-fn disagreements(spectrum: &DataSpectrum) -> Vec<String> {
+fn disagreements(findings: &Findings) -> Vec<String> {
+    let spectrum = &findings.spectrum;
     let warn = |(i, exponent): (usize, &DataExponent)| {
         let (value, stderr) = exponent.fixed_rank?;
         let difference = value - exponent.value;
         let variance = stderr * stderr + exponent.stderr * exponent.stderr;
         let far = difference * difference > COMBINED_ERRORS * COMBINED_ERRORS * variance;
-        (exponent.status == Status::Ok && far).then(|| {
+        (findings.status(i - 1) == Status::Ok.word() && far).then(|| {
             format!(
                 "exponent {i}: the fit of rank {} gives {} instead of {}; the two disagree: treat both as uncertain by their \
                  difference",
@@ -196,8 +220,9 @@ fn neighbourhood(neighbours: &Neighbourhood) -> String {
     }
 }
 
-fn value(exponent: &DataExponent) -> String {
+fn value(exponent: &DataExponent, is_spurious: bool) -> String {
     match exponent.status {
+        _ if is_spurious => format!("({})", short(exponent.value)),
         Status::Ok | Status::Unstable | Status::Starved | Status::Unpredictable => {
             short(exponent.value)
         }
@@ -208,7 +233,7 @@ fn value(exponent: &DataExponent) -> String {
 }
 
 /// Five significant digits or five decimals, whichever is shorter.
-fn short(v: f64) -> String {
+pub(super) fn short(v: f64) -> String {
     if v.is_nan() {
         "–".into()
     } else if !v.is_finite() || v == 0.0 {
@@ -224,7 +249,8 @@ fn short(v: f64) -> String {
 ///
 /// # Errors
 /// [`FigureError::Csv`] if the writer refuses a field.
-pub fn csv(spectrum: &DataSpectrum) -> Result<String, SpectrumError> {
+pub fn csv(findings: &Findings) -> Result<String, SpectrumError> {
+    let spectrum = &findings.spectrum;
     let number = |v: f64| {
         if v.is_nan() {
             String::new()
@@ -240,7 +266,7 @@ pub fn csv(spectrum: &DataSpectrum) -> Result<String, SpectrumError> {
             (i + 1).to_string(),
             number(exponent.value),
             number(exponent.stderr),
-            exponent.status.word().to_owned(),
+            findings.status(i).to_owned(),
         ];
         writer.write_record(record).map_err(FigureError::from)?;
     }
@@ -255,7 +281,8 @@ pub fn csv(spectrum: &DataSpectrum) -> Result<String, SpectrumError> {
 ///
 /// # Errors
 /// [`SpectrumError::Json`].
-pub fn json(spectrum: &DataSpectrum, source: &Table) -> Result<String, SpectrumError> {
+pub fn json(findings: &Findings, source: &Table) -> Result<String, SpectrumError> {
+    let spectrum = &findings.spectrum;
     let exponents: Vec<Value> = spectrum
         .exponents
         .iter()
@@ -266,7 +293,7 @@ pub fn json(spectrum: &DataSpectrum, source: &Table) -> Result<String, SpectrumE
                 "exponent": exponent.value,
                 "stderr": exponent.stderr,
                 "eps_sensitivity": exponent.eps_sensitivity,
-                "status": exponent.status.word(),
+                "status": findings.status(i),
                 "fixed_rank": exponent.fixed_rank.map(|(value, _)| value),
                 "fixed_rank_stderr": exponent.fixed_rank.map(|(_, stderr)| stderr),
                 "collapses": exponent.collapses,
@@ -312,7 +339,10 @@ pub fn json(spectrum: &DataSpectrum, source: &Table) -> Result<String, SpectrumE
             "starved": spectrum.starved,
         },
         "residual_ratio": spectrum.residual_ratio,
-        "warnings": warnings(spectrum, source),
+        "embedding": findings.embedded.as_ref().map(|embedded| embedded.json()),
+        "divergence": findings.divergence.as_ref().map(opinion::divergence_json),
+        "surrogates": findings.surrogates.as_ref().map(opinion::surrogates_json),
+        "warnings": warnings(findings, source),
     });
     Ok(format!("{}\n", serde_json::to_string_pretty(&document)?))
 }

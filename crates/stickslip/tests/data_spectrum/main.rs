@@ -1,5 +1,7 @@
 //! The spectrum from a series against closed forms, against known spectra, and where the data tell nothing.
 
+mod embedding;
+
 use nalgebra::{Matrix2, Vector2};
 use stickslip::analysis::data_spectrum::{
     DataError, DataSettings, DataSpectrum, Kind, MAX_COLUMNS, Neighbourhood, Series, Status,

@@ -58,18 +58,29 @@ mod averages;
 mod chain;
 mod cloud;
 mod directions;
+mod divergence;
+mod embedding;
 mod error;
 mod estimate;
 mod fit;
 mod neighbours;
 mod result;
+mod reversal;
 mod series;
 mod settings;
+mod surrogates;
 mod svd;
 
 pub use directions::{Direction, Kind};
+pub use divergence::{Divergence, DivergenceCurve, StraightPart, divergence};
+pub use embedding::{
+    DelayReason, DimensionEvidence, DimensionReason, Embedding, EmbeddingChoice, EmbeddingSettings,
+    NO_FALSE_NEIGHBOURS, choose_embedding, lacks_columns,
+};
 pub use error::DataError;
 pub use estimate::{data_spectrum, data_spectrum_with};
 pub use result::{Counts, DataExponent, DataSpectrum, Running, Status};
+pub use reversal::{Origin, Reversal, reversal};
 pub use series::{MAX_COLUMNS, Series};
 pub use settings::{DataSettings, FEWEST_REFERENCES, Neighbourhood};
+pub use surrogates::{FEWEST_SURROGATES, Statistics, SurrogateTest, surrogate_test};
