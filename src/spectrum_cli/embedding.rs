@@ -19,6 +19,9 @@ const PART: usize = 100;
 /// nor fewer than so many for each value.
 const FOR_EACH_VALUE: usize = 4;
 
+/// With fewer points nothing is embedded unasked.
+const FEWEST_POINTS: usize = 50;
+
 /// An embedding and what became of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Embedded {
@@ -30,8 +33,8 @@ pub struct Embedded {
 
 /// The embedding that the options ask for or the data need; `None` if the columns are the state as they are.
 ///
-/// One column is embedded in as many delayed values as it needs. Several are embedded only if an option says so, or if more than a
-/// tenth of their nearest neighbours are false and delayed values cure it.
+/// One column is embedded in as many delayed values as it needs. Several are embedded only if an option says so, or if more than
+/// 5 % of their nearest neighbours are false and delayed values cure it. Fewer than 50 points are too few to tell.
 ///
 /// # Errors
 /// Those of [`choose_embedding`].
@@ -42,6 +45,9 @@ pub(super) fn choose(
 ) -> Result<Option<EmbeddingChoice>, SpectrumError> {
     let asked = arguments.delay.is_some() || arguments.dimension.is_some();
     if arguments.dimension == Some(1) && arguments.delay != Some(0) {
+        return Ok(None);
+    }
+    if !asked && series.len() < FEWEST_POINTS {
         return Ok(None);
     }
     if !asked && series.columns() > 1 && !lacks_columns(series, arguments.theiler)? {

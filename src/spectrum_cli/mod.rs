@@ -47,7 +47,7 @@ One column is no state: it is embedded, which is to say that x(t), x(t + delay),
 minimum of the average mutual information (1 for a series that is uncorrelated after one point, as of a map), the number of
 values the first with less than 1 % false nearest neighbours (Kennel), beside which Cao's method is shown. --delay and --dimension
 override them. Several columns are taken as they are; they are embedded, each in as many values, if an option asks for it, or if more than
-10 % of their nearest neighbours are false and delayed values cure that. --dimension 1 turns it off. More values than the system has
+5 % of their nearest neighbours are false and delayed values cure that. --dimension 1 turns it off. More values than the system has
 dimensions make exponents of the embedding's own. They are told by the fit of rank r, which has no room for them, and by the
 series with the time reversed, in which only the system's change sign. With delayed values the maps are affine and go one delay ahead.
 
@@ -324,6 +324,10 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, SpectrumError> {
     source.notes.extend(arguments.delay_without_effect());
     let series = Series::new(source.values.clone(), source.names.len(), source.dt)?;
     let findings = find(&series, settings, arguments)?;
+    if arguments.affine && findings.embedded.is_some() {
+        let note = "--affine changes nothing with delayed values, whose maps are affine anyway";
+        source.notes.push(note.into());
+    }
     let mut written = String::new();
     if let Some(folder) = &arguments.out {
         let picture = Artifact::text("spectrum.svg", draw(&findings, &source.input)?);

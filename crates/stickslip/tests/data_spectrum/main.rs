@@ -1,6 +1,7 @@
 //! The spectrum from a series against closed forms, against known spectra, and where the data tell nothing.
 
 mod embedding;
+mod second_opinion;
 
 use nalgebra::{Matrix2, Vector2};
 use stickslip::analysis::data_spectrum::{

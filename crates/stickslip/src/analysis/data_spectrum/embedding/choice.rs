@@ -17,8 +17,8 @@ const RISE: f64 = 0.01;
 const SHOWN: usize = 3;
 /// With a smaller part of false neighbours there are none: Kennel's 1 %.
 pub const NO_FALSE_NEIGHBOURS: f64 = 0.01;
-/// With a larger part of them columns are missing.
-const MANY_FALSE_NEIGHBOURS: f64 = 0.1;
+/// With a larger part of them columns are missing: whole states have up to 3 % where they stick, and Lorenz' x and z at 3000 points 5 %.
+const MANY_FALSE_NEIGHBOURS: f64 = 0.05;
 /// Cao's E1 has stopped changing where it is above,
 const CAO_SETTLED: f64 = 0.9;
 /// and differs from the one of a dimension more by less.
@@ -113,7 +113,7 @@ pub struct EmbeddingChoice {
     pub information: Vec<(usize, f64)>,
     /// False neighbours and Cao's averages, dimension after dimension.
     pub dimensions: Vec<DimensionEvidence>,
-    /// The dimension by Cao's method: the first from which E1 does not change; `None` if it does at all.
+    /// The dimension by Cao's method: the first from which E1 does not change; `None` if it does at all, and for noise.
     pub cao: Option<usize>,
     /// Cao's E2 is 1 at all dimensions: the next value does not depend on those before, as in noise.
     pub is_noise: bool,
@@ -172,19 +172,21 @@ pub fn choose_embedding(
         None => without_false_neighbours(&dimensions),
     };
     let known = || dimensions.iter().filter(|one| !one.e2.is_nan());
+    let is_noise = known().count() > 1 && known().all(|one| (one.e2 - 1.0).abs() < CAO_NOISE);
     Ok(EmbeddingChoice {
         embedding: Embedding { delay, dimension },
         delay_reason,
         dimension_reason,
         information,
-        cao: cao(&dimensions),
-        is_noise: known().count() > 1 && known().all(|one| (one.e2 - 1.0).abs() < CAO_NOISE),
+        // Of noise E1 comes near 1 slowly, too, as its neighbours go apart.
+        cao: cao(&dimensions).filter(|_| !is_noise),
+        is_noise,
         dimensions,
     })
 }
 
-/// Whether the columns are too few for a state: of more than a tenth of the nearest neighbours what follows a decorrelation time later
-/// shows that they are false. A quicker question than [`choose_embedding`], for several columns that may be the whole state.
+/// Whether the columns are too few for a state: of more than 5 % of the nearest neighbours what follows a decorrelation time later shows
+/// that they are false. A quicker question than [`choose_embedding`], for several columns that may be the whole state.
 ///
 /// # Errors
 /// [`DataError::Constant`], [`DataError::Overflow`], [`DataError::TooMany`], [`DataError::Tree`].

@@ -127,7 +127,11 @@ mod tests {
         assert!(refused(0, 2).contains("delay = 0"));
         assert!(refused(1, 0).contains("dimension = 0"));
         assert!(refused(1, 4).contains("1 to 3"));
-        assert!(refused(4, 3).contains("9 points"), "{}", refused(4, 3));
+        let long = refused(5, 3);
+        assert!(
+            long.contains("9 points") && long.contains("more than 10"),
+            "{long}"
+        );
         assert!(refused(usize::MAX, 3).contains("9 points"));
         let last = Embedding {
             delay: 4,
