@@ -79,11 +79,11 @@ fn partings(divergence: &Divergence) -> Panel {
     .legend(Legend::Below);
     for (i, curve) in curves().enumerate() {
         let name = match curve.radius {
-            Some(radius) => format!("Kantz, radius {}", short(radius)),
+            Some(radius) => format!("Kantz, radius {}", brief(radius)),
             None => "Rosenstein".into(),
         };
         let slope = match &curve.straight {
-            Some(straight) => format!("{} ± {}", short(straight.slope), short(straight.stderr)),
+            Some(straight) => format!("{} ± {}", brief(straight.slope), brief(straight.stderr)),
             None => "no straight part".into(),
         };
         panel.add(
@@ -101,6 +101,15 @@ fn partings(divergence: &Divergence) -> Panel {
     }
     panel.add(Guide::horizontal(divergence.saturation).legend("distance of any two points"));
     panel
+}
+
+/// Four decimals, so that a legend has room.
+fn brief(v: f64) -> String {
+    if (1e-3..1e4).contains(&v.abs()) {
+        number(v, 4)
+    } else {
+        short(v)
+    }
 }
 
 /// The series among its surrogates.

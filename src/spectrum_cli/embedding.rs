@@ -95,10 +95,19 @@ impl Embedded {
     /// What was embedded and why so, for the terminal.
     pub(super) fn text(&self, source: &Table) -> String {
         let choice = &self.choice;
+        // A number alone would read as a value.
+        let columns: Vec<String> = source
+            .names
+            .iter()
+            .map(|name| match name.parse::<usize>() {
+                Ok(_) => format!("column {name}"),
+                Err(_) => name.clone(),
+            })
+            .collect();
         let mut text = format!(
             "embedded: {} values of {} with a delay of {} points ({}); dimension: {}",
             choice.embedding.dimension,
-            source.names.join(" and of "),
+            columns.join(" and of "),
             choice.embedding.delay,
             choice.delay_reason.words(),
             choice.dimension_reason.words(),

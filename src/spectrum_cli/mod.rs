@@ -65,8 +65,8 @@ The residual ratio is what the maps leave unexplained of the neighbours' motion:
 
 Beside the spectrum stands the largest exponent by how neighbours part, without maps: by the nearest neighbour (Rosenstein) and within
 three radii (Kantz; the median, with half the range if it is more than the error). The straight part of a curve is the one with the smallest
-scatter about its line against its rise, of all that have 5 points, rise by a factor of e, and end a factor of e below the distance of
-any two points. --surrogates N compares the series with N series of the same spectrum and the same values, amplitude-adjusted by iterated
+scatter about its line against its rise, of all that have 5 points, rise by a factor of e and by half of the whole, and end a factor of e below where
+the distances level off. --surrogates N compares the series with N series of the same spectrum and the same values, amplitude-adjusted by iterated
 phase randomisation (IAAFT): the series is told from linear noise if the maps predict it better than all of them (5 % for 19).
 
 Exit codes: 0 done (warnings go to standard error), 1 a bad file or a failure, 2 a wrong command line.

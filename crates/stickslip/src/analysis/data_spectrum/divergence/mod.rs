@@ -47,7 +47,7 @@ pub struct DivergenceCurve {
     pub references: usize,
     /// Time and mean logarithm of the distance, in the unit of the data.
     pub points: Vec<(f64, f64)>,
-    /// The straight part; `None` if the distance does not grow by a factor of e before it is as large as the attractor.
+    /// The straight part; `None` if the distance does not grow by a factor of e before it levels off.
     pub straight: Option<StraightPart>,
 }
 
@@ -216,6 +216,8 @@ impl<const N: usize> Follow<'_, N> {
         const TOGETHER: usize = 16;
         let mut means: Vec<[f64; BLOCKS]> = Vec::new();
         let mut curve: Vec<f64> = Vec::new();
+        // Neighbours that keep in phase, as Rössler's do, never come to be as far apart as any two points.
+        let mut level = self.saturation;
         while !followed.is_empty() && curve.len() < self.longest {
             let from = curve.len();
             let until = (from + TOGETHER).min(self.longest);
@@ -230,7 +232,11 @@ impl<const N: usize> Follow<'_, N> {
             let is_saturated = curve
                 .last()
                 .is_some_and(|last| *last > self.saturation - SATURATED);
-            if is_saturated || self.is_flat(&curve) {
+            if is_saturated {
+                break;
+            }
+            if self.is_flat(&curve) {
+                level = curve.iter().copied().fold(f64::NEG_INFINITY, f64::max);
                 break;
             }
         }
@@ -239,7 +245,7 @@ impl<const N: usize> Follow<'_, N> {
         DivergenceCurve {
             radius: radius.map(|radius| self.cloud.unit * radius),
             references: followed.len(),
-            straight: straight_part(&curve, &means, self.saturation, self.dt),
+            straight: straight_part(&curve, &means, level, self.dt),
             points: points
                 .map(|(k, mean)| (k as f64 * self.dt, mean + unit))
                 .collect(),

@@ -2,16 +2,18 @@
 
 use super::BLOCKS;
 
-/// A straight part ends where distances are a factor of e below those of any two points: beyond, folding bends it.
-const BELOW_SATURATION: f64 = 1.0;
+/// A straight part ends where distances are a factor of e below where they level off: beyond, folding bends it.
+const BELOW_LEVEL: f64 = 1.0;
 /// It has so many points at least,
 const FEWEST: usize = 5;
-/// and rises by a factor of e at least.
+/// and rises by a factor of e at least,
 const RISE: f64 = 1.0;
+/// and by this part of the whole rise to there: a shorter piece may be straight by chance and has the growth of a few places only.
+const PART: f64 = 0.5;
 /// Scatter about the line, as a part of the rise, above which there is no straight part.
 const CROOKED: f64 = 0.05;
 
-/// The part of a curve from which an exponent is taken: of all parts that end before saturation, the one whose scatter about its line of
+/// The part of a curve from which an exponent is taken: of all parts that end before the curve levels off, the one whose scatter about its line of
 /// least squares is smallest against its rise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StraightPart {
@@ -39,19 +41,24 @@ impl StraightPart {
     }
 }
 
-/// Finds the straight part of `curve`, a value for each point of time; `blocks` holds the same for parts of the data.
+/// Finds the straight part of `curve`, a value for each point of time; `blocks` holds the same for parts of the data, and at
+/// `level` the curve levels off.
 pub(super) fn straight_part(
     curve: &[f64],
     blocks: &[[f64; BLOCKS]],
-    saturation: f64,
+    level: f64,
     dt: f64,
 ) -> Option<StraightPart> {
-    let top = saturation - BELOW_SATURATION;
+    let top = level - BELOW_LEVEL;
     let end = curve
         .iter()
         .position(|v| v.is_nan() || *v >= top)
         .unwrap_or(curve.len());
     let curve = &curve[..end];
+    let highest = curve.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let least = curve
+        .first()
+        .map_or(RISE, |first| RISE.max(PART * (highest - first)));
     let mut best: Option<(f64, usize, usize)> = None;
     for from in 0..curve.len() {
         let mut sums = Sums::default();
@@ -62,7 +69,7 @@ pub(super) fn straight_part(
             }
             let (slope, rest) = sums.line();
             let rise = slope * (k - from) as f64;
-            if rise < RISE {
+            if rise < least {
                 continue;
             }
             let scatter = rest / rise;
