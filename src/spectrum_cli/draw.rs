@@ -194,7 +194,8 @@ fn dimensions(embedded: &Embedded) -> Panel {
     );
     let chosen = choice.embedding.dimension as f64;
     panel.add(Guide::vertical(chosen).color(GREY).legend(&text));
-    let curves: [(&str, Color, fn(&DimensionEvidence) -> f64); 3] = [
+    type Curves = [(&'static str, Color, fn(&DimensionEvidence) -> f64); 3];
+    let curves: Curves = [
         ("false nearest neighbours", BLUE, |one| one.false_neighbours),
         ("Cao's E1", VERMILLION, |one| one.e1),
         ("Cao's E2", GREEN, |one| one.e2),
