@@ -280,6 +280,20 @@ fn wrong_command_lines_end_with_two() {
             vec!["-", "--dt", "1", "--neighbours", "30", "--eps", "0.1"],
             "--eps",
         ),
+        (vec!["-", "--dt", "1", "--delay", "0"], "--delay = 0"),
+        (
+            vec!["-", "--dt", "1", "--dimension", "0"],
+            "--dimension = 0",
+        ),
+        (
+            vec!["-", "--dt", "1", "--dimension", "6"],
+            "--dimension = 6 is not allowed: it must be 1 to 5",
+        ),
+        (vec!["-", "--dt", "1", "--dimension", "-3"], "'-3'"),
+        (
+            vec!["-", "--dt", "1", "--surrogates", "18"],
+            "--surrogates = 18 is not allowed: it must be at least 19",
+        ),
         (vec!["-", "--dt", "1", "--json", "--csv"], "--csv"),
         (vec!["-", "--dt", "1", "--no-such-flag"], "--no-such-flag"),
     ] {
@@ -330,7 +344,12 @@ fn doubtful_spectra_come_with_a_warning() {
             "column 1 goes on evenly by 0.25000 from row to row, as a time or an index does, and is used as part of the state: \
              leave it out with --columns 2,3",
         ),
-        (column, vec![], "unpredictable", "all columns of the state"),
+        (
+            column,
+            vec!["--dimension", "1"],
+            "unpredictable",
+            "all columns of the state",
+        ),
         (
             henon(false),
             vec!["--step", "4", "--stride", "2", "--estimator", "sano-sawada"],
@@ -496,6 +515,12 @@ fn help_has_examples_and_explains_the_status() {
         "collapses",
         "undetermined",
         "fixed_rank",
+        "--delay",
+        "--dimension",
+        "--surrogates",
+        "spurious",
+        "Rosenstein",
+        "IAAFT",
     ] {
         assert!(help.contains(word), "{word}");
     }

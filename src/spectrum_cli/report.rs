@@ -6,10 +6,12 @@ use serde_json::{Value, json};
 
 use super::balance;
 use super::error::SpectrumError;
+use super::findings::Findings;
+use super::opinion;
 use super::read::Table;
 use crate::figures::FigureError;
 use stickslip::analysis::data_spectrum::{
-    Balance, DataExponent, DataSpectrum, Estimator, Neighbourhood, Status,
+    DataExponent, DataSpectrum, Estimator, Neighbourhood, Status,
 };
 use stickslip::error::readable;
 
@@ -19,12 +21,13 @@ const STARVED: f64 = 0.1;
 const COMBINED_ERRORS: f64 = 4.0;
 
 /// The spectrum and its evidence, for the terminal.
-pub fn table(spectrum: &DataSpectrum, source: &Table) -> String {
+pub fn table(findings: &Findings, source: &Table) -> String {
+    let spectrum = &findings.spectrum;
     let mut text = String::new();
     // Writing to a string cannot fail.
     let _ = writeln!(
         text,
-        "{}: {} points of ({}), dt = {}{}\n",
+        "{}: {} points of ({}), dt = {}{}",
         source.input,
         source.values.len() / source.names.len().max(1),
         source.names.join(", "),
@@ -34,6 +37,10 @@ pub fn table(spectrum: &DataSpectrum, source: &Table) -> String {
             .as_ref()
             .map_or(String::new(), |name| format!(" from column {name}")),
     );
+    if let Some(embedded) = &findings.embedded {
+        text += &embedded.text(source);
+    }
+    text.push('\n');
     let _ = writeln!(
         text,
         "{:>5}  {:>12}  {:>10}  {:>15}  {:<13} {:>15}  {:<10} {:>5}",
@@ -52,10 +59,10 @@ pub fn table(spectrum: &DataSpectrum, source: &Table) -> String {
             text,
             "{:>5}  {:>12}  {:>10}  {:>15}  {:<13} {:>15}  {:<10} {:>5}",
             i + 1,
-            value(exponent),
+            value(exponent, findings.is_spurious(i)),
             short(exponent.stderr),
             short(exponent.eps_sensitivity),
-            exponent.status.word(),
+            findings.status(i),
             exponent
                 .fixed_rank
                 .map_or("–".into(), |(value, _)| short(value)),
@@ -75,6 +82,18 @@ pub fn table(spectrum: &DataSpectrum, source: &Table) -> String {
         if spectrum.dimension == 1 { "" } else { "s" },
         estimator(spectrum)
     );
+    if let Some(embedded) = &findings.embedded {
+        text += &embedded.origins(spectrum);
+    }
+    if let Some((divergence, balance)) = &findings.balance {
+        text += &balance::line(spectrum, *divergence, balance);
+    }
+    if let Some(divergence) = &findings.divergence {
+        text += &opinion::divergence_text(divergence);
+    }
+    if let Some(test) = &findings.surrogates {
+        text += &opinion::surrogates_text(test);
+    }
     let counts = &spectrum.neighbours;
     let settings = &spectrum.settings;
     let _ = writeln!(
@@ -120,7 +139,8 @@ fn estimator(spectrum: &DataSpectrum) -> String {
 }
 
 /// What makes the spectrum doubtful, each with its remedy.
-pub fn warnings(spectrum: &DataSpectrum, source: &Table) -> Vec<String> {
+pub fn warnings(findings: &Findings, source: &Table) -> Vec<String> {
+    let spectrum = &findings.spectrum;
     let mut warnings = counting(source);
     let part = spectrum.starved as f64 / spectrum.references as f64;
     if part > STARVED {
@@ -170,7 +190,17 @@ pub fn warnings(spectrum: &DataSpectrum, source: &Table) -> Vec<String> {
             }
         ));
     }
-    warnings.extend(disagreements(spectrum));
+    warnings.extend(disagreements(findings));
+    let balance = findings.balance.as_ref();
+    warnings.extend(
+        balance.and_then(|(divergence, balance)| balance::warning(spectrum, *divergence, balance)),
+    );
+    warnings.extend(
+        findings
+            .embedded
+            .iter()
+            .flat_map(|embedded| embedded.warnings()),
+    );
     warnings.extend(source.notes.iter().cloned());
     warnings
 }
@@ -198,14 +228,15 @@ fn counting(source: &Table) -> Vec<String> {
 }
 
 /// Exponents that nothing else speaks against, but on which the two fits differ.
-fn disagreements(spectrum: &DataSpectrum) -> Vec<String> {
+fn disagreements(findings: &Findings) -> Vec<String> {
+    let spectrum = &findings.spectrum;
     let warn = |(i, exponent): (usize, &DataExponent)| {
         let (value, stderr) = exponent.fixed_rank?;
         let (linear, error) = exponent.sano_sawada;
         let difference = value - linear;
         let variance = stderr * stderr + error * error;
         let far = difference * difference > COMBINED_ERRORS * COMBINED_ERRORS * variance;
-        (exponent.status == Status::Ok && far).then(|| {
+        (findings.status(i - 1) == Status::Ok.word() && far).then(|| {
             format!(
                 "exponent {i}: the fit of rank {} gives {} instead of the linear one's {}; the two disagree: treat both as uncertain by their \
                  difference",
@@ -227,8 +258,9 @@ fn neighbourhood(neighbours: &Neighbourhood) -> String {
     }
 }
 
-fn value(exponent: &DataExponent) -> String {
+fn value(exponent: &DataExponent, is_spurious: bool) -> String {
     match exponent.status {
+        _ if is_spurious => format!("({})", short(exponent.value)),
         Status::Ok | Status::Unstable | Status::Starved | Status::Unpredictable => {
             short(exponent.value)
         }
@@ -255,7 +287,8 @@ pub(super) fn short(v: f64) -> String {
 ///
 /// # Errors
 /// [`FigureError::Csv`] if the writer refuses a field.
-pub fn csv(spectrum: &DataSpectrum) -> Result<String, SpectrumError> {
+pub fn csv(findings: &Findings) -> Result<String, SpectrumError> {
+    let spectrum = &findings.spectrum;
     let number = |v: f64| {
         if v.is_nan() {
             String::new()
@@ -271,7 +304,7 @@ pub fn csv(spectrum: &DataSpectrum) -> Result<String, SpectrumError> {
             (i + 1).to_string(),
             number(exponent.value),
             number(exponent.stderr),
-            exponent.status.word().to_owned(),
+            findings.status(i).to_owned(),
         ];
         writer.write_record(record).map_err(FigureError::from)?;
     }
@@ -286,11 +319,8 @@ pub fn csv(spectrum: &DataSpectrum) -> Result<String, SpectrumError> {
 ///
 /// # Errors
 /// [`SpectrumError::Json`].
-pub fn json(
-    spectrum: &DataSpectrum,
-    source: &Table,
-    balance: Option<Balance>,
-) -> Result<String, SpectrumError> {
+pub fn json(findings: &Findings, source: &Table) -> Result<String, SpectrumError> {
+    let spectrum = &findings.spectrum;
     let exponents: Vec<Value> = spectrum
         .exponents
         .iter()
@@ -301,7 +331,7 @@ pub fn json(
                 "exponent": exponent.value,
                 "stderr": exponent.stderr,
                 "eps_sensitivity": exponent.eps_sensitivity,
-                "status": exponent.status.word(),
+                "status": findings.status(i),
                 "fixed_rank": exponent.fixed_rank.map(|(value, _)| value),
                 "fixed_rank_stderr": exponent.fixed_rank.map(|(_, stderr)| stderr),
                 "collapses": exponent.collapses,
@@ -341,7 +371,7 @@ pub fn json(
         "exponents": exponents,
         "sum": spectrum.sum.0,
         "sum_stderr": spectrum.sum.1,
-        "balance": balance.as_ref().map(balance::value),
+        "balance": findings.balance.as_ref().map(|(_, balance)| balance::value(balance)),
         "sizes": spectrum.sizes.as_ref().map(|sizes| json!({
             "degree": sizes.degree.word(),
             "neighbours": sizes.neighbours,
@@ -358,7 +388,10 @@ pub fn json(
             "starved": spectrum.starved,
         },
         "residual_ratio": spectrum.residual_ratio,
-        "warnings": warnings(spectrum, source),
+        "embedding": findings.embedded.as_ref().map(|embedded| embedded.json()),
+        "diverging_neighbours": findings.divergence.as_ref().map(opinion::divergence_json),
+        "surrogates": findings.surrogates.as_ref().map(opinion::surrogates_json),
+        "warnings": warnings(findings, source),
     });
     Ok(format!("{}\n", serde_json::to_string_pretty(&document)?))
 }

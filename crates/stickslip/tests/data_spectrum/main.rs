@@ -1,7 +1,9 @@
 //! The spectrum from a series against closed forms, against known spectra, and where the data tell nothing.
 
 mod coverage;
+mod embedding;
 mod extrapolated;
+mod second_opinion;
 
 use nalgebra::{Matrix2, Vector2};
 use stickslip::analysis::data_spectrum::{

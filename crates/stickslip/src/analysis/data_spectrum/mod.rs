@@ -55,6 +55,18 @@
 //! its bends; where the orbit has corners, as on Fig. 11's torus with stick, it is off by many standard errors, and on a fractal it
 //! counts what it cuts off as loss.
 //!
+//! # Fewer columns than the system has
+//! One measured column is no state. [`choose_embedding`] makes one of delayed values: the delay is the first minimum of the average mutual
+//! information, the number of values the first at which false nearest neighbours are gone, with Cao's averages beside it;
+//! [`Embedding::of`] is the series of these vectors. Maps of such vectors know all but the last values already, and each brings its noise:
+//! affine maps over a delay from some 40 neighbours suit them. More values than the attractor has dimensions give exponents that are the
+//! embedding's and not the system's, often the first of all; [`reversal`] tells them. [`lacks_columns`] says whether
+//! several columns are fewer than a state.
+//!
+//! # Second opinions
+//! [`divergence`] finds the largest exponent without maps, from how neighbours part (Rosenstein, Kantz), and finds the straight part of the
+//! curves by a rule. [`surrogate_test`] says whether a series is told from linear noise of the same spectrum and the same values.
+//!
 //! # When an exponent is minus infinity, and when unidentified
 //! In a stick phase the velocity is the belt's, exactly. Neighbours in such a phase do not differ in it: the neighbour
 //! matrix has a singular value at rounding, the map is undetermined in that direction, and the pseudo-inverse's zero
@@ -82,6 +94,8 @@ mod balance;
 mod chain;
 mod cloud;
 mod directions;
+mod divergence;
+mod embedding;
 mod error;
 mod estimate;
 mod extrapolation;
@@ -89,16 +103,25 @@ mod fit;
 mod neighbours;
 mod polynomial;
 mod result;
+mod reversal;
 mod series;
 mod settings;
+mod surrogates;
 mod svd;
 
 pub use balance::Balance;
 pub use directions::{Direction, Kind};
+pub use divergence::{Divergence, DivergenceCurve, StraightPart, divergence};
+pub use embedding::{
+    DelayReason, DimensionEvidence, DimensionReason, Embedding, EmbeddingChoice, EmbeddingSettings,
+    NO_FALSE_NEIGHBOURS, choose_embedding, lacks_columns,
+};
 pub use error::DataError;
 pub use estimate::{data_spectrum, data_spectrum_with};
 pub use extrapolation::Sizes;
 pub use polynomial::Degree;
 pub use result::{Counts, DataExponent, DataSpectrum, Running, Status};
+pub use reversal::{Origin, Reversal, reversal};
 pub use series::{MAX_COLUMNS, Series};
 pub use settings::{DataSettings, Estimator, FEWEST_REFERENCES, Neighbourhood};
+pub use surrogates::{FEWEST_SURROGATES, Statistics, SurrogateTest, surrogate_test};
