@@ -329,7 +329,7 @@ fn doubtful_spectra_come_with_a_warning() {
         ),
         (
             henon(false),
-            vec!["--rank", "1"],
+            vec!["--rank", "1", "--estimator", "sano-sawada"],
             "ok",
             "exponent 1: the fit of rank 1 gives",
         ),

@@ -91,7 +91,14 @@ fn one_column_is_embedded_by_itself() {
 #[test]
 fn spurious_exponents_are_marked_in_every_format() {
     let text = henon(3000);
-    let arguments = ["--delay", "1", "--dimension", "3"];
+    let three = ["--delay", "1", "--dimension", "3"];
+    // Quadratic maps have none.
+    let origins = &json(&three, &text)["embedding"]["origins"];
+    assert_eq!(
+        (&origins[0], &origins[1]),
+        (&"system".into(), &"system".into())
+    );
+    let arguments = [&three[..], &["--estimator", "sano-sawada"]].concat();
     program(&arguments, &text)
         .assert()
         .success()

@@ -50,7 +50,7 @@ minimum of the average mutual information (1 for a series that is uncorrelated a
 values the first with less than 1 % false nearest neighbours (Kennel), beside which Cao's method is shown. --delay and --dimension
 override them. Several columns are taken as they are; they are embedded, each in as many values, if an option asks for it, or if more than
 5 % of their nearest neighbours are false and delayed values cure that. --dimension 1 turns it off. More values than the system has
-dimensions make exponents of the embedding's own. They are told by the fit of rank r, which has no room for them, and by the
+dimensions make exponents of the embedding's own, of linear maps more than of the quadratic ones. They are told by the fit of rank r, which has no room for them, and by the
 series with the time reversed, in which only the system's change sign. With delayed values the maps are affine and go one delay ahead.
 
 stderr holds the scatter over time and the whole way of the extrapolation to neighbourhoods of size zero; over 200 series of known
@@ -60,8 +60,8 @@ estimator of Eqs. (25) and (26) without correction, it is statistical only and k
 them to comparable units first. Flows that are sampled densely gain from --step 5 --affine.
 
 Further columns of the table:
-  by rank r     the exponent by a second fit, restricted to the r tangent directions (r is set by --rank); where it differs from the
-                linear one of full rank by much more than both errors, believe neither
+  by rank r     the exponent by a linear fit restricted to the r tangent directions (r is set by --rank), never extrapolated; where it
+                differs from that of --estimator sano-sawada by much more than both errors, believe neither of these two
   direction     what neighbours do in the direction of that number, by decreasing size: tangent (they spread in proportion to the
                 neighbourhood), curvature (with a higher power), noise (to the same extent at all sizes), flat (not at all)
   slope         of that spread over the radius, both logarithmic: 1 tangent, 2 curvature, 0 noise

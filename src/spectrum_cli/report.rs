@@ -227,22 +227,25 @@ fn counting(source: &Table) -> Vec<String> {
     source.even_columns().map(warn).collect()
 }
 
-/// Exponents that nothing else speaks against, but on which the two fits differ.
+/// Exponents that nothing else speaks against, but on which the two linear fits differ. One that is extrapolated is neither of them, and
+/// its error is its own.
 fn disagreements(findings: &Findings) -> Vec<String> {
     let spectrum = &findings.spectrum;
+    if spectrum.sizes.is_some() {
+        return Vec::new();
+    }
     let warn = |(i, exponent): (usize, &DataExponent)| {
         let (value, stderr) = exponent.fixed_rank?;
-        let (linear, error) = exponent.sano_sawada;
-        let difference = value - linear;
-        let variance = stderr * stderr + error * error;
+        let difference = value - exponent.value;
+        let variance = stderr * stderr + exponent.stderr * exponent.stderr;
         let far = difference * difference > COMBINED_ERRORS * COMBINED_ERRORS * variance;
         (findings.status(i - 1) == Status::Ok.word() && far).then(|| {
             format!(
-                "exponent {i}: the fit of rank {} gives {} instead of the linear one's {}; the two disagree: treat both as uncertain by their \
+                "exponent {i}: the fit of rank {} gives {} instead of {}; the two disagree: treat both as uncertain by their \
                  difference",
                 spectrum.fixed_rank,
                 short(value),
-                short(linear)
+                short(exponent.value)
             )
         })
     };

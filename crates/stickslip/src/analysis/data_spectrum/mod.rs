@@ -60,7 +60,8 @@
 //! information, the number of values the first at which false nearest neighbours are gone, with Cao's averages beside it;
 //! [`Embedding::of`] is the series of these vectors. Maps of such vectors know all but the last values already, and each brings its noise:
 //! affine maps over a delay from some 40 neighbours suit them. More values than the attractor has dimensions give exponents that are the
-//! embedding's and not the system's, often the first of all; [`reversal`] tells them. [`lacks_columns`] says whether
+//! embedding's and not the system's, often the first of all by linear maps; [`reversal`] tells them. Quadratic maps, extrapolated, mostly
+//! have none: of five values of Hénon's x the first two exponents are 0.4192 and −1.6231, by linear maps 0.87 and 0.59. [`lacks_columns`] says whether
 //! several columns are fewer than a state.
 //!
 //! # Second opinions

@@ -4,7 +4,8 @@
 //! those may be anywhere: of x alone of Hénon's map the first of three is 0.8, twice the system's. Two things tell them apart.
 //! A fit restricted to the tangent directions of the points has no room for them (Stoop and Parisi, Physica D 50, 89, 1991). And with the
 //! time reversed true exponents change their sign, while spurious ones have no reason to (Parlitz, Int. J. Bifurcation Chaos 2, 155,
-//! 1992). A map that cannot be inverted and a contraction that is finer than the points lie make the reversed series unpredictable or its
+//! 1992). Quadratic maps that are extrapolated leave directions out in which the points only bend, and with them mostly the embedding's own
+//! exponents; then the first are the system's already. A map that cannot be inverted and a contraction that is finer than the points lie make the reversed series unpredictable or its
 //! exponents none of the system's; then it finds not even the first exponent again, and is not asked.
 
 use super::error::DataError;
@@ -63,7 +64,7 @@ pub fn reversal(
     spectrum: &DataSpectrum,
     progress: &dyn Fn(usize, usize),
 ) -> Result<Reversal, DataError> {
-    // Held against one another are fits to the same neighbours, none of them extrapolated.
+    // Only its fit of fixed rank is asked for, which is not extrapolated.
     let settings = DataSettings {
         estimator: Estimator::SanoSawada,
         sensitivity: false,
@@ -90,11 +91,12 @@ pub fn reversal(
     let full: Vec<(f64, f64)> = spectrum
         .exponents
         .iter()
-        .map(|exponent| exponent.sano_sawada)
+        .map(|exponent| (exponent.value, exponent.stderr))
         .collect();
-    let mut found = matched(&full, &forward, scale);
+    let determined = spectrum.dimension;
+    let mut found = matched(&full, &forward, scale, determined);
     if is_conclusive {
-        let also = matched(&full, &turned, scale);
+        let also = matched(&full, &turned, scale, determined);
         found
             .iter_mut()
             .zip(also)
@@ -135,15 +137,19 @@ fn gap(a: (f64, f64), b: (f64, f64), scale: f64) -> Option<f64> {
     (distance <= errors.max(bias)).then_some(distance)
 }
 
-/// Which of `all` are among `known`; each of these is one of them only, the nearest.
-fn matched(all: &[(f64, f64)], known: &[(f64, f64)], scale: f64) -> Vec<bool> {
+/// Which of `all` are among `known`; each of these is one of them only, the nearest. The first `determined`, which the data tell, come
+/// before the others.
+fn matched(all: &[(f64, f64)], known: &[(f64, f64)], scale: f64, determined: usize) -> Vec<bool> {
     let mut pairs: Vec<(f64, usize, usize)> = Vec::new();
     for (i, a) in all.iter().enumerate() {
         for (k, b) in known.iter().enumerate() {
             pairs.extend(gap(*a, *b, scale).map(|distance| (distance, i, k)));
         }
     }
-    pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+    pairs.sort_by(|a, b| {
+        let late = |pair: &(f64, usize, usize)| pair.1 >= determined;
+        late(a).cmp(&late(b)).then(a.0.total_cmp(&b.0))
+    });
     let mut found = vec![false; all.len()];
     let mut used = vec![false; known.len()];
     for (_, i, k) in pairs {
@@ -164,9 +170,15 @@ mod tests {
             |values: &[f64]| -> Vec<(f64, f64)> { values.iter().map(|&v| (v, 0.0)).collect() };
         let all = exact(&[0.85, 0.42, -1.1, -1.63]);
         assert_eq!(
-            matched(&all, &exact(&[0.418, -1.45]), 0.418),
+            matched(&all, &exact(&[0.418, -1.45]), 0.418, 2),
             [false, true, false, true]
         );
-        assert_eq!(matched(&all, &exact(&[f64::NAN]), 0.4), [false; 4]);
+        assert_eq!(matched(&all, &exact(&[f64::NAN]), 0.4, 2), [false; 4]);
+        // Nearer is the last, but the second is one that the data tell.
+        let all = exact(&[0.42, -1.63, -1.1, -1.5]);
+        assert_eq!(
+            matched(&all, &exact(&[0.418, -1.45]), 0.418, 2),
+            [true, true, false, false]
+        );
     }
 }
