@@ -10,3 +10,4 @@ mod peers;
 mod readings;
 mod report;
 mod spectrum_cli;
+mod spectrum_embedding;

@@ -81,6 +81,27 @@ fn csv_and_json_hold_the_same_numbers() {
     assert_eq!(document["settings"]["theiler"], 1);
 }
 
+/// The sum of Hénon's exponents is ln 0.3 at every point, and a divergence that is another is told.
+#[test]
+fn a_known_divergence_is_held_against_the_sum() {
+    let run = |divergence: &str| {
+        let output = program()
+            .args(["-", "--dt", "1", "--divergence", divergence])
+            .write_stdin(henon(false))
+            .assert()
+            .success()
+            .get_output()
+            .clone();
+        [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).unwrap())
+    };
+    let [table, warnings] = run("-1.2039728043259361");
+    assert!(table.contains("add up to -1.20397") && table.contains("as does"));
+    assert_eq!(warnings, "");
+    let [table, warnings] = run("-1.3");
+    assert!(table.contains("unlike the divergence"));
+    assert!(warnings.contains("from the divergence -1.30000"));
+}
+
 #[test]
 fn reads_standard_input_and_chooses_columns() {
     let text: String = henon(true)
@@ -155,6 +176,8 @@ fn writes_a_named_picture() {
             "-",
             "--dt",
             "1",
+            "--estimator",
+            "sano-sawada",
             "--affine",
             "--neighbours",
             "15-30",
@@ -257,6 +280,20 @@ fn wrong_command_lines_end_with_two() {
             vec!["-", "--dt", "1", "--neighbours", "30", "--eps", "0.1"],
             "--eps",
         ),
+        (vec!["-", "--dt", "1", "--delay", "0"], "--delay = 0"),
+        (
+            vec!["-", "--dt", "1", "--dimension", "0"],
+            "--dimension = 0",
+        ),
+        (
+            vec!["-", "--dt", "1", "--dimension", "6"],
+            "--dimension = 6 is not allowed: it must be 1 to 5",
+        ),
+        (vec!["-", "--dt", "1", "--dimension", "-3"], "'-3'"),
+        (
+            vec!["-", "--dt", "1", "--surrogates", "18"],
+            "--surrogates = 18 is not allowed: it must be at least 19",
+        ),
         (vec!["-", "--dt", "1", "--json", "--csv"], "--csv"),
         (vec!["-", "--dt", "1", "--no-such-flag"], "--no-such-flag"),
     ] {
@@ -292,7 +329,7 @@ fn doubtful_spectra_come_with_a_warning() {
         ),
         (
             henon(false),
-            vec!["--rank", "1"],
+            vec!["--rank", "1", "--estimator", "sano-sawada"],
             "ok",
             "exponent 1: the fit of rank 1 gives",
         ),
@@ -307,10 +344,15 @@ fn doubtful_spectra_come_with_a_warning() {
             "column 1 goes on evenly by 0.25000 from row to row, as a time or an index does, and is used as part of the state: \
              leave it out with --columns 2,3",
         ),
-        (column, vec![], "unpredictable", "all columns of the state"),
+        (
+            column,
+            vec!["--dimension", "1"],
+            "unpredictable",
+            "all columns of the state",
+        ),
         (
             henon(false),
-            vec!["--step", "4", "--stride", "2"],
+            vec!["--step", "4", "--stride", "2", "--estimator", "sano-sawada"],
             "unstable",
             "smaller --step",
         ),
@@ -473,6 +515,12 @@ fn help_has_examples_and_explains_the_status() {
         "collapses",
         "undetermined",
         "fixed_rank",
+        "--delay",
+        "--dimension",
+        "--surrogates",
+        "spurious",
+        "Rosenstein",
+        "IAAFT",
     ] {
         assert!(help.contains(word), "{word}");
     }

@@ -283,7 +283,7 @@ pub(super) fn everywhere(step: usize) -> DataSettings {
         stride: step,
         references: None,
         sensitivity: false,
-        ..DataSettings::default()
+        ..DataSettings::sano_sawada()
     }
 }
 

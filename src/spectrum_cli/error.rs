@@ -206,6 +206,9 @@ fn flag(name: &'static str) -> &'static str {
         "ridge" => "--ridge",
         "fixed_rank" => "--rank",
         "references" => "--references",
+        "surrogates" => "--surrogates",
+        "delay" => "--delay",
+        "dimension" => "--dimension",
         other => other,
     }
 }

@@ -1,7 +1,11 @@
 //! The program `spectrum`: the Lyapunov spectrum of anyone's time series.
 
+mod balance;
 mod draw;
+mod embedding;
 mod error;
+mod findings;
+mod opinion;
 mod read;
 mod report;
 
@@ -9,14 +13,19 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::str::FromStr;
 
-use clap::Parser;
+use clap::{Parser, ValueEnum};
 
 use crate::figures::output::{self, Artifact};
 use crate::terminal;
-use stickslip::analysis::data_spectrum::{DataSettings, Neighbourhood, Series, data_spectrum_with};
+use stickslip::analysis::data_spectrum::{
+    DataError, DataSettings, Degree, Estimator, FEWEST_SURROGATES, Neighbourhood, Series,
+    data_spectrum_with, divergence, reversal, surrogate_test,
+};
 
 pub use draw::draw;
+pub use embedding::Embedded;
 pub use error::SpectrumError;
+pub use findings::Findings;
 pub use read::{Table, parse, read};
 pub use report::{csv, json, table, warnings};
 
@@ -26,25 +35,43 @@ const ABOUT: &str = "Lyapunov exponents of a time series of states, by Sano and 
 const AFTER: &str = "\
 Status of an exponent:
   ok            the series has points in its direction, and nothing else speaks against it
-  unstable      with neighbourhoods of twice the size it is another by more than 4 stderr and 5 %: biased
+  unstable      what the neighbourhoods' curvature does to it is not small: extrapolated to zero size it is another by more than 2
+                statistical errors and 5 % (sano-sawada: with neighbourhoods of twice the size, by more than 4 stderr and 5 %)
   starved       most balls held too few neighbours, so that the nearest were taken at any distance: give more points or fewer
                 --neighbours; a larger --eps helps only if the maximum of --neighbours is above the minimum
   unpredictable the maps do not predict the next state: noise, or columns of the state are missing
   unidentified  the series has no points in its direction: the value, in brackets in the table, comes from curvature, noise or
                 rounding and is none of the system's
   annihilated   minus infinity: maps that the data determine take the direction to nothing
+  spurious      the embedding's own, and none of the system's (only of delayed values)
 
-stderr is statistical only and knows nothing of bias. eps_sensitivity (table and --json) is by how much the exponent changes
-with neighbourhoods of twice the size, a measure of the bias. Columns are used as they are, not standardised: bring
+One column is no state: it is embedded, which is to say that x(t), x(t + delay), x(t + 2 delay), … are the state. The delay is the first
+minimum of the average mutual information (1 for a series that is uncorrelated after one point, as of a map), the number of
+values the first with less than 1 % false nearest neighbours (Kennel), beside which Cao's method is shown. --delay and --dimension
+override them. Several columns are taken as they are; they are embedded, each in as many values, if an option asks for it, or if more than
+5 % of their nearest neighbours are false and delayed values cure that. --dimension 1 turns it off. More values than the system has
+dimensions make exponents of the embedding's own, of linear maps more than of the quadratic ones. They are told by the fit of rank r, which has no room for them, and by the
+series with the time reversed, in which only the system's change sign. With delayed values the maps are affine and go one delay ahead.
+
+stderr holds the scatter over time and the whole way of the extrapolation to neighbourhoods of size zero; over 200 series of known
+spectrum the true value was within two of it at least nine times in ten where the status is ok. With --estimator sano-sawada, the
+estimator of Eqs. (25) and (26) without correction, it is statistical only and knows nothing of bias. eps_sensitivity (table and
+--json) is by how much the exponent changes with neighbourhoods of twice the size, a measure of the bias. Columns are used as they are, not standardised: bring
 them to comparable units first. Flows that are sampled densely gain from --step 5 --affine.
 
 Further columns of the table:
-  by rank r     the exponent by a second fit, restricted to the r tangent directions (r is set by --rank); where it differs from the
-                first by much more than both errors, believe neither
+  by rank r     the exponent by a linear fit restricted to the r tangent directions (r is set by --rank), never extrapolated; where it
+                differs from that of --estimator sano-sawada by much more than both errors, believe neither of these two
   direction     what neighbours do in the direction of that number, by decreasing size: tangent (they spread in proportion to the
                 neighbourhood), curvature (with a higher power), noise (to the same extent at all sizes), flat (not at all)
   slope         of that spread over the radius, both logarithmic: 1 tangent, 2 curvature, 0 noise
 The residual ratio is what the maps leave unexplained of the neighbours' motion: near 0 for a deterministic system, 1 for noise.
+
+Beside the spectrum stands the largest exponent by how neighbours part, without maps: by the nearest neighbour (Rosenstein) and within
+three radii (Kantz; the median, with half the range if it is more than the error). The straight part of a curve is the one with the smallest
+scatter about its line against its rise, of all that have 5 points, rise by a factor of e and by half of the whole, and end a factor of e below where
+the distances level off. --surrogates N compares the series with N series of the same spectrum and the same values, amplitude-adjusted by iterated
+phase randomisation (IAAFT): the series is told from linear noise if the maps predict it better than all of them (5 % for 19).
 
 Exit codes: 0 done (warnings go to standard error), 1 a bad file or a failure, 2 a wrong command line.
 
@@ -53,7 +80,8 @@ Output for machines:
   --json  an object with settings and exponents, a list of {index, exponent, stderr, status, …}, and warnings; null for -inf and where
           there is no value. Of an exponent also: eps_sensitivity; fixed_rank and fixed_rank_stderr, the second fit; collapses,
           the number of reference points at which its direction is annihilated; undetermined, of those whose neighbours do not
-          determine it
+          determine it; sano_sawada and sano_sawada_stderr, Eqs. (25) and (26) without correction. Of the spectrum also: sum, of the
+          exponents of the tangent directions, and its sum_stderr; balance, what --divergence says of it
 
 A column named t or time is no coordinate: it gives the time step, or is held against --dt. Without names a first column that goes on
 evenly is the time, too; of others that do a warning tells. A comma is a decimal comma where something else separates the columns and
@@ -63,8 +91,12 @@ A column that never changes is left out.
 Examples:
   spectrum lorenz.csv
   spectrum lorenz.dat --dt 0.02
+  spectrum sensor.txt --dt 0.001 --out pictures
+  spectrum lorenz.dat --dt 0.02 --columns 1 --delay 8 --dimension 3
   spectrum run.csv --dt 0.2 --columns x1,x2,x3,x4 --step 3 --out pictures
   spectrum henon.csv --dt 1 --neighbours 30 --json
+  spectrum lorenz.csv --dt 0.02 --divergence -13.6667
+  spectrum heart.txt --dt 1 --surrogates 39
   generate | spectrum - --dt 0.01 --csv";
 
 /// Arguments of the program.
@@ -88,18 +120,22 @@ pub struct Arguments {
     pub eps: Option<f64>,
 
     /// Fewest and most neighbours taken from the ball, as MIN-MAX, or the number of nearest neighbours
-    /// [default: 12-12]
+    /// [default: 12-12; 40-40 for delayed values, fewer below 4000 points]
     #[arg(long, value_name = "MIN-MAX|K", allow_negative_numbers = true)]
     pub neighbours: Option<Count>,
 
-    /// Points that a map goes ahead
-    #[arg(
-        long,
-        value_name = "D",
-        default_value_t = 1,
-        allow_negative_numbers = true
-    )]
-    pub step: usize,
+    /// Delayed values of each column that make a state, 1 for the columns as they are [default: for one column the first number
+    /// with less than 1 % false neighbours]
+    #[arg(long, value_name = "VALUES", allow_negative_numbers = true)]
+    pub dimension: Option<usize>,
+
+    /// Points between delayed values [default: first minimum of the mutual information; 1 for a map]
+    #[arg(long, value_name = "POINTS", allow_negative_numbers = true)]
+    pub delay: Option<usize>,
+
+    /// Points that a map goes ahead [default: 1, the delay for delayed values]
+    #[arg(long, value_name = "D", allow_negative_numbers = true)]
+    pub step: Option<usize>,
 
     /// Points that follow one another so closely are no neighbours [default: time in which the autocorrelation falls to 1/e]
     #[arg(long, value_name = "POINTS", allow_negative_numbers = true)]
@@ -112,6 +148,20 @@ pub struct Arguments {
     /// Singular values below this fraction of the largest are zero
     #[arg(long, value_name = "FRACTION", default_value_t = DataSettings::default().rank_tolerance, allow_negative_numbers = true)]
     pub rank_tolerance: f64,
+
+    /// What is made of the local maps
+    #[arg(long, value_enum, default_value_t = Method::Extrapolated)]
+    pub estimator: Method,
+
+    /// Degree of the maps that are extrapolated; the error of linear ones may hold too little of the bias [default: quadratic where the
+    /// series is long enough]
+    #[arg(long, value_enum)]
+    pub degree: Option<MapDegree>,
+
+    /// Mean divergence of the system per unit of time (trace of the Jacobian; of a map ln |det J|), which the exponents must add up to;
+    /// only where the columns are its state
+    #[arg(long, value_name = "VALUE", allow_negative_numbers = true)]
+    pub divergence: Option<f64>,
 
     /// Tikhonov regularisation, as a fraction of the largest singular value
     #[arg(
@@ -139,6 +189,10 @@ pub struct Arguments {
     #[arg(long, value_name = "COUNT", allow_negative_numbers = true)]
     pub references: Option<usize>,
 
+    /// Test against so many surrogates, at least 19, whether the series is told from linear noise; takes as many estimates
+    #[arg(long, value_name = "COUNT", allow_negative_numbers = true)]
+    pub surrogates: Option<usize>,
+
     /// Print JSON
     #[arg(long, conflicts_with = "csv")]
     pub json: bool,
@@ -150,6 +204,24 @@ pub struct Arguments {
     /// Folder for a picture, spectrum.svg; made if it does not exist
     #[arg(long, value_name = "DIR", visible_alias = "out-dir")]
     pub out: Option<PathBuf>,
+}
+
+/// What is made of the local maps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Method {
+    /// From two sizes of the neighbourhoods to size zero, with the error of that
+    Extrapolated,
+    /// Linear maps of one size, Eqs. (25) and (26) of the paper, no correction
+    SanoSawada,
+}
+
+/// Degree of the maps that are extrapolated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum MapDegree {
+    /// Linear maps
+    Linear,
+    /// Quadratic forms beside them
+    Quadratic,
 }
 
 /// How many neighbours.
@@ -183,9 +255,17 @@ impl Arguments {
     /// # Errors
     /// [`SpectrumError::EpsWithCount`].
     pub fn settings(&self) -> Result<DataSettings, SpectrumError> {
+        let degree = self.degree.map(|degree| match degree {
+            MapDegree::Linear => Degree::Linear,
+            MapDegree::Quadratic => Degree::Quadratic,
+        });
         let mut settings = DataSettings {
+            estimator: match self.estimator {
+                Method::Extrapolated => Estimator::Extrapolated { degree },
+                Method::SanoSawada => Estimator::SanoSawada,
+            },
             theiler: self.theiler,
-            step: self.step,
+            step: self.step.unwrap_or(1),
             affine: self.affine,
             rank_tolerance: self.rank_tolerance,
             ridge: self.ridge,
@@ -213,17 +293,48 @@ impl Arguments {
     }
 
     /// What was set and changes nothing.
-    fn without_effect(&self, settings: &DataSettings) -> Option<String> {
-        match settings.neighbours {
-            Neighbourhood::Ball { min, max, .. } if min == max && self.eps.is_some() => {
-                Some(format!(
-                    "--eps changes no neighbour where the fewest and the most are both {min}; it only says which points are called starved: \
+    fn without_effect(&self, settings: &DataSettings) -> Vec<String> {
+        let mut notes = Vec::new();
+        if let Neighbourhood::Ball { min, max, .. } = settings.neighbours
+            && min == max
+            && self.eps.is_some()
+        {
+            notes.push(format!(
+                "--eps changes no neighbour where the fewest and the most are both {min}; it only says which points are called starved: \
                  give a range such as --neighbours {min}-{}",
-                    max.saturating_mul(2)
-                ))
-            }
-            _ => None,
+                max.saturating_mul(2)
+            ));
         }
+        if self.degree.is_some() && settings.estimator == Estimator::SanoSawada {
+            notes.push(
+                "--degree changes nothing with --estimator sano-sawada, whose maps are linear"
+                    .to_owned(),
+            );
+        }
+        notes
+    }
+}
+
+impl Arguments {
+    /// A delay that nothing is delayed by.
+    fn delay_without_effect(&self) -> Option<String> {
+        let delay = self.delay.filter(|_| self.dimension == Some(1))?;
+        Some(format!(
+            "--delay {delay} changes nothing with --dimension 1, which takes the columns as they are: give --dimension 2 or more, or \
+             leave it out"
+        ))
+    }
+}
+
+/// Before anything is computed.
+fn check_surrogates(count: Option<usize>) -> Result<(), SpectrumError> {
+    match count {
+        Some(count) if count < FEWEST_SURROGATES => Err(SpectrumError::Option {
+            flag: "--surrogates",
+            value: count as f64,
+            bound: format!("at least {FEWEST_SURROGATES}, as fewer give no level of 5 %"),
+        }),
+        _ => Ok(()),
     }
 }
 
@@ -261,26 +372,92 @@ pub struct Outcome {
 pub fn run(arguments: &Arguments) -> Result<Outcome, SpectrumError> {
     let settings = arguments.settings()?;
     check_dt(arguments.dt)?;
+    check_surrogates(arguments.surrogates)?;
     let mut source = read(&arguments.file, &arguments.columns, arguments.dt)?;
     source.notes.extend(arguments.without_effect(&settings));
+    source.notes.extend(arguments.delay_without_effect());
     let series = Series::new(source.values.clone(), source.names.len(), source.dt)?;
-    let spectrum = terminal::patiently(" points, {eta} left", |report| {
-        data_spectrum_with(&series, &settings, report)
-    })?;
+    let findings = find(&series, settings, arguments)?;
+    if arguments.affine && findings.embedded.is_some() {
+        let note = "--affine changes nothing with delayed values, whose maps are affine anyway";
+        source.notes.push(note.into());
+    }
+    if arguments.divergence.is_some() && findings.embedded.is_some() {
+        let note = "--divergence changes nothing with delayed values, some of whose exponents may be none of the system's";
+        source.notes.push(note.into());
+    }
     let mut written = String::new();
     if let Some(folder) = &arguments.out {
-        let picture = Artifact::text("spectrum.svg", draw(&spectrum, &source.input)?);
+        let picture = Artifact::text("spectrum.svg", draw(&findings, &source.input)?);
         written = output::listing(&output::write_all(folder, &[picture])?);
     }
     let text = if arguments.json {
-        json(&spectrum, &source)?
+        json(&findings, &source)?
     } else if arguments.csv {
-        csv(&spectrum)?
+        csv(&findings)?
     } else {
-        table(&spectrum, &source) + &written
+        table(&findings, &source) + &written
     };
     Ok(Outcome {
         text,
-        warnings: warnings(&spectrum, &source),
+        warnings: warnings(&findings, &source),
+    })
+}
+
+/// Everything that is computed.
+fn find(
+    series: &Series,
+    settings: DataSettings,
+    arguments: &Arguments,
+) -> Result<Findings, SpectrumError> {
+    let choice = terminal::patiently(" steps of the embedding, {eta} left", |report| {
+        embedding::choose(series, arguments, report)
+    })?;
+    let embedding = choice.as_ref().map(|choice| choice.embedding);
+    let vectors = match embedding {
+        Some(embedding) => &embedding.of(series)?,
+        None => series,
+    };
+    let settings = match &choice {
+        Some(choice) => embedding::settings(settings, choice, vectors, arguments),
+        None => settings,
+    };
+    let spectrum = terminal::patiently(" points, {eta} left", |report| {
+        data_spectrum_with(vectors, &settings, report)
+    })?;
+    let embedded = match choice {
+        Some(choice) => Some(Embedded {
+            choice,
+            reversal: terminal::patiently(
+                " points of the reversed series, {eta} left",
+                |report| reversal(vectors, &spectrum, report),
+            )?,
+        }),
+        None => None,
+    };
+    let divergence = terminal::patiently(" curves of divergence, {eta} left", |report| {
+        divergence(vectors, settings.theiler, report)
+    });
+    let surrogates = match arguments.surrogates {
+        Some(count) => Some(terminal::patiently(" surrogates, {eta} left", |report| {
+            surrogate_test(series, embedding, &settings, count, opinion::SEED, report)
+        })?),
+        None => None,
+    };
+    let state = embedded.is_none();
+    let balance = arguments
+        .divergence
+        .filter(|_| state)
+        .map(|divergence| (divergence, spectrum.balance(divergence)));
+    Ok(Findings {
+        spectrum,
+        balance,
+        embedded,
+        // A spectrum may be had of fewer points.
+        divergence: match divergence {
+            Err(DataError::TooFew { .. }) => None,
+            other => Some(other?),
+        },
+        surrogates,
     })
 }

@@ -4,10 +4,15 @@ use std::fmt::Write;
 
 use serde_json::{Value, json};
 
+use super::balance;
 use super::error::SpectrumError;
+use super::findings::Findings;
+use super::opinion;
 use super::read::Table;
 use crate::figures::FigureError;
-use stickslip::analysis::data_spectrum::{DataExponent, DataSpectrum, Neighbourhood, Status};
+use stickslip::analysis::data_spectrum::{
+    DataExponent, DataSpectrum, Estimator, Neighbourhood, Status,
+};
 use stickslip::error::readable;
 
 /// With a larger part of the reference points starved there is a warning.
@@ -16,12 +21,13 @@ const STARVED: f64 = 0.1;
 const COMBINED_ERRORS: f64 = 4.0;
 
 /// The spectrum and its evidence, for the terminal.
-pub fn table(spectrum: &DataSpectrum, source: &Table) -> String {
+pub fn table(findings: &Findings, source: &Table) -> String {
+    let spectrum = &findings.spectrum;
     let mut text = String::new();
     // Writing to a string cannot fail.
     let _ = writeln!(
         text,
-        "{}: {} points of ({}), dt = {}{}\n",
+        "{}: {} points of ({}), dt = {}{}",
         source.input,
         source.values.len() / source.names.len().max(1),
         source.names.join(", "),
@@ -31,6 +37,10 @@ pub fn table(spectrum: &DataSpectrum, source: &Table) -> String {
             .as_ref()
             .map_or(String::new(), |name| format!(" from column {name}")),
     );
+    if let Some(embedded) = &findings.embedded {
+        text += &embedded.text(source);
+    }
+    text.push('\n');
     let _ = writeln!(
         text,
         "{:>5}  {:>12}  {:>10}  {:>15}  {:<13} {:>15}  {:<10} {:>5}",
@@ -49,10 +59,10 @@ pub fn table(spectrum: &DataSpectrum, source: &Table) -> String {
             text,
             "{:>5}  {:>12}  {:>10}  {:>15}  {:<13} {:>15}  {:<10} {:>5}",
             i + 1,
-            value(exponent),
+            value(exponent, findings.is_spurious(i)),
             short(exponent.stderr),
             short(exponent.eps_sensitivity),
-            exponent.status.word(),
+            findings.status(i),
             exponent
                 .fixed_rank
                 .map_or("–".into(), |(value, _)| short(value)),
@@ -67,10 +77,23 @@ pub fn table(spectrum: &DataSpectrum, source: &Table) -> String {
     let _ = writeln!(
         text,
         "\n{} tangent direction{}: the data determine as many exponents; a value in brackets is none of the system's.\n\
-         stderr is statistical only; eps_sensitivity is the change with neighbourhoods of twice the size, a measure of bias.",
+         {}; eps_sensitivity is the change with neighbourhoods of twice the size, a measure of bias.",
         spectrum.dimension,
-        if spectrum.dimension == 1 { "" } else { "s" }
+        if spectrum.dimension == 1 { "" } else { "s" },
+        estimator(spectrum)
     );
+    if let Some(embedded) = &findings.embedded {
+        text += &embedded.origins(spectrum);
+    }
+    if let Some((divergence, balance)) = &findings.balance {
+        text += &balance::line(spectrum, *divergence, balance);
+    }
+    if let Some(divergence) = &findings.divergence {
+        text += &opinion::divergence_text(divergence);
+    }
+    if let Some(test) = &findings.surrogates {
+        text += &opinion::surrogates_text(test);
+    }
     let counts = &spectrum.neighbours;
     let settings = &spectrum.settings;
     let _ = writeln!(
@@ -93,8 +116,31 @@ pub fn table(spectrum: &DataSpectrum, source: &Table) -> String {
     text
 }
 
+/// Which estimator it is, and what its error holds.
+fn estimator(spectrum: &DataSpectrum) -> String {
+    let Some(sizes) = &spectrum.sizes else {
+        return "Sano-Sawada, Eqs. (25) and (26): stderr is statistical only".to_owned();
+    };
+    let uncorrected: Vec<String> = spectrum
+        .exponents
+        .iter()
+        .take(spectrum.dimension)
+        .map(|exponent| short(exponent.sano_sawada.0))
+        .collect();
+    let ([few, many], [near, far]) = (sizes.neighbours, sizes.radius);
+    format!(
+        "Extrapolated to size zero from {} maps of {few} and {many} neighbours, mean distance {} and {}; by Sano-Sawada, Eqs. (25) and \
+         (26), no correction: {}.\nstderr holds scatter over time and extrapolation",
+        sizes.degree.word(),
+        short(near),
+        short(far),
+        uncorrected.join(", ")
+    )
+}
+
 /// What makes the spectrum doubtful, each with its remedy.
-pub fn warnings(spectrum: &DataSpectrum, source: &Table) -> Vec<String> {
+pub fn warnings(findings: &Findings, source: &Table) -> Vec<String> {
+    let spectrum = &findings.spectrum;
     let mut warnings = counting(source);
     let part = spectrum.starved as f64 / spectrum.references as f64;
     if part > STARVED {
@@ -136,11 +182,25 @@ pub fn warnings(spectrum: &DataSpectrum, source: &Table) -> Vec<String> {
     }
     if let Some(which) = indices(Status::Unstable) {
         warnings.push(format!(
-            "exponent {which} changes with the size of the neighbourhoods by more than four standard errors and 5 %, which is bias: \
-             try a smaller --step, fewer --neighbours, --affine, or more points"
+            "exponent {which} changes with the size of the neighbourhoods by more than {} standard errors and 5 %, which is bias: \
+             try a smaller --step, fewer --neighbours, --affine, or more points",
+            match spectrum.settings.estimator {
+                Estimator::SanoSawada => "four",
+                Estimator::Extrapolated { .. } => "two",
+            }
         ));
     }
-    warnings.extend(disagreements(spectrum));
+    warnings.extend(disagreements(findings));
+    let balance = findings.balance.as_ref();
+    warnings.extend(
+        balance.and_then(|(divergence, balance)| balance::warning(spectrum, *divergence, balance)),
+    );
+    warnings.extend(
+        findings
+            .embedded
+            .iter()
+            .flat_map(|embedded| embedded.warnings()),
+    );
     warnings.extend(source.notes.iter().cloned());
     warnings
 }
@@ -167,14 +227,19 @@ fn counting(source: &Table) -> Vec<String> {
     source.even_columns().map(warn).collect()
 }
 
-/// Exponents that nothing else speaks against, but on which the two fits differ.
-fn disagreements(spectrum: &DataSpectrum) -> Vec<String> {
+/// Exponents that nothing else speaks against, but on which the two linear fits differ. One that is extrapolated is neither of them, and
+/// its error is its own.
+fn disagreements(findings: &Findings) -> Vec<String> {
+    let spectrum = &findings.spectrum;
+    if spectrum.sizes.is_some() {
+        return Vec::new();
+    }
     let warn = |(i, exponent): (usize, &DataExponent)| {
         let (value, stderr) = exponent.fixed_rank?;
         let difference = value - exponent.value;
         let variance = stderr * stderr + exponent.stderr * exponent.stderr;
         let far = difference * difference > COMBINED_ERRORS * COMBINED_ERRORS * variance;
-        (exponent.status == Status::Ok && far).then(|| {
+        (findings.status(i - 1) == Status::Ok.word() && far).then(|| {
             format!(
                 "exponent {i}: the fit of rank {} gives {} instead of {}; the two disagree: treat both as uncertain by their \
                  difference",
@@ -196,8 +261,9 @@ fn neighbourhood(neighbours: &Neighbourhood) -> String {
     }
 }
 
-fn value(exponent: &DataExponent) -> String {
+fn value(exponent: &DataExponent, is_spurious: bool) -> String {
     match exponent.status {
+        _ if is_spurious => format!("({})", short(exponent.value)),
         Status::Ok | Status::Unstable | Status::Starved | Status::Unpredictable => {
             short(exponent.value)
         }
@@ -208,7 +274,7 @@ fn value(exponent: &DataExponent) -> String {
 }
 
 /// Five significant digits or five decimals, whichever is shorter.
-fn short(v: f64) -> String {
+pub(super) fn short(v: f64) -> String {
     if v.is_nan() {
         "–".into()
     } else if !v.is_finite() || v == 0.0 {
@@ -224,7 +290,8 @@ fn short(v: f64) -> String {
 ///
 /// # Errors
 /// [`FigureError::Csv`] if the writer refuses a field.
-pub fn csv(spectrum: &DataSpectrum) -> Result<String, SpectrumError> {
+pub fn csv(findings: &Findings) -> Result<String, SpectrumError> {
+    let spectrum = &findings.spectrum;
     let number = |v: f64| {
         if v.is_nan() {
             String::new()
@@ -240,7 +307,7 @@ pub fn csv(spectrum: &DataSpectrum) -> Result<String, SpectrumError> {
             (i + 1).to_string(),
             number(exponent.value),
             number(exponent.stderr),
-            exponent.status.word().to_owned(),
+            findings.status(i).to_owned(),
         ];
         writer.write_record(record).map_err(FigureError::from)?;
     }
@@ -255,7 +322,8 @@ pub fn csv(spectrum: &DataSpectrum) -> Result<String, SpectrumError> {
 ///
 /// # Errors
 /// [`SpectrumError::Json`].
-pub fn json(spectrum: &DataSpectrum, source: &Table) -> Result<String, SpectrumError> {
+pub fn json(findings: &Findings, source: &Table) -> Result<String, SpectrumError> {
+    let spectrum = &findings.spectrum;
     let exponents: Vec<Value> = spectrum
         .exponents
         .iter()
@@ -266,11 +334,13 @@ pub fn json(spectrum: &DataSpectrum, source: &Table) -> Result<String, SpectrumE
                 "exponent": exponent.value,
                 "stderr": exponent.stderr,
                 "eps_sensitivity": exponent.eps_sensitivity,
-                "status": exponent.status.word(),
+                "status": findings.status(i),
                 "fixed_rank": exponent.fixed_rank.map(|(value, _)| value),
                 "fixed_rank_stderr": exponent.fixed_rank.map(|(_, stderr)| stderr),
                 "collapses": exponent.collapses,
                 "undetermined": exponent.undetermined,
+                "sano_sawada": exponent.sano_sawada.0,
+                "sano_sawada_stderr": exponent.sano_sawada.1,
             })
         })
         .collect();
@@ -286,6 +356,7 @@ pub fn json(spectrum: &DataSpectrum, source: &Table) -> Result<String, SpectrumE
     };
     let document = json!({
         "settings": {
+            "estimator": settings.estimator.words(),
             "dt": source.dt,
             "columns": source.names,
             "eps": eps,
@@ -301,6 +372,14 @@ pub fn json(spectrum: &DataSpectrum, source: &Table) -> Result<String, SpectrumE
             "references": settings.references,
         },
         "exponents": exponents,
+        "sum": spectrum.sum.0,
+        "sum_stderr": spectrum.sum.1,
+        "balance": findings.balance.as_ref().map(|(_, balance)| balance::value(balance)),
+        "sizes": spectrum.sizes.as_ref().map(|sizes| json!({
+            "degree": sizes.degree.word(),
+            "neighbours": sizes.neighbours,
+            "radius": sizes.radius,
+        })),
         "dimension": spectrum.dimension,
         "directions": directions,
         "neighbourhoods": {
@@ -312,7 +391,10 @@ pub fn json(spectrum: &DataSpectrum, source: &Table) -> Result<String, SpectrumE
             "starved": spectrum.starved,
         },
         "residual_ratio": spectrum.residual_ratio,
-        "warnings": warnings(spectrum, source),
+        "embedding": findings.embedded.as_ref().map(|embedded| embedded.json()),
+        "diverging_neighbours": findings.divergence.as_ref().map(opinion::divergence_json),
+        "surrogates": findings.surrogates.as_ref().map(opinion::surrogates_json),
+        "warnings": warnings(findings, source),
     });
     Ok(format!("{}\n", serde_json::to_string_pretty(&document)?))
 }

@@ -34,9 +34,12 @@ fn benches(criterion: &mut Criterion) {
         let Ok(pool) = rayon::ThreadPoolBuilder::new().num_threads(threads).build() else {
             continue;
         };
-        group.bench_function(format!("threads/{threads}"), |b| {
-            b.iter(|| pool.install(|| data_spectrum(black_box(&series), &DataSettings::default())));
-        });
+        for settings in [DataSettings::sano_sawada(), DataSettings::default()] {
+            let name = format!("{}/threads/{threads}", settings.estimator.words());
+            group.bench_function(name, |b| {
+                b.iter(|| pool.install(|| data_spectrum(black_box(&series), &settings)));
+            });
+        }
     }
     group.finish();
 }

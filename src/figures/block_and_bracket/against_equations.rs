@@ -86,7 +86,7 @@ mod tests {
             })
             .collect();
         let series = Series::from_rows(rows, 0.1).unwrap();
-        data_spectrum(&series, &DataSettings::default()).unwrap()
+        data_spectrum(&series, &DataSettings::sano_sawada()).unwrap()
     }
 
     #[test]

@@ -19,6 +19,6 @@ pub(crate) fn best_common() -> DataSettings {
         references: None,
         affine: false,
         sensitivity: true,
-        ..DataSettings::default()
+        ..DataSettings::sano_sawada()
     }
 }

@@ -82,8 +82,8 @@ pub fn compute(set: &Set) -> Result<Data, FigureError> {
     let (model, exact, watched) = exact.map_err(|error| failed(error.into()))?;
     let samples = watched.series.len();
     let series = Series::from_rows(watched.series, DT).map_err(|error| failed(error.into()))?;
-    let from_data =
-        data_spectrum(&series, &DataSettings::default()).map_err(|error| failed(error.into()))?;
+    let from_data = data_spectrum(&series, &DataSettings::sano_sawada())
+        .map_err(|error| failed(error.into()))?;
     let best_of_readings =
         data_spectrum(&series, &best_common()).map_err(|error| failed(error.into()))?;
     let section: Vec<[f64; 4]> = watched.section.iter().map(|(_, x)| *x).collect();

@@ -1,5 +1,10 @@
 //! The spectrum from a series against closed forms, against known spectra, and where the data tell nothing.
 
+mod coverage;
+mod embedding;
+mod extrapolated;
+mod second_opinion;
+
 use nalgebra::{Matrix2, Vector2};
 use stickslip::analysis::data_spectrum::{
     DataError, DataSettings, DataSpectrum, Kind, MAX_COLUMNS, Neighbourhood, Series, Status,
@@ -110,7 +115,7 @@ fn noise() -> impl Iterator<Item = f64> {
 /// −1.61 for 10 to 40 neighbours: the tolerance excludes both −1.6227 and what a fit with twice the radius gives.
 #[test]
 fn henon_has_its_first_exponent_and_a_biased_second() {
-    let found = spectrum(&henon(POINTS), 1.0, &DataSettings::default());
+    let found = spectrum(&henon(POINTS), 1.0, &DataSettings::sano_sawada());
     assert_eq!(statuses(&found), [Status::Ok; 2]);
     near(found.exponents[0].value, 0.4187, 0.0048);
     near(found.exponents[1].value, -1.6, 0.02);
@@ -143,7 +148,7 @@ fn starvation_is_counted_as_brute_force_counts_it_and_is_no_ok() {
             max: 40,
         },
         references: Some(50),
-        ..DataSettings::default()
+        ..DataSettings::sano_sawada()
     };
     let small = spectrum(&rows, 0.2, &ball(0.02));
     let window = small.settings.theiler.unwrap();
@@ -181,11 +186,11 @@ fn sensitivity_is_the_difference_to_doubled_neighbourhoods() {
     let rows = henon(5000);
     let ball = |eps, min, max| DataSettings {
         neighbours: Neighbourhood::Ball { eps, min, max },
-        ..DataSettings::default()
+        ..DataSettings::sano_sawada()
     };
     let nearest = |k| DataSettings {
         neighbours: Neighbourhood::Nearest(k),
-        ..DataSettings::default()
+        ..DataSettings::sano_sawada()
     };
     for (once, twice) in [
         (ball(0.02, 12, 40), ball(0.04, 24, 80)),
@@ -203,10 +208,10 @@ fn without_the_second_estimate_the_first_is_the_same() {
     let rows = henon(2000);
     let settings = DataSettings {
         sensitivity: false,
-        ..DataSettings::default()
+        ..DataSettings::sano_sawada()
     };
     let alone = spectrum(&rows, 1.0, &settings);
-    let with = spectrum(&rows, 1.0, &DataSettings::default());
+    let with = spectrum(&rows, 1.0, &DataSettings::sano_sawada());
     assert_eq!(values(&alone), values(&with));
     assert!(
         alone
@@ -228,7 +233,7 @@ fn a_contraction_hidden_by_a_long_step_is_unstable() {
     let settings = DataSettings {
         step: 4,
         stride: 2,
-        ..DataSettings::default()
+        ..DataSettings::sano_sawada()
     };
     let found = spectrum(&henon(POINTS), 1.0, &settings);
     assert!(found.exponents[1].value > -1.2);
@@ -240,7 +245,7 @@ fn a_contraction_hidden_by_a_long_step_is_unstable() {
 #[test]
 fn what_is_no_state_of_a_deterministic_system_is_unpredictable() {
     let rows = henon(10_000);
-    let good = spectrum(&rows, 1.0, &DataSettings::default());
+    let good = spectrum(&rows, 1.0, &DataSettings::sano_sawada());
     assert!(good.residual_ratio < 0.01, "{}", good.residual_ratio);
     let column: Vec<[f64; 1]> = rows.iter().map(|&[x, _]| [x]).collect();
     let mut noise = noise();
@@ -251,10 +256,10 @@ fn what_is_no_state_of_a_deterministic_system_is_unpredictable() {
         .iter()
         .map(|row| row.map(|v| v + 0.05 * noise.next().unwrap()))
         .collect();
-    let column = spectrum(&column, 1.0, &DataSettings::default());
+    let column = spectrum(&column, 1.0, &DataSettings::sano_sawada());
     assert_eq!(statuses(&column), [Status::Unpredictable]);
     for rows in [white, noisy] {
-        let found = spectrum(&rows, 1.0, &DataSettings::default());
+        let found = spectrum(&rows, 1.0, &DataSettings::sano_sawada());
         assert!((0.8..1.2).contains(&found.residual_ratio));
         assert_eq!(statuses(&found), [Status::Unpredictable; 2]);
     }
@@ -266,10 +271,10 @@ fn what_is_no_state_of_a_deterministic_system_is_unpredictable() {
 #[test]
 fn a_factor_for_one_column_changes_neighbours_but_not_exponents() {
     let rows = henon(20_000);
-    let plain = spectrum(&rows, 1.0, &DataSettings::default());
+    let plain = spectrum(&rows, 1.0, &DataSettings::sano_sawada());
     for factor in [0.5, 3.0] {
         let scaled: Vec<[f64; 2]> = rows.iter().map(|&[x, y]| [x, factor * y]).collect();
-        let found = spectrum(&scaled, 1.0, &DataSettings::default());
+        let found = spectrum(&scaled, 1.0, &DataSettings::sano_sawada());
         assert_eq!(statuses(&found), [Status::Ok; 2]);
         let [a, b] = [&plain, &found].map(|spectrum| &spectrum.exponents);
         assert!(a[0].value != b[0].value && a[1].value != b[1].value);
@@ -288,7 +293,7 @@ fn the_bias_of_the_second_exponent_shrinks_with_the_neighbourhood() {
         .map(|count| {
             let settings = DataSettings {
                 neighbours: Neighbourhood::Nearest(count),
-                ..DataSettings::default()
+                ..DataSettings::sano_sawada()
             };
             spectrum(&rows, 1.0, &settings).exponents[1].value + 1.6227
         })
@@ -304,7 +309,7 @@ fn the_bias_of_the_second_exponent_shrinks_with_the_neighbourhood() {
 /// third direction is 10⁻⁴ thin, far below the neighbourhoods: the sheet's curvature is all that the data show.
 #[test]
 fn lorenz_has_two_exponents_and_a_third_that_the_data_do_not_tell() {
-    let found = spectrum(&lorenz(POINTS), 0.02, &DataSettings::default());
+    let found = spectrum(&lorenz(POINTS), 0.02, &DataSettings::sano_sawada());
     assert_eq!(
         statuses(&found),
         [Status::Ok, Status::Ok, Status::Unidentified]
@@ -320,7 +325,7 @@ fn lorenz_has_two_exponents_and_a_third_that_the_data_do_not_tell() {
 /// λ = (0.0714, 0, −5.39); block error 0.0024 and 0.001, four of them allowed.
 #[test]
 fn roessler_has_two_exponents() {
-    let found = spectrum(&roessler(POINTS), 0.1, &DataSettings::default());
+    let found = spectrum(&roessler(POINTS), 0.1, &DataSettings::sano_sawada());
     assert_eq!(
         statuses(&found),
         [Status::Ok, Status::Ok, Status::Unidentified]
@@ -352,7 +357,7 @@ fn a_stable_autoregression_has_the_eigenvalues_of_its_regression() {
             max: LENGTH,
         },
         affine: true,
-        ..DataSettings::default()
+        ..DataSettings::sano_sawada()
     };
     let found = spectrum(&rows, 0.5, &settings);
 
@@ -383,7 +388,7 @@ fn a_stable_autoregression_has_the_eigenvalues_of_its_regression() {
 /// the powers of the radius.
 #[test]
 fn a_limit_cycle_determines_one_exponent() {
-    let found = spectrum(&cycle(POINTS), 0.1, &DataSettings::default());
+    let found = spectrum(&cycle(POINTS), 0.1, &DataSettings::sano_sawada());
     assert_eq!(found.dimension, 1);
     assert_eq!(
         statuses(&found),
@@ -415,7 +420,7 @@ fn a_torus_determines_two_exponents() {
             ]
         })
         .collect();
-    let found = spectrum(&rows, 0.2, &DataSettings::default());
+    let found = spectrum(&rows, 0.2, &DataSettings::sano_sawada());
     assert_eq!(found.dimension, 2);
     near(found.exponents[0].value, 0.0, 5e-4);
     near(found.exponents[1].value, 0.0, 5e-4);
@@ -427,11 +432,11 @@ fn a_torus_determines_two_exponents() {
 #[test]
 fn a_constant_column_is_unidentified_wherever_it_stands() {
     let rows = henon(5000);
-    let plain = spectrum(&rows, 1.0, &DataSettings::default());
+    let plain = spectrum(&rows, 1.0, &DataSettings::sano_sawada());
     let last: Vec<[f64; 3]> = rows.iter().map(|&[x, y]| [x, y, 7.25]).collect();
     let first: Vec<[f64; 3]> = rows.iter().map(|&[x, y]| [7.25, x, y]).collect();
     for with_constant in [last, first] {
-        let found = spectrum(&with_constant, 1.0, &DataSettings::default());
+        let found = spectrum(&with_constant, 1.0, &DataSettings::sano_sawada());
         assert_eq!(
             statuses(&found),
             [Status::Ok, Status::Ok, Status::Unidentified]
@@ -451,7 +456,7 @@ fn exact_repeats_are_no_neighbours() {
     let rows: Vec<[f64; 2]> = (0..3000)
         .map(|i| [f64::from(i % 7), f64::from(i * 3 % 7)])
         .collect();
-    let found = spectrum(&rows, 1.0, &DataSettings::default());
+    let found = spectrum(&rows, 1.0, &DataSettings::sano_sawada());
     assert!(statuses(&found).iter().all(|&s| s != Status::Annihilated));
     assert_eq!(found.starved, found.references);
 }
@@ -466,7 +471,7 @@ fn an_exactly_repeating_cycle() {
             [math::cos(angle), math::sin(angle), math::sin(2.0 * angle)]
         })
         .collect();
-    let found = spectrum(&rows, 0.1, &DataSettings::default());
+    let found = spectrum(&rows, 0.1, &DataSettings::sano_sawada());
     assert_eq!(
         statuses(&found),
         [Status::Ok, Status::Unidentified, Status::Unidentified]
@@ -491,7 +496,7 @@ fn a_map_that_forgets_annihilates() {
         .collect();
     let settings = DataSettings {
         neighbours: Neighbourhood::Nearest(4),
-        ..DataSettings::default()
+        ..DataSettings::sano_sawada()
     };
     let found = spectrum(&rows, 1.0, &settings);
     assert_eq!(statuses(&found), [Status::Ok, Status::Annihilated]);
@@ -510,7 +515,7 @@ fn stick_phases_leave_no_exponent_for_the_velocity() {
         .iter()
         .map(|&[x, y, z]| [x, y.min(2.0), z])
         .collect();
-    let found = spectrum(&rows, 0.02, &DataSettings::default());
+    let found = spectrum(&rows, 0.02, &DataSettings::sano_sawada());
     assert_eq!(found.exponents[2].status, Status::Unidentified);
     assert!(found.exponents[2].undetermined > found.references / 10);
     assert!(
@@ -526,7 +531,7 @@ fn stick_phases_leave_no_exponent_for_the_velocity() {
 #[test]
 fn one_factor_for_all_columns_changes_nothing() {
     let rows = lorenz(6000);
-    let settings = DataSettings::default();
+    let settings = DataSettings::sano_sawada();
     let plain = spectrum(&rows, 0.02, &settings);
     for (factor, exact) in [(1024.0, true), (0.125, true), (1e-200, false), (3.7, false)] {
         let scaled: Vec<[f64; 3]> = rows.iter().map(|row| row.map(|v| v * factor)).collect();
@@ -551,9 +556,9 @@ fn one_factor_for_all_columns_changes_nothing() {
 #[test]
 fn the_order_of_columns_does_not_matter() {
     let rows = lorenz(6000);
-    let plain = spectrum(&rows, 0.02, &DataSettings::default());
+    let plain = spectrum(&rows, 0.02, &DataSettings::sano_sawada());
     let turned: Vec<[f64; 3]> = rows.iter().map(|&[x, y, z]| [z, x, y]).collect();
-    let found = spectrum(&turned, 0.02, &DataSettings::default());
+    let found = spectrum(&turned, 0.02, &DataSettings::sano_sawada());
     for (a, b) in plain.exponents.iter().zip(&found.exponents) {
         assert_eq!(a.status, b.status);
         near(b.value, a.value, 1e-6 * a.value.abs().max(1.0));
@@ -566,7 +571,7 @@ fn the_number_of_threads_changes_no_bit() {
     let settings = DataSettings {
         step: 3,
         affine: true,
-        ..DataSettings::default()
+        ..DataSettings::sano_sawada()
     };
     let [one, two] = [1, 2].map(|threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
@@ -586,7 +591,7 @@ fn steps_and_strides() {
         let settings = DataSettings {
             step: 3,
             stride,
-            ..DataSettings::default()
+            ..DataSettings::sano_sawada()
         };
         let found = spectrum(&rows, 1.0, &settings);
         near(found.exponents[0].value, 0.4187, 0.008);
@@ -599,7 +604,7 @@ fn steps_and_strides() {
     }
     let settings = DataSettings {
         references: Some(1000),
-        ..DataSettings::default()
+        ..DataSettings::sano_sawada()
     };
     assert_eq!(spectrum(&rows, 1.0, &settings).references, 1000);
 }
@@ -608,11 +613,11 @@ fn steps_and_strides() {
 #[test]
 fn regularisation_has_an_effect_and_a_fixed_rank_is_kept() {
     let rows = henon(5000);
-    let plain = spectrum(&rows, 1.0, &DataSettings::default());
+    let plain = spectrum(&rows, 1.0, &DataSettings::sano_sawada());
     let settings = DataSettings {
         ridge: 0.3,
         fixed_rank: Some(1),
-        ..DataSettings::default()
+        ..DataSettings::sano_sawada()
     };
     let found = spectrum(&rows, 1.0, &settings);
     assert!(found.exponents[1].value < plain.exponents[1].value - 0.1);
@@ -633,7 +638,7 @@ fn bad_series_and_settings_are_refused_with_their_numbers() {
 
     let rows = henon(500);
     let series = |rows: &[[f64; 2]]| Series::from_rows(rows.iter().copied(), 1.0).unwrap();
-    let settings = DataSettings::default;
+    let settings = DataSettings::sano_sawada;
     let few = data_spectrum(&series(&rows[..10]), &settings()).unwrap_err();
     assert!(matches!(few, DataError::TooFew { rows: 10, .. }), "{few}");
     let none = data_spectrum(&series(&[]), &settings()).unwrap_err();

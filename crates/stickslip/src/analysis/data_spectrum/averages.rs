@@ -81,6 +81,19 @@ pub(super) fn average<const N: usize>(
     (averages, running)
 }
 
+/// The average of the volume that the first `dimension` vectors span: the sum of their exponents.
+pub(super) fn volume<const N: usize>(
+    stretches: &[Stretch<N>],
+    dimension: usize,
+    tau: f64,
+) -> Average {
+    let volumes: Vec<Stretch<1>> = stretches
+        .iter()
+        .map(|stretch| stretch.volume(dimension))
+        .collect();
+    average(&volumes, tau).0[0]
+}
+
 /// Standard error of the mean from the scatter of the means of blocks.
 fn block_error(blocks: impl Iterator<Item = Sum>) -> f64 {
     let means: Vec<f64> = blocks.filter(|b| b.1 > 0).map(Sum::mean).collect();

@@ -14,6 +14,17 @@ pub(super) struct Stretch<const N: usize> {
     pub(super) determined: usize,
 }
 
+impl<const N: usize> Stretch<N> {
+    /// The stretching of the volume that the first `dimension` vectors span.
+    pub(super) fn volume(&self, dimension: usize) -> Stretch<1> {
+        Stretch {
+            factor: [self.factor[..dimension].iter().product()],
+            alive: usize::from(self.alive >= dimension),
+            determined: usize::from(self.determined >= dimension),
+        }
+    }
+}
+
 /// Takes orthonormal vectors (the first `width` rows of `basis`) through a map and makes them orthonormal again.
 ///
 /// A vector of which nothing is left after the map, or nothing that is independent of those before it, goes to the end and is
@@ -25,6 +36,20 @@ pub(super) fn advance<const N: usize>(
     width: usize,
 ) -> Stretch<N> {
     let determined = map.rank.min(width);
+    if width < N && determined == width && determined > 0 {
+        align(basis, &map.domain, width);
+    }
+    carry(&map.matrix, map.nothing, determined, basis, width)
+}
+
+/// As [`advance`] without turning the vectors first, with a matrix that is determined in so many directions and takes to nothing what it makes shorter than `nothing`.
+pub(super) fn carry<const N: usize>(
+    matrix: &Square<N>,
+    nothing: f64,
+    determined: usize,
+    basis: &mut Square<N>,
+    width: usize,
+) -> Stretch<N> {
     let mut stretch = Stretch {
         factor: [0.0; N],
         alive: determined,
@@ -34,18 +59,15 @@ pub(super) fn advance<const N: usize>(
         // Nothing is known here; the vectors wait for the next map.
         return stretch;
     }
-    if width < N && determined == width {
-        align(basis, &map.domain, width);
-    }
     let mut next = [[0.0; N]; N];
     let mut kept = 0;
     for vector in basis.iter().take(width) {
         if kept == determined {
             break;
         }
-        let mut image = std::array::from_fn(|row| product(&map.matrix[row], vector));
+        let mut image = std::array::from_fn(|row| product(&matrix[row], vector));
         let length = orthogonalise(&mut image, &next[..kept]);
-        if length > map.nothing {
+        if length > nothing {
             next[kept] = image.map(|v| v / length);
             stretch.factor[kept] = length;
             kept += 1;

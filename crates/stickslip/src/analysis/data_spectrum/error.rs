@@ -75,6 +75,19 @@ pub enum DataError {
         /// Step of the chain.
         step: usize,
     },
+    /// Delayed values that reach over the end of the series.
+    #[error(
+        "{rows} points are too few for {dimension} values with a delay of {delay}: more than {} are needed; give more points, a smaller \
+         delay or a smaller dimension", delay.saturating_mul(dimension.saturating_sub(1))
+    )]
+    Span {
+        /// Number of points.
+        rows: usize,
+        /// Points between two values.
+        delay: usize,
+        /// Number of values.
+        dimension: usize,
+    },
     /// More points than the search tree can number.
     #[error("{rows} points are too many: at most {max} can be indexed; thin the series")]
     TooMany {
@@ -92,6 +105,14 @@ pub enum DataError {
         value: f64,
         /// What is allowed, in words and numbers.
         bound: String,
+    },
+    /// The Fourier transform failed.
+    #[error("cannot transform {rows} points: {cause}; please report this")]
+    Transform {
+        /// Number of points.
+        rows: usize,
+        /// What its crate said.
+        cause: String,
     },
     /// The search tree could not be built.
     #[error("cannot build the search tree over {rows} points: {cause}; please report this")]

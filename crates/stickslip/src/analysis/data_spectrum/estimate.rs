@@ -2,16 +2,17 @@
 
 use rayon::prelude::*;
 
-use super::averages::{Average, average};
+use super::averages::{Average, average, volume};
 use super::chain::{Stretch, advance};
 use super::cloud::Cloud;
 use super::directions::{self, Kind, upper_median};
 use super::error::DataError;
+use super::extrapolation::{self, Corrected, Plan};
 use super::fit::{LocalMap, Rule, Scratch};
 use super::neighbours::{Finder, Neighbour};
 use super::result::{Counts, DataExponent, DataSpectrum, Running, Status};
 use super::series::Series;
-use super::settings::{DataSettings, FEWEST_REFERENCES};
+use super::settings::{DataSettings, Estimator, FEWEST_REFERENCES};
 use super::svd::Square;
 
 /// Part of the reference points that may fail to determine a direction that counts as determined.
@@ -24,6 +25,8 @@ const UNPREDICTABLE: f64 = 0.8;
 const STANDARD_ERRORS: f64 = 4.0;
 /// and by more than this part of the value.
 const PART: f64 = 0.05;
+/// An extrapolation over more than so many standard errors, and more than that part of the value, is none from small sizes.
+const RANGE: f64 = 2.0;
 /// Reference points between two reports of progress.
 const CHUNK: usize = 2048;
 
@@ -51,7 +54,8 @@ pub fn data_spectrum(series: &Series, settings: &DataSettings) -> Result<DataSpe
     data_spectrum_with(series, settings, &|_, _| ())
 }
 
-/// As [`data_spectrum`], calling `progress(done, total)` in between, with numbers of reference points.
+/// As [`data_spectrum`], calling `progress(done, total)` in between, with numbers of reference points, each counted as often as maps are
+/// fitted around it.
 ///
 /// # Errors
 /// As [`data_spectrum`].
@@ -112,14 +116,22 @@ fn estimate<const N: usize>(
         .count();
     let fixed_rank = settings.fixed_rank.unwrap_or(dimension);
 
-    let times = if settings.sensitivity { 2 } else { 1 };
+    // The other estimator has two sizes of its own.
+    let sensitivity = settings.sensitivity && settings.estimator == Estimator::SanoSawada;
+    let times = if sensitivity { 2 } else { 1 };
     let references = (series.len() - step).div_ceil(settings.stride);
     let references = settings
         .references
         .map_or(references, |r| r.min(references));
+    let passes = if settings.estimator == Estimator::SanoSawada {
+        1
+    } else {
+        2
+    };
+    let total = passes * references;
     let mut locals: Vec<Local<N>> = Vec::with_capacity(references);
     while locals.len() < references {
-        progress(locals.len(), references);
+        progress(locals.len(), total);
         let until = (locals.len() + CHUNK).min(references);
         locals.par_extend((locals.len()..until).into_par_iter().map_init(
             || (Scratch::default(), Vec::<Neighbour>::new()),
@@ -127,9 +139,8 @@ fn estimate<const N: usize>(
                 let j = i * settings.stride;
                 let selection = finder.select(j, &settings.neighbours, times, cloud.spread, found);
                 let neighbours = &found[..selection.count];
-                let wide = settings
-                    .sensitivity
-                    .then(|| scratch.decompose(&cloud, j, found, &rule).map(N, &rule));
+                let wide =
+                    sensitivity.then(|| scratch.decompose(&cloud, j, found, &rule).map(N, &rule));
                 let decomposed = scratch.decompose(&cloud, j, neighbours, &rule);
                 let full = decomposed.map(N, &rule);
                 Local {
@@ -144,7 +155,6 @@ fn estimate<const N: usize>(
             },
         ));
     }
-    progress(references, references);
 
     // Where a chain begins: the directions of the neighbourhood, so that undetermined ones come last.
     let begin = |i: usize, twice: bool| -> Square<N> {
@@ -161,13 +171,31 @@ fn estimate<const N: usize>(
     let tau = step as f64 * series.dt();
     let full: Vec<Stretch<N>> = chain(&locals, chains, N, &once, |local| &local.full);
     let fixed: Vec<Stretch<N>> = chain(&locals, chains, fixed_rank, &once, |local| &local.fixed);
-    let wide = settings.sensitivity.then(|| {
+    let wide = sensitivity.then(|| {
         let twice = |i: usize| begin(i, true);
         let wide: Vec<Stretch<N>> = chain(&locals, chains, N, &twice, |local| &local.wide);
         average(&wide, tau).0
     });
-    let (averages, running) = average(&full, tau);
+    let (averages, mut running) = average(&full, tau);
     let (fixed, _) = average(&fixed, tau);
+    let mut sum = volume(&full, dimension, tau);
+    let corrected = match settings.estimator {
+        Estimator::Extrapolated { degree } if dimension > 0 => {
+            let plan = Plan::new(&cloud, settings, degree, dimension);
+            let directions = |i: usize| locals[i].full.domain;
+            let reference = extrapolation::References {
+                count: references,
+                directions: &directions,
+                progress: &|done| progress(references + done, total),
+            };
+            let stretches = extrapolation::run(&cloud, &finder, &plan, settings, &reference);
+            let (corrected, towards) = stretches.corrected(&plan, tau, cloud.unit);
+            (sum, running) = (corrected.sum, towards);
+            Some(corrected)
+        }
+        Estimator::Extrapolated { .. } | Estimator::SanoSawada => None,
+    };
+    progress(total, total);
 
     let starved = locals.iter().filter(|local| local.starved).count();
     let residual_ratio = upper_median(locals.iter().map(|local| local.residual_ratio));
@@ -184,6 +212,7 @@ fn estimate<const N: usize>(
                 &averages[i],
                 (i < fixed_rank).then_some(&fixed[i]),
                 wide.as_ref().map(|wide| &wide[i]),
+                corrected.as_ref(),
             )
         })
         .collect();
@@ -191,6 +220,7 @@ fn estimate<const N: usize>(
     let distances: f64 = locals.iter().map(|local| local.radius).sum();
     Ok(DataSpectrum {
         exponents,
+        sum: (sum.mean, sum.stderr),
         dimension,
         fixed_rank,
         directions,
@@ -201,6 +231,7 @@ fn estimate<const N: usize>(
         references,
         starved,
         residual_ratio,
+        sizes: corrected.map(|corrected| corrected.sizes),
         convergence: running
             .into_iter()
             .map(|(count, means)| Running {
@@ -268,18 +299,29 @@ struct Evidence {
 impl Evidence {
     /// Puts together what is known of exponent `i`. `wide` is its estimate from neighbourhoods of twice the size, if
     /// there is one.
-    fn exponent(
+    fn exponent<const N: usize>(
         &self,
         i: usize,
         full: &Average,
         fixed: Option<&Average>,
         wide: Option<&Average>,
+        corrected: Option<&Corrected<N>>,
     ) -> DataExponent {
-        let eps_sensitivity = match wide {
+        let mut eps_sensitivity = match wide {
             Some(wide) => wide.mean - full.mean,
             None => f64::NAN,
         };
-        let status = self.status(i, full, eps_sensitivity);
+        let mut status = self.status(i, full, eps_sensitivity);
+        let mut best = *full;
+        if let Some(corrected) = corrected
+            && i < self.dimension
+        {
+            eps_sensitivity = corrected.large[i].mean - corrected.small[i].mean;
+            best = corrected.best(i);
+            if status == Status::Ok {
+                status = self.extrapolated(&best, corrected.range(i), &corrected.zero[i]);
+            }
+        }
         let annihilated = status == Status::Annihilated;
         let of = |average: &Average| {
             if annihilated {
@@ -288,8 +330,9 @@ impl Evidence {
                 (average.mean, average.stderr)
             }
         };
-        let (value, stderr) = of(full);
+        let (value, stderr) = of(&best);
         DataExponent {
+            sano_sawada: of(full),
             value,
             stderr,
             eps_sensitivity: if annihilated {
@@ -301,6 +344,18 @@ impl Evidence {
             fixed_rank: fixed.map(of),
             collapses: full.collapses,
             undetermined: full.undetermined,
+        }
+    }
+
+    /// Of an exponent that nothing speaks against before it is extrapolated.
+    fn extrapolated(&self, best: &Average, range: f64, zero: &Average) -> Status {
+        let tolerance = (RANGE * zero.stderr).max(PART * best.mean.abs());
+        if best.undetermined as f64 > UNDETERMINED * self.references as f64 {
+            Status::Starved
+        } else if range.abs() > tolerance {
+            Status::Unstable
+        } else {
+            Status::Ok
         }
     }
 

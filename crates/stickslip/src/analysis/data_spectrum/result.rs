@@ -1,6 +1,7 @@
 //! The spectrum and the evidence for it.
 
 use super::directions::Direction;
+use super::extrapolation::Sizes;
 use super::settings::DataSettings;
 
 /// Whether an exponent can be had from the series.
@@ -8,11 +9,14 @@ use super::settings::DataSettings;
 pub enum Status {
     /// It belongs to a direction that the series has points in, and no sign of an error beyond the standard one was found.
     Ok,
-    /// It belongs to such a direction, but with neighbourhoods of twice the size it is another, by more than
-    /// four standard errors and 5 %: the value is one of the neighbourhoods as much as of the system.
+    /// It belongs to such a direction, but depends on the size of the neighbourhoods: what they do to it by the curvature of map and
+    /// attractor is not small. Extrapolated, it is at size zero another than at the larger size, by more than two statistical errors
+    /// and 5 %; by [`super::Estimator::SanoSawada`] it is another with neighbourhoods of twice the size, by more than four standard errors
+    /// and 5 %.
     Unstable,
     /// It belongs to such a direction, but at more than half of the reference points the ball held too few neighbours and the
-    /// nearest were taken, at whatever distance: not the estimate that was asked for.
+    /// nearest were taken, at whatever distance: not the estimate that was asked for. Or too few neighbours determine the maps that are
+    /// extrapolated, at more than 1 % of them.
     Starved,
     /// The maps do not predict where neighbours go ([`DataSpectrum::residual_ratio`] above 0.8): the points are not states of a
     /// deterministic system, or noise is as large as the neighbourhoods.
@@ -51,14 +55,18 @@ impl Status {
 /// An exponent estimated from a series.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DataExponent {
-    /// Per unit of time, by the fit of full rank, Eq. (25). For [`Status::Unidentified`] what that fit happens to give, or NaN if
+    /// Per unit of time, by the estimator of the settings. For [`Status::Unidentified`] what that fit happens to give, or NaN if
     /// no reference point determines it; for [`Status::Annihilated`] minus infinity.
     pub value: f64,
-    /// Standard error of the mean from the scatter between blocks of time. It is statistical only and knows nothing of
-    /// bias. NaN where nothing determines the value.
+    /// Standard error. By [`super::Estimator::SanoSawada`] that of the mean from the scatter between blocks of time, which is statistical
+    /// only and knows nothing of bias; by [`super::Estimator::Extrapolated`] the root of the sum of squares of that and of the whole
+    /// step from the smaller size to zero. NaN where nothing determines the value.
     pub stderr: f64,
-    /// By how much the value changes with neighbourhoods of twice the size (radius and counts doubled): a measure of the
-    /// bias that `stderr` does not contain. NaN for [`Status::Annihilated`] and where one of the two does not exist.
+    /// The exponent by Eqs. (25) and (26), with its statistical error: the value itself with [`super::Estimator::SanoSawada`].
+    pub sano_sawada: (f64, f64),
+    /// By how much the value changes with neighbourhoods of twice the size: radius and counts doubled by
+    /// [`super::Estimator::SanoSawada`], whose `stderr` does not contain that bias, and from the smaller to the larger of
+    /// [`DataSpectrum::sizes`] by the other. NaN for [`Status::Annihilated`] and where one of the two does not exist.
     pub eps_sensitivity: f64,
     /// Whether the value means something.
     pub status: Status,
@@ -95,6 +103,9 @@ pub struct Running {
 pub struct DataSpectrum {
     /// The exponents, in the order the chain finds them: descending, but for differences within the error.
     pub exponents: Vec<DataExponent>,
+    /// Sum of the exponents of the tangent directions, with its standard error, which is smaller than theirs where what one gains the
+    /// other loses. NaN where there is none; see [`DataSpectrum::balance`].
+    pub sum: (f64, f64),
     /// Number of tangent directions: so many exponents the series can tell.
     pub dimension: usize,
     /// Rank of the second fit.
@@ -115,6 +126,8 @@ pub struct DataSpectrum {
     /// per degree of freedom): near 0 for states of a smooth deterministic system, near 1 for noise, and for a
     /// single column of a system of more dimensions. NaN if no neighbourhood has more points than its map has columns.
     pub residual_ratio: f64,
+    /// Sizes that the exponents were extrapolated from; none with [`super::Estimator::SanoSawada`].
+    pub sizes: Option<Sizes>,
     /// Running means of the exponents, some 400 rows.
     pub convergence: Vec<Running>,
     /// The settings, with what was left to the estimator filled in.

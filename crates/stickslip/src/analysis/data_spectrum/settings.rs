@@ -1,6 +1,7 @@
 //! How a spectrum is estimated.
 
 use super::error::DataError;
+use super::polynomial::Degree;
 
 /// Which points count as neighbours of a reference point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,6 +29,29 @@ impl Neighbourhood {
     }
 }
 
+/// What is made of the local maps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Estimator {
+    /// Sano and Sawada's: linear maps of one neighbourhood, Eqs. (25) and (26) of the paper as they stand. Its error is statistical
+    /// only.
+    SanoSawada,
+    /// Maps from neighbourhoods of two sizes, extrapolated to size zero. The error holds that of the extrapolation.
+    Extrapolated {
+        /// Degree of the maps; `None` takes quadratic ones where the series is long enough.
+        degree: Option<Degree>,
+    },
+}
+
+impl Estimator {
+    /// Words for tables.
+    pub fn words(self) -> &'static str {
+        match self {
+            Estimator::SanoSawada => "Sano-Sawada",
+            Estimator::Extrapolated { .. } => "extrapolated",
+        }
+    }
+}
+
 /// Fewest reference points: fewer make no two blocks of time, and no standard error.
 pub const FEWEST_REFERENCES: usize = 20;
 
@@ -40,7 +64,9 @@ pub const FEWEST_REFERENCES: usize = 20;
 /// 0.02 these are 2.9: such a series needs an `eps` of 0.04 for a dozen.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DataSettings {
-    /// Which points are neighbours.
+    /// What is made of the local maps.
+    pub estimator: Estimator,
+    /// Which points are neighbours. What is extrapolated comes from the nearest points, [`Neighbourhood::fewest`] or more of them.
     pub neighbours: Neighbourhood,
     /// Theiler window, in points: `k` is no neighbour of `j` where `|k − j|` is not above it, since points that follow
     /// one another are near for no other reason. `None` takes the time in which the autocorrelation of the series falls below
@@ -63,13 +89,15 @@ pub struct DataSettings {
     /// Uses only the first so many reference points, at least [`FEWEST_REFERENCES`].
     pub references: Option<usize>,
     /// Estimates a second time from neighbourhoods of twice the size, to say how far the result depends on them; takes as
-    /// long again. Without it no `eps_sensitivity` is known and no exponent is called unstable.
+    /// long again. Without it no `eps_sensitivity` is known and no exponent is called unstable. [`Estimator::Extrapolated`] has two
+    /// sizes anyhow.
     pub sensitivity: bool,
 }
 
 impl Default for DataSettings {
     fn default() -> Self {
         Self {
+            estimator: Estimator::Extrapolated { degree: None },
             neighbours: Neighbourhood::Ball {
                 eps: 0.1,
                 min: 12,
@@ -89,6 +117,14 @@ impl Default for DataSettings {
 }
 
 impl DataSettings {
+    /// The estimator of the paper, Eqs. (25) and (26), which corrects no bias; all else as by default.
+    pub fn sano_sawada() -> Self {
+        Self {
+            estimator: Estimator::SanoSawada,
+            ..Self::default()
+        }
+    }
+
     /// # Errors
     /// [`DataError::Setting`] with the first setting that is not allowed.
     pub(super) fn check(&self, columns: usize) -> Result<(), DataError> {

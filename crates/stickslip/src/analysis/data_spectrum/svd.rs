@@ -48,7 +48,7 @@ pub(super) fn triangle<const N: usize>(
     (r, c)
 }
 
-fn reflect(mirror: &[f64], square: f64, column: &mut [f64]) {
+pub(super) fn reflect(mirror: &[f64], square: f64, column: &mut [f64]) {
     let factor = 2.0 * dot(mirror, column) / square;
     for (v, m) in column.iter_mut().zip(mirror) {
         *v -= factor * m;
@@ -56,7 +56,7 @@ fn reflect(mirror: &[f64], square: f64, column: &mut [f64]) {
 }
 
 /// Four partial sums, in a fixed order: independent additions, so that they need not wait for one another.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     let (a_fours, a_rest) = a.as_chunks::<4>();
     let (b_fours, b_rest) = b.as_chunks::<4>();
     let mut sums = [0.0; 4];

@@ -1,0 +1,290 @@
+//! Delay and dimension from the data.
+
+use super::super::cloud::Cloud;
+use super::super::error::DataError;
+use super::super::series::Series;
+use super::delay::{Embedding, most_dimensions};
+use super::false_neighbours::{Level, level};
+use super::information::Classes;
+
+/// Longest delay that is looked at, as a part of the series: ten vectors of two values then follow one another.
+const LONGEST_PART: usize = 10;
+/// Lags that are looked at, at most.
+const MOST_LAGS: usize = 2000;
+/// A minimum is one if the information rises behind it by this part of what it is at the first lag.
+const RISE: f64 = 0.01;
+/// The curve is given up to so many times the delay.
+const SHOWN: usize = 3;
+/// With a smaller part of false neighbours there are none: Kennel's 1 %.
+pub const NO_FALSE_NEIGHBOURS: f64 = 0.01;
+/// With a larger part of them columns are missing: whole states have up to 3 % where they stick, and Lorenz' x and z at 3000 points 5 %.
+const MANY_FALSE_NEIGHBOURS: f64 = 0.05;
+/// Cao's E1 has stopped changing where it is above,
+const CAO_SETTLED: f64 = 0.9;
+/// and differs from the one of a dimension more by less.
+const CAO_CHANGE: f64 = 0.05;
+/// Cao's E2 is 1 at all dimensions for noise; further off it is not.
+const CAO_NOISE: f64 = 0.1;
+
+/// What is given of an embedding, and what it is chosen with.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct EmbeddingSettings {
+    /// Delay in points; `None` takes it from the mutual information.
+    pub delay: Option<usize>,
+    /// Delayed values of each column; `None` takes it from false neighbours.
+    pub dimension: Option<usize>,
+    /// Theiler window in points, as in [`super::super::DataSettings`].
+    pub theiler: Option<usize>,
+}
+
+/// Where the delay comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DelayReason {
+    /// It was given.
+    Given,
+    /// The autocorrelation is below 1/e after one point: the points follow one another as those of a map, whose delay is 1.
+    Uncorrelated,
+    /// The first minimum of the mutual information.
+    FirstMinimum,
+    /// The mutual information falls to what independent values show, without a minimum before.
+    Independent,
+    /// Neither a minimum nor independence at any lag looked at: the longest.
+    NoMinimum,
+}
+
+impl DelayReason {
+    /// A few words for tables.
+    pub fn words(self) -> &'static str {
+        match self {
+            DelayReason::Given => "given",
+            DelayReason::Uncorrelated => "uncorrelated after one point, as a map",
+            DelayReason::FirstMinimum => "first minimum of the mutual information",
+            DelayReason::Independent => "mutual information falls to zero",
+            DelayReason::NoMinimum => "no minimum of the mutual information, longest lag",
+        }
+    }
+}
+
+/// Where the dimension comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DimensionReason {
+    /// It was given.
+    Given,
+    /// The first at which less than 1 % of the nearest neighbours are false.
+    FalseNeighbours,
+    /// More are false at all dimensions; the one at which fewest are: noise, or more dimensions than can be looked at.
+    FewestFalse,
+}
+
+impl DimensionReason {
+    /// A few words for tables.
+    pub fn words(self) -> &'static str {
+        match self {
+            DimensionReason::Given => "given",
+            DimensionReason::FalseNeighbours => "below 1 % false neighbours",
+            DimensionReason::FewestFalse => "fewest false neighbours, never below 1 %",
+        }
+    }
+}
+
+/// What one dimension shows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DimensionEvidence {
+    /// Delayed values of each column.
+    pub dimension: usize,
+    /// Part of the nearest neighbours that the next value shows to be false.
+    pub false_neighbours: f64,
+    /// Cao's E1, near 1 where the dimension suffices; NaN at the last dimension.
+    pub e1: f64,
+    /// Cao's E2, 1 at all dimensions for noise; NaN at the last dimension.
+    pub e2: f64,
+}
+
+/// An embedding and the evidence for it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EmbeddingChoice {
+    /// Delay and dimension.
+    pub embedding: Embedding,
+    /// Where the delay comes from.
+    pub delay_reason: DelayReason,
+    /// Where the dimension comes from.
+    pub dimension_reason: DimensionReason,
+    /// Mutual information in nats over the lag in points, averaged over the columns.
+    pub information: Vec<(usize, f64)>,
+    /// False neighbours and Cao's averages, dimension after dimension.
+    pub dimensions: Vec<DimensionEvidence>,
+    /// The dimension by Cao's method: the first from which E1 does not change; `None` if it does at all, and for noise.
+    pub cao: Option<usize>,
+    /// Cao's E2 is 1 at all dimensions: the next value does not depend on those before, as in noise.
+    pub is_noise: bool,
+}
+
+/// Chooses an embedding, or gives the evidence for a given one. `progress(done, total)` is called in between.
+///
+/// # Errors
+/// [`DataError::Setting`] for a delay or dimension that is not allowed, [`DataError::Span`] for one that the series is too short
+/// for, [`DataError::Constant`], [`DataError::Overflow`], [`DataError::TooMany`].
+pub fn choose_embedding(
+    series: &Series,
+    settings: &EmbeddingSettings,
+    progress: &dyn Fn(usize, usize),
+) -> Result<EmbeddingChoice, DataError> {
+    let most = most_dimensions(series.columns());
+    // A given one must fit before anything is computed.
+    Embedding {
+        delay: settings.delay.unwrap_or(1),
+        dimension: settings.dimension.unwrap_or(1),
+    }
+    .of(series)?;
+    let (decorrelation, spread) = scales(series)?;
+    let theiler = settings.theiler.unwrap_or(decorrelation);
+    progress(0, most + 1);
+    let (delay, delay_reason, information) = delay(
+        &Classes::new(series),
+        series.len(),
+        decorrelation,
+        settings.delay,
+    );
+
+    let mut levels: Vec<Level> = Vec::new();
+    for dimension in 1..=most {
+        progress(dimension, most + 1);
+        match level(series, Embedding { delay, dimension }, theiler, spread) {
+            Ok(Some(found)) => levels.push(found),
+            // Too short for more, or nothing but repeats.
+            Ok(None) | Err(DataError::Span { .. }) => break,
+            Err(error) => return Err(error),
+        }
+    }
+    progress(most + 1, most + 1);
+    let dimensions: Vec<DimensionEvidence> = levels
+        .iter()
+        .enumerate()
+        .map(|(i, level)| DimensionEvidence {
+            dimension: i + 1,
+            false_neighbours: level.false_part,
+            e1: ratio(&levels, i, |level| level.stretching),
+            e2: ratio(&levels, i, |level| level.next_difference),
+        })
+        .collect();
+    let (dimension, dimension_reason) = match settings.dimension {
+        Some(dimension) => (dimension, DimensionReason::Given),
+        None => without_false_neighbours(&dimensions),
+    };
+    let known = || dimensions.iter().filter(|one| !one.e2.is_nan());
+    let is_noise = known().count() > 1 && known().all(|one| (one.e2 - 1.0).abs() < CAO_NOISE);
+    Ok(EmbeddingChoice {
+        embedding: Embedding { delay, dimension },
+        delay_reason,
+        dimension_reason,
+        information,
+        // Of noise E1 comes near 1 slowly, too, as its neighbours go apart.
+        cao: cao(&dimensions).filter(|_| !is_noise),
+        is_noise,
+        dimensions,
+    })
+}
+
+/// Whether the columns are too few for a state: of more than 5 % of the nearest neighbours what follows a decorrelation time later shows
+/// that they are false. A quicker question than [`choose_embedding`], for several columns that may be the whole state.
+///
+/// # Errors
+/// [`DataError::Constant`], [`DataError::Overflow`], [`DataError::TooMany`], [`DataError::Tree`].
+pub fn lacks_columns(series: &Series, theiler: Option<usize>) -> Result<bool, DataError> {
+    let (delay, spread) = scales(series)?;
+    let alone = Embedding {
+        delay,
+        dimension: 1,
+    };
+    match level(series, alone, theiler.unwrap_or(delay), spread) {
+        Ok(level) => Ok(level.is_some_and(|level| level.false_part > MANY_FALSE_NEIGHBOURS)),
+        Err(DataError::Span { .. }) => Ok(false),
+        Err(error) => Err(error),
+    }
+}
+
+/// Decorrelation time and spread of all columns together.
+fn scales(series: &Series) -> Result<(usize, f64), DataError> {
+    fn of_size<const N: usize>(series: &Series) -> Result<(usize, f64), DataError> {
+        let cloud = Cloud::<N>::new(series)?;
+        Ok((cloud.decorrelation(), cloud.unit * cloud.spread))
+    }
+    macro_rules! of_size {
+        ($($n:literal)*) => {
+            match series.columns() {
+                $($n => of_size::<$n>(series),)*
+                columns => Err(DataError::Columns {
+                    columns,
+                    max: super::super::series::MAX_COLUMNS,
+                }),
+            }
+        };
+    }
+    of_size!(1 2 3 4 5 6 7 8 9 10)
+}
+
+/// The delay, why, and the information at all lags that were looked at.
+fn delay(
+    classes: &Classes,
+    rows: usize,
+    decorrelation: usize,
+    given: Option<usize>,
+) -> (usize, DelayReason, Vec<(usize, f64)>) {
+    let longest = (rows / LONGEST_PART).clamp(1, MOST_LAGS);
+    let mut curve: Vec<(usize, f64)> = Vec::new();
+    let mut found = given.map(|delay| (delay, DelayReason::Given));
+    if found.is_none() && decorrelation <= 1 {
+        found = Some((1, DelayReason::Uncorrelated));
+    }
+    let mut least = (1, f64::INFINITY);
+    for lag in 0..=longest {
+        let shown = found.map(|(delay, _)| delay.saturating_mul(SHOWN).max(10));
+        if shown.is_some_and(|shown| lag > shown) {
+            break;
+        }
+        let information = classes.information(lag);
+        curve.push((lag, information));
+        if lag == 0 || found.is_some() {
+            continue;
+        }
+        if information < least.1 {
+            least = (lag, information);
+        }
+        let rise = (RISE * curve[1].1).max(classes.chance(lag));
+        if information < classes.chance(lag) {
+            found = Some((lag, DelayReason::Independent));
+        } else if information > least.1 + rise {
+            found = Some((least.0, DelayReason::FirstMinimum));
+        }
+    }
+    let (delay, reason) = found.unwrap_or((longest, DelayReason::NoMinimum));
+    (delay, reason, curve)
+}
+
+fn without_false_neighbours(dimensions: &[DimensionEvidence]) -> (usize, DimensionReason) {
+    let enough = |one: &&DimensionEvidence| one.false_neighbours < NO_FALSE_NEIGHBOURS;
+    if let Some(first) = dimensions.iter().find(enough) {
+        return (first.dimension, DimensionReason::FalseNeighbours);
+    }
+    let fewest = dimensions
+        .iter()
+        .min_by(|a, b| a.false_neighbours.total_cmp(&b.false_neighbours));
+    let dimension = fewest.map_or(1, |one| one.dimension);
+    (dimension, DimensionReason::FewestFalse)
+}
+
+/// How a quantity changes from one dimension to the next.
+fn ratio(levels: &[Level], i: usize, quantity: impl Fn(&Level) -> f64) -> f64 {
+    match levels.get(i + 1) {
+        Some(next) => quantity(next) / quantity(&levels[i]),
+        None => f64::NAN,
+    }
+}
+
+fn cao(dimensions: &[DimensionEvidence]) -> Option<usize> {
+    let settled = |pair: &&[DimensionEvidence]| {
+        pair[0].e1 > CAO_SETTLED && (pair[1].e1 - pair[0].e1).abs() < CAO_CHANGE
+    };
+    let first = dimensions.windows(2).find(settled)?;
+    Some(first[0].dimension)
+}

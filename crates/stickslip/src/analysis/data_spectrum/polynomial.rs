@@ -1,0 +1,313 @@
+//! Local maps with the curvature taken out: polynomials of second degree.
+//!
+//! A linear map fitted to a neighbourhood of radius r is off by what the quadratic terms of the true map do to it, of the order of r
+//! where the neighbourhood is not symmetric, and on a curved attractor far more: there a direction is wide by curvature alone.
+//! A fit `y' = A y + Q(u, u)`, with u the coordinates of y along the widest directions, leaves an error of the order of r² and takes the
+//! curvature of the attractor for what it is (Bryant, Brown and Abarbanel, Phys. Rev. Lett. 65, 1523 (1990); Brown, Bryant
+//! and Abarbanel, Phys. Rev. A 43, 2787 (1991)).
+
+use super::neighbours::Neighbour;
+use super::svd::{Square, dot, product, reflect};
+
+/// A column of which less than this part is left by those before it is a combination of them.
+const DEPENDENT: f64 = 1e-10;
+/// A direction that is not tangent is left out where less than this part of the widest is left of it by the quadratic forms: what
+/// cubic terms do to such a small rest would pass for a derivative.
+const THIN: f64 = 1e-3;
+/// How far above the rounding of the data a direction must be, for one neighbour.
+const ABOVE_ROUNDING: f64 = 4.0;
+/// Most unknowns of one image's component; with many columns the forms are of the widest directions only.
+const MOST_UNKNOWNS: usize = 28;
+
+/// Degree of local maps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Degree {
+    /// Linear maps.
+    Linear,
+    /// Linear maps and quadratic forms of the widest directions beside them.
+    Quadratic,
+}
+
+impl Degree {
+    /// A word for tables.
+    pub fn word(self) -> &'static str {
+        match self {
+            Degree::Linear => "linear",
+            Degree::Quadratic => "quadratic",
+        }
+    }
+}
+
+/// What is fitted.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Polynomial {
+    /// Directions that the quadratic forms are of.
+    pub(super) forms: usize,
+    /// Directions that the attractor extends in.
+    pub(super) tangent: usize,
+    /// A constant is fitted, too.
+    pub(super) affine: bool,
+    /// `d` of Eq. (25).
+    pub(super) step: usize,
+    /// Rounding of a coordinate.
+    pub(super) rounding: f64,
+}
+
+impl Polynomial {
+    /// Unknowns for each component of the image, in `columns` columns.
+    pub(super) fn unknowns(&self, columns: usize) -> usize {
+        columns + self.forms * (self.forms + 1) / 2 + usize::from(self.affine)
+    }
+
+    /// With forms of all directions, or of so many of the widest that the unknowns do not become too many.
+    pub(super) fn quadratic(self, columns: usize) -> Self {
+        let of = |forms| Self { forms, ..self };
+        let widest = (0..=columns)
+            .rev()
+            .find(|&forms| of(forms).unknowns(columns) <= MOST_UNKNOWNS);
+        of(widest.unwrap_or(0).max(self.tangent))
+    }
+}
+
+/// The linear part of a fitted polynomial.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Derivative<const N: usize> {
+    /// `[row][column]`.
+    pub(super) matrix: Square<N>,
+    /// How many directions it is determined in; it is zero in the others. Zero if not all tangent directions are.
+    pub(super) rank: usize,
+    /// A stretching below this is rounding.
+    pub(super) nothing: f64,
+}
+
+/// Memory for the matrices of a fit, used again for every point.
+#[derive(Default)]
+pub(super) struct Fitter {
+    along: Vec<f64>,
+    design: Vec<f64>,
+}
+
+impl Fitter {
+    /// Fits the polynomial to the neighbours of point `j`; `directions` are those of the neighbourhood, the widest first.
+    pub(super) fn fit<const N: usize>(
+        &mut self,
+        points: &[[f64; N]],
+        j: usize,
+        neighbours: &[Neighbour],
+        directions: &Square<N>,
+        polynomial: &Polynomial,
+    ) -> Derivative<N> {
+        let (rows, unknowns) = (neighbours.len(), polynomial.unknowns(N));
+        if rows < unknowns {
+            return Derivative {
+                matrix: [[0.0; N]; N],
+                rank: 0,
+                nothing: 0.0,
+            };
+        }
+        self.fill(points, j, neighbours, directions, polynomial);
+        triangle(&mut self.design, rows, unknowns);
+        self.derivative(rows, unknowns, directions, polynomial)
+    }
+
+    /// Writes the columns: constant, forms, coordinates along the directions, images. The linear ones come after the forms, so
+    /// that the corner of the triangle that belongs to them holds what is theirs alone.
+    fn fill<const N: usize>(
+        &mut self,
+        points: &[[f64; N]],
+        j: usize,
+        neighbours: &[Neighbour],
+        directions: &Square<N>,
+        polynomial: &Polynomial,
+    ) {
+        let rows = neighbours.len();
+        let Self { along, design } = self;
+        along.clear();
+        for direction in directions {
+            along.extend(neighbours.iter().map(|&(_, k)| {
+                let difference = std::array::from_fn(|c| points[k as usize][c] - points[j][c]);
+                product(direction, &difference)
+            }));
+        }
+        design.clear();
+        if polynomial.affine {
+            design.resize(rows, 1.0);
+        }
+        for a in 0..polynomial.forms {
+            for b in a..polynomial.forms {
+                let pairs = along[a * rows..][..rows].iter().zip(&along[b * rows..]);
+                design.extend(pairs.map(|(a, b)| a * b));
+            }
+        }
+        design.extend_from_slice(along);
+        for (c, origin) in points[j + polynomial.step].iter().enumerate() {
+            let images = neighbours
+                .iter()
+                .map(|&(_, k)| points[k as usize + polynomial.step][c] - origin);
+            design.extend(images);
+        }
+    }
+
+    /// The linear part by back substitution in the last N rows of the triangle.
+    fn derivative<const N: usize>(
+        &self,
+        rows: usize,
+        unknowns: usize,
+        directions: &Square<N>,
+        polynomial: &Polynomial,
+    ) -> Derivative<N> {
+        let first = unknowns - N;
+        let at = |column: usize, row: usize| self.design[column * rows + first + row];
+        let rounding = ABOVE_ROUNDING * polynomial.rounding * (rows as f64).sqrt();
+        let mut derivative = Derivative {
+            matrix: [[0.0; N]; N],
+            rank: 0,
+            nothing: 0.0,
+        };
+        let widest = at(first, 0).abs();
+        // `[component of the image][direction]`
+        let mut slopes = [[0.0; N]; N];
+        for i in (0..N).rev() {
+            let corner = at(first + i, i);
+            let tangent = i < polynomial.tangent;
+            let thin = if tangent { 0.0 } else { THIN * widest };
+            if corner.abs() <= rounding.max(thin) {
+                if tangent {
+                    derivative.rank = 0;
+                    return derivative;
+                }
+                continue;
+            }
+            derivative.rank += 1;
+            derivative.nothing = derivative.nothing.max(rounding / corner.abs());
+            for (out, slopes) in slopes.iter_mut().enumerate() {
+                let others: f64 = (i + 1..N).map(|k| at(first + k, i) * slopes[k]).sum();
+                slopes[i] = (at(unknowns + out, i) - others) / corner;
+            }
+        }
+        for (row, slopes) in derivative.matrix.iter_mut().zip(&slopes) {
+            for (slope, direction) in slopes.iter().zip(directions) {
+                for (cell, d) in row.iter_mut().zip(direction) {
+                    *cell += slope * d;
+                }
+            }
+        }
+        derivative
+    }
+}
+
+/// Turns the first `unknowns` columns into an upper triangle by reflections, and applies these to the others. A column that
+/// depends on those before it gets a zero corner and is passed over.
+fn triangle(design: &mut [f64], rows: usize, unknowns: usize) {
+    for i in 0..unknowns {
+        let (done, rest) = design.split_at_mut((i + 1) * rows);
+        let column = &mut done[i * rows..];
+        let whole = dot(column, column).sqrt();
+        let mirror = &mut column[i..];
+        let norm = dot(mirror, mirror).sqrt();
+        if norm <= DEPENDENT * whole {
+            mirror[0] = 0.0;
+            continue;
+        }
+        let corner = if mirror[0] > 0.0 { -norm } else { norm };
+        mirror[0] -= corner;
+        let square = dot(mirror, mirror);
+        for column in rest.chunks_exact_mut(rows) {
+            reflect(mirror, square, &mut column[i..]);
+        }
+        mirror[0] = corner;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Any quadratic map is recovered to rounding, also where the neighbours lie on a curved surface, of which a linear fit
+    /// would take the curvature for a third direction.
+    #[test]
+    fn a_quadratic_map_is_recovered_from_points_on_a_curved_surface() {
+        let map = |[x, y, z]: [f64; 3]| {
+            [
+                0.4 * x - 1.1 * y + 0.2 * z + 0.7 * x * x - 0.3 * x * y,
+                0.9 * x + 0.1 * y - 0.5 * z + 0.2 * y * y,
+                -0.6 * x + 0.8 * y + 0.1 * z + 0.5 * x * x + 0.4 * y * y,
+            ]
+        };
+        let mut points = vec![[0.0; 3], map([0.0; 3])];
+        let mut neighbours = Vec::new();
+        for i in 0..24_u32 {
+            let (a, b) = (f64::from(i % 5) - 1.8, f64::from(i / 5) - 2.3);
+            let (x, y) = (0.01 * a, 0.01 * b);
+            let point = [x, y, 3.0 * x * x - 2.0 * x * y];
+            neighbours.push((product(&point, &point), points.len() as u32));
+            points.extend([point, map(point)]);
+        }
+        let directions = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let polynomial = Polynomial {
+            forms: 3,
+            tangent: 2,
+            affine: false,
+            step: 1,
+            rounding: f64::EPSILON,
+        };
+        let fit = |polynomial: &Polynomial| {
+            Fitter::default().fit(&points, 0, &neighbours, &directions, polynomial)
+        };
+        let found = fit(&polynomial);
+        assert_eq!(found.rank, 2);
+        let wanted = [[0.4, -1.1], [0.9, 0.1], [-0.6, 0.8]];
+        for (row, wanted) in found.matrix.iter().zip(wanted) {
+            for (cell, wanted) in row.iter().zip(wanted) {
+                assert!((cell - wanted).abs() < 1e-11, "{cell} {wanted}");
+            }
+            assert_eq!(row[2], 0.0);
+        }
+        let linear = fit(&Polynomial {
+            forms: 0,
+            ..polynomial
+        });
+        assert_eq!(linear.rank, 3);
+    }
+
+    #[test]
+    fn too_few_neighbours_and_a_missing_tangent_direction_determine_nothing() {
+        let polynomial = Polynomial {
+            forms: 2,
+            tangent: 2,
+            affine: false,
+            step: 1,
+            rounding: f64::EPSILON,
+        };
+        let directions = [[1.0, 0.0], [0.0, 1.0]];
+        // All on a straight line.
+        let points: Vec<[f64; 2]> = (0..40).map(|i| [0.1 * f64::from(i), 0.0]).collect();
+        let neighbours: Vec<Neighbour> = (1..30).map(|k| (0.01 * f64::from(k * k), k)).collect();
+        let mut fitter = Fitter::default();
+        let mut rank = |neighbours: &[Neighbour]| {
+            fitter
+                .fit(&points, 0, neighbours, &directions, &polynomial)
+                .rank
+        };
+        assert_eq!(rank(&neighbours), 0);
+        assert_eq!(rank(&neighbours[..4]), 0);
+    }
+
+    #[test]
+    fn with_many_columns_the_forms_are_of_the_widest_directions() {
+        let linear = Polynomial {
+            forms: 0,
+            tangent: 2,
+            affine: false,
+            step: 1,
+            rounding: 0.0,
+        };
+        let forms = |columns| linear.quadratic(columns).forms;
+        assert_eq!([2, 4, 6, 7, 8, 10].map(forms), [2, 4, 6, 6, 5, 5]);
+        let thick = Polynomial {
+            tangent: 8,
+            ..linear
+        };
+        assert_eq!(thick.quadratic(10).forms, 8);
+    }
+}

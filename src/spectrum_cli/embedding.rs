@@ -1,0 +1,214 @@
+//! Whether the columns of a file are embedded, how, and what is said of it.
+
+use std::fmt::Write;
+
+use serde_json::{Value, json};
+
+use super::Arguments;
+use super::error::SpectrumError;
+use super::read::Table;
+use stickslip::analysis::data_spectrum::{
+    DataSettings, DataSpectrum, DimensionReason, EmbeddingChoice, EmbeddingSettings, Neighbourhood,
+    Origin, Reversal, Series, choose_embedding, lacks_columns,
+};
+
+/// Neighbours of a vector of delayed values, where there are points enough: each value brings the noise of its own, and with a dozen
+/// 2000 points of Lorenz' x have an exponent three errors off that is called `ok`, with these one that is called `starved`;
+const NEIGHBOURS: usize = 40;
+/// but not more than this part of the points,
+const PART: usize = 100;
+/// nor fewer than so many for each value.
+const FOR_EACH_VALUE: usize = 4;
+
+/// With fewer points nothing is embedded unasked.
+const FEWEST_POINTS: usize = 50;
+
+/// An embedding and what became of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Embedded {
+    /// Delay and dimension, with the evidence.
+    pub choice: EmbeddingChoice,
+    /// Which exponents are the system's.
+    pub reversal: Reversal,
+}
+
+/// The embedding that the options ask for or the data need; `None` if the columns are the state as they are.
+///
+/// One column is embedded in as many delayed values as it needs. Several are embedded only if an option says so, or if more than
+/// 5 % of their nearest neighbours are false and delayed values cure it. Fewer than 50 points are too few to tell.
+///
+/// # Errors
+/// Those of [`choose_embedding`].
+pub(super) fn choose(
+    series: &Series,
+    arguments: &Arguments,
+    progress: &dyn Fn(usize, usize),
+) -> Result<Option<EmbeddingChoice>, SpectrumError> {
+    let asked = arguments.delay.is_some() || arguments.dimension.is_some();
+    if arguments.dimension == Some(1) && arguments.delay != Some(0) {
+        return Ok(None);
+    }
+    if !asked && series.len() < FEWEST_POINTS {
+        return Ok(None);
+    }
+    if !asked && series.columns() > 1 && !lacks_columns(series, arguments.theiler)? {
+        return Ok(None);
+    }
+    let settings = EmbeddingSettings {
+        delay: arguments.delay,
+        dimension: arguments.dimension,
+        theiler: arguments.theiler,
+    };
+    let choice = choose_embedding(series, &settings, progress)?;
+    let cures = choice.dimension_reason != DimensionReason::FewestFalse;
+    let wanted = asked || series.columns() == 1 || cures;
+    Ok((wanted && choice.embedding.dimension > 1).then_some(choice))
+}
+
+/// What delayed values need beyond states: maps over a delay, of which all but the last value are known, affine ones, and more
+/// neighbours.
+pub(super) fn settings(
+    mut settings: DataSettings,
+    choice: &EmbeddingChoice,
+    embedded: &Series,
+    arguments: &Arguments,
+) -> DataSettings {
+    settings.step = arguments.step.unwrap_or(choice.embedding.delay);
+    settings.affine = true;
+    if let (None, Neighbourhood::Ball { min, max, .. }) =
+        (arguments.neighbours, &mut settings.neighbours)
+    {
+        let wanted = NEIGHBOURS
+            .min(embedded.len() / PART)
+            .max(FOR_EACH_VALUE * embedded.columns())
+            .max(*min);
+        (*min, *max) = (wanted, wanted);
+    }
+    settings
+}
+
+impl Embedded {
+    /// Whether exponent `i` is the embedding's and not the system's.
+    pub fn is_spurious(&self, i: usize) -> bool {
+        self.reversal.origins.get(i) == Some(&Origin::Spurious)
+    }
+
+    /// What was embedded and why so, for the terminal.
+    pub(super) fn text(&self, source: &Table) -> String {
+        let choice = &self.choice;
+        // A number alone would read as a value.
+        let columns: Vec<String> = source
+            .names
+            .iter()
+            .map(|name| match name.parse::<usize>() {
+                Ok(_) => format!("column {name}"),
+                Err(_) => name.clone(),
+            })
+            .collect();
+        let mut text = format!(
+            "embedded: {} values of {} with a delay of {} points ({}); dimension: {}",
+            choice.embedding.dimension,
+            columns.join(" and of "),
+            choice.embedding.delay,
+            choice.delay_reason.words(),
+            choice.dimension_reason.words(),
+        );
+        // Writing to a string cannot fail.
+        let _ = match choice.cao {
+            Some(dimension) => writeln!(text, "; by Cao's method {dimension}"),
+            None => writeln!(
+                text,
+                "; by Cao's method none up to {}",
+                choice.dimensions.len()
+            ),
+        };
+        text
+    }
+
+    /// Whose the exponents are, for the terminal.
+    pub(super) fn origins(&self, spectrum: &DataSpectrum) -> String {
+        let of = |origin: Origin| -> Option<String> {
+            let all = (1..).zip(&self.reversal.origins);
+            let found: Vec<String> = all
+                .filter(|(_, one)| **one == origin)
+                .map(|(i, _): (usize, _)| i.to_string())
+                .collect();
+            (!found.is_empty()).then(|| found.join(", "))
+        };
+        let by = if self.reversal.is_conclusive {
+            format!(
+                "by the fit of rank {} and by time reversal",
+                spectrum.fixed_rank
+            )
+        } else {
+            format!(
+                "by the fit of rank {}; the reversed series does not have the first exponent again and tells nothing",
+                spectrum.fixed_rank
+            )
+        };
+        match (of(Origin::System), of(Origin::Spurious)) {
+            (None, None) => {
+                "Which exponents are the system's and which the embedding's cannot be told.\n"
+                    .into()
+            }
+            (system, spurious) => format!(
+                "The system's exponents: {}; the embedding's own: {} ({by}).\n",
+                system.as_deref().unwrap_or("none"),
+                spurious.as_deref().unwrap_or("none")
+            ),
+        }
+    }
+
+    /// What makes the embedding doubtful.
+    pub(super) fn warnings(&self) -> Vec<String> {
+        let choice = &self.choice;
+        let mut warnings = Vec::new();
+        if choice.dimension_reason == DimensionReason::FewestFalse {
+            warnings.push(format!(
+                "at least 1 % of the nearest neighbours are false with any number of delayed values up to {}: noise, or more dimensions than \
+                 that: give a filtered series, more columns, or --dimension",
+                choice.dimensions.len()
+            ));
+        }
+        if choice.is_noise {
+            warnings.push(
+                "Cao's E2 is 1 with any number of delayed values: the next value does not depend on those before, as in noise".into(),
+            );
+        }
+        if self.is_spurious(0) {
+            warnings.push(format!(
+                "exponent 1 is the embedding's own and none of the system's: try --dimension {}",
+                choice.embedding.dimension.saturating_sub(1)
+            ));
+        }
+        warnings
+    }
+
+    /// For `--json`.
+    pub(super) fn json(&self) -> Value {
+        let choice = &self.choice;
+        let dimensions: Vec<Value> = choice
+            .dimensions
+            .iter()
+            .map(|one| {
+                json!({
+                    "dimension": one.dimension,
+                    "false_neighbours": one.false_neighbours,
+                    "cao_e1": one.e1,
+                    "cao_e2": one.e2,
+                })
+            })
+            .collect();
+        json!({
+            "delay": choice.embedding.delay,
+            "delay_reason": choice.delay_reason.words(),
+            "dimension": choice.embedding.dimension,
+            "dimension_reason": choice.dimension_reason.words(),
+            "cao_dimension": choice.cao,
+            "mutual_information": choice.information,
+            "dimensions": dimensions,
+            "reversal_is_conclusive": self.reversal.is_conclusive,
+            "origins": self.reversal.origins.iter().map(|origin| origin.word()).collect::<Vec<_>>(),
+        })
+    }
+}
