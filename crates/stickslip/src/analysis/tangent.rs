@@ -228,7 +228,9 @@ fn advanced<M: RungeKutta, F: Flow<N>, const N: usize>(
         State::from(step.end.map(|v| v.re)),
         State::from(step.end.map(|v| v.eps)),
     );
-    if halvings == 0 {
+    // Where there is nothing to carry, or nothing finite, halving is of no use.
+    let size = vector.norm();
+    if halvings == 0 || size == 0.0 || !size.is_finite() {
         return end;
     }
     let of_vector = Stages {
@@ -237,11 +239,11 @@ fn advanced<M: RungeKutta, F: Flow<N>, const N: usize>(
     };
     let allowed = Tolerance {
         rtol: 0.0,
-        atol: tolerance * vector.norm(),
+        atol: tolerance * size,
     };
     let error = squared_error::<M, N>(&of_vector, vector, piece.h, &allowed);
-    // Not a number where the vector is zero; then, and where it is not finite, halving is of no use.
-    if error.is_nan() || error <= SLACK * SLACK {
+    // Not a number where the piece is so long that its stages overflow.
+    if error <= SLACK * SLACK {
         return end;
     }
     let half = 0.5 * piece.h;
