@@ -7,8 +7,8 @@ use clap::{CommandFactory, FromArgMatches, Parser};
 
 use super::error::FigureError;
 use super::output::{self, Artifact};
+use super::rows;
 use super::spec::FigureSpec;
-use super::{png, rows};
 use crate::paper::published::Claims;
 use crate::terminal::{self, Progress};
 
@@ -78,7 +78,7 @@ pub fn run<F: FigureSpec>(arguments: &Arguments) -> Result<String, FigureError> 
     let data = F::compute()?;
     let rows = F::numbers(&data);
     let svg = F::draw(&data)?;
-    let rendered = arguments.png.then(|| png::from_svg(&svg)).transpose()?;
+    let rendered = arguments.png.then(|| ::output::png(&svg)).transpose()?;
     let mut artifacts = vec![
         artifact::<F>("svg", svg.into_bytes()),
         artifact::<F>("csv", rows::csv(&rows, claims)?.into_bytes()),

@@ -13,7 +13,6 @@ pub mod fig12;
 pub mod locator;
 
 pub mod output;
-pub mod png;
 pub mod rows;
 mod spec;
 mod trace;

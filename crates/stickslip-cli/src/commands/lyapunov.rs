@@ -8,7 +8,7 @@ use stickslip::analysis::{Exponent, SpectrumOptions};
 
 use super::arguments::{OutputArguments, SolverArguments, StartArguments, SystemArguments};
 use super::{Failure, Found, figures, tables};
-use crate::output::{Artifact, OutputError};
+use crate::output::{Artifact, OutputError, csv_table};
 use crate::system::System;
 use crate::terminal::{Said, patiently};
 use stickslip_kernels::kernel::SpectrumFound;
@@ -122,7 +122,7 @@ fn csv(spectrum: &SpectrumFound) -> Result<Vec<Artifact>, OutputError> {
             std_error,
         ]
     });
-    let exponents = Artifact::csv("exponents.csv", &heading, rows)?;
+    let exponents = csv_table("exponents.csv", &heading, rows)?;
     let numbers = 1..=spectrum.exponents.len();
     let heading: Vec<String> = std::iter::once("elapsed".to_owned())
         .chain(numbers.map(|k| format!("lambda{k}")))
@@ -133,7 +133,7 @@ fn csv(spectrum: &SpectrumFound) -> Result<Vec<Artifact>, OutputError> {
     });
     Ok(vec![
         exponents,
-        Artifact::csv("convergence.csv", &heading, rows)?,
+        csv_table("convergence.csv", &heading, rows)?,
     ])
 }
 

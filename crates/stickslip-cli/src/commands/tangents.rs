@@ -10,7 +10,7 @@ use stickslip::analysis::Visibility;
 use super::arguments::{OutputArguments, StartArguments, SystemArguments};
 use super::{Failure, Found, figures, tables};
 use crate::file::did_you_mean;
-use crate::output::{Artifact, OutputError};
+use crate::output::{Artifact, OutputError, csv_table};
 use crate::system::System;
 use crate::tangents::{Kind, Line, OnLine};
 use crate::terminal::Said;
@@ -204,7 +204,7 @@ fn csv(system: &System, line: &Line, found: &OnLine) -> Result<Vec<Artifact>, Ou
         row.extend(point.x.iter().map(|&x| tables::exact(x)));
         row
     });
-    let points = Artifact::csv("tangents.csv", &heading, points)?;
+    let points = csv_table("tangents.csv", &heading, points)?;
     let along = &system.file.states[line.along].name;
     let heading = [
         "kind".to_owned(),
@@ -215,7 +215,7 @@ fn csv(system: &System, line: &Line, found: &OnLine) -> Result<Vec<Artifact>, Ou
         let kind = kind_name(zone.kind).to_owned();
         vec![kind, tables::exact(zone.from), tables::exact(zone.to)]
     });
-    Ok(vec![points, Artifact::csv("zones.csv", &heading, zones)?])
+    Ok(vec![points, csv_table("zones.csv", &heading, zones)?])
 }
 
 fn json(system: &System, line: &Line, found: &OnLine) -> serde_json::Value {

@@ -143,8 +143,8 @@ impl Writer {
         let staging = folder
             .join("work")
             .join(share.to_string().replace('/', "-of-"));
-        whole::make_folder(&blocks(folder))?;
-        whole::make_folder(&staging)?;
+        output::make_folder(&blocks(folder))?;
+        output::make_folder(&staging)?;
         let lock = lock(&staging, share, folder)?;
         if there.is_none() {
             let path = folder.join(manifest::NAME);

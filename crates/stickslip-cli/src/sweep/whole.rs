@@ -1,10 +1,9 @@
 //! Files that are complete or not there.
 
-use std::fs;
-use std::io::{self, BufWriter, Write};
+use std::io::{self, Write};
 use std::path::Path;
 
-use tempfile::NamedTempFile;
+use output::{WriteError, stage};
 
 use super::error::SweepError;
 
@@ -14,20 +13,13 @@ pub(super) fn is_absent(error: &io::Error) -> bool {
     matches!(error.kind(), NotFound | NotADirectory)
 }
 
-/// Makes a folder and those above it.
-///
-/// # Errors
-/// [`SweepError::CreateFolder`].
-pub(super) fn make_folder(path: &Path) -> Result<(), SweepError> {
-    fs::create_dir_all(path).map_err(|source| SweepError::CreateFolder {
-        path: path.to_owned(),
-        // The system says no more than that something of this name exists.
-        source: if path.is_file() {
-            io::Error::new(source.kind(), "it is a file, not a folder")
-        } else {
-            source
-        },
-    })
+impl From<WriteError> for SweepError {
+    fn from(error: WriteError) -> Self {
+        match error {
+            WriteError::Folder { path, source } => Self::CreateFolder { path, source },
+            WriteError::File { path, source } => Self::Write { path, source },
+        }
+    }
 }
 
 /// Writes `path` by way of a temporary file in `staging`, on the same file system, so that it is never seen unfinished.
@@ -78,26 +70,4 @@ pub(super) fn write_once(path: &Path, staging: &Path, bytes: &[u8]) -> Result<bo
         Err(error) if error.error.kind() == io::ErrorKind::AlreadyExists => Ok(false),
         Err(error) => Err(SweepError::write(path)(error.error)),
     }
-}
-
-fn stage(
-    folder: &Path,
-    content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
-) -> io::Result<NamedTempFile> {
-    let mut builder = tempfile::Builder::new();
-    // Temporary files are private by default; these are to be read by everyone the umask lets.
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(fs::Permissions::from_mode(0o666));
-    }
-    let file = builder.tempfile_in(folder)?;
-    let mut buffered = BufWriter::new(file);
-    content(&mut buffered)?;
-    let file = buffered
-        .into_inner()
-        .map_err(io::IntoInnerError::into_error)?;
-    // The name may be on disk before the content is, unless the content is made to.
-    file.as_file().sync_all()?;
-    Ok(file)
 }

@@ -10,7 +10,7 @@ use super::super::arguments::OutputArguments;
 use super::super::{Failure, attractors, tables};
 use super::figure;
 use super::request::{Basin, Reached};
-use crate::output::{Artifact, OutputError};
+use crate::output::{Artifact, OutputError, csv_table};
 use crate::sweep::{BlockError, Store, SweepError, write_whole};
 use crate::system::System;
 use crate::terminal::Said;
@@ -155,7 +155,7 @@ impl Found {
             }
             row
         });
-        Ok(Artifact::csv("attractors.csv", &heading, rows)?)
+        Ok(csv_table("attractors.csv", &heading, rows)?)
     }
 
     fn summary(&self, basin: &Basin, system: &System) -> String {

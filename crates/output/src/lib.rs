@@ -1,0 +1,162 @@
+//! What all programs do with their results: files that are whole or not there, and figures as PNG.
+
+mod png;
+
+use std::fs;
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use tempfile::NamedTempFile;
+
+pub use png::{PngError, png};
+
+/// A file to be written.
+#[derive(Clone, Debug)]
+pub struct Artifact {
+    /// Name inside the output folder.
+    pub name: String,
+    /// Content.
+    pub bytes: Vec<u8>,
+}
+
+impl Artifact {
+    /// A file of text.
+    pub fn text(name: impl Into<String>, text: impl Into<String>) -> Self {
+        Self {
+            name: name.into(),
+            bytes: text.into().into_bytes(),
+        }
+    }
+}
+
+/// A file or its folder cannot be made. What to do about it, the program says that knows its options.
+#[derive(Debug, thiserror::Error)]
+pub enum WriteError {
+    /// The folder cannot be made.
+    #[error("cannot create folder {}: {source}", path.display())]
+    Folder {
+        /// The folder.
+        path: PathBuf,
+        /// What the operating system said.
+        source: io::Error,
+    },
+    /// The file cannot be written.
+    #[error("cannot write {}: {source}", path.display())]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// What the operating system said.
+        source: io::Error,
+    },
+}
+
+/// Makes a folder and those above it.
+///
+/// # Errors
+/// [`WriteError::Folder`].
+pub fn make_folder(path: &Path) -> Result<(), WriteError> {
+    fs::create_dir_all(path).map_err(|source| WriteError::Folder {
+        path: path.to_owned(),
+        // The system says no more than that something of this name exists.
+        source: if path.is_file() {
+            io::Error::new(source.kind(), "it is a file, not a folder")
+        } else {
+            source
+        },
+    })
+}
+
+/// Writes all files into `folder`, which is made if it is missing, and returns their paths. Each gets a temporary name first and is renamed
+/// when all are on disk, so that a reader never sees half of one.
+///
+/// # Errors
+/// [`WriteError`]; temporary files are removed.
+pub fn write_all(folder: &Path, artifacts: &[Artifact]) -> Result<Vec<PathBuf>, WriteError> {
+    make_folder(folder)?;
+    let failed = |path: &Path| {
+        let path = path.to_owned();
+        |source| WriteError::File { path, source }
+    };
+    let mut staged = Vec::with_capacity(artifacts.len());
+    for artifact in artifacts {
+        let path = folder.join(&artifact.name);
+        let file = stage(folder, |file| file.write_all(&artifact.bytes));
+        staged.push((file.map_err(failed(&path))?, path));
+    }
+    let mut written = Vec::with_capacity(staged.len());
+    for (file, path) in staged {
+        let persisted = file.persist(&path).map_err(|error| error.error);
+        persisted.map_err(failed(&path))?;
+        written.push(path);
+    }
+    Ok(written)
+}
+
+/// A temporary file in `folder` with a content, on disk. It is removed unless it is given a name.
+///
+/// # Errors
+/// Those of the operating system and of `content`.
+pub fn stage(
+    folder: &Path,
+    content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> io::Result<NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    // Temporary files are private by default; results are to be read by everyone the umask lets.
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        builder.permissions(fs::Permissions::from_mode(0o666));
+    }
+    let mut buffered = BufWriter::new(builder.tempfile_in(folder)?);
+    content(&mut buffered)?;
+    let file = buffered
+        .into_inner()
+        .map_err(io::IntoInnerError::into_error)?;
+    // The name may be on disk before the content is, unless the content is made to.
+    file.as_file().sync_all()?;
+    Ok(file)
+}
+
+/// What a program says of the files it has written, a line for each.
+pub fn listing(paths: &[PathBuf]) -> String {
+    let line = |path: &PathBuf| format!("wrote {}\n", Path::display(path));
+    paths.iter().map(line).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn artifact(name: &str) -> Artifact {
+        Artifact::text(name, "text")
+    }
+
+    #[test]
+    fn folders_are_made_and_files_replaced() {
+        let top = tempfile::tempdir().unwrap();
+        let folder = top.path().join("a/b");
+        for _ in 0..2 {
+            let paths = write_all(&folder, &[artifact("x.txt")]).unwrap();
+            assert_eq!(fs::read(&paths[0]).unwrap(), b"text");
+        }
+        assert_eq!(fs::read_dir(&folder).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn a_target_that_cannot_be_replaced_is_named_and_leaves_nothing_behind() {
+        let top = tempfile::tempdir().unwrap();
+        fs::create_dir(top.path().join("x.txt")).unwrap();
+        let error = write_all(top.path(), &[artifact("x.txt")]).unwrap_err();
+        assert!(error.to_string().contains("x.txt"));
+        assert_eq!(fs::read_dir(top.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn a_folder_below_a_file_is_refused() {
+        let file = NamedTempFile::new().unwrap();
+        let error = write_all(&file.path().join("sub"), &[artifact("x")]).unwrap_err();
+        assert!(matches!(error, WriteError::Folder { .. }), "{error}");
+        let error = write_all(file.path(), &[artifact("x")]).unwrap_err();
+        assert!(error.to_string().contains("is a file, not a folder"));
+    }
+}
