@@ -3,7 +3,7 @@
 use stickslip::{Error, Filippov, Scalar, Side};
 
 use crate::attractors::systems::{Driven, Leine, Rings, Wells};
-use crate::bifurcations::systems::{Beat, DrivenFamily, Twisted};
+use crate::bifurcations::systems::{Beat, DrivenFamily, Island, Twisted};
 use crate::den_hartog::DenHartog;
 use crate::line::Line;
 use crate::listed::{Listed, systems};
@@ -18,5 +18,5 @@ systems!(
 
 systems!(
     Any3, 3:
-    DrivenFamily(DrivenFamily), Lorenz(Smooth<Lorenz>), Rings(Rings), Twisted(Twisted),
+    DrivenFamily(DrivenFamily), Island(Island), Lorenz(Smooth<Lorenz>), Rings(Rings), Twisted(Twisted),
 );

@@ -122,7 +122,7 @@ impl<F> Shooting<'_, F> {
             return Some(found);
         }
         let after = behind.map(|other| other.circuit.modes());
-        let place = (last.s, (bad - last.s).abs());
+        let place = (last.s, (bad - last.s).abs().max(locate::shortfall(&good)));
         describe(&system, last, after.unwrap_or_default(), place)
     }
 
@@ -145,7 +145,7 @@ impl<F> Shooting<'_, F> {
             };
             let (good, bad) = locate::approach(simple.clone(), step, resolution, solve)?;
             let last = good.last()?;
-            let place = (last.s, (bad - last.s).abs());
+            let place = (last.s, (bad - last.s).abs().max(locate::shortfall(&good)));
             let after = last.circuit.modes();
             let mut found = describe(&(self.family)(last.s), last, after, place)?;
             (found.before, found.after) = (edge.circuit.modes(), found.before);

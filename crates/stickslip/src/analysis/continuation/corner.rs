@@ -1,22 +1,29 @@
 //! The branch behind a change of phases, where the line through its orbits may not lead to it: it may turn back.
 
 use super::corrector::{Corrector, Guess, OnBranch};
+use super::critical::Critical;
 use crate::analysis::bifurcation::extrapolated;
-use crate::analysis::sequence::locate::approach;
+use crate::analysis::sequence::locate::{approach, shortfall};
 use crate::analysis::sequence::{SequenceBifurcation, SequenceChange, describe};
 use crate::filippov::Switched;
 use crate::ode::Timed;
 use crate::system::State;
 
 /// Distances in the parameter, as parts of its range, at which orbits with other phases are tried.
-const DISTANCES: [f64; 3] = [1e-3, 1e-4, 1e-2];
+const DISTANCES: [f64; 4] = [1e-5, 1e-4, 1e-3, 1e-2];
 
 /// How far the orbit may lie from the corner by the way across the flow that the orbits before it have come. Where stick forgets all, and the
 /// other orbit has the multiplier λ, it is 1/(1 - λ) of that.
 const PARTS: [f64; 8] = [-2.0, -4.0, -1.0, -8.0, -0.5, -16.0, 0.0, 1.0];
 
+/// How many times as far as by the way that has come the orbit may lie.
+const FURTHEST: f64 = 32.0;
+
 /// Part of the parameter's range to which the change is located.
 const RESOLUTION: f64 = 1e-11;
+
+/// Part of the parameter's range within which a change that is seen from behind is the one that was come to.
+const NEAR: f64 = 1e-3;
 
 /// What was found around a change of phases.
 pub(super) struct Behind<'a, S: Switched<N, G>, const N: usize, const G: usize> {
@@ -65,10 +72,8 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Behind<'_, S, N, G> {
             };
             self.found.iter().rev().find(is_same).cloned()
         });
-        let orbits = match (other, far) {
-            (Some(near), Some(far)) => Some([near, far]),
-            _ => self.around(),
-        };
+        let pair = |near, far| Some([near?, far?]);
+        let orbits = self.around().or_else(|| pair(other, far));
         let at = edge.circuit.anchor;
         Some(Entered { change, orbits, at })
     }
@@ -92,7 +97,11 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Behind<'_, S, N, G> {
                 continue;
             };
             let last = good.last()?;
-            let place = (last.s, (bad - last.s).abs());
+            // Far from here it is another change.
+            if (last.s - corner).abs() > NEAR * self.width {
+                continue;
+            }
+            let place = (last.s, (bad - last.s).abs().max(shortfall(&good)));
             let before = last.circuit.modes();
             let mut change = describe(self.corrector.system, last, before, place)?;
             if change.bifurcation == SequenceBifurcation::Unnamed {
@@ -162,9 +171,15 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Behind<'_, S, N, G> {
                     let Some(near) = orbit(guess) else {
                         continue;
                     };
+                    // Another orbit with other phases may be at the same parameter, but further off.
+                    let off = near.circuit.anchor.x - at.x;
+                    if off.norm() > FURTHEST * offset.abs() * slope.norm() {
+                        continue;
+                    }
                     let further = near.circuit.anchor.x + (guess - at.x) * 0.5;
                     if let Some(far) = orbit(further)
                         && far.circuit.sequence() == near.circuit.sequence()
+                        && self.leads_on(&near, &far)
                     {
                         return Some([near, far]);
                     }
@@ -172,5 +187,16 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Behind<'_, S, N, G> {
             }
         }
         None
+    }
+
+    /// Whether the way from the last orbit goes by the first of two to the second, with no fold between these.
+    fn leads_on(&self, near: &OnBranch<N, S::Mode>, far: &OnBranch<N, S::Mode>) -> bool {
+        let Some(edge) = self.good.last() else {
+            return false;
+        };
+        let [edge, first, second] = [edge, near, far].map(|one| one.circuit.anchor.x);
+        let is_forced = self.corrector.forced.is_some();
+        let [a, b] = [near, far].map(|one| Critical::of(&one.branch, is_forced).one);
+        (first - edge).dot(&(second - first)) > 0.0 && a * b > 0.0
     }
 }

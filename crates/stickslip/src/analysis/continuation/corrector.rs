@@ -116,7 +116,9 @@ impl<S> Corrector<'_, S> {
             if self.forced.is_none() {
                 period += change[N];
             }
-            if !(period > 0.0 && x.iter().all(|v| v.is_finite())) {
+            // A bad guess may ask for any period, and as long a run.
+            let is_possible = (period - guess.period).abs() < guess.period;
+            if !(is_possible && x.iter().all(|v| v.is_finite())) {
                 return None;
             }
         }

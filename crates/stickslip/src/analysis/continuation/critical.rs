@@ -33,9 +33,11 @@ impl Critical {
             shifted(-1.0).determinant()
         } else {
             let mut bordered = shifted(-1.0).resize(N, N, 0.0);
+            // Of length 1, so that it is the same wherever on the orbit the start is.
+            let flow = solved.slope / solved.slope.norm();
             for i in 0..states {
-                bordered[(i, states)] = solved.slope[i];
-                bordered[(states, i)] = solved.slope[i];
+                bordered[(i, states)] = flow[i];
+                bordered[(states, i)] = flow[i];
             }
             // Of one sign with the forced one's: the border takes the trivial multiplier's place.
             -bordered.determinant()

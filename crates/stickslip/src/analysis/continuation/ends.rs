@@ -2,13 +2,21 @@
 
 use super::Stop;
 use super::corrector::OnBranch;
+use super::critical::Critical;
 use super::rest::hopf;
 use super::walk::{Walk, at_parameter};
-use crate::filippov::Switched;
+use crate::filippov::{Switched, run};
 use crate::ode::Timed;
+use crate::system::State;
 
 /// An orbit of less than this part of the widest one's extent is about to be an equilibrium.
 const SMALL: f64 = 0.04;
+
+/// An orbit that comes so near to a state of another, in parts of its extent, may be that one: it is followed in steps of some of this.
+const NEAR: f64 = 0.1;
+
+/// Two orbits at one parameter that differ by less than this part are one.
+const SAME: f64 = 1e-6;
 
 impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
     /// Whether the next orbit lies outside the range; the last one is then that at its end.
@@ -29,17 +37,23 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
             .corrector
             .orbit(&at_parameter(at, b.period, end), 0.0)
             .filter(|found| found.circuit.sequence() == a.sequence());
-        if let Some(found) = found
-            && part > 0.0
-        {
-            self.take(found);
+        match found {
+            _ if part == 0.0 => Some(Stop::Range),
+            Some(found) => {
+                self.follow(found);
+                Some(Stop::Range)
+            }
+            None => Some(Stop::NoConvergence),
         }
-        Some(Stop::Range)
     }
 
     /// Whether the orbit is about to be an equilibrium.
     pub(super) fn shrinks(&self) -> Option<Stop> {
         let extent = self.last.circuit.extent;
+        // A driven orbit shrinks to none.
+        if self.settings.forced.is_some() {
+            return None;
+        }
         if extent >= SMALL * self.widest || extent >= self.before.circuit.extent {
             return None;
         }
@@ -48,5 +62,68 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
             parameter,
             frequency,
         })
+    }
+
+    /// Whether the branch has come back to the first orbit, which is then its last.
+    pub(super) fn closes(&mut self) -> Option<Stop> {
+        let first = &self.first;
+        let (a, b) = (&self.before.circuit, &self.last.circuit);
+        let begin = first.circuit.anchor.x[N - 1];
+        let (from, to) = (a.anchor.x[N - 1], b.anchor.x[N - 1]);
+        let passes = (from - begin) * (to - begin) <= 0.0 && from != to;
+        if self.points.len() <= 3 || !passes || b.sequence() != first.circuit.sequence() {
+            return None;
+        }
+        let part = (begin - from) / (to - from);
+        let at = Timed {
+            t: b.anchor.t,
+            x: a.anchor.x + (b.anchor.x - a.anchor.x) * part,
+        };
+        let guess = at_parameter(at, b.period, begin);
+        let found = self.corrector.orbit(&guess, 0.0)?;
+        if !self.is_first(&found) {
+            return None;
+        }
+        // What lies behind the first orbit was found at the beginning.
+        let last = self.points.len() - 1;
+        self.special
+            .retain(|at| at.behind < last || (at.parameter - begin) * (from - begin) > 0.0);
+        self.points.pop();
+        self.take(found);
+        Some(Stop::Closed)
+    }
+
+    /// Whether an orbit at the first one's parameter is the first one.
+    fn is_first(&self, found: &OnBranch<N, S::Mode>) -> bool {
+        let is_forced = self.settings.forced.is_some();
+        let first = &self.first;
+        let agree = |a: f64, b: f64| (a - b).abs() <= SAME * (1.0 + b.abs());
+        if is_forced {
+            // Anchors are in the middle of the longest slip, wherever an orbit was found.
+            let off = found.circuit.anchor.x - first.circuit.anchor.x;
+            return off.amax() <= SAME * first.circuit.extent;
+        }
+        // Any state of it may be the anchor.
+        let [a, b] = [found, first].map(|one| Critical::of(&one.branch, is_forced));
+        let [one, two] = [found, first].map(|one| one.circuit.period);
+        let alike = agree(one / two, 1.0) && agree(a.one, b.one) && agree(a.minus_one, b.minus_one);
+        alike && self.comes_by(found, &first.circuit.anchor.x) <= NEAR * first.circuit.extent
+    }
+
+    /// How near an orbit comes to a state: the mirror image of the first orbit is like it, but elsewhere.
+    fn comes_by(&self, found: &OnBranch<N, S::Mode>, place: &State<N>) -> f64 {
+        const PARTS: u32 = 128;
+        let Timed { t, x } = found.circuit.anchor;
+        let (mut nearest, mut here) = ((x - place).norm(), x);
+        for k in 0..PARTS {
+            let at = |k: u32| t + found.circuit.period * f64::from(k) / f64::from(PARTS);
+            let (system, options) = (self.corrector.system, self.corrector.options);
+            let Ok(part) = run(system, at(k), here, at(k + 1), options, &mut ()) else {
+                return f64::INFINITY;
+            };
+            here = part.x;
+            nearest = nearest.min((here - place).norm());
+        }
+        nearest
     }
 }

@@ -50,7 +50,11 @@ impl ContinuationSettings {
         }
     }
 
-    fn check(&self) -> Result<(), Error> {
+    /// Checks the settings, as [`continue_periodic_orbit`] does first.
+    ///
+    /// # Errors
+    /// [`Error::Option`] for the first one that is out of bounds.
+    pub fn check(&self) -> Result<(), Error> {
         let require = |good: bool, name, value, bound| {
             if good {
                 Ok(())
@@ -140,6 +144,8 @@ pub enum Stop {
     Range,
     /// There are as many points as asked for.
     Points,
+    /// The branch is closed: the last orbit is the first.
+    Closed,
     /// The orbit shrinks to an equilibrium, which has a pair of imaginary eigenvalues at this parameter: a Hopf bifurcation.
     Equilibrium {
         /// The parameter.

@@ -4,11 +4,12 @@ use super::corner::Behind;
 use super::corrector::{Corrector, Guess, OnBranch};
 use super::critical::Critical;
 use super::line::Line;
+use super::special::Between;
 use super::{Branch, BranchPoint, ContinuationSettings, Special, SpecialPoint, Stop};
 use crate::analysis::periodic::slope_at;
 use crate::analysis::sequence::SequenceBifurcation;
 use crate::analysis::sequence::circuit::anchor;
-use crate::analysis::sequence::locate::locate;
+use crate::analysis::sequence::locate::{locate, shortfall};
 use crate::error::Error;
 use crate::filippov::{Options, Switched};
 use crate::ode::Timed;
@@ -19,6 +20,9 @@ const RESOLUTION: f64 = 1e-11;
 
 /// Steps shorter than this lead nowhere.
 const SHORTEST: f64 = 1e-7;
+
+/// The first step behind a change of phases, as a part of the longest one.
+const BEHIND: f64 = 0.02;
 
 /// No step is longer than this part of the orbit's own extent.
 const OF_EXTENT: f64 = 0.1;
@@ -31,6 +35,8 @@ pub(super) struct Walk<'a, S: Switched<N, G>, const N: usize, const G: usize> {
     pub(super) width: f64,
     /// Size of the first orbit.
     pub(super) size: f64,
+    /// The first orbit.
+    pub(super) first: OnBranch<N, S::Mode>,
     /// Extent of the widest orbit yet.
     pub(super) widest: f64,
     /// The last two orbits.
@@ -57,6 +63,14 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
                 bound: "zero: the last state is the parameter of the continuation",
             });
         }
+        let (low, high) = settings.range;
+        if !(low..=high).contains(&x[N - 1]) {
+            return Err(Error::Parameter {
+                name: "the last state",
+                value: x[N - 1],
+                bound: "in the range of the continuation",
+            });
+        }
         let corrector = Corrector {
             system,
             forced: settings.forced,
@@ -77,6 +91,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
             size: first.circuit.extent,
             widest: first.circuit.extent,
             before: first.clone(),
+            first: first.clone(),
             last: first,
             step: settings.step,
             points: Vec::new(),
@@ -103,7 +118,8 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
             if self.points.len() >= self.settings.most_points {
                 return Stop::Points;
             }
-            if let Some(stop) = self.shrinks().or_else(|| self.advance()) {
+            let stop = self.shrinks().or_else(|| self.advance());
+            if let Some(stop) = stop.or_else(|| self.closes()) {
                 return stop;
             }
         }
@@ -111,15 +127,24 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
 
     /// The second orbit, at a parameter a little further on.
     fn second(&mut self, direction: f64) -> Option<Stop> {
-        let mut way = 0.1 * self.settings.step * self.width * direction;
         let here = self.parameter();
+        let (low, high) = self.settings.range;
+        let room = if direction > 0.0 {
+            high - here
+        } else {
+            here - low
+        };
+        if room <= 0.0 {
+            return Some(Stop::Range);
+        }
+        let mut way = room.min(0.1 * self.settings.step * self.width) * direction;
         for _ in 0..12 {
             let circuit = &self.last.circuit;
             let guess = at_parameter(circuit.anchor, circuit.period, here + way);
             if let Some(next) = self.corrector.orbit(&guess, 0.0)
                 && next.circuit.sequence() == circuit.sequence()
             {
-                self.take(next);
+                self.follow(next);
                 return None;
             }
             way *= 0.25;
@@ -140,10 +165,15 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
             .min(OF_EXTENT * self.last.circuit.extent / self.size);
         match self.on(&line, step) {
             Some(next) if next.circuit.sequence() == wanted => {
+                if self.turns_without_fold(&next) {
+                    self.step = 0.3 * step;
+                    return (self.step < SHORTEST).then_some(Stop::NoConvergence);
+                }
                 if let Some(stop) = self.leaves_range(&next) {
                     return Some(stop);
                 }
-                self.note_critical(&line, &next);
+                let between = Between::next(&self.last, &next, self.points.len());
+                self.note_critical(&line, between);
                 let few = next.branch.iterations <= 5;
                 let longer = if few { 1.4 * step } else { step };
                 self.step = longer.min(self.settings.step);
@@ -152,6 +182,17 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
             }
             other => self.get_behind(&line, step, other),
         }
+    }
+
+    /// Whether the next orbit lies back along the parameter though no multiplier has passed 1: the way that has come was found again.
+    fn turns_without_fold(&self, next: &OnBranch<N, S::Mode>) -> bool {
+        let is_forced = self.settings.forced.is_some();
+        let three = [&self.before, &self.last, next];
+        let [a, b, c] = three.map(|orbit| orbit.circuit.anchor.x[N - 1]);
+        let [one, two, last] = three.map(|orbit| Critical::of(&orbit.branch, is_forced).one);
+        // The first two may lie on either side of a change of phases, where a branch may turn.
+        let is_smooth = self.before.circuit.sequence() == self.last.circuit.sequence();
+        is_smooth && (b - a) * (c - b) < 0.0 && one * two > 0.0 && two * last > 0.0
     }
 
     /// The phases change within the step, or it is too long.
@@ -170,31 +211,46 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
             let found = self.on(line, s)?;
             if found.circuit.sequence() != wanted {
                 behind.push(found.clone());
+            } else if self.turns_without_fold(&found) {
+                return None;
             }
             Some(found)
         });
         behind.sort_by(|a, b| a.s.total_cmp(&b.s));
         let edge = good.last()?.clone();
-        let place = (edge.circuit.anchor.x[N - 1], (bad - edge.s) * self.width);
-        let next = Behind {
+        let lacks = (bad - edge.s).abs().max(shortfall(&good));
+        let place = (edge.circuit.anchor.x[N - 1], lacks * self.width);
+        let behind = Behind {
             corrector: &self.corrector,
             good: &good,
             found: &behind,
             width: self.width,
-        }
-        .enter(place)?;
+        };
+        let Some(next) = behind.enter(place) else {
+            self.step = 0.1 * step;
+            return (self.step < SHORTEST).then_some(Stop::NoConvergence);
+        };
         if next.change.bifurcation == SequenceBifurcation::Unnamed {
             // Another orbit was met, or none: nearer to the last one it may be the right one.
             self.step = 0.1 * step;
             if edge.s > 0.01 * step {
-                self.note_critical(line, &edge);
+                let between = Between::next(&self.last, &edge, self.points.len());
+                self.note_critical(line, between);
                 self.take(edge);
             }
             return (self.step < SHORTEST).then_some(Stop::NoConvergence);
         }
+        let (low, high) = self.settings.range;
+        if !(low..=high).contains(&next.change.parameter) {
+            return self.leaves_range(&edge).or(Some(Stop::Range));
+        }
         if edge.s > 0.0 {
-            self.note_critical(line, &edge);
+            let between = Between::next(&self.last, &edge, self.points.len());
+            self.note_critical(line, between);
             self.take(edge.clone());
+            if let Some(stop) = self.closes() {
+                return Some(stop);
+            }
         }
         self.special.push(SpecialPoint {
             parameter: next.change.parameter,
@@ -206,9 +262,26 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
         let Some([near, far]) = next.orbits else {
             return Some(Stop::SequenceEnds);
         };
+        let is_outside = |one: &OnBranch<N, S::Mode>| {
+            let parameter = one.circuit.anchor.x[N - 1];
+            !(low..=high).contains(&parameter)
+        };
+        if is_outside(&near) || is_outside(&far) {
+            return Some(Stop::Range);
+        }
+        // A fold may lie next to it.
+        self.step = BEHIND * self.settings.step;
         self.take(near);
-        self.take(far);
+        self.follow(far);
         None
+    }
+
+    /// Goes on from this orbit, and tells what is special between the last one and it.
+    pub(super) fn follow(&mut self, next: OnBranch<N, S::Mode>) {
+        let last = self.last.clone();
+        let behind = self.points.len();
+        self.take(next);
+        self.note_critical(&self.line(), Between::last(last, &self.last, behind));
     }
 
     /// Goes on from this orbit.

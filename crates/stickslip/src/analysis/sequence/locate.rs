@@ -13,6 +13,9 @@ pub(crate) struct Known<B, const N: usize, K> {
     pub branch: B,
 }
 
+/// A margin of this part of its scale is zero.
+const ZERO: f64 = 1e-9;
+
 /// A margin of this part of its scale is vanishing: where it grows as a root, a change located to 1e-10 leaves some 1e-6.
 pub(super) const VANISHING: f64 = 3e-5;
 
@@ -137,4 +140,26 @@ pub(crate) fn least<const N: usize, K: Copy + PartialEq>(
     shortest
         .filter(|margin| margin.relative() <= VANISHING)
         .or_else(|| nearest(|_| true))
+}
+
+/// How far behind the last of the orbits the function would be zero that has come nearest to it, going on as before. Where orbits
+/// can be computed to the change itself that is nothing; where they cannot, it is what the location lacks.
+pub(crate) fn shortfall<B, const N: usize, K: Copy + PartialEq>(good: &[Known<B, N, K>]) -> f64 {
+    let [before @ .., two] = good else { return 0.0 };
+    let Some(margin) = least(&two.circuit) else {
+        return 0.0;
+    };
+    // Of orbits that lie closer, rounding tells what the function does.
+    let apart = before.iter().rev().find_map(|one| {
+        let before = one.circuit.margin(margin.key)?.value;
+        (before.abs() >= 2.0 * margin.value.abs()).then_some((one.s, before))
+    });
+    let Some((s, first)) = apart else {
+        // Nothing tells how the function goes on: if it is not zero, the change may be as far away as the orbits known reach.
+        let known = before.first().map_or(0.0, |one| (two.s - one.s).abs());
+        return if margin.relative() > ZERO { known } else { 0.0 };
+    };
+    let second = margin.value;
+    // What grows as a root is nearer to zero than this, what vanishes as a square further by some times.
+    (second * (two.s - s) / (first - second)).abs()
 }

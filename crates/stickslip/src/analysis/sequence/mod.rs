@@ -17,7 +17,8 @@ pub use name::SequenceBifurcation;
 pub struct SequenceChange<const N: usize, K = Mode> {
     /// The parameter.
     pub parameter: f64,
-    /// Between it and the nearest parameter that was seen with other phases, or without such an orbit.
+    /// Between it and the nearest parameter that was seen with other phases, or without such an orbit; or, where orbits could not be computed
+    /// that near, how far behind the last of them its event function would be zero.
     pub uncertainty: f64,
     /// What it is called.
     pub bifurcation: SequenceBifurcation,

@@ -4,11 +4,13 @@ use std::f64::consts::{LN_10, PI};
 
 use stickslip::analysis::{
     Branch, ContinuationSettings, SequenceBifurcation, Special, Stop, continue_periodic_orbit,
+    monodromy,
 };
-use stickslip::{Error, Mode, Options, Side, State, math};
+use stickslip::nalgebra::Matrix3;
+use stickslip::{Error, Method, Mode, Options, Side, State, math};
 
 use super::sweeps::touching;
-use super::systems::{DrivenFamily, Twisted};
+use super::systems::{DrivenFamily, Island, Twisted};
 use crate::attractors::systems::Rings;
 use crate::listed::Listed;
 
@@ -88,12 +90,80 @@ fn a_branch_that_leaves_its_range_ends_there() {
         assert_eq!((found.stop, found.special.len()), (Stop::Range, 0));
         assert!((found.points.last().unwrap().parameter - end).abs() < 1e-12);
     }
+    // Begun at an end, it has no other orbit on that way.
+    for (upwards, p) in [(false, -0.7), (true, 0.3)] {
+        let found = branch(
+            &Rings { place: 50.0 },
+            [1.4, 0.0, p],
+            (6.3, upwards),
+            &settings,
+        );
+        assert_eq!((found.stop, found.points.len()), (Stop::Range, 1));
+    }
     let few = ContinuationSettings {
         most_points: 5,
         ..settings
     };
     let found = branch(&Rings { place: 50.0 }, start, (6.3, true), &few);
     assert_eq!((found.stop, found.points.len()), (Stop::Points, 5));
+}
+
+/// A step of the series may be so long that a contraction by e⁻⁷ in it overflows the stages by which the vectors are carried.
+#[test]
+fn what_contracts_fast_is_carried_by_long_steps_too() {
+    for p in [-0.5_f64, -0.316, 0.0, 0.5, 2.0] {
+        let square = 1.0 + (1.0 + p).sqrt();
+        let radius = square.sqrt();
+        let by_parameter = 0.25 / (radius * (square - 1.0));
+        for method in [Method::Dop853, Method::Taylor] {
+            let options = Options::tol(1e-12).method(method);
+            for k in 0..8 {
+                let (sin, cos) = (math::sin(f64::from(k)), math::cos(f64::from(k)));
+                let start = [radius * cos, radius * sin, p];
+                let rings = Rings { place: 50.0 };
+                let turn = monodromy(&rings.any(), 0.0, start, 2.0 * PI, &options).unwrap();
+                let wanted = Matrix3::new(
+                    sin * sin,
+                    -sin * cos,
+                    by_parameter * cos,
+                    -sin * cos,
+                    cos * cos,
+                    by_parameter * sin,
+                    0.0,
+                    0.0,
+                    1.0,
+                );
+                let error = (turn.matrix - wanted).amax();
+                assert!(error < 1e-11, "{method:?}, p = {p}, {k}: {error:e}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_closed_branch_is_followed_once() {
+    let settings = ContinuationSettings::over(-1.0, 1.0);
+    for (p, upwards) in [(0.1, true), (0.1, false), (-0.3, true)] {
+        let radius = (1.0 + (0.25_f64 - p * p).sqrt()).sqrt();
+        let found = branch(&Island, [radius, 0.0, p], (2.0 * PI, upwards), &settings);
+        assert_eq!(found.stop, Stop::Closed);
+        let [one, two] = found.special.as_slice() else {
+            panic!("{:?}", found.special);
+        };
+        let ends = if upwards { [0.5, -0.5] } else { [-0.5, 0.5] };
+        for (fold, end) in [one, two].into_iter().zip(ends) {
+            assert_eq!(fold.what, Special::Fold);
+            assert!((fold.parameter - end).abs() < 1e-9, "{}", fold.parameter);
+        }
+        let (first, last) = (&found.points[0], found.points.last().unwrap());
+        assert!((last.parameter - p).abs() < 1e-12 && (first.parameter - p).abs() < 1e-12);
+        assert!((last.x.xy().norm() - radius).abs() < 1e-9);
+        for point in &found.points {
+            let square = point.x.xy().norm_squared();
+            let off = (square - 1.0) * (square - 1.0) + point.parameter * point.parameter - 0.25;
+            assert!(off.abs() < 1e-9, "{off}");
+        }
+    }
 }
 
 #[test]
@@ -179,6 +249,11 @@ fn what_cannot_be_followed_is_an_error_that_says_why() {
     let error = begin([1.3, 0.0, -0.5], 6.3, &ContinuationSettings::over(1.0, 1.0));
     assert!(
         matches!(error, Error::Option { name: "range", .. }),
+        "{error}"
+    );
+    let error = begin([1.3, 0.0, 0.1], 6.3, &settings);
+    assert!(
+        matches!(error, Error::Parameter { value: 0.1, .. }),
         "{error}"
     );
     let error = begin([1.3, 0.0, -0.5], 6.3, &settings.forced(-1.0));

@@ -84,3 +84,17 @@ impl Filippov<3> for Twisted {
         x[0] - 0.2
     }
 }
+
+/// `r' = r (1/4 - (r² - 1)² - p²)`, `θ' = 1`, the parameter being the third state: the cycles are a closed branch, with folds at `p = ±1/2`, `r = 1`.
+pub struct Island;
+
+impl Filippov<3> for Island {
+    fn field<T: Scalar>(&self, _side: Side, _t: T, x: &[T; 3]) -> [T; 3] {
+        let off = x[0] * x[0] + x[1] * x[1] - 1.0;
+        let grows = -off * off - x[2] * x[2] + 0.25;
+        [x[0] * grows - x[1], x[1] * grows + x[0], T::constant(0.0)]
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 3]) -> T {
+        x[0] - 50.0
+    }
+}
