@@ -1,12 +1,19 @@
 //! A system ready to run: a file, and values for its parameters.
 
 use stickslip::Direction;
+use stickslip::statistics::SplitMix;
 
-use crate::file::{Built, FileError, SystemFile, did_you_mean};
+use crate::file::{Built, FileError, SystemFile, Variant, did_you_mean};
 use crate::problem::{Problem, Source};
 use stickslip_kernels::kernel::{
     Equations, Kernel, ManyContacts, OneContact, Section, of_many_contacts, of_one_contact,
 };
+
+/// States at which a period is tried.
+const PROBES: usize = 16;
+
+/// Part by which the field may differ after a period: rounding, in time, too.
+const PERIODIC: f64 = 1e-6;
 
 /// A system ready to run.
 pub struct System {
@@ -107,13 +114,10 @@ impl System {
             problem: Box::new(problem),
             source_text: Box::new(source.clone()),
         };
-        let built = crate::file::built(&file, &values).map_err(|p| wrong(p, &file.source))?;
+        let built = crate::file::built(&file, &values, Variant::AsWritten);
+        let built = built.map_err(|problem| wrong(problem, &file.source))?;
         let states = file.states.len();
-        let kernel = match equations(&built) {
-            Equations::OneContact(system) => of_one_contact(*system, states),
-            Equations::ManyContacts(system) => of_many_contacts(system, states),
-        };
-        let Some(kernel) = kernel else {
+        let Some(kernel) = compiled(&built, states) else {
             // The reader lets no file through that has more states or contacts than there are kernels for, save one of
             // more contacts than states.
             let problem = Problem::new(
@@ -142,9 +146,68 @@ impl System {
         })
     }
 
-    /// Its equations alone.
-    pub fn equations(&self) -> Equations {
-        equations(&self.built)
+    /// The compiled solver for the system with a parameter as one more state behind the others, along which its orbits can be continued;
+    /// `None` if no system has so many states. Time runs so that a period that depends on the parameter keeps the value that it has now.
+    ///
+    /// # Errors
+    /// [`SettingError::File`] where the expressions are too large with one more state.
+    pub fn along(&self, parameter: usize) -> Result<Option<Box<dyn Kernel>>, SettingError> {
+        let built = crate::file::built(&self.file, &self.values, Variant::Free(parameter));
+        let built = built.map_err(|problem| FileError::Wrong {
+            problem: Box::new(problem),
+            source_text: Box::new(self.file.source.clone()),
+        })?;
+        Ok(compiled(&built, self.states() + 1))
+    }
+
+    /// Its equations alone, in a time in which the period, if it has one, is the one given.
+    ///
+    /// # Errors
+    /// [`SettingError::File`] where the expressions are too large with another time.
+    pub fn equations_in(&self, period: Option<f64>) -> Result<Equations, SettingError> {
+        let variant = period.map_or(Variant::AsWritten, Variant::InPeriod);
+        let built = crate::file::built(&self.file, &self.values, variant);
+        let built = built.map_err(|problem| FileError::Wrong {
+            problem: Box::new(problem),
+            source_text: Box::new(self.file.source.clone()),
+        })?;
+        Ok(equations(&built))
+    }
+
+    /// Whether field and boundaries are what they were a period ago, at some states; `None` where there is no period.
+    pub fn is_periodic(&self) -> Option<bool> {
+        let period = self.built.period?;
+        let tapes = || {
+            self.built
+                .fields
+                .slip
+                .iter()
+                .chain([&self.built.boundaries])
+        };
+        let at = |t: f64, x: &[f64]| -> Vec<f64> {
+            let values = tapes().flat_map(|tape| {
+                let mut out = vec![0.0; self.states().max(self.contacts())];
+                tape.evaluate(t, x, &mut out);
+                out
+            });
+            values.collect()
+        };
+        let random = &mut SplitMix::new(1);
+        let start = self.built.start.clone();
+        let start = start.unwrap_or_else(|| vec![0.0; self.states()]);
+        Some((0..PROBES).all(|_| {
+            let t = self.file.time.start + random.between(0.0, period);
+            let x: Vec<f64> = start
+                .iter()
+                .map(|x| x + random.between(-1.0, 1.0))
+                .collect();
+            let (now, later) = (at(t, &x), at(t + period, &x));
+            // What is no number here is none of this.
+            now.iter().zip(&later).all(|(now, later)| {
+                let off = (now - later).abs();
+                off.is_nan() || off <= PERIODIC * (1.0 + now.abs())
+            })
+        }))
     }
 
     /// The compiled solver for it.
@@ -172,6 +235,13 @@ impl System {
         let mut heights = vec![f64::NAN; self.contacts()];
         self.built.boundaries.evaluate(t, x, &mut heights);
         heights[contact]
+    }
+}
+
+fn compiled(built: &Built, states: usize) -> Option<Box<dyn Kernel>> {
+    match equations(built) {
+        Equations::OneContact(system) => of_one_contact(*system, states),
+        Equations::ManyContacts(system) => of_many_contacts(system, states),
     }
 }
 

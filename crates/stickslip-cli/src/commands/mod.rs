@@ -5,7 +5,9 @@ mod attractors;
 mod basin;
 mod bifurcation;
 mod check;
+mod continuation;
 mod exponent;
+mod extremes;
 mod figures;
 mod lyapunov;
 mod map;
@@ -14,6 +16,7 @@ mod new;
 mod orbit;
 mod range;
 mod recording;
+mod search;
 mod simulate;
 mod sweeping;
 mod tables;
@@ -55,6 +58,7 @@ enum Command {
     Merge(merge::Arguments),
     New(new::Arguments),
     Check(check::Arguments),
+    Continue(continuation::Arguments),
     Simulate(simulate::Arguments),
     Tangents(tangents::Arguments),
     Orbit(orbit::Arguments),
@@ -72,6 +76,7 @@ pub fn main() -> ExitCode {
         Command::Merge(arguments) => merge::run(&arguments),
         Command::New(arguments) => new::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
+        Command::Continue(arguments) => continuation::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Tangents(arguments) => tangents::run(&arguments),
         Command::Orbit(arguments) => orbit::run(&arguments),

@@ -3,15 +3,16 @@
 use std::fmt::Write;
 
 use serde_json::json;
-use stickslip::{Error, Options};
 
 use super::arguments::{OutputArguments, SolverArguments, StartArguments, SystemArguments};
+use super::extremes::Extremes;
 use super::recording::{Phase, Recording};
+use super::search::SearchArguments;
 use super::{Failure, Found, figures, tables};
-use crate::output::Artifact;
+use crate::output::csv_table;
 use crate::system::System;
-use crate::terminal::{Patience, Said, patiently};
-use stickslip_kernels::kernel::{Periodic, Run, Shooting};
+use crate::terminal::{Patience, Said};
+use stickslip_kernels::kernel::{Periodic, Run};
 
 /// Find a periodic orbit: from a run, refined by shooting; period, multipliers, sequence of phases
 ///
@@ -23,67 +24,20 @@ pub(super) struct Arguments {
     system: SystemArguments,
     #[command(flatten)]
     start: StartArguments,
-    /// How long the run before is; 0 to shoot from the start
-    #[arg(
-        long,
-        value_name = "TIME",
-        allow_negative_numbers = true,
-        default_value_t = 200.0
-    )]
-    transient: f64,
-    /// How long the orbit may take to come back
-    #[arg(
-        long,
-        value_name = "TIME",
-        allow_negative_numbers = true,
-        default_value_t = 100.0
-    )]
-    longest: f64,
-    /// Periods of the drive in one of the orbit; default the fewest after which the run comes back, 16 at most
-    #[arg(long, value_name = "COUNT")]
-    periods: Option<u32>,
+    #[command(flatten)]
+    search: SearchArguments,
     #[command(flatten)]
     solver: SolverArguments,
     #[command(flatten)]
     output: OutputArguments,
 }
 
-/// Most periods of the drive that are tried for one of the orbit.
-const MOST_PERIODS: u32 = 16;
-
-/// Part of the state within which it has come back after a part of the period that was found.
-const RETURNED: f64 = 1e-6;
-
 pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
     arguments.output.check()?;
     let system = arguments.system.system()?;
     let options = arguments.solver.options()?;
     let (t, x) = arguments.start.of(&system)?;
-    for (name, value) in [
-        ("--transient", arguments.transient),
-        ("--longest", arguments.longest),
-    ] {
-        if !(value >= 0.0 && value.is_finite()) {
-            return Err(Failure::Usage(format!(
-                "{name} {value}: it must be finite and not negative"
-            )));
-        }
-    }
-    let search = Search {
-        system: &system,
-        options: &options,
-        transient: arguments.transient,
-        longest: arguments.longest,
-    };
-    let (orbit, periods) = patiently("looking for a periodic orbit", || {
-        match system.built.period {
-        Some(period) => search.driven(t, &x, period, arguments.periods),
-        None if system.built.depends_on_time => Err(Failure::Usage(
-            "the system depends on time: what is its period? Add period = \"…\" to [time] of the file".to_owned(),
-        )),
-        None => Ok((search.free(t, &x)?, None)),
-    }
-    })?;
+    let (orbit, periods) = arguments.search.found(&system, (t, &x), &options)?;
     let t_end = orbit.t + orbit.period;
     let mut recording = Recording::new(orbit.t, &orbit.x, t_end, Patience::new("one period"));
     let once = Run {
@@ -95,121 +49,16 @@ pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
     let outcome = system.kernel().run(&once, system.section(), &mut recording);
     recording.close();
     outcome?;
+    let mut extremes = Extremes::from(&orbit.x);
+    system.kernel().run(&once, None, &mut extremes)?;
     let found = Orbit {
         system: &system,
         orbit: &orbit,
         periods,
         recording: &recording,
+        extremes: extremes.found(),
     };
     found.found()?.written(&arguments.output)
-}
-
-struct Search<'a> {
-    system: &'a System,
-    options: &'a Options,
-    transient: f64,
-    longest: f64,
-}
-
-impl Search<'_> {
-    fn run<'x>(&'x self, t: f64, x: &'x [f64], t_end: f64) -> Run<'x> {
-        Run {
-            t,
-            x,
-            t_end,
-            options: self.options,
-        }
-    }
-
-    /// Of a system that does not depend on time.
-    fn free(&self, t: f64, x: &[f64]) -> Result<Periodic, Error> {
-        let shooting = Shooting::Found {
-            transient: self.transient,
-            longest: self.longest,
-        };
-        let found = self
-            .system
-            .kernel()
-            .periodic(&self.run(t, x, t), shooting)?;
-        self.shortest(found)
-    }
-
-    /// The same orbit with its shortest period. Where stick has made all returns equal but for rounding, one of the later ones may be the nearest.
-    fn shortest(&self, orbit: Periodic) -> Result<Periodic, Error> {
-        let kernel = self.system.kernel();
-        let size = orbit
-            .x
-            .iter()
-            .fold(f64::MIN_POSITIVE, |size, x| size.max(x.abs()));
-        for parts in (2..=MOST_PERIODS).rev() {
-            let period = orbit.period / f64::from(parts);
-            let part = self.run(orbit.t, &orbit.x, orbit.t + period);
-            let ended = kernel.run(&part, None, &mut ())?;
-            let away = ended.x.iter().zip(&orbit.x).map(|(a, b)| (a - b).abs());
-            if away.fold(0.0, f64::max) <= RETURNED * size {
-                return kernel.periodic(&part, Shooting::Free { period });
-            }
-        }
-        Ok(orbit)
-    }
-
-    /// Of a driven one: first a whole number of periods as a transient, then as many as it takes to come back.
-    fn driven(
-        &self,
-        t: f64,
-        x: &[f64],
-        period: f64,
-        periods: Option<u32>,
-    ) -> Result<(Periodic, Option<u32>), Failure> {
-        if periods == Some(0) {
-            return Err(Failure::Usage(
-                "--periods 0: an orbit takes one period at least".to_owned(),
-            ));
-        }
-        let wait = (self.transient / period).ceil() * period;
-        let (t, x) = if wait > 0.0 {
-            self.strobed(t, x, wait)?
-        } else {
-            (t, x.to_vec())
-        };
-        let count = match periods {
-            Some(count) => count,
-            None => self.comes_back(t, &x, period)?,
-        };
-        let forced = Shooting::Forced {
-            period: f64::from(count) * period,
-        };
-        let orbit = self.system.kernel().periodic(&self.run(t, &x, t), forced)?;
-        Ok((orbit, Some(count)))
-    }
-
-    fn strobed(&self, t: f64, x: &[f64], span: f64) -> Result<(f64, Vec<f64>), Failure> {
-        let ended = self
-            .system
-            .kernel()
-            .run(&self.run(t, x, t + span), None, &mut ())?;
-        if ended.ending.is_ambiguous() {
-            let x = stickslip::error::Point(ended.x);
-            return Err(Error::NoUniqueFuture { t: ended.t, x }.into());
-        }
-        Ok((ended.t, ended.x))
-    }
-
-    /// After how many periods the run is about where it was, as near as it ever comes.
-    fn comes_back(&self, t: f64, x: &[f64], period: f64) -> Result<u32, Failure> {
-        let mut distances = Vec::new();
-        let (mut at, mut now) = (t, x.to_vec());
-        for _ in 0..MOST_PERIODS {
-            (at, now) = self.strobed(at, &now, period)?;
-            let away = now.iter().zip(x).map(|(a, b)| (a - b).abs());
-            distances.push(away.fold(0.0, f64::max));
-        }
-        let nearest = distances.iter().copied().fold(f64::INFINITY, f64::min);
-        // What rounding and the rest of the transient leave is no difference.
-        let near = (10.0 * nearest).max(1e-9);
-        let first = distances.iter().position(|&distance| distance <= near);
-        Ok(first.map_or(1, |first| first as u32 + 1))
-    }
 }
 
 struct Orbit<'a> {
@@ -218,6 +67,8 @@ struct Orbit<'a> {
     /// Periods of the drive in one of the orbit.
     periods: Option<u32>,
     recording: &'a Recording,
+    /// Least and greatest value of each state.
+    extremes: Vec<(f64, f64)>,
 }
 
 impl Orbit<'_> {
@@ -246,14 +97,7 @@ impl Orbit<'_> {
             .iter()
             .filter(sticks)
             .map(Phase::duration)
-            .sum()
-    }
-
-    fn extremes(&self, state: usize) -> (f64, f64) {
-        let values = self.recording.points.iter().map(|point| point.x[state]);
-        values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
-            (low.min(x), high.max(x))
-        })
+            .fold(0.0, |sum, duration| sum + duration)
     }
 
     fn found(&self) -> Result<Found, Failure> {
@@ -277,8 +121,8 @@ impl Orbit<'_> {
         });
         let columns = ["re", "im", "modulus"].map(str::to_owned);
         let tables = vec![
-            Artifact::csv("orbit.csv", &heading, [row])?,
-            Artifact::csv("multipliers.csv", &columns, multipliers)?,
+            csv_table("orbit.csv", &heading, [row])?,
+            csv_table("multipliers.csv", &columns, multipliers)?,
             tables::phases("phases", system, &recording.phases)?,
             tables::transitions("transitions", system, &recording.transitions)?,
         ];
@@ -340,7 +184,7 @@ impl Orbit<'_> {
             100.0 * stick / orbit.period
         );
         for (k, state) in self.system.file.states.iter().enumerate() {
-            let (low, high) = self.extremes(k);
+            let (low, high) = self.extremes[k];
             let _ = writeln!(
                 text,
                 "  {:13}from {low} to {high}, at first {}",
@@ -356,7 +200,7 @@ impl Orbit<'_> {
         let multipliers: Vec<[f64; 2]> = multipliers.map(|m| [m.re, m.im]).collect();
         let states = self.system.file.states.iter().enumerate();
         let extremes: serde_json::Map<String, serde_json::Value> = states
-            .map(|(k, state)| (state.name.clone(), json!(self.extremes(k))))
+            .map(|(k, state)| (state.name.clone(), json!(self.extremes[k])))
             .collect();
         json!({
             "system": tables::system_json(self.system),

@@ -106,6 +106,20 @@ pub(super) fn merged(
     crate::sweep::merge(&folder(out), &shares)
 }
 
+/// Whether attractors can be looked for: of a driven system by a strobe, whose period must be known and be one.
+pub(super) fn check_period(system: &System) -> Result<(), Failure> {
+    match system.is_periodic() {
+        None if system.built.depends_on_time => Err(Failure::Usage(
+            "the system depends on time: what is its period? Add period = \"…\" to [time] of the file".to_owned(),
+        )),
+        Some(false) => Err(Failure::Usage(format!(
+            "the field or a boundary is not the same after the file's period {}; correct the period in [time]",
+            system.built.period.unwrap_or(f64::NAN)
+        ))),
+        _ => Ok(()),
+    }
+}
+
 /// Whether exponents can be measured for so long.
 pub(super) fn check_duration(duration: f64) -> Result<(), Failure> {
     if duration > 0.0 && duration.is_finite() {

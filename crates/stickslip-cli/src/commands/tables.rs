@@ -6,13 +6,23 @@ use stickslip::Mode;
 use super::recording::{
     Crossed, Phase, Recording, Transition, direction_name, kind_name, mode_name,
 };
-use crate::output::{Artifact, OutputError};
+use crate::output::{Artifact, OutputError, csv_table};
 use crate::system::System;
-use stickslip_kernels::kernel::Modes;
+use stickslip_kernels::kernel::{Change, Modes};
 
 /// A number that reads back to the last bit.
 pub(super) fn exact(value: f64) -> String {
     format!("{value:?}")
+}
+
+/// A number for people: twelve digits, of which rounding has not made the last ones.
+pub(super) fn rounded(value: f64) -> f64 {
+    format!("{value:.11e}").parse().unwrap_or(value)
+}
+
+/// Texts of their own.
+pub(super) fn strings(texts: &[&str]) -> Vec<String> {
+    texts.iter().map(|&text| text.to_owned()).collect()
 }
 
 /// Names of the states, with something behind each.
@@ -71,7 +81,7 @@ pub(super) fn phases(
         row.extend(numbers(&phase.x_end));
         row
     });
-    Artifact::csv(format!("{name}.csv"), &heading, rows)
+    csv_table(format!("{name}.csv"), &heading, rows)
 }
 
 /// `transitions.csv`
@@ -101,7 +111,7 @@ pub(super) fn transitions(
         row.push(exact(at.residual));
         row
     });
-    Artifact::csv(format!("{name}.csv"), &heading, rows)
+    csv_table(format!("{name}.csv"), &heading, rows)
 }
 
 /// `section.csv`
@@ -116,7 +126,7 @@ pub(super) fn passages(
         row.extend(numbers(&at.x));
         row
     });
-    Artifact::csv(format!("{name}.csv"), &heading, rows)
+    csv_table(format!("{name}.csv"), &heading, rows)
 }
 
 /// `steps.csv`: the ends of the steps, where the solution is as accurate as the run.
@@ -132,7 +142,7 @@ pub(super) fn steps(
         row.extend(numbers(&point.x));
         row
     });
-    Artifact::csv(format!("{name}.csv"), &heading, rows)
+    csv_table(format!("{name}.csv"), &heading, rows)
 }
 
 pub(super) fn contact_name(system: &System, contact: usize) -> String {
@@ -172,4 +182,25 @@ pub(super) fn letters(modes: &Modes) -> String {
         })
         .collect();
     letters.join("|")
+}
+
+/// The modes gone through, in letters.
+pub(super) fn sequence(modes: &[Modes]) -> String {
+    let signs: Vec<String> = modes.iter().map(letters).collect();
+    signs.join(" ")
+}
+
+/// What a change of an attractor is called.
+pub(super) fn change_name(change: &Change) -> String {
+    match change {
+        Change::Sequence { name, after, .. } if after.is_empty() && name == "unnamed" => {
+            "the orbit ends, at a fold or at a change that has no name".to_owned()
+        }
+        Change::Sequence { name, .. } => name.clone(),
+        Change::Equilibrium { frequency, .. } if *frequency > 0.0 => {
+            "Hopf bifurcation of the equilibrium".to_owned()
+        }
+        Change::Equilibrium { .. } => "zero eigenvalue of the equilibrium".to_owned(),
+        Change::Unlocated => "not located".to_owned(),
+    }
 }

@@ -33,13 +33,14 @@
 //! `by_side(belt, below, above)` is one expression or the other, and so is `v = { below = "…", above = "…" }` in `[field]`.
 
 mod build;
+mod builder;
 mod formula;
 mod names;
 mod read;
 mod table;
 
 pub use build::{Built, Fields};
-pub(crate) use build::{built, values};
+pub(crate) use build::{Variant, built, values};
 pub use formula::Formula;
 pub use names::{Meaning, Names, did_you_mean};
 

@@ -3,5 +3,7 @@
 mod against_compiled;
 mod bad_files;
 mod command_line;
+mod continuation;
 mod known_answers;
+mod readme;
 mod recorded;

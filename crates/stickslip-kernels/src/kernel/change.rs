@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use stickslip::Several;
-use stickslip::analysis::{AttractorChange, WhatChanges};
+use stickslip::analysis::{AttractorChange, SequenceChange, WhatChanges};
 
 use super::erased::{Erase, Modes};
 use super::system::{ManyContacts, OneContact};
@@ -50,7 +50,7 @@ pub enum Change {
     Sequence {
         /// The parameter.
         parameter: f64,
-        /// How far from it other phases were seen.
+        /// How far from it other phases were seen, or its event function would be zero.
         uncertainty: f64,
         /// What it is called.
         name: String,
@@ -81,17 +81,8 @@ impl Change {
         change: &AttractorChange<N, K>,
         contacts: usize,
     ) -> Self {
-        let erased = |modes: &[K]| modes.iter().map(|mode| mode.erased(contacts)).collect();
         match &change.what {
-            WhatChanges::Sequence(change) => Change::Sequence {
-                parameter: change.parameter,
-                uncertainty: change.uncertainty,
-                name: change.bifurcation.to_string(),
-                x: change.x.as_slice().to_vec(),
-                period: change.period,
-                before: erased(&change.before),
-                after: erased(&change.after),
-            },
+            WhatChanges::Sequence(change) => Change::of_sequence(change, contacts),
             WhatChanges::Equilibrium {
                 parameter,
                 x,
@@ -102,6 +93,22 @@ impl Change {
                 frequency: *frequency,
             },
             WhatChanges::Unlocated => Change::Unlocated,
+        }
+    }
+
+    pub(super) fn of_sequence<const N: usize, K: Erase>(
+        change: &SequenceChange<N, K>,
+        contacts: usize,
+    ) -> Self {
+        let erased = |modes: &[K]| modes.iter().map(|mode| mode.erased(contacts)).collect();
+        Change::Sequence {
+            parameter: change.parameter,
+            uncertainty: change.uncertainty,
+            name: change.bifurcation.to_string(),
+            x: change.x.as_slice().to_vec(),
+            period: change.period,
+            before: erased(&change.before),
+            after: erased(&change.after),
         }
     }
 }

@@ -4,15 +4,16 @@ use std::cell::Cell;
 use std::ops::ControlFlow;
 
 use stickslip::analysis::{
-    PeriodicOrbit, RecurrenceSettings, SpectrumOptions, SweepSettings, attractor,
-    find_periodic_orbit, lyapunov_spectrum, multipliers, periodic_orbit, periodic_orbit_forced,
-    sweep,
+    ContinuationSettings, PeriodicOrbit, RecurrenceSettings, SpectrumOptions, SweepSettings,
+    attractor, continue_periodic_orbit, find_periodic_orbit, lyapunov_spectrum, multipliers,
+    periodic_orbit, periodic_orbit_forced, sweep,
 };
 use stickslip::{
     Ending, Error, EventRecord, Happening, Integration, Options, Phase, Progress, Several, State,
     StepRecord, Summary, Switched, Watched,
 };
 
+use super::branch::BranchFound;
 use super::change::{Change, Family, OfEquations};
 use super::erased::{
     Ended, Erase, Passage, Periodic, PhaseView, SpectrumFound, StepView, TransitionView, Watcher,
@@ -269,6 +270,19 @@ where
         Ok(changes
             .map(|change| Change::of(change, self.contacts))
             .collect())
+    }
+
+    fn branch(
+        &self,
+        x: &[f64],
+        period: f64,
+        upwards: bool,
+        settings: &ContinuationSettings,
+        options: &Options,
+    ) -> Result<BranchFound, Error> {
+        let x = state::<N>(x);
+        let found = continue_periodic_orbit(&self.system, x, period, upwards, settings, options)?;
+        Ok(BranchFound::of(&found, self.contacts))
     }
 
     fn is_same_attractor(

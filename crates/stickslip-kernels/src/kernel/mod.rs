@@ -4,12 +4,14 @@
 //! the library's functions that hand what they find to who asked, as slices. An instance costs seconds of compile time; the
 //! rest of the package is compiled once.
 
+mod branch;
 mod change;
 mod compiled;
 mod erased;
 mod reached;
 mod system;
 
+pub use branch::{BranchFound, OrbitThere, SpecialKind, SpecialThere};
 pub use change::{Change, Equations, Family};
 pub use erased::{
     Ended, Modes, Passage, Periodic, PhaseView, SpectrumFound, StepView, TransitionView, Watcher,
@@ -17,7 +19,9 @@ pub use erased::{
 pub use reached::{Motion, Outcome, PhaseThere, TransitionThere};
 pub use system::{ManyContacts, OneContact, Section};
 
-use stickslip::analysis::{RecurrenceSettings, SpectrumOptions, SweepSettings};
+use stickslip::analysis::{
+    ContinuationSettings, RecurrenceSettings, SpectrumOptions, SweepSettings,
+};
 use stickslip::{Error, Options};
 
 /// Most states that a system may have.
@@ -115,6 +119,19 @@ pub trait Kernel: Send + Sync {
         settings: &SweepSettings,
         options: &Options,
     ) -> Result<Vec<Change>, Error>;
+
+    /// The branch of periodic orbits through the one near `x` at time 0, with a period near `period`. The last state is its parameter.
+    ///
+    /// # Errors
+    /// Those of [`stickslip::analysis::continue_periodic_orbit`].
+    fn branch(
+        &self,
+        x: &[f64],
+        period: f64,
+        upwards: bool,
+        settings: &ContinuationSettings,
+        options: &Options,
+    ) -> Result<BranchFound, Error>;
 
     /// Whether two orbits have come to the same attractor.
     fn is_same_attractor(

@@ -1,7 +1,7 @@
 //! The plane of starts, coloured by attractor.
 
 use plot::{
-    BLUE, Cells, Color, Figure, GREEN, LIGHT_GREY, Legend, MID_GREY, Markers, ORANGE, PURPLE,
+    BLUE, Cells, Color, Figure, GREEN, GREY, LIGHT_GREY, Legend, MID_GREY, Markers, ORANGE, PURPLE,
     Panel, SKY, VERMILLION,
 };
 
@@ -90,7 +90,7 @@ fn classes(attractors: &[Attracting]) -> Vec<Class> {
         let share: f64 = rest.iter().map(|&number| attractors[number].share).sum();
         classes.push(Class {
             numbers: rest.to_vec(),
-            colour: MID_GREY,
+            colour: GREY,
             legend: format!("{} further attractors, {:.2} %", rest.len(), 100.0 * share),
         });
     }

@@ -7,7 +7,7 @@ mod starts;
 
 use super::Failure;
 use super::arguments::{OutputArguments, SolverArguments, StartArguments, SystemArguments};
-use super::sweeping::{SweepArguments, sweep};
+use super::sweeping::{SweepArguments, check_period, sweep};
 use crate::terminal::Said;
 pub(super) use request::Basin;
 
@@ -56,6 +56,7 @@ pub(super) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
     let system = arguments.system.system()?;
+    check_period(&system)?;
     let wanted = Basin::new(arguments, &system)?;
     sweep(&wanted, &system, &arguments.sweep, &arguments.output)
 }

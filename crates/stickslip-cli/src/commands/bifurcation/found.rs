@@ -6,14 +6,14 @@ use std::path::{Path, PathBuf};
 
 use serde_json::json;
 use stickslip::Mode;
-use stickslip_kernels::kernel::{Change, Modes, Motion};
+use stickslip_kernels::kernel::{Change, Motion};
 
 use super::super::arguments::OutputArguments;
 use super::super::exponent::Largest;
 use super::super::{Failure, attractors, tables};
 use super::figure;
 use super::request::{At, Between, Bifurcation, Part};
-use crate::output::{Artifact, OutputError};
+use crate::output::{Artifact, OutputError, csv_table};
 use crate::sweep::{Store, SweepError, write_whole};
 use crate::system::System;
 use crate::terminal::Said;
@@ -63,9 +63,9 @@ impl Found {
         let columns = [
             "motion", "period", "returns", "phases", "in_stick", "lambda1",
         ];
-        let mut heading = strings(&["way", parameter]);
-        heading.extend(strings(&columns));
-        heading.extend(strings(&["std_error"]));
+        let mut heading = tables::strings(&["way", parameter]);
+        heading.extend(tables::strings(&columns));
+        heading.extend(tables::strings(&["std_error"]));
         heading.extend(states.clone());
         let mut ways = (Way::default(), Way::default());
         store.for_each(|block, content| {
@@ -93,7 +93,7 @@ impl Found {
         )?;
         (found.up, found.down) = ways;
 
-        let mut heading = strings(&["way", parameter, "duration"]);
+        let mut heading = tables::strings(&["way", parameter, "duration"]);
         heading.extend(states.iter().map(|state| format!("{state}_length")));
         table(
             &found.files[1],
@@ -136,20 +136,20 @@ impl Found {
 
     fn changes_table(&self, diagram: &Bifurcation, system: &System) -> Result<Artifact, Failure> {
         let columns = ["from", "to", "what", "uncertainty", "before", "after"];
-        let mut heading = strings(&["way", diagram.parameter.name.as_str()]);
-        heading.extend(strings(&columns));
+        let mut heading = tables::strings(&["way", diagram.parameter.name.as_str()]);
+        heading.extend(tables::strings(&columns));
         heading.extend(system.file.states.iter().map(|state| state.name.clone()));
         let mut rows = Vec::new();
         for (name, way) in [("up", &self.up), ("down", &self.down)] {
             for between in &way.changes {
-                let mut row = strings(&[name]);
+                let mut row = tables::strings(&[name]);
                 row.push(
                     located(&between.change)
                         .map(tables::exact)
                         .unwrap_or_default(),
                 );
                 row.extend([between.values.0, between.values.1].map(tables::exact));
-                row.push(what(&between.change));
+                row.push(tables::change_name(&between.change));
                 let x = match &between.change {
                     Change::Sequence {
                         uncertainty,
@@ -159,7 +159,7 @@ impl Found {
                         ..
                     } => {
                         row.push(tables::exact(*uncertainty));
-                        row.extend([before, after].map(|modes| phases(modes)));
+                        row.extend([before, after].map(|modes| tables::sequence(modes)));
                         &x[..]
                     }
                     Change::Equilibrium { x, .. } => {
@@ -178,7 +178,7 @@ impl Found {
                 rows.push(row);
             }
         }
-        Ok(Artifact::csv("changes.csv", &heading, rows)?)
+        Ok(csv_table("changes.csv", &heading, rows)?)
     }
 
     fn summary(&self, diagram: &Bifurcation, system: &System) -> String {
@@ -190,17 +190,23 @@ impl Found {
         for (name, way) in [("up", &self.up), ("down", &self.down)] {
             for (first, last, motion) in &way.spans {
                 // Writing into a text cannot fail.
+                let [first, last] = [*first, *last].map(tables::rounded);
                 let _ = writeln!(text, "  {name:<4}  {first} to {last}: {motion}");
             }
             for Between { values, change } in &way.changes {
                 let _ = match located(change) {
-                    Some(value) => writeln!(text, "  {name:<4}  at {value}: {}", what(change)),
+                    Some(value) => writeln!(
+                        text,
+                        "  {name:<4}  at {}: {}",
+                        tables::rounded(value),
+                        tables::change_name(change)
+                    ),
                     None => writeln!(
                         text,
                         "  {name:<4}  between {} and {}: {}",
-                        values.0,
-                        values.1,
-                        what(change)
+                        tables::rounded(values.0),
+                        tables::rounded(values.1),
+                        tables::change_name(change)
                     ),
                 };
             }
@@ -262,35 +268,13 @@ fn located(change: &Change) -> Option<f64> {
     }
 }
 
-/// What a change is called.
-fn what(change: &Change) -> String {
-    match change {
-        Change::Sequence { name, .. } => name.clone(),
-        Change::Equilibrium { frequency, .. } if *frequency > 0.0 => {
-            "Hopf bifurcation of the equilibrium".to_owned()
-        }
-        Change::Equilibrium { .. } => "zero eigenvalue of the equilibrium".to_owned(),
-        Change::Unlocated => "not located".to_owned(),
-    }
-}
-
-/// Modes as signs.
-fn phases(modes: &[Modes]) -> String {
-    let signs: Vec<String> = modes.iter().map(tables::letters).collect();
-    signs.join(" ")
-}
-
 fn way_name(is_up: bool) -> &'static str {
     if is_up { "up" } else { "down" }
 }
 
-fn strings(texts: &[&str]) -> Vec<String> {
-    texts.iter().map(|&text| text.to_owned()).collect()
-}
-
 /// A row for each point of the section; one without a state where there is none.
 fn section_rows(is_up: bool, at: &At, states: usize) -> Vec<Vec<String>> {
-    let mut row = strings(&[way_name(is_up)]);
+    let mut row = tables::strings(&[way_name(is_up)]);
     row.push(tables::exact(at.value));
     row.extend(attractors::fields(&at.outcome));
     row.extend(at.largest.fields());
@@ -308,7 +292,7 @@ fn section_rows(is_up: bool, at: &At, states: usize) -> Vec<Vec<String>> {
 /// A row for each stick: how long it lasts, and how far each state goes in it.
 fn stick_rows(is_up: bool, at: &At) -> Vec<Vec<String>> {
     let row = |phase: &stickslip_kernels::kernel::PhaseThere| {
-        let mut row = strings(&[way_name(is_up)]);
+        let mut row = tables::strings(&[way_name(is_up)]);
         row.push(tables::exact(at.value));
         row.push(tables::exact(phase.t_end - phase.t_start));
         let ends = phase.x_end.iter().zip(&phase.x_start);

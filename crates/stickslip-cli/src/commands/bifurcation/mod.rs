@@ -8,7 +8,7 @@ use std::num::NonZeroUsize;
 
 use super::Failure;
 use super::arguments::{OutputArguments, SolverArguments, StartArguments, SystemArguments};
-use super::sweeping::{SweepArguments, sweep};
+use super::sweeping::{SweepArguments, check_period, sweep};
 use crate::terminal::Said;
 pub(super) use request::Bifurcation;
 
@@ -51,6 +51,7 @@ pub(super) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
     let system = arguments.system.system()?;
+    check_period(&system)?;
     let wanted = Bifurcation::new(arguments, &system)?;
     sweep(&wanted, &system, &arguments.sweep, &arguments.output)
 }

@@ -187,14 +187,27 @@ impl Bifurcation {
             recurrence: *recurrence,
             ..SweepSettings::within(self.until)
         };
+        // In a time in which the drive has one period, though its own may change with the parameter.
         let family = |value| {
-            let there = self.parameter.system(system, value);
-            there.ok().map(|there| there.equations())
+            let there = self.parameter.system(system, value).ok()?;
+            there.equations_in(recurrence.forcing).ok()
         };
         let between = (last.value, value);
-        Ok(system
-            .kernel()
-            .changes(&family, between, &last.start, &settings, options)?)
+        let kernel = system.kernel();
+        let mut found = kernel.changes(&family, between, &last.start, &settings, options)?;
+        for change in &mut found {
+            if let (
+                Change::Sequence {
+                    parameter, period, ..
+                },
+                Some(reference),
+            ) = (change, recurrence.forcing)
+            {
+                let there = self.parameter.system(system, *parameter)?;
+                *period *= there.built.period.map_or(1.0, |there| there / reference);
+            }
+        }
+        Ok(found)
     }
 }
 

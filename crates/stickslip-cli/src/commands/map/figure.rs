@@ -1,8 +1,8 @@
 //! The plane of two parameters three times: attractor, exponent, part of time in stick.
 
 use plot::{
-    Axis, BLUE, Cells, Color, Figure, GREEN, LIGHT_GREY, Legend, MID_GREY, ORANGE, PURPLE, Panel,
-    SKY, VERMILLION, WHITE,
+    Axis, BLUE, Cells, Color, Figure, GREEN, GREY, LIGHT_GREY, Legend, MID_GREY, ORANGE, PURPLE,
+    Panel, SKY, VERMILLION, WHITE,
 };
 
 use super::super::exponent::Largest;
@@ -112,7 +112,7 @@ fn attractors(found: &Found) -> Vec<Layer> {
     if !rest.is_empty() {
         layers.push(Layer {
             set: set(rest),
-            colour: MID_GREY,
+            colour: GREY,
             legend: format!("{} further kinds", rest.len()),
         });
     }

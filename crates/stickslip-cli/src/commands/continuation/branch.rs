@@ -1,0 +1,221 @@
+//! The branch through an orbit, both ways.
+
+use rayon::prelude::*;
+use stickslip::analysis::{ContinuationSettings, Stop};
+use stickslip::{Ending, Error, Options};
+use stickslip_kernels::kernel::{
+    BranchFound, Change, Kernel, MOST_STATES, OrbitThere, Periodic, Run, SpecialKind, SpecialThere,
+};
+
+use super::super::Failure;
+use super::super::extremes::Extremes;
+use super::super::range::ParameterRange;
+use crate::system::System;
+
+/// An orbit of the branch.
+pub(super) struct Point {
+    pub(super) orbit: OrbitThere,
+    /// Least and greatest value of each state on it.
+    pub(super) extremes: Vec<(f64, f64)>,
+}
+
+/// A whole branch, from its end downwards to its end upwards.
+pub(super) struct Branch {
+    pub(super) points: Vec<Point>,
+    /// The special orbits, in the same order.
+    pub(super) special: Vec<SpecialThere>,
+    /// The orbit that the branch was begun with.
+    pub(super) first: usize,
+    /// Why it ends downwards and upwards.
+    pub(super) stops: [Stop; 2],
+}
+
+/// A system, and the parameter along which its orbits are continued.
+pub(super) struct Begin<'a> {
+    system: &'a System,
+    range: &'a ParameterRange,
+    /// The parameter's value.
+    value: f64,
+    /// The system with the parameter as a state.
+    along: Box<dyn Kernel>,
+}
+
+impl<'a> Begin<'a> {
+    pub(super) fn at(system: &'a System, range: &'a ParameterRange) -> Result<Self, Failure> {
+        let parameters = system.file.parameters.iter();
+        let number = parameters
+            .map(|one| &one.name)
+            .position(|name| *name == range.name);
+        let number = number.unwrap_or_default();
+        let value = system.values[number];
+        if !(range.low..=range.high).contains(&value) {
+            return Err(Failure::Usage(format!(
+                "{name} = {value} is not in the range from {} to {}: the branch begins at the parameter's value; choose it with --set {name}=…, \
+                 or another range",
+                range.low,
+                range.high,
+                name = range.name
+            )));
+        }
+        // What cannot be evaluated at the ends is better told now.
+        for end in [range.low, range.high] {
+            range.system(system, end)?;
+        }
+        let Some(along) = system.along(number)? else {
+            return Err(Failure::Usage(format!(
+                "the system has {} states; orbits can be continued of at most {}, for the parameter is one more",
+                system.states(),
+                MOST_STATES - 1
+            )));
+        };
+        Ok(Begin {
+            system,
+            range,
+            value,
+            along,
+        })
+    }
+
+    /// The branch through an orbit that takes so many periods of the drive, if there is one.
+    pub(super) fn branch(
+        &self,
+        orbit: &Periodic,
+        periods: Option<u32>,
+        settings: &ContinuationSettings,
+        options: &Options,
+    ) -> Result<Branch, Failure> {
+        let settings = ContinuationSettings {
+            forced: periods.map(|_| orbit.period),
+            ..*settings
+        };
+        let mut x = self.at_zero(orbit, options)?;
+        x.push(self.value);
+        let way = |upwards| {
+            let along = &self.along;
+            along.branch(&x, orbit.period, upwards, &settings, options)
+        };
+        let (down, up) = rayon::join(|| way(false), || way(true));
+        let (mut down, mut up) = (down?, up?);
+        // A closed branch is the same the other way round.
+        if down.stop == Stop::Closed {
+            only_begun(&mut up);
+        } else if up.stop == Stop::Closed {
+            only_begun(&mut down);
+        }
+        self.joined(down, up, options)
+    }
+
+    /// A state of the orbit at a time that is a multiple of its period: there the clock of the branch begins.
+    fn at_zero(&self, orbit: &Periodic, options: &Options) -> Result<Vec<f64>, Failure> {
+        let behind = orbit.t.rem_euclid(orbit.period);
+        let t_end = orbit.t + (orbit.period - behind);
+        // What is behind by rounding may be a whole period, or none.
+        if !self.system.built.depends_on_time || behind == 0.0 || t_end <= orbit.t {
+            return Ok(orbit.x.clone());
+        }
+        let run = Run {
+            t: orbit.t,
+            x: &orbit.x,
+            t_end,
+            options,
+        };
+        let ended = self.system.kernel().run(&run, None, &mut ())?;
+        match ended.ending {
+            Ending::EndTime => Ok(ended.x),
+            _ => Err(Failure::from(Error::NotFound {
+                what: "the end of the period",
+                t: ended.t,
+                span: orbit.period,
+            })),
+        }
+    }
+
+    /// Both ways as one, in the time of the file and with how far each orbit goes.
+    fn joined(
+        &self,
+        down: BranchFound,
+        up: BranchFound,
+        options: &Options,
+    ) -> Result<Branch, Failure> {
+        // The first orbit is on both.
+        let first = down.points.len().saturating_sub(1);
+        let mut orbits: Vec<OrbitThere> = down.points.into_iter().skip(1).rev().collect();
+        orbits.extend(up.points);
+        let mut special: Vec<SpecialThere> = down.special.into_iter().rev().collect();
+        for at in &mut special {
+            at.behind = (first + 1).saturating_sub(at.behind);
+            if let SpecialKind::Sequence(Change::Sequence { before, after, .. }) = &mut at.what {
+                std::mem::swap(before, after);
+            }
+        }
+        special.extend(up.special.into_iter().map(|at| SpecialThere {
+            behind: at.behind + first,
+            ..at
+        }));
+        for at in &mut special {
+            let pace = self.pace(at.parameter)?;
+            at.period *= pace;
+            at.x.truncate(self.system.states());
+            if let SpecialKind::Sequence(Change::Sequence { period, x, .. }) = &mut at.what {
+                *period *= pace;
+                x.truncate(self.system.states());
+            }
+        }
+        let points = orbits
+            .into_par_iter()
+            .map(|orbit| self.point(orbit, options));
+        Ok(Branch {
+            points: points.collect::<Result<_, Failure>>()?,
+            special,
+            first,
+            stops: [down.stop, up.stop],
+        })
+    }
+
+    /// How fast the file's time passes at a value of the parameter, in the time of the branch.
+    fn pace(&self, parameter: f64) -> Result<f64, Failure> {
+        let Some(here) = self.system.built.period else {
+            return Ok(1.0);
+        };
+        let there = self.range.system(self.system, parameter)?;
+        Ok(there.built.period.map_or(1.0, |there| there / here))
+    }
+
+    fn point(&self, orbit: OrbitThere, options: &Options) -> Result<Point, Failure> {
+        let pace = self.pace(orbit.parameter)?;
+        let mut orbit = OrbitThere {
+            t: orbit.t * pace,
+            period: orbit.period * pace,
+            ..orbit
+        };
+        orbit.x.truncate(self.system.states());
+        let system = self.range.system(self.system, orbit.parameter)?;
+        let t_end = orbit.t + orbit.period;
+        let once = Run {
+            t: orbit.t,
+            x: &orbit.x,
+            t_end,
+            options,
+        };
+        let mut extremes = Extremes::from(&orbit.x);
+        let ended = system.kernel().run(&once, None, &mut extremes)?;
+        if ended.ending != Ending::EndTime {
+            return Err(Failure::from(Error::NotFound {
+                what: "the end of the period",
+                t: ended.t,
+                span: orbit.period,
+            }));
+        }
+        Ok(Point {
+            extremes: extremes.found(),
+            orbit,
+        })
+    }
+}
+
+/// Leaves of one way only where it begins.
+fn only_begun(way: &mut BranchFound) {
+    way.points.truncate(1);
+    way.special.clear();
+    way.stop = Stop::Closed;
+}

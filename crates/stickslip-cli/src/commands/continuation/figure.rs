@@ -1,0 +1,197 @@
+//! The branch over the parameter: how far its orbits go, their period and their largest multiplier.
+
+use plot::{
+    BLACK, BLUE, Color, Curve, Dash, Figure, GREEN, Guide, Legend, Markers, ORANGE, PURPLE, Panel,
+    Shape, VERMILLION,
+};
+use stickslip_kernels::kernel::{SpecialKind, SpecialThere};
+
+use super::super::figures;
+use super::branch::{Branch, Point};
+use super::told::{Told, what};
+use crate::output::OutputError;
+
+/// A value of an orbit.
+type Value = fn(&Point) -> f64;
+
+/// Largest multiplier that is drawn: of unstable orbits it may be of any size.
+const LARGEST: f64 = 3.0;
+
+pub(super) fn diagram(told: &Told<'_>) -> Result<String, OutputError> {
+    let Told {
+        system,
+        range,
+        branch,
+    } = told;
+    let parameters = system.file.parameters.iter();
+    let unit = parameters
+        .filter(|parameter| parameter.name == range.name)
+        .map(|parameter| parameter.unit.as_str())
+        .next();
+    let first = &system.file.states[0];
+    let time = system.file.time.unit.as_deref().unwrap_or_default();
+    let largest: Value = |at| {
+        let sizes = at.orbit.multipliers.iter().map(|one| one.norm());
+        // Of orbits that stick it is zero but for rounding.
+        match sizes.fold(0.0, f64::max) {
+            largest if largest > LARGEST => f64::NAN,
+            largest if largest < 1e-9 => 0.0,
+            largest => largest,
+        }
+    };
+    let extent = format!("{}, least and greatest", figures::symbol(&first.name));
+    let extent = match first.unit.as_str() {
+        "" | "1" => extent,
+        unit => format!("{extent}, {unit}"),
+    };
+    let period = match time {
+        "" => "period".to_owned(),
+        unit => format!("period, {unit}"),
+    };
+    let all: [(String, &[Value]); 3] = [
+        (extent, &[|at| at.extremes[0].0, |at| at.extremes[0].1]),
+        (period, &[|at| at.orbit.period]),
+        ("largest multiplier".to_owned(), &[largest]),
+    ];
+    // Of a driven system the period says nothing, unless it is what is varied.
+    let rows: Vec<_> = all
+        .into_iter()
+        .filter(|(_, values)| values.len() > 1 || differs(&branch.points, values[0]))
+        .collect();
+    let title = format!("{}: branch of periodic orbits", system.file.name);
+    let description = format!(
+        "A branch of periodic orbits of {} over {} from {} to {}: least and greatest {}, period, and the largest multiplier up to {LARGEST}; \
+         whole lines where it is stable, dashed where not; marks where it folds, flips, sheds a torus or changes its phases.",
+        system.file.name, range.name, range.low, range.high, first.name
+    );
+    let height = 70.0 + 190.0 * rows.len() as f64;
+    let mut figure = Figure::new("continue", (640.0, height), &title, &description);
+    let last = rows.len() - 1;
+    for (k, (label, values)) in rows.into_iter().enumerate() {
+        let (low, high) = ends(told);
+        let x = if k == last {
+            let label = figures::with_unit(&range.name, unit.unwrap_or_default());
+            plot::Axis::new(&label, low, high)
+        } else {
+            plot::Axis::new("", low, high).bare()
+        };
+        let all = values
+            .iter()
+            .flat_map(|value| branch.points.iter().map(value));
+        let mut panel = Panel::new(x, figures::axis(&label, all));
+        if label.starts_with("largest") {
+            panel.add(Guide::horizontal(1.0));
+        }
+        for value in values {
+            for (is_stable, run) in runs(branch, *value) {
+                let (color, dash) = if is_stable {
+                    (BLUE, Dash::Solid)
+                } else {
+                    (VERMILLION, Dash::Dashed)
+                };
+                panel.add(Curve::new(run).color(color).dash(dash).width(1.4));
+            }
+        }
+        for (name, color, shape) in KINDS {
+            let there = branch
+                .special
+                .iter()
+                .filter(|at| what_class(&at.what) == name);
+            let points: Vec<(f64, f64)> = there
+                .flat_map(|at| values.iter().map(|value| place(branch, at, *value)))
+                .collect();
+            if !points.is_empty() {
+                let markers = Markers::new(points).shape(shape).color(color).size(6.0);
+                panel.add(markers.legend(name));
+            }
+        }
+        if k == last {
+            panel = panel.legend(Legend::Below);
+        }
+        figure = figure.row(if k == last { 1.35 } else { 1.0 }, panel);
+    }
+    Ok(figure.render()?)
+}
+
+/// Kinds of special orbits, as the legend has them.
+const KINDS: [(&str, Color, Shape); 5] = [
+    ("fold", BLACK, Shape::Circle),
+    ("branch point", PURPLE, Shape::Up),
+    ("flip", GREEN, Shape::Diamond),
+    ("Neimark–Sacker", VERMILLION, Shape::Down),
+    ("change of phases", ORANGE, Shape::Square),
+];
+
+fn what_class(kind: &SpecialKind) -> String {
+    match kind {
+        SpecialKind::Sequence(_) => "change of phases".to_owned(),
+        other => what(other),
+    }
+}
+
+/// The part of the range that the branch takes, with a little room.
+fn ends(told: &Told<'_>) -> (f64, f64) {
+    let parameters = told.branch.points.iter().map(|at| at.orbit.parameter);
+    let (low, high) = parameters.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| {
+        (low.min(p), high.max(p))
+    });
+    let range = told.range;
+    if low >= high {
+        return (range.low, range.high);
+    }
+    let room = 0.03 * (high - low);
+    ((low - room).max(range.low), (high + room).min(range.high))
+}
+
+/// Where a special orbit is on the curve of a value: between its neighbours.
+fn place(branch: &Branch, at: &SpecialThere, value: Value) -> (f64, f64) {
+    let orbit = |k: usize| {
+        branch
+            .points
+            .get(k)
+            .map(|point| (point.orbit.parameter, value(point)))
+    };
+    let before = at.behind.checked_sub(1).and_then(orbit);
+    let height = match (before, orbit(at.behind)) {
+        (Some(a), Some(b)) if a.0 != b.0 => {
+            // A fold lies beyond both.
+            let part = ((at.parameter - a.0) / (b.0 - a.0)).clamp(0.0, 1.0);
+            a.1 + part * (b.1 - a.1)
+        }
+        (one, other) => one.or(other).map_or(f64::NAN, |one| one.1),
+    };
+    (at.parameter, height)
+}
+
+/// The branch in pieces that are all stable or all not. Neighbouring pieces share the special orbit between them, so that the curve has no gap.
+fn runs(branch: &Branch, value: Value) -> Vec<(bool, Vec<(f64, f64)>)> {
+    let mut runs: Vec<(bool, Vec<(f64, f64)>)> = Vec::new();
+    for (k, at) in branch.points.iter().enumerate() {
+        let here = (at.orbit.parameter, value(at));
+        let is_stable = at.orbit.is_stable;
+        let special = branch.special.iter().filter(|at| at.behind == k);
+        let between: Vec<_> = special.map(|at| place(branch, at, value)).collect();
+        match runs.last_mut() {
+            Some(run) => {
+                run.1.extend(between);
+                if run.0 == is_stable {
+                    run.1.push(here);
+                } else {
+                    let joint = run.1.last().copied();
+                    runs.push((is_stable, joint.into_iter().chain([here]).collect()));
+                }
+            }
+            None => runs.push((is_stable, vec![here])),
+        }
+    }
+    runs
+}
+
+/// Whether a value is not the same everywhere but for rounding.
+fn differs(points: &[Point], value: Value) -> bool {
+    let values = || points.iter().map(value);
+    let (low, high) = values().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
+        (low.min(v), high.max(v))
+    });
+    high - low > 1e-9 * high.abs()
+}

@@ -1,0 +1,77 @@
+//! `stickslip continue`: a periodic orbit followed along a parameter.
+
+mod branch;
+mod figure;
+mod told;
+
+use stickslip::analysis::ContinuationSettings;
+
+use super::Failure;
+use super::arguments::{OutputArguments, SolverArguments, StartArguments, SystemArguments};
+use super::range::ParameterRange;
+use super::search::SearchArguments;
+use crate::terminal::{Said, patiently};
+use branch::Begin;
+use told::Told;
+
+/// Continue a periodic orbit along a parameter, stable or not, through folds and changes of its phases
+///
+/// The orbit is found at the parameter's present value (that of the file, or of --set) and followed both ways by pseudo-arclength. Where a
+/// multiplier is 1 or -1 or a pair is on the unit circle, and where the phases change, the place is located and named. Of a driven system the
+/// parameter may be one that the period depends on. Writes branch.csv, special.csv and continue.svg.
+#[derive(Debug, clap::Args)]
+pub(super) struct Arguments {
+    #[command(flatten)]
+    system: SystemArguments,
+    #[command(flatten)]
+    start: StartArguments,
+
+    /// The parameter and the range in which the branch is followed
+    #[arg(long, value_name = "NAME=LOW:HIGH")]
+    parameter: String,
+
+    /// First and longest step, as a part of the range and of the orbit's size
+    #[arg(
+        long,
+        value_name = "PART",
+        allow_negative_numbers = true,
+        default_value_t = 0.02
+    )]
+    step: f64,
+
+    /// Orbits on the branch, at most this many each way
+    #[arg(long, value_name = "NUMBER", default_value_t = 1000)]
+    points: usize,
+
+    #[command(flatten)]
+    search: SearchArguments,
+    #[command(flatten)]
+    solver: SolverArguments,
+    #[command(flatten)]
+    output: OutputArguments,
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
+    arguments.output.check()?;
+    let system = arguments.system.system()?;
+    let options = arguments.solver.options()?;
+    let range = ParameterRange::new("--parameter", &arguments.parameter, &system)?;
+    let begin = Begin::at(&system, &range)?;
+    let settings = ContinuationSettings {
+        step: arguments.step,
+        most_points: arguments.points,
+        ..ContinuationSettings::over(range.low, range.high)
+    };
+    settings.check()?;
+    let (t, x) = arguments.start.of(&system)?;
+    let (orbit, periods) = arguments.search.found(&system, (t, &x), &options)?;
+    let branch = patiently("following the branch", || {
+        begin.branch(&orbit, periods, &settings, &options)
+    })?;
+    let told = Told {
+        system: &system,
+        range: &range,
+        branch: &branch,
+    };
+    told.found()?.written(&arguments.output)
+}

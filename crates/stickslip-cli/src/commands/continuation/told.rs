@@ -1,0 +1,271 @@
+//! What a branch has shown, as tables and in words.
+
+use std::fmt::Write;
+
+use serde_json::{Value, json};
+use stickslip::analysis::Stop;
+use stickslip_kernels::kernel::{Change, SpecialKind, SpecialThere};
+
+use super::super::range::ParameterRange;
+use super::super::{Failure, Found, tables};
+use super::branch::{Branch, Point};
+use super::figure;
+use crate::output::{Artifact, OutputError, csv_table};
+use crate::system::System;
+
+/// A branch, and what it is of.
+pub(super) struct Told<'a> {
+    pub(super) system: &'a System,
+    pub(super) range: &'a ParameterRange,
+    pub(super) branch: &'a Branch,
+}
+
+/// What a special orbit is called.
+pub(super) fn what(kind: &SpecialKind) -> String {
+    match kind {
+        SpecialKind::Fold => "fold".to_owned(),
+        SpecialKind::BranchPoint => "branch point".to_owned(),
+        SpecialKind::Flip => "flip".to_owned(),
+        SpecialKind::NeimarkSacker { .. } => "Neimark–Sacker".to_owned(),
+        SpecialKind::Sequence(change) => tables::change_name(change),
+    }
+}
+
+/// Why a branch ends, after "it ends".
+fn why(stop: Stop, parameter: &str) -> String {
+    match stop {
+        Stop::Range => "at an end of the range".to_owned(),
+        Stop::Points => "after as many orbits as were asked for (--points)".to_owned(),
+        Stop::Closed => "where it began: the branch is closed".to_owned(),
+        Stop::Equilibrium {
+            parameter: value,
+            frequency,
+        } => format!(
+            "in an equilibrium: Hopf bifurcation at {parameter} = {}, frequency {}",
+            tables::rounded(value),
+            tables::rounded(frequency)
+        ),
+        Stop::SequenceEnds => {
+            "where its phases change: no orbit with other phases was found next to it".to_owned()
+        }
+        Stop::NoConvergence => {
+            "where no further orbit was found; a shorter --step or a smaller --tol may lead on"
+                .to_owned()
+        }
+    }
+}
+
+/// The same in a word.
+fn why_in_short(stop: Stop) -> &'static str {
+    match stop {
+        Stop::Range => "range",
+        Stop::Points => "points",
+        Stop::Closed => "closed",
+        Stop::Equilibrium { .. } => "equilibrium",
+        Stop::SequenceEnds => "sequence ends",
+        Stop::NoConvergence => "no convergence",
+    }
+}
+
+impl Told<'_> {
+    pub(super) fn found(&self) -> Result<Found, Failure> {
+        let svg = figure::diagram(self)?;
+        Ok(Found {
+            summary: self.summary(),
+            json: self.json(),
+            tables: vec![self.branch_table()?, self.special_table()?],
+            figures: vec![("continue".to_owned(), svg)],
+            failure: None,
+        })
+    }
+
+    fn states(&self) -> impl Iterator<Item = &str> {
+        let states = self.system.file.states.iter();
+        states.map(|state| state.name.as_str())
+    }
+
+    /// `branch.csv`: an orbit a row, from the branch's end downwards to its end upwards.
+    fn branch_table(&self) -> Result<Artifact, OutputError> {
+        let points = &self.branch.points;
+        let multipliers = points.iter().map(|at| at.orbit.multipliers.len()).max();
+        let multipliers = multipliers.unwrap_or(0);
+        let mut heading = tables::strings(&[&self.range.name, "period", "stable", "phases", "t"]);
+        heading.extend(self.states().map(str::to_owned));
+        for name in self.states() {
+            heading.extend([format!("{name}_low"), format!("{name}_high")]);
+        }
+        for k in 1..=multipliers {
+            heading.extend([format!("multiplier{k}_re"), format!("multiplier{k}_im")]);
+        }
+        let rows = points.iter().map(|Point { orbit, extremes }| {
+            let mut row: Vec<String> = [orbit.parameter, orbit.period].map(tables::exact).into();
+            row.extend([orbit.is_stable.to_string(), tables::sequence(&orbit.phases)]);
+            row.push(tables::exact(orbit.t));
+            row.extend(orbit.x.iter().map(|&x| tables::exact(x)));
+            for &(low, high) in extremes {
+                row.extend([low, high].map(tables::exact));
+            }
+            for multiplier in &orbit.multipliers {
+                row.extend([multiplier.re, multiplier.im].map(tables::exact));
+            }
+            row.resize(heading.len(), String::new());
+            row
+        });
+        csv_table("branch.csv", &heading, rows)
+    }
+
+    /// `special.csv`: the special orbits, each behind so many rows of `branch.csv`.
+    fn special_table(&self) -> Result<Artifact, OutputError> {
+        let columns = ["what", "angle", "uncertainty", "before", "after", "period"];
+        let mut heading = tables::strings(&["behind", &self.range.name]);
+        heading.extend(tables::strings(&columns));
+        heading.extend(self.states().map(str::to_owned));
+        let rows = self.branch.special.iter().map(|at| {
+            let mut row = vec![at.behind.to_string(), tables::exact(at.parameter)];
+            row.push(what(&at.what));
+            row.extend(match &at.what {
+                SpecialKind::NeimarkSacker { angle } => {
+                    let mut fields = vec![String::new(); 4];
+                    fields[0] = tables::exact(*angle);
+                    fields
+                }
+                SpecialKind::Sequence(Change::Sequence {
+                    uncertainty,
+                    before,
+                    after,
+                    ..
+                }) => vec![
+                    String::new(),
+                    tables::exact(*uncertainty),
+                    tables::sequence(before),
+                    tables::sequence(after),
+                ],
+                _ => vec![String::new(); 4],
+            });
+            row.push(tables::exact(at.period));
+            row.extend(at.x.iter().map(|&x| tables::exact(x)));
+            row
+        });
+        csv_table("special.csv", &heading, rows)
+    }
+
+    fn summary(&self) -> String {
+        let (range, branch) = (self.range, self.branch);
+        let mut text = format!(
+            "{}: {} periodic orbits over {} from {} to {}\n",
+            self.system.file.name,
+            branch.points.len(),
+            range.name,
+            range.low,
+            range.high
+        );
+        // Writing into a text cannot fail.
+        if let Some(Point { orbit, .. }) = branch.points.get(branch.first) {
+            let _ = writeln!(
+                text,
+                "  begun at {} = {}: period {}, {}, phases {}  (- below, + above, S stick)",
+                range.name,
+                tables::rounded(orbit.parameter),
+                tables::rounded(orbit.period),
+                stability(orbit.is_stable),
+                tables::sequence(&orbit.phases)
+            );
+        }
+        for at in &branch.special {
+            let _ = writeln!(
+                text,
+                "  at {} = {}: {}",
+                range.name,
+                tables::rounded(at.parameter),
+                special(at)
+            );
+        }
+        let ends = [branch.points.first(), branch.points.last()];
+        for ((end, stop), way) in ends
+            .into_iter()
+            .zip(branch.stops)
+            .zip(["begun downwards", "begun upwards"])
+        {
+            if let Some(Point { orbit, .. }) = end {
+                let _ = writeln!(
+                    text,
+                    "  {way}, {} at its last orbit ({} = {}), it ends {}",
+                    stability(orbit.is_stable),
+                    range.name,
+                    tables::rounded(orbit.parameter),
+                    why(stop, &range.name)
+                );
+            }
+        }
+        text
+    }
+
+    fn json(&self) -> Value {
+        let (range, branch) = (self.range, self.branch);
+        let special: Vec<Value> = branch.special.iter().map(special_json).collect();
+        let ends = [branch.points.first(), branch.points.last()];
+        let ends: Vec<Value> = ends
+            .into_iter()
+            .zip(branch.stops)
+            .map(|(end, stop)| {
+                json!({
+                    "parameter": end.map(|end| end.orbit.parameter),
+                    "stop": why_in_short(stop),
+                    "hopf": match stop {
+                        Stop::Equilibrium { parameter, frequency } => json!({ "parameter": parameter, "frequency": frequency }),
+                        _ => Value::Null,
+                    },
+                })
+            })
+            .collect();
+        json!({
+            "system": tables::system_json(self.system),
+            "parameter": range,
+            "points": branch.points.len(),
+            "special": special,
+            "ends": ends,
+        })
+    }
+}
+
+fn stability(is_stable: bool) -> &'static str {
+    if is_stable { "stable" } else { "not stable" }
+}
+
+/// A special orbit in words.
+fn special(at: &SpecialThere) -> String {
+    let name = what(&at.what);
+    match &at.what {
+        SpecialKind::NeimarkSacker { angle } => {
+            format!("{name}, angle {}", tables::rounded(*angle))
+        }
+        SpecialKind::Sequence(Change::Sequence { before, after, .. }) if !after.is_empty() => {
+            format!(
+                "{name}, between phases {} and {}",
+                tables::sequence(before),
+                tables::sequence(after)
+            )
+        }
+        _ => name,
+    }
+}
+
+fn special_json(at: &SpecialThere) -> Value {
+    let change = match &at.what {
+        SpecialKind::Sequence(change) => json!(change),
+        _ => Value::Null,
+    };
+    let angle = match at.what {
+        SpecialKind::NeimarkSacker { angle } => Some(angle),
+        _ => None,
+    };
+    json!({
+        "parameter": at.parameter,
+        "what": what(&at.what),
+        "behind": at.behind,
+        "period": at.period,
+        "x": at.x,
+        "angle": angle,
+        "change": change,
+    })
+}

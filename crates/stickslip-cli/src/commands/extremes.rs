@@ -1,0 +1,107 @@
+//! How far an orbit goes.
+
+use std::ops::ControlFlow;
+
+use stickslip_kernels::kernel::{StepView, Watcher};
+
+/// Points of a step at which its states are looked at first.
+const PER_STEP: u32 = 16;
+
+/// Golden sections of the interval around an extreme value: the value is exact to rounding long before the place is.
+const SECTIONS: usize = 40;
+
+/// The golden section.
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
+
+/// Least and greatest value of every state, between the ends of steps, too.
+pub(super) struct Extremes {
+    found: Vec<(f64, f64)>,
+}
+
+impl Extremes {
+    /// Of an orbit from `x`.
+    pub(super) fn from(x: &[f64]) -> Self {
+        Self {
+            found: x.iter().map(|&x| (x, x)).collect(),
+        }
+    }
+
+    /// Least and greatest value of each state.
+    pub(super) fn found(self) -> Vec<(f64, f64)> {
+        self.found
+    }
+
+    /// A step of the orbit.
+    pub(super) fn see(&mut self, step: &StepView<'_>) {
+        let mut x = vec![0.0; self.found.len()];
+        let at = |k: u32| {
+            step.t_start + (step.t_end - step.t_start) * f64::from(k) / f64::from(PER_STEP)
+        };
+        let mut best = vec![[0; 2]; self.found.len()];
+        let mut values = vec![[f64::INFINITY, f64::NEG_INFINITY]; self.found.len()];
+        for k in 0..=PER_STEP {
+            step.at(at(k), &mut x);
+            for (i, &value) in x.iter().enumerate() {
+                if value < values[i][0] {
+                    (values[i][0], best[i][0]) = (value, k);
+                }
+                if value > values[i][1] {
+                    (values[i][1], best[i][1]) = (value, k);
+                }
+            }
+        }
+        for i in 0..self.found.len() {
+            for (which, sign) in [(0, -1.0), (1, 1.0)] {
+                let k = best[i][which];
+                let around = (at(k.saturating_sub(1)), at((k + 1).min(PER_STEP)));
+                let mut height = |t: f64| {
+                    step.at(t, &mut x);
+                    sign * x[i]
+                };
+                let value = sign * greatest(&mut height, around).max(sign * values[i][which]);
+                let (low, high) = &mut self.found[i];
+                (*low, *high) = (low.min(value), high.max(value));
+            }
+        }
+    }
+}
+
+impl Watcher for Extremes {
+    fn watches_steps(&self) -> bool {
+        true
+    }
+
+    fn step(&mut self, step: &StepView<'_>) -> ControlFlow<()> {
+        self.see(step);
+        ControlFlow::Continue(())
+    }
+}
+
+/// The greatest value of a function with one maximum in an interval.
+fn greatest(function: &mut impl FnMut(f64) -> f64, (mut a, mut b): (f64, f64)) -> f64 {
+    let (mut c, mut d) = (b - GOLDEN * (b - a), a + GOLDEN * (b - a));
+    let (mut at_c, mut at_d) = (function(c), function(d));
+    for _ in 0..SECTIONS {
+        if at_c > at_d {
+            (b, d, at_d) = (d, c, at_c);
+            c = b - GOLDEN * (b - a);
+            at_c = function(c);
+        } else {
+            (a, c, at_c) = (c, d, at_d);
+            d = a + GOLDEN * (b - a);
+            at_d = function(d);
+        }
+    }
+    at_c.max(at_d)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::greatest;
+
+    #[test]
+    fn a_maximum_inside_is_found_to_rounding() {
+        let mut parabola = |t: f64| 2.0 - (t - 0.3) * (t - 0.3);
+        assert_eq!(greatest(&mut parabola, (0.0, 1.0)), 2.0);
+    }
+}

@@ -1,0 +1,479 @@
+//! From expressions to numbers in a graph: every name becomes what it stands for.
+
+use std::ops::Range;
+
+use super::names::{FURTHER_FUNCTIONS, Meaning, did_you_mean, is_function};
+use super::{Formula, Rate, SystemFile};
+use crate::problem::Problem;
+use stickslip_kernels::expression::{
+    Binary, Expression, FUNCTIONS, Function, Graph, Id, Kind, NotANumber,
+};
+
+/// What may occur in an expression.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Scope {
+    /// Time, states and the sides of contacts: bit `i` of `above` is set where contact `i` is above, of `held` where it holds.
+    Sides { above: usize, held: usize },
+    /// Time and states; the name says where.
+    NoSides(&'static str),
+    /// Neither; the name says where.
+    Constant(&'static str),
+}
+
+/// What the parameters and time are in an expression.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Inputs<'a> {
+    /// Values of the parameters.
+    values: &'a [f64],
+    /// A parameter that is a state behind those of the file instead.
+    free: Option<usize>,
+    /// How fast the file's time passes in the time of the expressions, where that depends on the free parameter.
+    pace: Option<Id>,
+}
+
+impl<'a> Inputs<'a> {
+    /// Every parameter has its value.
+    pub(super) fn fixed(values: &'a [f64]) -> Self {
+        Self::free(values, None)
+    }
+
+    /// One of the parameters may be a state.
+    pub(super) fn free(values: &'a [f64], free: Option<usize>) -> Self {
+        Inputs {
+            values,
+            free,
+            pace: None,
+        }
+    }
+
+    /// The same in another time.
+    pub(super) fn paced(self, pace: Option<Id>) -> Self {
+        Inputs { pace, ..self }
+    }
+}
+
+/// How far a named part is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Progress {
+    NotYet,
+    UnderWay,
+    Done(Id),
+}
+
+/// Puts expressions into a graph.
+pub(super) struct Builder<'a> {
+    /// `None` where there are no names but the ones that every file has.
+    file: Option<&'a SystemFile>,
+    inputs: Inputs<'a>,
+    graph: &'a mut Graph,
+    scope: Scope,
+    definitions: Vec<Progress>,
+    frictions: Vec<Progress>,
+    /// Bits of the contacts whose sides have been asked for.
+    pub(super) sided: usize,
+}
+
+type Made = Result<Id, Problem>;
+
+impl<'a> Builder<'a> {
+    pub(super) fn new(
+        file: &'a SystemFile,
+        inputs: Inputs<'a>,
+        graph: &'a mut Graph,
+        scope: Scope,
+    ) -> Self {
+        Builder {
+            file: Some(file),
+            inputs,
+            graph,
+            scope,
+            definitions: vec![Progress::NotYet; file.definitions.len()],
+            frictions: vec![Progress::NotYet; file.contacts.len()],
+            sided: 0,
+        }
+    }
+
+    /// For expressions of numbers alone, `what` they are.
+    pub(super) fn of_numbers(graph: &'a mut Graph, what: &'static str) -> Self {
+        Builder {
+            file: None,
+            inputs: Inputs::fixed(&[]),
+            graph,
+            scope: Scope::Constant(what),
+            definitions: Vec::new(),
+            frictions: Vec::new(),
+            sided: 0,
+        }
+    }
+
+    /// Forgets what has been built, but not which sides were asked for.
+    pub(super) fn forget(&mut self) {
+        self.definitions.fill(Progress::NotYet);
+        self.frictions.fill(Progress::NotYet);
+    }
+
+    /// Whether the friction of a contact has been built.
+    pub(super) fn has_friction(&self, contact: usize) -> bool {
+        self.frictions[contact] != Progress::NotYet
+    }
+
+    /// The rates of all states, and of the parameter that is one.
+    pub(super) fn field(&mut self) -> Result<Vec<Id>, Problem> {
+        let rates = self.file.map_or(&[][..], |file| &file.field);
+        let mut built = Vec::with_capacity(rates.len() + 1);
+        for rate in rates {
+            let formula = match (rate, self.scope) {
+                (Rate::Same(formula), _) => formula,
+                (Rate::BySide { above, .. }, Scope::Sides { above: 1, .. }) => above,
+                (Rate::BySide { below, .. }, _) => below,
+            };
+            let rate = self.formula(formula)?;
+            built.push(self.in_time(rate, formula.whole())?);
+        }
+        if self.inputs.free.is_some() {
+            let none = self.graph.constant(0.0);
+            built.push(none.map_err(|error| no_number(error, 0..0))?);
+        }
+        Ok(built)
+    }
+
+    /// A rate, or a time, of the file in the time of the expressions.
+    fn in_time(&mut self, id: Id, place: Range<usize>) -> Made {
+        match self.inputs.pace {
+            None => Ok(id),
+            Some(pace) => {
+                let product = self.graph.binary(Binary::Product, id, pace);
+                product.map_err(|error| no_number(error, place))
+            }
+        }
+    }
+
+    pub(super) fn formula(&mut self, formula: &Formula) -> Made {
+        self.expression(formula, &formula.tree)
+    }
+
+    fn expression(&mut self, formula: &Formula, expression: &Expression) -> Made {
+        let place = formula.at(&expression.span);
+        let made = match &expression.kind {
+            Kind::Number(value) => self.graph.constant(*value),
+            Kind::Name(name) => return self.name(name, place),
+            Kind::Negative(inner) => {
+                let inner = self.expression(formula, inner)?;
+                self.graph.negative(inner)
+            }
+            Kind::Binary(operator, a, b) => {
+                let (a, b) = (self.expression(formula, a)?, self.expression(formula, b)?);
+                self.graph.binary(*operator, a, b)
+            }
+            Kind::Call {
+                function,
+                place: name,
+                arguments,
+            } => {
+                let name = formula.at(name);
+                return self.call(formula, function, name, arguments, place);
+            }
+        };
+        made.map_err(|error| no_number(error, place))
+    }
+
+    fn name(&mut self, name: &str, place: Range<usize>) -> Made {
+        let Some(meaning) = self.meaning(name) else {
+            return Err(self.unknown(name, place));
+        };
+        match (meaning, self.scope) {
+            (Meaning::Pi, _) => {
+                let made = self.graph.constant(std::f64::consts::PI);
+                made.map_err(|error| no_number(error, place))
+            }
+            (Meaning::Parameter(number), Scope::Sides { .. } | Scope::NoSides(_))
+                if self.inputs.free == Some(number) =>
+            {
+                let states = self.file.map_or(0, |file| file.states.len());
+                Ok(self.graph.state(states))
+            }
+            (Meaning::Parameter(number), _) => {
+                let made = self.graph.constant(self.inputs.values[number]);
+                made.map_err(|error| no_number(error, place))
+            }
+            (Meaning::Time | Meaning::State(_), Scope::Constant(what)) => {
+                let message = format!(
+                    "{what} cannot depend on `{name}`, which is {}",
+                    meaning.told()
+                );
+                Err(Problem::new(message, place)
+                    .help("it is a number, or an expression of numbers and parameters"))
+            }
+            (Meaning::Time, _) => {
+                let time = self.graph.time();
+                self.in_time(time, place)
+            }
+            (Meaning::State(number), _) => Ok(self.graph.state(number)),
+            (Meaning::Definition(number), _) => self.definition(number),
+            (Meaning::Contact(number), _) => {
+                let above = self.side(number, place.clone())?;
+                let sign = if above { 1.0 } else { -1.0 };
+                self.graph
+                    .constant(sign)
+                    .map_err(|error| no_number(error, place))
+            }
+        }
+    }
+
+    fn meaning(&self, name: &str) -> Option<Meaning> {
+        match self.file {
+            Some(file) => file.names.get(name),
+            None if name == "pi" || name == "π" => Some(Meaning::Pi),
+            None => None,
+        }
+    }
+
+    fn unknown(&self, name: &str, place: Range<usize>) -> Problem {
+        let problem = Problem::new(format!("unknown name `{name}`"), place).label("not known here");
+        if is_function(name) {
+            return problem.help(format!("`{name}` is a function: write {name}(…)"));
+        }
+        let Some(file) = self.file else {
+            return problem.help(
+                "the value of a parameter has numbers only; what depends on other parameters goes into [definitions]",
+            );
+        };
+        problem.help(file.names.like(name).unwrap_or_else(|| {
+            "names are states, parameters, definitions, contacts, t (time) and pi".to_owned()
+        }))
+    }
+
+    /// Whether a contact is above.
+    fn side(&mut self, number: usize, place: Range<usize>) -> Result<bool, Problem> {
+        match self.scope {
+            Scope::Sides { above, .. } => {
+                self.sided |= 1 << number;
+                Ok(above & 1 << number != 0)
+            }
+            Scope::NoSides(what) | Scope::Constant(what) => Err(Problem::new(
+                format!("{what} cannot depend on the side of a contact"),
+                place,
+            )
+            .help("sides belong into [field], friction laws and the definitions that these use")),
+        }
+    }
+
+    pub(super) fn definition(&mut self, number: usize) -> Made {
+        let Some(file) = self.file else {
+            return Err(Problem::new("there are no definitions here", 0..0));
+        };
+        let definition = &file.definitions[number];
+        match self.definitions[number] {
+            Progress::Done(id) => return Ok(id),
+            Progress::UnderWay => {
+                let message = format!("the definition of `{}` depends on itself", definition.name);
+                return Err(Problem::new(message, definition.formula.whole()));
+            }
+            Progress::NotYet => {}
+        }
+        self.definitions[number] = Progress::UnderWay;
+        let id = self.formula(&definition.formula)?;
+        self.definitions[number] = Progress::Done(id);
+        Ok(id)
+    }
+
+    fn call(
+        &mut self,
+        formula: &Formula,
+        function: &str,
+        name: Range<usize>,
+        arguments: &[Expression],
+        place: Range<usize>,
+    ) -> Made {
+        match function {
+            "friction" => return self.friction(formula, arguments, place),
+            "by_side" => return self.by_side(formula, arguments, place),
+            "min" | "max" => {
+                let [first, rest @ ..] = arguments else {
+                    return Err(wrong_count(function, "two or more arguments", 0, place));
+                };
+                if rest.is_empty() {
+                    return Err(wrong_count(function, "two or more arguments", 1, place));
+                }
+                let mut best = self.expression(formula, first)?;
+                for argument in rest {
+                    let next = self.expression(formula, argument)?;
+                    let made = match function {
+                        "min" => self.graph.smaller(best, next),
+                        _ => self.graph.larger(best, next),
+                    };
+                    best = made.map_err(|error| no_number(error, place.clone()))?;
+                }
+                return Ok(best);
+            }
+            _ => {}
+        }
+        let Some(known) = Function::named(function) else {
+            return Err(self.no_function(function, name));
+        };
+        let [argument] = arguments else {
+            return Err(wrong_count(
+                function,
+                "one argument",
+                arguments.len(),
+                place,
+            ));
+        };
+        let argument = self.expression(formula, argument)?;
+        self.graph
+            .call(known, argument)
+            .map_err(|error| no_number(error, place))
+    }
+
+    /// The friction force of a contact: its sign times the law that holds in this mode.
+    fn friction(
+        &mut self,
+        formula: &Formula,
+        arguments: &[Expression],
+        place: Range<usize>,
+    ) -> Made {
+        let number = self.contact(formula, "friction", arguments.first(), place.clone())?;
+        if arguments.len() != 1 {
+            return Err(wrong_count(
+                "friction",
+                "the name of a contact",
+                arguments.len(),
+                place,
+            ));
+        }
+        let above = self.side(number, place.clone())?;
+        let Some(contact) = self.file.and_then(|file| file.contacts.get(number)) else {
+            return Err(Problem::new("there are no contacts here", place));
+        };
+        let Some(slip) = &contact.friction else {
+            return Err(Problem::new(
+                format!("contact `{}` has no friction law", contact.name),
+                place,
+            )
+            .also(contact.place.clone(), "this contact")
+            .help("write friction = \"…\" there: how large friction is in slip"));
+        };
+        let is_held = matches!(self.scope, Scope::Sides { held, .. } if held & 1 << number != 0);
+        let law = contact.holding.as_ref().filter(|_| is_held).unwrap_or(slip);
+        let size = match self.frictions[number] {
+            Progress::Done(id) => id,
+            Progress::UnderWay => {
+                let message = format!(
+                    "the friction of contact `{}` depends on itself",
+                    contact.name
+                );
+                return Err(Problem::new(message, law.whole()));
+            }
+            Progress::NotYet => {
+                self.frictions[number] = Progress::UnderWay;
+                let id = self.formula(law)?;
+                self.frictions[number] = Progress::Done(id);
+                id
+            }
+        };
+        let force = if above {
+            Ok(size)
+        } else {
+            self.graph.negative(size)
+        };
+        force.map_err(|error| no_number(error, place))
+    }
+
+    fn by_side(
+        &mut self,
+        formula: &Formula,
+        arguments: &[Expression],
+        place: Range<usize>,
+    ) -> Made {
+        let number = self.contact(formula, "by_side", arguments.first(), place.clone())?;
+        let [_, below, above] = arguments else {
+            let wanted = "a contact, the expression below and the one above";
+            return Err(wrong_count("by_side", wanted, arguments.len(), place));
+        };
+        // Both are looked at, so that nothing wrong hides on the other side.
+        let (below, above) = (
+            self.expression(formula, below)?,
+            self.expression(formula, above)?,
+        );
+        let is_above = self.side(number, place)?;
+        Ok(if is_above { above } else { below })
+    }
+
+    /// The contact that an argument names.
+    fn contact(
+        &self,
+        formula: &Formula,
+        function: &str,
+        argument: Option<&Expression>,
+        place: Range<usize>,
+    ) -> Result<usize, Problem> {
+        let contacts = self.file.map_or(&[][..], |file| &file.contacts);
+        let Some(argument) = argument else {
+            return Err(wrong_count(function, "the name of a contact", 0, place));
+        };
+        let place = formula.at(&argument.span);
+        let Kind::Name(name) = &argument.kind else {
+            return Err(Problem::new(
+                format!("{function} takes the name of a contact here"),
+                place,
+            ));
+        };
+        if let Some(Meaning::Contact(number)) = self.meaning(name) {
+            return Ok(number);
+        }
+        let names: Vec<&str> = contacts
+            .iter()
+            .map(|contact| contact.name.as_str())
+            .collect();
+        let help = did_you_mean(name, names.iter().copied())
+            .unwrap_or_else(|| format!("the contacts are {}", super::table::listed(&names)));
+        Err(Problem::new(format!("`{name}` is no contact"), place).help(help))
+    }
+
+    fn no_function(&self, function: &str, place: Range<usize>) -> Problem {
+        let problem =
+            Problem::new(format!("unknown function `{function}`"), place).label("not known");
+        if let Some(meaning) = self.meaning(function) {
+            return Problem {
+                message: format!("`{function}` is {}, not a function", meaning.told()),
+                ..problem
+            }
+            .help(format!("a product needs its sign: {function}*(…)"));
+        }
+        let all = FUNCTIONS
+            .iter()
+            .map(|(name, _)| *name)
+            .chain(FURTHER_FUNCTIONS);
+        problem.help(match function {
+            "sgn" | "sign" | "signum" => {
+                "friction is written by side: the name of a contact is the sign of its side"
+                    .to_owned()
+            }
+            "log" => "the natural logarithm is ln; the decimal one is ln(…)/ln(10)".to_owned(),
+            "pow" => "a power is written x^2".to_owned(),
+            _ => did_you_mean(function, all.clone()).unwrap_or_else(|| {
+                let all: Vec<&str> = all.collect();
+                format!("there are {}", all.join(", "))
+            }),
+        })
+    }
+}
+
+fn wrong_count(function: &str, wanted: &str, found: usize, place: Range<usize>) -> Problem {
+    let found = match found {
+        0 => "none".to_owned(),
+        some => some.to_string(),
+    };
+    Problem::new(format!("{function} takes {wanted}, not {found}"), place)
+}
+
+pub(super) fn no_number(error: NotANumber, place: Range<usize>) -> Problem {
+    let what = if error.value.is_nan() {
+        "not a number"
+    } else {
+        "infinite"
+    };
+    Problem::new(format!("this is {what}"), place)
+        .label("with the parameters' values")
+        .help("change the expression, or a parameter in it")
+}

@@ -1,0 +1,357 @@
+//! Branches of periodic orbits by the program, against what is known of them.
+
+use std::f64::consts::{LN_10, PI};
+use std::path::Path;
+
+use assert_cmd::Command;
+use predicates::str::contains;
+use serde_json::Value;
+use stickslip::math;
+
+fn program(folder: &Path, arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_stickslip"));
+    command.current_dir(folder).arg("continue").args(arguments);
+    command
+}
+
+/// What the program says of a branch, and the columns of `branch.csv` by name.
+fn followed(arguments: &[&str]) -> (Value, Vec<Value>) {
+    let top = tempfile::tempdir().unwrap();
+    let output = program(top.path(), arguments)
+        .arg("--json")
+        .assert()
+        .success();
+    let json = serde_json::from_slice(&output.get_output().stdout).unwrap();
+    let svg = std::fs::read_to_string(top.path().join("stickslip-output/continue.svg")).unwrap();
+    roxmltree::Document::parse(&svg).unwrap();
+    let table = top.path().join("stickslip-output/branch.csv");
+    let mut rows = csv::Reader::from_path(table).unwrap();
+    let heading = rows.headers().unwrap().clone();
+    let rows = rows.records().map(|row| {
+        let row = row.unwrap();
+        let fields = heading.iter().zip(row.iter());
+        fields
+            .map(|(name, field)| (name.to_owned(), Value::from(field)))
+            .collect()
+    });
+    (json, rows.collect())
+}
+
+fn number(row: &Value, column: &str) -> f64 {
+    row[column].as_str().unwrap().parse().unwrap()
+}
+
+fn special(json: &Value) -> Vec<(String, f64)> {
+    let special = json["special"].as_array().unwrap().iter();
+    special
+        .map(|at| {
+            (
+                at["what"].as_str().unwrap().to_owned(),
+                at["parameter"].as_f64().unwrap(),
+            )
+        })
+        .collect()
+}
+
+/// P16: where the cycle ends, and where the unstable one between it and the fixed point begins.
+#[test]
+fn both_ends_of_the_cycle_beside_the_fixed_point_are_located() {
+    let (json, rows) = followed(&["basins", "--parameter", "vd=1.1:2"]);
+    let found = special(&json);
+    assert_eq!(found.len(), 1);
+    assert_eq!(found[0].0, "grazing-sliding");
+    // By bisection of orbits from the tangent point, in the library's tests.
+    assert!(
+        (found[0].1 - 1.836_600_972_31).abs() < 1e-9,
+        "{}",
+        found[0].1
+    );
+    let ends = &json["ends"];
+    assert_eq!(
+        (&ends[0]["stop"], &ends[1]["stop"]),
+        (&"range".into(), &"equilibrium".into())
+    );
+    let hopf = ends[1]["hopf"]["parameter"].as_f64().unwrap();
+    assert!((hopf - 0.5 * LN_10).abs() < 1e-9, "{hopf}");
+    assert_eq!(number(&rows[0], "vd"), 1.1);
+    let stable = rows.iter().filter(|row| row["stable"] == "true");
+    assert!(stable.clone().all(|row| row["phases"] == "S -"));
+    assert!(stable.count() > 20 && rows.last().unwrap()["stable"] == "false");
+}
+
+fn amplitude(frequency: f64, friction: f64) -> f64 {
+    let v = 1.0 / (1.0 - frequency * frequency);
+    let half = PI / frequency;
+    let u = math::sin(half) / (frequency * (1.0 + math::cos(half)));
+    (v * v - friction * friction * u * u).sqrt()
+}
+
+/// P17: along the frequency the period changes, too, and the amplitude is Den Hartog's.
+#[test]
+fn a_driven_orbit_is_continued_in_its_own_period() {
+    let (json, rows) = followed(&["den-hartog", "--set", "O=0.8", "--parameter", "O=0.6:0.95"]);
+    assert!(special(&json).is_empty());
+    assert_eq!(
+        (&json["ends"][0]["stop"], &json["ends"][1]["stop"]),
+        (&"range".into(), &"range".into())
+    );
+    assert!(rows.len() > 20);
+    assert_eq!(number(&rows[0], "O"), 0.6);
+    for row in &rows {
+        let frequency = number(row, "O");
+        assert!((number(row, "period") - 2.0 * PI / frequency).abs() < 1e-13);
+        let known = amplitude(frequency, 0.2);
+        for (column, known) in [("x_high", known), ("x_low", -known)] {
+            let error = (number(row, column) - known).abs();
+            assert!(error < 1e-9, "O = {frequency}: {error:e}");
+        }
+    }
+}
+
+/// Friction at which Den Hartog's orbit without stops begins to stop: it turns back at its amplitude A with the acceleration A Ω² that the
+/// spring and the force leave, and sticks where friction takes that.
+fn edge(frequency: f64) -> f64 {
+    let square = frequency * frequency;
+    let v = 1.0 / (1.0 - square);
+    let half = PI / frequency;
+    let u = math::sin(half) / (frequency * (1.0 + math::cos(half)));
+    (v * square).abs() / (1.0 + u * u * square * square).sqrt()
+}
+
+/// P17.
+#[test]
+fn the_edge_of_the_region_without_stops_is_den_hartogs() {
+    for frequency in [0.7, 0.8, 1.2, 1.5] {
+        let known = edge(frequency);
+        let set = format!("O={frequency}");
+        let arguments = [
+            "den-hartog",
+            "--set",
+            &set,
+            "--set",
+            "S=0.1",
+            "--parameter",
+            "S=0.05:0.95",
+        ];
+        let (json, rows) = followed(&arguments);
+        let found = special(&json);
+        assert!(
+            (found[0].1 - known).abs() < 1e-9,
+            "O = {frequency}: {found:?}, known {known}"
+        );
+        let behind = json["special"][0]["behind"].as_u64().unwrap() as usize;
+        let letters = |row: &Value| row["phases"].as_str().unwrap().contains('S');
+        assert!(!rows[..behind].iter().any(letters) && rows[behind..].iter().all(letters));
+    }
+}
+
+/// The same edge along the frequency, with which the drive's period changes, by branches and by sweeps.
+#[test]
+fn the_edge_along_the_frequency() {
+    let (mut low, mut high) = (0.55, 0.65);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if edge(middle) < 0.5 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    let (json, _) = followed(&[
+        "den-hartog",
+        "--set",
+        "O=0.8",
+        "--set",
+        "S=0.5",
+        "--parameter",
+        "O=0.5:0.9",
+    ]);
+    let first = &json["special"][json["special"].as_array().unwrap().len() - 1];
+    let near = |value: &Value, wanted: f64| {
+        let error = (value.as_f64().unwrap() - wanted).abs();
+        assert!(error < 1e-9, "{value}, known {wanted}");
+    };
+    near(&first["parameter"], low);
+    near(&first["period"], 2.0 * PI / low);
+    near(&first["change"]["sequence"]["period"], 2.0 * PI / low);
+    assert_eq!(
+        first["change"]["sequence"]["x"].as_array().unwrap().len(),
+        2
+    );
+    // Coming from above it loses its stops there, so that they are in the phases below.
+    assert!(
+        first["change"]["sequence"]["before"]
+            .to_string()
+            .contains('S')
+    );
+    assert!(
+        !first["change"]["sequence"]["after"]
+            .to_string()
+            .contains('S')
+    );
+
+    let top = tempfile::tempdir().unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_stickslip"));
+    let range = [
+        "--parameter",
+        "O=0.5:0.9",
+        "--values",
+        "9",
+        "--duration",
+        "20",
+        "--json",
+    ];
+    let command =
+        command
+            .current_dir(top.path())
+            .args(["bifurcation", "den-hartog", "--set", "S=0.5"]);
+    let output = command.args(range).assert().success();
+    let json: Value = serde_json::from_slice(&output.get_output().stdout).unwrap();
+    for way in ["up", "down"] {
+        let changes = json[way]["changes"].as_array().unwrap().iter();
+        let located: Vec<&Value> = changes
+            .map(|at| &at["change"]["sequence"]["parameter"])
+            .collect();
+        let nearest = located.iter().filter_map(|value| value.as_f64());
+        let nearest = nearest.fold(f64::INFINITY, |best: f64, value| {
+            best.min((value - low).abs())
+        });
+        assert!(nearest < 1e-9, "{way}: {located:?}, known {low}");
+    }
+}
+
+/// Where one way on was found again that the branch had come, it went back and forth.
+#[test]
+fn a_branch_goes_back_only_where_it_folds() {
+    let (json, _) = followed(&["den-hartog", "--set", "O=0.7", "--parameter", "O=0.2:0.8"]);
+    let found = special(&json);
+    assert!(found.len() >= 2);
+    for (one, two) in found.iter().zip(&found[1..]) {
+        assert!(one.0 != "fold" && two.1 - one.1 > 1e-4, "{found:?}");
+    }
+}
+
+#[test]
+fn a_period_that_is_missing_or_wrong_is_told() {
+    let top = tempfile::tempdir().unwrap();
+    let text = include_str!("../../systems/den-hartog.toml");
+    let without = text.replace("period = \"2*pi/O\"", "");
+    let wrong = text.replace("2*pi/O", "2.1*pi/O");
+    assert!(without != text && wrong != text);
+    std::fs::write(top.path().join("without.toml"), without).unwrap();
+    std::fs::write(top.path().join("wrong.toml"), wrong).unwrap();
+    for (file, told) in [
+        ("without.toml", "what is its period?"),
+        ("wrong.toml", "is not the same after the file's period"),
+    ] {
+        for arguments in [
+            vec!["orbit", file],
+            vec!["continue", file, "--parameter", "S=0.1:0.3"],
+            vec!["basin", file],
+            vec!["bifurcation", file, "--parameter", "S=0.1:0.3"],
+            vec!["map", file, "--x", "S=0.1:0.3", "--y", "O=0.6:0.8"],
+        ] {
+            let mut command = Command::new(env!("CARGO_BIN_EXE_stickslip"));
+            command
+                .current_dir(top.path())
+                .args(arguments)
+                .assert()
+                .code(2)
+                .stderr(contains(told));
+        }
+    }
+}
+
+/// Two cycles at `r² = 1 ± √(1 + p)`, which meet at `p = -1`; the inner one shrinks to the focus at `p = 0`.
+#[test]
+fn a_fold_of_a_system_from_a_file() {
+    let top = tempfile::tempdir().unwrap();
+    let file = r#"
+name = "rings"
+[states]
+x = ""
+y = ""
+[parameters]
+p = -0.5
+[definitions]
+grows = "p + 2*(x^2 + y^2) - (x^2 + y^2)^2"
+[contacts.far]
+boundary = "x - 50"
+[field]
+x = "x*grows - y"
+y = "y*grows + x + by_side(far, 0, 1)"
+[start]
+x = 1.3
+y = 0
+"#;
+    let path = top.path().join("rings.toml");
+    std::fs::write(&path, file).unwrap();
+    let (json, _) = followed(&[path.to_str().unwrap(), "--parameter", "p=-1.5:0.5"]);
+    let found = special(&json);
+    assert_eq!((found.len(), found[0].0.as_str()), (1, "fold"));
+    assert!((found[0].1 + 1.0).abs() < 1e-9, "{}", found[0].1);
+    let hopf = &json["ends"][0]["hopf"];
+    assert!(hopf["parameter"].as_f64().unwrap().abs() < 1e-9, "{hopf}");
+    assert!(
+        (hopf["frequency"].as_f64().unwrap() - 1.0).abs() < 1e-9,
+        "{hopf}"
+    );
+}
+
+/// A branch along which a bad guess would ask for an orbit without end.
+#[test]
+fn a_long_branch_comes_to_its_end() {
+    let (json, _) = followed(&["leine", "--parameter", "vd=0.05:1.5"]);
+    assert_eq!(
+        (&json["ends"][0]["stop"], &json["ends"][1]["stop"]),
+        (&"range".into(), &"range".into())
+    );
+}
+
+#[test]
+fn what_cannot_be_continued_is_told_with_a_remedy() {
+    let top = tempfile::tempdir().unwrap();
+    for (arguments, told) in [
+        (
+            vec!["basins", "--parameter", "vd=1.6:2"],
+            "choose it with --set vd=",
+        ),
+        (
+            vec!["basins", "--parameter", "vdd=1:2"],
+            "did you mean `vd`",
+        ),
+        (
+            vec!["basins", "--parameter", "vd=2:1"],
+            "the lower one first",
+        ),
+        (
+            vec!["basins", "--parameter", "vd=1:2", "--step", "0"],
+            "step",
+        ),
+        (
+            vec!["basins", "--parameter", "vd=1:2", "--points", "1"],
+            "at least 2",
+        ),
+    ] {
+        program(top.path(), &arguments)
+            .assert()
+            .code(2)
+            .stderr(contains(told));
+    }
+    let mut text = "name = \"eight\"\n[parameters]\nvd = 1\n[states]\n".to_owned();
+    let (mut field, mut start) = (String::new(), String::new());
+    for k in 1..=4 {
+        text += &format!("x{k} = \"\"\nv{k} = \"\"\n");
+        let friction = if k == 1 { " - friction(belt)" } else { "" };
+        field += &format!("x{k} = \"v{k}\"\nv{k} = \"-x{k}{friction}\"\n");
+        start += &format!("x{k} = 0\nv{k} = 0\n");
+    }
+    text += &format!(
+        "[contacts.belt]\nboundary = \"v1 - vd\"\nfriction = \"1\"\n[field]\n{field}[start]\n{start}"
+    );
+    std::fs::write(top.path().join("eight.toml"), text).unwrap();
+    program(top.path(), &["eight.toml", "--parameter", "vd=0.5:2"])
+        .assert()
+        .code(2)
+        .stderr(contains("8 states; orbits can be continued of at most 7"));
+}

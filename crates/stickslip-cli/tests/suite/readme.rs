@@ -1,0 +1,73 @@
+//! What the README says of the program's figures is what its goldens say.
+
+use serde_json::Value;
+
+/// Published shares of starts that end on the fixed point, each of 5000 random starts, by the belt's speed (Stender & Hoffmann, *Nonlinear
+/// Dyn.* 107 (2022) 1451).
+const PUBLISHED: [(f64, f64); 10] = [
+    (1.1, 0.0),
+    (1.175, 0.0132),
+    (1.25, 0.08),
+    (1.4, 0.213),
+    (1.475, 0.2776),
+    (1.5, 0.304),
+    (1.55, 0.3544),
+    (1.7, 0.4922),
+    (1.775, 0.5678),
+    (1.85, 1.0),
+];
+
+/// Random starts of a published share.
+const STARTS: f64 = 5000.0;
+
+fn golden(name: &str) -> Vec<Value> {
+    let path = format!("{}/../../golden/{name}", env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read_to_string(path).unwrap();
+    let values = serde_json::Deserializer::from_str(&text).into_iter();
+    values.map(Result::unwrap).collect()
+}
+
+/// The belt's speed and the share of the fixed point.
+fn share(basin: &Value) -> (f64, f64) {
+    let attractors = basin["attractors"].as_array().unwrap().iter();
+    let fixed = attractors.filter(|one| one["motion"] == "equilibrium");
+    let share = fixed.fold(0.0, |sum, one| sum + one["share"].as_f64().unwrap());
+    (basin["system"]["parameters"]["vd"].as_f64().unwrap(), share)
+}
+
+#[test]
+fn the_shares_beside_the_published_ones() {
+    let mut found: Vec<(f64, f64)> = golden("basins.json")
+        .iter()
+        .chain(&golden("shares.json"))
+        .map(share)
+        .collect();
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    assert_eq!(found.len(), PUBLISHED.len());
+    let mut table = "| belt speed | published, of 5000 random starts | here, of a grid | off by, in standard errors |\n|--:|--:|--:|--:|\n".to_owned();
+    for ((speed, share), (published_at, published)) in found.into_iter().zip(PUBLISHED) {
+        assert_eq!(speed, published_at);
+        let error = (share * (1.0 - share) / STARTS).sqrt();
+        let off = if error > 0.0 {
+            (share - published) / error
+        } else {
+            0.0
+        };
+        assert!(
+            off.abs() <= 3.0,
+            "at {speed}: {share}, published {published}, {off} standard errors"
+        );
+        // Where all starts go one way there is no error, and no difference is allowed.
+        assert!(
+            error > 0.0 || share == published,
+            "at {speed}: {share}, published {published}"
+        );
+        table += &format!("| {speed} | {published} | {share:.4} | {off:+.1} |\n");
+    }
+    let readme = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../README.md"));
+    let readme = readme.unwrap();
+    assert!(
+        readme.contains(&table),
+        "the README has another table than\n\n{table}"
+    );
+}
