@@ -2,7 +2,7 @@
 CARGO ?= cargo
 FIGURES := fig04 fig06 fig07 fig08 fig10 fig11 fig12 locator
 
-.PHONY: help figures report test golden readings cluster-test bench bench-peers check clean $(FIGURES)
+.PHONY: help figures report test golden readings diagrams cluster-test bench bench-peers bench-basins check clean $(FIGURES)
 .DEFAULT_GOAL := help
 
 help: ## Show the targets
@@ -26,7 +26,7 @@ test: ## Run all tests; the test profile is optimised, see Cargo.toml
 	$(CARGO) test --locked
 
 golden: ## Rewrite golden/ and what repeats it (figures/, report/, README) on purpose; look at the diff before committing it
-	$(MAKE) figures report
+	$(MAKE) figures report diagrams
 	INSTA_UPDATE=always $(CARGO) test --locked
 
 # A search that was stopped goes on where it was; one that is complete is never taken for a new one.
@@ -35,10 +35,32 @@ readings: build-figures ## Search all readings of Figs. 10-12 anew into golden/,
 	cp target/readings/readings.csv target/readings/readings.txt golden/
 	rm -r target/readings
 
+# What a command prints as JSON is its golden. A sweep goes on from its blocks, so these are removed first.
+STICKSLIP = "$$($(CARGO) metadata --locked --no-deps --format-version 1 | sed -E 's/.*"target_directory":"([^"]*)".*/\1/')/debug/stickslip"
+DIAGRAMS := target/diagrams
+
+SPEEDS := 1.1 1.175 1.25 1.4 1.475 1.55 1.7 1.775 1.85
+
+diagrams: ## Figures of the program stickslip: figures/{basin,basins,bifurcation,branch,map}.svg with their goldens, some minutes
+	$(CARGO) test --locked --no-run
+	rm -rf $(DIAGRAMS) && mkdir -p $(DIAGRAMS)
+	$(STICKSLIP) basin forced --grid 100x100 --out $(DIAGRAMS)/basin --json > $(DIAGRAMS)/basin.json
+	$(STICKSLIP) basin basins --grid 200x200 --out $(DIAGRAMS)/basins --json > $(DIAGRAMS)/basins.json
+	for vd in $(SPEEDS); do \
+	    $(STICKSLIP) basin basins --set vd=$$vd --grid 100x100 --until 20000 --tol 1e-8 --out $(DIAGRAMS)/basins-$$vd --json || exit 1; \
+	done > $(DIAGRAMS)/shares.json
+	$(STICKSLIP) bifurcation forced --parameter mu0=0.1285:0.1925 --start x=-0.269 --start v=-1.52 --values 129 --duration 200 --out $(DIAGRAMS)/bifurcation --json > $(DIAGRAMS)/bifurcation.json
+	$(STICKSLIP) continue forced --set mu0=0.1303 --start x=-0.269 --start v=-1.52 --periods 2 --parameter mu0=0.02:0.195 --step 0.005 --out $(DIAGRAMS)/branch --json > $(DIAGRAMS)/branch.json
+	$(STICKSLIP) map forced --x mu0=0.122:0.134 --y omega=3.76:3.86 --start x=-0.269 --start v=-1.52 --grid 48x36 --until 400 --duration 60 --out $(DIAGRAMS)/map --json > $(DIAGRAMS)/map.json
+	cp $(DIAGRAMS)/basin/basin.svg $(DIAGRAMS)/bifurcation/bifurcation.svg $(DIAGRAMS)/map/map.svg figures/
+	cp $(DIAGRAMS)/basins/basin.svg figures/basins.svg
+	cp $(DIAGRAMS)/branch/continue.svg figures/branch.svg
+	cp $(DIAGRAMS)/*.json golden/
+
 # The program as the tests build it: its bits are the same, and nothing is compiled twice.
 cluster-test: ## A sweep as a job array on a Slurm of one node, with a kill and a requeue; needs slurm-wlm and munge
 	$(CARGO) test --locked --no-run
-	timeout --kill-after=10 150 cluster/test.sh "$$($(CARGO) metadata --locked --no-deps --format-version 1 | sed -E 's/.*"target_directory":"([^"]*)".*/\1/')/debug/stickslip"
+	timeout --kill-after=10 150 cluster/test.sh $(STICKSLIP)
 
 bench: ## Run the benchmarks
 	$(CARGO) bench --locked
@@ -50,19 +72,25 @@ PEERS_ARGS ?=
 PEERS_VENV := target/peers-venv
 PEERS_STAMP := $(PEERS_VENV)/installed.txt
 PEERS_WANTED := benches/peers/requirements.txt
+PEERS_INSTALL := { cmp -s $(PEERS_WANTED) $(PEERS_STAMP) \
+    || { $(PYTHON) -m venv --clear $(PEERS_VENV) \
+    && $(PEERS_VENV)/bin/python -m pip install --quiet --disable-pip-version-check -r $(PEERS_WANTED) \
+    && cp $(PEERS_WANTED) $(PEERS_STAMP); }; }
 
 bench-peers: ## Error against run time beside SciPy, numba, heyoka and pydiffsol; ours alone without Python
 	$(CARGO) build --locked --release -p stickslip-replication --bin peers
-	@if cmp -s $(PEERS_WANTED) $(PEERS_STAMP) \
-	    || { $(PYTHON) -m venv --clear $(PEERS_VENV) \
-	    && $(PEERS_VENV)/bin/python -m pip install --quiet --disable-pip-version-check -r $(PEERS_WANTED) \
-	    && cp $(PEERS_WANTED) $(PEERS_STAMP); }; then \
+	@if $(PEERS_INSTALL); then \
 	    $(CARGO) run --locked --release --quiet -p stickslip-replication --bin peers -- --python $(PEERS_VENV)/bin/python $(PEERS_ARGS); \
 	else \
 	    echo "no peers: Python 3.11 or later ($(PYTHON)) with venv, and a network to install $(PEERS_WANTED) from," \
 	        "are needed; measuring ours alone" >&2; \
 	    $(CARGO) run --locked --release --quiet -p stickslip-replication --bin peers -- $(PEERS_ARGS); \
 	fi
+
+bench-basins: ## Starts of a basin per second on one thread, beside SciPy with events written by hand; needs Python
+	$(CARGO) build --locked --release -p stickslip-cli
+	@$(PEERS_INSTALL) || { echo "Python 3.11 or later ($(PYTHON)) with venv, and a network to install $(PEERS_WANTED) from, are needed" >&2; exit 1; }
+	$(PEERS_VENV)/bin/python benches/peers/basins.py $(subst /debug/,/release/,$(STICKSLIP))
 
 check: ## Formatting, lints and documentation, every warning an error
 	$(CARGO) fmt --all --check
