@@ -6,7 +6,6 @@
 )]
 
 mod any_system;
-mod contacts;
 #[path = "../common/den_hartog.rs"]
 mod den_hartog;
 mod ensemble;

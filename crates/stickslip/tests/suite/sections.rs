@@ -8,11 +8,10 @@ use stickslip::analysis::{PoincareMap, multipliers};
 use stickslip::models::BeltOscillator;
 use stickslip::{
     Direction, Ending, Error, EventFunctions, Happening, Integration, Method, Mode, Options, Plane,
-    Progress, Scalar, Several, Side, State, Watched, math,
+    Progress, Scalar, Side, State, Watched, math,
 };
 
 use crate::any_system::{monodromy, periodic_orbit, solve, solve_with_events};
-use crate::contacts::rig::Rig;
 use crate::den_hartog::DenHartog;
 use crate::listed::Listed;
 use crate::solver::systems::{Floor, decaying_friction};
@@ -299,44 +298,6 @@ fn a_run_that_fails_keeps_the_events_before() {
     let failure = solve_with_events(&belt, &place, 0.0, [0.5, 0.9], -1.0, &options).unwrap_err();
     assert!(matches!(failure.error, Error::Interval { .. }), "{failure}");
     assert_eq!(failure.reached.events, []);
-}
-
-#[test]
-fn events_of_several_contacts() {
-    // The first of three bodies is Floor's block; the others are held where they are.
-    let mut rig = Rig::<3>::at_rest();
-    rig.spring(1.0, 0, None);
-    rig.friction[0] = 0.4;
-    let start = [3.0, 0.0, 0.0, 0.0, 0.0, 0.0];
-    for options in [
-        Options::tol(1e-14),
-        Options::tol(1e-14).method(Method::Taylor),
-    ] {
-        let level = watch(Function::Level(0, 1.0), Both);
-        let system = Several(rig.clone());
-        let found =
-            stickslip::solve_with_events(&system, &level, 0.0, start, 20.0, &options).unwrap();
-        assert_eq!(found.events.len(), 3);
-        for (event, (t, direction)) in found.events.iter().zip(passes_one()) {
-            assert!((event.t - t).abs() < 1e-12, "{} {t}", event.t);
-            let side = if direction == Rising {
-                Side::Above
-            } else {
-                Side::Below
-            };
-            assert_eq!(event.mode, [Mode::Slip(side), Mode::Stick, Mode::Stick]);
-        }
-        let mut map = PoincareMap::new(&system, &level, (0.0, start), 20.0, &options).unwrap();
-        let (first, derivative) = map.step_with_derivative().unwrap();
-        assert!((first.t - passes_one()[0].0).abs() < 1e-12);
-        // v² = r² - 0.36 with r = x₀ - 0.4 and x₀ the start.
-        let by_start = 2.6 / first.x[3];
-        assert!(
-            (derivative[(3, 0)] - by_start).abs() < 1e-11,
-            "{derivative}"
-        );
-        assert!(derivative.row(0).amax() < 1e-14);
-    }
 }
 
 /// Of the cycle of [`decaying_friction`].

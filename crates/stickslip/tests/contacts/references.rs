@@ -62,7 +62,7 @@ fn agrees(
     end: &[f64; 6],
     allowed: impl Fn(f64) -> f64,
 ) {
-    let table = include_str!("../../data/contacts.csv");
+    let table = include_str!("../data/contacts.csv");
     let rows: Vec<Vec<&str>> = table
         .lines()
         .map(|line| line.split(',').collect())
