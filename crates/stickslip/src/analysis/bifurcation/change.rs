@@ -6,7 +6,9 @@ use crate::analysis::attractors::Kind;
 use crate::analysis::periodic::{periodic_orbit, periodic_orbit_forced};
 use crate::analysis::sequence::circuit::Circuit;
 use crate::analysis::sequence::locate::{self, Known, is_same};
-use crate::analysis::sequence::{SequenceBifurcation, SequenceChange, circuit_from, describe};
+use crate::analysis::sequence::{
+    Place, SequenceBifurcation, SequenceChange, circuit_from, describe,
+};
 use crate::filippov::{Options, Switched};
 use crate::ode::Timed;
 use crate::system::State;
@@ -122,8 +124,8 @@ impl<F> Shooting<'_, F> {
             return Some(found);
         }
         let after = behind.map(|other| other.circuit.modes());
-        let place = (last.s, (bad - last.s).abs().max(locate::shortfall(&good)));
-        describe(&system, last, after.unwrap_or_default(), place)
+        let place = Place::in_parameter(last.s, bad);
+        describe(&system, &good, after.unwrap_or_default(), place)
     }
 
     /// The change as it is seen from an orbit with fewer phases on the other side of it, or beside it where the branch turns back.
@@ -145,9 +147,9 @@ impl<F> Shooting<'_, F> {
             };
             let (good, bad) = locate::approach(simple.clone(), step, resolution, solve)?;
             let last = good.last()?;
-            let place = (last.s, (bad - last.s).abs().max(locate::shortfall(&good)));
+            let place = Place::in_parameter(last.s, bad);
             let after = last.circuit.modes();
-            let mut found = describe(&(self.family)(last.s), last, after, place)?;
+            let mut found = describe(&(self.family)(last.s), &good, after, place)?;
             (found.before, found.after) = (edge.circuit.modes(), found.before);
             (found.bifurcation != SequenceBifurcation::Unnamed).then_some(found)
         })

@@ -2,9 +2,10 @@
 
 use super::corrector::{Corrector, Guess, OnBranch};
 use super::critical::Critical;
+use super::walk::RESOLUTION;
 use crate::analysis::bifurcation::extrapolated;
-use crate::analysis::sequence::locate::{approach, shortfall};
-use crate::analysis::sequence::{SequenceBifurcation, SequenceChange, describe};
+use crate::analysis::sequence::locate::approach;
+use crate::analysis::sequence::{Place, SequenceBifurcation, SequenceChange, describe};
 use crate::filippov::Switched;
 use crate::ode::Timed;
 use crate::system::State;
@@ -18,9 +19,6 @@ const PARTS: [f64; 8] = [-2.0, -4.0, -1.0, -8.0, -0.5, -16.0, 0.0, 1.0];
 
 /// How many times as far as by the way that has come the orbit may lie.
 const FURTHEST: f64 = 32.0;
-
-/// Part of the parameter's range to which the change is located.
-const RESOLUTION: f64 = 1e-11;
 
 /// Part of the parameter's range within which a change that is seen from behind is the one that was come to.
 const NEAR: f64 = 1e-3;
@@ -45,11 +43,15 @@ pub(super) struct Entered<const N: usize, K> {
 }
 
 impl<S: Switched<N, G>, const N: usize, const G: usize> Behind<'_, S, N, G> {
-    /// Describes the change, which was located to a parameter with an uncertainty, and gets behind it.
-    pub fn enter(&self, place: (f64, f64)) -> Option<Entered<N, S::Mode>> {
+    /// Describes the change, which was located, and gets behind it.
+    pub fn enter(&self, place: Place) -> Option<Entered<N, S::Mode>> {
         let edge = self.good.last()?;
-        let other = self.found.first().cloned();
-        let other = other.or_else(|| self.around().map(|[near, _]| near));
+        let mut around = None;
+        let mut other = self.found.first().cloned();
+        if other.is_none() {
+            around = self.around();
+            other = around.as_ref().map(|[near, _]| near.clone());
+        }
         // From the side with fewer phases all event functions are smooth, and a graze is no root.
         let simple = other
             .as_ref()
@@ -62,7 +64,7 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Behind<'_, S, N, G> {
         let after = other.as_ref().map(|one| one.circuit.modes());
         let change = describe(
             self.corrector.system,
-            edge,
+            self.good,
             after.unwrap_or_default(),
             place,
         )?;
@@ -72,8 +74,11 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Behind<'_, S, N, G> {
             };
             self.found.iter().rev().find(is_same).cloned()
         });
-        let pair = |near, far| Some([near?, far?]);
-        let orbits = self.around().or_else(|| pair(other, far));
+        if !self.found.is_empty() {
+            let pair = |near, far| Some([near?, far?]);
+            around = self.around().or_else(|| pair(other, far));
+        }
+        let orbits = around;
         let at = edge.circuit.anchor;
         Some(Entered { change, orbits, at })
     }
@@ -101,9 +106,9 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Behind<'_, S, N, G> {
             if (last.s - corner).abs() > NEAR * self.width {
                 continue;
             }
-            let place = (last.s, (bad - last.s).abs().max(shortfall(&good)));
+            let place = Place::in_parameter(last.s, bad);
             let before = last.circuit.modes();
-            let mut change = describe(self.corrector.system, last, before, place)?;
+            let mut change = describe(self.corrector.system, &good, before, place)?;
             if change.bifurcation == SequenceBifurcation::Unnamed {
                 continue;
             }

@@ -73,12 +73,14 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
         }
     }
 
-    /// The orbit next to a place on the line, if there is one no farther from it than the place is from the last orbit.
+    /// The orbit next to a place on the line, if there is one no farther from it than the place is from the last orbit; between the last
+    /// two, than these are from each other.
     pub(super) fn on(&self, line: &Line<N>, s: f64) -> Option<OnBranch<N, S::Mode>> {
         let guess = line.guess(s);
         let found = self.corrector.orbit(&guess, s)?;
         let off = found.branch.start - guess.at.x;
         let distance = off.component_mul(&off).dot(&line.weights).sqrt();
-        (distance <= s.abs().max(0.1 * self.step)).then_some(found)
+        let room = if s < 0.0 { line.length } else { s };
+        (distance <= room.max(0.1 * self.step)).then_some(found)
     }
 }

@@ -4,19 +4,19 @@ use super::corner::Behind;
 use super::corrector::{Corrector, Guess, OnBranch};
 use super::critical::Critical;
 use super::line::Line;
-use super::special::Between;
 use super::{Branch, BranchPoint, ContinuationSettings, Special, SpecialPoint, Stop};
 use crate::analysis::periodic::slope_at;
+use crate::analysis::sequence::Place;
 use crate::analysis::sequence::SequenceBifurcation;
 use crate::analysis::sequence::circuit::anchor;
-use crate::analysis::sequence::locate::{locate, shortfall};
+use crate::analysis::sequence::locate::locate;
 use crate::error::Error;
 use crate::filippov::{Options, Switched};
 use crate::ode::Timed;
 use crate::system::State;
 
 /// A change of phases is located to this part of the range.
-const RESOLUTION: f64 = 1e-11;
+pub(super) const RESOLUTION: f64 = 1e-11;
 
 /// Steps shorter than this lead nowhere.
 const SHORTEST: f64 = 1e-7;
@@ -172,12 +172,10 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
                 if let Some(stop) = self.leaves_range(&next) {
                     return Some(stop);
                 }
-                let between = Between::next(&self.last, &next, self.points.len());
-                self.note_critical(&line, between);
                 let few = next.branch.iterations <= 5;
                 let longer = if few { 1.4 * step } else { step };
                 self.step = longer.min(self.settings.step);
-                self.take(next);
+                self.follow(next);
                 None
             }
             other => self.get_behind(&line, step, other),
@@ -186,13 +184,16 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
 
     /// Whether the next orbit lies back along the parameter though no multiplier has passed 1: the way that has come was found again.
     fn turns_without_fold(&self, next: &OnBranch<N, S::Mode>) -> bool {
-        let is_forced = self.settings.forced.is_some();
         let three = [&self.before, &self.last, next];
         let [a, b, c] = three.map(|orbit| orbit.circuit.anchor.x[N - 1]);
-        let [one, two, last] = three.map(|orbit| Critical::of(&orbit.branch, is_forced).one);
         // The first two may lie on either side of a change of phases, where a branch may turn.
         let is_smooth = self.before.circuit.sequence() == self.last.circuit.sequence();
-        is_smooth && (b - a) * (c - b) < 0.0 && one * two > 0.0 && two * last > 0.0
+        if !is_smooth || (b - a) * (c - b) >= 0.0 {
+            return false;
+        }
+        let is_forced = self.settings.forced.is_some();
+        let [one, two, last] = three.map(|orbit| Critical::of(&orbit.branch, is_forced).one);
+        one * two > 0.0 && two * last > 0.0
     }
 
     /// The phases change within the step, or it is too long.
@@ -218,8 +219,11 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
         });
         behind.sort_by(|a, b| a.s.total_cmp(&b.s));
         let edge = good.last()?.clone();
-        let lacks = (bad - edge.s).abs().max(shortfall(&good));
-        let place = (edge.circuit.anchor.x[N - 1], lacks * self.width);
+        let place = Place {
+            parameter: edge.circuit.anchor.x[N - 1],
+            bracket: (bad - edge.s).abs(),
+            scale: self.width,
+        };
         let behind = Behind {
             corrector: &self.corrector,
             good: &good,
@@ -234,23 +238,22 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
             // Another orbit was met, or none: nearer to the last one it may be the right one.
             self.step = 0.1 * step;
             if edge.s > 0.01 * step {
-                let between = Between::next(&self.last, &edge, self.points.len());
-                self.note_critical(line, between);
-                self.take(edge);
+                self.follow(edge);
             }
             return (self.step < SHORTEST).then_some(Stop::NoConvergence);
         }
         let (low, high) = self.settings.range;
-        if !(low..=high).contains(&next.change.parameter) {
-            return self.leaves_range(&edge).or(Some(Stop::Range));
+        if let Some(stop) = self.leaves_range(&edge) {
+            return Some(stop);
         }
         if edge.s > 0.0 {
-            let between = Between::next(&self.last, &edge, self.points.len());
-            self.note_critical(line, between);
-            self.take(edge.clone());
+            self.follow(edge);
             if let Some(stop) = self.closes() {
                 return Some(stop);
             }
+        }
+        if !(low..=high).contains(&next.change.parameter) {
+            return Some(Stop::Range);
         }
         self.special.push(SpecialPoint {
             parameter: next.change.parameter,
@@ -274,14 +277,6 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
         self.take(near);
         self.follow(far);
         None
-    }
-
-    /// Goes on from this orbit, and tells what is special between the last one and it.
-    pub(super) fn follow(&mut self, next: OnBranch<N, S::Mode>) {
-        let last = self.last.clone();
-        let behind = self.points.len();
-        self.take(next);
-        self.note_critical(&self.line(), Between::last(last, &self.last, behind));
     }
 
     /// Goes on from this orbit.

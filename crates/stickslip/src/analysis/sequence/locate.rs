@@ -142,24 +142,31 @@ pub(crate) fn least<const N: usize, K: Copy + PartialEq>(
         .or_else(|| nearest(|_| true))
 }
 
-/// How far behind the last of the orbits the function would be zero that has come nearest to it, going on as before. Where orbits
+/// How far behind the last of the orbits a function is zero that has come near to it there, going on as before. Where orbits
 /// can be computed to the change itself that is nothing; where they cannot, it is what the location lacks.
-pub(crate) fn shortfall<B, const N: usize, K: Copy + PartialEq>(good: &[Known<B, N, K>]) -> f64 {
-    let [before @ .., two] = good else { return 0.0 };
-    let Some(margin) = least(&two.circuit) else {
+pub(super) fn shortfall<B, const N: usize, K: Copy + PartialEq>(
+    good: &[Known<B, N, K>],
+    margin: &Margin<N, K>,
+) -> f64 {
+    let value = |one: &Known<B, N, K>| one.circuit.margin(margin.key).map(|m| m.value.abs());
+    let values = good.iter().filter_map(|one| Some((one.s, value(one)?)));
+    let values: Vec<(f64, f64)> = values.collect();
+    let Some(&(end, last)) = values.last() else {
         return 0.0;
     };
-    // Of orbits that lie closer, rounding tells what the function does.
-    let apart = before.iter().rev().find_map(|one| {
-        let before = one.circuit.margin(margin.key)?.value;
-        (before.abs() >= 2.0 * margin.value.abs()).then_some((one.s, before))
-    });
-    let Some((s, first)) = apart else {
-        // Nothing tells how the function goes on: if it is not zero, the change may be as far away as the orbits known reach.
-        let known = before.first().map_or(0.0, |one| (two.s - one.s).abs());
-        return if margin.relative() > ZERO { known } else { 0.0 };
+    // Once as near to zero as at the end, what it still does is rounding.
+    let (before, rest) = {
+        let first = values.iter().position(|&(_, value)| value <= last);
+        values.split_at(first.unwrap_or(values.len()))
     };
-    let second = margin.value;
-    // What grows as a root is nearer to zero than this, what vanishes as a square further by some times.
-    (second * (two.s - s) / (first - second)).abs()
+    let noise = rest.iter().map(|&(_, value)| value).fold(last, f64::max);
+    // Of orbits that lie closer, rounding tells what the function does.
+    let apart = |&&(_, value): &&(f64, f64)| value >= 2.0 * noise;
+    match before.iter().rev().find(apart) {
+        // What grows as a root is nearer to zero than this, what vanishes as a square further by some times.
+        Some(&(s, value)) => (noise * (end - s) / (value - noise)).abs(),
+        None if noise <= ZERO * margin.scale => 0.0,
+        // Nothing tells how the function goes on: the change may be as far away as the orbits known reach.
+        None => values.first().map_or(0.0, |&(s, _)| (end - s).abs()),
+    }
 }

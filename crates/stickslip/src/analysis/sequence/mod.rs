@@ -9,7 +9,7 @@ mod name;
 use crate::filippov::{Options, Switched};
 use crate::ode::Timed;
 use crate::system::{Mode, State};
-use locate::{Known, least};
+use locate::{Known, least, shortfall};
 pub use name::SequenceBifurcation;
 
 /// A change of the phases of a periodic orbit.
@@ -41,28 +41,56 @@ pub struct SequenceChange<const N: usize, K = Mode> {
     pub after: Vec<K>,
 }
 
+/// Where a change was located on a branch.
+#[derive(Clone, Copy)]
+pub(super) struct Place {
+    /// The parameter of the last orbit before it.
+    pub parameter: f64,
+    /// From that orbit to the nearest place that was seen to lie behind the change.
+    pub bracket: f64,
+    /// Parameter per place.
+    pub scale: f64,
+}
+
+impl Place {
+    /// Where the parameter itself is the place.
+    pub fn in_parameter(last: f64, bad: f64) -> Self {
+        Place {
+            parameter: last,
+            bracket: (bad - last).abs(),
+            scale: 1.0,
+        }
+    }
+}
+
 /// Describes the change behind the last orbit of `good`.
 pub(super) fn describe<S, B, const N: usize, const G: usize>(
     system: &S,
-    good: &Known<B, N, S::Mode>,
+    good: &[Known<B, N, S::Mode>],
     after: Vec<S::Mode>,
-    (parameter, uncertainty): (f64, f64),
+    place: Place,
 ) -> Option<SequenceChange<N, S::Mode>>
 where
     S: Switched<N, G>,
 {
-    let margin = least(&good.circuit)?;
+    let last = good.last()?;
+    let margin = least(&last.circuit)?;
     let (bifurcation, rates) = name::name(system, margin);
+    let lacks = match bifurcation {
+        // No event function tells how far it is.
+        SequenceBifurcation::Unnamed => 0.0,
+        _ => shortfall(good, margin),
+    };
     Some(SequenceChange {
-        parameter,
-        uncertainty,
+        parameter: place.parameter,
+        uncertainty: place.scale * place.bracket.max(lacks),
         bifurcation,
         x: margin.at.x,
         residual: margin.relative(),
         own: rates.own,
         other: rates.other,
-        period: good.circuit.period,
-        before: good.circuit.modes(),
+        period: last.circuit.period,
+        before: last.circuit.modes(),
         after,
     })
 }
