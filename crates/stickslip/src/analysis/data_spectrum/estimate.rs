@@ -11,7 +11,7 @@ use super::extrapolation::{self, Corrected, Plan};
 use super::fit::{LocalMap, Rule, Scratch};
 use super::neighbours::{Finder, Neighbour};
 use super::result::{Counts, DataExponent, DataSpectrum, Running, Status};
-use super::series::Series;
+use super::series::{Series, for_columns};
 use super::settings::{DataSettings, Estimator, FEWEST_REFERENCES};
 use super::svd::Square;
 
@@ -65,18 +65,7 @@ pub fn data_spectrum_with(
     progress: &dyn Fn(usize, usize),
 ) -> Result<DataSpectrum, DataError> {
     settings.check(series.columns())?;
-    macro_rules! of_size {
-        ($($n:literal)*) => {
-            match series.columns() {
-                $($n => estimate::<$n>(series, settings, progress),)*
-                columns => Err(DataError::Columns {
-                    columns,
-                    max: super::series::MAX_COLUMNS,
-                }),
-            }
-        };
-    }
-    of_size!(1 2 3 4 5 6 7 8 9 10)
+    for_columns!(series, estimate(series, settings, progress))
 }
 
 /// What is kept of a reference point.

@@ -5,6 +5,26 @@ use super::error::DataError;
 /// Most columns the estimator is built for.
 pub const MAX_COLUMNS: usize = 10;
 
+/// Calls `function::<N>(arguments)` with the number `N` of columns of a series, up to [`MAX_COLUMNS`].
+macro_rules! for_columns {
+    ($series:expr, $function:ident($($argument:expr),* $(,)?)) => {
+        for_columns!(@ $series, $function, ($($argument),*), 1 2 3 4 5 6 7 8 9 10)
+    };
+    (@ $series:expr, $function:ident, $arguments:tt, $($n:literal)*) => {
+        match $series.columns() {
+            $($n => for_columns!(@ call $function, $n, $arguments),)*
+            columns => Err($crate::analysis::data_spectrum::DataError::Columns {
+                columns,
+                max: $crate::analysis::data_spectrum::MAX_COLUMNS,
+            }),
+        }
+    };
+    (@ call $function:ident, $n:literal, ($($argument:expr),*)) => {
+        $function::<$n>($($argument),*)
+    };
+}
+pub(super) use for_columns;
+
 /// Points of a state space at equal intervals of time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Series {

@@ -13,7 +13,7 @@ use super::cloud::{Cloud, distance2};
 use super::directions::upper_median;
 use super::error::DataError;
 use super::neighbours::{Finder, Neighbour};
-use super::series::Series;
+use super::series::{Series, for_columns};
 use crate::math;
 
 pub use straight::StraightPart;
@@ -94,18 +94,7 @@ pub fn divergence(
     theiler: Option<usize>,
     progress: &dyn Fn(usize, usize),
 ) -> Result<Divergence, DataError> {
-    macro_rules! of_size {
-        ($($n:literal)*) => {
-            match series.columns() {
-                $($n => of_size::<$n>(series, theiler, progress),)*
-                columns => Err(DataError::Columns {
-                    columns,
-                    max: super::series::MAX_COLUMNS,
-                }),
-            }
-        };
-    }
-    of_size!(1 2 3 4 5 6 7 8 9 10)
+    for_columns!(series, of_size(series, theiler, progress))
 }
 
 /// With fewer points there is nothing to follow.

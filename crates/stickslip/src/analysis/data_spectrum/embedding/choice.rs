@@ -2,7 +2,7 @@
 
 use super::super::cloud::Cloud;
 use super::super::error::DataError;
-use super::super::series::Series;
+use super::super::series::{Series, for_columns};
 use super::delay::{Embedding, most_dimensions};
 use super::false_neighbours::{Level, level};
 use super::information::Classes;
@@ -209,18 +209,7 @@ fn scales(series: &Series) -> Result<(usize, f64), DataError> {
         let cloud = Cloud::<N>::new(series)?;
         Ok((cloud.decorrelation(), cloud.unit * cloud.spread))
     }
-    macro_rules! of_size {
-        ($($n:literal)*) => {
-            match series.columns() {
-                $($n => of_size::<$n>(series),)*
-                columns => Err(DataError::Columns {
-                    columns,
-                    max: super::super::series::MAX_COLUMNS,
-                }),
-            }
-        };
-    }
-    of_size!(1 2 3 4 5 6 7 8 9 10)
+    for_columns!(series, of_size(series))
 }
 
 /// The delay, why, and the information at all lags that were looked at.

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::super::cloud::Cloud;
 use super::super::error::DataError;
 use super::super::neighbours::Finder;
-use super::super::series::Series;
+use super::super::series::{Series, for_columns};
 use super::delay::Embedding;
 
 /// Points whose nearest neighbour is looked at, spread evenly over the series.
@@ -50,18 +50,10 @@ pub(super) fn level(
         });
     }
     let embedded = embedding.of(series)?;
-    macro_rules! of_size {
-        ($($n:literal)*) => {
-            match embedded.columns() {
-                $($n => of_size::<$n>(series, &embedded, embedding, theiler, spread),)*
-                columns => Err(DataError::Columns {
-                    columns,
-                    max: super::super::series::MAX_COLUMNS,
-                }),
-            }
-        };
-    }
-    of_size!(1 2 3 4 5 6 7 8 9 10)
+    for_columns!(
+        embedded,
+        of_size(series, &embedded, embedding, theiler, spread)
+    )
 }
 
 fn of_size<const N: usize>(
