@@ -110,12 +110,7 @@ impl SystemFile {
 
 impl System {
     fn new(file: SystemFile, values: Vec<f64>) -> Result<System, FileError> {
-        let wrong = |problem: Problem, source: &Source| FileError::Wrong {
-            problem: Box::new(problem),
-            source_text: Box::new(source.clone()),
-        };
-        let built = crate::file::built(&file, &values, Variant::AsWritten);
-        let built = built.map_err(|problem| wrong(problem, &file.source))?;
+        let built = built(&file, &values, Variant::AsWritten)?;
         let states = file.states.len();
         let Some(kernel) = compiled(&built, states) else {
             // The reader lets no file through that has more states or contacts than there are kernels for, save one of
@@ -152,11 +147,7 @@ impl System {
     /// # Errors
     /// [`SettingError::File`] where the expressions are too large with one more state.
     pub fn along(&self, parameter: usize) -> Result<Option<Box<dyn Kernel>>, SettingError> {
-        let built = crate::file::built(&self.file, &self.values, Variant::Free(parameter));
-        let built = built.map_err(|problem| FileError::Wrong {
-            problem: Box::new(problem),
-            source_text: Box::new(self.file.source.clone()),
-        })?;
+        let built = built(&self.file, &self.values, Variant::Free(parameter))?;
         Ok(compiled(&built, self.states() + 1))
     }
 
@@ -166,12 +157,7 @@ impl System {
     /// [`SettingError::File`] where the expressions are too large with another time.
     pub fn equations_in(&self, period: Option<f64>) -> Result<Equations, SettingError> {
         let variant = period.map_or(Variant::AsWritten, Variant::InPeriod);
-        let built = crate::file::built(&self.file, &self.values, variant);
-        let built = built.map_err(|problem| FileError::Wrong {
-            problem: Box::new(problem),
-            source_text: Box::new(self.file.source.clone()),
-        })?;
-        Ok(equations(&built))
+        Ok(equations(&built(&self.file, &self.values, variant)?))
     }
 
     /// Whether field and boundaries are what they were a period ago, at some states; `None` where there is no period.
@@ -235,6 +221,18 @@ impl System {
         let mut heights = vec![f64::NAN; self.contacts()];
         self.built.boundaries.evaluate(t, x, &mut heights);
         heights[contact]
+    }
+}
+
+/// The tapes, or what is wrong with the file.
+fn built(file: &SystemFile, values: &[f64], variant: Variant) -> Result<Built, FileError> {
+    crate::file::built(file, values, variant).map_err(|problem| wrong(problem, &file.source))
+}
+
+fn wrong(problem: Problem, source: &Source) -> FileError {
+    FileError::Wrong {
+        problem: Box::new(problem),
+        source_text: Box::new(source.clone()),
     }
 }
 

@@ -218,3 +218,40 @@ impl OutputArguments {
         Ok(())
     }
 }
+
+/// What every command takes that follows orbits. It stands last in a command's options, for what is the command's own to come first.
+#[derive(Debug, Args)]
+pub(super) struct RunArguments {
+    #[command(flatten)]
+    pub(super) system: SystemArguments,
+    #[command(flatten)]
+    pub(super) start: StartArguments,
+    #[command(flatten)]
+    pub(super) solver: SolverArguments,
+    #[command(flatten)]
+    pub(super) output: OutputArguments,
+}
+
+/// A system, where its orbit begins, and how it is followed.
+pub(super) struct Ready {
+    pub(super) system: System,
+    pub(super) options: Options,
+    pub(super) t: f64,
+    pub(super) x: Vec<f64>,
+}
+
+impl RunArguments {
+    /// What is wrong is told before anything is computed.
+    pub(super) fn ready(&self) -> Result<Ready, Failure> {
+        self.output.check()?;
+        let system = self.system.system()?;
+        let options = self.solver.options()?;
+        let (t, x) = self.start.of(&system)?;
+        Ok(Ready {
+            system,
+            options,
+            t,
+            x,
+        })
+    }
+}

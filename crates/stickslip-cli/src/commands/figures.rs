@@ -64,6 +64,21 @@ pub(super) fn time_label(system: &System) -> String {
     with_unit("t", system.file.time.unit.as_deref().unwrap_or_default())
 }
 
+/// A parameter, with its unit.
+pub(super) fn parameter_label(system: &System, name: &str) -> String {
+    let mut parameters = system.file.parameters.iter();
+    let known = parameters.find(|parameter| parameter.name == name);
+    with_unit(name, known.map_or("", |parameter| &parameter.unit))
+}
+
+/// Words for what is measured in time, with its unit to a power.
+pub(super) fn in_time(system: &System, words: &str, power: &str) -> String {
+    match system.file.time.unit.as_deref().unwrap_or_default() {
+        "" => words.to_owned(),
+        unit => format!("{words}, {unit}{power}"),
+    }
+}
+
 /// An axis for values, with a little room at both ends.
 pub(super) fn axis(label: &str, values: impl Iterator<Item = f64>) -> Axis {
     let (low, high) = values

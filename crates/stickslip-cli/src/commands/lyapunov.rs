@@ -6,7 +6,7 @@ use plot::*;
 use serde_json::json;
 use stickslip::analysis::{Exponent, SpectrumOptions};
 
-use super::arguments::{OutputArguments, SolverArguments, StartArguments, SystemArguments};
+use super::arguments::{Ready, RunArguments};
 use super::{Failure, Found, figures, tables};
 use crate::output::{Artifact, OutputError, csv_table};
 use crate::system::System;
@@ -18,10 +18,6 @@ use stickslip_kernels::kernel::SpectrumFound;
 /// Writes exponents.csv, convergence.csv and convergence.svg.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
-    #[command(flatten)]
-    system: SystemArguments,
-    #[command(flatten)]
-    start: StartArguments,
     /// Time before measuring
     #[arg(
         long,
@@ -39,16 +35,16 @@ pub(super) struct Arguments {
     )]
     duration: f64,
     #[command(flatten)]
-    solver: SolverArguments,
-    #[command(flatten)]
-    output: OutputArguments,
+    run: RunArguments,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
-    arguments.output.check()?;
-    let system = arguments.system.system()?;
-    let options = arguments.solver.options()?;
-    let (t, x) = arguments.start.of(&system)?;
+    let Ready {
+        system,
+        options,
+        t,
+        x,
+    } = arguments.run.ready()?;
     let settings = SpectrumOptions::over(arguments.transient, arguments.duration).solver(options);
     let spectrum = patiently("measuring the spectrum", || {
         system.kernel().spectrum(t, &x, &settings)
@@ -60,7 +56,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
         figures: vec![("convergence".to_owned(), figure(&system, &spectrum)?)],
         failure: None,
     }
-    .written(&arguments.output)
+    .written(&arguments.run.output)
 }
 
 fn summary(system: &System, spectrum: &SpectrumFound) -> String {

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use serde_json::json;
 
-use super::arguments::{OutputArguments, SolverArguments, StartArguments, SystemArguments};
+use super::arguments::{Ready, RunArguments};
 use super::extremes::Extremes;
 use super::recording::{Phase, Recording};
 use super::search::SearchArguments;
@@ -12,7 +12,7 @@ use super::{Failure, Found, figures, tables};
 use crate::output::csv_table;
 use crate::system::System;
 use crate::terminal::{Patience, Said};
-use stickslip_kernels::kernel::{Periodic, Run};
+use stickslip_kernels::kernel::{Modes, Periodic, Run};
 
 /// Find a periodic orbit: from a run, refined by shooting; period, multipliers, sequence of phases
 ///
@@ -21,22 +21,18 @@ use stickslip_kernels::kernel::{Periodic, Run};
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
     #[command(flatten)]
-    system: SystemArguments,
-    #[command(flatten)]
-    start: StartArguments,
-    #[command(flatten)]
     search: SearchArguments,
     #[command(flatten)]
-    solver: SolverArguments,
-    #[command(flatten)]
-    output: OutputArguments,
+    run: RunArguments,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
-    arguments.output.check()?;
-    let system = arguments.system.system()?;
-    let options = arguments.solver.options()?;
-    let (t, x) = arguments.start.of(&system)?;
+    let Ready {
+        system,
+        options,
+        t,
+        x,
+    } = arguments.run.ready()?;
     let (orbit, periods) = arguments.search.found(&system, (t, &x), &options)?;
     let t_end = orbit.t + orbit.period;
     let mut recording = Recording::new(orbit.t, &orbit.x, t_end, Patience::new("one period"));
@@ -58,7 +54,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
         recording: &recording,
         extremes: extremes.found(),
     };
-    found.found()?.written(&arguments.output)
+    found.found()?.written(&arguments.run.output)
 }
 
 struct Orbit<'a> {
@@ -75,11 +71,11 @@ impl Orbit<'_> {
     /// The phases in one period, in letters. The orbit begins in the middle of one, which is counted once.
     fn sequence(&self) -> String {
         let phases = self.recording.phases.iter();
-        let mut letters: Vec<String> = phases.map(|phase| tables::letters(&phase.modes)).collect();
-        if letters.len() > 1 && letters.first() == letters.last() {
-            letters.pop();
+        let mut modes: Vec<Modes> = phases.map(|phase| phase.modes).collect();
+        if modes.len() > 1 && modes.first() == modes.last() {
+            modes.pop();
         }
-        letters.join(" ")
+        tables::sequence(&modes)
     }
 
     /// Whether all multipliers but the trivial one of a system that does not depend on time are within the unit circle.

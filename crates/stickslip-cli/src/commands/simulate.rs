@@ -5,7 +5,7 @@ use std::fmt::Write;
 use serde_json::json;
 use stickslip::{Ending, TransitionKind};
 
-use super::arguments::{OutputArguments, SolverArguments, StartArguments, SystemArguments};
+use super::arguments::{Ready, RunArguments};
 use super::recording::{Recording, kind_name};
 use super::{Failure, Found, figures, tables, told};
 use crate::system::System;
@@ -17,24 +17,20 @@ use stickslip_kernels::kernel::{Ended, Run};
 /// Writes phases.csv, transitions.csv, steps.csv (and section.csv, if the file has a section), portrait.svg and history.svg.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
-    #[command(flatten)]
-    system: SystemArguments,
-    #[command(flatten)]
-    start: StartArguments,
     /// Time at the end; default as in the file
     #[arg(long, value_name = "TIME", allow_negative_numbers = true)]
     t_end: Option<f64>,
     #[command(flatten)]
-    solver: SolverArguments,
-    #[command(flatten)]
-    output: OutputArguments,
+    run: RunArguments,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
-    arguments.output.check()?;
-    let system = arguments.system.system()?;
-    let options = arguments.solver.options()?;
-    let (t, x) = arguments.start.of(&system)?;
+    let Ready {
+        system,
+        options,
+        t,
+        x,
+    } = arguments.run.ready()?;
     let t_end = arguments.t_end.or(system.file.time.end).ok_or_else(|| {
         Failure::Usage("when does the run end? Give --t-end, or `end` in [time] of the file".into())
     })?;
@@ -53,7 +49,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
         Err(error) if recording.points.len() > 1 => Some(told(error)),
         Err(error) => return Err(error.clone().into()),
     };
-    found(&system, &recording, outcome.ok().as_ref(), failure)?.written(&arguments.output)
+    found(&system, &recording, outcome.ok().as_ref(), failure)?.written(&arguments.run.output)
 }
 
 fn found(

@@ -6,7 +6,7 @@ mod request;
 mod starts;
 
 use super::Failure;
-use super::arguments::{OutputArguments, SolverArguments, StartArguments, SystemArguments};
+use super::arguments::RunArguments;
 use super::sweeping::{SweepArguments, check_period, sweep};
 use crate::terminal::Said;
 pub(super) use request::Basin;
@@ -17,11 +17,6 @@ pub(super) use request::Basin;
 /// errors, and basin.svg. Finished blocks are in sweep/: after a kill the same command goes on from there.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
-    #[command(flatten)]
-    system: SystemArguments,
-    #[command(flatten)]
-    start: StartArguments,
-
     /// Range of the first coordinate of the starts; default: the first state, with its range in the file
     #[arg(long, value_name = "STATE=LOW:HIGH")]
     x: Option<String>,
@@ -47,16 +42,14 @@ pub(super) struct Arguments {
     until: f64,
 
     #[command(flatten)]
-    solver: SolverArguments,
-    #[command(flatten)]
     sweep: SweepArguments,
     #[command(flatten)]
-    output: OutputArguments,
+    run: RunArguments,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
-    let system = arguments.system.system()?;
+    let system = arguments.run.system.system()?;
     check_period(&system)?;
     let wanted = Basin::new(arguments, &system)?;
-    sweep(&wanted, &system, &arguments.sweep, &arguments.output)
+    sweep(&wanted, &system, &arguments.sweep, &arguments.run.output)
 }

@@ -61,13 +61,13 @@ impl Basin {
                 Points::Grid { columns, rows }
             }
         };
-        let start = arguments.start.at_zero(system)?;
+        let start = arguments.run.start.at_zero(system)?;
         let basin = Self {
             plane,
             points,
             start,
             until: arguments.until,
-            solver: arguments.solver.clone(),
+            solver: arguments.run.solver.clone(),
         };
         basin.settings(system).check()?;
         // A wrong option is better told before the sweep than by its first block.

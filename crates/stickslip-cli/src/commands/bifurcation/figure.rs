@@ -20,23 +20,15 @@ pub(super) fn diagram(
     system: &System,
 ) -> Result<String, OutputError> {
     let range = &diagram.parameter;
-    let parameters = system.file.parameters.iter();
-    let unit = parameters
-        .filter(|parameter| parameter.name == range.name)
-        .map(|parameter| parameter.unit.as_str())
-        .next();
     let first = &system.file.states[0];
-    let time = system.file.time.unit.as_deref().unwrap_or_default();
-    let in_time = |label: &str, power: &str| match time {
-        "" => label.to_owned(),
-        unit => format!("{label}, {unit}{power}"),
-    };
     let rows: [(String, Shown); 3] = [
         (figures::with_unit(&first.name, &first.unit), |way| {
             &way.section
         }),
-        (in_time("stick", ""), |way| &way.sticks),
-        (in_time("*λ*_1", "^{−1}"), |way| &way.exponents),
+        (figures::in_time(system, "stick", ""), |way| &way.sticks),
+        (figures::in_time(system, "*λ*_1", "^{−1}"), |way| {
+            &way.exponents
+        }),
     ];
     // A panel without a point would be an empty frame.
     let rows: Vec<_> = rows
@@ -55,7 +47,7 @@ pub(super) fn diagram(
     for (k, (label, of)) in rows.into_iter().enumerate() {
         let x = if k == last {
             plot::Axis::new(
-                &figures::with_unit(&range.name, unit.unwrap_or_default()),
+                &figures::parameter_label(system, &range.name),
                 range.low,
                 range.high,
             )

@@ -7,7 +7,7 @@ mod request;
 use std::num::NonZeroUsize;
 
 use super::Failure;
-use super::arguments::{OutputArguments, SolverArguments, StartArguments, SystemArguments};
+use super::arguments::RunArguments;
 use super::sweeping::{SweepArguments, check_period, sweep};
 use crate::terminal::Said;
 pub(super) use request::Bifurcation;
@@ -20,11 +20,6 @@ pub(super) use request::Bifurcation;
 /// same command goes on from there.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
-    #[command(flatten)]
-    system: SystemArguments,
-    #[command(flatten)]
-    start: StartArguments,
-
     /// The parameter and its range
     #[arg(long, value_name = "NAME=LOW:HIGH")]
     parameter: String,
@@ -42,16 +37,14 @@ pub(super) struct Arguments {
     duration: f64,
 
     #[command(flatten)]
-    solver: SolverArguments,
-    #[command(flatten)]
     sweep: SweepArguments,
     #[command(flatten)]
-    output: OutputArguments,
+    run: RunArguments,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
-    let system = arguments.system.system()?;
+    let system = arguments.run.system.system()?;
     check_period(&system)?;
     let wanted = Bifurcation::new(arguments, &system)?;
-    sweep(&wanted, &system, &arguments.sweep, &arguments.output)
+    sweep(&wanted, &system, &arguments.sweep, &arguments.run.output)
 }

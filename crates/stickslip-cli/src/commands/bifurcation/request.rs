@@ -76,10 +76,10 @@ impl Bifurcation {
         let diagram = Self {
             parameter: ParameterRange::new("--parameter", &arguments.parameter, system)?,
             values: arguments.values,
-            start: arguments.start.clone(),
+            start: arguments.run.start.clone(),
             until: arguments.until,
             duration: arguments.duration,
-            solver: arguments.solver.clone(),
+            solver: arguments.run.solver.clone(),
         };
         // What is wrong is better told before the sweep than by one of its blocks.
         if diagram.values.get() < 2 {

@@ -4,7 +4,8 @@ use rayon::prelude::*;
 use stickslip::analysis::{ContinuationSettings, Stop};
 use stickslip::{Ending, Error, Options};
 use stickslip_kernels::kernel::{
-    BranchFound, Change, Kernel, MOST_STATES, OrbitThere, Periodic, Run, SpecialKind, SpecialThere,
+    BranchFound, Change, Ended, Kernel, MOST_STATES, OrbitThere, Periodic, Run, SpecialKind,
+    SpecialThere,
 };
 
 use super::super::Failure;
@@ -46,7 +47,12 @@ impl<'a> Begin<'a> {
         let number = parameters
             .map(|one| &one.name)
             .position(|name| *name == range.name);
-        let number = number.unwrap_or_default();
+        let Some(number) = number else {
+            return Err(Failure::Usage(format!(
+                "there is no parameter `{}`",
+                range.name
+            )));
+        };
         let value = system.values[number];
         if !(range.low..=range.high).contains(&value) {
             return Err(Failure::Usage(format!(
@@ -120,14 +126,8 @@ impl<'a> Begin<'a> {
             options,
         };
         let ended = self.system.kernel().run(&run, None, &mut ())?;
-        match ended.ending {
-            Ending::EndTime => Ok(ended.x),
-            _ => Err(Failure::from(Error::NotFound {
-                what: "the end of the period",
-                t: ended.t,
-                span: orbit.period,
-            })),
-        }
+        whole(&ended, orbit.period)?;
+        Ok(ended.x)
     }
 
     /// Both ways as one, in the time of the file and with how far each orbit goes.
@@ -199,17 +199,23 @@ impl<'a> Begin<'a> {
         };
         let mut extremes = Extremes::from(&orbit.x);
         let ended = system.kernel().run(&once, None, &mut extremes)?;
-        if ended.ending != Ending::EndTime {
-            return Err(Failure::from(Error::NotFound {
-                what: "the end of the period",
-                t: ended.t,
-                span: orbit.period,
-            }));
-        }
+        whole(&ended, orbit.period)?;
         Ok(Point {
             extremes: extremes.found(),
             orbit,
         })
+    }
+}
+
+/// Whether a run over a period has come to its end.
+fn whole(ended: &Ended, period: f64) -> Result<(), Error> {
+    match ended.ending {
+        Ending::EndTime => Ok(()),
+        _ => Err(Error::NotFound {
+            what: "the end of the period",
+            t: ended.t,
+            span: period,
+        }),
     }
 }
 

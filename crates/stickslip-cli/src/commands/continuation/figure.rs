@@ -8,7 +8,7 @@ use stickslip_kernels::kernel::{SpecialKind, SpecialThere};
 
 use super::super::figures;
 use super::branch::{Branch, Point};
-use super::told::{Told, what};
+use super::told::Told;
 use crate::output::OutputError;
 
 /// A value of an orbit.
@@ -23,13 +23,7 @@ pub(super) fn diagram(told: &Told<'_>) -> Result<String, OutputError> {
         range,
         branch,
     } = told;
-    let parameters = system.file.parameters.iter();
-    let unit = parameters
-        .filter(|parameter| parameter.name == range.name)
-        .map(|parameter| parameter.unit.as_str())
-        .next();
     let first = &system.file.states[0];
-    let time = system.file.time.unit.as_deref().unwrap_or_default();
     let largest: Value = |at| {
         let sizes = at.orbit.multipliers.iter().map(|one| one.norm());
         // Of orbits that stick it is zero but for rounding.
@@ -44,10 +38,7 @@ pub(super) fn diagram(told: &Told<'_>) -> Result<String, OutputError> {
         "" | "1" => extent,
         unit => format!("{extent}, {unit}"),
     };
-    let period = match time {
-        "" => "period".to_owned(),
-        unit => format!("period, {unit}"),
-    };
+    let period = figures::in_time(system, "period", "");
     let all: [(String, &[Value]); 3] = [
         (extent, &[|at| at.extremes[0].0, |at| at.extremes[0].1]),
         (period, &[|at| at.orbit.period]),
@@ -61,7 +52,7 @@ pub(super) fn diagram(told: &Told<'_>) -> Result<String, OutputError> {
     let title = format!("{}: branch of periodic orbits", system.file.name);
     let description = format!(
         "A branch of periodic orbits of {} over {} from {} to {}: least and greatest {}, period, and the largest multiplier up to {LARGEST}; \
-         whole lines where it is stable, dashed where not; marks where it folds, flips, sheds a torus or changes its phases.",
+         whole lines where it is stable, dashed where not; marks at folds, flips, branch points, torus bifurcations and changes of its phases.",
         system.file.name, range.name, range.low, range.high, first.name
     );
     let height = 70.0 + 190.0 * rows.len() as f64;
@@ -70,7 +61,7 @@ pub(super) fn diagram(told: &Told<'_>) -> Result<String, OutputError> {
     for (k, (label, values)) in rows.into_iter().enumerate() {
         let (low, high) = ends(told);
         let x = if k == last {
-            let label = figures::with_unit(&range.name, unit.unwrap_or_default());
+            let label = figures::parameter_label(system, &range.name);
             plot::Axis::new(&label, low, high)
         } else {
             plot::Axis::new("", low, high).bare()
@@ -92,11 +83,8 @@ pub(super) fn diagram(told: &Told<'_>) -> Result<String, OutputError> {
                 panel.add(Curve::new(run).color(color).dash(dash).width(1.4));
             }
         }
-        for (name, color, shape) in KINDS {
-            let there = branch
-                .special
-                .iter()
-                .filter(|at| what_class(&at.what) == name);
+        for (name, is_this, color, shape) in KINDS {
+            let there = branch.special.iter().filter(|at| is_this(&at.what));
             let points: Vec<(f64, f64)> = there
                 .flat_map(|at| values.iter().map(|value| place(branch, at, *value)))
                 .collect();
@@ -113,21 +101,41 @@ pub(super) fn diagram(told: &Told<'_>) -> Result<String, OutputError> {
     Ok(figure.render()?)
 }
 
-/// Kinds of special orbits, as the legend has them.
-const KINDS: [(&str, Color, Shape); 5] = [
-    ("fold", BLACK, Shape::Circle),
-    ("branch point", PURPLE, Shape::Up),
-    ("flip", GREEN, Shape::Diamond),
-    ("Neimark–Sacker", VERMILLION, Shape::Down),
-    ("change of phases", ORANGE, Shape::Square),
-];
+/// Kinds of special orbits with their marks, as the legend has them.
+type Marked = (&'static str, fn(&SpecialKind) -> bool, Color, Shape);
 
-fn what_class(kind: &SpecialKind) -> String {
-    match kind {
-        SpecialKind::Sequence(_) => "change of phases".to_owned(),
-        other => what(other),
-    }
-}
+const KINDS: [Marked; 5] = [
+    (
+        "fold",
+        |kind| matches!(kind, SpecialKind::Fold),
+        BLACK,
+        Shape::Circle,
+    ),
+    (
+        "branch point",
+        |kind| matches!(kind, SpecialKind::BranchPoint),
+        PURPLE,
+        Shape::Up,
+    ),
+    (
+        "flip",
+        |kind| matches!(kind, SpecialKind::Flip),
+        GREEN,
+        Shape::Diamond,
+    ),
+    (
+        "Neimark–Sacker",
+        |kind| matches!(kind, SpecialKind::NeimarkSacker { .. }),
+        VERMILLION,
+        Shape::Down,
+    ),
+    (
+        "change of phases",
+        |kind| matches!(kind, SpecialKind::Sequence(_)),
+        ORANGE,
+        Shape::Square,
+    ),
+];
 
 /// The part of the range that the branch takes, with a little room.
 fn ends(told: &Told<'_>) -> (f64, f64) {

@@ -7,7 +7,7 @@ mod told;
 use stickslip::analysis::ContinuationSettings;
 
 use super::Failure;
-use super::arguments::{OutputArguments, SolverArguments, StartArguments, SystemArguments};
+use super::arguments::{Ready, RunArguments};
 use super::range::ParameterRange;
 use super::search::SearchArguments;
 use crate::terminal::{Said, patiently};
@@ -21,11 +21,6 @@ use told::Told;
 /// parameter may be one that the period depends on. Writes branch.csv, special.csv and continue.svg.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
-    #[command(flatten)]
-    system: SystemArguments,
-    #[command(flatten)]
-    start: StartArguments,
-
     /// The parameter and the range in which the branch is followed
     #[arg(long, value_name = "NAME=LOW:HIGH")]
     parameter: String,
@@ -46,15 +41,16 @@ pub(super) struct Arguments {
     #[command(flatten)]
     search: SearchArguments,
     #[command(flatten)]
-    solver: SolverArguments,
-    #[command(flatten)]
-    output: OutputArguments,
+    run: RunArguments,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
-    arguments.output.check()?;
-    let system = arguments.system.system()?;
-    let options = arguments.solver.options()?;
+    let Ready {
+        system,
+        options,
+        t,
+        x,
+    } = arguments.run.ready()?;
     let range = ParameterRange::new("--parameter", &arguments.parameter, &system)?;
     let begin = Begin::at(&system, &range)?;
     let settings = ContinuationSettings {
@@ -63,7 +59,6 @@ pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
         ..ContinuationSettings::over(range.low, range.high)
     };
     settings.check()?;
-    let (t, x) = arguments.start.of(&system)?;
     let (orbit, periods) = arguments.search.found(&system, (t, &x), &options)?;
     let branch = patiently("following the branch", || {
         begin.branch(&orbit, periods, &settings, &options)
@@ -73,5 +68,5 @@ pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
         range: &range,
         branch: &branch,
     };
-    told.found()?.written(&arguments.output)
+    told.found()?.written(&arguments.run.output)
 }

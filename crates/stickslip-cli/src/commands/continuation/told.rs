@@ -21,7 +21,7 @@ pub(super) struct Told<'a> {
 }
 
 /// What a special orbit is called.
-pub(super) fn what(kind: &SpecialKind) -> String {
+fn what(kind: &SpecialKind) -> String {
     match kind {
         SpecialKind::Fold => "fold".to_owned(),
         SpecialKind::BranchPoint => "branch point".to_owned(),

@@ -73,12 +73,7 @@ pub(super) fn map(found: &Found, map: &Map, system: &System) -> Result<String, O
 
 fn axis(k: usize, map: &Map, system: &System) -> Axis {
     let range = &map.plane[k];
-    let parameters = system.file.parameters.iter();
-    let unit = parameters
-        .filter(|parameter| parameter.name == range.name)
-        .map(|parameter| parameter.unit.as_str())
-        .next();
-    let label = figures::with_unit(&range.name, unit.unwrap_or_default());
+    let label = figures::parameter_label(system, &range.name);
     Axis::new(&label, range.low, range.high)
 }
 

@@ -45,10 +45,10 @@ impl Map {
             plane,
             columns,
             rows,
-            start: arguments.start.clone(),
+            start: arguments.run.start.clone(),
             until: arguments.until,
             duration: arguments.duration,
-            solver: arguments.solver.clone(),
+            solver: arguments.run.solver.clone(),
         };
         // What is wrong is better told before the sweep than by one of its blocks.
         map.solver.options()?;
