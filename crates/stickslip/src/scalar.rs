@@ -99,18 +99,22 @@ pub trait Scalar:
     }
     /// Whether it is the larger by value: the comparison behind [`Scalar::max`] and [`Scalar::min`]. To branch on it is
     /// better than on [`Scalar::value`]: where the answer changes within a step, [`crate::Method::Taylor`] ends the step there.
+    #[inline(always)]
     fn exceeds(self, other: Self) -> bool {
         self.value() > other.value()
     }
     /// The larger of the two by value.
+    #[inline(always)]
     fn max(self, other: Self) -> Self {
         if other.exceeds(self) { other } else { self }
     }
     /// The smaller of the two by value.
+    #[inline(always)]
     fn min(self, other: Self) -> Self {
         if self.exceeds(other) { other } else { self }
     }
     /// The absolute value, which chooses its sign as [`Scalar::exceeds`] does.
+    #[inline(always)]
     fn abs(self) -> Self {
         if Self::zero().exceeds(self) {
             -self
@@ -119,6 +123,7 @@ pub trait Scalar:
         }
     }
     /// The quotient, or the constant `otherwise` where `by` is zero.
+    #[inline(always)]
     fn divided_or(self, by: Self, otherwise: f64) -> Self {
         if by.value() == 0.0 {
             Self::constant(otherwise)

@@ -17,8 +17,9 @@ use super::taylor::OfFlow;
 use crate::error::Error;
 use crate::ode::Timed;
 use crate::orbit::Ending;
-use crate::taylor::row::Lanes;
-use crate::taylor::series::{Expansion, Series};
+use crate::taylor::pass::{AT_ONCE, Rows};
+use crate::taylor::row::{Lanes, Row};
+use crate::taylor::series::{Expansion, Series, in_rows};
 
 /// Orbits that are expanded together.
 const LANES: usize = 8;
@@ -115,24 +116,42 @@ struct Queue<K, B> {
     members: Vec<usize>,
 }
 
-/// An expansion of several orbits in one mode, in the widest vectors that the machine has; their width changes no bit.
-struct Together<'a, F, const N: usize, const G: usize> {
+/// What orbits that are expanded together have in common, and each its own lane.
+struct Lanewise<'a, F, const N: usize> {
     flow: &'a F,
-    series: &'a mut Series<LANES>,
+    rows: &'a [Row<LANES>],
     t: Lanes<LANES>,
     x: [Lanes<LANES>; N],
     h: Lanes<LANES>,
     order: usize,
 }
 
+/// An expansion of several orbits in one mode, in the widest vectors that the machine has; their width changes no bit.
+///
+/// Two references, which is what makes the first rows an argument: see [`Rows`].
+struct Together<'a, F, const N: usize, const G: usize> {
+    first: &'a [Row<LANES>; AT_ONCE],
+    of: &'a Lanewise<'a, F, N>,
+}
+
 impl<F: Flow<N>, const N: usize, const G: usize> NullaryFnOnce for Together<'_, F, N, G> {
-    type Output = Expansion<G>;
+    type Output = Result<Expansion<G>, usize>;
 
     #[inline(always)]
     fn call(self) -> Self::Output {
-        let functions = OfFlow(self.flow);
-        self.series
-            .expand(self.t, &self.x, self.h, self.order, &functions)
+        let Lanewise {
+            flow,
+            rows: all,
+            t,
+            x,
+            h,
+            order,
+        } = *self.of;
+        let rows = Rows {
+            first: self.first,
+            all,
+        };
+        in_rows(rows, (t, h), &x, order, &OfFlow(flow))
     }
 }
 
@@ -199,13 +218,18 @@ impl<'a, S: Switched<N, G>, O: Observer<N, S::Mode>, const N: usize, const G: us
                 x[lane] = *at;
             }
         }
-        let expansion = Arch::new().dispatch(Together {
-            flow,
-            series: &mut self.series,
-            t,
-            x,
-            h,
-            order,
+        let arch = Arch::new();
+        let expansion = self.series.expand_by(|rows| {
+            let of = &Lanewise {
+                flow,
+                rows: rows.all,
+                t,
+                x,
+                h,
+                order,
+            };
+            let first = rows.first;
+            arch.dispatch(Together { first, of })
         });
         if expansion.divided || expansion.value_read {
             return;

@@ -37,6 +37,23 @@ pub fn sliding_field<S: Filippov<N>, T: Scalar, const N: usize>(
     sliding(system, t, x).0
 }
 
+/// A loop over the components of a state, of which the first four are written out: the compiler does not unroll a loop whose body is long,
+/// and where it does not, it no longer knows where the coefficients of a series are.
+macro_rules! for_each_state {
+    ($i:ident in $n:ident, $body:block) => {
+        for_each_state!(@ $i, $n, $body, 0, 1, 2, 3);
+        if const { $n > 4 } {
+            for $i in 4..$n $body
+        }
+    };
+    (@ $i:ident, $n:ident, $body:block, $($k:literal),*) => {
+        $(if const { $k < $n } {
+            let $i: usize = $k;
+            $body
+        })*
+    };
+}
+
 /// The sliding field with the two normal components that it is made from.
 #[inline(always)]
 fn sliding<S: Filippov<N>, T: Scalar, const N: usize>(
@@ -48,20 +65,20 @@ fn sliding<S: Filippov<N>, T: Scalar, const N: usize>(
     let above = system.holding(Side::Above, t, x);
     let a1 = normal_component(system, t, x, &below);
     let a2 = normal_component(system, t, x, &above);
-    let mut weight = None;
     let mut field = below;
-    for (below, above) in field.iter_mut().zip(above) {
-        if below.is_same(above) {
-            continue;
+    let mut weight = None;
+    for_each_state!(i in N, {
+        let (below, above) = (below[i], above[i]);
+        if !below.is_same(above) {
+            field[i] = if below.is_same(a1) && above.is_same(a2) {
+                // Across Σ, where that is one component's own level: what each side does there is all that the other takes back.
+                T::zero()
+            } else {
+                let weight = *weight.get_or_insert_with(|| a1.divided_or(a1 - a2, 0.5));
+                below + weight * (above - below)
+            };
         }
-        // Across Σ, where that is one component's own level: what each side does there is all that the other takes back.
-        if below.is_same(a1) && above.is_same(a2) {
-            *below = T::zero();
-            continue;
-        }
-        let weight = *weight.get_or_insert_with(|| a1.divided_or(a1 - a2, 0.5));
-        *below = *below + weight * (above - *below);
-    }
+    });
     (field, [a1, a2])
 }
 

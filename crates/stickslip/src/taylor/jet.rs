@@ -146,12 +146,14 @@ impl<'a, const L: usize> Coefficient<'a, L> {
     fn times(self, other: Self) -> Jet<'a, L> {
         let (this, other) = (self.kept(), other.kept());
         let (pass, a, b) = (this.pass, this.newest, other.newest);
-        if pass.order == 0 {
-            return pass.number(lanes(|l| a[l] * b[l]), false);
-        }
-        let inner = pass.convolution(this.row, other.row);
-        let (a0, b0) = (this.first(), other.first());
-        pass.number(lanes(|l| inner[l] + (a0[l] * b[l] + a[l] * b0[l])), false)
+        let newest = if pass.order == 0 {
+            lanes(|l| a[l] * b[l])
+        } else {
+            let inner = pass.convolution(this.row, other.row);
+            let (a0, b0) = (this.first(), other.first());
+            lanes(|l| inner[l] + (a0[l] * b[l] + a[l] * b0[l]))
+        };
+        pass.number(newest, false)
     }
 
     #[inline(always)]
@@ -162,24 +164,28 @@ impl<'a, const L: usize> Coefficient<'a, L> {
             return pass.number(product, self.is_linear);
         }
         let row = self.kept().row;
-        if pass.order == 0 {
-            return pass.number(product, false);
-        }
-        let last = pass.at(row, pass.order - 1);
-        pass.number(lanes(|l| last[l] * line.slope[l] + product[l]), false)
+        let newest = if pass.order == 0 {
+            product
+        } else {
+            let last = pass.at(row, pass.order - 1);
+            lanes(|l| last[l] * line.slope[l] + product[l])
+        };
+        pass.number(newest, false)
     }
 
     /// `a/self`, where `a` has the newest coefficient `a`.
     #[inline(always)]
     fn divides(self, a: Lanes<L>) -> Jet<'a, L> {
         let (pass, b) = (self.pass, self.newest);
-        if pass.order == 0 {
-            return pass.result(lanes(|l| a[l] / b[l]));
-        }
-        let quotient = pass.next();
-        let inner = pass.convolution(self.row, quotient);
-        let (b0, q0) = (self.first(), pass.at(quotient, 0));
-        pass.result(lanes(|l| (a[l] - inner[l] - b[l] * q0[l]) * (1.0 / b0[l])))
+        let newest = if pass.order == 0 {
+            lanes(|l| a[l] / b[l])
+        } else {
+            let quotient = pass.next();
+            let inner = pass.convolution(self.row, quotient);
+            let (b0, q0) = (self.first(), pass.at(quotient, 0));
+            lanes(|l| (a[l] - inner[l] - b[l] * q0[l]) * (1.0 / b0[l]))
+        };
+        pass.result(newest)
     }
 }
 
@@ -381,10 +387,15 @@ impl<const L: usize> Div<f64> for Jet<'_, L> {
     #[inline(always)]
     fn div(self, other: f64) -> Self {
         match self {
-            // Only the value is worth waiting for a division.
-            Series(a) if a.pass.order > 0 => {
-                let inverse = 1.0 / other;
-                self.scaled(|a| a * inverse)
+            Series(a) => {
+                let newest = if a.pass.order == 0 {
+                    lanes(|l| a.newest[l] / other)
+                } else {
+                    // Only the value is worth waiting for a division.
+                    let inverse = 1.0 / other;
+                    lanes(|l| a.newest[l] * inverse)
+                };
+                a.pass.number(newest, a.is_linear)
             }
             _ => self.scaled(|a| a / other),
         }

@@ -9,7 +9,7 @@
 
 mod functions;
 pub(crate) mod jet;
-mod pass;
+pub(crate) mod pass;
 pub(crate) mod roots;
 pub(crate) mod row;
 pub(crate) mod series;

@@ -5,7 +5,17 @@ use std::cell::Cell;
 use super::row::{Lanes, Row, lanes};
 
 /// Rows that there are at least.
-pub(super) const AT_ONCE: usize = 32;
+pub(crate) const AT_ONCE: usize = 32;
+
+/// Where coefficients are kept: all rows, and the first of them.
+///
+/// The first are a number's of their own in this type so that they can be an argument of a function that is not inlined. What is put into
+/// an argument changes no local variable; so the compiler knows what a pass has counted, and with it where each number's row is.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Rows<'a, const L: usize> {
+    pub(crate) first: &'a [Row<L>; AT_ONCE],
+    pub(crate) all: &'a [Row<L>],
+}
 
 /// What the numbers of one pass share: where their earlier coefficients are. Every pass takes the rows in the same order,
 /// so that a number finds its own; where all is inlined the compiler knows them, and nothing is left to look up.
@@ -27,16 +37,16 @@ pub(crate) struct Pass<'a, const L: usize> {
 
 impl<'a, const L: usize> Pass<'a, L> {
     #[inline(always)]
-    pub(super) fn new(rows: &'a [Row<L>], order: usize) -> Option<Self> {
-        Some(Pass {
-            first: rows.first_chunk()?,
-            rows,
+    pub(super) fn new(rows: Rows<'a, L>, order: usize) -> Self {
+        Pass {
+            first: rows.first,
+            rows: rows.all,
             order,
             taken: Cell::new(0),
             choices: Cell::new(0),
             value_read: Cell::new(false),
             divided: Cell::new(false),
-        })
+        }
     }
 
     #[inline(always)]

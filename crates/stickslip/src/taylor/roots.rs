@@ -69,8 +69,11 @@ fn search(c: &[f64]) -> Option<f64> {
     }
     // Bernstein coefficient i is Σ_k C(i, k)/C(n, k) c_k: Pascal's triangle, by additions alone.
     for i in 1..=n {
-        for k in (i..=n).rev() {
-            b[k] += b[k - 1];
+        let mut before = b[i - 1];
+        for b in &mut b[i..=n] {
+            let old = *b;
+            *b = old + before;
+            before = old;
         }
     }
     let bracket = isolate(&b[..=n], 0.0, 1.0)?;

@@ -1,7 +1,7 @@
 //! The series of a solution, order by order.
 
 use super::jet::{Coefficient, Jet, Straight};
-use super::pass::{AT_ONCE, Pass};
+use super::pass::{AT_ONCE, Pass, Rows};
 use super::row::{Lanes, Row, lanes};
 use crate::scalar::Scalar;
 
@@ -63,66 +63,81 @@ impl<const L: usize> Series<L> {
         self.rows.resize(rows, Row::new());
     }
 
-    /// The series to `order` of the solution through `x` at `t`, in time over `h`, and of functions of it.
+    /// Expands by a function that does so in rows, or says how many it needs.
     #[inline(always)]
-    pub(crate) fn expand<const N: usize, const W: usize>(
+    pub(crate) fn expand_by<const W: usize>(
         &mut self,
-        t: Lanes<L>,
-        x: &[Lanes<L>; N],
-        h: Lanes<L>,
-        order: usize,
-        functions: &impl Functions<N, W>,
+        expand: impl Fn(Rows<'_, L>) -> Result<Expansion<W>, usize>,
     ) -> Expansion<W> {
-        let mut newest = *x;
-        let mut k = 0;
         loop {
-            let Some(pass) = Pass::new(&self.rows, k) else {
-                return Expansion::default();
+            let all = self.rows.as_slice();
+            let expanded = match all.first_chunk() {
+                Some(first) => expand(Rows { first, all }),
+                None => Err(AT_ONCE),
             };
-            // Plain loops here: the library's own ways to fill an array are not always inlined.
-            let mut state = [Jet::Zero; N];
-            for (number, newest) in state.iter_mut().zip(newest) {
-                *number = pass.state(newest);
+            match expanded {
+                Ok(expansion) => return expansion,
+                Err(needed) => self.make_room(needed),
             }
-            let time = Jet::Line(Straight {
-                value: t,
-                slope: h,
-                pass: Some(&pass),
-            });
-            let (field, watched) = functions.at(time, &state);
-            let mut rows = [None; W];
-            for (row, function) in rows.iter_mut().zip(watched) {
-                if let Ok(Coefficient {
+        }
+    }
+}
+
+/// The series to `order` of the solution through `x` at `t`, in time over `h`, and of functions of it, into rows; or how many rows that takes.
+#[inline(always)]
+pub(crate) fn in_rows<const L: usize, const N: usize, const W: usize>(
+    into: Rows<'_, L>,
+    (t, h): (Lanes<L>, Lanes<L>),
+    x: &[Lanes<L>; N],
+    order: usize,
+    functions: &impl Functions<N, W>,
+) -> Result<Expansion<W>, usize> {
+    let mut newest = *x;
+    let mut k = 0;
+    loop {
+        let pass = Pass::new(into, k);
+        // Plain loops here: the library's own ways to fill an array are not always inlined.
+        let mut state = [Jet::Zero; N];
+        for (number, newest) in state.iter_mut().zip(newest) {
+            *number = pass.state(newest);
+        }
+        let time = Jet::Line(Straight {
+            value: t,
+            slope: h,
+            pass: Some(&pass),
+        });
+        let (field, watched) = functions.at(time, &state);
+        let mut rows = [None; W];
+        for (row, function) in rows.iter_mut().zip(watched) {
+            if let Ok(Coefficient {
+                row: place,
+                is_linear,
+                ..
+            }) = function.in_row()
+            {
+                *row = Some(Watched {
                     row: place,
                     is_linear,
-                    ..
-                }) = function.in_row()
-                {
-                    *row = Some(Watched {
-                        row: place,
-                        is_linear,
-                    });
-                }
+                });
             }
-            let (taken, choices) = (pass.taken.get(), pass.choices.get());
-            if taken + choices > self.rows.len() {
-                self.make_room(taken + choices);
-                continue;
-            }
-            if k == order {
-                return Expansion {
-                    watched: rows,
-                    choices,
-                    value_read: pass.value_read.get(),
-                    divided: pass.divided.get(),
-                };
-            }
-            k += 1;
-            let per_order = 1.0 / k as f64;
-            for (newest, slope) in newest.iter_mut().zip(&field) {
-                let slope = slope.newest(pass.order);
-                *newest = lanes(|l| slope[l] * (h[l] * per_order));
-            }
+        }
+        let (taken, choices) = (pass.taken.get(), pass.choices.get());
+        if taken + choices > into.all.len() {
+            return Err(taken + choices);
+        }
+        if k == order {
+            return Ok(Expansion {
+                watched: rows,
+                choices,
+                value_read: pass.value_read.get(),
+                divided: pass.divided.get(),
+            });
+        }
+        k += 1;
+        let per_order = 1.0 / k as f64;
+        for (newest, slope) in newest.iter_mut().zip(&field) {
+            let slope = slope.newest(pass.order);
+            *newest = lanes(|l| slope[l] * (h[l] * per_order));
         }
     }
 }

@@ -4,9 +4,20 @@ use pulp::{Arch, NullaryFnOnce};
 
 use super::MOST_ORDER;
 use super::row::Lanes;
-use super::series::{Expansion, Functions, Series};
+use super::series::{Expansion, Functions, Series, in_rows};
 use crate::dual::Dual;
 use crate::scalar::Scalar;
+
+#[inline(always)]
+fn expand<const L: usize, const N: usize, const W: usize>(
+    series: &mut Series<L>,
+    time: (Lanes<L>, Lanes<L>),
+    x: [Lanes<L>; N],
+    order: usize,
+    functions: &impl Functions<N, W>,
+) -> Expansion<W> {
+    series.expand_by(|rows| in_rows(rows, time, &x, order, functions))
+}
 
 /// Coefficients of the functions watched along the solution from `x` at time 0, in time over `h`.
 fn coefficients<const N: usize, const W: usize>(
@@ -15,7 +26,13 @@ fn coefficients<const N: usize, const W: usize>(
     h: f64,
 ) -> [Vec<f64>; W] {
     let mut series = Series::<1>::new();
-    let expansion = series.expand([0.0], &x.map(|x| [x]), [h], MOST_ORDER, functions);
+    let expansion = expand(
+        &mut series,
+        ([0.0], [h]),
+        x.map(|x| [x]),
+        MOST_ORDER,
+        functions,
+    );
     expansion.watched.map(|watched| {
         let row = watched.expect("not constant").row;
         (0..=MOST_ORDER).map(|k| series.at(row, k)).collect()
@@ -155,7 +172,7 @@ impl<const L: usize> NullaryFnOnce for Widest<'_, L> {
     #[inline(always)]
     fn call(self) -> Expansion<3> {
         let Widest(series, t, x, h) = self;
-        series.expand(t, &x, h, MOST_ORDER, &Everything)
+        expand(series, (t, h), x, MOST_ORDER, &Everything)
     }
 }
 
@@ -171,8 +188,13 @@ fn neither_lanes_nor_the_width_of_vectors_change_a_bit() {
         assert!(!together.divided && !together.value_read);
         for l in 0..LANES {
             let (mut alone, mut taken) = (Series::<1>::new(), Series::<1>::new());
-            let expansion =
-                alone.expand([t[l]], &x.map(|x| [x[l]]), [h[l]], MOST_ORDER, &Everything);
+            let expansion = expand(
+                &mut alone,
+                ([t[l]], [h[l]]),
+                x.map(|x| [x[l]]),
+                MOST_ORDER,
+                &Everything,
+            );
             taken.take_lane::<2, LANES, 3>(&wide, &together, l, MOST_ORDER);
             let rows = expansion
                 .watched
@@ -194,7 +216,13 @@ fn neither_lanes_nor_the_width_of_vectors_change_a_bit() {
 fn lanes_that_compare_differently_are_not_expanded_together() {
     let expand = |x: [f64; 2]| {
         let x = [x, [0.1, 0.1]];
-        Series::<2>::new().expand([0.0; 2], &x, [0.1; 2], 8, &Everything)
+        expand(
+            &mut Series::<2>::new(),
+            ([0.0; 2], [0.1; 2]),
+            x,
+            8,
+            &Everything,
+        )
     };
     assert!(!expand([0.1, 0.2]).divided);
     assert!(expand([0.1, 1.2]).divided);
@@ -213,7 +241,7 @@ impl Functions<1, 3> for Chosen {
 #[test]
 fn a_comparison_is_remembered_by_how_much_it_is_decided() {
     let mut series = Series::<1>::new();
-    let expansion = series.expand([0.0], &[[-0.25]], [0.125], 8, &Chosen);
+    let expansion = expand(&mut series, ([0.0], [0.125]), [[-0.25]], 8, &Chosen);
     let watched = expansion
         .watched
         .map(|watched| watched.expect("not constant").row);
@@ -244,7 +272,7 @@ impl Functions<2, 2> for Cancelling {
 fn derivatives_that_are_zero_or_one_leave_nothing_behind_and_what_is_shared_cancels() {
     let mut series = Series::<1>::new();
     let x = [[0.3], [0.7]];
-    let [rate, none] = series.expand([0.0], &x, [0.5], 8, &Cancelling).watched;
+    let [rate, none] = expand(&mut series, ([0.0], [0.5]), x, 8, &Cancelling).watched;
     assert_eq!(rate.expect("not constant").row, 2, "the field's own row");
     assert!(none.is_none());
 }
@@ -278,7 +306,7 @@ fn values_of_a_series_are_those_of_the_numbers() {
         }
     }
     let mut series = Series::<1>::new();
-    let expansion = series.expand([3.0], &[[0.5]], [0.1], 8, &Reading);
+    let expansion = expand(&mut series, ([3.0], [0.1]), [[0.5]], 8, &Reading);
     assert!(expansion.value_read);
     let row = expansion.watched[0].expect("not constant").row;
     assert_eq!((series.at(row, 0), series.at(row, 1)), (10.0, 0.1));

@@ -16,7 +16,9 @@ use crate::ode::Timed;
 use crate::scalar::Scalar;
 use crate::system::State;
 use crate::taylor::MOST_ORDER;
-use crate::taylor::series::{Expansion, Functions, Series};
+use crate::taylor::pass::{AT_ONCE, Rows};
+use crate::taylor::row::{Lanes, Row};
+use crate::taylor::series::{Expansion, Functions, Series, in_rows};
 
 /// Least order: looser tolerances would ask for less.
 const LEAST_ORDER: usize = 8;
@@ -52,6 +54,19 @@ impl<F: Flow<N>, const N: usize, const G: usize> Functions<N, G> for OfFlow<'_, 
     }
 }
 
+/// The series of one orbit, not inlined: see [`Rows`].
+#[inline(never)]
+fn expand_alone<F: Flow<N>, const N: usize, const G: usize>(
+    first: &[Row<1>; AT_ONCE],
+    all: &[Row<1>],
+    time: (Lanes<1>, Lanes<1>),
+    x: &[Lanes<1>; N],
+    order: usize,
+    flow: &F,
+) -> Result<Expansion<G>, usize> {
+    in_rows(Rows { first, all }, time, x, order, &OfFlow(flow))
+}
+
 impl<const N: usize, const G: usize> TaylorStepper<N, G> {
     pub(crate) fn new(options: &Options) -> Self {
         let tolerance = options.rtol.max(options.atol);
@@ -76,13 +91,13 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
     }
 
     /// Expands the series at the end of the last step.
-    #[inline(never)]
     fn expand<F: Flow<N>>(&mut self, run: &mut Run<N, G>, flow: &F) {
         let Timed { t, x } = run.at;
         let x = std::array::from_fn(|i| [x[i]]);
-        self.expansion = self
-            .series
-            .expand([t], &x, [self.scale], self.order, &OfFlow(flow));
+        let (scale, order) = (self.scale, self.order);
+        let alone =
+            |rows: Rows<'_, 1>| expand_alone(rows.first, rows.all, ([t], [scale]), &x, order, flow);
+        self.expansion = self.series.expand_by(alone);
         self.count(run, flow);
     }
 
