@@ -15,8 +15,9 @@ pub(super) use request::Basin;
 
 /// Find which attractor each of many starts in a plane leads to
 ///
-/// Attractors are found by recurrence; none need be named. Writes basin.csv with all starts, attractors.csv with the shares and their standard
-/// errors, and basin.svg. Finished blocks are in sweep/: after a kill the same command goes on from there.
+/// Attractors are found by recurrence; none need be named. Starts that escape, fail or are undecided have rows of their own and no number.
+/// Writes basin.csv with all starts, attractors.csv with the shares and their standard errors, and basin.svg. Finished blocks are in sweep/:
+/// after a kill the same command goes on from there.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
     /// Range of the first coordinate of the starts; default: the first state, with its range in the file
