@@ -63,7 +63,7 @@ fn up_and_down_show_the_hysteresis() {
         let mut rows = rows.records().map(Result::unwrap);
         let row = rows.find(|row| &row[0] == way && &row[4] == what).unwrap();
         let number = |k: usize| row[k].parse::<f64>().unwrap_or(f64::NAN);
-        (number(1), number(5), row[6].to_owned())
+        (number(1), number(6), row[7].to_owned())
     };
     let (lower, ..) = change("down", "Hopf bifurcation of the equilibrium");
     assert!((lower - born).abs() < 1e-12, "{lower}");
@@ -149,12 +149,14 @@ z = ""
 y = ""
 [parameters]
 p = 1
+[definitions]
+rate = "sin(t - 2) + cos(t - 2) - z"
 [contacts.clock]
 boundary = "z"
 [contacts.roof]
 boundary = "y - p"
 [field]
-z = "sin(t - 2) + cos(t - 2) - z"
+z = "by_side(clock, rate, rate)"
 y = "by_side(roof, sin(t) + cos(t) - y, -1)"
 [time]
 period = "2*pi"
