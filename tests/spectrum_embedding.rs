@@ -7,6 +7,7 @@ use assert_cmd::cargo::cargo_bin_cmd;
 use predicates::prelude::*;
 use predicates::str::contains;
 use serde_json::Value;
+use stickslip::statistics::SplitMix;
 
 fn program(arguments: &[&str], text: &str) -> Command {
     let mut command = cargo_bin_cmd!("spectrum");
@@ -28,19 +29,13 @@ fn henon(points: usize) -> String {
     text
 }
 
-/// Sums of twelve uniform numbers of a 64-bit congruence, filtered: linear noise.
+/// Sums of twelve uniform numbers, filtered: linear noise.
 fn autoregression(points: usize) -> String {
-    let mut seed: u64 = 20_131;
-    let mut uniform = move || {
-        seed = seed
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (seed >> 11) as f64 / 9_007_199_254_740_992.0 - 0.5
-    };
+    let mut random = SplitMix::new(20_131);
     let mut x = 0.0;
     (0..points)
         .map(|_| {
-            x = 0.6 * x + (0..12).map(|_| uniform()).sum::<f64>();
+            x = 0.6 * x + (0..12).map(|_| random.between(-0.5, 0.5)).sum::<f64>();
             format!("{x}\n")
         })
         .collect()

@@ -1,5 +1,7 @@
 //! Arguments that several commands share.
 
+use std::num::NonZeroUsize;
+
 use clap::{Args, ValueEnum};
 use serde::{Deserialize, Serialize};
 use stickslip::{AtRepelling, Method, Options};
@@ -8,6 +10,18 @@ use super::Failure;
 use crate::file::{SystemFile, did_you_mean, number};
 use crate::output::OutputError;
 use crate::system::System;
+
+/// The value of an option that counts something.
+pub(super) fn count(text: &str) -> Result<NonZeroUsize, String> {
+    let number = text.parse();
+    number.map_err(|_| "a whole number is expected, 1 at least".to_owned())
+}
+
+/// The value of an option that begins a sequence of random numbers.
+pub(super) fn seed(text: &str) -> Result<u64, String> {
+    let number = text.parse();
+    number.map_err(|_| "a whole number is expected, 0 at least".to_owned())
+}
 
 /// Which system, with which values.
 #[derive(Debug, Args)]
@@ -55,7 +69,7 @@ pub(super) struct StartArguments {
     start: Vec<String>,
 
     /// Time at the start; default as in the file, or 0
-    #[arg(long, value_name = "TIME", allow_negative_numbers = true)]
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     t_start: Option<f64>,
 }
 
@@ -67,6 +81,7 @@ impl StartArguments {
             Some(start) => start.iter().copied().map(Some).collect(),
             None => vec![None; system.states()],
         };
+        let mut is_set = vec![false; given.len()];
         for text in &self.start {
             let (name, value) = assignment("--start", text)?;
             let plain = stickslip_kernels::expression::normal(&name);
@@ -78,6 +93,11 @@ impl StartArguments {
                     "there is no state `{name}`; {help}"
                 )));
             };
+            if std::mem::replace(&mut is_set[number], true) {
+                return Err(Failure::Usage(format!(
+                    "--start {text}: the state `{plain}` is set twice; set it once"
+                )));
+            }
             given[number] = Some(value);
         }
         let mut start = Vec::with_capacity(given.len());
@@ -135,13 +155,13 @@ pub(super) struct SolverArguments {
     #[arg(
         long,
         value_name = "ERROR",
-        allow_negative_numbers = true,
+        allow_hyphen_values = true,
         default_value = "1e-12"
     )]
     tol: f64,
 
     /// Absolute error, where it is to differ from the relative one
-    #[arg(long, value_name = "ERROR", allow_negative_numbers = true)]
+    #[arg(long, value_name = "ERROR", allow_hyphen_values = true)]
     atol: Option<f64>,
 
     /// Method
@@ -149,14 +169,14 @@ pub(super) struct SolverArguments {
     method: MethodName,
 
     /// Longest step; default unbounded
-    #[arg(long, value_name = "TIME", allow_negative_numbers = true)]
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     longest_step: Option<f64>,
 
     /// Size of a state beyond which the orbit is said to have escaped
     #[arg(
         long,
         value_name = "BOUND",
-        allow_negative_numbers = true,
+        allow_hyphen_values = true,
         default_value = "1e6"
     )]
     escape: f64,
@@ -241,10 +261,22 @@ pub(super) struct Ready {
 }
 
 impl RunArguments {
-    /// What is wrong is told before anything is computed.
-    pub(super) fn ready(&self) -> Result<Ready, Failure> {
+    /// The system, if all that is asked of it has an effect and can be written.
+    pub(super) fn system(&self) -> Result<System, Failure> {
         self.output.check()?;
         let system = self.system.system()?;
+        if system.contacts() > 1 && !matches!(self.solver.at_repelling, Repelling::Stop) {
+            return Err(Failure::Usage(
+                "--at-repelling has no effect on a system of several contacts: where its future is not unique, the run ends; leave it out"
+                    .to_owned(),
+            ));
+        }
+        Ok(system)
+    }
+
+    /// What is wrong is told before anything is computed.
+    pub(super) fn ready(&self) -> Result<Ready, Failure> {
+        let system = self.system()?;
         let options = self.solver.options()?;
         let (t, x) = self.start.of(&system)?;
         Ok(Ready {

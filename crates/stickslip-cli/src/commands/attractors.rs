@@ -1,10 +1,26 @@
 //! Attractors in words, tables and JSON.
 
 use serde_json::{Value, json};
+use stickslip::Options;
+use stickslip::analysis::RecurrenceSettings;
 
+use super::Failure;
 use super::tables::{exact, letters, state_json};
+use super::told::told;
 use crate::system::System;
 use stickslip_kernels::kernel::{Motion, Outcome};
+
+/// What the orbit from `x` at time 0 comes to.
+pub(super) fn reached_from(
+    system: &System,
+    x: &[f64],
+    settings: &RecurrenceSettings,
+    options: &Options,
+) -> Result<Outcome, Failure> {
+    let kernel = system.kernel();
+    let outcome = kernel.attractor(x, settings, options, &|error| told(error, system));
+    outcome.map_err(|error| Failure::from(error).of(system))
+}
 
 /// The phases of a period, or the modes of a rest, as signs; of other motions, whose phases are only the last ones, nothing.
 pub(super) fn sequence(outcome: &Outcome) -> String {
@@ -53,24 +69,51 @@ pub(super) fn fields(outcome: &Outcome) -> [String; 5] {
     [motion, period, returns, phases, in_stick]
 }
 
-/// What it is, in one line.
-pub(super) fn words(outcome: &Outcome) -> String {
+/// Whether it is an attractor, and not an orbit that has come to none: that escapes, ends, fails, or is undecided.
+pub(super) fn is_attractor(motion: &Motion) -> bool {
+    match motion {
+        Motion::Equilibrium
+        | Motion::EquilibriumSet
+        | Motion::Periodic { .. }
+        | Motion::Recurrent => true,
+        Motion::Escape
+        | Motion::Repelling
+        | Motion::TwoFold
+        | Motion::Failure(_)
+        | Motion::Undecided => false,
+    }
+}
+
+/// The state at which an orbit rests, if it does.
+pub(super) fn place(outcome: &Outcome) -> Option<String> {
+    if !matches!(outcome.motion, Motion::Equilibrium | Motion::EquilibriumSet) {
+        return None;
+    }
+    let (_, x) = outcome.points.first()?;
+    let x: Vec<String> = x.iter().map(|x| format!("{x:.9}")).collect();
+    Some(format!("({})", x.join(", ")))
+}
+
+/// What it is, in one line, after so long a time.
+pub(super) fn words(outcome: &Outcome, until: f64) -> String {
     let word = outcome.motion.word();
-    match &outcome.motion {
-        Motion::Periodic { period, .. } => {
+    match (&outcome.motion, place(outcome)) {
+        (Motion::Periodic { period, .. }, _) => {
             format!("{word}, period {period:.9}, phases {}", sequence(outcome))
         }
-        Motion::Equilibrium | Motion::EquilibriumSet => {
-            let at = outcome.points.first();
-            let at: Vec<String> = at
-                .iter()
-                .flat_map(|at| &at.1)
-                .map(|x| format!("{x:.9}"))
-                .collect();
-            format!("{word} at ({})", at.join(", "))
-        }
-        Motion::Failure(error) => format!("{word}: {error}"),
-        _ => word.to_owned(),
+        (_, Some(place)) => format!("{word} at {place}"),
+        // Of several starts that fail the first one tells how.
+        (Motion::Failure(error), _) => format!("{word}, first as {error}"),
+        _ => since(word, until),
+    }
+}
+
+/// The word for a motion, or for a kind of motion, with the time after which it is said, if it is one for want of time.
+pub(super) fn since(word: &str, until: f64) -> String {
+    if word == Motion::Undecided.word() {
+        format!("{word} after {until}")
+    } else {
+        word.to_owned()
     }
 }
 

@@ -25,6 +25,17 @@ const AXIS: f64 = 44.0;
 /// What lies between two panels and around all of them, px.
 const BETWEEN: f64 = 16.0;
 
+/// The colour of starts that lead to no attractor, by the word for what they do: none of those of attractors.
+pub(super) fn colour_of_none(word: &str) -> Color {
+    match word {
+        "escape" => LIGHT_GREY,
+        "undecided" => MID_GREY,
+        "failure" => BLACK,
+        // Ends where there is no unique future.
+        _ => LIGHT_ORANGE,
+    }
+}
+
 /// A name in mathematics: italic, digits and what follows `_` below the line.
 pub(super) fn symbol(name: &str) -> String {
     let (letters, index) = match name.split_once('_') {

@@ -22,7 +22,7 @@ pub(super) struct Arguments {
     #[arg(
         long,
         value_name = "TIME",
-        allow_negative_numbers = true,
+        allow_hyphen_values = true,
         default_value_t = 200.0
     )]
     transient: f64,
@@ -30,7 +30,7 @@ pub(super) struct Arguments {
     #[arg(
         long,
         value_name = "TIME",
-        allow_negative_numbers = true,
+        allow_hyphen_values = true,
         default_value_t = 2000.0
     )]
     duration: f64,
@@ -48,7 +48,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
     let settings = SpectrumOptions::over(arguments.transient, arguments.duration).solver(options);
     let spectrum = patiently("measuring the spectrum", || {
         system.kernel().spectrum(t, &x, &settings)
-    })?;
+    });
+    let spectrum = spectrum.map_err(|error| Failure::from(error).of(&system))?;
     Found {
         summary: summary(&system, &spectrum),
         json: json(&system, &spectrum),

@@ -22,6 +22,7 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
+    arguments.output.check()?;
     let merged = merged(&arguments.output.out, &arguments.shares)?;
     match merged.store.plan().command.as_str() {
         Basin::COMMAND => finish::<Basin>(&merged.store, &arguments.output),

@@ -21,6 +21,7 @@ mod simulate;
 mod sweeping;
 mod tables;
 mod tangents;
+mod told;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -30,9 +31,10 @@ use clap::{Parser, Subcommand};
 use crate::file::FileError;
 use crate::output::{Artifact, OutputError, png, write_all};
 use crate::sweep::SweepError;
-use crate::system::SettingError;
+use crate::system::{SettingError, System};
 use crate::terminal::{Said, finish};
 use arguments::OutputArguments;
+use told::{told, told_of_any};
 
 /// Dry-friction systems from files: orbits with exact transitions between slip and stick, tangent points, periodic orbits, Lyapunov spectra
 #[derive(Debug, Parser)]
@@ -94,12 +96,21 @@ pub(crate) enum Failure {
     Setting(#[from] SettingError),
     #[error("{0}")]
     Usage(String),
+    /// There is an attractor, and it is none that was looked for.
+    #[error("{0}")]
+    NoPeriodicOrbit(String),
     #[error(transparent)]
     Sweep(#[from] SweepError),
     #[error(transparent)]
     Output(#[from] OutputError),
-    #[error("{}", told(.0))]
+    #[error("{}", told_of_any(.0))]
     Computation(#[from] stickslip::Error),
+    /// As [`Failure::Computation`], with the names of the system's contacts.
+    #[error("{told}")]
+    OfSystem {
+        error: stickslip::Error,
+        told: String,
+    },
 }
 
 impl Failure {
@@ -108,34 +119,23 @@ impl Failure {
         match self {
             Failure::File(_) | Failure::Setting(_) | Failure::Usage(_) => true,
             Failure::Sweep(error) => error.is_usage(),
-            Failure::Output(_) => false,
-            Failure::Computation(error) => matches!(
+            Failure::Output(_) | Failure::NoPeriodicOrbit(_) => false,
+            Failure::Computation(error) | Failure::OfSystem { error, .. } => matches!(
                 error,
                 stickslip::Error::Option { .. } | stickslip::Error::Interval { .. }
             ),
         }
     }
-}
 
-/// An error of the library as it concerns somebody who writes files and not Rust.
-fn told(error: &stickslip::Error) -> String {
-    use stickslip::Error;
-    match error {
-        Error::NotAdditive { t, x, pair } => format!(
-            "the friction of contacts {} and {} does not add at t = {t}, x = {x}: what one does depends on the side of the other; \
-             in a file each contact's friction must depend on its own side only",
-            pair.0, pair.1
-        ),
-        Error::NotConverged { .. } => format!(
-            "{error}, after a longer --transient or by another --start; the motion may also be quasi-periodic or chaotic, which `stickslip \
-             lyapunov` tells"
-        ),
-        Error::Escaped { .. } => format!("{error} (--escape)"),
-        Error::NoUniqueFuture { t, x } => format!(
-            "the orbit has no unique future after t = {t}, x = {x}: both fields lead away from the boundary; choose one with \
-             --at-repelling below or above, or start elsewhere"
-        ),
-        other => other.to_string(),
+    /// With the names of the contacts, where it speaks of some.
+    fn of(self, system: &System) -> Self {
+        match self {
+            Failure::Computation(error) => Failure::OfSystem {
+                told: told(&error, system),
+                error,
+            },
+            other => other,
+        }
     }
 }
 

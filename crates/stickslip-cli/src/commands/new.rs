@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use serde_json::json;
+
 use super::Failure;
 use crate::output::{Artifact, OutputError, write_all};
 use crate::terminal::Said;
@@ -12,6 +14,10 @@ pub(super) struct Arguments {
     /// File to write
     #[arg(value_name = "FILE", default_value = "system.toml")]
     file: PathBuf,
+
+    /// Print as JSON where it was written
+    #[arg(long)]
+    json: bool,
 }
 
 /// The example.
@@ -46,9 +52,14 @@ pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
         }
         other => other.into(),
     })?;
-    let shown = path.display();
+    let shown = path.display().to_string();
+    let text = if arguments.json {
+        format!("{:#}\n", json!({ "files": [shown] }))
+    } else {
+        format!("wrote {shown}\nnext: stickslip check {shown}\n")
+    };
     Ok(Said {
-        text: format!("wrote {shown}\nnext: stickslip check {shown}\n"),
+        text,
         failure: None,
     })
 }

@@ -27,20 +27,25 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
+    let ready = arguments.run.ready()?;
+    let found = found(&ready, &arguments.search);
+    found
+        .map_err(|failure| failure.of(&ready.system))?
+        .written(&arguments.run.output)
+}
+
+fn found(ready: &Ready, search: &SearchArguments) -> Result<Found, Failure> {
     let Ready {
-        system,
-        options,
-        t,
-        x,
-    } = arguments.run.ready()?;
-    let (orbit, periods) = arguments.search.found(&system, (t, &x), &options)?;
+        system, options, ..
+    } = ready;
+    let (orbit, periods) = search.found(system, (ready.t, &ready.x), options)?;
     let t_end = orbit.t + orbit.period;
     let mut recording = Recording::new(orbit.t, &orbit.x, t_end, Patience::new("one period"));
     let once = Run {
         t: orbit.t,
         x: &orbit.x,
         t_end,
-        options: &options,
+        options,
     };
     let outcome = system.kernel().run(&once, system.section(), &mut recording);
     recording.close();
@@ -48,13 +53,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
     let mut extremes = Extremes::from(&orbit.x);
     system.kernel().run(&once, None, &mut extremes)?;
     let found = Orbit {
-        system: &system,
+        system,
         orbit: &orbit,
         periods,
         recording: &recording,
         extremes: extremes.found(),
     };
-    found.found()?.written(&arguments.run.output)
+    found.found()
 }
 
 struct Orbit<'a> {

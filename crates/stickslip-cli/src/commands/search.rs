@@ -1,10 +1,11 @@
 //! The search for a periodic orbit, from a run and by shooting.
 
+use stickslip::analysis::RecurrenceSettings;
 use stickslip::{Error, Options};
-use stickslip_kernels::kernel::{Periodic, Run, Shooting};
+use stickslip_kernels::kernel::{Motion, Periodic, Run, Shooting};
 
-use super::Failure;
 use super::sweeping::check_period;
+use super::{Failure, attractors};
 use crate::system::System;
 use crate::terminal::patiently;
 
@@ -15,22 +16,23 @@ pub(super) struct SearchArguments {
     #[arg(
         long,
         value_name = "TIME",
-        allow_negative_numbers = true,
+        allow_hyphen_values = true,
         default_value_t = 200.0
     )]
     transient: f64,
-    /// How long the orbit may take to come back
-    #[arg(
-        long,
-        value_name = "TIME",
-        allow_negative_numbers = true,
-        default_value_t = 100.0
-    )]
-    longest: f64,
-    /// Periods of the drive in one of the orbit; default the fewest after which the run comes back, 16 at most
-    #[arg(long, value_name = "COUNT")]
+    /// How long the orbit may take to come back, of a system that does not depend on time; default 100
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
+    longest: Option<f64>,
+    /// Periods of the drive in one of the orbit, of a driven system; default the fewest after which the run comes back, 16 at most
+    #[arg(long, value_name = "COUNT", allow_hyphen_values = true)]
     periods: Option<u32>,
 }
+
+/// How long the orbit may take to come back where nothing is said.
+const LONGEST: f64 = 100.0;
+
+/// How long the run is followed to see what it comes to, where no periodic orbit was found.
+const UNTIL: f64 = 2000.0;
 
 /// Most periods of the drive that are tried for one of the orbit.
 const MOST_PERIODS: u32 = 16;
@@ -46,28 +48,51 @@ impl SearchArguments {
         (t, x): (f64, &[f64]),
         options: &Options,
     ) -> Result<(Periodic, Option<u32>), Failure> {
-        for (name, value) in [("--transient", self.transient), ("--longest", self.longest)] {
+        let given = [
+            ("--transient", Some(self.transient)),
+            ("--longest", self.longest),
+        ];
+        for (name, value) in given
+            .into_iter()
+            .filter_map(|(name, value)| Some((name, value?)))
+        {
             if !(value >= 0.0 && value.is_finite()) {
                 return Err(Failure::Usage(format!(
                     "{name} {value}: it must be finite and not negative"
                 )));
             }
         }
+        check_period(system)?;
         let search = Search {
             system,
             options,
             transient: self.transient,
-            longest: self.longest,
+            longest: self.longest.unwrap_or(LONGEST),
         };
-        check_period(system)?;
-        patiently("looking for a periodic orbit", || {
-            match system.built.period {
-                Some(period) if system.built.depends_on_time => {
-                    search.driven(t, x, period, self.periods)
-                }
-                _ => Ok((search.free(t, x)?, None)),
-            }
+        let drive = system.built.period.filter(|_| system.built.depends_on_time);
+        self.have_effect(drive)?;
+        patiently("looking for a periodic orbit", || match drive {
+            Some(period) => search.driven(t, x, period, self.periods),
+            None => match search.free(t, x) {
+                Ok(orbit) => Ok((orbit, None)),
+                Err(error) => Err(search.instead(error, x)),
+            },
         })
+    }
+
+    /// Refuses what would be given in vain.
+    fn have_effect(&self, drive: Option<f64>) -> Result<(), Failure> {
+        match (drive, self.periods, self.longest) {
+            (None, Some(periods), _) => Err(Failure::Usage(format!(
+                "--periods {periods} has no effect: the system does not depend on time, so that the period of its orbits is found and not \
+                 given; leave it out"
+            ))),
+            (Some(_), _, Some(longest)) => Err(Failure::Usage(format!(
+                "--longest {longest} has no effect: the system depends on time, so that its orbits come back after a multiple of the period; \
+                 give --periods, or leave it out"
+            ))),
+            _ => Ok(()),
+        }
     }
 }
 
@@ -148,6 +173,31 @@ impl Search<'_> {
         };
         let orbit = self.system.kernel().periodic(&self.run(t, &x, t), forced)?;
         Ok((orbit, Some(count)))
+    }
+
+    /// Why there is no periodic orbit: where the run comes to rest, that it does, and otherwise what the search failed with.
+    fn instead(&self, error: Error, x: &[f64]) -> Failure {
+        let looked = matches!(
+            error,
+            Error::NotConverged { .. } | Error::NotFound { .. } | Error::TangentSingular { .. }
+        );
+        let settings = RecurrenceSettings::within(UNTIL.max(self.transient + self.longest));
+        let outcome = looked
+            .then(|| attractors::reached_from(self.system, x, &settings, self.options))
+            .and_then(Result::ok);
+        let rest = outcome.and_then(|outcome| Some((attractors::place(&outcome)?, outcome.motion)));
+        let Some((place, motion)) = rest else {
+            return error.into();
+        };
+        let rest = match motion {
+            Motion::EquilibriumSet => {
+                format!("the equilibrium {place}, one of a set of equilibria")
+            }
+            _ => format!("the equilibrium {place}"),
+        };
+        Failure::NoPeriodicOrbit(format!(
+            "no periodic orbit was found: the run comes to {rest}; start elsewhere (--start), or set other parameters (--set)"
+        ))
     }
 
     fn strobed(&self, t: f64, x: &[f64], span: f64) -> Result<(f64, Vec<f64>), Failure> {

@@ -7,7 +7,8 @@ use stickslip::{Ending, TransitionKind};
 
 use super::arguments::{Ready, RunArguments};
 use super::recording::{Recording, kind_name};
-use super::{Failure, Found, figures, tables, told};
+use super::told::told;
+use super::{Failure, Found, figures, tables};
 use crate::system::System;
 use crate::terminal::{Patience, Said};
 use stickslip_kernels::kernel::{Ended, Run};
@@ -18,7 +19,7 @@ use stickslip_kernels::kernel::{Ended, Run};
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
     /// Time at the end; default as in the file
-    #[arg(long, value_name = "TIME", allow_negative_numbers = true)]
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     t_end: Option<f64>,
     #[command(flatten)]
     run: RunArguments,
@@ -46,8 +47,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
     let failure = match &outcome {
         Ok(_) => None,
         // What was reached is worth having; where nothing was, there is nothing to write.
-        Err(error) if recording.points.len() > 1 => Some(told(error)),
-        Err(error) => return Err(error.clone().into()),
+        Err(error) if recording.points.len() > 1 => Some(told(error, &system)),
+        Err(error) => return Err(Failure::from(error.clone()).of(&system)),
     };
     found(&system, &recording, outcome.ok().as_ref(), failure)?.written(&arguments.run.output)
 }

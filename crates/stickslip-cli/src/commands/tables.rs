@@ -190,6 +190,37 @@ pub(super) fn sequence(modes: &[Modes]) -> String {
     signs.join(" ")
 }
 
+/// As [`change_name`], with the contact where there are several.
+pub(super) fn change_words(system: &System, change: &Change) -> String {
+    let name = change_name(change);
+    match changed_contact(system, change) {
+        contact if contact.is_empty() || system.contacts() == 1 => name,
+        contact => format!("{name} of {contact}"),
+    }
+}
+
+/// The contact whose event function vanishes at a change; empty where there is none.
+pub(super) fn changed_contact(system: &System, change: &Change) -> String {
+    match change {
+        Change::Sequence {
+            contact: Some(contact),
+            ..
+        } => contact_name(system, *contact),
+        _ => String::new(),
+    }
+}
+
+/// A change for other programs: as it is on disk, but for the contact, which has its name.
+pub(super) fn change_json(system: &System, change: &Change) -> Value {
+    let mut json = json!(change);
+    if let Some(contact) = json.pointer_mut("/sequence/contact")
+        && !contact.is_null()
+    {
+        *contact = json!(changed_contact(system, change));
+    }
+    json
+}
+
 /// What a change of an attractor is called.
 pub(super) fn change_name(change: &Change) -> String {
     match change {

@@ -33,10 +33,10 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "STATE")]
     along: Option<String>,
     /// Lowest value of that state; default as in [ranges]
-    #[arg(long, value_name = "VALUE", allow_negative_numbers = true)]
+    #[arg(long, value_name = "VALUE", allow_hyphen_values = true)]
     from: Option<f64>,
     /// Highest value of that state; default as in [ranges]
-    #[arg(long, value_name = "VALUE", allow_negative_numbers = true)]
+    #[arg(long, value_name = "VALUE", allow_hyphen_values = true)]
     to: Option<f64>,
     #[command(flatten)]
     output: OutputArguments,
@@ -48,9 +48,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
     let start = arguments.start.of(&system)?;
     let line = arguments.line(&system, (start.0, &start.1))?;
     let found = line.scan(&system);
+    let mut json = json(&system, &line, &found);
+    if let Some(object) = json.as_object_mut() {
+        object.insert("system".to_owned(), tables::system_json(&system));
+    }
     Found {
         summary: summary(&system, &line, &found),
-        json: json(&system, &line, &found),
+        json,
         tables: csv(&system, &line, &found)?,
         figures: vec![("tangents".to_owned(), figure(&system, &line, &found)?)],
         failure: None,
@@ -218,7 +222,8 @@ fn csv(system: &System, line: &Line, found: &OnLine) -> Result<Vec<Artifact>, Ou
     Ok(vec![points, csv_table("zones.csv", &heading, zones)?])
 }
 
-fn json(system: &System, line: &Line, found: &OnLine) -> serde_json::Value {
+/// What was found on a line, without the system.
+pub(super) fn json(system: &System, line: &Line, found: &OnLine) -> serde_json::Value {
     let points = found.points.iter().map(|point| {
         json!({
             "side": side_name(point.side),
@@ -232,9 +237,9 @@ fn json(system: &System, line: &Line, found: &OnLine) -> serde_json::Value {
         .map(|zone| json!({ "kind": kind_name(zone.kind), "from": zone.from, "to": zone.to }))
         .collect();
     json!({
-        "system": tables::system_json(system),
         "contact": system.file.contacts[line.contact].name,
         "along": system.file.states[line.along].name,
+        "range": line.range,
         "t": line.t,
         "tangent_points": points,
         "zones": zones,

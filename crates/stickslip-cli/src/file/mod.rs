@@ -177,13 +177,15 @@ pub struct SectionEntry {
 pub enum FileError {
     /// It cannot be read.
     #[error(
-        "cannot read {path}: {cause}; give the path of a system's file or the name of a shipped model ({shipped})"
+        "cannot read {path}: {cause}; {meant}give the path of a system's file or the name of a shipped model ({shipped})"
     )]
     Unreadable {
         /// The path as given.
         path: String,
         /// What the operating system said.
         cause: String,
+        /// The shipped model that may have been meant, as a question; empty where there is none.
+        meant: String,
         /// Names of the shipped models.
         shipped: String,
     },
@@ -211,6 +213,21 @@ pub fn number(text: &str) -> Result<f64, String> {
     build::value(&formula).map_err(|problem| problem.message)
 }
 
+fn unreadable(path: &str, cause: &std::io::Error) -> FileError {
+    let shipped = crate::shipped::names();
+    // Of a file that is there somebody means that file.
+    let is_missing = cause.kind() == std::io::ErrorKind::NotFound;
+    let meant = is_missing.then(|| did_you_mean(path, shipped.iter().copied()));
+    FileError::Unreadable {
+        path: path.to_owned(),
+        cause: cause.to_string(),
+        meant: meant
+            .flatten()
+            .map_or_else(String::new, |meant| meant + " Or "),
+        shipped: shipped.join(", "),
+    }
+}
+
 impl SystemFile {
     /// Reads a file, or a shipped model by its name. A file of that name comes first.
     ///
@@ -220,11 +237,7 @@ impl SystemFile {
         let shipped = crate::shipped::named(path).filter(|_| !Path::new(path).is_file());
         let text = match shipped {
             Some(text) => text.to_owned(),
-            None => std::fs::read_to_string(path).map_err(|cause| FileError::Unreadable {
-                path: path.to_owned(),
-                cause: cause.to_string(),
-                shipped: crate::shipped::names().join(", "),
-            })?,
+            None => std::fs::read_to_string(path).map_err(|cause| unreadable(path, &cause))?,
         };
         let name = path.to_owned();
         SystemFile::parse(Source { name, text })

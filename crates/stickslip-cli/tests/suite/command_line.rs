@@ -114,7 +114,7 @@ fn parameters_and_starts_can_be_set() {
 #[test]
 fn wrong_arguments_are_told_with_a_remedy() {
     let top = folder();
-    let bad: [(&[&str], &str); 16] = [
+    let bad: [(&[&str], &str); 29] = [
         (
             &["simulate", "belt", "--set", "muo=1"],
             "there is no parameter `muo`; did you mean `mu0`?",
@@ -141,7 +141,7 @@ fn wrong_arguments_are_told_with_a_remedy() {
         ),
         (
             &["simulate", "belt", "--tol", "1"],
-            "option rtol = 1 is not allowed: it must be between 1e-15 and 0.1",
+            "--tol 1 is not allowed: it must be between 1e-15 and 0.1",
         ),
         (
             &["simulate", "belt", "--t-end", "-1"],
@@ -164,6 +164,70 @@ fn wrong_arguments_are_told_with_a_remedy() {
             &["tangents", "belt", "--contact", "bell"],
             "did you mean `belt`?",
         ),
+        (&["simulate", "forcd"], "did you mean `forced`?"),
+        (&["check", "dem-hartog"], "did you mean `den-hartog`?"),
+        (
+            &["simulate", "belt", "--start", "x=1", "--start", "x=2"],
+            "the state `x` is set twice",
+        ),
+        // A number below its bounds is a number.
+        (
+            &["simulate", "belt", "--tol", "-1e-9"],
+            "--tol -1e-9 is not allowed: it must be between 1e-15 and 0.1",
+        ),
+        (
+            &["simulate", "belt", "--longest-step", "-1e-2"],
+            "--longest-step -0.01 is not allowed: it must be positive",
+        ),
+        (
+            &["basin", "basins", "--until", "-1e3"],
+            "--until -1000 is not allowed: it must be positive and finite",
+        ),
+        (
+            &[
+                "continue",
+                "belt",
+                "--parameter",
+                "mu0=0:1",
+                "--step",
+                "-1e-2",
+            ],
+            "--step -0.01 is not allowed: it must be positive and at most 1",
+        ),
+        (
+            &[
+                "bifurcation",
+                "belt",
+                "--parameter",
+                "mu0=0:1",
+                "--values",
+                "-3",
+            ],
+            "invalid value '-3' for '--values <NUMBER>': a whole number is expected, 1 at least",
+        ),
+        (
+            &[
+                "map", "basins", "--x", "vd=1:2", "--y", "d=0:1", "--grid", "-3x4",
+            ],
+            "--grid -3x4: numbers of columns and rows are expected, both at least 1",
+        ),
+        (
+            &["basin", "basins", "--random", "9", "--seed", "-1"],
+            "invalid value '-1' for '--seed <SEED>': a whole number is expected, 0 at least",
+        ),
+        // What would have no effect is not taken as if it had.
+        (
+            &["orbit", "leine", "--periods", "2"],
+            "--periods 2 has no effect: the system does not depend on time",
+        ),
+        (
+            &["orbit", "den-hartog", "--longest", "5"],
+            "--longest 5 has no effect: the system depends on time",
+        ),
+        (
+            &["basin", "basins", "--seed", "4"],
+            "--seed 4 has no effect on a grid",
+        ),
         (&["orbit", "belt", "--transient", "-1"], "--transient"),
         (
             &["orbit", "den-hartog", "--periods", "0"],
@@ -171,7 +235,7 @@ fn wrong_arguments_are_told_with_a_remedy() {
         ),
         (
             &["lyapunov", "belt", "--duration", "0"],
-            "option duration = 0 is not allowed",
+            "--duration 0 is not allowed: it must be positive and finite",
         ),
     ];
     for (arguments, message) in bad {
@@ -183,6 +247,160 @@ fn wrong_arguments_are_told_with_a_remedy() {
             .stdout("");
     }
     assert_eq!(std::fs::read_dir(top.path()).unwrap().count(), 0);
+}
+
+#[test]
+fn a_negative_value_is_a_value() {
+    let top = folder();
+    for arguments in [
+        ["--start", "x=-1"],
+        ["--start", "v=-1e-1"],
+        ["--t-start", "-1e1"],
+    ] {
+        program(top.path())
+            .args(["simulate", "belt", "--t-end", "5", "--out", "o"])
+            .args(arguments)
+            .assert()
+            .success();
+    }
+}
+
+/// What a command prints as JSON.
+fn json(folder: &Path, arguments: &[&str]) -> serde_json::Value {
+    let mut program = program(folder);
+    let output = program.args(arguments).arg("--json").assert().success();
+    serde_json::from_slice(&output.get_output().stdout).unwrap()
+}
+
+#[test]
+fn what_was_understood_and_written_is_told_as_json_too() {
+    let top = folder();
+    let written = json(top.path(), &["new", "mine.toml"]);
+    assert_eq!(written, serde_json::json!({ "files": ["mine.toml"] }));
+    let mine = json(top.path(), &["check", "mine.toml"]);
+    assert_eq!(mine["system"]["name"], "Block on a belt");
+    // The file is understood with what is set.
+    let found = json(top.path(), &["check", "leine", "--set", "vd=1/4"]);
+    assert_eq!(found["system"]["parameters"]["vd"], 0.25);
+    let all = |name: &str| found[name].as_array().unwrap().clone();
+    let vd = all("parameters")
+        .into_iter()
+        .find(|one| one["name"] == "vd");
+    let vd = vd.unwrap();
+    assert_eq!((&vd["value"], &vd["in_file"]), (&0.25.into(), &0.2.into()));
+    let states = all("states");
+    assert_eq!((states.len(), &states[1]["name"]), (2, &"v".into()));
+    let contacts = all("contacts");
+    assert_eq!(contacts.len(), 1);
+    // At v = 0 the block is slower than the belt.
+    assert_eq!(contacts[0]["start"]["height"], -0.25);
+    assert_eq!(contacts[0]["start"]["side"], "below");
+    assert_eq!(
+        all("field")[0],
+        serde_json::json!({ "state": "x", "rate": "v" })
+    );
+    assert_eq!(found["time"]["depends_on_time"], false);
+    // Friction 1 at rest and a spring of 1: it sticks up to x = 1 either way.
+    let boundary = &found["boundary"];
+    assert_eq!(boundary["zones"][0]["kind"], "stick");
+    let ends = ["from", "to"].map(|end| boundary["zones"][0][end].as_f64().unwrap());
+    assert!((ends[0] + 1.0).abs() < 1e-12 && (ends[1] - 1.0).abs() < 1e-12);
+    assert_eq!(boundary["tangent_points"].as_array().unwrap().len(), 2);
+    let driven = json(top.path(), &["check", "den-hartog", "--set", "O=0.5"]);
+    assert_eq!(driven["time"]["depends_on_time"], true);
+    assert_eq!(driven["time"]["period"], 4.0 * std::f64::consts::PI);
+}
+
+#[test]
+fn a_run_that_comes_to_rest_is_no_periodic_orbit_and_is_told_where() {
+    let top = folder();
+    // x = F(-vd) = (1 + e^(-2 vd))/2.
+    let rest = 0.5 + 0.5 * stickslip::math::exp(-3.8);
+    for transient in ["200", "20000"] {
+        for command in [&["orbit"][..], &["continue", "--parameter", "vd=1:2"]] {
+            program(top.path())
+                .args(command)
+                .args(["basins", "--set", "vd=1.9", "--transient", transient])
+                .assert()
+                .code(1)
+                .stdout("")
+                .stderr(contains("no periodic orbit was found"))
+                .stderr(contains(format!("the equilibrium ({rest:.9}, 0.0")))
+                .stderr(contains("--start"))
+                .stderr(contains("residual").not());
+        }
+    }
+    assert_eq!(std::fs::read_dir(top.path()).unwrap().count(), 0);
+}
+
+/// Two blocks on a belt, each with a friction of its own.
+const TWO: &str = r#"
+name = "two"
+[states]
+x1 = ""
+v1 = ""
+x2 = ""
+v2 = ""
+[parameters]
+hold = 1
+[contacts.upper]
+boundary = "v1 - 0.2"
+friction = "1/(1 + 3*upper*(v1 - 0.2))"
+[contacts.lower]
+boundary = "v2 - 0.2"
+friction = "1"
+static = "hold"
+[field]
+x1 = "v1"
+v1 = "-x1 - friction(upper)"
+x2 = "v2"
+v2 = "-x2 - friction(lower)"
+[start]
+x1 = 1
+v1 = 0
+x2 = 0
+v2 = 0
+[time]
+end = 20
+[ranges]
+x1 = [-1, 1]
+v1 = [-1, 1]
+"#;
+
+#[test]
+fn contacts_are_spoken_of_by_their_names() {
+    let top = folder();
+    std::fs::write(top.path().join("two.toml"), TWO).unwrap();
+    program(top.path())
+        .args(["basin", "two.toml", "--at-repelling", "below"])
+        .assert()
+        .code(2)
+        .stderr(contains(
+            "--at-repelling has no effect on a system of several contacts",
+        ));
+    let said = "the static friction of the contact `lower`";
+    let weak = ["two.toml", "--set", "hold=0.5"];
+    for command in ["simulate", "orbit", "lyapunov"] {
+        program(top.path())
+            .arg(command)
+            .args(weak)
+            .assert()
+            .code(1)
+            .stderr(contains(said))
+            .stderr(contains("contact 1").not());
+    }
+    program(top.path())
+        .arg("basin")
+        .args(weak)
+        .args(["--grid", "2x2", "--out", "b"])
+        .assert()
+        .success()
+        .stdout(contains("none  1.0000").and(contains(said)));
+    let found = json(top.path(), &["simulate", "two.toml"]);
+    let transitions = found["transitions"].as_array().unwrap();
+    for name in ["upper", "lower"] {
+        assert!(transitions.iter().any(|at| at["contact"] == name), "{name}");
+    }
 }
 
 #[test]
@@ -323,21 +541,99 @@ fn whoever_stops_reading_is_no_failure() {
 #[cfg(not(feature = "png"))]
 #[test]
 fn a_program_without_png_says_so() {
-    program(folder().path())
-        .args(["simulate", "belt", "--png"])
-        .assert()
-        .code(1)
-        .stderr(contains("--features png"));
+    let top = folder();
+    for arguments in [
+        &["simulate", "belt"][..],
+        &["basin", "basins"],
+        &["merge", "a", "b"],
+    ] {
+        program(top.path())
+            .args(arguments)
+            .arg("--png")
+            .assert()
+            .code(1)
+            .stderr(contains("--features png"));
+    }
+    // It is told before anything is computed.
+    assert_eq!(std::fs::read_dir(top.path()).unwrap().count(), 0);
 }
 
 #[cfg(feature = "png")]
 #[test]
 fn figures_are_also_written_as_png() {
     let top = folder();
-    program(top.path())
-        .args(["simulate", "belt", "--png", "--out", "o"])
-        .assert()
-        .success();
-    let png = std::fs::read(top.path().join("o/portrait.png")).unwrap();
-    assert!(png.starts_with(b"\x89PNG"));
+    let plane = ["--grid", "4x3", "--until", "300"];
+    let commands: [(&[&str], &[&str]); 8] = [
+        (&["simulate", "belt"], &["history", "portrait"]),
+        (&["tangents", "belt"], &["tangents"]),
+        (&["orbit", "leine"], &["history", "portrait"]),
+        (
+            &[
+                "lyapunov",
+                "leine",
+                "--transient",
+                "20",
+                "--duration",
+                "100",
+            ],
+            &["convergence"],
+        ),
+        (
+            &["continue", "leine", "--parameter", "vd=0.19:0.21"],
+            &["continue"],
+        ),
+        (
+            &[
+                "bifurcation",
+                "leine",
+                "--parameter",
+                "vd=0.1:0.3",
+                "--values",
+                "3",
+            ],
+            &["bifurcation"],
+        ),
+        (
+            &["basin", "basins", plane[0], plane[1], plane[2], plane[3]],
+            &["basin"],
+        ),
+        (
+            &[
+                "map",
+                "basins",
+                "--x",
+                "vd=1:2",
+                "--y",
+                "d=0.1:0.2",
+                plane[0],
+                plane[1],
+            ],
+            &["map"],
+        ),
+    ];
+    for (arguments, figures) in commands {
+        let out = arguments[0];
+        program(top.path())
+            .args(arguments)
+            .args(["--png", "--out", out])
+            .assert()
+            .success();
+        for figure in figures {
+            let of = |ending: &str| top.path().join(out).join(format!("{figure}.{ending}"));
+            let png = std::fs::read(of("png")).unwrap();
+            assert!(png.starts_with(b"\x89PNG\r\n\x1a\n"), "{out} {figure}");
+            // Width and height in the header, at twice the size of the drawing.
+            let pixels = |at: usize| u32::from_be_bytes(png[at..at + 4].try_into().unwrap());
+            let svg = text(of("svg"));
+            let document = roxmltree::Document::parse(&svg).unwrap();
+            let nominal = |name: &str| -> f64 {
+                let size = document.root_element().attribute(name).unwrap();
+                size.trim_end_matches("px").parse().unwrap()
+            };
+            for (at, name) in [(16, "width"), (20, "height")] {
+                let off = f64::from(pixels(at)) - 2.0 * nominal(name);
+                assert!(off.abs() <= 1.0, "{out} {figure}: {name} off by {off}");
+            }
+        }
+    }
 }

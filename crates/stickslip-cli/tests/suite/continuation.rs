@@ -355,3 +355,44 @@ fn what_cannot_be_continued_is_told_with_a_remedy() {
         .code(2)
         .stderr(contains("8 states; orbits can be continued of at most 7"));
 }
+
+/// About the orbit (cos t, sin t) turns a linear flow, by 0.3 while it grows at the rate p: the angle of the multipliers at p = 0 is 0.6π.
+const TORUS: &str = r#"
+name = "torus"
+[states]
+x = ""
+y = ""
+[parameters]
+p = -0.1
+[contacts.mark]
+boundary = "x - 0.2"
+[field]
+x = "-sin(t) + by_side(mark, p*(x - cos(t)), p*(x - cos(t))) - 0.3*(y - sin(t))"
+y = "cos(t) + p*(y - sin(t)) + 0.3*(x - cos(t))"
+[time]
+period = "2*pi"
+[start]
+x = 1
+y = 0.01
+"#;
+
+#[test]
+fn a_torus_is_named_in_ascii_for_other_programs() {
+    let top = tempfile::tempdir().unwrap();
+    std::fs::write(top.path().join("torus.toml"), TORUS).unwrap();
+    let output = program(top.path(), &["torus.toml", "--parameter", "p=-0.2:0.2"])
+        .arg("--json")
+        .assert()
+        .success();
+    let printed = String::from_utf8(output.get_output().stdout.clone()).unwrap();
+    assert!(printed.is_ascii(), "{printed}");
+    let json: Value = serde_json::from_str(&printed).unwrap();
+    let special = &json["special"][0];
+    assert_eq!(special["what"], "Neimark-Sacker");
+    assert!(special["parameter"].as_f64().unwrap().abs() < 1e-9);
+    assert!((special["angle"].as_f64().unwrap() - 0.6 * PI).abs() < 1e-8);
+    for table in ["branch.csv", "special.csv"] {
+        let path = top.path().join("stickslip-output").join(table);
+        assert!(std::fs::read_to_string(path).unwrap().is_ascii(), "{table}");
+    }
+}

@@ -101,6 +101,52 @@ fn other_seeds_are_other_starts_and_the_same_seed_the_same() {
     assert_eq!(one.lines().count(), 21);
 }
 
+/// At this speed of the belt all starts lead to the focus, slowly: in a short time none is decided, in a long one all are.
+#[test]
+fn undecided_starts_are_none_of_the_attractors() {
+    let top = folder();
+    let run = |until: &str, out: &str| {
+        let mut program = program(top.path());
+        program.args(["basin", "basins", "--set", "vd=1.9", "--grid", "3x2"]);
+        program.args(["--until", until, "--out", out]);
+        program
+    };
+    run("5", "short")
+        .assert()
+        .success()
+        .stdout(contains("none  1.0000      0.0000  undecided after 5\n"));
+    let output = run("5", "short").arg("--json").assert().success();
+    let json: Value = serde_json::from_slice(&output.get_output().stdout).unwrap();
+    assert_eq!(json["attractors"], Value::Array(Vec::new()));
+    let [none] = json["no_attractor"].as_array().unwrap().as_slice() else {
+        panic!("{json}");
+    };
+    assert_eq!(
+        (&none["motion"], &none["starts"]),
+        (&"undecided".into(), &6.into())
+    );
+    assert_eq!(none["after"], 5.0);
+    let rows = |out: &str| {
+        let mut rows = csv::Reader::from_path(top.path().join(out).join("basin.csv")).unwrap();
+        let rows = rows.records().map(|row| {
+            let row = row.unwrap();
+            (row[2].to_owned(), row[3].to_owned())
+        });
+        rows.collect::<Vec<_>>()
+    };
+    assert_eq!(
+        rows("short"),
+        vec![(String::new(), "undecided".to_owned()); 6]
+    );
+    let svg = text(top.path().join("short/basin.svg"));
+    assert!(svg.contains("undecided after 5: 100.00 %"));
+    run("5000", "long").assert().success();
+    assert_eq!(
+        rows("long"),
+        vec![("1".to_owned(), "equilibrium".to_owned()); 6]
+    );
+}
+
 #[test]
 fn shares_of_the_work_are_merged_to_what_one_run_gives() {
     let top = folder();
@@ -186,14 +232,14 @@ fn wrong_planes_are_told() {
     for (arguments, said) in [
         (&["--grid", "0x4"][..], "--grid 0x4"),
         (&["--grid", "ten"], "--grid ten"),
-        (&["--random", "0"], "--random 0"),
+        (&["--random", "0"], "'0' for '--random"),
         (&["--x", "y=0:1"], "there is no state `y`"),
         (&["--x", "x=1:0"], "from 1 to 0 is no range"),
         (&["--x", "x"], "there is no `=`"),
         (&["--x", "x=a:1"], "`a` is no number"),
         (&["--y", "x=0:1"], "a plane has two states"),
         (&["--shard", "3/2"], "`3/2` is no share"),
-        (&["--until", "0"], "longest"),
+        (&["--until", "0"], "--until 0 is not allowed"),
     ] {
         program(top.path())
             .args(["basin", "basins"])

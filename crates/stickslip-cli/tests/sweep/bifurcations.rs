@@ -63,7 +63,7 @@ fn up_and_down_show_the_hysteresis() {
         let mut rows = rows.records().map(Result::unwrap);
         let row = rows.find(|row| &row[0] == way && &row[4] == what).unwrap();
         let number = |k: usize| row[k].parse::<f64>().unwrap_or(f64::NAN);
-        (number(1), number(5), row[6].to_owned())
+        (number(1), number(6), row[7].to_owned())
     };
     let (lower, ..) = change("down", "Hopf bifurcation of the equilibrium");
     assert!((lower - born).abs() < 1e-12, "{lower}");
@@ -139,4 +139,90 @@ fn wrong_diagrams_are_told() {
             .stderr(contains(said));
     }
     assert_eq!(std::fs::read_dir(top.path()).unwrap().count(), 0);
+}
+
+/// y' = -y + sin t + cos t attracts to sin t below the boundary of `roof`, y = p, and above it all falls; beside it z follows sin(t - 2) across zero.
+const TWO: &str = r#"
+name = "two"
+[states]
+z = ""
+y = ""
+[parameters]
+p = 1
+[definitions]
+rate = "sin(t - 2) + cos(t - 2) - z"
+[contacts.clock]
+boundary = "z"
+[contacts.roof]
+boundary = "y - p"
+[field]
+z = "by_side(clock, rate, rate)"
+y = "by_side(roof, sin(t) + cos(t) - y, -1)"
+[time]
+period = "2*pi"
+[start]
+z = -0.4
+y = -0.5
+"#;
+
+/// The sine touches the boundary at p = 1.
+#[test]
+fn a_change_of_phases_is_told_at_the_contact_of_that_name() {
+    let top = folder();
+    std::fs::write(top.path().join("two.toml"), TWO).unwrap();
+    let output = program(top.path())
+        .args(["bifurcation", "two.toml", "--parameter", "p=0.97:1.02"])
+        .args(["--values", "2", "--until", "400", "--duration", "20"])
+        .args(["--out", "o", "--json"])
+        .assert()
+        .success();
+    let json: serde_json::Value = serde_json::from_slice(&output.get_output().stdout).unwrap();
+    for way in ["up", "down"] {
+        let changes = json[way]["changes"].as_array().unwrap();
+        assert_eq!(changes.len(), 1, "{json}");
+        let change = &changes[0]["change"]["sequence"];
+        assert_eq!(change["contact"], "roof");
+        assert_eq!(change["name"], "grazing-sliding");
+        let parameter = change["parameter"].as_f64().unwrap();
+        assert!((parameter - 1.0).abs() < 1e-9, "{parameter}");
+    }
+    let mut rows = csv::Reader::from_path(top.path().join("o/changes.csv")).unwrap();
+    let contact = rows
+        .headers()
+        .unwrap()
+        .iter()
+        .position(|name| name == "contact");
+    let named = rows
+        .records()
+        .map(|row| row.unwrap()[contact.unwrap()].to_owned());
+    assert_eq!(named.collect::<Vec<_>>(), ["roof", "roof"]);
+    program(top.path())
+        .args(["bifurcation", "two.toml", "--parameter", "p=0.97:1.02"])
+        .args(["--values", "2", "--until", "400", "--duration", "20"])
+        .args(["--out", "o"])
+        .assert()
+        .success()
+        .stdout(contains("grazing-sliding of roof"));
+    program(top.path())
+        .args([
+            "continue",
+            "two.toml",
+            "--set",
+            "p=0.98",
+            "--parameter",
+            "p=0.97:1.02",
+        ])
+        .args(["--out", "c"])
+        .assert()
+        .success()
+        .stdout(contains("grazing-sliding of roof"));
+    // For other programs a minus is a minus.
+    for table in [
+        "o/changes.csv",
+        "o/bifurcation.csv",
+        "c/special.csv",
+        "c/branch.csv",
+    ] {
+        assert!(text(top.path().join(table)).is_ascii(), "{table}");
+    }
 }

@@ -57,6 +57,30 @@ fn a_map_has_the_known_exponent_of_the_equilibrium() {
 }
 
 #[test]
+fn undecided_cells_are_no_kind_of_attractor() {
+    let top = folder();
+    program(top.path())
+        .args(MAP)
+        .args(["--until", "5", "--duration", "5", "--out", "map"])
+        .assert()
+        .success()
+        .stdout(contains("100.00 %  no attractor: undecided after 5\n"));
+    let svg = text(top.path().join("map/map.svg"));
+    assert!(svg.contains("undecided after 5"));
+    let output = program(top.path())
+        .args(MAP)
+        .args(["--tol", "1e-10", "--out", "long", "--json"])
+        .assert()
+        .success();
+    let printed = String::from_utf8(output.get_output().stdout.clone()).unwrap();
+    // For other programs a minus is a minus.
+    assert!(
+        printed.is_ascii() && printed.contains("periodic, - S"),
+        "{printed}"
+    );
+}
+
+#[test]
 fn shares_of_a_map_are_merged_to_what_one_run_gives() {
     let top = folder();
     let run = |arguments: &[&str]| {

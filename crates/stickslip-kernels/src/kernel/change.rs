@@ -54,6 +54,8 @@ pub enum Change {
         uncertainty: f64,
         /// What it is called.
         name: String,
+        /// The contact whose event function vanishes, counted from 0; none where the change has no name.
+        contact: Option<usize>,
         /// Where on the orbit.
         x: Vec<f64>,
         /// Period of the orbit.
@@ -105,6 +107,7 @@ impl Change {
             parameter: change.parameter,
             uncertainty: change.uncertainty,
             name: change.bifurcation.to_string(),
+            contact: change.contact,
             x: change.x.as_slice().to_vec(),
             period: change.period,
             before: erased(&change.before),

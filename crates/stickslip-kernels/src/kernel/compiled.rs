@@ -240,9 +240,10 @@ where
         x: &[f64],
         settings: &RecurrenceSettings,
         options: &Options,
+        told: &dyn Fn(&Error) -> String,
     ) -> Result<Outcome, Error> {
         let reached = attractor(&self.system, state::<N>(x), settings, options)?;
-        Ok(Outcome::of(&reached, self.contacts))
+        Ok(Outcome::of(&reached, self.contacts, told))
     }
 
     fn changes(

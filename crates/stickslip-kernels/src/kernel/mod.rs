@@ -95,7 +95,7 @@ pub trait Kernel: Send + Sync {
         settings: &SpectrumOptions,
     ) -> Result<SpectrumFound, Error>;
 
-    /// The attractor that the orbit from `x` at time 0 comes to.
+    /// The attractor that the orbit from `x` at time 0 comes to; `told` puts into words what an integration failed with.
     ///
     /// # Errors
     /// Those of [`stickslip::analysis::attractor`].
@@ -104,6 +104,7 @@ pub trait Kernel: Send + Sync {
         x: &[f64],
         settings: &RecurrenceSettings,
         options: &Options,
+        told: &dyn Fn(&Error) -> String,
     ) -> Result<Outcome, Error>;
 
     /// What becomes of the attractor that the orbit from `x` comes to at the first of two values of a parameter, when the parameter goes to

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use stickslip::analysis::{Attractors, Kind, Reached, RecurrenceSettings, SectionPoint};
-use stickslip::{Phase, Switched, TransitionKind};
+use stickslip::{Error, Phase, Switched, TransitionKind};
 
 use super::compiled::state;
 use super::erased::{Erase, Modes};
@@ -37,7 +37,7 @@ pub enum Motion {
 }
 
 impl Motion {
-    fn of(kind: &Kind) -> Self {
+    fn of(kind: &Kind, told: &dyn Fn(&Error) -> String) -> Self {
         match kind {
             Kind::Equilibrium => Motion::Equilibrium,
             Kind::EquilibriumSet => Motion::EquilibriumSet,
@@ -46,7 +46,7 @@ impl Motion {
             Kind::Escape => Motion::Escape,
             Kind::Repelling => Motion::Repelling,
             Kind::TwoFold(_) => Motion::TwoFold,
-            Kind::Failure(error) => Motion::Failure(error.to_string()),
+            Kind::Failure(error) => Motion::Failure(told(error)),
             Kind::Undecided => Motion::Undecided,
         }
     }
@@ -145,8 +145,12 @@ impl Outcome {
         }
     }
 
-    pub(super) fn of<const N: usize, K: Erase>(reached: &Reached<N, K>, contacts: usize) -> Self {
-        let motion = Motion::of(&reached.kind);
+    pub(super) fn of<const N: usize, K: Erase>(
+        reached: &Reached<N, K>,
+        contacts: usize,
+        told: &dyn Fn(&Error) -> String,
+    ) -> Self {
+        let motion = Motion::of(&reached.kind, told);
         let told_by_points = motion.kind().is_some();
         let points = reached.points.iter().filter(|_| told_by_points);
         let phases = reached.phases.iter().filter(|_| told_by_points);

@@ -44,7 +44,7 @@ pub fn periodic_orbit_forced<S: Switched<N, G>, const N: usize, const G: usize>(
     shoot(system, t, x.into(), period, None, options)
 }
 
-/// The periodic orbit near `x`, with a period near `period`, of a system that does not depend on time, by Newton's
+/// The periodic orbit near `x`, with a period near `period` (less than twice that), of a system that does not depend on time, by Newton's
 /// iteration for state and period together. `x` should not lie on Σ.
 ///
 /// # Errors
@@ -163,6 +163,7 @@ fn shoot<S: Switched<N, G>, const N: usize, const G: usize>(
 ) -> Result<PeriodicOrbit<N>, Error> {
     let by_tolerance = 100.0 * options.atol.max(options.rtol);
     let (mut residual, mut wanted) = (f64::INFINITY, by_tolerance);
+    let guessed = period;
     for _ in 0..MOST {
         let turn = monodromy(system, t, x, t + period, options)?;
         if turn.summary.ending != Ending::EndTime {
@@ -171,6 +172,12 @@ fn shoot<S: Switched<N, G>, const N: usize, const G: usize>(
         let gap = turn.summary.x - x;
         let size = gap.amax();
         wanted = by_tolerance.max(rounding(&turn, &x));
+        let speed = phase.map_or(f64::INFINITY, |_| slope_at(system, t, &x).amax());
+        // What moves no further in a turn than it may be off repeats itself because it rests.
+        if speed * period <= wanted {
+            residual = size;
+            break;
+        }
         // The last halvings of the residual are rounding: stop at the first iterate that is no better.
         if size <= wanted && size >= 0.5 * residual || size == 0.0 {
             return Ok(PeriodicOrbit {
@@ -183,7 +190,7 @@ fn shoot<S: Switched<N, G>, const N: usize, const G: usize>(
         }
         residual = size;
         // An equilibrium repeats itself after any time; the iteration may fall into one.
-        if phase.is_some() && slope_at(system, t, &x).amax() * period < 1e-3 * x.amax().max(1e-3) {
+        if speed * period < 1e-3 * x.amax().max(1e-3) {
             break;
         }
         let Some((dx, change)) = correction(system, t + period, &turn, &gap, phase.as_ref()) else {
@@ -191,7 +198,9 @@ fn shoot<S: Switched<N, G>, const N: usize, const G: usize>(
         };
         x += dx;
         period += change;
-        if !(period > 0.0 && x.iter().all(|v| v.is_finite())) {
+        // A bad guess may ask for any period, and as long a run.
+        let is_near = (period - guessed).abs() < guessed;
+        if !(is_near && x.iter().all(|v| v.is_finite())) {
             break;
         }
     }

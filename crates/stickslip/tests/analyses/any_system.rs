@@ -3,7 +3,7 @@
 use stickslip::{Error, Filippov, Scalar, Side};
 
 use crate::attractors::systems::{Driven, Leine, Rings, Wells};
-use crate::bifurcations::systems::{Beat, DrivenFamily, Island, Twisted};
+use crate::bifurcations::systems::{Beat, DrivenFamily, Ends, Held, Island, Pitchfork, Twisted};
 use crate::den_hartog::DenHartog;
 use crate::line::Line;
 use crate::listed::{Listed, systems};
@@ -13,10 +13,12 @@ systems!(Any1, 1: Beat(Beat), Line(Line));
 
 systems!(
     Any2, 2:
-    DenHartog(DenHartog), Driven(Driven), Leine(Leine), Wells(Wells),
+    DenHartog(DenHartog), Driven(Driven), Ends(Ends), Held(Held), Leine(Leine), Wells(Wells),
 );
 
 systems!(
     Any3, 3:
     DrivenFamily(DrivenFamily), Island(Island), Lorenz(Smooth<Lorenz>), Rings(Rings), Twisted(Twisted),
 );
+
+systems!(Any4, 4: Pitchfork(Pitchfork));

@@ -1,8 +1,8 @@
 //! The plane of starts, coloured by attractor.
 
 use plot::{
-    BLUE, Cells, Color, Figure, GREEN, GREY, LIGHT_GREY, Legend, MID_GREY, Markers, ORANGE, PURPLE,
-    Panel, SKY, VERMILLION,
+    BLUE, Cells, Color, Figure, GREEN, GREY, Legend, Markers, ORANGE, PURPLE, Panel, SKY,
+    VERMILLION,
 };
 
 use super::super::{attractors, figures};
@@ -34,7 +34,7 @@ pub(super) fn basin(found: &Found, basin: &Basin, system: &System) -> Result<Str
         plot::Axis::new(&label, range.low, range.high)
     };
     let mut panel = Panel::new(axis(0), axis(1)).legend(Legend::Below);
-    let classes = classes(&found.attractors);
+    let classes = classes(&found.attractors, basin.until);
     for class in &classes {
         let is_in = |number: &u32| class.numbers.contains(&(*number as usize));
         match basin.points {
@@ -63,28 +63,28 @@ pub(super) fn basin(found: &Found, basin: &Basin, system: &System) -> Result<Str
     Ok(figure.render()?)
 }
 
-/// Attractors by share, the largest first; what is none in greys.
-fn classes(attractors: &[Attracting]) -> Vec<Class> {
+/// Attractors by share, the largest first; behind them what is none, each kind of it by itself.
+fn classes(attractors: &[Attracting], until: f64) -> Vec<Class> {
     let mut order: Vec<usize> = (0..attractors.len()).collect();
     // A stable sort: equal shares stay in the order of their numbers.
     order.sort_by(|&one, &other| attractors[other].starts.cmp(&attractors[one].starts));
+    let (order, none): (Vec<usize>, Vec<usize>) = order
+        .into_iter()
+        .partition(|&number| attractors[number].number.is_some());
     let (shown, rest) = order.split_at(order.len().min(MOST));
-    let mut colours = COLOURS.iter().cycle();
+    let class = |number: usize, colour: Color| {
+        let one = &attractors[number];
+        Class {
+            numbers: vec![number],
+            colour,
+            legend: legend(&one.outcome, one.share, until),
+        }
+    };
+    let colours = COLOURS.iter().cycle();
     let mut classes: Vec<Class> = shown
         .iter()
-        .map(|&number| {
-            let one = &attractors[number];
-            let colour = match one.outcome.motion {
-                Motion::Escape => LIGHT_GREY,
-                Motion::Undecided | Motion::Failure(_) => MID_GREY,
-                _ => colours.next().copied().unwrap_or(BLUE),
-            };
-            Class {
-                numbers: vec![number],
-                colour,
-                legend: legend(&one.outcome, one.share),
-            }
-        })
+        .zip(colours)
+        .map(|(&number, &colour)| class(number, colour))
         .collect();
     if !rest.is_empty() {
         let share: f64 = rest.iter().map(|&number| attractors[number].share).sum();
@@ -94,11 +94,15 @@ fn classes(attractors: &[Attracting]) -> Vec<Class> {
             legend: format!("{} further attractors, {:.2} %", rest.len(), 100.0 * share),
         });
     }
+    classes.extend(none.into_iter().map(|number| {
+        let word = attractors[number].outcome.motion.word();
+        class(number, figures::colour_of_none(word))
+    }));
     classes
 }
 
 /// What an attractor is called in the legend.
-fn legend(outcome: &stickslip_kernels::kernel::Outcome, share: f64) -> String {
+fn legend(outcome: &stickslip_kernels::kernel::Outcome, share: f64, until: f64) -> String {
     let word = outcome.motion.word();
     let percent = 100.0 * share;
     match outcome.motion {
@@ -113,6 +117,6 @@ fn legend(outcome: &stickslip_kernels::kernel::Outcome, share: f64) -> String {
             // Plain text, so that it is as wide as computed in every viewer.
             format!("{word}, period {period:.4}, {phases}: {percent:.2} %")
         }
-        _ => format!("{word}: {percent:.2} %"),
+        _ => format!("{}: {percent:.2} %", attractors::since(word, until)),
     }
 }

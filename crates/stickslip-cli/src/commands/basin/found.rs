@@ -14,11 +14,13 @@ use crate::output::{Artifact, OutputError, csv_table};
 use crate::sweep::{BlockError, Store, SweepError, write_whole};
 use crate::system::System;
 use crate::terminal::Said;
-use stickslip_kernels::kernel::Outcome;
+use stickslip_kernels::kernel::{Motion, Outcome};
 
-/// An attractor and the starts that lead to it.
+/// An attractor and the starts that lead to it; or the starts that lead to none in one way, as by escape.
 pub(super) struct Attracting {
     pub(super) outcome: Outcome,
+    /// Which attractor it is, from 1; none where it is none.
+    pub(super) number: Option<usize>,
     pub(super) starts: usize,
     /// Part of all starts.
     pub(super) share: f64,
@@ -28,8 +30,9 @@ pub(super) struct Attracting {
 
 /// Everything found.
 pub(super) struct Found {
+    /// In the order in which starts lead to them first.
     pub(super) attractors: Vec<Attracting>,
-    /// For each start, the number of its attractor, from 0.
+    /// For each start, which of these, from 0.
     pub(super) reached: Vec<u32>,
     table: PathBuf,
 }
@@ -52,6 +55,23 @@ pub(super) fn number(
     }
 }
 
+/// The attractors' numbers from 1, in their order; what is none has none.
+fn numbers_of(known: &[Outcome]) -> Vec<Option<usize>> {
+    let mut last = 0;
+    let number = |outcome: &Outcome| {
+        attractors::is_attractor(&outcome.motion).then(|| {
+            last += 1;
+            last
+        })
+    };
+    known.iter().map(number).collect()
+}
+
+/// A number in a table, empty where there is none.
+fn shown(number: Option<usize>) -> String {
+    number.map_or_else(String::new, |number| number.to_string())
+}
+
 impl Found {
     /// Reads the blocks one after the other, tells their attractors apart, and writes the table of all starts.
     pub(super) fn read(
@@ -64,7 +84,8 @@ impl Found {
         let (mut known, mut reached) = (Vec::new(), Vec::new());
         let table = PathBuf::from(&output.out).join("basin.csv");
         let names = system.file.states.iter().map(|state| state.name.clone());
-        let heading: Vec<String> = names.chain(["attractor".to_owned()]).collect();
+        let columns = ["attractor", "motion"].map(str::to_owned);
+        let heading: Vec<String> = names.chain(columns).collect();
         write_whole(&table, |file| {
             let mut rows = csv::Writer::from_writer(file);
             rows.write_record(&heading).map_err(OutputError::from)?;
@@ -80,13 +101,15 @@ impl Found {
                     .into_iter()
                     .map(|outcome| number(&mut known, outcome, system, &settings))
                     .collect();
+                let known_numbers = numbers_of(&known);
                 for (point, local) in basin.points.of_block(index).zip(block.starts) {
                     let attractor = *numbers
                         .get(local)
                         .ok_or_else(|| wrong(format!("it has no attractor {local}").into()))?;
                     let start = basin.start(point);
                     let fields = start.iter().map(|&value| tables::exact(value));
-                    let record = fields.chain([(attractor + 1).to_string()]);
+                    let word = known[attractor].motion.word().to_owned();
+                    let record = fields.chain([shown(known_numbers[attractor]), word]);
                     rows.write_record(record).map_err(OutputError::from)?;
                     reached.push(attractor as u32);
                 }
@@ -97,12 +120,15 @@ impl Found {
             Ok::<_, Failure>(())
         })?;
         let all = reached.len();
-        let attractors = known.into_iter().enumerate().map(|(number, outcome)| {
-            let starts = reached.iter().filter(|one| **one as usize == number);
+        let numbers = numbers_of(&known);
+        let attractors = known.into_iter().zip(numbers).enumerate();
+        let attractors = attractors.map(|(index, (outcome, number))| {
+            let starts = reached.iter().filter(|one| **one as usize == index);
             let starts = starts.count();
             let share = starts as f64 / all as f64;
             Attracting {
                 outcome,
+                number,
                 starts,
                 share,
                 std_error: (share * (1.0 - share) / all as f64).sqrt(),
@@ -144,8 +170,8 @@ impl Found {
         let columns = columns.into_iter().chain(["starts", "share", "std_error"]);
         let states = system.file.states.iter().map(|state| state.name.clone());
         let heading: Vec<String> = columns.map(str::to_owned).chain(states).collect();
-        let rows = self.attractors.iter().enumerate().map(|(number, one)| {
-            let mut row = vec![(number + 1).to_string()];
+        let rows = self.in_order().map(|one| {
+            let mut row = vec![shown(one.number)];
             row.extend(attractors::fields(&one.outcome));
             row.push(one.starts.to_string());
             row.extend([one.share, one.std_error].map(tables::exact));
@@ -173,35 +199,56 @@ impl Found {
         );
         // Writing into a text cannot fail.
         let _ = writeln!(text, "  attractor   share  std. error  motion");
-        for (number, one) in self.attractors.iter().enumerate() {
+        for one in self.in_order() {
             let _ = writeln!(
                 text,
                 "  {:>9}  {:.4}      {:.4}  {}",
-                number + 1,
+                one.number
+                    .map_or_else(|| "none".to_owned(), |number| number.to_string()),
                 one.share,
                 one.std_error,
-                attractors::words(&one.outcome)
+                attractors::words(&one.outcome, basin.until)
             );
         }
         text
     }
 
+    /// The attractors by number, and behind them what is none.
+    fn in_order(&self) -> impl Iterator<Item = &Attracting> {
+        let of = |is_numbered: bool| {
+            let all = self.attractors.iter();
+            all.filter(move |one| one.number.is_some() == is_numbered)
+        };
+        of(true).chain(of(false))
+    }
+
     fn json(&self, basin: &Basin, system: &System) -> serde_json::Value {
-        let attractors = self.attractors.iter().map(|one| {
-            let mut json = attractors::json(&one.outcome, system);
+        let told = |one: &Attracting| {
+            let mut json = match &one.outcome.motion {
+                motion if attractors::is_attractor(motion) => {
+                    attractors::json(&one.outcome, system)
+                }
+                Motion::Failure(error) => json!({ "motion": "failure", "first_error": error }),
+                Motion::Undecided => json!({ "motion": "undecided", "after": basin.until }),
+                motion => json!({ "motion": motion.word() }),
+            };
             if let Some(object) = json.as_object_mut() {
                 object.insert("starts".to_owned(), json!(one.starts));
                 object.insert("share".to_owned(), json!(one.share));
                 object.insert("std_error".to_owned(), json!(one.std_error));
             }
             json
-        });
-        let attractors: Vec<serde_json::Value> = attractors.collect();
+        };
+        let (found, none): (Vec<&Attracting>, Vec<&Attracting>) =
+            self.in_order().partition(|one| one.number.is_some());
+        let [attractors, none] =
+            [found, none].map(|these| these.into_iter().map(told).collect::<Vec<_>>());
         json!({
             "system": tables::system_json(system),
             "starts": self.reached.len(),
             "arguments": basin,
             "attractors": attractors,
+            "no_attractor": none,
         })
     }
 }

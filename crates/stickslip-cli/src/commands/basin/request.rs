@@ -7,6 +7,7 @@ use stickslip::analysis::RecurrenceSettings;
 
 use super::super::Failure;
 use super::super::arguments::{OutputArguments, SolverArguments};
+use super::super::attractors::reached_from;
 use super::super::range::{StateRange, grid};
 use super::super::sweeping::Sweep;
 use super::starts::Points;
@@ -15,6 +16,9 @@ use crate::sweep::{BlockError, Store};
 use crate::system::System;
 use crate::terminal::Said;
 use stickslip_kernels::kernel::Outcome;
+
+/// Seed where none is given.
+const FIRST_SEED: u64 = 1;
 
 /// Everything that a basin depends on besides the system.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -25,7 +29,7 @@ pub(in super::super) struct Basin {
     pub(super) points: Points,
     /// The other components of the starts.
     start: Vec<f64>,
-    until: f64,
+    pub(super) until: f64,
     solver: SolverArguments,
 }
 
@@ -50,13 +54,17 @@ impl Basin {
                 "--x and --y are both `{name}`; a plane has two states"
             )));
         }
-        let points = match arguments.random {
-            Some(number) => Points::Random {
-                number: NonZeroUsize::new(number)
-                    .ok_or_else(|| Failure::Usage("--random 0: give at least 1".into()))?,
-                seed: arguments.seed,
+        let points = match (arguments.random, arguments.seed) {
+            (Some(number), seed) => Points::Random {
+                number,
+                seed: seed.unwrap_or(FIRST_SEED),
             },
-            None => {
+            (None, Some(seed)) => {
+                return Err(Failure::Usage(format!(
+                    "--seed {seed} has no effect on a grid; leave it out, or give --random"
+                )));
+            }
+            (None, None) => {
                 let (columns, rows) = grid(&arguments.grid)?;
                 Points::Grid { columns, rows }
             }
@@ -106,14 +114,14 @@ impl Sweep for Basin {
         index: usize,
         _before: Option<&[u8]>,
     ) -> Result<Vec<u8>, BlockError> {
-        let (settings, kernel) = (self.settings(system), system.kernel());
-        let options = self.solver.options().map_err(|error| error.to_string())?;
+        let settings = self.settings(system);
+        let options = self.solver.options()?;
         let mut reached = Reached {
             attractors: Vec::new(),
             starts: Vec::new(),
         };
         for point in self.points.of_block(index) {
-            let outcome = kernel.attractor(&self.start(point), &settings, &options)?;
+            let outcome = reached_from(system, &self.start(point), &settings, &options)?;
             let number = found::number(&mut reached.attractors, outcome, system, &settings);
             reached.starts.push(number);
         }

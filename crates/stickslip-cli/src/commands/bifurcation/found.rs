@@ -135,7 +135,15 @@ impl Found {
     }
 
     fn changes_table(&self, diagram: &Bifurcation, system: &System) -> Result<Artifact, Failure> {
-        let columns = ["from", "to", "what", "uncertainty", "before", "after"];
+        let columns = [
+            "from",
+            "to",
+            "what",
+            "contact",
+            "uncertainty",
+            "before",
+            "after",
+        ];
         let mut heading = tables::strings(&["way", diagram.parameter.name.as_str()]);
         heading.extend(tables::strings(&columns));
         heading.extend(system.file.states.iter().map(|state| state.name.clone()));
@@ -150,6 +158,7 @@ impl Found {
                 );
                 row.extend([between.values.0, between.values.1].map(tables::exact));
                 row.push(tables::change_name(&between.change));
+                row.push(tables::changed_contact(system, &between.change));
                 let x = match &between.change {
                     Change::Sequence {
                         uncertainty,
@@ -191,6 +200,7 @@ impl Found {
             for (first, last, motion) in &way.spans {
                 // Writing into a text cannot fail.
                 let [first, last] = [*first, *last].map(tables::rounded);
+                let motion = attractors::since(motion, diagram.until);
                 let _ = writeln!(text, "  {name:<4}  {first} to {last}: {motion}");
             }
             for Between { values, change } in &way.changes {
@@ -199,14 +209,14 @@ impl Found {
                         text,
                         "  {name:<4}  at {}: {}",
                         tables::rounded(value),
-                        tables::change_name(change)
+                        tables::change_words(system, change)
                     ),
                     None => writeln!(
                         text,
                         "  {name:<4}  between {} and {}: {}",
                         tables::rounded(values.0),
                         tables::rounded(values.1),
-                        tables::change_name(change)
+                        tables::change_words(system, change)
                     ),
                 };
             }
@@ -221,11 +231,19 @@ impl Found {
                 .map(|(first, last, motion)| json!({ "from": first, "to": last, "motion": motion }))
                 .collect()
         };
+        let changes = |way: &Way| -> Vec<serde_json::Value> {
+            let changes = way.changes.iter();
+            changes
+                .map(|Between { values, change }| {
+                    json!({ "values": values, "change": tables::change_json(system, change) })
+                })
+                .collect()
+        };
         json!({
             "system": tables::system_json(system),
             "arguments": diagram,
-            "up": { "motions": spans(&self.up), "changes": self.up.changes },
-            "down": { "motions": spans(&self.down), "changes": self.down.changes },
+            "up": { "motions": spans(&self.up), "changes": changes(&self.up) },
+            "down": { "motions": spans(&self.down), "changes": changes(&self.down) },
         })
     }
 }

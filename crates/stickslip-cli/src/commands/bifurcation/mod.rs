@@ -7,7 +7,7 @@ mod request;
 use std::num::NonZeroUsize;
 
 use super::Failure;
-use super::arguments::RunArguments;
+use super::arguments::{RunArguments, count};
 use super::sweeping::{SweepArguments, check_period, sweep};
 use crate::terminal::Said;
 pub(super) use request::Bifurcation;
@@ -25,15 +25,31 @@ pub(super) struct Arguments {
     parameter: String,
 
     /// Number of values, both ends among them
-    #[arg(long, value_name = "NUMBER", default_value = "201")]
+    #[arg(
+        long,
+        value_name = "NUMBER",
+        allow_hyphen_values = true,
+        value_parser = count,
+        default_value = "201"
+    )]
     values: NonZeroUsize,
 
     /// Time after which an orbit that has come to no attractor is called undecided
-    #[arg(long, value_name = "TIME", default_value_t = 2000.0)]
+    #[arg(
+        long,
+        value_name = "TIME",
+        allow_hyphen_values = true,
+        default_value_t = 2000.0
+    )]
     until: f64,
 
     /// Time over which the Lyapunov exponent is measured, on the attractor
-    #[arg(long, value_name = "TIME", default_value_t = 500.0)]
+    #[arg(
+        long,
+        value_name = "TIME",
+        allow_hyphen_values = true,
+        default_value_t = 500.0
+    )]
     duration: f64,
 
     #[command(flatten)]
@@ -43,7 +59,7 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
-    let system = arguments.run.system.system()?;
+    let system = arguments.run.system()?;
     check_period(&system)?;
     let wanted = Bifurcation::new(arguments, &system)?;
     sweep(&wanted, &system, &arguments.sweep, &arguments.run.output)

@@ -30,7 +30,8 @@ pub(in super::super) struct Bifurcation {
     pub(super) parameter: ParameterRange,
     pub(super) values: NonZeroUsize,
     start: StartArguments,
-    until: f64,
+    /// Time after which an orbit is undecided.
+    pub(super) until: f64,
     duration: f64,
     solver: SolverArguments,
 }
@@ -145,7 +146,7 @@ impl Bifurcation {
                 Some(last) => last.carried.clone(),
                 None => self.start.at_zero(&here)?,
             };
-            let outcome = here.kernel().attractor(&start, &settings, &options)?;
+            let outcome = attractors::reached_from(&here, &start, &settings, &options)?;
             let class = attractors::class(&outcome);
             if let Some(last) = last.filter(|last| last.class != class) {
                 for change in self.changes(system, &last, value, &settings, &options)? {
@@ -194,7 +195,9 @@ impl Bifurcation {
         };
         let between = (last.value, value);
         let kernel = system.kernel();
-        let mut found = kernel.changes(&family, between, &last.start, &settings, options)?;
+        let mut found = kernel
+            .changes(&family, between, &last.start, &settings, options)
+            .map_err(|error| Failure::from(error).of(system))?;
         for change in &mut found {
             if let (
                 Change::Sequence {

@@ -4,12 +4,14 @@ mod branch;
 mod figure;
 mod told;
 
+use std::num::NonZeroUsize;
+
 use stickslip::analysis::ContinuationSettings;
 
-use super::Failure;
-use super::arguments::{Ready, RunArguments};
+use super::arguments::{Ready, RunArguments, count};
 use super::range::ParameterRange;
 use super::search::SearchArguments;
+use super::{Failure, Found};
 use crate::terminal::{Said, patiently};
 use branch::Begin;
 use told::Told;
@@ -29,14 +31,20 @@ pub(super) struct Arguments {
     #[arg(
         long,
         value_name = "PART",
-        allow_negative_numbers = true,
+        allow_hyphen_values = true,
         default_value_t = 0.02
     )]
     step: f64,
 
     /// Orbits on the branch, at most this many each way
-    #[arg(long, value_name = "NUMBER", default_value_t = 1000)]
-    points: usize,
+    #[arg(
+        long,
+        value_name = "NUMBER",
+        allow_hyphen_values = true,
+        value_parser = count,
+        default_value = "1000"
+    )]
+    points: NonZeroUsize,
 
     #[command(flatten)]
     search: SearchArguments,
@@ -45,28 +53,35 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
+    let ready = arguments.run.ready()?;
+    let found = found(arguments, &ready);
+    found
+        .map_err(|failure| failure.of(&ready.system))?
+        .written(&arguments.run.output)
+}
+
+fn found(arguments: &Arguments, ready: &Ready) -> Result<Found, Failure> {
     let Ready {
-        system,
-        options,
-        t,
-        x,
-    } = arguments.run.ready()?;
-    let range = ParameterRange::new("--parameter", &arguments.parameter, &system)?;
-    let begin = Begin::at(&system, &range)?;
+        system, options, ..
+    } = ready;
+    let range = ParameterRange::new("--parameter", &arguments.parameter, system)?;
+    let begin = Begin::at(system, &range)?;
     let settings = ContinuationSettings {
         step: arguments.step,
-        most_points: arguments.points,
+        most_points: arguments.points.get(),
         ..ContinuationSettings::over(range.low, range.high)
     };
     settings.check()?;
-    let (orbit, periods) = arguments.search.found(&system, (t, &x), &options)?;
+    let (orbit, periods) = arguments
+        .search
+        .found(system, (ready.t, &ready.x), options)?;
     let branch = patiently("following the branch", || {
-        begin.branch(&orbit, periods, &settings, &options)
+        begin.branch(&orbit, periods, &settings, options)
     })?;
     let told = Told {
-        system: &system,
+        system,
         range: &range,
         branch: &branch,
     };
-    told.found()?.written(&arguments.run.output)
+    told.found()
 }

@@ -26,7 +26,7 @@ fn what(kind: &SpecialKind) -> String {
         SpecialKind::Fold => "fold".to_owned(),
         SpecialKind::BranchPoint => "branch point".to_owned(),
         SpecialKind::Flip => "flip".to_owned(),
-        SpecialKind::NeimarkSacker { .. } => "Neimark–Sacker".to_owned(),
+        SpecialKind::NeimarkSacker { .. } => "Neimark-Sacker".to_owned(),
         SpecialKind::Sequence(change) => tables::change_name(change),
     }
 }
@@ -116,13 +116,25 @@ impl Told<'_> {
 
     /// `special.csv`: the special orbits, each behind so many rows of `branch.csv`.
     fn special_table(&self) -> Result<Artifact, OutputError> {
-        let columns = ["what", "angle", "uncertainty", "before", "after", "period"];
+        let columns = [
+            "what",
+            "contact",
+            "angle",
+            "uncertainty",
+            "before",
+            "after",
+            "period",
+        ];
         let mut heading = tables::strings(&["behind", &self.range.name]);
         heading.extend(tables::strings(&columns));
         heading.extend(self.states().map(str::to_owned));
         let rows = self.branch.special.iter().map(|at| {
             let mut row = vec![at.behind.to_string(), tables::exact(at.parameter)];
             row.push(what(&at.what));
+            row.push(match &at.what {
+                SpecialKind::Sequence(change) => tables::changed_contact(self.system, change),
+                _ => String::new(),
+            });
             row.extend(match &at.what {
                 SpecialKind::NeimarkSacker { angle } => {
                     let mut fields = vec![String::new(); 4];
@@ -177,7 +189,7 @@ impl Told<'_> {
                 "  at {} = {}: {}",
                 range.name,
                 tables::rounded(at.parameter),
-                special(at)
+                self.special(at)
             );
         }
         let ends = [branch.points.first(), branch.points.last()];
@@ -202,7 +214,11 @@ impl Told<'_> {
 
     fn json(&self) -> Value {
         let (range, branch) = (self.range, self.branch);
-        let special: Vec<Value> = branch.special.iter().map(special_json).collect();
+        let special: Vec<Value> = branch
+            .special
+            .iter()
+            .map(|at| self.special_json(at))
+            .collect();
         let ends = [branch.points.first(), branch.points.last()];
         let ends: Vec<Value> = ends
             .into_iter()
@@ -232,40 +248,45 @@ fn stability(is_stable: bool) -> &'static str {
     if is_stable { "stable" } else { "not stable" }
 }
 
-/// A special orbit in words.
-fn special(at: &SpecialThere) -> String {
-    let name = what(&at.what);
-    match &at.what {
-        SpecialKind::NeimarkSacker { angle } => {
-            format!("{name}, angle {}", tables::rounded(*angle))
+impl Told<'_> {
+    /// A special orbit in words.
+    fn special(&self, at: &SpecialThere) -> String {
+        match &at.what {
+            kind @ SpecialKind::NeimarkSacker { angle } => {
+                format!("{}, angle {}", what(kind), tables::rounded(*angle))
+            }
+            SpecialKind::Sequence(change) => {
+                let name = tables::change_words(self.system, change);
+                match change {
+                    Change::Sequence { before, after, .. } if !after.is_empty() => format!(
+                        "{name}, between phases {} and {}",
+                        tables::sequence(before),
+                        tables::sequence(after)
+                    ),
+                    _ => name,
+                }
+            }
+            kind => what(kind),
         }
-        SpecialKind::Sequence(Change::Sequence { before, after, .. }) if !after.is_empty() => {
-            format!(
-                "{name}, between phases {} and {}",
-                tables::sequence(before),
-                tables::sequence(after)
-            )
-        }
-        _ => name,
     }
-}
 
-fn special_json(at: &SpecialThere) -> Value {
-    let change = match &at.what {
-        SpecialKind::Sequence(change) => json!(change),
-        _ => Value::Null,
-    };
-    let angle = match at.what {
-        SpecialKind::NeimarkSacker { angle } => Some(angle),
-        _ => None,
-    };
-    json!({
-        "parameter": at.parameter,
-        "what": what(&at.what),
-        "behind": at.behind,
-        "period": at.period,
-        "x": at.x,
-        "angle": angle,
-        "change": change,
-    })
+    fn special_json(&self, at: &SpecialThere) -> Value {
+        let change = match &at.what {
+            SpecialKind::Sequence(change) => tables::change_json(self.system, change),
+            _ => Value::Null,
+        };
+        let angle = match at.what {
+            SpecialKind::NeimarkSacker { angle } => Some(angle),
+            _ => None,
+        };
+        json!({
+            "parameter": at.parameter,
+            "what": what(&at.what),
+            "behind": at.behind,
+            "period": at.period,
+            "x": at.x,
+            "angle": angle,
+            "change": change,
+        })
+    }
 }

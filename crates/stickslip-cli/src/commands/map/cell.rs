@@ -5,9 +5,9 @@ use stickslip::Options;
 use stickslip::analysis::RecurrenceSettings;
 use stickslip_kernels::kernel::Motion;
 
-use super::super::attractors;
 use super::super::exponent::Largest;
 use super::super::tables::exact;
+use super::super::{Failure, attractors};
 use crate::system::System;
 
 /// What is found at one pair of parameters.
@@ -29,8 +29,8 @@ impl Cell {
         settings: &RecurrenceSettings,
         duration: f64,
         options: &Options,
-    ) -> Result<Self, stickslip::Error> {
-        let outcome = system.kernel().attractor(start, settings, options)?;
+    ) -> Result<Self, Failure> {
+        let outcome = attractors::reached_from(system, start, settings, options)?;
         let is_there = !outcome.points.is_empty();
         let phases = match outcome.motion {
             Motion::Periodic { .. } => attractors::cycle(&outcome),
@@ -45,18 +45,18 @@ impl Cell {
         })
     }
 
-    /// What it is called in the legend.
+    /// The kind of motion, of an attractor with its phases.
     pub(super) fn class(&self) -> String {
         let word = self.motion.word();
         if self.phases.is_empty() {
             return word.to_owned();
         }
-        // Long sequences would be wider than the figure; their number of phases tells most of them apart.
+        // Long sequences would be wider than a figure; their number of phases tells most of them apart.
         let number = self.phases.split(' ').count();
         if number > 8 {
             format!("{word}, {number} phases")
         } else {
-            format!("{word}, {}", self.phases.replace('-', "−"))
+            format!("{word}, {}", self.phases)
         }
     }
 

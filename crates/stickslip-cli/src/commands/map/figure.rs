@@ -1,8 +1,8 @@
 //! The plane of two parameters three times: attractor, exponent, part of time in stick.
 
 use plot::{
-    Axis, BLUE, Cells, Color, Figure, GREEN, GREY, LIGHT_GREY, Legend, MID_GREY, ORANGE, PURPLE,
-    Panel, SKY, VERMILLION, WHITE,
+    Axis, BLUE, Cells, Color, Figure, GREEN, GREY, LIGHT_GREY, Legend, ORANGE, PURPLE, Panel, SKY,
+    VERMILLION, WHITE,
 };
 
 use super::super::exponent::Largest;
@@ -55,12 +55,16 @@ pub(super) fn map(found: &Found, map: &Map, system: &System) -> Result<String, O
         (1.0, panel.into())
     };
     let panels = vec![
-        panel("(a)", "attractor", attractors(found)),
+        panel("(a)", "attractor", attractors(found, map.until)),
         panel("(b)", "largest Lyapunov exponent", exponents(&found.cells)),
         panel("(c)", "part of time in stick", sticks(&found.cells)),
     ];
     let title = format!("{}: map of two parameters", system.file.name);
-    let classes: Vec<&str> = found.classes.iter().map(|class| class.0.as_str()).collect();
+    let classes: Vec<&str> = found
+        .classes
+        .iter()
+        .map(|class| class.name.as_str())
+        .collect();
     let description = format!(
         "What the orbit from the start comes to, over {} and {}: {}; its largest Lyapunov exponent; and the part of time in stick.",
         map.plane[0].name,
@@ -77,31 +81,28 @@ fn axis(k: usize, map: &Map, system: &System) -> Axis {
     Axis::new(&label, range.low, range.high)
 }
 
-/// A layer for each class, the largest first.
-fn attractors(found: &Found) -> Vec<Layer> {
+/// A layer for each kind of attractor, the largest first; behind them those of what is none, each by itself.
+fn attractors(found: &Found, until: f64) -> Vec<Layer> {
     let mut order: Vec<usize> = (0..found.classes.len()).collect();
     // A stable sort: equal classes stay in their order.
-    order.sort_by(|&one, &other| found.classes[other].1.cmp(&found.classes[one].1));
+    order.sort_by(|&one, &other| found.classes[other].cells.cmp(&found.classes[one].cells));
+    let (order, none): (Vec<usize>, Vec<usize>) = order
+        .into_iter()
+        .partition(|&class| found.classes[class].is_attractor);
     let (shown, rest) = order.split_at(order.len().min(MOST));
     let set = |of: &[usize]| {
         let cells = found.cells.iter();
         cells.map(|cell| of.contains(&cell.class)).collect()
     };
-    let mut colours = COLOURS.iter().cycle();
+    let colours = COLOURS.iter().cycle();
     let mut layers: Vec<Layer> = shown
         .iter()
-        .map(|&class| {
-            let name = found.classes[class].0.clone();
-            let colour = match name.as_str() {
-                "escape" => LIGHT_GREY,
-                "undecided" | "failure" => MID_GREY,
-                _ => colours.next().copied().unwrap_or(BLUE),
-            };
-            Layer {
-                set: set(&[class]),
-                colour,
-                legend: name,
-            }
+        .zip(colours)
+        .map(|(&class, &colour)| Layer {
+            set: set(&[class]),
+            colour,
+            // In a figure a minus is as wide as a plus.
+            legend: found.classes[class].name.replace('-', "−"),
         })
         .collect();
     if !rest.is_empty() {
@@ -111,6 +112,14 @@ fn attractors(found: &Found) -> Vec<Layer> {
             legend: format!("{} further kinds", rest.len()),
         });
     }
+    layers.extend(none.into_iter().map(|class| {
+        let name = &found.classes[class].name;
+        Layer {
+            set: set(&[class]),
+            colour: figures::colour_of_none(name),
+            legend: super::super::attractors::since(name, until),
+        }
+    }));
     layers
 }
 

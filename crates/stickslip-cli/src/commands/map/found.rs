@@ -7,7 +7,7 @@ use serde_json::json;
 
 use super::super::arguments::OutputArguments;
 use super::super::exponent::Largest;
-use super::super::{Failure, tables};
+use super::super::{Failure, attractors, tables};
 use super::cell::Cell;
 use super::figure;
 use super::request::Map;
@@ -25,10 +25,20 @@ pub(super) struct Shown {
     pub(super) largest: Largest,
 }
 
+/// Cells of one kind of motion.
+pub(super) struct Class {
+    /// What it is, of an attractor with its phases.
+    pub(super) name: String,
+    /// Whether it is a kind of attractor: orbits that escape, end, fail or are undecided have come to none.
+    pub(super) is_attractor: bool,
+    /// Number of cells.
+    pub(super) cells: usize,
+}
+
 /// Everything found.
 pub(super) struct Found {
-    /// Kinds of motion with their phases, in the order in which they are met first, each with its number of cells.
-    pub(super) classes: Vec<(String, usize)>,
+    /// In the order in which they are met first.
+    pub(super) classes: Vec<Class>,
     /// Row by row from the lowest second parameter.
     pub(super) cells: Vec<Shown>,
     table: PathBuf,
@@ -42,7 +52,7 @@ impl Found {
         output: &OutputArguments,
     ) -> Result<Self, Failure> {
         let table = PathBuf::from(&output.out).join("map.csv");
-        let (mut classes, mut shown): (Vec<(String, usize)>, _) = (Vec::new(), Vec::new());
+        let (mut classes, mut shown): (Vec<Class>, _) = (Vec::new(), Vec::new());
         let columns = [
             "motion",
             "period",
@@ -67,12 +77,16 @@ impl Found {
                     let record = values.into_iter().chain(cell.fields());
                     rows.write_record(record).map_err(OutputError::from)?;
                     let name = cell.class();
-                    let known = classes.iter().position(|known| known.0 == name);
+                    let known = classes.iter().position(|known| known.name == name);
                     let class = known.unwrap_or_else(|| {
-                        classes.push((name, 0));
+                        classes.push(Class {
+                            name,
+                            is_attractor: attractors::is_attractor(&cell.motion),
+                            cells: 0,
+                        });
                         classes.len() - 1
                     });
-                    classes[class].1 += 1;
+                    classes[class].cells += 1;
                     shown.push(Shown {
                         class,
                         in_stick: cell.in_stick,
@@ -121,19 +135,31 @@ impl Found {
             range(0),
             range(1)
         );
-        for (name, cells) in &self.classes {
-            let percent = 100.0 * *cells as f64 / all as f64;
+        for class in self.in_order() {
+            let percent = 100.0 * class.cells as f64 / all as f64;
+            let name = attractors::since(&class.name, map.until);
             // Writing into a text cannot fail.
-            let _ = writeln!(text, "  {percent:6.2} %  {name}");
+            let _ = match class.is_attractor {
+                true => writeln!(text, "  {percent:6.2} %  {name}"),
+                false => writeln!(text, "  {percent:6.2} %  no attractor: {name}"),
+            };
         }
         text
     }
 
+    /// Attractors as they are met first, and behind them what is none.
+    fn in_order(&self) -> impl Iterator<Item = &Class> {
+        let of = |is_attractor: bool| {
+            let all = self.classes.iter();
+            all.filter(move |class| class.is_attractor == is_attractor)
+        };
+        of(true).chain(of(false))
+    }
+
     fn json(&self, map: &Map, system: &System) -> serde_json::Value {
         let classes: Vec<serde_json::Value> = self
-            .classes
-            .iter()
-            .map(|(name, cells)| json!({ "motion": name, "cells": cells }))
+            .in_order()
+            .map(|class| json!({ "motion": class.name, "is_attractor": class.is_attractor, "cells": class.cells }))
             .collect();
         json!({
             "system": tables::system_json(system),

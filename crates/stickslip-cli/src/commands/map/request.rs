@@ -23,7 +23,8 @@ pub(in super::super) struct Map {
     pub(super) columns: NonZeroUsize,
     rows: NonZeroUsize,
     start: StartArguments,
-    until: f64,
+    /// Time after which an orbit is undecided.
+    pub(super) until: f64,
     duration: f64,
     solver: SolverArguments,
 }
@@ -88,13 +89,7 @@ impl Map {
         let system = self.system(system, self.parameters(column, row))?;
         let (settings, options) = (self.settings(&system), self.solver.options()?);
         let start = self.start.at_zero(&system)?;
-        Ok(Cell::at(
-            &system,
-            &start,
-            &settings,
-            self.duration,
-            &options,
-        )?)
+        Cell::at(&system, &start, &settings, self.duration, &options)
     }
 }
 

@@ -65,20 +65,28 @@ impl Critical {
     }
 }
 
-/// The zero between two places at which a function has different signs, by regula falsi with the Illinois rule.
+/// The zero between two places at which a function has different signs, by regula falsi with the Illinois rule. Where another branch meets this
+/// one no orbit can be computed, and so no value: the function is then asked next to it.
 pub(super) fn zero_between(
     (mut a, mut at_a): (f64, f64),
     (mut b, mut at_b): (f64, f64),
     mut function: impl FnMut(f64) -> Option<f64>,
 ) -> Option<f64> {
     const MOST: usize = 60;
+    // Part of the way between the places that is as good as none, and of the function's values there.
+    const NEXT_TO: f64 = 1e-10;
+    const SMALL: f64 = 1e-6;
+    let (width, size) = (b - a, at_a.abs().min(at_b.abs()));
     for _ in 0..MOST {
-        let next = b - at_b * (b - a) / (at_b - at_a);
-        if (next - b).abs() <= 1e-13 * (1.0 + b.abs()) {
-            return Some(next);
+        let zero = b - at_b * (b - a) / (at_b - at_a);
+        if (zero - b).abs() <= 1e-13 * (1.0 + b.abs()) {
+            return Some(zero);
         }
-        let value = function(next)?;
-        if value == 0.0 {
+        let mut places = [0.0, NEXT_TO, -NEXT_TO]
+            .map(|part| zero + part * width)
+            .into_iter();
+        let (next, value) = places.find_map(|place| Some((place, function(place)?)))?;
+        if value == 0.0 || next != zero && value.abs() <= SMALL * size {
             return Some(next);
         }
         if value * at_b < 0.0 {

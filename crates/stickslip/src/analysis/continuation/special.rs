@@ -28,7 +28,8 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
             }
             let at = |s: f64| self.on(&line, s);
             let value = |s: f64| at(s).and_then(|orbit| function(&of(&orbit)));
-            let Some(orbit) = zero_between((-line.length, a), (0.0, b), value).and_then(at) else {
+            let zero = zero_between((-line.length, a), (0.0, b), value);
+            let Some(orbit) = zero.and_then(|zero| self.next_to(&line, zero)) else {
                 continue;
             };
             let what = match kind {
@@ -52,6 +53,13 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
         self.special
             .extend(found.into_iter().map(|(_, point)| point));
+    }
+
+    /// The orbit at a place, or, where another branch meets this one and Newton's matrix is singular, next to it.
+    fn next_to(&self, line: &Line<N>, s: f64) -> Option<OnBranch<N, S::Mode>> {
+        const PARTS: [f64; 5] = [0.0, 1e-10, -1e-10, 1e-9, -1e-9];
+        let mut places = PARTS.iter().map(|part| s + part * line.length);
+        places.find_map(|place| self.on(line, place))
     }
 
     /// Whether the parameter turns back at an orbit between the last two.

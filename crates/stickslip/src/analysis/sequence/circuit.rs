@@ -65,10 +65,11 @@ impl<const N: usize, K: Copy + PartialEq> Circuit<N, K> {
         }
         let mut margins = minima(system, &orbit, &turns);
         for (k, at) in turns.iter().enumerate() {
-            margins.extend(landing(system, k, at));
+            margins.extend(landing(system, k, at).into_iter().flatten());
             // Whether a contact is lost or gained changes no mode: the part goes on.
             if turns.len() > 1 {
                 let site = Site::Duration;
+                let next = turns[(k + 1) % turns.len()].contact;
                 let key = Key {
                     part: k,
                     site,
@@ -80,6 +81,7 @@ impl<const N: usize, K: Copy + PartialEq> Circuit<N, K> {
                     scale: period,
                     incoming: at.from,
                     contact: at.contact,
+                    other: (next != at.contact).then_some(next),
                     at: Timed { t: at.t, x: at.x },
                     is_contact_function: is_of_contact(at.kind),
                 });

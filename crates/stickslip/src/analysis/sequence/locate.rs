@@ -99,8 +99,8 @@ pub(crate) fn approach<B, const N: usize, K: Copy + PartialEq>(
     None
 }
 
-/// Where the first of the margins would be zero that are falling, by the last two orbits; those of short phases by their
-/// squares if asked: a phase that begins at a graze grows as a root.
+/// Where the first of the margins would be zero that are falling, by the last two orbits; those of short phases and of the rate at which the
+/// boundary is come to by their squares if asked: what begins at a graze grows as a root.
 fn estimate<B, const N: usize, K: Copy + PartialEq>(
     good: &[Known<B, N, K>],
     bad: f64,
@@ -112,7 +112,7 @@ fn estimate<B, const N: usize, K: Copy + PartialEq>(
         let Some(before) = one.circuit.margin(margin.key) else {
             continue;
         };
-        let is_square = by_squares && margin.key.site == Site::Duration;
+        let is_square = by_squares && matches!(margin.key.site, Site::Duration | Site::Arrival);
         let of = |value: f64| if is_square { value * value } else { value };
         let (first, second) = (of(before.value), of(margin.value));
         if second.abs() >= first.abs() {

@@ -12,6 +12,8 @@ pub(crate) enum Site {
     Minimum(usize),
     /// A slip ends on the boundary, near to where stick begins or no longer does.
     Landing,
+    /// A slip ends on the boundary ever more along it, until it passes by.
+    Arrival,
     /// A phase is short.
     Duration,
 }
@@ -35,6 +37,8 @@ pub(crate) struct Margin<const N: usize, K> {
     /// Mode before.
     pub incoming: K,
     pub contact: usize,
+    /// The contact that ends a part, where it is not the one that begins it.
+    pub other: Option<usize>,
     pub at: Timed<N>,
     pub is_contact_function: bool,
 }
@@ -124,12 +128,12 @@ pub(super) fn is_contact_function<S: Switched<N, G>, const N: usize, const G: us
     system.passed(guard, &mut S::Branch::default()).is_some()
 }
 
-/// Where a slip ends on the boundary.
+/// Where a slip ends on the boundary: whether it sticks there, and how fast it comes.
 pub(super) fn landing<S: Switched<N, G>, const N: usize, const G: usize>(
     system: &S,
     part: usize,
     at: &Transition<N, S::Mode>,
-) -> Option<Margin<N, S::Mode>> {
+) -> Option<[Margin<N, S::Mode>; 2]> {
     let (Mode::Slip(side), TransitionKind::Crossing | TransitionKind::StickEntry) =
         (S::mode_of(at.from, at.contact), at.kind)
     else {
@@ -144,17 +148,22 @@ pub(super) fn landing<S: Switched<N, G>, const N: usize, const G: usize>(
     };
     let value = system.with_flow(stuck, S::Branch::default(), hold);
     let rates = Rates::at(system, at.from, at.contact, side, &here);
-    Some(Margin {
+    let margin = |site, value| Margin {
         key: Key {
             part,
-            site: Site::Landing,
+            site,
             count: 0,
         },
         value,
         scale: rates.own[0].abs() + rates.other[0].abs(),
         incoming: at.from,
         contact: at.contact,
+        other: None,
         at: here,
         is_contact_function: is_of_contact(at.kind),
-    })
+    };
+    Some([
+        margin(Site::Landing, value),
+        margin(Site::Arrival, rates.own[0]),
+    ])
 }

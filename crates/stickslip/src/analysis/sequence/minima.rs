@@ -40,6 +40,7 @@ pub(super) fn minima<S: Switched<N, G>, const N: usize, const G: usize>(
                 scale,
                 incoming: step.mode,
                 contact,
+                other: None,
                 at,
                 is_contact_function: of_contact,
             });

@@ -22,6 +22,8 @@ pub struct SequenceChange<const N: usize, K = Mode> {
     pub uncertainty: f64,
     /// What it is called.
     pub bifurcation: SequenceBifurcation,
+    /// The contact whose event function vanishes, counted from 0; none where the change has no name.
+    pub contact: Option<usize>,
     /// Where on the orbit, on the boundary to rounding.
     pub x: State<N>,
     /// The event function there on the last orbit before the change, in units of the size that it has on this orbit.
@@ -76,15 +78,18 @@ where
     let last = good.last()?;
     let margin = least(&last.circuit)?;
     let (bifurcation, rates) = name::name(system, margin);
-    let lacks = match bifurcation {
-        // No event function tells how far it is.
-        SequenceBifurcation::Unnamed => 0.0,
-        _ => shortfall(good, margin),
+    let is_named = bifurcation != SequenceBifurcation::Unnamed;
+    // Where it has no name, no event function tells how far it is.
+    let lacks = if is_named {
+        shortfall(good, margin)
+    } else {
+        0.0
     };
     Some(SequenceChange {
         parameter: place.parameter,
         uncertainty: place.scale * place.bracket.max(lacks),
         bifurcation,
+        contact: is_named.then_some(margin.contact),
         x: margin.at.x,
         residual: margin.relative(),
         own: rates.own,

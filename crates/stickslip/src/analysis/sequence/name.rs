@@ -17,7 +17,7 @@ pub enum SequenceBifurcation {
     /// it slides for a short time and then leaves.
     CrossingSliding,
     /// A slip touches the boundary where the other side's field pushes to it: to one side the orbit stays off, to the other it slides for a
-    /// short time.
+    /// short time; with static friction above the kinetic, until that lets go.
     GrazingSliding,
     /// A slip ends where the other side's field is tangent to the boundary and leads back to it: to one side the orbit slides at once, to the
     /// other it first crosses for a short time.
@@ -29,6 +29,9 @@ pub enum SequenceBifurcation {
     Grazing,
     /// The contact function comes to zero: to one side contact lasts, to the other it is lost for a short time.
     ContactGrazing,
+    /// Two contacts change in the same instant: to one side one of them does so first, to the other the other. Of contacts that do not act on
+    /// each other nothing else changes.
+    Coincidence,
     /// None of the event functions explains it.
     Unnamed,
 }
@@ -42,6 +45,7 @@ impl fmt::Display for SequenceBifurcation {
             SequenceBifurcation::AddingSliding => "adding-sliding",
             SequenceBifurcation::Grazing => "grazing",
             SequenceBifurcation::ContactGrazing => "grazing of the contact function",
+            SequenceBifurcation::Coincidence => "coincidence of two contacts",
             SequenceBifurcation::Unnamed => "unnamed",
         })
     }
@@ -58,6 +62,9 @@ pub(super) fn name<S: Switched<N, G>, const N: usize, const G: usize>(
     if margin.relative() > VANISHING {
         return (SequenceBifurcation::Unnamed, Rates::none());
     }
+    if margin.other.is_some() {
+        return (SequenceBifurcation::Coincidence, Rates::none());
+    }
     if margin.is_contact_function {
         return (SequenceBifurcation::ContactGrazing, Rates::none());
     }
@@ -66,7 +73,7 @@ pub(super) fn name<S: Switched<N, G>, const N: usize, const G: usize>(
     };
     let rates = Rates::at(system, margin.incoming, margin.contact, side, &margin.at);
     let is_tangent = match margin.key.site {
-        Site::Minimum(_) => true,
+        Site::Minimum(_) | Site::Arrival => true,
         // Where the fields agree, both are tangent.
         Site::Landing | Site::Duration => {
             rates.own[0].abs() <= (1.0 + AGREE) * rates.other[0].abs()

@@ -10,7 +10,7 @@ use stickslip::nalgebra::Matrix3;
 use stickslip::{Error, Method, Mode, Options, Side, State, math};
 
 use super::sweeps::touching;
-use super::systems::{DrivenFamily, Island, Twisted};
+use super::systems::{DrivenFamily, Island, Pitchfork, Twisted};
 use crate::attractors::systems::Rings;
 use crate::listed::Listed;
 
@@ -231,6 +231,40 @@ fn a_flip_and_a_torus_are_located_and_named() {
             assert_eq!(point.is_stable(), point.parameter < 0.0);
             let on_circle = State::from([math::cos(point.t), math::sin(point.t)]);
             assert!((point.x.xy() - on_circle).amax() < 1e-9);
+        }
+    }
+}
+
+#[test]
+fn where_another_branch_meets_it_the_branch_goes_on_and_the_point_is_named() {
+    let (low, high) = (-0.25, 0.2);
+    let settings = ContinuationSettings::over(low, high);
+    for (upwards, from, to) in [(true, -0.2, high), (false, 0.15, low)] {
+        let found = continue_periodic_orbit(
+            &Pitchfork.any(),
+            [1.0, 0.0, 0.0, from],
+            2.0 * PI,
+            upwards,
+            &settings,
+            &Options::tol(1e-13),
+        )
+        .unwrap();
+        let [special] = found.special.as_slice() else {
+            panic!("{:?}", found.special);
+        };
+        assert_eq!(special.what, Special::BranchPoint);
+        assert!(special.parameter.abs() < 1e-9, "{}", special.parameter);
+        assert!((special.period - 2.0 * PI).abs() < 1e-9);
+        assert_eq!(found.stop, Stop::Range);
+        assert!((found.points.last().unwrap().parameter - to).abs() < 1e-12);
+        for point in &found.points {
+            // It is the circle all the way, and not one of the two that meet it.
+            assert!((point.x.xy().norm() - 1.0).abs() < 1e-9 && point.x[2].abs() < 1e-9);
+            let beside = math::exp(2.0 * PI * point.parameter);
+            let within = math::exp(-4.0 * PI);
+            let [one, other] = [0, 1].map(|k| point.multipliers[k].re);
+            assert!((one - beside).abs() < 1e-8 && (other - within).abs() < 1e-8);
+            assert_eq!(point.is_stable(), point.parameter < 0.0);
         }
     }
 }

@@ -3,12 +3,12 @@
 use std::f64::consts::{LN_10, PI};
 
 use stickslip::analysis::{
-    Exponent, Kind, SequenceBifurcation, SequenceChange, SpectrumOptions, Sweep, SweepSettings,
-    WhatChanges, is_same_cycle, sweep,
+    AttractorChange, Exponent, Kind, SequenceBifurcation, SequenceChange, SpectrumOptions, Sweep,
+    SweepSettings, WhatChanges, is_same_cycle, sweep,
 };
-use stickslip::{Mode, Options, Side, math, solve};
+use stickslip::{Error, Mode, Options, Side, math, solve};
 
-use super::systems::{Beat, Rhythm};
+use super::systems::{Beat, End, Ends, Held, Rhythm};
 use crate::attractors::systems::Driven;
 use crate::den_hartog::DenHartog;
 use crate::listed::Listed;
@@ -217,6 +217,98 @@ fn the_ends_of_bistability_are_found_by_sweeps_up_and_down() {
     assert_eq!(at(&down, 1.2), Kind::Equilibrium);
     assert!(matches!(at(&up, 1.2), Kind::Periodic { returns: 2, .. }));
     assert_eq!(at(&up, 2.0), Kind::Equilibrium);
+}
+
+/// The static friction, in units of the kinetic, from which on a block that is let go comes back to the belt's speed: with ω² = 1 - ζ² its velocity
+/// is R exp(-ζt) cos(ωt + φ), R cos φ = 1 and R sin φ = (z + ζ)/ω, z = `ratio` - 2ζ - 1, and largest where ωt + φ = 2π - atan(ζ/ω).
+fn coming_back() -> f64 {
+    let damping = Held::DAMPING;
+    let omega = (1.0 - damping * damping).sqrt();
+    let highest = |ratio: f64| {
+        let sine = (ratio - damping - 1.0) / omega;
+        let angle = 2.0 * PI - math::atan(damping / omega) - math::atan(sine);
+        (1.0 + sine * sine).sqrt() * math::exp(-damping * angle / omega) * omega
+    };
+    let (mut a, mut b) = (1.2, 3.0);
+    assert!(highest(a) < 1.0 && highest(b) > 1.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (a + b);
+        if highest(middle) < 1.0 {
+            a = middle
+        } else {
+            b = middle
+        }
+    }
+    a
+}
+
+#[test]
+fn with_static_friction_the_graze_that_ends_stick_and_slip_is_located_and_named() {
+    let exact = coming_back();
+    let settings = SweepSettings::within(3e3);
+    let options = Options::tol(1e-11);
+    for width in [0.02, 0.1] {
+        let family = |ratio| kept(Held { ratio }).any();
+        let ends = [exact + 0.6 * width, exact - 0.4 * width];
+        let found = sweep(family, ends, [0.0, 1.0], &settings, &options).unwrap();
+        let kinds = [0, 1].map(|k| found.points[k].reached.kind.clone());
+        assert!(matches!(kinds[0], Kind::Periodic { .. }), "{}", kinds[0]);
+        assert_eq!(kinds[1], Kind::Equilibrium);
+        let change = only(&found);
+        check(change, SequenceBifurcation::GrazingSliding, exact);
+        assert!(is_same_cycle(&change.before, &[Mode::Stick, BELOW]));
+        // There is no orbit behind it that this one becomes.
+        assert_eq!(
+            (change.after.as_slice(), change.contact),
+            (&[][..], Some(0))
+        );
+        // On the belt's speed, where kinetic friction and spring balance: 1 = x + 2ζ.
+        assert!((change.x[1] - 1.0).abs() < 1e-12);
+        assert!(
+            (change.x[0] - (1.0 - 2.0 * Held::DAMPING)).abs() < 1e-4,
+            "{change:?}"
+        );
+        assert!(change.own[0].abs() < 1e-4 && (change.other[0] + 2.0).abs() < 1e-4);
+    }
+}
+
+#[test]
+fn an_orbit_that_ends_or_fails_is_told_and_the_next_one_begins_anew() {
+    let options = Options::tol(1e-10).escape(20.0);
+    let settings = SweepSettings::within(1e3);
+    for end in [End::TwoFold, End::Pole] {
+        let family = |p| kept(Ends { end, p }).any();
+        let start = [-1.0, if end == End::TwoFold { 0.0 } else { 1.0 }];
+        let found = sweep(family, [1.0, -1.0], start, &settings, &options).unwrap();
+        let [ended, escaped] = found.points.as_slice() else {
+            panic!("{:?}", found.points);
+        };
+        let ended = &ended.reached;
+        match (end, &ended.kind) {
+            (End::TwoFold, Kind::TwoFold(_)) => {
+                assert!((ended.t - 2.0 / 3.0).abs() < 1e-6 && ended.x.amax() < 1e-6);
+            }
+            (
+                End::Pole,
+                Kind::Failure(Error::StepCollapse { t, .. } | Error::NonFinite { t, .. }),
+            ) => {
+                assert!((t - 0.5).abs() < 1e-3, "{t}");
+            }
+            (_, other) => panic!("{end:?}: {other}"),
+        }
+        // From the start again and not from where the first one ended: x = -1 - 3t/2, or x² = 1 + 2t.
+        assert_eq!(escaped.reached.kind, Kind::Escape);
+        let (t, x) = (escaped.reached.t, escaped.reached.x[0]);
+        let start = match end {
+            End::TwoFold => x + 1.5 * t,
+            End::Pole => 2.0 * t - x * x,
+        };
+        assert!(x < -20.0 && (start + 1.0).abs() < 1e-6, "{t} {x}");
+        let [AttractorChange { between, what }] = found.changes.as_slice() else {
+            panic!("{:?}", found.changes);
+        };
+        assert_eq!((*between, what), ((1.0, -1.0), &WhatChanges::Unlocated));
+    }
 }
 
 /// The belt's speed at which the orbit that leaves the belt at the tangent point comes back to it, by a turn that meets the belt before and not after.

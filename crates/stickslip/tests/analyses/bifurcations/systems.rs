@@ -1,9 +1,9 @@
 //! Systems whose bifurcations are known in closed form.
 
-use stickslip::{Filippov, Scalar, Side};
+use stickslip::{Contacts, Filippov, Scalar, Side};
 
 /// What a [`Beat`] does.
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Rhythm {
     /// Below, `y = sin t` attracts; above, all falls. The boundary is `y = p`.
     Touch,
@@ -13,10 +13,12 @@ pub enum Rhythm {
     Part,
     /// Up at `1/2 + sin t` from below, up at `sin(t - p) - 7/10` above.
     Meet,
+    /// `y = sin(t - p)` attracts on both sides, and crosses the boundary `y = 0` at p, p + π, and so on.
+    Clock,
 }
 
 /// One state `y` of which each side's rate is a function of time alone, or nearly: period 2π.
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Beat {
     pub rhythm: Rhythm,
     pub p: f64,
@@ -31,17 +33,71 @@ impl Filippov<1> for Beat {
             (Rhythm::Part, Side::Above) => t.cos() * self.p - 1.0,
             (Rhythm::Meet, Side::Below) => t.sin() + 0.5,
             (Rhythm::Meet, Side::Above) => (t - self.p).sin() - 0.7,
+            (Rhythm::Clock, _) => -x[0] + (t - self.p).sin() + (t - self.p).cos(),
         }]
     }
     fn boundary<T: Scalar>(&self, _t: T, x: &[T; 1]) -> T {
         match self.rhythm {
             Rhythm::Touch => x[0] - self.p,
             Rhythm::Lift => x[0] - 5.0,
-            Rhythm::Part | Rhythm::Meet => x[0],
+            Rhythm::Part | Rhythm::Meet | Rhythm::Clock => x[0],
         }
     }
     fn contact<T: Scalar>(&self, t: T, _x: &[T; 1]) -> Option<T> {
         (self.rhythm == Rhythm::Lift).then(|| -t.cos() + self.p)
+    }
+}
+
+/// Two of them that have nothing to do with each other, a contact each.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Duet(pub [Beat; 2]);
+
+impl Contacts<2, 2> for Duet {
+    fn field<T: Scalar>(&self, sides: &[Side; 2], t: T, x: &[T; 2]) -> [T; 2] {
+        std::array::from_fn(|i| self.0[i].field(sides[i], t, &[x[i]])[0])
+    }
+    fn boundaries<T: Scalar>(&self, t: T, x: &[T; 2]) -> [T; 2] {
+        std::array::from_fn(|i| self.0[i].boundary(t, &[x[i]]))
+    }
+}
+
+/// The same with the parameter of one of them as the third state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DuetFamily {
+    pub rhythms: [Rhythm; 2],
+    /// The parameter of the other one.
+    pub p: f64,
+    /// Which of them the third state is the parameter of.
+    pub varied: usize,
+}
+
+impl DuetFamily {
+    fn rate<T: Scalar>(&self, i: usize, side: Side, t: T, x: &[T; 3]) -> T {
+        let p = if i == self.varied {
+            x[2]
+        } else {
+            T::constant(self.p)
+        };
+        match (self.rhythms[i], side) {
+            (Rhythm::Touch, Side::Above) => T::constant(-1.0),
+            (Rhythm::Part, Side::Below) => t.sin() * 2.0 + 1.8,
+            (Rhythm::Part, Side::Above) => t.cos() * p - 1.0,
+            _ => -x[i] + t.sin() + t.cos(),
+        }
+    }
+}
+
+impl Contacts<3, 2> for DuetFamily {
+    fn field<T: Scalar>(&self, sides: &[Side; 2], t: T, x: &[T; 3]) -> [T; 3] {
+        let [a, b] = [0, 1].map(|i| self.rate(i, sides[i], t, x));
+        [a, b, T::constant(0.0)]
+    }
+    fn boundaries<T: Scalar>(&self, _t: T, x: &[T; 3]) -> [T; 2] {
+        std::array::from_fn(|i| match self.rhythms[i] {
+            Rhythm::Touch if i == self.varied => x[i] - x[2],
+            Rhythm::Touch => x[i] - self.p,
+            _ => x[i],
+        })
     }
 }
 
@@ -96,5 +152,80 @@ impl Filippov<3> for Island {
     }
     fn boundary<T: Scalar>(&self, _t: T, x: &[T; 3]) -> T {
         x[0] - 50.0
+    }
+}
+
+/// `r' = r (1 - r²)`, `θ' = 1`, and beside it `a' = p a - a³`: the circle at a = 0 has the multipliers exp(-4π) and exp(2πp), and at p = 0 meets those
+/// at a = ±√p. The parameter is the fourth state.
+pub struct Pitchfork;
+
+impl Filippov<4> for Pitchfork {
+    fn field<T: Scalar>(&self, _side: Side, _t: T, x: &[T; 4]) -> [T; 4] {
+        let grows = -x[0] * x[0] - x[1] * x[1] + 1.0;
+        [
+            x[0] * grows - x[1],
+            x[1] * grows + x[0],
+            x[2] * (x[3] - x[2] * x[2]),
+            T::constant(0.0),
+        ]
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 4]) -> T {
+        x[0] - 0.2
+    }
+}
+
+/// `x'' = -x - 2ζ x' + F` on a belt of speed 1 that is faster than the block, kinetic friction F = 1: `ratio` is the static friction in units of it.
+pub struct Held {
+    pub ratio: f64,
+}
+
+impl Held {
+    pub const DAMPING: f64 = 0.05;
+}
+
+impl Filippov<2> for Held {
+    fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T; 2]) -> [T; 2] {
+        [x[1], -x[0] - x[1] * (2.0 * Self::DAMPING) - side.sign()]
+    }
+    fn holding<T: Scalar>(&self, side: Side, _t: T, x: &[T; 2]) -> [T; 2] {
+        [
+            x[1],
+            -x[0] - x[1] * (2.0 * Self::DAMPING) - side.sign() * self.ratio,
+        ]
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
+        x[1] - 1.0
+    }
+}
+
+/// How an orbit of [`Ends`] ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum End {
+    TwoFold,
+    Pole,
+}
+
+/// `(x', v') = (p, -x)` below and `(2p, x)` above `v = 0`: it sticks where x < 0, moving at 3p/2, and both fields are tangent at 0. Or `x' = -p/x`, which comes to 0 in
+/// a finite time if p > 0, and never if p < 0.
+pub struct Ends {
+    pub end: End,
+    pub p: f64,
+}
+
+impl Filippov<2> for Ends {
+    fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T; 2]) -> [T; 2] {
+        match self.end {
+            End::TwoFold => {
+                let rate = match side {
+                    Side::Below => self.p,
+                    Side::Above => 2.0 * self.p,
+                };
+                [T::constant(rate), x[0] * side.sign()]
+            }
+            End::Pole => [x[0].recip() * -self.p, T::constant(0.0)],
+        }
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
+        x[1]
     }
 }

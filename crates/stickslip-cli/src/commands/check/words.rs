@@ -1,28 +1,11 @@
-//! `stickslip check`: what was understood of a file.
+//! What was understood of a file, in words.
 
 use std::fmt::Write;
 
-use super::Failure;
-use super::arguments::SystemArguments;
+use super::whereabouts;
 use crate::file::Rate;
 use crate::system::System;
 use crate::tangents::{Line, OnLine};
-use crate::terminal::Said;
-
-/// Say what was understood of a file
-#[derive(Debug, clap::Args)]
-pub(super) struct Arguments {
-    #[command(flatten)]
-    system: SystemArguments,
-}
-
-pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
-    let system = arguments.system.system()?;
-    Ok(Said {
-        text: understood(&system),
-        failure: None,
-    })
-}
 
 /// A line with a title in front.
 fn entry(text: &mut String, title: &str, content: &str) {
@@ -43,7 +26,8 @@ fn behind(parts: &[&str]) -> String {
     parts.map(|part| format!("  {part}")).collect()
 }
 
-fn understood(system: &System) -> String {
+/// What was understood, line by line.
+pub(super) fn understood(system: &System, on_boundary: Option<&(Line, OnLine)>) -> String {
     let file = &system.file;
     let mut text = format!("{}\n", file.name);
     for row in file.description.iter().flat_map(|text| text.lines()) {
@@ -150,7 +134,7 @@ fn understood(system: &System) -> String {
     };
     entry(&mut text, "time", &format!("{time}{period}"));
     if let Some(section) = &file.section {
-        let direction = super::recording::direction_name(section.direction);
+        let direction = super::super::recording::direction_name(section.direction);
         entry(
             &mut text,
             "section",
@@ -164,22 +148,17 @@ fn understood(system: &System) -> String {
             "start",
             file.contacts.iter().enumerate().map(|(k, contact)| {
                 let height = system.height(k, t, start);
-                let where_ = if height < 0.0 {
-                    "below"
-                } else if height > 0.0 {
-                    "above"
-                } else {
-                    "on"
-                };
                 format!(
-                    "{where_} the boundary of {} ({} = {height})",
-                    contact.name, contact.boundary.text
+                    "{} the boundary of {} ({} = {height})",
+                    whereabouts(height),
+                    contact.name,
+                    contact.boundary.text
                 )
             }),
         );
     }
-    if let Some((line, found)) = on_boundary(system) {
-        let listed = super::tangents::listing(system, &line, &found);
+    if let Some((line, found)) = on_boundary {
+        let listed = super::super::tangents::listing(system, line, found);
         let listed = if listed.is_empty() {
             vec!["no tangent point, and no stick zone".to_owned()]
         } else {
@@ -195,18 +174,4 @@ fn understood(system: &System) -> String {
         lines(&mut text, "", listed);
     }
     text
-}
-
-/// Tangent points and stick zones, where one contact and two states leave nothing to choose but the range, and the file has that.
-fn on_boundary(system: &System) -> Option<(Line, OnLine)> {
-    if system.contacts() != 1 || system.states() != 2 {
-        return None;
-    }
-    let (t, start) = (system.file.time.start, system.built.start.as_deref()?);
-    let whole = (f64::NEG_INFINITY, f64::INFINITY);
-    let line = Line::through(system, 0, None, whole, (t, start))?;
-    let range = system.file.states[line.along].range?;
-    let line = Line { range, ..line };
-    let found = line.scan(system);
-    Some((line, found))
 }

@@ -1,0 +1,120 @@
+//! Errors of the library as they concern somebody who writes files and not Rust: contacts by their names, options as they are given here.
+
+use stickslip::Error;
+
+use super::tables::contact_name;
+use crate::system::System;
+
+/// An error of the library in words.
+pub(super) fn told(error: &Error, system: &System) -> String {
+    words(error, &|contact| match contact_name(system, contact) {
+        name if name.is_empty() => contact.to_string(),
+        name => format!("`{name}`"),
+    })
+}
+
+/// As [`told`], where it is not known of which system: contacts by number.
+pub(super) fn told_of_any(error: &Error) -> String {
+    words(error, &|contact| contact.to_string())
+}
+
+fn words(error: &Error, name: &dyn Fn(usize) -> String) -> String {
+    let names = |contacts: &[usize]| {
+        let names: Vec<String> = contacts.iter().map(|&contact| name(contact)).collect();
+        names.join(", ")
+    };
+    match error {
+        Error::Option {
+            name: option,
+            value,
+            bound,
+        } => format!(
+            "{} {} is not allowed: it must be {bound}",
+            as_given(option),
+            stickslip::error::readable(*value)
+        ),
+        Error::NoUniqueMode {
+            t,
+            x,
+            contacts,
+            candidates,
+        } => {
+            let motions = match candidates.len() {
+                0 => "no motion that follows is consistent with the friction at all of them"
+                    .to_owned(),
+                count => {
+                    let motions = candidates.join(" or ");
+                    let motions = motions.replace("Slip(Below)", "slip below");
+                    let motions = motions.replace("Slip(Above)", "slip above");
+                    let motions = motions.replace("Stick", "stick");
+                    format!("{count} motions that follow are consistent: {motions}")
+                }
+            };
+            format!(
+                "the contacts {} stand at zero at t = {t}, x = {x}, and {motions}; friction there may push apart, or one contact's force act on \
+                 another too strongly: look at the field with each of them on either side (--at-repelling has no effect with several contacts)",
+                names(contacts)
+            )
+        }
+        Error::TooManyContacts { t, x, contacts } => format!(
+            "the contacts {} stand at zero together at t = {t}, x = {x}: more than eight are too many to try where friction at one does not resist \
+             all of them as Coulomb's does; move their boundaries apart, or write their friction without coupling",
+            names(contacts)
+        ),
+        Error::DependentContacts { t, x, contacts } => format!(
+            "the boundaries of the contacts {} have gradients at t = {t}, x = {x} that are zero or depend on each other; each contact needs a \
+             boundary of its own",
+            names(contacts)
+        ),
+        Error::StaticBelowKinetic {
+            t,
+            x,
+            contact,
+            ratio,
+        } => format!(
+            "the static friction of the contact {} at t = {t}, x = {x} is {ratio} times the kinetic; it must be at least as large",
+            name(*contact)
+        ),
+        Error::HoldsElsewhere {
+            t,
+            x,
+            held,
+            slipping,
+        } => format!(
+            "with the contact {} at rest at t = {t}, x = {x}, its static friction changes the friction of the contact {}, which slips; only \
+             contacts at rest have static friction",
+            name(*held),
+            name(*slipping)
+        ),
+        Error::NotAdditive { t, x, pair } => format!(
+            "the friction of the contacts {} and {} does not add at t = {t}, x = {x}: what one does depends on the side of the other; \
+             in a file each contact's friction must depend on its own side only",
+            name(pair.0),
+            name(pair.1)
+        ),
+        Error::NotConverged { .. } => format!(
+            "{error}, after a longer --transient or by another --start; the motion may also be quasi-periodic or chaotic, which `stickslip \
+             lyapunov` tells"
+        ),
+        Error::Escaped { .. } => format!("{error} (--escape)"),
+        Error::NoUniqueFuture { t, x } => format!(
+            "the orbit has no unique future after t = {t}, x = {x}: both fields lead away from the boundary; choose one with \
+             --at-repelling below or above, or start elsewhere"
+        ),
+        other => other.to_string(),
+    }
+}
+
+/// What a setting of the library is called on the command line.
+fn as_given(option: &str) -> String {
+    let known = [
+        ("rtol", "--tol"),
+        ("longest", "--until"),
+        ("most_points", "--points"),
+        ("range", "--parameter"),
+    ];
+    match known.iter().find(|(name, _)| *name == option) {
+        Some((_, given)) => (*given).to_owned(),
+        None => format!("--{}", option.replace('_', "-")),
+    }
+}

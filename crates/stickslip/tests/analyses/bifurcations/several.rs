@@ -1,0 +1,170 @@
+//! Changes of phases of several contacts: each is located, and is told at which contact.
+
+use std::f64::consts::PI;
+
+use stickslip::analysis::{
+    AttractorChange, ContinuationSettings, Kind, RecurrenceSettings, SequenceBifurcation,
+    SequenceChange, Special, Stop, SweepSettings, WhatChanges, attractor, continue_periodic_orbit,
+    is_same_cycle, sweep,
+};
+use stickslip::{Mode, Options, Several, Side};
+
+use super::systems::{Beat, Duet, DuetFamily, Rhythm};
+
+const ABOVE: Mode = Mode::Slip(Side::Above);
+const BELOW: Mode = Mode::Slip(Side::Below);
+
+type Change = SequenceChange<2, [Mode; 2]>;
+
+/// The changes on the way from one value to another of the parameter of one of two.
+fn changes(rhythms: [Rhythm; 2], other: f64, varied: usize, (from, to): (f64, f64)) -> Vec<Change> {
+    let family = |p| {
+        let of = |i: usize| Beat {
+            rhythm: rhythms[i],
+            p: if i == varied { p } else { other },
+        };
+        Several(Duet([of(0), of(1)]))
+    };
+    let settings = SweepSettings::within(400.0).forced(2.0 * PI);
+    let start = [-0.5, -0.4];
+    let found = sweep(family, [from, to], start, &settings, &Options::tol(1e-11)).unwrap();
+    let change = |change: AttractorChange<2, [Mode; 2]>| match change.what {
+        WhatChanges::Sequence(change) => change,
+        other => panic!("{other:?}"),
+    };
+    found.changes.into_iter().map(change).collect()
+}
+
+#[test]
+fn each_change_is_located_and_told_at_its_contact() {
+    // As of one contact alone: y = sin t touches y = p, and the field above pushes down by 1 - p cos t.
+    let of_one = [
+        (Rhythm::Touch, SequenceBifurcation::GrazingSliding),
+        (Rhythm::Part, SequenceBifurcation::AddingSliding),
+    ];
+    for (rhythm, name) in of_one {
+        for varied in [0, 1] {
+            for ends in [(0.97, 1.02), (1.02, 0.97)] {
+                let mut rhythms = [Rhythm::Clock; 2];
+                rhythms[varied] = rhythm;
+                let found = changes(rhythms, 2.0, varied, ends);
+                let [change] = found.as_slice() else {
+                    panic!("{found:?}");
+                };
+                assert_eq!(
+                    (change.bifurcation, change.contact),
+                    (name, Some(varied)),
+                    "{change:?}"
+                );
+                let error = (change.parameter - 1.0).abs();
+                assert!(
+                    error < 1e-9 && change.uncertainty < 1e-9,
+                    "{rhythm:?} of {varied}: {error:e}, {change:?}"
+                );
+                let of = |modes: &[[Mode; 2]]| {
+                    let mut of: Vec<Mode> = modes.iter().map(|modes| modes[varied]).collect();
+                    of.dedup();
+                    of
+                };
+                let more = [of(&change.before), of(&change.after)];
+                assert!(more[0].len() != more[1].len(), "{more:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn contacts_that_change_places_coincide_and_do_not_graze() {
+    // They cross at 0 and π, and at p and p + π.
+    for varied in [0, 1] {
+        for ends in [(-0.2, 0.3), (0.3, -0.2)] {
+            let found = changes([Rhythm::Clock; 2], 0.0, varied, ends);
+            let [change] = found.as_slice() else {
+                panic!("{found:?}");
+            };
+            assert_eq!(change.bifurcation, SequenceBifurcation::Coincidence);
+            assert!(change.parameter.abs() < 1e-9, "{change:?}");
+            assert!(change.contact.is_some() && change.uncertainty < 1e-9);
+            let first = |of: usize| {
+                let mut cycle = [
+                    [BELOW, BELOW],
+                    [ABOVE, ABOVE],
+                    [ABOVE, ABOVE],
+                    [BELOW, BELOW],
+                ];
+                cycle[1][1 - of] = BELOW;
+                cycle[3][1 - of] = ABOVE;
+                cycle
+            };
+            let is = |modes: &[[Mode; 2]], of| is_same_cycle(modes, &first(of));
+            let (a, b) = (&change.before, &change.after);
+            assert!(is(a, 0) && is(b, 1) || is(a, 1) && is(b, 0), "{change:?}");
+        }
+    }
+}
+
+#[test]
+fn the_attractor_of_two_is_that_of_each() {
+    // Pushed up to the boundary at 1/2, it leaves where sin t + cos t falls through 1/2; the other one crosses at 0.3 and 0.3 + π.
+    let of = |rhythm, p| Beat { rhythm, p };
+    let system = Several(Duet([of(Rhythm::Touch, 0.5), of(Rhythm::Clock, 0.3)]));
+    let settings = RecurrenceSettings::within(400.0).forced(2.0 * PI);
+    for start in [[-0.5, 0.4], [0.2, -2.0]] {
+        let found = attractor(&system, start, &settings, &Options::tol(1e-12)).unwrap();
+        assert!(
+            matches!(found.kind, Kind::Periodic { returns: 1, .. }),
+            "{}",
+            found.kind
+        );
+        let ends = |contact: usize, mode: Mode| {
+            let phases = found.phases.windows(2);
+            let mut left = phases
+                .filter(move |pair| pair[0].mode[contact] == mode && pair[1].mode[contact] != mode);
+            left.next().map(|pair| pair[0].t_end.rem_euclid(2.0 * PI))
+        };
+        let leaves = 0.75 * PI - (0.5_f64 / 2.0_f64.sqrt()).asin();
+        let found_at = ends(0, Mode::Stick).expect("it leaves");
+        assert!((found_at - leaves).abs() < 1e-9, "{found_at} for {leaves}");
+        let rises = ends(1, BELOW).expect("it crosses");
+        assert!((rises - 0.3).abs() < 1e-6, "{rises}");
+    }
+}
+
+#[test]
+fn a_branch_of_two_contacts_is_followed_through_the_change_of_one() {
+    for varied in [0, 1] {
+        let mut rhythms = [Rhythm::Part; 2];
+        rhythms[varied] = Rhythm::Touch;
+        let system = Several(DuetFamily {
+            rhythms,
+            p: 0.5,
+            varied,
+        });
+        let settings = ContinuationSettings::over(0.9, 1.1).forced(2.0 * PI);
+        let mut start = [0.0, 0.0, 0.95];
+        start[1 - varied] = -0.1;
+        let found = continue_periodic_orbit(
+            &system,
+            start,
+            2.0 * PI,
+            true,
+            &settings,
+            &Options::tol(1e-13),
+        )
+        .unwrap();
+        let named = found.special.iter().filter_map(|at| match &at.what {
+            Special::Sequence(change) => Some((change.bifurcation, change)),
+            _ => None,
+        });
+        let grazes: Vec<_> = named
+            .filter(|(name, _)| *name == SequenceBifurcation::GrazingSliding)
+            .collect();
+        let [(_, graze)] = grazes.as_slice() else {
+            panic!("{:?}", found.special);
+        };
+        assert_eq!(graze.contact, Some(varied));
+        assert!((graze.parameter - 1.0).abs() < 1e-9, "{graze:?}");
+        assert_eq!(found.stop, Stop::Range);
+        assert!((found.points.last().unwrap().parameter - 1.1).abs() < 1e-12);
+    }
+}
