@@ -2,7 +2,7 @@
 CARGO ?= cargo
 FIGURES := fig04 fig06 fig07 fig08 fig10 fig11 fig12 locator
 
-.PHONY: help figures report test golden readings diagrams cluster-test bench bench-peers bench-basins check clean $(FIGURES)
+.PHONY: help figures report test golden readings diagrams cluster-test bench bench-peers bench-basins bench-spectra check clean $(FIGURES)
 .DEFAULT_GOAL := help
 
 help: ## Show the targets
@@ -77,7 +77,7 @@ PEERS_INSTALL := { cmp -s $(PEERS_WANTED) $(PEERS_STAMP) \
     && $(PEERS_VENV)/bin/python -m pip install --quiet --disable-pip-version-check -r $(PEERS_WANTED) \
     && cp $(PEERS_WANTED) $(PEERS_STAMP); }; }
 
-bench-peers: ## Error against run time beside SciPy, numba, heyoka and pydiffsol; ours alone without Python
+bench-peers: ## Error against run time beside SciPy, numba, heyoka and pydiffsol, and bench-spectra; ours alone without Python
 	$(CARGO) build --locked --release -p stickslip-replication --bin peers
 	@if $(PEERS_INSTALL); then \
 	    $(CARGO) run --locked --release --quiet -p stickslip-replication --bin peers -- --python $(PEERS_VENV)/bin/python $(PEERS_ARGS); \
@@ -86,11 +86,20 @@ bench-peers: ## Error against run time beside SciPy, numba, heyoka and pydiffsol
 	        "are needed; measuring ours alone" >&2; \
 	    $(CARGO) run --locked --release --quiet -p stickslip-replication --bin peers -- $(PEERS_ARGS); \
 	fi
+	@! cmp -s $(PEERS_WANTED) $(PEERS_STAMP) || $(MAKE) bench-spectra
 
 bench-basins: ## Starts of a basin per second on one thread, beside SciPy with events written by hand; needs Python
 	$(CARGO) build --locked --release -p stickslip-cli
 	@$(PEERS_INSTALL) || { echo "Python 3.11 or later ($(PYTHON)) with venv, and a network to install $(PEERS_WANTED) from, are needed" >&2; exit 1; }
 	$(PEERS_VENV)/bin/python benches/peers/basins.py $(subst /debug/,/release/,$(STICKSLIP))
+
+SPECTRUM = $(subst /debug/stickslip,/release/spectrum,$(STICKSLIP))
+SPECTRA_ARGS ?=
+
+bench-spectra: ## Exponents of ten series beside nolds and neurokit2, error and time: report/spectra.csv; needs Python
+	$(CARGO) build --locked --release -p stickslip-replication --bin spectrum
+	@$(PEERS_INSTALL) || { echo "Python 3.11 or later ($(PYTHON)) with venv, and a network to install $(PEERS_WANTED) from, are needed" >&2; exit 1; }
+	$(PEERS_VENV)/bin/python benches/peers/spectra.py $(SPECTRUM) $(SPECTRA_ARGS)
 
 check: ## Formatting, lints and documentation, every warning an error
 	$(CARGO) fmt --all --check

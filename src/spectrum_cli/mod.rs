@@ -153,8 +153,8 @@ pub struct Arguments {
     #[arg(long, value_enum, default_value_t = Method::Extrapolated)]
     pub estimator: Method,
 
-    /// Degree of the maps that are extrapolated; the error of linear ones may hold too little of the bias [default: quadratic where the
-    /// series is long enough]
+    /// Degree of the maps that are extrapolated; the error of linear ones holds how far they are from quadratic ones where the series is
+    /// long enough for these, and elsewhere too little of the bias [default: quadratic where the series is long enough]
     #[arg(long, value_enum)]
     pub degree: Option<MapDegree>,
 

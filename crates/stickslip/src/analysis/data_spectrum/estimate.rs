@@ -308,7 +308,8 @@ impl Evidence {
             eps_sensitivity = corrected.large[i].mean - corrected.small[i].mean;
             best = corrected.best(i);
             if status == Status::Ok {
-                status = self.extrapolated(&best, corrected.range(i), &corrected.zero[i]);
+                let ways = [corrected.range(i), corrected.gap(i)];
+                status = self.extrapolated(&best, ways, &corrected.zero[i]);
             }
         }
         let annihilated = status == Status::Annihilated;
@@ -336,15 +337,16 @@ impl Evidence {
         }
     }
 
-    /// Of an exponent that nothing speaks against before it is extrapolated.
-    fn extrapolated(&self, best: &Average, range: f64, zero: &Average) -> Status {
+    /// Of an exponent that nothing speaks against before it is extrapolated. `ways` are those that it is away from others: at the larger size,
+    /// and by the maps that judge linear ones.
+    fn extrapolated(&self, best: &Average, ways: [f64; 2], zero: &Average) -> Status {
         let tolerance = (RANGE * zero.stderr).max(PART * best.mean.abs());
         if best.undetermined as f64 > UNDETERMINED * self.references as f64 {
             Status::Starved
-        } else if range.abs() > tolerance {
-            Status::Unstable
-        } else {
+        } else if ways.iter().all(|way| way.abs() <= tolerance) {
             Status::Ok
+        } else {
+            Status::Unstable
         }
     }
 

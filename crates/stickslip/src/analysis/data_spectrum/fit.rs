@@ -130,18 +130,22 @@ fn differences<const N: usize>(
     to: &mut Vec<f64>,
 ) {
     let origin = &points[j + ahead];
-    for c in 0..N {
-        let start = to.len();
-        to.extend(
-            neighbours
-                .iter()
-                .map(|&(_, k)| points[k as usize + ahead][c] - origin[c]),
-        );
-        if centred && !neighbours.is_empty() {
-            let mean = to[start..].iter().sum::<f64>() / neighbours.len() as f64;
-            to[start..].iter_mut().for_each(|v| *v -= mean);
+    let start = to.len();
+    to.resize(start + N * rows, 0.0);
+    let columns = &mut to[start..];
+    // A point's coordinates lie together: each point is fetched once.
+    for (row, &(_, k)) in neighbours.iter().enumerate() {
+        let point = &points[k as usize + ahead];
+        for c in 0..N {
+            columns[c * rows + row] = point[c] - origin[c];
         }
-        to.resize(start + rows, 0.0);
+    }
+    if centred && !neighbours.is_empty() {
+        for column in columns.chunks_exact_mut(rows) {
+            let column = &mut column[..neighbours.len()];
+            let mean = column.iter().sum::<f64>() / neighbours.len() as f64;
+            column.iter_mut().for_each(|v| *v -= mean);
+        }
     }
 }
 

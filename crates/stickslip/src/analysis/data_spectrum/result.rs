@@ -11,7 +11,7 @@ pub enum Status {
     Ok,
     /// It belongs to such a direction, but depends on the size of the neighbourhoods: what they do to it by the curvature of map and
     /// attractor is not small. Extrapolated, it is at size zero another than at the larger size, by more than two statistical errors
-    /// and 5 %; by [`super::Estimator::SanoSawada`] it is another with neighbourhoods of twice the size, by more than four standard errors
+    /// and 5 %, or linear maps that were asked for give another than quadratic ones by as much; by [`super::Estimator::SanoSawada`] it is another with neighbourhoods of twice the size, by more than four standard errors
     /// and 5 %.
     Unstable,
     /// It belongs to such a direction, but at more than half of the reference points the ball held too few neighbours and the
@@ -59,8 +59,8 @@ pub struct DataExponent {
     /// no reference point determines it; for [`Status::Annihilated`] minus infinity.
     pub value: f64,
     /// Standard error. By [`super::Estimator::SanoSawada`] that of the mean from the scatter between blocks of time, which is statistical
-    /// only and knows nothing of bias; by [`super::Estimator::Extrapolated`] the root of the sum of squares of that and of the whole
-    /// step from the smaller size to zero. NaN where nothing determines the value.
+    /// only and knows nothing of bias; by [`super::Estimator::Extrapolated`] the root of the sum of squares of that, of the whole
+    /// step from the larger size to zero, and of the distance of linear maps that were asked for from quadratic ones. NaN where nothing determines the value.
     pub stderr: f64,
     /// The exponent by Eqs. (25) and (26), with its statistical error: the value itself with [`super::Estimator::SanoSawada`].
     pub sano_sawada: (f64, f64),

@@ -91,18 +91,34 @@ pub(super) fn svd<const N: usize>(m: &Square<N>) -> Svd<N> {
         }
         v[i][i] = 1.0;
     }
+    // Squares of the columns' lengths and their roots change by rotations only.
+    let mut squares = w.map(|column| product(&column, &column));
+    let mut norms = squares.map(f64::sqrt);
     for _ in 0..SWEEPS {
         let mut rotated = false;
         for p in 0..N {
             for q in p + 1..N {
-                rotated |= rotate(&mut w, &mut v, p, q);
+                let pq = product(&w[p], &w[q]);
+                if pq == 0.0 || pq.abs() <= ORTHOGONAL * norms[p] * norms[q] {
+                    continue;
+                }
+                rotate(
+                    &mut w,
+                    &mut v,
+                    (p, q),
+                    (squares[q] - squares[p]) / (2.0 * pq),
+                );
+                for column in [p, q] {
+                    squares[column] = product(&w[column], &w[column]);
+                    norms[column] = squares[column].sqrt();
+                }
+                rotated = true;
             }
         }
         if !rotated {
             break;
         }
     }
-    let norms = w.map(|column| product(&column, &column).sqrt());
     let mut order: [usize; N] = std::array::from_fn(|i| i);
     order.sort_by(|&a, &b| norms[b].total_cmp(&norms[a]));
     Svd {
@@ -112,17 +128,8 @@ pub(super) fn svd<const N: usize>(m: &Square<N>) -> Svd<N> {
     }
 }
 
-/// Makes columns `p` and `q` orthogonal; false if they were.
-fn rotate<const N: usize>(w: &mut Square<N>, v: &mut Square<N>, p: usize, q: usize) -> bool {
-    let (pp, qq, pq) = (
-        product(&w[p], &w[p]),
-        product(&w[q], &w[q]),
-        product(&w[p], &w[q]),
-    );
-    if pq == 0.0 || pq.abs() <= ORTHOGONAL * pp.sqrt() * qq.sqrt() {
-        return false;
-    }
-    let zeta = (qq - pp) / (2.0 * pq);
+/// Makes columns `p` and `q` orthogonal by a rotation whose double angle has the cotangent `zeta`.
+fn rotate<const N: usize>(w: &mut Square<N>, v: &mut Square<N>, (p, q): (usize, usize), zeta: f64) {
     let t = zeta.signum() / (zeta.abs() + (1.0 + zeta * zeta).sqrt());
     let cosine = 1.0 / (1.0 + t * t).sqrt();
     let sine = cosine * t;
@@ -134,7 +141,6 @@ fn rotate<const N: usize>(w: &mut Square<N>, v: &mut Square<N>, p: usize, q: usi
             *b = sine * x + cosine * y;
         }
     }
-    true
 }
 
 /// Scalar product.
