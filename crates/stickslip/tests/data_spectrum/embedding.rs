@@ -187,6 +187,30 @@ fn a_map_without_inverse_is_judged_by_the_fit_of_fixed_rank() {
     assert_eq!(reversal.origins, [Origin::System, Origin::Spurious]);
 }
 
+/// Two coupled logistic maps by x of one: 0.4146 and 0.3082, which two values hold and linear maps of full rank have not. They cannot be
+/// inverted, so nothing tells that the second is the embedding's, and it is not.
+#[test]
+fn a_fit_of_full_rank_calls_no_exponent_spurious() {
+    let logistic = |r: f64, x: f64| r * x * (1.0 - x);
+    let next = |&(x, y): &(f64, f64)| {
+        let (f, g) = (logistic(3.9, x), logistic(3.8, y));
+        Some((0.95 * f + 0.05 * g, 0.95 * g + 0.05 * f))
+    };
+    let states = std::iter::successors(Some((0.3, 0.6)), next).skip(1000);
+    let rows: Vec<[f64; 1]> = states.take(5000).map(|(x, _)| [x]).collect();
+    let embedding = Embedding {
+        delay: 1,
+        dimension: 2,
+    };
+    let (spectrum, reversal) = embedded(&column(&rows, 0, 1.0), embedding);
+    assert_eq!(spectrum.dimension, 2);
+    assert!(!reversal.is_conclusive);
+    let second = &spectrum.exponents[1];
+    near(second.value, 0.3082, 2.0 * second.stderr);
+    assert!((second.fixed_rank.unwrap().0 - 0.3082).abs() > 0.25 * 0.4146);
+    assert_eq!(reversal.origins, [Origin::System, Origin::Unknown]);
+}
+
 /// λ1 = 0.9056 and 0.0714; the block errors are 0.03 and 0.003, the bias of finite neighbourhoods up to 5 %.
 #[test]
 fn flows_by_one_column() {

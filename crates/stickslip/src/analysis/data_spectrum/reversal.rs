@@ -28,7 +28,8 @@ pub enum Origin {
     System,
     /// The embedding's: neither has it.
     Spurious,
-    /// There is nothing to compare with: no tangent direction was found, the maps predict too little, or the exponent has no value.
+    /// There is nothing to compare with: no tangent direction was found, or as many as there are values and no reversed series that has the
+    /// first exponent, the maps predict too little, or the exponent has no value.
     Unknown,
 }
 
@@ -102,13 +103,17 @@ pub fn reversal(
             .zip(also)
             .for_each(|(one, other)| *one |= other);
     }
+    // A fit of full rank has room for the embedding's own, too, and tells nothing of what it has not.
+    let is_judged = is_conclusive || forward.len() < full.len();
     let origins = full.iter().zip(found).map(|(exponent, found)| {
         if forward.is_empty() || noisy || !exponent.0.is_finite() {
             Origin::Unknown
         } else if found {
             Origin::System
-        } else {
+        } else if is_judged {
             Origin::Spurious
+        } else {
+            Origin::Unknown
         }
     });
     Ok(Reversal {
