@@ -195,7 +195,10 @@ pub(super) fn change_words(system: &System, change: &Change) -> String {
     let name = change_name(change);
     match changed_contact(system, change) {
         contact if contact.is_empty() || system.contacts() == 1 => name,
-        contact => format!("{name} of {contact}"),
+        contact => match name.strip_suffix(" of two contacts") {
+            Some(name) => format!("{name} of {contact} and another contact"),
+            None => format!("{name} of {contact}"),
+        },
     }
 }
 

@@ -141,7 +141,7 @@ fn wrong_diagrams_are_told() {
     assert_eq!(std::fs::read_dir(top.path()).unwrap().count(), 0);
 }
 
-/// y' = -y + sin t + cos t attracts to sin t below the boundary of `roof`, y = p, and above it all falls; beside it z follows sin(t - 2) across zero.
+/// y' = -y + sin t + cos t attracts to sin t below the boundary of `roof`, y = p, and above it all falls; beside it z follows sin(t - q) across zero.
 const TWO: &str = r#"
 name = "two"
 [states]
@@ -149,8 +149,9 @@ z = ""
 y = ""
 [parameters]
 p = 1
+q = 2
 [definitions]
-rate = "sin(t - 2) + cos(t - 2) - z"
+rate = "sin(t - q) + cos(t - q) - z"
 [contacts.clock]
 boundary = "z"
 [contacts.roof]
@@ -224,5 +225,43 @@ fn a_change_of_phases_is_told_at_the_contact_of_that_name() {
         "c/branch.csv",
     ] {
         assert!(text(top.path().join(table)).is_ascii(), "{table}");
+    }
+}
+
+/// The block of `roof` leaves it where sin t + cos t falls through p, at 3π/4 - asin(p/√2); at q the other one passes zero.
+#[test]
+fn contacts_that_change_places_are_told_together() {
+    let top = folder();
+    std::fs::write(top.path().join("two.toml"), TWO).unwrap();
+    let output = program(top.path())
+        .args(["bifurcation", "two.toml", "--set", "p=0.98"])
+        .args([
+            "--parameter",
+            "q=1.55:1.64",
+            "--values",
+            "2",
+            "--until",
+            "400",
+        ])
+        .args(["--duration", "20", "--out", "o"])
+        .assert()
+        .success();
+    let said = String::from_utf8(output.get_output().stdout.clone()).unwrap();
+    let sine = 0.98 / 2.0_f64.sqrt();
+    let exact =
+        0.75 * std::f64::consts::PI - stickslip::math::atan(sine / (1.0 - sine * sine).sqrt());
+    let told: Vec<&str> = said
+        .lines()
+        .filter(|line| line.contains("coincidence"))
+        .collect();
+    assert_eq!(told.len(), 2, "{said}");
+    for line in told {
+        assert!(line.ends_with("and another contact"), "{line}");
+        let value = line
+            .split("at ")
+            .nth(1)
+            .and_then(|rest| rest.split(':').next());
+        let value: f64 = value.unwrap().parse().unwrap();
+        assert!((value - exact).abs() < 1e-9, "{value} for {exact}");
     }
 }

@@ -7,7 +7,7 @@ use stickslip::analysis::{
     SequenceChange, Special, Stop, SweepSettings, WhatChanges, attractor, continue_periodic_orbit,
     is_same_cycle, sweep,
 };
-use stickslip::{Mode, Options, Several, Side};
+use stickslip::{Mode, Options, Several, Side, math};
 
 use super::systems::{Beat, Duet, DuetFamily, Rhythm};
 
@@ -122,7 +122,8 @@ fn the_attractor_of_two_is_that_of_each() {
                 .filter(move |pair| pair[0].mode[contact] == mode && pair[1].mode[contact] != mode);
             left.next().map(|pair| pair[0].t_end.rem_euclid(2.0 * PI))
         };
-        let leaves = 0.75 * PI - (0.5_f64 / 2.0_f64.sqrt()).asin();
+        // √2 sin(t + π/4) = 1/2, falling; the tangent of that angle is 1/√7.
+        let leaves = 0.75 * PI - math::atan(1.0 / 7.0_f64.sqrt());
         let found_at = ends(0, Mode::Stick).expect("it leaves");
         assert!((found_at - leaves).abs() < 1e-9, "{found_at} for {leaves}");
         let rises = ends(1, BELOW).expect("it crosses");
