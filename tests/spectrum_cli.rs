@@ -228,6 +228,10 @@ fn bad_files_are_failures_that_say_where() {
             "t,x\n0,1\n1,2\n3,3\n",
             "line 4, column 1 (t): the time goes",
         ),
+        (
+            "t,x\n2,1\n1,2\n0,3\n",
+            "line 3, column 1 (t): the time goes from 2 to 1, not forward",
+        ),
         ("1,2\n1,2\n1,2\n", "3 points are too few"),
         ("1\n2\n3\n", "3 points are too few"),
     ] {

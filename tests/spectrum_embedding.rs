@@ -194,3 +194,37 @@ fn the_picture_shows_the_choice_and_the_straight_parts() {
         );
     }
 }
+
+/// Neighbours that fall on one value of the grid look annihilated, and are told apart by a warning; whole numbers from 0 to 2 without any
+/// rule have no tangent direction, and nothing to hold the embedding against.
+#[test]
+fn values_on_a_coarse_grid_get_a_warning_and_no_error() {
+    let rows = |digits: usize| {
+        let mut x = [0.1, 0.1];
+        (0..4000)
+            .map(|_| {
+                x = [1.0 - 1.4 * x[0] * x[0] + x[1], 0.3 * x[0]];
+                format!("{:.digits$},{:.digits$}\n", x[0], x[1])
+            })
+            .collect::<String>()
+    };
+    let says = contains("different values: neighbours that fall on one");
+    program(&["--csv"], &rows(2))
+        .assert()
+        .success()
+        .stdout(contains("annihilated"))
+        .stderr(says.clone());
+    program(&["--csv"], &rows(9))
+        .assert()
+        .success()
+        .stdout(contains("annihilated").not())
+        .stderr(says.not());
+    let mut random = SplitMix::new(7);
+    let noise: String = (0..3000)
+        .map(|_| format!("{}\n", random.between(0.0, 3.0).floor()))
+        .collect();
+    program(&["--dimension", "3"], &noise)
+        .assert()
+        .success()
+        .stdout(contains("cannot be told").and(contains("nothing to extrapolate")));
+}

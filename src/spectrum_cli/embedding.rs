@@ -152,9 +152,10 @@ impl Embedded {
                     .into()
             }
             (system, spurious) => format!(
-                "The system's exponents: {}; the embedding's own: {} ({by}).\n",
+                "The system's exponents: {}; the embedding's own: {}{} ({by}).\n",
                 system.as_deref().unwrap_or("none"),
-                spurious.as_deref().unwrap_or("none")
+                spurious.as_deref().unwrap_or("none"),
+                of(Origin::Unknown).map_or(String::new(), |which| format!("; not told: {which}"))
             ),
         }
     }

@@ -17,6 +17,10 @@ use stickslip::error::readable;
 
 /// With a larger part of the reference points starved there is a warning.
 const STARVED: f64 = 0.1;
+/// With so large a part all exponents are starved.
+const MOSTLY_STARVED: f64 = 0.5;
+/// Values that are drawn from an attractor nearly all differ; with fewer different ones than this part they lie on a grid.
+const DIFFERENT: f64 = 0.5;
 /// The two fits disagree where they differ by more than so many standard errors of the difference.
 const COMBINED_ERRORS: f64 = 4.0;
 
@@ -119,7 +123,13 @@ pub fn table(findings: &Findings, source: &Table) -> String {
 /// Which estimator it is, and what its error holds.
 fn estimator(spectrum: &DataSpectrum) -> String {
     let Some(sizes) = &spectrum.sizes else {
-        return "Sano-Sawada, Eqs. (25) and (26): stderr is statistical only".to_owned();
+        let why = match spectrum.settings.estimator {
+            Estimator::SanoSawada => "",
+            Estimator::Extrapolated { .. } => {
+                " (no direction is tangent, and nothing to extrapolate)"
+            }
+        };
+        return format!("Sano-Sawada, Eqs. (25) and (26){why}: stderr is statistical only");
     };
     let uncorrected: Vec<String> = spectrum
         .exponents
@@ -180,15 +190,34 @@ pub fn warnings(findings: &Findings, source: &Table) -> Vec<String> {
             short(spectrum.residual_ratio)
         ));
     }
-    if let Some(which) = indices(Status::Unstable) {
+    if let Some(which) = indices(Status::Starved)
+        && part <= MOSTLY_STARVED
+    {
         warnings.push(format!(
-            "exponent {which} changes with the size of the neighbourhoods by more than {} standard errors and 5 %, which is bias: \
-             try a smaller --step, fewer --neighbours, --affine, or more points",
-            match spectrum.settings.estimator {
-                Estimator::SanoSawada => "four",
-                Estimator::Extrapolated { .. } => "two",
-            }
+            "exponent {which} is starved: at more than 1 % of the reference points the neighbours do not determine the maps that are \
+             extrapolated, as where values lie on a grid: give values with more digits, more points, or more --neighbours"
         ));
+    }
+    if let Some(which) = indices(Status::Annihilated) {
+        warnings.extend(on_a_grid(source).map(|(name, different)| {
+            format!(
+                "exponent {which} is minus infinity, and column {name} has only {different} different values: neighbours that fall on one \
+                 value of a grid look annihilated; give values with more digits"
+            )
+        }));
+    }
+    if let Some(which) = indices(Status::Unstable) {
+        warnings.push(match spectrum.settings.estimator {
+            Estimator::SanoSawada => format!(
+                "exponent {which} changes with the size of the neighbourhoods by more than four standard errors and 5 %, which is bias: \
+                 try a smaller --step, fewer --neighbours, --affine, or more points"
+            ),
+            Estimator::Extrapolated { .. } => format!(
+                "exponent {which} changes with the size of the neighbourhoods, or from linear maps to quadratic ones, by more than two \
+                 statistical errors and 5 %, which is bias: try a smaller --step, fewer --neighbours, --affine, more points, or \
+                 --degree quadratic if linear maps were asked for"
+            ),
+        });
     }
     warnings.extend(disagreements(findings));
     let balance = findings.balance.as_ref();
@@ -203,6 +232,24 @@ pub fn warnings(findings: &Findings, source: &Table) -> Vec<String> {
     );
     warnings.extend(source.notes.iter().cloned());
     warnings
+}
+
+/// The first column whose values lie on a grid, and how many different ones it has.
+fn on_a_grid(source: &Table) -> Option<(&str, usize)> {
+    let columns = source.names.len();
+    let rows = source.values.len() / columns.max(1);
+    source.names.iter().enumerate().find_map(|(column, name)| {
+        let mut values: Vec<f64> = source
+            .values
+            .iter()
+            .skip(column)
+            .step_by(columns)
+            .copied()
+            .collect();
+        values.sort_by(f64::total_cmp);
+        values.dedup();
+        ((values.len() as f64) < DIFFERENT * rows as f64).then_some((name.as_str(), values.len()))
+    })
 }
 
 /// A time or an index makes every point its own: it is no coordinate of a state.

@@ -173,11 +173,18 @@ impl<'a> Layout<'a> {
 
     pub(super) fn gap(&self, gap: Gap) -> SpectrumError {
         let Gap { line, from, to, dt } = gap;
-        let cause = format!(
-            "the time goes from {from} to {to}, not on by dt = {}; cut the file at the gap, correct --dt if it was given, or choose columns \
-             with --columns if this is not the time",
-            readable(dt)
-        );
+        let cause = if to > from {
+            format!(
+                "the time goes from {from} to {to}, not on by dt = {}; cut the file at the gap, correct --dt if it was given, or choose \
+                 columns with --columns if this is not the time",
+                readable(dt)
+            )
+        } else {
+            format!(
+                "the time goes from {from} to {to}, not forward; reverse the order of the rows or cut the file there, or choose columns \
+                 with --columns if this is not the time"
+            )
+        };
         self.cell(line, self.time.unwrap_or(0), cause)
     }
 

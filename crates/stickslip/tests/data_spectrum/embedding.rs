@@ -190,7 +190,7 @@ fn a_map_without_inverse_is_judged_by_the_fit_of_fixed_rank() {
 /// Two coupled logistic maps by x of one: 0.4146 and 0.3082, which two values hold and linear maps of full rank have not. They cannot be
 /// inverted, so nothing tells that the second is the embedding's, and it is not.
 #[test]
-fn a_fit_of_full_rank_calls_no_exponent_spurious() {
+fn a_fit_of_full_rank_alone_calls_no_exponent_spurious() {
     let logistic = |r: f64, x: f64| r * x * (1.0 - x);
     let next = |&(x, y): &(f64, f64)| {
         let (f, g) = (logistic(3.9, x), logistic(3.8, y));

@@ -333,7 +333,7 @@ impl Evidence {
             status,
             fixed_rank: fixed.map(of),
             collapses: full.collapses,
-            undetermined: full.undetermined,
+            undetermined: best.undetermined,
         }
     }
 

@@ -65,6 +65,13 @@ pub fn reversal(
     spectrum: &DataSpectrum,
     progress: &dyn Fn(usize, usize),
 ) -> Result<Reversal, DataError> {
+    if spectrum.fixed_rank == 0 {
+        return Ok(Reversal {
+            origins: vec![Origin::Unknown; spectrum.exponents.len()],
+            reversed: Vec::new(),
+            is_conclusive: false,
+        });
+    }
     // Only its fit of fixed rank is asked for, which is not extrapolated.
     let settings = DataSettings {
         estimator: Estimator::SanoSawada,

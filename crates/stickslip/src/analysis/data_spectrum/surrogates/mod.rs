@@ -111,13 +111,14 @@ pub fn surrogate_test(
         surrogates.extend(found);
     }
     progress(count, count);
-    let not_above = |one: &&Statistics| one.residual <= own.residual;
+    // One that has no residual is no evidence.
+    let is_above = |one: &Statistics| one.residual > own.residual;
     Ok(SurrogateTest {
         // Nothing is told from a residual that does not exist.
         p: if own.residual.is_nan() {
             1.0
         } else {
-            (1 + surrogates.iter().filter(not_above).count()) as f64 / (1 + count) as f64
+            (1 + surrogates.iter().filter(|one| !is_above(one)).count()) as f64 / (1 + count) as f64
         },
         series: own,
         surrogates,
