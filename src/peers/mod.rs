@@ -247,8 +247,9 @@ fn head(all: &All, versions: &[(String, String)]) -> String {
 
 fn write(all: &All, rows: &[Row], text: &str, problems: &[Problem]) -> Result<String, PeersError> {
     let table = row::csv(rows)?;
-    // From the digits that the table has, so that the picture can be drawn from it again.
-    let svg = draw::draw(&row::read(&table, problems)?, problems)?;
+    // From the digits that the table has, so that picture and README can be written from it again.
+    let rows = row::read(&table, problems)?;
+    let svg = draw::draw(&rows, problems)?;
     let tables = [
         Artifact::text("bench.csv", table),
         Artifact::text("bench.txt", text),
@@ -258,7 +259,7 @@ fn write(all: &All, rows: &[Row], text: &str, problems: &[Problem]) -> Result<St
     paths.extend(output::write_all(&all.folders.figures_dir, &[picture])?);
     // A part of the problems, or ours alone, says nothing of the table there.
     if all.problems.is_empty() && all.python.is_some() {
-        paths.extend(write_readme(&all.folders, rows)?);
+        paths.extend(write_readme(&all.folders, &rows)?);
     }
     Ok(output::listing(&paths))
 }
