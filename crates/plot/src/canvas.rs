@@ -194,13 +194,18 @@ impl<'a> Canvas<'a> {
             units(words.size),
             words.color.hex()
         )?;
-        // A viewer without the font sets the text in another; legends and tables hold only what is as wide as computed.
-        let wide = units(metrics::width(&words.markup, words.size).map_err(|_| fmt::Error)?);
-        if wide > 0 {
-            write!(
-                self.out,
+        let runs = rich::parse(&words.markup);
+        // A viewer without the font sets the text in another; legends and tables hold only what is as wide as computed. Each run has its own
+        // width: given for all together, viewers stretch each run to it.
+        let wide = |run: &rich::Run| match metrics::run_width(run, words.size).map(units) {
+            Ok(0) => Ok(String::new()),
+            Ok(wide) => Ok(format!(
                 " textLength=\"{wide}\" lengthAdjust=\"spacingAndGlyphs\""
-            )?;
+            )),
+            Err(_) => Err(fmt::Error),
+        };
+        if let [run] = &runs[..] {
+            self.out.push_str(&wide(run)?);
         }
         if words.upwards {
             write!(self.out, " transform=\"rotate(-90 {x} {y})\"")?;
@@ -215,9 +220,12 @@ impl<'a> Canvas<'a> {
         self.out.push('>');
         // `dy` moves everything after it, so each run states the difference to the run before it.
         let mut drop_before = 0;
-        for run in rich::parse(&words.markup) {
+        for run in &runs {
             let drop = units(words.size * run.level.drop());
-            let mut attributes = String::new();
+            let mut attributes = match runs.len() {
+                1 => String::new(),
+                _ => wide(run)?,
+            };
             if run.italic {
                 attributes.push_str(" font-style=\"italic\"");
             }
@@ -466,16 +474,38 @@ mod tests {
     #[test]
     fn subscripts_return_to_the_line() {
         let svg = document(|canvas| drawn(canvas.words((50, 50), &Words::new("*x*_1 + 2", 10.0))));
-        assert!(svg.contains(
-            "<tspan font-style=\"italic\">x</tspan><tspan font-size=\"720\" dy=\"240\">1</tspan><tspan dy=\"-240\"> + 2</tspan>"
-        ));
+        let document = roxmltree::Document::parse(&svg).unwrap();
+        let runs = document
+            .descendants()
+            .filter(|node| node.has_tag_name("tspan"));
+        let told: Vec<_> = runs
+            .map(|run| {
+                let [style, size, dy] =
+                    ["font-style", "font-size", "dy"].map(|name| run.attribute(name));
+                (run.text().unwrap(), style, size, dy)
+            })
+            .collect();
+        assert_eq!(
+            told,
+            [
+                ("x", Some("italic"), None, None),
+                ("1", None, Some("720"), Some("240")),
+                (" + 2", None, None, Some("-240")),
+            ]
+        );
     }
 
     #[test]
     fn a_text_is_as_wide_as_computed_in_any_font() {
-        let svg = document(|canvas| drawn(canvas.words((50, 50), &Words::new("*x*_1 + 2", 10.0))));
-        let wide = units(metrics::width("*x*_1 + 2", 10.0).unwrap());
-        assert!(svg.contains(&format!(" textLength=\"{wide}\" lengthAdjust=")));
+        let given = |markup: &str| -> Vec<i32> {
+            let svg = document(|canvas| drawn(canvas.words((50, 50), &Words::new(markup, 10.0))));
+            let lengths = svg.split(" textLength=\"").skip(1);
+            let digits = lengths.map(|rest| rest.split('"').next().unwrap());
+            digits.map(|wide| wide.parse().unwrap()).collect()
+        };
+        let wide = |markup: &str| units(metrics::width(markup, 10.0).unwrap());
+        assert_eq!(given("x + 2"), [wide("x + 2")]);
+        assert_eq!(given("*x*_1 + 2"), [wide("*x*"), wide("_1"), wide(" + 2")]);
     }
 
     #[test]

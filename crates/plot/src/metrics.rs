@@ -59,7 +59,11 @@ pub(super) fn width(markup: &str, size: f64) -> Result<f64, PlotError> {
         .sum()
 }
 
-fn run_width(run: &Run, size: f64) -> Result<f64, PlotError> {
+/// Width in px of a run at the font size `size` px of the text on the line.
+///
+/// # Errors
+/// As of [`width`].
+pub(super) fn run_width(run: &Run, size: f64) -> Result<f64, PlotError> {
     if !*REGISTERED {
         return Err(PlotError::Draw("the embedded font is damaged".into()));
     }
