@@ -9,5 +9,6 @@ mod listing;
 mod peers;
 mod readings;
 mod report;
+mod spectra_table;
 mod spectrum_cli;
 mod spectrum_embedding;
