@@ -12,6 +12,7 @@ use super::{Failure, Found, figures, tables};
 use crate::output::csv_table;
 use crate::system::System;
 use crate::terminal::{Patience, Said};
+use stickslip::analysis::Stability;
 use stickslip_kernels::kernel::{Modes, Periodic, Run};
 
 /// Find a periodic orbit: from a run, refined by shooting; period, multipliers, sequence of phases
@@ -27,11 +28,9 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
-    let ready = arguments.run.ready()?;
-    let found = found(&ready, &arguments.search);
-    found
-        .map_err(|failure| failure.of(&ready.system))?
-        .written(&arguments.run.output)
+    arguments
+        .run
+        .answered(|ready| found(ready, &arguments.search))
 }
 
 fn found(ready: &Ready, search: &SearchArguments) -> Result<Found, Failure> {
@@ -83,11 +82,10 @@ impl Orbit<'_> {
         tables::sequence(&modes)
     }
 
-    /// Whether all multipliers but the trivial one of a system that does not depend on time are within the unit circle.
-    fn is_stable(&self) -> bool {
+    /// By all multipliers but the trivial one of a system that does not depend on time.
+    fn stability(&self) -> Stability {
         let trivial = usize::from(self.periods.is_none());
-        let others = self.orbit.multipliers.iter().skip(trivial);
-        others.clone().all(|multiplier| multiplier.norm() < 1.0)
+        Stability::of(self.orbit.multipliers.get(trivial..).unwrap_or_default())
     }
 
     /// Time in stick in one period.
@@ -164,15 +162,7 @@ impl Orbit<'_> {
             };
             let _ = writeln!(text, "  {title:13}{}{imaginary}{trivial}", multiplier.re);
         }
-        let _ = writeln!(
-            text,
-            "  stability    {}",
-            if self.is_stable() {
-                "stable"
-            } else {
-                "not stable"
-            }
-        );
+        let _ = writeln!(text, "  stability    {}", self.stability());
         let _ = writeln!(
             text,
             "  phases       {}  (- below, + above, S stick)",
@@ -211,7 +201,7 @@ impl Orbit<'_> {
             "t": orbit.t,
             "x": tables::state_json(self.system, &orbit.x),
             "multipliers": multipliers,
-            "stable": self.is_stable(),
+            "stability": self.stability().to_string(),
             "phases": self.sequence(),
             "stick_time": self.stick_time(),
             "extremes": extremes,

@@ -465,6 +465,37 @@ fn tangents_are_listed_and_drawn() {
     assert!(text(top.path().join("o/tangents.svg")).contains("<svg"));
 }
 
+/// x'' = cos t - 2 x is without damping: x = cos t repeats, and all that begins beside it stays beside it.
+#[test]
+fn an_orbit_without_damping_is_neutral() {
+    const UNDAMPED: &str = r#"
+name = "undamped"
+[states]
+x = ""
+v = ""
+[contacts.stop]
+boundary = "x - 5"
+[field]
+x = "v"
+v = "cos(t) - 2*x + by_side(stop, 0, -1)"
+[time]
+period = "2*pi"
+[start]
+x = 0.5
+v = 0
+"#;
+    let top = folder();
+    std::fs::write(top.path().join("undamped.toml"), UNDAMPED).unwrap();
+    let output = program(top.path())
+        .args(["orbit", "undamped.toml", "--periods", "1", "--json"])
+        .assert()
+        .success();
+    let json: serde_json::Value = serde_json::from_slice(&output.get_output().stdout).unwrap();
+    assert_eq!(json["stability"], "neutral");
+    let lowest = json["extremes"]["x"][0].as_f64().unwrap();
+    assert!((lowest + 1.0).abs() < 1e-6, "{lowest}");
+}
+
 #[test]
 fn a_periodic_orbit_is_found_with_its_phases() {
     let top = folder();
@@ -502,7 +533,7 @@ fn a_periodic_orbit_is_found_with_its_phases() {
         .success();
     let json: serde_json::Value = serde_json::from_slice(&output.get_output().stdout).unwrap();
     assert_eq!(json["periods_of_drive"], 1);
-    assert_eq!(json["stable"], true);
+    assert_eq!(json["stability"], "stable");
     assert!(["- +", "+ -"].contains(&json["phases"].as_str().unwrap()));
     let highest = json["extremes"]["x"][1].as_f64().unwrap();
     assert!((highest - 1.9277745179).abs() < 1e-6, "{highest}");

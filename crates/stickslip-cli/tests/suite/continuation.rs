@@ -74,9 +74,9 @@ fn both_ends_of_the_cycle_beside_the_fixed_point_are_located() {
     let hopf = ends[1]["hopf"]["parameter"].as_f64().unwrap();
     assert!((hopf - 0.5 * LN_10).abs() < 1e-9, "{hopf}");
     assert_eq!(number(&rows[0], "vd"), 1.1);
-    let stable = rows.iter().filter(|row| row["stable"] == "true");
+    let stable = rows.iter().filter(|row| row["stability"] == "stable");
     assert!(stable.clone().all(|row| row["phases"] == "S -"));
-    assert!(stable.count() > 20 && rows.last().unwrap()["stable"] == "false");
+    assert!(stable.count() > 20 && rows.last().unwrap()["stability"] == "unstable");
 }
 
 fn amplitude(frequency: f64, friction: f64) -> f64 {

@@ -1,6 +1,6 @@
 //! A branch of periodic orbits, without the number of states and contacts in its type.
 
-use stickslip::analysis::{Branch, Special, Stop};
+use stickslip::analysis::{Branch, Special, Stability, Stop};
 use stickslip::nalgebra::Complex;
 
 use super::change::Change;
@@ -19,8 +19,8 @@ pub struct OrbitThere {
     pub period: f64,
     /// Floquet multipliers by falling size, without the trivial one of a system that does not depend on time.
     pub multipliers: Vec<Complex<f64>>,
-    /// Whether all of them are inside the unit circle.
-    pub is_stable: bool,
+    /// What they say of it.
+    pub stability: Stability,
     /// The modes gone through in one period.
     pub phases: Vec<Modes>,
 }
@@ -77,7 +77,7 @@ impl BranchFound {
             x: at.x.as_slice().to_vec(),
             period: at.period,
             multipliers: at.multipliers.clone(),
-            is_stable: at.is_stable(),
+            stability: at.stability(),
             phases: at
                 .sequence
                 .iter()

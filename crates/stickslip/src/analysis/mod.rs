@@ -15,6 +15,7 @@ mod multipliers;
 mod periodic;
 mod poincare;
 mod sequence;
+mod stability;
 mod tangency;
 mod tangent;
 
@@ -37,5 +38,6 @@ pub use multipliers::multipliers;
 pub use periodic::{PeriodicOrbit, find_periodic_orbit, periodic_orbit, periodic_orbit_forced};
 pub use poincare::{PoincareMap, Return};
 pub use sequence::{SequenceBifurcation, SequenceChange};
+pub use stability::Stability;
 pub use tangency::{Visibility, tangency, visibility};
 pub use tangent::saltation;

@@ -4,6 +4,7 @@ use plot::{
     BLACK, BLUE, Color, Curve, Dash, Figure, GREEN, Guide, Legend, Markers, ORANGE, PURPLE, Panel,
     Shape, VERMILLION,
 };
+use stickslip::analysis::Stability;
 use stickslip_kernels::kernel::{SpecialKind, SpecialThere};
 
 use super::super::figures;
@@ -52,7 +53,7 @@ pub(super) fn diagram(told: &Told<'_>) -> Result<String, OutputError> {
     let title = format!("{}: branch of periodic orbits", system.file.name);
     let description = format!(
         "A branch of periodic orbits of {} over {} from {} to {}: least and greatest {}, period, and the largest multiplier up to {LARGEST}; \
-         whole lines where it is stable, dashed where not; marks at folds, flips, branch points, torus bifurcations and changes of its phases.",
+         whole lines where it is stable, dotted where neutral, dashed where unstable; marks at folds, flips, branch points, torus bifurcations and changes of its phases.",
         system.file.name, range.name, range.low, range.high, first.name
     );
     let height = 70.0 + 190.0 * rows.len() as f64;
@@ -74,11 +75,11 @@ pub(super) fn diagram(told: &Told<'_>) -> Result<String, OutputError> {
             panel.add(Guide::horizontal(1.0));
         }
         for value in values {
-            for (is_stable, run) in runs(branch, *value) {
-                let (color, dash) = if is_stable {
-                    (BLUE, Dash::Solid)
-                } else {
-                    (VERMILLION, Dash::Dashed)
+            for (stability, run) in runs(branch, *value) {
+                let (color, dash) = match stability {
+                    Stability::Stable => (BLUE, Dash::Solid),
+                    Stability::Neutral => (BLUE, Dash::Dotted),
+                    Stability::Unstable => (VERMILLION, Dash::Dashed),
                 };
                 panel.add(Curve::new(run).color(color).dash(dash).width(1.4));
             }
@@ -171,25 +172,25 @@ fn place(branch: &Branch, at: &SpecialThere, value: Value) -> (f64, f64) {
     (at.parameter, height)
 }
 
-/// The branch in pieces that are all stable or all not. Neighbouring pieces share the special orbit between them, so that the curve has no gap.
-fn runs(branch: &Branch, value: Value) -> Vec<(bool, Vec<(f64, f64)>)> {
-    let mut runs: Vec<(bool, Vec<(f64, f64)>)> = Vec::new();
+/// The branch in pieces of one stability. Neighbouring pieces share the special orbit between them, so that the curve has no gap.
+fn runs(branch: &Branch, value: Value) -> Vec<(Stability, Vec<(f64, f64)>)> {
+    let mut runs: Vec<(Stability, Vec<(f64, f64)>)> = Vec::new();
     for (k, at) in branch.points.iter().enumerate() {
         let here = (at.orbit.parameter, value(at));
-        let is_stable = at.orbit.is_stable;
+        let stability = at.orbit.stability;
         let special = branch.special.iter().filter(|at| at.behind == k);
         let between: Vec<_> = special.map(|at| place(branch, at, value)).collect();
         match runs.last_mut() {
             Some(run) => {
                 run.1.extend(between);
-                if run.0 == is_stable {
+                if run.0 == stability {
                     run.1.push(here);
                 } else {
                     let joint = run.1.last().copied();
-                    runs.push((is_stable, joint.into_iter().chain([here]).collect()));
+                    runs.push((stability, joint.into_iter().chain([here]).collect()));
                 }
             }
-            None => runs.push((is_stable, vec![here])),
+            None => runs.push((stability, vec![here])),
         }
     }
     runs

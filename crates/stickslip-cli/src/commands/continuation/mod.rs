@@ -28,22 +28,11 @@ pub(super) struct Arguments {
     parameter: String,
 
     /// First and longest step, as a part of the range and of the orbit's size
-    #[arg(
-        long,
-        value_name = "PART",
-        allow_hyphen_values = true,
-        default_value_t = 0.02
-    )]
+    #[arg(long, value_name = "PART", default_value_t = 0.02)]
     step: f64,
 
     /// Orbits on the branch, at most this many each way
-    #[arg(
-        long,
-        value_name = "NUMBER",
-        allow_hyphen_values = true,
-        value_parser = count,
-        default_value = "1000"
-    )]
+    #[arg(long, value_name = "NUMBER", value_parser = count, default_value = "1000")]
     points: NonZeroUsize,
 
     #[command(flatten)]
@@ -53,11 +42,7 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
-    let ready = arguments.run.ready()?;
-    let found = found(arguments, &ready);
-    found
-        .map_err(|failure| failure.of(&ready.system))?
-        .written(&arguments.run.output)
+    arguments.run.answered(|ready| found(arguments, ready))
 }
 
 fn found(arguments: &Arguments, ready: &Ready) -> Result<Found, Failure> {

@@ -89,7 +89,8 @@ impl Told<'_> {
         let points = &self.branch.points;
         let multipliers = points.iter().map(|at| at.orbit.multipliers.len()).max();
         let multipliers = multipliers.unwrap_or(0);
-        let mut heading = tables::strings(&[&self.range.name, "period", "stable", "phases", "t"]);
+        let mut heading =
+            tables::strings(&[&self.range.name, "period", "stability", "phases", "t"]);
         heading.extend(self.states().map(str::to_owned));
         for name in self.states() {
             heading.extend([format!("{name}_low"), format!("{name}_high")]);
@@ -99,7 +100,7 @@ impl Told<'_> {
         }
         let rows = points.iter().map(|Point { orbit, extremes }| {
             let mut row: Vec<String> = [orbit.parameter, orbit.period].map(tables::exact).into();
-            row.extend([orbit.is_stable.to_string(), tables::sequence(&orbit.phases)]);
+            row.extend([orbit.stability.to_string(), tables::sequence(&orbit.phases)]);
             row.push(tables::exact(orbit.t));
             row.extend(orbit.x.iter().map(|&x| tables::exact(x)));
             for &(low, high) in extremes {
@@ -132,7 +133,7 @@ impl Told<'_> {
             let mut row = vec![at.behind.to_string(), tables::exact(at.parameter)];
             row.push(what(&at.what));
             row.push(match &at.what {
-                SpecialKind::Sequence(change) => tables::changed_contact(self.system, change),
+                SpecialKind::Sequence(change) => tables::changed_contacts(self.system, change),
                 _ => String::new(),
             });
             row.extend(match &at.what {
@@ -179,7 +180,7 @@ impl Told<'_> {
                 range.name,
                 tables::rounded(orbit.parameter),
                 tables::rounded(orbit.period),
-                stability(orbit.is_stable),
+                orbit.stability,
                 tables::sequence(&orbit.phases)
             );
         }
@@ -202,7 +203,7 @@ impl Told<'_> {
                 let _ = writeln!(
                     text,
                     "  {way}, {} at its last orbit ({} = {}), it ends {}",
-                    stability(orbit.is_stable),
+                    orbit.stability,
                     range.name,
                     tables::rounded(orbit.parameter),
                     why(stop, &range.name)
@@ -242,10 +243,6 @@ impl Told<'_> {
             "ends": ends,
         })
     }
-}
-
-fn stability(is_stable: bool) -> &'static str {
-    if is_stable { "stable" } else { "not stable" }
 }
 
 impl Told<'_> {

@@ -12,6 +12,7 @@ mod walk;
 use nalgebra::Complex;
 
 use super::sequence::SequenceChange;
+use super::stability::Stability;
 use crate::error::Error;
 use crate::filippov::{Options, Switched};
 use crate::system::{Mode, State};
@@ -98,9 +99,9 @@ pub struct BranchPoint<const N: usize, K = Mode> {
 }
 
 impl<const N: usize, K> BranchPoint<N, K> {
-    /// Whether all multipliers are inside the unit circle.
-    pub fn is_stable(&self) -> bool {
-        self.multipliers.iter().all(|value| value.norm() < 1.0)
+    /// What the multipliers say of it.
+    pub fn stability(&self) -> Stability {
+        Stability::of(&self.multipliers)
     }
 }
 

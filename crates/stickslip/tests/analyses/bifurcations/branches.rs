@@ -3,8 +3,8 @@
 use std::f64::consts::{LN_10, PI};
 
 use stickslip::analysis::{
-    Branch, ContinuationSettings, SequenceBifurcation, Special, Stop, continue_periodic_orbit,
-    monodromy,
+    Branch, ContinuationSettings, SequenceBifurcation, Special, Stability, Stop,
+    continue_periodic_orbit, monodromy,
 };
 use stickslip::nalgebra::Matrix3;
 use stickslip::{Error, Method, Mode, Options, Side, State, math};
@@ -60,7 +60,11 @@ fn a_fold_of_cycles_and_the_focus_that_the_inner_one_shrinks_to() {
                 1.0 - root
             };
             assert!((square - exact).abs() < 1e-6, "{k}: {square} {exact}");
-            assert_eq!(point.is_stable(), k < fold.behind, "{k}");
+            assert_eq!(
+                point.stability() == Stability::Stable,
+                k < fold.behind,
+                "{k}"
+            );
             // d(r g)/dr over a turn.
             let rate = 4.0 * square - 4.0 * square * square;
             let multiplier = math::exp(2.0 * PI * rate);
@@ -189,12 +193,12 @@ fn the_branch_of_stick_and_slip_turns_back_where_it_grazes_and_ends_in_the_focus
     assert!(
         with_stick
             .iter()
-            .all(|point| point.is_stable() && point.sequence.len() == 2)
+            .all(|point| point.stability() == Stability::Stable && point.sequence.len() == 2)
     );
     assert!(
         slipping
             .iter()
-            .all(|point| !point.is_stable() && point.sequence == [BELOW])
+            .all(|point| point.stability() == Stability::Unstable && point.sequence == [BELOW])
     );
     assert!(with_stick.len() > 10 && slipping.len() > 10);
     let Stop::Equilibrium {
@@ -228,7 +232,10 @@ fn a_flip_and_a_torus_are_located_and_named() {
         }
         assert_eq!(found.stop, Stop::Range);
         for point in &found.points {
-            assert_eq!(point.is_stable(), point.parameter < 0.0);
+            assert_eq!(
+                point.stability() == Stability::Stable,
+                point.parameter < 0.0
+            );
             let on_circle = State::from([math::cos(point.t), math::sin(point.t)]);
             assert!((point.x.xy() - on_circle).amax() < 1e-9);
         }
@@ -264,7 +271,10 @@ fn where_another_branch_meets_it_the_branch_goes_on_and_the_point_is_named() {
             let within = math::exp(-4.0 * PI);
             let [one, other] = [0, 1].map(|k| point.multipliers[k].re);
             assert!((one - beside).abs() < 1e-8 && (other - within).abs() < 1e-8);
-            assert_eq!(point.is_stable(), point.parameter < 0.0);
+            assert_eq!(
+                point.stability() == Stability::Stable,
+                point.parameter < 0.0
+            );
         }
     }
 }

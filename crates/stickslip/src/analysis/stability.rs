@@ -1,0 +1,69 @@
+//! What the multipliers say of a periodic orbit.
+
+use std::fmt;
+
+use nalgebra::Complex;
+
+/// A multiplier is as large as 1 within what can be told: where two meet at 1, as without damping, an error of the monodromy matrix moves
+/// them by its square root, and orbits are as exact as 1e-12.
+const NEUTRAL: f64 = 1e-6;
+
+/// What becomes of a small deviation from a periodic orbit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Stability {
+    /// It dies out: all multipliers are inside the unit circle.
+    Stable,
+    /// It stays, as far as its linear part tells: a multiplier is on the unit circle, to 1e-6, and none outside.
+    Neutral,
+    /// It grows: a multiplier is outside the unit circle.
+    Unstable,
+}
+
+impl Stability {
+    /// By the multipliers, without the trivial one of a system that does not depend on time. Those that are no numbers are of an unstable
+    /// orbit.
+    ///
+    /// ```
+    /// use stickslip::analysis::Stability;
+    /// use stickslip::nalgebra::Complex;
+    ///
+    /// assert_eq!(Stability::of(&[Complex::new(0.3, 0.4)]), Stability::Stable);
+    /// assert_eq!(Stability::of(&[Complex::new(0.6, 0.8)]), Stability::Neutral);
+    /// ```
+    pub fn of(multipliers: &[Complex<f64>]) -> Self {
+        let is = |within: f64| multipliers.iter().all(|value| value.norm() < within);
+        if is(1.0 - NEUTRAL) {
+            Stability::Stable
+        } else if is(1.0 + NEUTRAL) {
+            Stability::Neutral
+        } else {
+            Stability::Unstable
+        }
+    }
+}
+
+impl fmt::Display for Stability {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Stability::Stable => "stable",
+            Stability::Neutral => "neutral",
+            Stability::Unstable => "unstable",
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn multipliers_near_the_circle_are_neutral_and_no_numbers_unstable() {
+        let of = |sizes: [f64; 2]| Stability::of(&sizes.map(|size| Complex::new(0.0, size)));
+        assert_eq!(of([0.5, 1.0 - 2e-6]), Stability::Stable);
+        assert_eq!(of([0.5, 1.0 - 1e-7]), Stability::Neutral);
+        assert_eq!(of([-1.0 - 1e-7, 0.5]), Stability::Neutral);
+        assert_eq!(of([-1.0 - 2e-6, 1.0]), Stability::Unstable);
+        assert_eq!(of([0.0, f64::NAN]), Stability::Unstable);
+        assert_eq!(Stability::of(&[]), Stability::Stable);
+    }
+}
