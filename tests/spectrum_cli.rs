@@ -264,7 +264,7 @@ fn wrong_command_lines_end_with_two() {
             vec!["-", "--dt", "1", "--rank", "9"],
             "--rank = 9 is not allowed: it must be 1 to the number of columns, 2",
         ),
-        (vec!["-", "--dt=-1e-300"], "--dt = -1e-300 is"),
+        (vec!["-", "--dt", "-1e-300"], "--dt = -1e-300 is"),
         (
             vec!["-", "--dt", "1", "--references", "1"],
             "--references = 1",

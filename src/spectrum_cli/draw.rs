@@ -251,7 +251,7 @@ fn convergence(findings: &Findings) -> Panel {
                 Dash::Dashed,
                 format!("({}) unidentified", number(exponent.value, 4)),
             ),
-            Status::Unstable | Status::Starved | Status::Unpredictable => (
+            Status::Unstable | Status::Starved | Status::Undetermined | Status::Unpredictable => (
                 Dash::Solid,
                 format!("{} {}", number(exponent.value, 4), exponent.status.word()),
             ),

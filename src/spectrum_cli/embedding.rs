@@ -8,17 +8,9 @@ use super::Arguments;
 use super::error::SpectrumError;
 use super::read::Table;
 use stickslip::analysis::data_spectrum::{
-    DataSettings, DataSpectrum, DimensionReason, EmbeddingChoice, EmbeddingSettings, Neighbourhood,
-    Origin, Reversal, Series, choose_embedding, lacks_columns,
+    DataSettings, DataSpectrum, DimensionReason, EmbeddingChoice, EmbeddingSettings, Origin,
+    Reversal, Series, choose_embedding, lacks_columns,
 };
-
-/// Neighbours of a vector of delayed values, where there are points enough: each value brings the noise of its own, and with a dozen
-/// 2000 points of Lorenz' x have an exponent three errors off that is called `ok`, with these one that is called `starved`;
-const NEIGHBOURS: usize = 40;
-/// but not more than this part of the points,
-const PART: usize = 100;
-/// nor fewer than so many for each value.
-const FOR_EACH_VALUE: usize = 4;
 
 /// With fewer points nothing is embedded unasked.
 const FEWEST_POINTS: usize = 50;
@@ -65,24 +57,20 @@ pub(super) fn choose(
     Ok((wanted && choice.embedding.dimension > 1).then_some(choice))
 }
 
-/// What delayed values need beyond states: maps over a delay, of which all but the last value are known, affine ones, and more
-/// neighbours.
+/// What delayed values need beyond states, but for what the options ask for.
 pub(super) fn settings(
-    mut settings: DataSettings,
+    settings: DataSettings,
     choice: &EmbeddingChoice,
     embedded: &Series,
     arguments: &Arguments,
 ) -> DataSettings {
-    settings.step = arguments.step.unwrap_or(choice.embedding.delay);
-    settings.affine = true;
-    if let (None, Neighbourhood::Ball { min, max, .. }) =
-        (arguments.neighbours, &mut settings.neighbours)
-    {
-        let wanted = NEIGHBOURS
-            .min(embedded.len() / PART)
-            .max(FOR_EACH_VALUE * embedded.columns())
-            .max(*min);
-        (*min, *max) = (wanted, wanted);
+    let asked = settings.neighbours;
+    let mut settings = settings.delayed(choice.embedding.delay, embedded);
+    if arguments.neighbours.is_some() {
+        settings.neighbours = asked;
+    }
+    if let Some(step) = arguments.step {
+        settings.step = step;
     }
     settings
 }

@@ -17,8 +17,6 @@ use stickslip::error::readable;
 
 /// With a larger part of the reference points starved there is a warning.
 const STARVED: f64 = 0.1;
-/// With so large a part all exponents are starved.
-const MOSTLY_STARVED: f64 = 0.5;
 /// Values that are drawn from an attractor nearly all differ; with fewer different ones than this part they lie on a grid.
 const DIFFERENT: f64 = 0.5;
 /// The two fits disagree where they differ by more than so many standard errors of the difference.
@@ -190,11 +188,9 @@ pub fn warnings(findings: &Findings, source: &Table) -> Vec<String> {
             short(spectrum.residual_ratio)
         ));
     }
-    if let Some(which) = indices(Status::Starved)
-        && part <= MOSTLY_STARVED
-    {
+    if let Some(which) = indices(Status::Undetermined) {
         warnings.push(format!(
-            "exponent {which} is starved: at more than 1 % of the reference points the neighbours do not determine the maps that are \
+            "exponent {which} is undetermined: at more than 1 % of the reference points the neighbours do not determine the maps that are \
              extrapolated, as where values lie on a grid: give values with more digits, more points, or more --neighbours"
         ));
     }
@@ -311,9 +307,11 @@ fn neighbourhood(neighbours: &Neighbourhood) -> String {
 fn value(exponent: &DataExponent, is_spurious: bool) -> String {
     match exponent.status {
         _ if is_spurious => format!("({})", short(exponent.value)),
-        Status::Ok | Status::Unstable | Status::Starved | Status::Unpredictable => {
-            short(exponent.value)
-        }
+        Status::Ok
+        | Status::Unstable
+        | Status::Starved
+        | Status::Undetermined
+        | Status::Unpredictable => short(exponent.value),
         Status::Annihilated => "-inf".into(),
         Status::Unidentified if exponent.value.is_nan() => "–".into(),
         Status::Unidentified => format!("({})", short(exponent.value)),

@@ -231,7 +231,10 @@ fn table(set: &Set, data: &Data) -> Result<Table, PublishedError> {
                 let value = four(e.value);
                 match e.status {
                     Status::Unidentified => format!("({value})"),
-                    Status::Starved | Status::Unstable | Status::Unpredictable => {
+                    Status::Starved
+                    | Status::Undetermined
+                    | Status::Unstable
+                    | Status::Unpredictable => {
                         format!("{value} {}", e.status.word())
                     }
                     Status::Ok => match worth(&data.from_data, i, &comparisons) {

@@ -4,30 +4,32 @@ use std::fmt::Write;
 
 use stickslip::statistics::middle_two;
 
-use super::trial::{Row, Verdict};
+use super::trial::{Observed, Row, Verdict};
 
 /// First line of the CSV.
-const HEADER: &str = "system,points,seed,index,known,exponent,stderr,status,holds,sano_sawada,sano_sawada_stderr,sano_sawada_status,\
+const HEADER: &str = "system,observed,points,seed,index,known,exponent,stderr,status,holds,sano_sawada,sano_sawada_stderr,sano_sawada_status,\
     sano_sawada_holds";
 
 /// A line for each exponent; no value is an empty cell.
 pub fn csv(rows: &[Row]) -> String {
     let mut text = format!("{HEADER}\n");
     for row in rows {
-        let verdict = |verdict: &Verdict| {
-            format!(
+        let verdict = |verdict: &Option<Verdict>| match verdict {
+            Some(verdict) => format!(
                 "{},{},{},{}",
                 number(verdict.value),
                 number(verdict.stderr),
                 verdict.status.word(),
                 verdict.holds(row.known)
-            )
+            ),
+            None => ",,missing,false".to_owned(),
         };
         // Writing to a string cannot fail.
         let _ = writeln!(
             text,
-            "{},{},{},{},{},{},{}",
+            "{},{},{},{},{},{},{},{}",
             row.system,
+            row.observed.word(),
             row.points,
             row.seed,
             row.index,
@@ -98,14 +100,17 @@ pub struct Group {
     pub sano_sawada: Count,
 }
 
-/// The groups of a CSV of [`csv`] by a name that is made of system and points, in the order in which they come.
-pub fn groups(csv: &str, name: impl Fn(&str, &str) -> String) -> Vec<Group> {
+/// The groups of what was `observed` in a CSV of [`csv`] by a name that is made of system and points, in the order in which they come.
+pub fn groups(csv: &str, observed: Observed, name: impl Fn(&str, &str) -> String) -> Vec<Group> {
     let mut groups: Vec<Group> = Vec::new();
     for line in csv.lines().skip(1) {
         let cells: Vec<&str> = line.split(',').collect();
-        let [system, points, _, index, known, verdicts @ ..] = &cells[..] else {
+        let [system, seen, points, _, index, known, verdicts @ ..] = &cells[..] else {
             continue;
         };
+        if *seen != observed.word() {
+            continue;
+        }
         let name = name(system, points);
         let at = match groups.iter().position(|group| group.name == name) {
             Some(at) => at,
@@ -136,15 +141,15 @@ fn percent(part: usize, whole: usize) -> String {
     }
 }
 
-/// The tables of a CSV in Markdown: by system, by length, and of all.
-pub fn tables(csv: &str) -> String {
+/// The table of what was `observed` in a CSV, in Markdown: by system, by length, and of all.
+pub fn table(csv: &str, observed: Observed) -> String {
     let mut text = String::from(
         "| | series | exponents | ok | within 2σ if ok | error if ok | Sano–Sawada: ok | within 2σ if ok | error if ok |\n\
          |---|--:|--:|--:|--:|--:|--:|--:|--:|\n",
     );
-    let by_system = groups(csv, |system, _| system.to_owned());
-    let by_length = groups(csv, |_, points| format!("{points} points"));
-    let all = groups(csv, |_, _| "**all**".to_owned());
+    let by_system = groups(csv, observed, |system, _| system.to_owned());
+    let by_length = groups(csv, observed, |_, points| format!("{points} points"));
+    let all = groups(csv, observed, |_, _| "**all**".to_owned());
     for group in by_system.iter().chain(&by_length).chain(&all) {
         let _ = writeln!(
             text,

@@ -145,19 +145,20 @@ fn linear_maps_that_hide_their_bias_are_told_by_quadratic_ones() {
     }
 }
 
-/// With noise a tenth as large as the neighbourhoods the maps are off, and the error must tell or the status.
+/// Noise a tenth as large as the neighbourhoods: the first exponent is the true one within a small error, and the second, of a direction in
+/// which neighbours are hardly farther apart than the noise, is not called `ok`.
 #[test]
-fn noise_widens_the_error_or_takes_the_ok() {
+fn noise_takes_the_ok_from_what_it_covers() {
     let mut noise = noise();
     let rows: Vec<[f64; 2]> = henon(10_000)
         .iter()
         .map(|row| row.map(|v| v + 2e-3 * noise.next().unwrap()))
         .collect();
     let found = spectrum(&rows, 1.0, &DataSettings::default());
-    for (exponent, known) in found.exponents.iter().zip([0.4192, -1.6232]) {
-        let holds = (exponent.value - known).abs() <= 2.0 * exponent.stderr;
-        assert!(exponent.status != Status::Ok || holds, "{exponent:?}");
-    }
+    assert_eq!(statuses(&found), [Status::Ok, Status::Unstable]);
+    let first = &found.exponents[0];
+    assert!(first.stderr < 0.02, "{first:?}");
+    near(first.value, 0.4192, 2.0 * first.stderr);
 }
 
 #[test]

@@ -60,7 +60,7 @@ fn neighbours_part_at_the_first_exponent() {
         (
             of_x(column(&roessler(20_000), 0.1), delayed(13, 3)),
             0.0714,
-            0.2,
+            0.15,
         ),
     ] {
         let found = followed(&series);

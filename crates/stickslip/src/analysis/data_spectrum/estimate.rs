@@ -342,7 +342,7 @@ impl Evidence {
     fn extrapolated(&self, best: &Average, ways: [f64; 2], zero: &Average) -> Status {
         let tolerance = (RANGE * zero.stderr).max(PART * best.mean.abs());
         if best.undetermined as f64 > UNDETERMINED * self.references as f64 {
-            Status::Starved
+            Status::Undetermined
         } else if ways.iter().all(|way| way.abs() <= tolerance) {
             Status::Ok
         } else {

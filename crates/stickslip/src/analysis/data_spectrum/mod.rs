@@ -30,8 +30,8 @@
 //!
 //! # What "ok" promises
 //! The true exponent is within two standard errors in nine of ten cases or more. That was counted on 200 series of eight systems of
-//! known spectrum, 5000 to 100000 points without noise, with lengths and starts that no constant was chosen on: the table is in
-//! `examples/spectrum_coverage/README.md`. It is no promise for noisy data, for series that do not go through the attractor many
+//! known spectrum, 5000 to 100000 points without noise, with lengths and starts that no constant was chosen on, and on their first columns
+//! alone, embedded, of which fewer exponents are called so: the tables are in `examples/spectrum_coverage/README.md`. It is no promise for noisy data, for series that do not go through the attractor many
 //! times, and for systems with corners at points that few orbits visit.
 //!
 //! # The divergence

@@ -15,9 +15,11 @@ pub enum Status {
     /// and 5 %.
     Unstable,
     /// It belongs to such a direction, but at more than half of the reference points the ball held too few neighbours and the
-    /// nearest were taken, at whatever distance: not the estimate that was asked for. Or too few neighbours determine the maps that are
-    /// extrapolated, at more than 1 % of them.
+    /// nearest were taken, at whatever distance: not the estimate that was asked for.
     Starved,
+    /// It belongs to such a direction, but at more than 1 % of the reference points the neighbours do not determine the maps that are
+    /// extrapolated ([`DataExponent::undetermined`]), as where values lie on a grid.
+    Undetermined,
     /// The maps do not predict where neighbours go ([`DataSpectrum::residual_ratio`] above 0.8): the points are not states of a
     /// deterministic system, or noise is as large as the neighbourhoods.
     Unpredictable,
@@ -30,10 +32,11 @@ pub enum Status {
 
 impl Status {
     /// All of them.
-    pub const ALL: [Status; 6] = [
+    pub const ALL: [Status; 7] = [
         Status::Ok,
         Status::Unstable,
         Status::Starved,
+        Status::Undetermined,
         Status::Unpredictable,
         Status::Unidentified,
         Status::Annihilated,
@@ -45,6 +48,7 @@ impl Status {
             Status::Ok => "ok",
             Status::Unstable => "unstable",
             Status::Starved => "starved",
+            Status::Undetermined => "undetermined",
             Status::Unpredictable => "unpredictable",
             Status::Unidentified => "unidentified",
             Status::Annihilated => "annihilated",
