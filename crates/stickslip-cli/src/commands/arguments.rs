@@ -6,10 +6,11 @@ use clap::{Args, ValueEnum};
 use serde::{Deserialize, Serialize};
 use stickslip::{AtRepelling, Method, Options};
 
-use super::Failure;
+use super::{Failure, Found};
 use crate::file::{SystemFile, did_you_mean, number};
 use crate::output::OutputError;
 use crate::system::System;
+use crate::terminal::Said;
 
 /// The value of an option that counts something.
 pub(super) fn count(text: &str) -> Result<NonZeroUsize, String> {
@@ -69,7 +70,7 @@ pub(super) struct StartArguments {
     start: Vec<String>,
 
     /// Time at the start; default as in the file, or 0
-    #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
+    #[arg(long, value_name = "TIME")]
     t_start: Option<f64>,
 }
 
@@ -152,16 +153,11 @@ enum Repelling {
 #[derive(Clone, Debug, Args, Serialize, Deserialize)]
 pub(super) struct SolverArguments {
     /// Relative and absolute error that a step may make, between 1e-15 and 0.1
-    #[arg(
-        long,
-        value_name = "ERROR",
-        allow_hyphen_values = true,
-        default_value = "1e-12"
-    )]
+    #[arg(long, value_name = "ERROR", default_value = "1e-12")]
     tol: f64,
 
     /// Absolute error, where it is to differ from the relative one
-    #[arg(long, value_name = "ERROR", allow_hyphen_values = true)]
+    #[arg(long, value_name = "ERROR")]
     atol: Option<f64>,
 
     /// Method
@@ -169,16 +165,11 @@ pub(super) struct SolverArguments {
     method: MethodName,
 
     /// Longest step; default unbounded
-    #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
+    #[arg(long, value_name = "TIME")]
     longest_step: Option<f64>,
 
     /// Size of a state beyond which the orbit is said to have escaped
-    #[arg(
-        long,
-        value_name = "BOUND",
-        allow_hyphen_values = true,
-        default_value = "1e6"
-    )]
+    #[arg(long, value_name = "BOUND", default_value = "1e6")]
     escape: f64,
 
     /// What to do where both fields lead away from the boundary
@@ -285,5 +276,15 @@ impl RunArguments {
             t,
             x,
         })
+    }
+
+    /// What a command finds with all that is ready, written. An error speaks of contacts by their names.
+    pub(super) fn answered(
+        &self,
+        find: impl FnOnce(&Ready) -> Result<Found, Failure>,
+    ) -> Result<Said, Failure> {
+        let ready = self.ready()?;
+        let found = find(&ready).map_err(|failure| failure.of(&ready.system))?;
+        found.written(&self.output)
     }
 }

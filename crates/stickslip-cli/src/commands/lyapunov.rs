@@ -19,45 +19,34 @@ use stickslip_kernels::kernel::SpectrumFound;
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
     /// Time before measuring
-    #[arg(
-        long,
-        value_name = "TIME",
-        allow_hyphen_values = true,
-        default_value_t = 200.0
-    )]
+    #[arg(long, value_name = "TIME", default_value_t = 200.0)]
     transient: f64,
     /// Time measured
-    #[arg(
-        long,
-        value_name = "TIME",
-        allow_hyphen_values = true,
-        default_value_t = 2000.0
-    )]
+    #[arg(long, value_name = "TIME", default_value_t = 2000.0)]
     duration: f64,
     #[command(flatten)]
     run: RunArguments,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
-    let Ready {
-        system,
-        options,
-        t,
-        x,
-    } = arguments.run.ready()?;
-    let settings = SpectrumOptions::over(arguments.transient, arguments.duration).solver(options);
+    let over = SpectrumOptions::over(arguments.transient, arguments.duration);
+    arguments
+        .run
+        .answered(|ready| found(ready, &over.solver(ready.options)))
+}
+
+fn found(ready: &Ready, settings: &SpectrumOptions) -> Result<Found, Failure> {
+    let system = &ready.system;
     let spectrum = patiently("measuring the spectrum", || {
-        system.kernel().spectrum(t, &x, &settings)
-    });
-    let spectrum = spectrum.map_err(|error| Failure::from(error).of(&system))?;
-    Found {
-        summary: summary(&system, &spectrum),
-        json: json(&system, &spectrum),
+        system.kernel().spectrum(ready.t, &ready.x, settings)
+    })?;
+    Ok(Found {
+        summary: summary(system, &spectrum),
+        json: json(system, &spectrum),
         tables: csv(&spectrum)?,
-        figures: vec![("convergence".to_owned(), figure(&system, &spectrum)?)],
+        figures: vec![("convergence".to_owned(), figure(system, &spectrum)?)],
         failure: None,
-    }
-    .written(&arguments.run.output)
+    })
 }
 
 fn summary(system: &System, spectrum: &SpectrumFound) -> String {

@@ -26,7 +26,7 @@ mod told;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{Arg, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::file::FileError;
 use crate::output::{Artifact, OutputError, png, write_all};
@@ -67,11 +67,24 @@ enum Command {
     Lyapunov(lyapunov::Arguments),
 }
 
+/// The command line. What follows an option is its value, also where it begins with a hyphen as a negative number does; but for the folder,
+/// which would be named after an option if its own name were forgotten.
+fn parsed() -> CommandLine {
+    let may_be_negative = |option: Arg| match option.get_action().takes_values() {
+        true if !option.is_positional() && option.get_id() != "out" => {
+            option.allow_hyphen_values(true)
+        }
+        _ => option,
+    };
+    let line = CommandLine::command().mut_subcommands(|command| command.mut_args(may_be_negative));
+    CommandLine::from_arg_matches(&line.get_matches()).unwrap_or_else(|error| error.exit())
+}
+
 /// Everything the program does.
 ///
 /// Exit code 0 on success, 1 if something failed (`error: …` on standard error), 2 for a wrong command line or file.
 pub fn main() -> ExitCode {
-    let outcome = match CommandLine::parse().command {
+    let outcome = match parsed().command {
         Command::Basin(arguments) => basin::run(&arguments),
         Command::Bifurcation(arguments) => bifurcation::run(&arguments),
         Command::Map(arguments) => map::run(&arguments),

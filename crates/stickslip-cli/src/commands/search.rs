@@ -13,18 +13,13 @@ use crate::terminal::patiently;
 #[derive(Debug, clap::Args)]
 pub(super) struct SearchArguments {
     /// How long the run before is; 0 to shoot from the start
-    #[arg(
-        long,
-        value_name = "TIME",
-        allow_hyphen_values = true,
-        default_value_t = 200.0
-    )]
+    #[arg(long, value_name = "TIME", default_value_t = 200.0)]
     transient: f64,
     /// How long the orbit may take to come back, of a system that does not depend on time; default 100
-    #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
+    #[arg(long, value_name = "TIME")]
     longest: Option<f64>,
     /// Periods of the drive in one of the orbit, of a driven system; default the fewest after which the run comes back, 16 at most
-    #[arg(long, value_name = "COUNT", allow_hyphen_values = true)]
+    #[arg(long, value_name = "COUNT")]
     periods: Option<u32>,
 }
 

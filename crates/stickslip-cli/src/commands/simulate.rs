@@ -19,38 +19,44 @@ use stickslip_kernels::kernel::{Ended, Run};
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
     /// Time at the end; default as in the file
-    #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
+    #[arg(long, value_name = "TIME")]
     t_end: Option<f64>,
     #[command(flatten)]
     run: RunArguments,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
+    arguments
+        .run
+        .answered(|ready| followed(ready, arguments.t_end))
+}
+
+fn followed(ready: &Ready, t_end: Option<f64>) -> Result<Found, Failure> {
     let Ready {
         system,
         options,
         t,
         x,
-    } = arguments.run.ready()?;
-    let t_end = arguments.t_end.or(system.file.time.end).ok_or_else(|| {
+    } = ready;
+    let t_end = t_end.or(system.file.time.end).ok_or_else(|| {
         Failure::Usage("when does the run end? Give --t-end, or `end` in [time] of the file".into())
     })?;
-    let mut recording = Recording::new(t, &x, t_end, Patience::new("integrating"));
+    let mut recording = Recording::new(*t, x, t_end, Patience::new("integrating"));
     let run = Run {
-        t,
-        x: &x,
+        t: *t,
+        x,
         t_end,
-        options: &options,
+        options,
     };
     let outcome = system.kernel().run(&run, system.section(), &mut recording);
     recording.close();
     let failure = match &outcome {
         Ok(_) => None,
         // What was reached is worth having; where nothing was, there is nothing to write.
-        Err(error) if recording.points.len() > 1 => Some(told(error, &system)),
-        Err(error) => return Err(Failure::from(error.clone()).of(&system)),
+        Err(error) if recording.points.len() > 1 => Some(told(error, system)),
+        Err(error) => return Err(error.clone().into()),
     };
-    found(&system, &recording, outcome.ok().as_ref(), failure)?.written(&arguments.run.output)
+    found(system, &recording, outcome.ok().as_ref(), failure)
 }
 
 fn found(

@@ -20,17 +20,11 @@ use crate::terminal::Said;
 #[derive(Debug, clap::Args)]
 pub(super) struct SweepArguments {
     /// Compute share I of N only, for another machine or job to compute the rest; `stickslip merge` joins them
-    #[arg(
-        long,
-        value_name = "I/N",
-        allow_hyphen_values = true,
-        default_value_t = Share::WHOLE,
-        hide_default_value = true
-    )]
+    #[arg(long, value_name = "I/N", default_value_t = Share::WHOLE, hide_default_value = true)]
     shard: Share,
 
     /// Number of threads; one for each core if not given. It changes no bit of the result
-    #[arg(long, value_name = "NUMBER", allow_hyphen_values = true, value_parser = count)]
+    #[arg(long, value_name = "NUMBER", value_parser = count)]
     threads: Option<NonZeroUsize>,
 }
 

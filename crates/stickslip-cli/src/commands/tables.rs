@@ -190,36 +190,34 @@ pub(super) fn sequence(modes: &[Modes]) -> String {
     signs.join(" ")
 }
 
-/// As [`change_name`], with the contact where there are several.
+/// As [`change_name`], with the contacts where there are several.
 pub(super) fn change_words(system: &System, change: &Change) -> String {
     let name = change_name(change);
-    match changed_contact(system, change) {
-        contact if contact.is_empty() || system.contacts() == 1 => name,
-        contact => match name.strip_suffix(" of two contacts") {
-            Some(name) => format!("{name} of {contact} and another contact"),
-            None => format!("{name} of {contact}"),
-        },
+    match changed_contacts(system, change) {
+        contacts if contacts.is_empty() || system.contacts() == 1 => name,
+        contacts => format!("{name} of {contacts}"),
     }
 }
 
-/// The contact whose event function vanishes at a change; empty where there is none.
-pub(super) fn changed_contact(system: &System, change: &Change) -> String {
-    match change {
-        Change::Sequence {
-            contact: Some(contact),
-            ..
-        } => contact_name(system, *contact),
-        _ => String::new(),
-    }
+/// The contacts whose event function vanishes at a change; empty where there is none.
+pub(super) fn changed_contacts(system: &System, change: &Change) -> String {
+    let Change::Sequence { contacts, .. } = change else {
+        return String::new();
+    };
+    let names = contacts
+        .iter()
+        .map(|contact| contact_name(system, *contact));
+    names.collect::<Vec<_>>().join(" and ")
 }
 
-/// A change for other programs: as it is on disk, but for the contact, which has its name.
+/// A change for other programs: as it is on disk, but for the contacts, which have their names.
 pub(super) fn change_json(system: &System, change: &Change) -> Value {
     let mut json = json!(change);
-    if let Some(contact) = json.pointer_mut("/sequence/contact")
-        && !contact.is_null()
-    {
-        *contact = json!(changed_contact(system, change));
+    if let Some(Value::Array(contacts)) = json.pointer_mut("/sequence/contacts") {
+        for contact in contacts {
+            let number = contact.as_u64().and_then(|number| number.try_into().ok());
+            *contact = number.map_or(Value::Null, |number| json!(contact_name(system, number)));
+        }
     }
     json
 }

@@ -33,10 +33,10 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "STATE")]
     along: Option<String>,
     /// Lowest value of that state; default as in [ranges]
-    #[arg(long, value_name = "VALUE", allow_hyphen_values = true)]
+    #[arg(long, value_name = "VALUE")]
     from: Option<f64>,
     /// Highest value of that state; default as in [ranges]
-    #[arg(long, value_name = "VALUE", allow_hyphen_values = true)]
+    #[arg(long, value_name = "VALUE")]
     to: Option<f64>,
     #[command(flatten)]
     output: OutputArguments,

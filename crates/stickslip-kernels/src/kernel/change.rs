@@ -54,8 +54,8 @@ pub enum Change {
         uncertainty: f64,
         /// What it is called.
         name: String,
-        /// The contact whose event function vanishes, counted from 0; none where the change has no name.
-        contact: Option<usize>,
+        /// The contacts whose event function vanishes, counted from 0; none where the change has no name.
+        contacts: Vec<usize>,
         /// Where on the orbit.
         x: Vec<f64>,
         /// Period of the orbit.
@@ -107,7 +107,7 @@ impl Change {
             parameter: change.parameter,
             uncertainty: change.uncertainty,
             name: change.bifurcation.to_string(),
-            contact: change.contact,
+            contacts: change.contacts.clone(),
             x: change.x.as_slice().to_vec(),
             period: change.period,
             before: erased(&change.before),

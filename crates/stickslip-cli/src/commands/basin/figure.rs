@@ -86,13 +86,17 @@ fn classes(attractors: &[Attracting], until: f64) -> Vec<Class> {
         .zip(colours)
         .map(|(&number, &colour)| class(number, colour))
         .collect();
-    if !rest.is_empty() {
-        let share: f64 = rest.iter().map(|&number| attractors[number].share).sum();
-        classes.push(Class {
-            numbers: rest.to_vec(),
-            colour: GREY,
-            legend: format!("{} further attractors, {:.2} %", rest.len(), 100.0 * share),
-        });
+    match *rest {
+        [] => {}
+        [one] => classes.push(class(one, GREY)),
+        _ => {
+            let share: f64 = rest.iter().map(|&number| attractors[number].share).sum();
+            classes.push(Class {
+                numbers: rest.to_vec(),
+                colour: GREY,
+                legend: format!("{} further attractors, {:.2} %", rest.len(), 100.0 * share),
+            });
+        }
     }
     classes.extend(none.into_iter().map(|number| {
         let word = attractors[number].outcome.motion.word();

@@ -29,35 +29,19 @@ pub(super) struct Arguments {
     y: Option<String>,
 
     /// Starts in the middle of so many cells along each coordinate
-    #[arg(
-        long,
-        value_name = "COLUMNSxROWS",
-        allow_hyphen_values = true,
-        default_value = "100x100"
-    )]
+    #[arg(long, value_name = "COLUMNSxROWS", default_value = "100x100")]
     grid: String,
 
     /// So many random starts instead of a grid
-    #[arg(
-        long,
-        value_name = "NUMBER",
-        allow_hyphen_values = true,
-        value_parser = count,
-        conflicts_with = "grid"
-    )]
+    #[arg(long, value_name = "NUMBER", value_parser = count, conflicts_with = "grid")]
     random: Option<NonZeroUsize>,
 
     /// Seed of random starts; default 1
-    #[arg(long, value_name = "SEED", allow_hyphen_values = true, value_parser = seed)]
+    #[arg(long, value_name = "SEED", value_parser = seed)]
     seed: Option<u64>,
 
     /// Time after which an orbit that has come to no attractor is called undecided
-    #[arg(
-        long,
-        value_name = "TIME",
-        allow_hyphen_values = true,
-        default_value_t = 2000.0
-    )]
+    #[arg(long, value_name = "TIME", default_value_t = 2000.0)]
     until: f64,
 
     #[command(flatten)]

@@ -158,7 +158,7 @@ impl Found {
                 );
                 row.extend([between.values.0, between.values.1].map(tables::exact));
                 row.push(tables::change_name(&between.change));
-                row.push(tables::changed_contact(system, &between.change));
+                row.push(tables::changed_contacts(system, &between.change));
                 let x = match &between.change {
                     Change::Sequence {
                         uncertainty,

@@ -25,31 +25,15 @@ pub(super) struct Arguments {
     parameter: String,
 
     /// Number of values, both ends among them
-    #[arg(
-        long,
-        value_name = "NUMBER",
-        allow_hyphen_values = true,
-        value_parser = count,
-        default_value = "201"
-    )]
+    #[arg(long, value_name = "NUMBER", value_parser = count, default_value = "201")]
     values: NonZeroUsize,
 
     /// Time after which an orbit that has come to no attractor is called undecided
-    #[arg(
-        long,
-        value_name = "TIME",
-        allow_hyphen_values = true,
-        default_value_t = 2000.0
-    )]
+    #[arg(long, value_name = "TIME", default_value_t = 2000.0)]
     until: f64,
 
     /// Time over which the Lyapunov exponent is measured, on the attractor
-    #[arg(
-        long,
-        value_name = "TIME",
-        allow_hyphen_values = true,
-        default_value_t = 500.0
-    )]
+    #[arg(long, value_name = "TIME", default_value_t = 500.0)]
     duration: f64,
 
     #[command(flatten)]

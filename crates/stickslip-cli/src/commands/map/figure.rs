@@ -94,23 +94,26 @@ fn attractors(found: &Found, until: f64) -> Vec<Layer> {
         let cells = found.cells.iter();
         cells.map(|cell| of.contains(&cell.class)).collect()
     };
+    let layer = |class: usize, colour: Color| Layer {
+        set: set(&[class]),
+        colour,
+        // In a figure a minus is as wide as a plus.
+        legend: found.classes[class].name.replace('-', "−"),
+    };
     let colours = COLOURS.iter().cycle();
     let mut layers: Vec<Layer> = shown
         .iter()
         .zip(colours)
-        .map(|(&class, &colour)| Layer {
-            set: set(&[class]),
-            colour,
-            // In a figure a minus is as wide as a plus.
-            legend: found.classes[class].name.replace('-', "−"),
-        })
+        .map(|(&class, &colour)| layer(class, colour))
         .collect();
-    if !rest.is_empty() {
-        layers.push(Layer {
+    match *rest {
+        [] => {}
+        [one] => layers.push(layer(one, GREY)),
+        _ => layers.push(Layer {
             set: set(rest),
             colour: GREY,
             legend: format!("{} further kinds", rest.len()),
-        });
+        }),
     }
     layers.extend(none.into_iter().map(|class| {
         let name = &found.classes[class].name;

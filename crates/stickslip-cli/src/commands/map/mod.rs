@@ -26,30 +26,15 @@ pub(super) struct Arguments {
     y: String,
 
     /// Number of cells along each parameter; the values are those in their middles
-    #[arg(
-        long,
-        value_name = "COLUMNSxROWS",
-        allow_hyphen_values = true,
-        default_value = "60x60"
-    )]
+    #[arg(long, value_name = "COLUMNSxROWS", default_value = "60x60")]
     grid: String,
 
     /// Time after which an orbit that has come to no attractor is called undecided
-    #[arg(
-        long,
-        value_name = "TIME",
-        allow_hyphen_values = true,
-        default_value_t = 2000.0
-    )]
+    #[arg(long, value_name = "TIME", default_value_t = 2000.0)]
     until: f64,
 
     /// Time over which the Lyapunov exponent is measured, on the attractor
-    #[arg(
-        long,
-        value_name = "TIME",
-        allow_hyphen_values = true,
-        default_value_t = 500.0
-    )]
+    #[arg(long, value_name = "TIME", default_value_t = 500.0)]
     duration: f64,
 
     #[command(flatten)]

@@ -18,12 +18,13 @@ pub struct SequenceChange<const N: usize, K = Mode> {
     /// The parameter.
     pub parameter: f64,
     /// Between it and the nearest parameter that was seen with other phases, or without such an orbit; or, where orbits could not be computed
-    /// that near, how far behind the last of them its event function would be zero.
+    /// that near, how far behind the last of them its event function would be zero. The error of the orbits themselves, some ten
+    /// tolerances in the event function, is not in it.
     pub uncertainty: f64,
     /// What it is called.
     pub bifurcation: SequenceBifurcation,
-    /// The contact whose event function vanishes, counted from 0; none where the change has no name.
-    pub contact: Option<usize>,
+    /// The contacts whose event function vanishes, counted from 0: two at a coincidence, none where the change has no name, or else one.
+    pub contacts: Vec<usize>,
     /// Where on the orbit, on the boundary to rounding.
     pub x: State<N>,
     /// The event function there on the last orbit before the change, in units of the size that it has on this orbit.
@@ -89,7 +90,11 @@ where
         parameter: place.parameter,
         uncertainty: place.scale * place.bracket.max(lacks),
         bifurcation,
-        contact: is_named.then_some(margin.contact),
+        contacts: if is_named {
+            [margin.contact].into_iter().chain(margin.other).collect()
+        } else {
+            Vec::new()
+        },
         x: margin.at.x,
         residual: margin.relative(),
         own: rates.own,

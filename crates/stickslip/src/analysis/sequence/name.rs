@@ -45,7 +45,7 @@ impl fmt::Display for SequenceBifurcation {
             SequenceBifurcation::AddingSliding => "adding-sliding",
             SequenceBifurcation::Grazing => "grazing",
             SequenceBifurcation::ContactGrazing => "grazing of the contact function",
-            SequenceBifurcation::Coincidence => "coincidence of two contacts",
+            SequenceBifurcation::Coincidence => "coincidence",
             SequenceBifurcation::Unnamed => "unnamed",
         })
     }

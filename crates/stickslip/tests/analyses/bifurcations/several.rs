@@ -52,8 +52,8 @@ fn each_change_is_located_and_told_at_its_contact() {
                     panic!("{found:?}");
                 };
                 assert_eq!(
-                    (change.bifurcation, change.contact),
-                    (name, Some(varied)),
+                    (change.bifurcation, change.contacts.as_slice()),
+                    (name, &[varied][..]),
                     "{change:?}"
                 );
                 let error = (change.parameter - 1.0).abs();
@@ -84,7 +84,10 @@ fn contacts_that_change_places_coincide_and_do_not_graze() {
             };
             assert_eq!(change.bifurcation, SequenceBifurcation::Coincidence);
             assert!(change.parameter.abs() < 1e-9, "{change:?}");
-            assert!(change.contact.is_some() && change.uncertainty < 1e-9);
+            let mut contacts = change.contacts.clone();
+            contacts.sort_unstable();
+            assert_eq!(contacts, [0, 1]);
+            assert!(change.uncertainty < 1e-9);
             let first = |of: usize| {
                 let mut cycle = [
                     [BELOW, BELOW],
@@ -163,7 +166,7 @@ fn a_branch_of_two_contacts_is_followed_through_the_change_of_one() {
         let [(_, graze)] = grazes.as_slice() else {
             panic!("{:?}", found.special);
         };
-        assert_eq!(graze.contact, Some(varied));
+        assert_eq!(graze.contacts, [varied]);
         assert!((graze.parameter - 1.0).abs() < 1e-9, "{graze:?}");
         assert_eq!(found.stop, Stop::Range);
         assert!((found.points.last().unwrap().parameter - 1.1).abs() < 1e-12);

@@ -259,8 +259,8 @@ fn with_static_friction_the_graze_that_ends_stick_and_slip_is_located_and_named(
         assert!(is_same_cycle(&change.before, &[Mode::Stick, BELOW]));
         // There is no orbit behind it that this one becomes.
         assert_eq!(
-            (change.after.as_slice(), change.contact),
-            (&[][..], Some(0))
+            (change.after.as_slice(), change.contacts.as_slice()),
+            (&[][..], &[0][..])
         );
         // On the belt's speed, where kinetic friction and spring balance: 1 = x + 2ζ.
         assert!((change.x[1] - 1.0).abs() < 1e-12);
