@@ -349,6 +349,21 @@ fn doubtful_spectra_come_with_a_warning() {
              leave it out with --columns 2,3",
         ),
         (
+            // On a grid of hundredths.
+            henon(false)
+                .lines()
+                .take(2000)
+                .map(|line| {
+                    let values = line.split(',').map(|v| v.parse::<f64>().unwrap());
+                    let rounded: Vec<String> = values.map(|v| format!("{v:.2}")).collect();
+                    format!("{}\n", rounded.join(","))
+                })
+                .collect(),
+            vec![],
+            "undetermined",
+            "exponent 1 is undetermined: at more than 1 %",
+        ),
+        (
             column,
             vec!["--dimension", "1"],
             "unpredictable",

@@ -263,6 +263,24 @@ fn a_negative_value_is_a_value() {
             .assert()
             .success();
     }
+    program(top.path())
+        .args([
+            "tangents", "belt", "--from", "-1", "--to", "-0.5", "--out", "o",
+        ])
+        .assert()
+        .success()
+        .stdout(contains("from -1 to -0.5"));
+}
+
+#[test]
+fn a_folder_is_not_named_after_an_option() {
+    let top = folder();
+    program(top.path())
+        .args(["simulate", "belt", "--out", "--json"])
+        .assert()
+        .code(2)
+        .stderr(contains("a value is required for '--out <DIR>'"));
+    assert_eq!(std::fs::read_dir(top.path()).unwrap().count(), 0);
 }
 
 /// What a command prints as JSON.

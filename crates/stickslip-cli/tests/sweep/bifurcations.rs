@@ -192,7 +192,7 @@ fn a_change_of_phases_is_told_at_the_contact_of_that_name() {
         .headers()
         .unwrap()
         .iter()
-        .position(|name| name == "contact");
+        .position(|name| name == "contacts");
     let named = rows
         .records()
         .map(|row| row.unwrap()[contact.unwrap()].to_owned());

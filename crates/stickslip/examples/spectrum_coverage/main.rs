@@ -75,8 +75,9 @@ were chosen.
 const TAIL: &str = "
 An exponent counts where the system has it; one that is called `ok` and that no exponent of the system answers to counts as not within.
 \"ok\" is the share of the system's exponents that are called so, \"within 2σ\" how often the true one is within two standard errors of
-these, \"error\" the median distance from it, per unit of time. Those that are not `ok` are mostly strong contractions that no series shows
-(`unidentified`), and Chua's where the corners of its diode are in the neighbourhoods (`unstable`).
+these, \"error\" the median distance from it, per unit of time. Of whole states those that are not `ok` are mostly strong contractions that no
+series shows (`unidentified`), and Chua's where the corners of its diode are in the neighbourhoods (`unstable`); of the first column most are
+not among those found, or `starved`.
 
 The first column is embedded with the delay and the number of values that are chosen from the data. Exponents that are told to be the
 embedding's own are left out; what the system has and the rest has not is not `ok`. The pendulum's first column is the sine of an angle that

@@ -77,7 +77,7 @@ impl Verdict {
 /// Both estimators on a series.
 ///
 /// # Errors
-/// Those of [`choose_embedding`] and [`data_spectrum`].
+/// Those of the series, its embedding and [`data_spectrum`].
 pub fn trial(
     case: &Case,
     observed: Observed,

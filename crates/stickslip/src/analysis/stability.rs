@@ -13,7 +13,8 @@ const NEUTRAL: f64 = 1e-6;
 pub enum Stability {
     /// It dies out: all multipliers are inside the unit circle.
     Stable,
-    /// It stays, as far as its linear part tells: a multiplier is on the unit circle, to 1e-6, and none outside.
+    /// It stays, as far as its linear part tells: a multiplier is on the unit circle, to 1e-6, and none outside. Multipliers of an orbit that
+    /// was found with a tolerance above 1e-12 may be less exact than that.
     Neutral,
     /// It grows: a multiplier is outside the unit circle.
     Unstable,

@@ -139,7 +139,7 @@ impl Found {
             "from",
             "to",
             "what",
-            "contact",
+            "contacts",
             "uncertainty",
             "before",
             "after",

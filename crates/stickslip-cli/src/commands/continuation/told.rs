@@ -119,7 +119,7 @@ impl Told<'_> {
     fn special_table(&self) -> Result<Artifact, OutputError> {
         let columns = [
             "what",
-            "contact",
+            "contacts",
             "angle",
             "uncertainty",
             "before",

@@ -77,8 +77,8 @@
 //! n − 1. So at every step the rank of the neighbour matrix is compared with the rank of the map. What is
 //! missing in the first is counted as undetermined, what is missing only in the second as a collapse. An exponent is
 //! [`Status::Annihilated`] if its direction is tangent and collapsed at least once: no later growth brings back what
-//! is zero. It is [`Status::Unidentified`] if its direction is not tangent, or undetermined at more than 1 % of the
-//! reference points. After a collapse the lost vector is replaced by one orthogonal to the others, in the last position.
+//! is zero. It is [`Status::Unidentified`] if its direction is not tangent, or undetermined by the linear maps of Eq. (25) at more than 1 % of
+//! the reference points, and [`Status::Undetermined`] if it is by those that are extrapolated only. After a collapse the lost vector is replaced by one orthogonal to the others, in the last position.
 //!
 //! A collapse is seen where the images do not differ in some direction at all, as velocities in stick. Images on a curved
 //! line lose a dimension, too, but a linear fit to them keeps the curvature and reports a strong contraction.

@@ -78,7 +78,7 @@ pub struct DataExponent {
     pub fixed_rank: Option<(f64, f64)>,
     /// Reference points at which the direction was annihilated.
     pub collapses: usize,
-    /// Reference points whose neighbours do not determine it.
+    /// Reference points whose neighbours do not determine it, by the maps that `value` comes from.
     pub undetermined: usize,
 }
 

@@ -136,7 +136,7 @@ impl DataSettings {
     /// For the delayed values `embedded`, what they need beyond states: maps over the `delay`, of which all but the last value are known, affine
     /// ones, and more neighbours, since each value brings the noise of its own: with a dozen 2000 points of Lorenz' x have an exponent three
     /// errors off that is called [`super::Status::Ok`]. They are 40, but not more than a hundredth of the points, and four for each value at
-    /// least.
+    /// least, or those set already where these are more; a ball takes so many and no more. Step and affine maps are overwritten.
     pub fn delayed(mut self, delay: usize, embedded: &Series) -> Self {
         self.step = delay;
         self.affine = true;

@@ -16,6 +16,14 @@ use crate::listed::Listed;
 
 const BELOW: Mode = Mode::Slip(Side::Below);
 
+fn expected(is_stable: bool) -> Stability {
+    if is_stable {
+        Stability::Stable
+    } else {
+        Stability::Unstable
+    }
+}
+
 fn branch<S: Listed<3>>(
     system: &S,
     x: [f64; 3],
@@ -60,11 +68,7 @@ fn a_fold_of_cycles_and_the_focus_that_the_inner_one_shrinks_to() {
                 1.0 - root
             };
             assert!((square - exact).abs() < 1e-6, "{k}: {square} {exact}");
-            assert_eq!(
-                point.stability() == Stability::Stable,
-                k < fold.behind,
-                "{k}"
-            );
+            assert_eq!(point.stability(), expected(k < fold.behind), "{k}");
             // d(r g)/dr over a turn.
             let rate = 4.0 * square - 4.0 * square * square;
             let multiplier = math::exp(2.0 * PI * rate);
@@ -232,10 +236,7 @@ fn a_flip_and_a_torus_are_located_and_named() {
         }
         assert_eq!(found.stop, Stop::Range);
         for point in &found.points {
-            assert_eq!(
-                point.stability() == Stability::Stable,
-                point.parameter < 0.0
-            );
+            assert_eq!(point.stability(), expected(point.parameter < 0.0));
             let on_circle = State::from([math::cos(point.t), math::sin(point.t)]);
             assert!((point.x.xy() - on_circle).amax() < 1e-9);
         }
@@ -271,10 +272,7 @@ fn where_another_branch_meets_it_the_branch_goes_on_and_the_point_is_named() {
             let within = math::exp(-4.0 * PI);
             let [one, other] = [0, 1].map(|k| point.multipliers[k].re);
             assert!((one - beside).abs() < 1e-8 && (other - within).abs() < 1e-8);
-            assert_eq!(
-                point.stability() == Stability::Stable,
-                point.parameter < 0.0
-            );
+            assert_eq!(point.stability(), expected(point.parameter < 0.0));
         }
     }
 }
