@@ -36,11 +36,13 @@ fn short_series_hold_what_ok_promises() {
 
 #[test]
 fn the_table_is_that_of_the_csv_and_holds_what_ok_promises() {
-    for observed in Observed::ALL {
+    // What calls nothing `ok` promises nothing: most exponents of whole states are called so, and nearly half of embedded columns.
+    for (observed, least) in Observed::ALL.into_iter().zip([7, 4]) {
         assert!(PAGE.contains(&table::table(CSV, observed)));
         let all = all(CSV, observed);
         assert_eq!(all.series, 200);
         assert!(10 * all.found.holds >= 9 * all.found.ok, "{all:?}");
+        assert!(10 * all.found.ok >= least * all.exponents, "{all:?}");
     }
 }
 

@@ -31,8 +31,8 @@
 //! # What "ok" promises
 //! The true exponent is within two standard errors in nine of ten cases or more. That was counted on 200 series of eight systems of
 //! known spectrum, 5000 to 100000 points without noise, with lengths and starts that no constant was chosen on, and on their first columns
-//! alone, embedded, of which fewer exponents are called so: the tables are in `examples/spectrum_coverage/README.md`. It is no promise for noisy data, for series that do not go through the attractor many
-//! times, and for systems with corners at points that few orbits visit.
+//! alone, embedded, of which fewer exponents are called so: the tables are in `examples/spectrum_coverage/README.md`. It is no promise for
+//! noisy data, for series that do not go through the attractor many times, and for systems with corners at points that few orbits visit.
 //!
 //! # The divergence
 //! The exponents of all directions add up to the mean divergence of the system. Where it is known,
@@ -78,7 +78,8 @@
 //! missing in the first is counted as undetermined, what is missing only in the second as a collapse. An exponent is
 //! [`Status::Annihilated`] if its direction is tangent and collapsed at least once: no later growth brings back what
 //! is zero. It is [`Status::Unidentified`] if its direction is not tangent, or undetermined by the linear maps of Eq. (25) at more than 1 % of
-//! the reference points, and [`Status::Undetermined`] if it is by those that are extrapolated only. After a collapse the lost vector is replaced by one orthogonal to the others, in the last position.
+//! the reference points, and [`Status::Undetermined`] if it is by those that are extrapolated only. After a collapse the lost vector is
+//! replaced by one orthogonal to the others, in the last position.
 //!
 //! A collapse is seen where the images do not differ in some direction at all, as velocities in stick. Images on a curved
 //! line lose a dimension, too, but a linear fit to them keeps the curvature and reports a strong contraction.

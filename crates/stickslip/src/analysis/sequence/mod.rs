@@ -18,8 +18,8 @@ pub struct SequenceChange<const N: usize, K = Mode> {
     /// The parameter.
     pub parameter: f64,
     /// Between it and the nearest parameter that was seen with other phases, or without such an orbit; or, where orbits could not be computed
-    /// that near, how far behind the last of them its event function would be zero. The error of the orbits themselves, some ten
-    /// tolerances in the event function, is not in it.
+    /// that near, how far behind the last of them its event function would be zero. The error of the orbits themselves,
+    /// which may be a hundred tolerances in the event function, is not in it.
     pub uncertainty: f64,
     /// What it is called.
     pub bifurcation: SequenceBifurcation,
