@@ -78,6 +78,11 @@ pub enum Mode {
 /// }
 /// ```
 pub trait Filippov<const N: usize> {
+    /// Whether the functions are interpreted, as those are that a program reads from a file: a call of them then takes longer than the
+    /// arithmetic in it. [`crate::Method::Taylor`] calls such functions once a step and repeats what they did; compiled ones, the
+    /// default, it calls once for every order, which for these is faster. The orbits are the same.
+    const INTERPRETED: bool = false;
+
     /// The vector field of `side` at time `t` and state `x`: dx/dt.
     fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; N]) -> [T; N];
 
@@ -152,6 +157,8 @@ pub trait Filippov<const N: usize> {
 }
 
 impl<const N: usize, S: Filippov<N>> Filippov<N> for &S {
+    const INTERPRETED: bool = S::INTERPRETED;
+
     #[inline(always)]
     fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; N]) -> [T; N] {
         (**self).field(side, t, x)
@@ -191,6 +198,8 @@ impl<const N: usize, S: Filippov<N>> Filippov<N> for &S {
 pub struct Unchecked<S>(pub S);
 
 impl<const N: usize, S: Filippov<N>> Filippov<N> for Unchecked<S> {
+    const INTERPRETED: bool = S::INTERPRETED;
+
     #[inline(always)]
     fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; N]) -> [T; N] {
         self.0.field(side, t, x)

@@ -33,6 +33,8 @@ fn values<T: Scalar, const N: usize, const K: usize>(tape: &Tape, t: T, x: &[T; 
 }
 
 impl<const N: usize> Filippov<N> for OneContact {
+    const INTERPRETED: bool = true;
+
     #[inline(always)]
     fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; N]) -> [T; N] {
         values(&self.field[index(side)], t, x)
@@ -82,6 +84,8 @@ impl ManyContacts {
 }
 
 impl<const N: usize, const M: usize> Contacts<N, M> for ManyContacts {
+    const INTERPRETED: bool = true;
+
     #[inline(always)]
     fn field<T: Scalar>(&self, sides: &[Side; M], t: T, x: &[T; N]) -> [T; N] {
         values(ManyContacts::of_sides(&self.field, sides), t, x)

@@ -18,6 +18,7 @@ use crate::error::Error;
 use crate::ode::Timed;
 use crate::orbit::Ending;
 use crate::taylor::pass::{AT_ONCE, Rows};
+use crate::taylor::repeated::Repeated;
 use crate::taylor::row::{Lanes, Row};
 use crate::taylor::series::{Expansion, Series, in_rows};
 
@@ -151,7 +152,7 @@ impl<F: Flow<N>, const N: usize, const G: usize> NullaryFnOnce for Together<'_, 
             first: self.first,
             all,
         };
-        in_rows(rows, (t, h), &x, order, &OfFlow(flow))
+        in_rows(rows, (t, h), &x, order, &OfFlow(flow), &mut Repeated::new())
     }
 }
 

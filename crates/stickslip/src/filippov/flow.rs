@@ -132,6 +132,8 @@ pub trait Flow<const N: usize> {
     const GUARDS: &'static [usize];
     /// Whether one guard costs as much as all together, so that they are sampled together.
     const TOGETHER: bool = false;
+    /// Whether the user's functions are interpreted.
+    const INTERPRETED: bool;
     /// How many of the user's field calls one evaluation takes.
     fn field_calls(&self) -> u64;
     /// dx/dt.
@@ -229,6 +231,7 @@ impl<S, const ABOVE: bool> Slip<'_, S, ABOVE> {
 
 impl<S: Filippov<N>, const ABOVE: bool, const N: usize> Flow<N> for Slip<'_, S, ABOVE> {
     const GUARDS: &'static [usize] = &[0, CONTACT];
+    const INTERPRETED: bool = S::INTERPRETED;
 
     #[inline(always)]
     fn field_calls(&self) -> u64 {
@@ -296,6 +299,7 @@ impl<S> Stick<'_, S> {
 
 impl<S: Filippov<N>, const N: usize> Flow<N> for Stick<'_, S> {
     const GUARDS: &'static [usize] = &[0, 1, CONTACT];
+    const INTERPRETED: bool = S::INTERPRETED;
 
     #[inline(always)]
     fn field_calls(&self) -> u64 {

@@ -151,14 +151,12 @@ impl<const L: usize> Scalar for Jet<'_, L> {
                 pass.divided.set(true);
             }
         }
-        let (a, b) = (self.newest(pass.order), other.newest(pass.order));
-        pass.choose(lanes(|l| if exceeds { a[l] - b[l] } else { b[l] - a[l] }));
+        self.choose(other, exceeds);
         exceeds
     }
     #[inline(always)]
     fn divided_or(self, by: Self, otherwise: f64) -> Self {
-        // Elsewhere it is the quotient.
-        if by.first().contains(&0.0) && by.value() == 0.0 {
+        if by.is_zero() {
             return Self::constant(otherwise);
         }
         self / by

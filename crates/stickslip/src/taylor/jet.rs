@@ -4,7 +4,7 @@ use std::fmt;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::pass::Pass;
-use super::row::{Lanes, lanes};
+use super::row::{Lanes, lanes, product, quotient};
 use crate::scalar::Scalar;
 
 use Jet::{Line, One, Series, Zero};
@@ -94,6 +94,18 @@ impl<'a, const L: usize> Pass<'a, L> {
         })
     }
 
+    /// A number that has come to this order already.
+    #[inline(always)]
+    pub(super) fn known(&'a self, row: usize) -> Jet<'a, L> {
+        Series(Coefficient {
+            newest: self.at(row, self.order),
+            row,
+            is_kept: true,
+            is_linear: false,
+            pass: self,
+        })
+    }
+
     /// A component of the state.
     #[inline(always)]
     pub(super) fn state(&'a self, newest: Lanes<L>) -> Jet<'a, L> {
@@ -150,8 +162,7 @@ impl<'a, const L: usize> Coefficient<'a, L> {
             lanes(|l| a[l] * b[l])
         } else {
             let inner = pass.convolution(this.row, other.row);
-            let (a0, b0) = (this.first(), other.first());
-            lanes(|l| inner[l] + (a0[l] * b[l] + a[l] * b0[l]))
+            product(inner, (this.first(), a), (other.first(), b))
         };
         pass.number(newest, false)
     }
@@ -180,10 +191,9 @@ impl<'a, const L: usize> Coefficient<'a, L> {
         let newest = if pass.order == 0 {
             lanes(|l| a[l] / b[l])
         } else {
-            let quotient = pass.next();
-            let inner = pass.convolution(self.row, quotient);
-            let (b0, q0) = (self.first(), pass.at(quotient, 0));
-            lanes(|l| (a[l] - inner[l] - b[l] * q0[l]) * (1.0 / b0[l]))
+            let row = pass.next();
+            let inner = pass.convolution(self.row, row);
+            quotient(inner, a, (self.first(), b), pass.at(row, 0))
         };
         pass.result(newest)
     }
@@ -192,7 +202,7 @@ impl<'a, const L: usize> Coefficient<'a, L> {
 impl<'a, const L: usize> Jet<'a, L> {
     /// What it is where it has no row.
     #[inline(always)]
-    fn line(self) -> Straight<'a, L> {
+    pub(super) fn line(self) -> Straight<'a, L> {
         match self {
             Line(a) => a,
             One => Straight::constant(1.0),
@@ -242,6 +252,30 @@ impl<'a, const L: usize> Jet<'a, L> {
             is_linear: true,
             pass,
         })
+    }
+
+    /// Puts its coefficient into its row.
+    #[inline(always)]
+    pub(super) fn keep(self) {
+        if let Series(a) = self {
+            a.kept();
+        }
+    }
+
+    /// Keeps by how much what a comparison chose is ahead of what it did not.
+    #[inline(always)]
+    pub(super) fn choose(self, other: Self, exceeds: bool) {
+        if let Some(pass) = self.pass().or(other.pass()) {
+            let (a, b) = (self.newest(pass.order), other.newest(pass.order));
+            pass.choose(lanes(|l| if exceeds { a[l] - b[l] } else { b[l] - a[l] }));
+        }
+    }
+
+    /// Whether it is zero in the first lane.
+    #[inline(always)]
+    pub(super) fn is_zero(self) -> bool {
+        // Elsewhere its value is not looked at.
+        self.first().contains(&0.0) && self.value() == 0.0
     }
 
     /// A sum or difference. Beyond the slope nothing waits for what is straight.

@@ -10,9 +10,13 @@
 mod functions;
 pub(crate) mod jet;
 pub(crate) mod pass;
+mod recorded;
+mod recording;
+pub(crate) mod repeated;
 pub(crate) mod roots;
 pub(crate) mod row;
 pub(crate) mod series;
+mod steps;
 #[cfg(test)]
 mod tests;
 

@@ -1,7 +1,10 @@
 //! One pass through a function: one order of every number in it.
 
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 
+use super::jet::{Jet, Straight};
+use super::recorded::Recorded;
+use super::recording::{Operation, Recording};
 use super::row::{Lanes, Row, lanes};
 
 /// Rows that there are at least.
@@ -33,6 +36,8 @@ pub(crate) struct Pass<'a, const L: usize> {
     pub(super) value_read: Cell<bool>,
     /// Whether lanes compare differently, so that they must be expanded one by one.
     pub(super) divided: Cell<bool>,
+    /// Where what is done is written down, if it is.
+    recording: Option<&'a RefCell<Recording<L>>>,
 }
 
 impl<'a, const L: usize> Pass<'a, L> {
@@ -46,7 +51,50 @@ impl<'a, const L: usize> Pass<'a, L> {
             choices: Cell::new(0),
             value_read: Cell::new(false),
             divided: Cell::new(false),
+            recording: None,
         }
+    }
+
+    /// The first one, which is written down.
+    #[inline(always)]
+    pub(super) fn recorded(rows: Rows<'a, L>, recording: &'a RefCell<Recording<L>>) -> Self {
+        Pass {
+            recording: Some(recording),
+            ..Pass::new(rows, 0)
+        }
+    }
+
+    /// Does an operation, at order 0, and writes it down.
+    #[inline(never)]
+    pub(super) fn record(
+        &'a self,
+        operation: Operation,
+        [a, b]: [Recorded<'a, L>; 2],
+        constant: f64,
+    ) -> Recorded<'a, L> {
+        match self.recording {
+            Some(recording) => recording
+                .borrow_mut()
+                .record(operation, [a, b], constant, self),
+            None => Recorded::of_none(operation.of(a.number, b.number, constant)),
+        }
+    }
+
+    /// Writes down how a comparison came out.
+    pub(super) fn check(&'a self, operation: Operation, of: [Recorded<'a, L>; 2]) {
+        if let Some(recording) = self.recording {
+            recording.borrow_mut().check(operation, of, self);
+        }
+    }
+
+    /// Time.
+    #[inline(always)]
+    pub(super) fn time(&'a self, t: Lanes<L>, h: Lanes<L>) -> Jet<'a, L> {
+        Jet::Line(Straight {
+            value: t,
+            slope: h,
+            pass: Some(self),
+        })
     }
 
     #[inline(always)]
@@ -56,6 +104,12 @@ impl<'a, const L: usize> Pass<'a, L> {
         } else {
             self.rows.get(row)
         }
+    }
+
+    /// A row that the compiler does not know.
+    #[inline(always)]
+    pub(super) fn row_of_all(&self, row: u32) -> Option<&'a Row<L>> {
+        self.rows.get(row as usize)
     }
 
     /// Keeps a coefficient of this order in the next row. Where there is no room, which the first pass tells, it is dropped.

@@ -19,6 +19,33 @@ pub(crate) fn lanes<const L: usize>(mut f: impl FnMut(usize) -> f64) -> Lanes<L>
     out
 }
 
+/// The same from those of one number.
+#[inline(always)]
+pub(crate) fn lanes_of<const L: usize>(a: Lanes<L>, f: impl Fn(f64) -> f64) -> Lanes<L> {
+    lanes(|l| f(a[l]))
+}
+
+/// The newest coefficient of a product: the first and the newest of each of two numbers, and what is between.
+#[inline(always)]
+pub(super) fn product<const L: usize>(
+    inner: Lanes<L>,
+    (a0, a): (Lanes<L>, Lanes<L>),
+    (b0, b): (Lanes<L>, Lanes<L>),
+) -> Lanes<L> {
+    lanes(|l| inner[l] + (a0[l] * b[l] + a[l] * b0[l]))
+}
+
+/// The newest coefficient of a quotient whose first is `q0`.
+#[inline(always)]
+pub(super) fn quotient<const L: usize>(
+    inner: Lanes<L>,
+    a: Lanes<L>,
+    (b0, b): (Lanes<L>, Lanes<L>),
+    q0: Lanes<L>,
+) -> Lanes<L> {
+    lanes(|l| (a[l] - inner[l] - b[l] * q0[l]) * (1.0 / b0[l]))
+}
+
 /// Where a coefficient is kept.
 type Cells<const L: usize> = [Cell<f64>; L];
 

@@ -1,7 +1,8 @@
 //! The series of a solution, order by order.
 
-use super::jet::{Coefficient, Jet, Straight};
+use super::jet::{Coefficient, Jet};
 use super::pass::{AT_ONCE, Pass, Rows};
+use super::repeated::Repeated;
 use super::row::{Lanes, Row, lanes};
 use crate::scalar::Scalar;
 
@@ -14,6 +15,9 @@ pub(crate) struct Series<const L: usize> {
 
 /// A field, and functions that are watched along its solutions.
 pub(crate) trait Functions<const N: usize, const W: usize> {
+    /// Whether they are interpreted: then they are called once for many series, see [`super::recording`].
+    const INTERPRETED: bool = false;
+
     fn at<T: Scalar>(&self, t: T, x: &[T; N]) -> ([T; N], [T; W]);
 }
 
@@ -67,7 +71,7 @@ impl<const L: usize> Series<L> {
     #[inline(always)]
     pub(crate) fn expand_by<const W: usize>(
         &mut self,
-        expand: impl Fn(Rows<'_, L>) -> Result<Expansion<W>, usize>,
+        mut expand: impl FnMut(Rows<'_, L>) -> Result<Expansion<W>, usize>,
     ) -> Expansion<W> {
         loop {
             let all = self.rows.as_slice();
@@ -83,15 +87,60 @@ impl<const L: usize> Series<L> {
     }
 }
 
+/// Where the functions watched are, of those that are not constant.
+#[inline(always)]
+pub(super) fn watched_rows<const L: usize, const W: usize>(
+    functions: [Jet<'_, L>; W],
+) -> [Option<Watched>; W] {
+    let mut rows = [None; W];
+    for (row, function) in rows.iter_mut().zip(functions) {
+        if let Ok(Coefficient {
+            row: place,
+            is_linear,
+            ..
+        }) = function.in_row()
+        {
+            *row = Some(Watched {
+                row: place,
+                is_linear,
+            });
+        }
+    }
+    rows
+}
+
+/// What a pass tells of the expansion, or how many rows it takes.
+#[inline(always)]
+pub(super) fn outcome<const L: usize, const W: usize>(
+    pass: &Pass<'_, L>,
+    watched: [Option<Watched>; W],
+    room: usize,
+) -> Result<Expansion<W>, usize> {
+    let (taken, choices) = (pass.taken.get(), pass.choices.get());
+    if taken + choices > room {
+        return Err(taken + choices);
+    }
+    Ok(Expansion {
+        watched,
+        choices,
+        value_read: pass.value_read.get(),
+        divided: pass.divided.get(),
+    })
+}
+
 /// The series to `order` of the solution through `x` at `t`, in time over `h`, and of functions of it, into rows; or how many rows that takes.
 #[inline(always)]
-pub(crate) fn in_rows<const L: usize, const N: usize, const W: usize>(
+pub(crate) fn in_rows<F: Functions<N, W>, const L: usize, const N: usize, const W: usize>(
     into: Rows<'_, L>,
     (t, h): (Lanes<L>, Lanes<L>),
     x: &[Lanes<L>; N],
     order: usize,
-    functions: &impl Functions<N, W>,
+    functions: &F,
+    repeated: &mut Repeated<L, N, W>,
 ) -> Result<Expansion<W>, usize> {
+    if const { F::INTERPRETED } {
+        return repeated.expand(into, (t, h), x, order, functions);
+    }
     let mut newest = *x;
     let mut k = 0;
     loop {
@@ -101,37 +150,10 @@ pub(crate) fn in_rows<const L: usize, const N: usize, const W: usize>(
         for (number, newest) in state.iter_mut().zip(newest) {
             *number = pass.state(newest);
         }
-        let time = Jet::Line(Straight {
-            value: t,
-            slope: h,
-            pass: Some(&pass),
-        });
-        let (field, watched) = functions.at(time, &state);
-        let mut rows = [None; W];
-        for (row, function) in rows.iter_mut().zip(watched) {
-            if let Ok(Coefficient {
-                row: place,
-                is_linear,
-                ..
-            }) = function.in_row()
-            {
-                *row = Some(Watched {
-                    row: place,
-                    is_linear,
-                });
-            }
-        }
-        let (taken, choices) = (pass.taken.get(), pass.choices.get());
-        if taken + choices > into.all.len() {
-            return Err(taken + choices);
-        }
+        let (field, watched) = functions.at(pass.time(t, h), &state);
+        let expansion = outcome(&pass, watched_rows(watched), into.all.len())?;
         if k == order {
-            return Ok(Expansion {
-                watched: rows,
-                choices,
-                value_read: pass.value_read.get(),
-                divided: pass.divided.get(),
-            });
+            return Ok(expansion);
         }
         k += 1;
         let per_order = 1.0 / k as f64;

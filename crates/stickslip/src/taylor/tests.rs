@@ -1,10 +1,13 @@
 //! Series against references to 30 digits, exact identities, and each other.
 
+use std::cell::Cell;
+
 use pulp::{Arch, NullaryFnOnce};
 
 use super::MOST_ORDER;
+use super::repeated::Repeated;
 use super::row::Lanes;
-use super::series::{Expansion, Functions, Series, in_rows};
+use super::series::{Expansion, Functions, Series, Watched, in_rows};
 use crate::dual::Dual;
 use crate::scalar::Scalar;
 
@@ -16,7 +19,18 @@ fn expand<const L: usize, const N: usize, const W: usize>(
     order: usize,
     functions: &impl Functions<N, W>,
 ) -> Expansion<W> {
-    series.expand_by(|rows| in_rows(rows, time, &x, order, functions))
+    series.expand_by(|rows| in_rows(rows, time, &x, order, functions, &mut Repeated::new()))
+}
+
+/// Functions that say that they are interpreted, and count how often they are called.
+struct Interpreted<'a, F>(&'a F, Cell<usize>);
+
+impl<F: Functions<N, W>, const N: usize, const W: usize> Functions<N, W> for Interpreted<'_, F> {
+    const INTERPRETED: bool = true;
+    fn at<T: Scalar>(&self, t: T, x: &[T; N]) -> ([T; N], [T; W]) {
+        self.1.set(self.1.get() + 1);
+        self.0.at(t, x)
+    }
 }
 
 /// Coefficients of the functions watched along the solution from `x` at time 0, in time over `h`.
@@ -25,18 +39,37 @@ fn coefficients<const N: usize, const W: usize>(
     x: [f64; N],
     h: f64,
 ) -> [Vec<f64>; W] {
+    let (time, x) = (([0.0], [h]), x.map(|x| [x]));
     let mut series = Series::<1>::new();
-    let expansion = expand(
-        &mut series,
-        ([0.0], [h]),
-        x.map(|x| [x]),
-        MOST_ORDER,
-        functions,
-    );
-    expansion.watched.map(|watched| {
-        let row = watched.expect("not constant").row;
-        (0..=MOST_ORDER).map(|k| series.at(row, k)).collect()
-    })
+    let expansion = expand(&mut series, time, x, MOST_ORDER, functions);
+    let read = |series: &Series<1>, expansion: Expansion<W>| {
+        expansion.watched.map(|watched| {
+            let row = watched.expect("not constant").row;
+            (0..=MOST_ORDER).map(|k| series.at(row, k)).collect()
+        })
+    };
+    let found: [Vec<f64>; W] = read(&series, expansion);
+    // One call serves series of other lengths.
+    let (interpreted, mut repeated) = (Interpreted(functions, Cell::new(0)), Repeated::new());
+    for length in [0.5 * h, 0.25 * h, h] {
+        let expansion = series.expand_by(|rows| {
+            let time = ([0.0], [length]);
+            in_rows(rows, time, &x, MOST_ORDER, &interpreted, &mut repeated)
+        });
+        let again = read(&series, expansion);
+        for (found, again) in found.iter().zip(again) {
+            let shorten = |k: usize| (length / h).powi(k as i32);
+            for (k, (a, b)) in found.iter().zip(again).enumerate() {
+                let a = a * shorten(k);
+                assert!(
+                    (a - b).abs() <= 1e-14 * a.abs() + 1e-17,
+                    "order {k}: {a} {b}"
+                );
+            }
+        }
+    }
+    assert_eq!(interpreted.1.get(), 1);
+    found
 }
 
 /// Functions of `3/4 + s/2 − s²/4 + s³/8`, in the order of the references.
@@ -165,26 +198,40 @@ impl Functions<2, 3> for Everything {
 }
 
 /// An expansion in the widest vectors that the machine has.
-struct Widest<'a, const L: usize>(&'a mut Series<L>, Lanes<L>, [Lanes<L>; 2], Lanes<L>);
+struct Widest<'a, F, const L: usize> {
+    functions: &'a F,
+    series: &'a mut Series<L>,
+    time: (Lanes<L>, Lanes<L>),
+    x: [Lanes<L>; 2],
+}
 
-impl<const L: usize> NullaryFnOnce for Widest<'_, L> {
+impl<F: Functions<2, 3>, const L: usize> NullaryFnOnce for Widest<'_, F, L> {
     type Output = Expansion<3>;
     #[inline(always)]
     fn call(self) -> Expansion<3> {
-        let Widest(series, t, x, h) = self;
-        expand(series, (t, h), x, MOST_ORDER, &Everything)
+        expand(self.series, self.time, self.x, MOST_ORDER, self.functions)
     }
 }
 
 #[test]
 fn neither_lanes_nor_the_width_of_vectors_change_a_bit() {
+    lanes_and_widths_change_no_bit(&Everything);
+    lanes_and_widths_change_no_bit(&Interpreted(&Everything, Cell::new(0)));
+}
+
+fn lanes_and_widths_change_no_bit(functions: &impl Functions<2, 3>) {
     const LANES: usize = 4;
     let t: [f64; LANES] = std::array::from_fn(|l| 0.1 * l as f64);
     let h = t.map(|t| 0.3 + 0.2 * t);
     let x = [t.map(|t| 0.3 + t), t.map(|t| 0.7 - t)];
     for arch in [Arch::Scalar, Arch::new()] {
         let mut wide = Series::<LANES>::new();
-        let together = arch.dispatch(Widest(&mut wide, t, x, h));
+        let together = arch.dispatch(Widest {
+            functions,
+            series: &mut wide,
+            time: (t, h),
+            x,
+        });
         assert!(!together.divided && !together.value_read);
         for l in 0..LANES {
             let (mut alone, mut taken) = (Series::<1>::new(), Series::<1>::new());
@@ -193,7 +240,7 @@ fn neither_lanes_nor_the_width_of_vectors_change_a_bit() {
                 ([t[l]], [h[l]]),
                 x.map(|x| [x[l]]),
                 MOST_ORDER,
-                &Everything,
+                functions,
             );
             taken.take_lane::<2, LANES, 3>(&wide, &together, l, MOST_ORDER);
             let rows = expansion
@@ -226,6 +273,44 @@ fn lanes_that_compare_differently_are_not_expanded_together() {
     };
     assert!(!expand([0.1, 0.2]).divided);
     assert!(expand([0.1, 1.2]).divided);
+}
+
+#[test]
+fn functions_are_called_again_where_a_comparison_comes_out_otherwise() {
+    let (interpreted, mut repeated) = (Interpreted(&Chosen, Cell::new(0)), Repeated::new());
+    let mut series = Series::<1>::new();
+    for (x, calls) in [(-0.25, 1), (-0.2, 1), (0.25, 2), (0.2, 2), (-0.6, 3)] {
+        let expansion = series.expand_by(|rows| {
+            in_rows(
+                rows,
+                ([0.0], [0.125]),
+                &[[x]],
+                8,
+                &interpreted,
+                &mut repeated,
+            )
+        });
+        assert_eq!(interpreted.1.get(), calls, "at {x}");
+        let mut wanted = Series::<1>::new();
+        let of_calls = expand(&mut wanted, ([0.0], [0.125]), [[x]], 8, &Chosen);
+        assert_eq!(expansion.choices, of_calls.choices);
+        let row = |watched: Option<Watched>| watched.expect("not constant").row;
+        let watched = expansion
+            .watched
+            .map(row)
+            .into_iter()
+            .zip(of_calls.watched.map(row));
+        let choices = series.choices(&expansion).zip(wanted.choices(&of_calls));
+        for (found, wanted_row) in watched.chain(choices) {
+            for k in 0..=8 {
+                assert_eq!(
+                    series.at(found, k),
+                    wanted.at(wanted_row, k),
+                    "at {x}, order {k}"
+                );
+            }
+        }
+    }
 }
 
 /// What is chosen by a comparison.

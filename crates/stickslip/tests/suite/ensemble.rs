@@ -207,6 +207,8 @@ fn orbits_side_by_side_branch_stop_and_fail_each_on_its_own() {
         Start { system, t: 0.0, x }
     };
     assert_as_alone(bracket, 300, 20.0, &options);
+    assert_as_alone(interpreted(bracket), 300, 20.0, &options);
+    assert_same_orbits(bracket, 300, 20.0, &options);
 }
 
 /// Oscillators with a kink in the spring, whose fields end at an edge in several ways, or branch by a value they read.
@@ -247,4 +249,65 @@ fn fields_that_end_or_read_values_have_the_bits_of_one_alone_too() {
         x: State::from([0.2, 0.004 * k as f64]),
     };
     assert_as_alone(start, 300, 15.0, &options);
+    assert_as_alone(interpreted(start), 300, 15.0, &options);
+    assert_same_orbits(start, 300, 15.0, &options);
+}
+
+/// A system that says that its functions are interpreted.
+#[derive(Clone, Copy, PartialEq)]
+struct Interpreted<S>(S);
+
+fn interpreted<S: Copy, const N: usize>(
+    start: impl Fn(usize) -> Start<S, N>,
+) -> impl Fn(usize) -> Start<Interpreted<S>, N> {
+    move |k| {
+        let Start { system, t, x } = start(k);
+        let system = Interpreted(system);
+        Start { system, t, x }
+    }
+}
+
+impl<S: Filippov<N>, const N: usize> Filippov<N> for Interpreted<S> {
+    const INTERPRETED: bool = true;
+
+    fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; N]) -> [T; N] {
+        self.0.field(side, t, x)
+    }
+    fn boundary<T: Scalar>(&self, t: T, x: &[T; N]) -> T {
+        self.0.boundary(t, x)
+    }
+    fn contact<T: Scalar>(&self, t: T, x: &[T; N]) -> Option<T> {
+        self.0.contact(t, x)
+    }
+}
+
+/// The orbit of a start, each as it is and as that of functions that are interpreted: the same steps and transitions.
+fn assert_same_orbits<S: Filippov<N> + Copy, const N: usize>(
+    start: impl Fn(usize) -> Start<S, N>,
+    number: usize,
+    t_end: f64,
+    options: &Options,
+) {
+    let mut transitions = 0;
+    for k in 0..number {
+        let Start { system, t, x } = start(k);
+        let (mut of_calls, mut repeated) = (Everything::default(), Everything::default());
+        let wanted = run(&system, t, x, t_end, options, &mut of_calls);
+        let found = run(&Interpreted(system), t, x, t_end, options, &mut repeated);
+        assert_eq!(of_calls.transitions, repeated.transitions, "orbit {k}");
+        transitions += repeated.transitions;
+        match (wanted, found) {
+            (Ok(wanted), Ok(found)) => {
+                assert_eq!(wanted.counters.steps, found.counters.steps, "orbit {k}");
+                let apart = (wanted.x - found.x).amax() / wanted.x.amax().max(1.0);
+                assert!(apart < 1e-13, "orbit {k}: {apart:e} apart");
+            }
+            (wanted, found) => {
+                let message =
+                    |failed: Result<_, Failure<_>>| failed.map(drop).unwrap_err().to_string();
+                assert_eq!(message(wanted), message(found), "orbit {k}");
+            }
+        }
+    }
+    assert!(transitions > number, "{transitions} transitions");
 }

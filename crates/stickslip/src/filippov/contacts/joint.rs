@@ -354,6 +354,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Flow<N> for Joint<'_, S,
         NUMBERS.split_at(M).0
     };
     const TOGETHER: bool = M > 1;
+    const INTERPRETED: bool = S::INTERPRETED;
 
     #[inline(always)]
     fn field_calls(&self) -> u64 {

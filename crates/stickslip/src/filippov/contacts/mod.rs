@@ -59,6 +59,9 @@ pub trait Contacts<const N: usize, const M: usize> {
     /// does, two to their number for each step of a Newton iteration.
     const MULTI_AFFINE: bool = false;
 
+    /// Whether the functions are interpreted, as [`crate::Filippov::INTERPRETED`].
+    const INTERPRETED: bool = false;
+
     /// The vector field at time `t` and state `x` with every contact on its side: dx/dt.
     fn field<T: Scalar>(&self, sides: &[Side; M], t: T, x: &[T; N]) -> [T; N];
 
@@ -119,6 +122,7 @@ pub trait Contacts<const N: usize, const M: usize> {
 
 impl<const N: usize, const M: usize, S: Contacts<N, M>> Contacts<N, M> for &S {
     const MULTI_AFFINE: bool = S::MULTI_AFFINE;
+    const INTERPRETED: bool = S::INTERPRETED;
 
     #[inline(always)]
     fn field<T: Scalar>(&self, sides: &[Side; M], t: T, x: &[T; N]) -> [T; N] {

@@ -17,6 +17,7 @@ use crate::scalar::Scalar;
 use crate::system::State;
 use crate::taylor::MOST_ORDER;
 use crate::taylor::pass::{AT_ONCE, Rows};
+use crate::taylor::repeated::Repeated;
 use crate::taylor::row::{Lanes, Row};
 use crate::taylor::series::{Expansion, Functions, Series, in_rows};
 
@@ -31,6 +32,8 @@ pub(crate) struct TaylorStepper<const N: usize, const G: usize> {
     order: usize,
     series: Series<1>,
     expansion: Expansion<G>,
+    /// What the phase's functions did, where they are interpreted.
+    repeated: Repeated<1, N, G>,
     /// Whether the series is that of the next step already.
     is_expanded: bool,
     /// Whether the phase, or the rest of one, has yet to begin.
@@ -48,6 +51,8 @@ pub(crate) struct TaylorStepper<const N: usize, const G: usize> {
 pub(super) struct OfFlow<'a, F>(pub(super) &'a F);
 
 impl<F: Flow<N>, const N: usize, const G: usize> Functions<N, G> for OfFlow<'_, F> {
+    const INTERPRETED: bool = F::INTERPRETED;
+
     #[inline(always)]
     fn at<T: Scalar>(&self, t: T, x: &[T; N]) -> ([T; N], [T; G]) {
         self.0.field_and_guards(t, x)
@@ -63,8 +68,9 @@ fn expand_alone<F: Flow<N>, const N: usize, const G: usize>(
     x: &[Lanes<1>; N],
     order: usize,
     flow: &F,
+    repeated: &mut Repeated<1, N, G>,
 ) -> Result<Expansion<G>, usize> {
-    in_rows(Rows { first, all }, time, x, order, &OfFlow(flow))
+    in_rows(Rows { first, all }, time, x, order, &OfFlow(flow), repeated)
 }
 
 impl<const N: usize, const G: usize> TaylorStepper<N, G> {
@@ -76,6 +82,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             order: order.clamp(LEAST_ORDER, MOST_ORDER),
             series: Series::new(),
             expansion: Expansion::default(),
+            repeated: Repeated::new(),
             is_expanded: false,
             is_new: true,
             end: nowhere(),
@@ -95,8 +102,11 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         let Timed { t, x } = run.at;
         let x = std::array::from_fn(|i| [x[i]]);
         let (scale, order) = (self.scale, self.order);
-        let alone =
-            |rows: Rows<'_, 1>| expand_alone(rows.first, rows.all, ([t], [scale]), &x, order, flow);
+        let repeated = &mut self.repeated;
+        let alone = |rows: Rows<'_, 1>| {
+            let time = ([t], [scale]);
+            expand_alone(rows.first, rows.all, time, &x, order, flow, repeated)
+        };
         self.expansion = self.series.expand_by(alone);
         self.count(run, flow);
     }
@@ -150,6 +160,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
 impl<const N: usize, const G: usize> TaylorStepper<N, G> {
     /// Forgets what belonged to the phase before.
     pub(super) fn begin(&mut self) {
+        self.repeated.forget();
         self.is_new = true;
     }
 

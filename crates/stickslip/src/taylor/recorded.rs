@@ -1,0 +1,231 @@
+//! A number whose operations are written down, see [`super::recording`].
+
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+use super::jet::Jet;
+use super::pass::Pass;
+use super::recording::{Operation, Place};
+use crate::scalar::Scalar;
+
+/// A number at order 0.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Recorded<'a, const L: usize> {
+    pub(super) number: Jet<'a, L>,
+    /// Where it is, unless it is constant.
+    place: Option<(Place, &'a Pass<'a, L>)>,
+}
+
+impl<'a, const L: usize> Recorded<'a, L> {
+    /// One that a pass has at a place.
+    pub(super) fn at(place: Place, number: Jet<'a, L>, pass: &'a Pass<'a, L>) -> Self {
+        let place = Some((place, pass));
+        Recorded { number, place }
+    }
+
+    /// A constant.
+    #[inline(always)]
+    pub(super) fn of_none(number: Jet<'a, L>) -> Self {
+        let place = None;
+        Recorded { number, place }
+    }
+
+    /// Where it is, unless it is constant.
+    pub(super) fn place(self) -> Option<Place> {
+        self.place.map(|(place, _)| place)
+    }
+
+    /// The pass of the one or the other, unless both are constant.
+    #[inline(always)]
+    fn pass(self, other: Self) -> Option<&'a Pass<'a, L>> {
+        self.place.or(other.place).map(|(_, pass)| pass)
+    }
+
+    #[inline(always)]
+    fn recorded(self, operation: Operation, other: Self, constant: f64) -> Self {
+        match self.pass(other) {
+            Some(pass) => pass.record(operation, [self, other], constant),
+            None => Recorded::of_none(operation.of(self.number, other.number, constant)),
+        }
+    }
+
+    #[inline(always)]
+    fn check(self, operation: Operation, other: Self) {
+        if let Some(pass) = self.pass(other) {
+            pass.check(operation, [self, other]);
+        }
+    }
+
+    #[inline(always)]
+    fn alone(self, operation: Operation, constant: f64) -> Self {
+        self.recorded(operation, self, constant)
+    }
+}
+
+impl<const L: usize> Add for Recorded<'_, L> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        self.recorded(Operation::Add, other, 0.0)
+    }
+}
+
+impl<const L: usize> Sub for Recorded<'_, L> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        self.recorded(Operation::Subtract, other, 0.0)
+    }
+}
+
+impl<const L: usize> Mul for Recorded<'_, L> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        self.recorded(Operation::Multiply, other, 0.0)
+    }
+}
+
+impl<const L: usize> Div for Recorded<'_, L> {
+    type Output = Self;
+    #[inline(always)]
+    fn div(self, other: Self) -> Self {
+        self.recorded(Operation::Divide, other, 0.0)
+    }
+}
+
+impl<const L: usize> Add<f64> for Recorded<'_, L> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: f64) -> Self {
+        self.alone(Operation::AddConstant, other)
+    }
+}
+
+impl<const L: usize> Sub<f64> for Recorded<'_, L> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: f64) -> Self {
+        self.alone(Operation::SubtractConstant, other)
+    }
+}
+
+impl<const L: usize> Mul<f64> for Recorded<'_, L> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: f64) -> Self {
+        self.alone(Operation::MultiplyConstant, other)
+    }
+}
+
+impl<const L: usize> Div<f64> for Recorded<'_, L> {
+    type Output = Self;
+    #[inline(always)]
+    fn div(self, other: f64) -> Self {
+        self.alone(Operation::DivideByConstant, other)
+    }
+}
+
+impl<const L: usize> Neg for Recorded<'_, L> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        self.alone(Operation::Negate, 0.0)
+    }
+}
+
+impl<const L: usize> Scalar for Recorded<'_, L> {
+    #[inline(always)]
+    fn constant(value: f64) -> Self {
+        Recorded::of_none(Jet::constant(value))
+    }
+    #[inline(always)]
+    fn zero() -> Self {
+        Recorded::of_none(Jet::Zero)
+    }
+    #[inline(always)]
+    fn one() -> Self {
+        Recorded::of_none(Jet::One)
+    }
+    #[inline(always)]
+    fn is_same(self, other: Self) -> bool {
+        self.number.is_same(other.number)
+    }
+    #[inline(always)]
+    fn value(self) -> f64 {
+        self.number.value()
+    }
+    #[inline(always)]
+    fn exceeds(self, other: Self) -> bool {
+        let exceeds = self.number.exceeds(other.number);
+        let operation = if exceeds {
+            Operation::Exceeds
+        } else {
+            Operation::ExceedsNot
+        };
+        self.check(operation, other);
+        exceeds
+    }
+    #[inline(always)]
+    fn divided_or(self, by: Self, otherwise: f64) -> Self {
+        if by.number.is_zero() {
+            return Self::constant(otherwise);
+        }
+        by.check(Operation::IsNotZero, by);
+        self / by
+    }
+    #[inline(always)]
+    fn sin_cos(self) -> (Self, Self) {
+        let sine = self.alone(Operation::SineCosine, 0.0);
+        let cosine = match sine.place {
+            Some((Place::Row(row), pass)) => {
+                Recorded::at(Place::Row(row + 1), pass.known(row as usize + 1), pass)
+            }
+            _ => Recorded::of_none(self.number.cos()),
+        };
+        (sine, cosine)
+    }
+    #[inline(always)]
+    fn sin(self) -> Self {
+        self.sin_cos().0
+    }
+    #[inline(always)]
+    fn cos(self) -> Self {
+        self.sin_cos().1
+    }
+    #[inline(always)]
+    fn tan(self) -> Self {
+        self.alone(Operation::Tangent, 0.0)
+    }
+    #[inline(always)]
+    fn atan(self) -> Self {
+        self.alone(Operation::ArcTangent, 0.0)
+    }
+    #[inline(always)]
+    fn sinh(self) -> Self {
+        self.alone(Operation::HyperbolicSine, 0.0)
+    }
+    #[inline(always)]
+    fn cosh(self) -> Self {
+        self.alone(Operation::HyperbolicCosine, 0.0)
+    }
+    #[inline(always)]
+    fn tanh(self) -> Self {
+        self.alone(Operation::HyperbolicTangent, 0.0)
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        self.alone(Operation::Root, 0.0)
+    }
+    #[inline(always)]
+    fn exp(self) -> Self {
+        self.alone(Operation::Exponential, 0.0)
+    }
+    #[inline(always)]
+    fn ln(self) -> Self {
+        self.alone(Operation::Logarithm, 0.0)
+    }
+    #[inline(always)]
+    fn powf(self, p: f64) -> Self {
+        self.alone(Operation::Power, p)
+    }
+}

@@ -1,0 +1,346 @@
+//! What interpreted functions do to numbers, written down once and repeated for every order.
+//!
+//! A compiled function is its own recurrence: the compiler knows the kind and the place of every number in it. One that is interpreted
+//! is looked up anew at every call, and that takes longer than the arithmetic. So it is called once for many series. What it does
+//! to numbers that are not constant is written down, with all that is zero, chosen or carried by dual numbers resolved and what is done
+//! twice done once; every order of every series repeats that, until a comparison comes out otherwise.
+
+use super::jet::{Jet, Straight};
+use super::pass::Pass;
+use super::recorded::Recorded;
+use super::row::Lanes;
+use super::steps::Steps;
+use crate::scalar::Scalar;
+
+/// Where a number is: in a row, or among those that are linear in time, or constant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Place {
+    Row(u32),
+    Line(u32),
+}
+
+impl Place {
+    pub(super) fn number(self) -> u32 {
+        match self {
+            Place::Row(number) | Place::Line(number) => number,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Operation {
+    Add,
+    Subtract,
+    Multiply,
+    Divide,
+    Negate,
+    AddConstant,
+    SubtractConstant,
+    MultiplyConstant,
+    DivideByConstant,
+    /// The cosine is in the row behind the sine's.
+    SineCosine,
+    Tangent,
+    ArcTangent,
+    HyperbolicSine,
+    HyperbolicCosine,
+    HyperbolicTangent,
+    Power,
+    Root,
+    Exponential,
+    Logarithm,
+    /// No number comes of these: that the one is the larger, that it is not, and that it is not zero.
+    Exceeds,
+    ExceedsNot,
+    IsNotZero,
+}
+
+/// An operation and what it is done with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Call {
+    pub(super) operation: Operation,
+    pub(super) of: [Place; 2],
+    pub(super) constant: f64,
+}
+
+/// A call, the first row that it takes, and where its result is, if it has one.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Made {
+    pub(super) call: Call,
+    pub(super) first: u32,
+    pub(super) result: Option<Place>,
+}
+
+/// A number that is linear in time, or constant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Line<const L: usize> {
+    pub(super) value: Lanes<L>,
+    pub(super) slope: Lanes<L>,
+    pub(super) is_constant: bool,
+}
+
+/// What was written down.
+#[derive(Debug, Default)]
+pub(crate) struct Recording<const L: usize> {
+    calls: Vec<Made>,
+    /// Time first.
+    lines: Vec<Line<L>>,
+    /// For the orders above 0.
+    steps: Steps,
+    is_complete: bool,
+}
+
+impl Operation {
+    /// The result; of sine and cosine the first.
+    #[inline(always)]
+    pub(super) fn of<'a, const L: usize>(
+        self,
+        a: Jet<'a, L>,
+        b: Jet<'a, L>,
+        constant: f64,
+    ) -> Jet<'a, L> {
+        match self {
+            Operation::Add => a + b,
+            Operation::Subtract => a - b,
+            Operation::Multiply => a * b,
+            Operation::Divide => a / b,
+            Operation::Negate => -a,
+            Operation::AddConstant => a + constant,
+            Operation::SubtractConstant => a - constant,
+            Operation::MultiplyConstant => a * constant,
+            Operation::DivideByConstant => a / constant,
+            Operation::SineCosine => a.sin_cos().0,
+            Operation::Tangent => a.tan(),
+            Operation::ArcTangent => a.atan(),
+            Operation::HyperbolicSine => a.sinh(),
+            Operation::HyperbolicCosine => a.cosh(),
+            Operation::HyperbolicTangent => a.tanh(),
+            Operation::Power => a.powf(constant),
+            Operation::Root => a.sqrt(),
+            Operation::Exponential => a.exp(),
+            Operation::Logarithm => a.ln(),
+            Operation::Exceeds | Operation::ExceedsNot => {
+                a.choose(b, self == Operation::Exceeds);
+                Jet::Zero
+            }
+            Operation::IsNotZero => Jet::Zero,
+        }
+    }
+}
+
+impl<const L: usize> Line<L> {
+    #[inline(always)]
+    fn of(number: Jet<'_, L>) -> Self {
+        let Straight { value, slope, pass } = number.line();
+        Line {
+            value,
+            slope,
+            is_constant: pass.is_none(),
+        }
+    }
+}
+
+impl<const L: usize> Line<L> {
+    #[inline(always)]
+    fn coefficient(&self, k: usize) -> Lanes<L> {
+        match k {
+            0 => self.value,
+            1 => self.slope,
+            _ => [0.0; L],
+        }
+    }
+}
+
+impl<const L: usize> Recording<L> {
+    /// Begins anew: time is the first line, and the state's components have the first rows.
+    pub(super) fn begin(&mut self, time: Jet<'_, L>) {
+        self.forget();
+        self.calls.clear();
+        self.lines.clear();
+        self.lines.push(Line::of(time));
+    }
+
+    /// Is not to be repeated any more.
+    pub(crate) fn forget(&mut self) {
+        self.is_complete = false;
+    }
+
+    /// Whether it can be repeated.
+    pub(super) fn is_complete(&self) -> bool {
+        self.is_complete
+    }
+
+    /// Where a number is. Constants come to the lines, each once.
+    pub(super) fn place(&mut self, number: Recorded<'_, L>) -> Place {
+        if let Some(place) = number.place() {
+            return place;
+        }
+        let line = Line::of(number.number);
+        let known = self.lines.iter().position(|known| *known == line);
+        let place = known.unwrap_or_else(|| self.push(line));
+        Place::Line(place as u32)
+    }
+
+    fn push(&mut self, line: Line<L>) -> usize {
+        self.lines.push(line);
+        self.lines.len() - 1
+    }
+
+    /// Does an operation and writes it down. Of what was done before, the result is known.
+    pub(super) fn record<'a>(
+        &mut self,
+        operation: Operation,
+        [a, b]: [Recorded<'a, L>; 2],
+        constant: f64,
+        pass: &'a Pass<'a, L>,
+    ) -> Recorded<'a, L> {
+        let of = [self.place(a), self.place(b)];
+        let call = Call {
+            operation,
+            of,
+            constant,
+        };
+        let mut calls = self.calls.iter();
+        if let Some(Made {
+            result: Some(place),
+            ..
+        }) = calls.find(|made| made.call == call)
+        {
+            return Recorded::at(*place, self.number(*place, pass), pass);
+        }
+        let first = pass.next();
+        let number = operation.of(a.number, b.number, constant);
+        let place = match number {
+            Jet::Series(series) => Place::Row(series.row as u32),
+            Jet::Line(Straight { pass: Some(_), .. }) => {
+                Place::Line(self.push(Line::of(number)) as u32)
+            }
+            Jet::Zero | Jet::One | Jet::Line(_) => return Recorded::of_none(number),
+        };
+        // What comes out as one of the numbers that it is made of is nothing new.
+        let is_new = !matches!(number, Jet::Series(series) if series.row < first);
+        if is_new {
+            number.keep();
+            self.write(call, first, Some(place));
+        }
+        Recorded::at(place, number, pass)
+    }
+
+    fn write(&mut self, call: Call, first: usize, result: Option<Place>) {
+        self.calls.push(Made {
+            call,
+            first: first as u32,
+            result,
+        });
+    }
+
+    /// Writes down how a comparison came out.
+    pub(super) fn check(
+        &mut self,
+        operation: Operation,
+        of: [Recorded<'_, L>; 2],
+        pass: &Pass<'_, L>,
+    ) {
+        let of = of.map(|number| self.place(number));
+        let call = Call {
+            operation,
+            of,
+            constant: 0.0,
+        };
+        self.write(call, pass.next(), None);
+    }
+
+    /// The number at a place, in a pass that has come to it.
+    #[inline(always)]
+    pub(super) fn number<'a>(&self, place: Place, pass: &'a Pass<'a, L>) -> Jet<'a, L> {
+        match place {
+            Place::Row(row) => pass.known(row as usize),
+            Place::Line(line) => {
+                let Line {
+                    value,
+                    slope,
+                    is_constant,
+                } = self.lines[line as usize];
+                let pass = (!is_constant).then_some(pass);
+                Jet::Line(Straight { value, slope, pass })
+            }
+        }
+    }
+
+    /// A coefficient of the number at a place, in a pass that is behind it.
+    #[inline(always)]
+    pub(super) fn coefficient(&self, place: Place, k: usize, pass: &Pass<'_, L>) -> Lanes<L> {
+        match place {
+            Place::Row(row) => pass.row_of_all(row).map_or([f64::NAN; L], |row| row.at(k)),
+            Place::Line(line) => self.lines[line as usize].coefficient(k),
+        }
+    }
+
+    /// The line at a place among them.
+    #[inline(always)]
+    pub(super) fn line(&self, line: u32) -> &Line<L> {
+        &self.lines[line as usize]
+    }
+
+    /// Has come to its end, with these numbers wanted.
+    pub(super) fn end(&mut self, wanted: impl Iterator<Item = Place>, pass: &Pass<'_, L>) {
+        let is_constant = |line: u32| self.lines[line as usize].is_constant;
+        self.steps
+            .make(&self.calls, wanted, is_constant, pass.next());
+        self.is_complete = !pass.value_read.get();
+    }
+
+    /// Repeats order 0 at another time and state; whether everything came out alike.
+    pub(super) fn repeat_first<'a>(&mut self, time: Jet<'_, L>, pass: &'a Pass<'a, L>) -> bool {
+        self.lines[0] = Line::of(time);
+        for i in 0..self.calls.len() {
+            let Made {
+                call:
+                    Call {
+                        operation,
+                        of,
+                        constant,
+                    },
+                first,
+                result,
+            } = self.calls[i];
+            let [a, b] = of.map(|place| self.number(place, pass));
+            pass.taken.set(first as usize);
+            let is_alike = match operation {
+                Operation::Exceeds => a.exceeds(b),
+                Operation::ExceedsNot => !a.exceeds(b),
+                Operation::IsNotZero => !a.is_zero(),
+                _ => {
+                    let number = operation.of(a, b, constant);
+                    number.keep();
+                    if let Some(Place::Line(line)) = result {
+                        self.lines[line as usize] = Line::of(number);
+                    }
+                    true
+                }
+            };
+            if !is_alike {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// Repeats an order above 0.
+    #[inline(always)]
+    pub(super) fn repeat<'a>(&self, pass: &'a Pass<'a, L>) {
+        self.steps.repeat(self, pass);
+    }
+
+    /// Repeats one call at an order above 0.
+    #[inline(never)]
+    pub(super) fn repeat_call<'a>(&self, call: usize, pass: &'a Pass<'a, L>) {
+        let Call {
+            operation,
+            of,
+            constant,
+        } = self.calls[call].call;
+        let [a, b] = of.map(|place| self.number(place, pass));
+        operation.of(a, b, constant).keep();
+    }
+}

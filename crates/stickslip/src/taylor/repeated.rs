@@ -1,0 +1,139 @@
+//! Series of interpreted functions: one call for many of them.
+
+use std::cell::RefCell;
+
+use super::pass::{Pass, Rows};
+use super::recorded::Recorded;
+use super::recording::{Place, Recording};
+use super::row::{Lanes, lanes};
+use super::series::{Expansion, Functions, outcome, watched_rows};
+
+/// What the functions did when they were called.
+#[derive(Debug)]
+pub(crate) struct Repeated<const L: usize, const N: usize, const W: usize> {
+    recording: RefCell<Recording<L>>,
+    field: [Place; N],
+    watched: [Place; W],
+    /// Whether any that is watched is linear in time.
+    watches_lines: bool,
+    /// The rows that are taken when the functions have come to their end.
+    taken: usize,
+    expansion: Expansion<W>,
+}
+
+impl<const L: usize, const N: usize, const W: usize> Repeated<L, N, W> {
+    pub(crate) fn new() -> Self {
+        Repeated {
+            recording: RefCell::new(Recording::default()),
+            field: [Place::Line(0); N],
+            watched: [Place::Line(0); W],
+            watches_lines: false,
+            taken: 0,
+            expansion: Expansion::default(),
+        }
+    }
+
+    /// The functions are others from now on.
+    pub(crate) fn forget(&mut self) {
+        self.recording.get_mut().forget();
+    }
+
+    /// As [`super::series::in_rows`].
+    pub(super) fn expand(
+        &mut self,
+        into: Rows<'_, L>,
+        (t, h): (Lanes<L>, Lanes<L>),
+        x: &[Lanes<L>; N],
+        order: usize,
+        functions: &impl Functions<N, W>,
+    ) -> Result<Expansion<W>, usize> {
+        if !self.first_again(into, (t, h), x) {
+            self.first(into, (t, h), x, functions)?;
+        }
+        let recording = self.recording.borrow();
+        for k in 1..=order {
+            let pass = Pass::new(into, k);
+            let per_order = 1.0 / k as f64;
+            for (i, place) in self.field.into_iter().enumerate() {
+                let slope = recording.coefficient(place, k - 1, &pass);
+                let newest = lanes(|l| slope[l] * (h[l] * per_order));
+                pass.put(i, newest);
+            }
+            recording.repeat(&pass);
+            self.keep_watched(&recording, &pass);
+        }
+        Ok(self.expansion)
+    }
+
+    /// What is watched and straight has a row, too.
+    #[inline(always)]
+    fn keep_watched(&self, recording: &Recording<L>, pass: &Pass<'_, L>) {
+        if !self.watches_lines {
+            return;
+        }
+        pass.taken.set(self.taken);
+        for place in self.watched {
+            if let Place::Line(_) = place {
+                // What is constant has none.
+                let _ = recording.number(place, pass).in_row();
+            }
+        }
+    }
+
+    /// Order 0 by a call of the functions, which is written down.
+    fn first(
+        &mut self,
+        into: Rows<'_, L>,
+        (t, h): (Lanes<L>, Lanes<L>),
+        x: &[Lanes<L>; N],
+        functions: &impl Functions<N, W>,
+    ) -> Result<(), usize> {
+        let pass = Pass::recorded(into, &self.recording);
+        let time = pass.time(t, h);
+        self.recording.borrow_mut().begin(time);
+        let time = Recorded::at(Place::Line(0), time, &pass);
+        let mut state = [time; N];
+        for (i, (number, newest)) in state.iter_mut().zip(*x).enumerate() {
+            *number = Recorded::at(Place::Row(i as u32), pass.state(newest), &pass);
+        }
+        let (field, watched) = functions.at(time, &state);
+        self.taken = pass.next();
+        let mut recording = self.recording.borrow_mut();
+        for (place, number) in self.field.iter_mut().zip(field) {
+            *place = recording.place(number);
+        }
+        for (place, number) in self.watched.iter_mut().zip(watched) {
+            *place = recording.place(number);
+        }
+        let watched = watched_rows(watched.map(|function| function.number));
+        let mut rows = self.watched.iter().zip(&watched);
+        self.watches_lines =
+            rows.any(|(place, row)| matches!(place, Place::Line(_)) && row.is_some());
+        self.expansion = outcome(&pass, watched, into.all.len())?;
+        recording.end(self.field.into_iter().chain(self.watched), &pass);
+        Ok(())
+    }
+
+    /// Order 0 by repetition, if everything comes out as before.
+    fn first_again(
+        &mut self,
+        into: Rows<'_, L>,
+        (t, h): (Lanes<L>, Lanes<L>),
+        x: &[Lanes<L>; N],
+    ) -> bool {
+        if !self.recording.get_mut().is_complete() {
+            return false;
+        }
+        let pass = Pass::new(into, 0);
+        for newest in *x {
+            pass.state(newest);
+        }
+        let is_alike = self
+            .recording
+            .get_mut()
+            .repeat_first(pass.time(t, h), &pass);
+        self.keep_watched(&self.recording.borrow(), &pass);
+        self.expansion.divided = pass.divided.get();
+        is_alike
+    }
+}

@@ -1,0 +1,338 @@
+//! What a recording comes to for the orders above 0.
+//!
+//! There, what is constant has no coefficients: a sum with it is the other number, and is not done at all but where something looks at all its
+//! coefficients. What nothing comes of is left out.
+
+use super::pass::Pass;
+use super::recording::{Call, Made, Operation, Place, Recording};
+use super::row::{Row as Cells, lanes, lanes_of, product, quotient};
+
+/// What is done at every order.
+#[derive(Clone, Copy, Debug)]
+enum Way {
+    Copy,
+    /// `a` by the constant.
+    Scale,
+    Add,
+    Subtract,
+    /// A sum of `a` and `b`, each by its factor.
+    Combine,
+    Multiply,
+    Divide,
+    /// A constant by `b`.
+    Invert,
+    /// Sine and cosine of the line `a`.
+    SineCosine,
+    /// How far `a` is ahead of `b` in a comparison, or the other way round: the constant is the sign.
+    Ahead,
+    /// Of a constant.
+    AheadOfConstant,
+    /// The call `a`, as it was at order 0.
+    Any,
+}
+
+/// What is done, and with the numbers in which rows.
+#[derive(Clone, Copy, Debug)]
+struct Step {
+    way: Way,
+    /// Where the result comes, or the first row that is taken.
+    row: u32,
+    a: Row,
+    b: Row,
+    constant: f64,
+}
+
+impl Step {
+    fn of(way: Way, row: u32, [a, mut b]: [Row; 2], constant: f64) -> Self {
+        let way = match way {
+            Way::Add | Way::Subtract if [a.factor, b.factor] != [1.0; 2] => {
+                if let Way::Subtract = way {
+                    b.factor = -b.factor;
+                }
+                Way::Combine
+            }
+            _ => way,
+        };
+        Step {
+            way,
+            row,
+            a,
+            b,
+            constant,
+        }
+    }
+}
+
+/// The rows in which a number's coefficients are.
+#[derive(Clone, Copy, Debug)]
+struct Row {
+    /// That of order 0.
+    first: u32,
+    /// Those above.
+    above: u32,
+    /// What these are to be multiplied by.
+    factor: f64,
+}
+
+impl Row {
+    fn itself(row: u32) -> Self {
+        Row {
+            first: row,
+            above: row,
+            factor: 1.0,
+        }
+    }
+}
+
+#[derive(Debug, Default)]
+pub(super) struct Steps(Vec<Step>);
+
+/// What of a row is looked at later.
+#[derive(Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
+enum Use {
+    #[default]
+    None,
+    /// The newest coefficient, which may be put together then.
+    Newest,
+    /// Its coefficients, wherever they are.
+    Coefficients,
+    /// The row itself.
+    Row,
+}
+
+/// What a call is above order 0, and the rows that it takes from, unless it takes what it did at order 0.
+fn way(call: &Call, is_constant: impl Fn(u32) -> bool) -> Option<(Way, [u32; 2], f64)> {
+    use Operation as Op;
+    use Place::{Line, Row};
+    Some(match (call.operation, call.of) {
+        (Op::Add, [Row(a), Row(b)]) => (Way::Add, [a, b], 0.0),
+        (Op::Subtract, [Row(a), Row(b)]) => (Way::Subtract, [a, b], 0.0),
+        (Op::Multiply, [Row(a), Row(b)]) => (Way::Multiply, [a, b], 0.0),
+        (Op::Divide, [Row(a), Row(b)]) => (Way::Divide, [a, b], 0.0),
+        (Op::Divide, [Line(a), Row(b)]) if is_constant(a) => (Way::Invert, [b; 2], 0.0),
+        (Op::Add | Op::Subtract, [Row(a), Line(b)]) if is_constant(b) => (Way::Copy, [a; 2], 0.0),
+        (Op::Add, [Line(a), Row(b)]) if is_constant(a) => (Way::Copy, [b; 2], 0.0),
+        (Op::Subtract, [Line(a), Row(b)]) if is_constant(a) => (Way::Scale, [b; 2], -1.0),
+        (Op::AddConstant | Op::SubtractConstant, [Row(a), _]) => (Way::Copy, [a; 2], 0.0),
+        (Op::Negate, [Row(a), _]) => (Way::Scale, [a; 2], -1.0),
+        (Op::MultiplyConstant, [Row(a), _]) => (Way::Scale, [a; 2], call.constant),
+        (Op::DivideByConstant, [Row(a), _]) => (Way::Scale, [a; 2], 1.0 / call.constant),
+        (Op::Exceeds, [Row(a), Row(b)]) => (Way::Ahead, [a, b], 1.0),
+        (Op::ExceedsNot, [Row(a), Row(b)]) => (Way::Ahead, [a, b], -1.0),
+        (Op::Exceeds, [Row(a), Line(b)]) if is_constant(b) => (Way::AheadOfConstant, [a; 2], 1.0),
+        (Op::ExceedsNot, [Row(a), Line(b)]) if is_constant(b) => {
+            (Way::AheadOfConstant, [a; 2], -1.0)
+        }
+        (Op::Exceeds, [Line(a), Row(b)]) if is_constant(a) => (Way::AheadOfConstant, [b; 2], -1.0),
+        (Op::ExceedsNot, [Line(a), Row(b)]) if is_constant(a) => {
+            (Way::AheadOfConstant, [b; 2], 1.0)
+        }
+        _ => return None,
+    })
+}
+
+impl Steps {
+    /// Makes the steps of calls that took `rows`, where the numbers at some places are wanted.
+    pub(super) fn make(
+        &mut self,
+        calls: &[Made],
+        wanted: impl Iterator<Item = Place>,
+        is_constant: impl Fn(u32) -> bool,
+        rows: usize,
+    ) {
+        let uses = uses(calls, wanted, &is_constant, rows);
+        let mut rows: Vec<Row> = (0..rows as u32).map(Row::itself).collect();
+        self.0.clear();
+        for (i, made) in calls.iter().enumerate() {
+            if !is_used(made, &uses) {
+                continue;
+            }
+            let row = made.result.map_or(made.first, Place::number);
+            let step = match way(&made.call, &is_constant) {
+                Some((way, of, constant)) => {
+                    let [a, b] = of.map(|row| rows[row as usize]);
+                    let first = row;
+                    let is_exact = constant.abs() == 1.0 || a.factor.abs() == 1.0;
+                    match way {
+                        Way::Copy if uses[row as usize] < Use::Row => {
+                            rows[row as usize] = Row { first, ..a };
+                            continue;
+                        }
+                        Way::Scale if uses[row as usize] == Use::Newest && is_exact => {
+                            let factor = constant * a.factor;
+                            rows[row as usize] = Row { first, factor, ..a };
+                            continue;
+                        }
+                        _ => {}
+                    }
+                    Step::of(way, row, [a, b], constant)
+                }
+                None => {
+                    let (way, number) = match made.call {
+                        Call {
+                            operation: Operation::SineCosine,
+                            of: [Place::Line(line), _],
+                            ..
+                        } => (Way::SineCosine, line),
+                        _ => (Way::Any, i as u32),
+                    };
+                    Step::of(way, made.first, [Row::itself(number); 2], 0.0)
+                }
+            };
+            self.0.push(step);
+        }
+    }
+
+    /// Does one order of them.
+    pub(super) fn repeat<'a, const L: usize>(
+        &self,
+        recording: &Recording<L>,
+        pass: &'a Pass<'a, L>,
+    ) {
+        let order = pass.order;
+        let newest = |row: &'a Cells<L>| row.at(order);
+        let scaled = |row: &'a Cells<L>, of: Row| lanes_of(row.at(order), |a| of.factor * a);
+        for step in &self.0 {
+            let Step {
+                way,
+                row,
+                a,
+                b,
+                constant,
+            } = *step;
+            match way {
+                Way::SineCosine => {
+                    let slope = recording.line(a.above).slope;
+                    if let (Some(sine), Some(cosine)) =
+                        (pass.row_of_all(row), pass.row_of_all(row + 1))
+                    {
+                        let (s, c) = (sine.at(order - 1), cosine.at(order - 1));
+                        sine.set(order, pass.integral(lanes(|l| slope[l] * c[l])));
+                        cosine.set(order, pass.integral(lanes(|l| -slope[l] * s[l])));
+                    }
+                    continue;
+                }
+                Way::Any => {
+                    pass.taken.set(row as usize);
+                    recording.repeat_call(a.above as usize, pass);
+                    continue;
+                }
+                _ => {}
+            }
+            let [
+                Some(into),
+                Some(of_a),
+                Some(of_b),
+                Some(first_a),
+                Some(first_b),
+            ] = [row, a.above, b.above, a.first, b.first].map(|row| pass.row_of_all(row))
+            else {
+                continue;
+            };
+            // Each keeps its result itself: one place for all would be reached by a detour.
+            match way {
+                Way::Copy => into.set(order, newest(of_a)),
+                Way::Scale => into.set(order, lanes_of(scaled(of_a, a), |a| a * constant)),
+                Way::Combine => {
+                    let (a, b) = (scaled(of_a, a), scaled(of_b, b));
+                    into.set(order, lanes(|l| a[l] + b[l]));
+                }
+                Way::Add => {
+                    let (a, b) = (newest(of_a), newest(of_b));
+                    into.set(order, lanes(|l| a[l] + b[l]));
+                }
+                Way::Subtract => {
+                    let (a, b) = (newest(of_a), newest(of_b));
+                    into.set(order, lanes(|l| a[l] - b[l]));
+                }
+                Way::Multiply => {
+                    let inner = if a.above == b.above {
+                        of_a.square(order)
+                    } else {
+                        of_a.convolution(of_b, order)
+                    };
+                    let (a, b) = ((first_a.at(0), newest(of_a)), (first_b.at(0), newest(of_b)));
+                    into.set(order, product(inner, a, b));
+                }
+                Way::Divide => {
+                    let inner = of_b.convolution(into, order);
+                    let b = (first_b.at(0), newest(of_b));
+                    into.set(order, quotient(inner, scaled(of_a, a), b, into.at(0)));
+                }
+                Way::Invert => {
+                    let inner = of_b.convolution(into, order);
+                    let b = (first_b.at(0), newest(of_b));
+                    into.set(order, quotient(inner, [0.0; L], b, into.at(0)));
+                }
+                Way::Ahead => {
+                    let (a, b) = (scaled(of_a, a), scaled(of_b, b));
+                    pass.choose(lanes(|l| constant * (a[l] - b[l])));
+                }
+                Way::AheadOfConstant => pass.choose(lanes_of(scaled(of_a, a), |a| constant * a)),
+                Way::SineCosine | Way::Any => {}
+            }
+        }
+    }
+}
+
+/// Whether anything comes of a call.
+fn is_used(made: &Made, uses: &[Use]) -> bool {
+    match made.result {
+        // That a number is not zero is of its value alone.
+        None => made.call.operation != Operation::IsNotZero,
+        Some(Place::Line(_)) => false,
+        Some(Place::Row(row)) => {
+            let is_pair = made.call.operation == Operation::SineCosine;
+            let mut rows = row as usize..=row as usize + usize::from(is_pair);
+            rows.any(|row| uses[row] > Use::None)
+        }
+    }
+}
+
+/// What of each row is looked at.
+fn uses(
+    calls: &[Made],
+    wanted: impl Iterator<Item = Place>,
+    is_constant: &impl Fn(u32) -> bool,
+    rows: usize,
+) -> Vec<Use> {
+    let mut uses = vec![Use::None; rows];
+    for place in wanted {
+        raise(&mut uses, place, Use::Row);
+    }
+    for made in calls.iter().rev() {
+        if !is_used(made, &uses) {
+            continue;
+        }
+        let Some((way, of, _)) = way(&made.call, is_constant) else {
+            for place in made.call.of {
+                raise(&mut uses, place, Use::Row);
+            }
+            continue;
+        };
+        let to = match way {
+            Way::Copy => {
+                let of_copy = made.result.map_or(0, Place::number);
+                [uses[of_copy as usize].min(Use::Coefficients); 2]
+            }
+            Way::Scale | Way::Add | Way::Subtract | Way::Ahead | Way::AheadOfConstant => {
+                [Use::Newest; 2]
+            }
+            Way::Divide => [Use::Newest, Use::Coefficients],
+            _ => [Use::Coefficients; 2],
+        };
+        for (row, to) in of.into_iter().zip(to) {
+            raise(&mut uses, Place::Row(row), to);
+        }
+    }
+    uses
+}
+
+/// A row is used in this way at least.
+fn raise(uses: &mut [Use], place: Place, to: Use) {
+    if let Place::Row(row) = place
+        && uses[row as usize] < to
+    {
+        uses[row as usize] = to;
+    }
+}
