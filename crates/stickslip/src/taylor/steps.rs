@@ -190,6 +190,10 @@ impl Steps {
         pass: &'a Pass<'a, L>,
     ) {
         let order = pass.order;
+        let first = |row: Row| {
+            let row = pass.row_of_all(row.first);
+            row.map_or([f64::NAN; L], |row| row.at(0))
+        };
         let newest = |row: &'a Cells<L>| row.at(order);
         let scaled = |row: &'a Cells<L>, of: Row| lanes_of(row.at(order), |a| of.factor * a);
         for step in &self.0 {
@@ -219,13 +223,8 @@ impl Steps {
                 }
                 _ => {}
             }
-            let [
-                Some(into),
-                Some(of_a),
-                Some(of_b),
-                Some(first_a),
-                Some(first_b),
-            ] = [row, a.above, b.above, a.first, b.first].map(|row| pass.row_of_all(row))
+            let [Some(into), Some(of_a), Some(of_b)] =
+                [row, a.above, b.above].map(|row| pass.row_of_all(row))
             else {
                 continue;
             };
@@ -251,17 +250,17 @@ impl Steps {
                     } else {
                         of_a.convolution(of_b, order)
                     };
-                    let (a, b) = ((first_a.at(0), newest(of_a)), (first_b.at(0), newest(of_b)));
+                    let (a, b) = ((first(a), newest(of_a)), (first(b), newest(of_b)));
                     into.set(order, product(inner, a, b));
                 }
                 Way::Divide => {
                     let inner = of_b.convolution(into, order);
-                    let b = (first_b.at(0), newest(of_b));
+                    let b = (first(b), newest(of_b));
                     into.set(order, quotient(inner, scaled(of_a, a), b, into.at(0)));
                 }
                 Way::Invert => {
                     let inner = of_b.convolution(into, order);
-                    let b = (first_b.at(0), newest(of_b));
+                    let b = (first(b), newest(of_b));
                     into.set(order, quotient(inner, [0.0; L], b, into.at(0)));
                 }
                 Way::Ahead => {
