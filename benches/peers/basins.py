@@ -1,10 +1,12 @@
-"""Basin of attraction of P16, points per second: the program `stickslip` on one thread beside SciPy's solve_ivp with events written by hand.
+"""Basin of attraction of P16, points per second: the program `stickslip` on one thread beside heyoka's integrator and SciPy's solve_ivp with
+events written by hand; and cells per second of a map of two parameters by the program.
 
     python basins.py PROGRAM [POINTS]
 
-Both answer the same question of each start, fixed point or stick-slip cycle, at a tolerance of 1e-8. SciPy's user knows the system: an orbit
+All answer the same question of each start, fixed point or stick-slip cycle, at a tolerance of 1e-8. The peers' user knows the system: an orbit
 that sticks twice is on the cycle, for stick forgets all; one within 1e-2 of the fixed point, which attracts there, has come to it. The program
-knows neither. SciPy does a sample of the starts, POINTS of them, drawn from a fixed seed.
+knows neither. The peers do a sample of the starts, SciPy POINTS of them and heyoka a hundred times as many, drawn from a fixed seed. heyoka's
+stick phase is in closed form, and what it takes to compile its functions is told apart.
 """
 
 import subprocess
@@ -12,13 +14,18 @@ import sys
 import tempfile
 import time
 
+import heyoka as hy
 import numpy as np
 from scipy.integrate import solve_ivp
 
 VD, DAMPING = 1.5, 0.1
 REST = 0.5 + 0.5 * np.exp(-2.0 * VD)
 NEAR, LATEST, TOLERANCE = 1e-2, 2000.0, 1e-8
+# A phase starts off the boundary by this, so that an event function does not see its own start.
+OFF = 1e-10
 GRID = 60
+MAP = ["map", "forced", "--x", "mu0=0.122:0.134", "--y", "omega=3.76:3.86", "--start", "x=-0.269", "--start", "v=-1.52"]
+MAP += ["--grid", "12x9", "--until", "400", "--duration", "60"]
 
 
 def field(side):
@@ -47,30 +54,71 @@ comes_to_rest.direction = -1.0
 released.direction = -1.0
 
 
-def destination(x, v, method):
-    """`rest` or `cycle`."""
+def destination(x, v, slip, stick):
+    """`rest` or `cycle`. `slip` and `stick` go from a time and state to the next event, and say whether that is rest."""
     t, y, sticks = 0.0, np.array([x, v]), 0
     side = 1.0 if v > VD else -1.0
     while t < LATEST:
-        run = solve_ivp(field(side), (t, LATEST), y, method, events=(meets, comes_to_rest), rtol=TOLERANCE, atol=TOLERANCE)
-        t, y = run.t[-1], run.y[:, -1]
-        if run.t_events[1].size:
+        t, y, is_rest = slip(side, t, y)
+        if is_rest:
             return "rest"
-        if not run.t_events[0].size:
+        if t >= LATEST:
             break
-        y[1] = VD
         if abs(y[0] + DAMPING * VD) < 1.0:
             sticks += 1
             if sticks == 2:
                 return "cycle"
-            stick = solve_ivp(lambda _t, _y: [VD, 0.0], (t, LATEST), y, method, events=released, rtol=TOLERANCE, atol=TOLERANCE)
-            t, y = stick.t[-1], stick.y[:, -1]
+            t, y = stick(t, y)
             side = -1.0 if y[0] > 0.0 else 1.0
         else:
             side = -1.0 if y[0] + DAMPING * VD > 0.0 else 1.0
-        # Off the boundary, so that the event does not see its own start.
-        y[1] = VD + side * 1e-10
+        y[1] = VD + side * OFF
     return "undecided"
+
+
+def with_scipy(method):
+    settings = {"method": method, "rtol": TOLERANCE, "atol": TOLERANCE}
+
+    def slip(side, t, y):
+        run = solve_ivp(field(side), (t, LATEST), y, events=(meets, comes_to_rest), **settings)
+        return run.t[-1], run.y[:, -1], bool(run.t_events[1].size)
+
+    def stick(t, y):
+        run = solve_ivp(lambda _t, _y: [VD, 0.0], (t, LATEST), [y[0], VD], events=released, **settings)
+        return run.t[-1], run.y[:, -1]
+
+    return slip, stick
+
+
+def with_heyoka():
+    x, v = hy.make_vars("x", "v")
+    near = hy.t_event((x - REST) ** 2 + v**2 - NEAR**2, direction=hy.event_direction.negative)
+    integrators = {}
+    for side in (1.0, -1.0):
+        friction = side * (0.5 + 0.5 * hy.exp(-2.0 * side * (v - VD)))
+        towards = hy.event_direction.negative if side > 0.0 else hy.event_direction.positive
+        met = hy.t_event(v - VD, direction=towards)
+        equations = [(x, v), (v, -x - DAMPING * v - friction)]
+        integrators[side] = hy.taylor_adaptive(equations, [0.0, 0.0], tol=TOLERANCE, t_events=[met, near])
+
+    def slip(side, t, y):
+        ta = integrators[side]
+        ta.time = t
+        ta.state[:] = y
+        ta.reset_cooldowns()
+        outcome = ta.propagate_until(LATEST)[0]
+        if outcome == hy.taylor_outcome.time_limit:
+            return LATEST, ta.state.copy(), False
+        # Terminal events are numbered downwards from -1.
+        if int(outcome) not in (-1, -2):
+            raise RuntimeError(f"heyoka stopped with {outcome}")
+        return ta.time, ta.state.copy(), int(outcome) == -2
+
+    def stick(t, y):
+        release = 1.0 - DAMPING * VD
+        return t + (release - y[0]) / VD, np.array([release, VD])
+
+    return slip, stick
 
 
 def by_program(program):
@@ -86,23 +134,44 @@ def by_program(program):
     return GRID * GRID / elapsed, sum(shares)
 
 
-def by_scipy(method, points):
+def by_peer(slip, stick, points):
     random = np.random.default_rng(16)
     starts = np.column_stack([random.uniform(-2.0, 2.0, points), random.uniform(0.0, 2.0, points)])
     begin = time.perf_counter()
-    found = [destination(x, v, method) for x, v in starts]
+    found = [destination(x, v, slip, stick) for x, v in starts]
     elapsed = time.perf_counter() - begin
     return points / elapsed, found.count("rest") / points, found.count("undecided")
+
+
+def tell(name, points, peer, ours):
+    rate, share, undecided = by_peer(*peer, points)
+    error = np.sqrt(share * (1.0 - share) / points)
+    print(f"{name:23s}{rate:9.1f} points/s  share {share:.3f} +- {error:.3f}, {undecided} undecided: {ours / rate:.1f} times slower")
+
+
+def cells(program):
+    """Cells of a map per second."""
+    with tempfile.TemporaryDirectory() as folder:
+        begin = time.perf_counter()
+        subprocess.run([program, *MAP, "--threads", "1", "--out", folder], check=True, capture_output=True)
+        elapsed = time.perf_counter() - begin
+        with open(f"{folder}/map.csv", encoding="utf-8") as table:
+            number = sum(1 for _ in table) - 1
+    return number / elapsed
 
 
 def main():
     program, points = sys.argv[1], int(sys.argv[2]) if len(sys.argv) > 2 else 100
     ours, share = by_program(program)
     print(f"stickslip, one thread  {ours:9.1f} points/s  share of the fixed point {share:.3f}")
+    begin = time.perf_counter()
+    heyoka = with_heyoka()
+    compiled = time.perf_counter() - begin
+    tell("heyoka", 100 * points, heyoka, ours)
+    print(f"                       {compiled:9.1f} s to compile its functions")
     for method in ("RK45", "DOP853", "LSODA"):
-        rate, share, undecided = by_scipy(method, points)
-        error = np.sqrt(share * (1.0 - share) / points)
-        print(f"SciPy {method:17s}{rate:9.1f} points/s  share {share:.3f} +- {error:.3f}, {undecided} undecided: {ours / rate:.0f} times slower")
+        tell(f"SciPy {method}", points, with_scipy(method), ours)
+    print(f"stickslip map          {cells(program):9.1f} cells/s on one thread, attractor and exponent of each")
 
 
 if __name__ == "__main__":

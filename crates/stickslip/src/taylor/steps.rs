@@ -21,6 +21,8 @@ enum Way {
     Divide,
     /// A constant by `b`.
     Invert,
+    /// Behind the row of the argument's slope.
+    Exponential,
     /// Sine and cosine of the line `a`.
     SineCosine,
     /// How far `a` is ahead of `b` in a comparison, or the other way round: the constant is the sign.
@@ -117,6 +119,7 @@ fn way(call: &Call, is_constant: impl Fn(u32) -> bool) -> Option<(Way, [u32; 2],
         (Op::Negate, [Row(a), _]) => (Way::Scale, [a; 2], -1.0),
         (Op::MultiplyConstant, [Row(a), _]) => (Way::Scale, [a; 2], call.constant),
         (Op::DivideByConstant, [Row(a), _]) => (Way::Scale, [a; 2], 1.0 / call.constant),
+        (Op::Exponential, [Row(a), _]) => (Way::Exponential, [a; 2], 0.0),
         (Op::Exceeds, [Row(a), Row(b)]) => (Way::Ahead, [a, b], 1.0),
         (Op::ExceedsNot, [Row(a), Row(b)]) => (Way::Ahead, [a, b], -1.0),
         (Op::Exceeds, [Row(a), Line(b)]) if is_constant(b) => (Way::AheadOfConstant, [a; 2], 1.0),
@@ -263,6 +266,14 @@ impl Steps {
                     let b = (first(b), newest(of_b));
                     into.set(order, quotient(inner, [0.0; L], b, into.at(0)));
                 }
+                Way::Exponential => {
+                    if let Some(slopes) = pass.row_of_all(row - 1) {
+                        let slope = pass.slope(scaled(of_a, a));
+                        slopes.set(order, slope);
+                        let (inner, e0) = (slopes.convolution(into, order), into.at(0));
+                        into.set(order, pass.integral(lanes(|l| inner[l] + slope[l] * e0[l])));
+                    }
+                }
                 Way::Ahead => {
                     let (a, b) = (scaled(of_a, a), scaled(of_b, b));
                     pass.choose(lanes(|l| constant * (a[l] - b[l])));
@@ -314,11 +325,9 @@ fn uses(
                 let of_copy = made.result.map_or(0, Place::number);
                 [uses[of_copy as usize].min(Use::Coefficients); 2]
             }
-            Way::Scale | Way::Add | Way::Subtract | Way::Ahead | Way::AheadOfConstant => {
-                [Use::Newest; 2]
-            }
+            Way::Multiply | Way::Invert => [Use::Coefficients; 2],
             Way::Divide => [Use::Newest, Use::Coefficients],
-            _ => [Use::Coefficients; 2],
+            _ => [Use::Newest; 2],
         };
         for (row, to) in of.into_iter().zip(to) {
             raise(&mut uses, Place::Row(row), to);

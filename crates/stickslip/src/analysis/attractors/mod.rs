@@ -1,5 +1,6 @@
 //! Which attractor an orbit comes to, found by recurrence.
 
+mod drawn_in;
 mod history;
 mod known;
 mod nearness;
@@ -88,6 +89,9 @@ impl RecurrenceSettings {
 /// The attractor that the orbit from `x0` at time 0 comes to. No list of attractors is needed, and no section: its points are the
 /// transitions of the orbit, or the strobe of the forcing, or, for an orbit that meets no boundary for long, where the first state
 /// turns back.
+///
+/// An orbit that slips is known to come to rest before it is near: as soon as a quadratic Lyapunov function, its decay proved by intervals,
+/// shows that nothing can keep it from the equilibrium.
 ///
 /// Recognising attractors by recurrence goes back to Datseris & Wagemakers, *Chaos* 32 (2022) 023104; here the events take the place of their
 /// grid.

@@ -14,7 +14,7 @@ use crate::system::{State, components};
 const MOST: usize = 30;
 
 /// Part of the largest entry of the Jacobian below which an eigenvalue, or a singular value, cannot be told from zero.
-const ZERO: f64 = 1e-7;
+pub(super) const ZERO: f64 = 1e-7;
 
 /// A point of rest.
 #[derive(Clone, Copy, Debug)]

@@ -3,6 +3,7 @@
 use std::collections::hash_map::DefaultHasher;
 use std::hash::{Hash, Hasher};
 
+use super::drawn_in::drawn_to;
 use super::history::History;
 use super::nearness::{Extent, Nearness};
 use super::reached::{Kind, Reached, SectionPoint};
@@ -20,6 +21,9 @@ use crate::system::State;
 
 /// Steps without a transition after which the turning points of the first state are watched.
 const QUIET: usize = 400;
+
+/// Steps without a transition after which it is asked whether the orbit is drawn to an equilibrium; then after half as many more, and so on.
+const CALM: usize = 12;
 
 /// A look for a point of rest is put off by no more steps than this.
 const MOST_PATIENT: usize = 64;
@@ -64,6 +68,8 @@ pub(super) struct Search<'a, S: Switched<N, G>, const N: usize, const G: usize> 
     quiet: usize,
     /// How many steps a look for a point of rest is put off, and how many are left of that.
     patience: (usize, usize),
+    /// Steps since the last transition at which it is asked where the orbit is drawn to.
+    asked_at: usize,
 }
 
 impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> {
@@ -95,6 +101,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
             before: *x,
             quiet: 0,
             patience: (1, 0),
+            asked_at: CALM,
         }
     }
 
@@ -170,6 +177,12 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
         self.ever.include(&at.x);
         let moved = at.x - self.before;
         self.before = at.x;
+        if self.settings.forcing.is_none() && self.quiet >= self.asked_at {
+            self.asked_at += self.asked_at / 2;
+            if let Some(x) = drawn_to(self.system, mode, at) {
+                return Some((Kind::Equilibrium, vec![SectionPoint { t: at.t, x }]));
+            }
+        }
         let scale = State::from_fn(|i, _| self.ever.size(i));
         let stays = |i: usize| moved[i].abs() <= self.near.allowed(scale[i]);
         if self.settings.forcing.is_some() || !(0..N).all(stays) {
@@ -193,6 +206,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
         }
         self.quiet = 0;
         self.patience = (1, 0);
+        self.asked_at = CALM;
         self.history.transition(at);
         (at.kind, at.from, at.to, at.contact).hash(&mut self.tag);
         if self.by == By::Events {

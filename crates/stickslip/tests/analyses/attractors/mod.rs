@@ -7,7 +7,7 @@ use stickslip::analysis::{
     periodic_orbit, periodic_orbit_forced,
 };
 use stickslip::statistics::SplitMix;
-use stickslip::{Direction, Error, Method, Mode, Options, Plane, Side, State, math};
+use stickslip::{Direction, Error, Method, Mode, Options, Plane, Side, State, math, solve};
 
 use crate::den_hartog::DenHartog;
 use crate::line::Line;
@@ -15,7 +15,7 @@ use crate::listed::Listed;
 use crate::smooth::{Lorenz, Smooth};
 
 pub mod systems;
-use systems::{Driven, Leine, Rings, Wells};
+use systems::{Backwards, Driven, Leine, Pushed, Rings, Wells};
 
 const ABOVE: Mode = Mode::Slip(Side::Above);
 const BELOW: Mode = Mode::Slip(Side::Below);
@@ -201,6 +201,55 @@ fn a_slow_spiral_is_no_cycle() {
     // Where the fold has just gone the orbit creeps past r = 1 for 2π/√(8·1e-6) or so.
     assert_eq!(found(1.01, -1.0 - 1e-5, 100.0), Kind::Undecided);
     assert_eq!(found(1.01, -1.0 - 1e-5, 2e3), Kind::EquilibriumSet);
+}
+
+#[test]
+fn rest_is_known_as_soon_as_nothing_can_keep_the_orbit_from_it() {
+    // Everything within the cycle of amplitude 2 comes to rest, everything outside escapes.
+    let system = Smooth(Backwards);
+    let found = |x: f64| reached(&system, [x, 0.0], &within(2000.0), &Options::tol(1e-10));
+    for x in [-1.95, -1.0, 0.1, 0.7, 1.5, 1.9] {
+        let inside = found(x);
+        assert_eq!(inside.kind, Kind::Equilibrium, "from {x}");
+        assert!(inside.points[0].x.amax() < 1e-12);
+        // It decays by half its damping: 270 until nothing is left to be seen.
+        assert!(
+            inside.t < 130.0 && inside.x.amax() > 1e-3,
+            "from {x}: {}",
+            inside.t
+        );
+    }
+    for x in [-2.05, 2.05, 3.0] {
+        let outside = found(x).kind;
+        assert!(matches!(outside, Kind::Failure(_)), "from {x}: {outside:?}");
+    }
+    // On the belt: no orbit that is said to be drawn in meets it again.
+    let (system, options) = (Driven { vd: 1.5 }, Options::tol(1e-9));
+    let mut decided = 0;
+    for start in starts(200) {
+        let found = attractor(&system.any(), start, &within(2000.0), &options).unwrap();
+        if found.kind == Kind::Equilibrium {
+            let later = solve(&system.any(), found.t, found.x, found.t + 1000.0, &options).unwrap();
+            assert_eq!(later.phases.len(), 1, "from {start}");
+            let end = later.phases[0].x_end - found.points[0].x;
+            assert!(end.amax() < 1e-9, "from {start}: {end}");
+            decided += usize::from((found.x - found.points[0].x).amax() > 1e-3);
+        }
+    }
+    assert!(decided > 40, "{decided} while they were far from it");
+}
+
+#[test]
+fn a_field_that_depends_on_time_draws_to_no_equilibrium() {
+    for decay in [0.0, 0.001] {
+        let found = reached(
+            &Pushed { decay },
+            [0.5, 0.0],
+            &within(300.0),
+            &Options::default(),
+        );
+        assert_eq!(found.kind, Kind::Undecided, "decay {decay}");
+    }
 }
 
 #[test]

@@ -2,6 +2,8 @@
 
 use stickslip::{Filippov, Scalar, Side};
 
+use crate::smooth::Field;
+
 /// `x'' = -x - 0.1 x' - F`, a block on a belt of speed `vd`, the friction decaying with slip speed: the example of bSTAB (Stender &
 /// Hoffmann, *Nonlinear Dyn.* 107 (2022) 1451).
 #[derive(Clone, Copy, PartialEq)]
@@ -67,5 +69,33 @@ impl Filippov<3> for Rings {
     }
     fn boundary<T: Scalar>(&self, _t: T, x: &[T; 3]) -> T {
         x[0] - self.place
+    }
+}
+
+/// Van der Pol's oscillator backwards in time, `x'' = -x - (1 - x²) x'/10`: its cycle of amplitude 2, nearly, repels.
+pub struct Backwards;
+
+impl Field<2> for Backwards {
+    fn at<T: Scalar>(&self, x: &[T; 2]) -> [T; 2] {
+        [x[1], -x[0] - (-x[0] * x[0] + 1.0) * x[1] * 0.1]
+    }
+}
+
+/// `x'' = -x - x'/2 + p`, pushed by `p = sin(t/20)/5`, or by one that decays.
+pub struct Pushed {
+    pub decay: f64,
+}
+
+impl Filippov<2> for Pushed {
+    fn field<T: Scalar>(&self, _side: Side, t: T, x: &[T; 2]) -> [T; 2] {
+        let push = if self.decay > 0.0 {
+            (t * -self.decay).exp()
+        } else {
+            (t * 0.05).sin() * 0.2
+        };
+        [x[1], -x[0] - x[1] * 0.5 + push]
+    }
+    fn boundary<T: Scalar>(&self, _t: T, _x: &[T; 2]) -> T {
+        T::constant(-1.0)
     }
 }
