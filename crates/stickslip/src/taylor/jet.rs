@@ -262,6 +262,24 @@ impl<'a, const L: usize> Jet<'a, L> {
         }
     }
 
+    /// Whether it is linear in state and time.
+    #[inline(always)]
+    pub(super) fn is_linear(self) -> bool {
+        match self {
+            Series(a) => a.is_linear,
+            Zero | One | Line(_) => true,
+        }
+    }
+
+    /// Itself, known to be linear in state and time or not.
+    #[inline(always)]
+    pub(super) fn linear(self, is_linear: bool) -> Self {
+        match self {
+            Series(a) => Series(Coefficient { is_linear, ..a }),
+            Zero | One | Line(_) => self,
+        }
+    }
+
     /// Keeps by how much what a comparison chose is ahead of what it did not.
     #[inline(always)]
     pub(super) fn choose(self, other: Self, exceeds: bool) {

@@ -69,6 +69,8 @@ pub(super) struct Made {
     pub(super) call: Call,
     pub(super) first: u32,
     pub(super) result: Option<Place>,
+    /// Whether that is linear in state and time.
+    is_linear: bool,
 }
 
 /// A number that is linear in time, or constant.
@@ -201,12 +203,11 @@ impl<const L: usize> Recording<L> {
             constant,
         };
         let mut calls = self.calls.iter();
-        if let Some(Made {
-            result: Some(place),
-            ..
-        }) = calls.find(|made| made.call == call)
+        if let Some(known) = calls.find(|made| made.call == call)
+            && let Some(place) = known.result
         {
-            return Recorded::at(*place, self.number(*place, pass), pass);
+            let number = self.number(place, pass).linear(known.is_linear);
+            return Recorded::at(place, number, pass);
         }
         let first = pass.next();
         let number = operation.of(a.number, b.number, constant);
@@ -221,17 +222,14 @@ impl<const L: usize> Recording<L> {
         let is_new = !matches!(number, Jet::Series(series) if series.row < first);
         if is_new {
             number.keep();
-            self.write(call, first, Some(place));
+            self.calls.push(Made {
+                call,
+                first: first as u32,
+                result: Some(place),
+                is_linear: number.is_linear(),
+            });
         }
         Recorded::at(place, number, pass)
-    }
-
-    fn write(&mut self, call: Call, first: usize, result: Option<Place>) {
-        self.calls.push(Made {
-            call,
-            first: first as u32,
-            result,
-        });
     }
 
     /// Writes down how a comparison came out.
@@ -247,7 +245,12 @@ impl<const L: usize> Recording<L> {
             of,
             constant: 0.0,
         };
-        self.write(call, pass.next(), None);
+        self.calls.push(Made {
+            call,
+            first: pass.next() as u32,
+            result: None,
+            is_linear: false,
+        });
     }
 
     /// The number at a place, in a pass that has come to it.
@@ -303,6 +306,7 @@ impl<const L: usize> Recording<L> {
                     },
                 first,
                 result,
+                ..
             } = self.calls[i];
             let [a, b] = of.map(|place| self.number(place, pass));
             pass.taken.set(first as usize);

@@ -49,6 +49,8 @@ fn coefficients<const N: usize, const W: usize>(
         })
     };
     let found: [Vec<f64>; W] = read(&series, expansion);
+    let linear = |of: &Expansion<W>| of.watched.map(|watched| watched.map(|row| row.is_linear));
+    let are_linear = linear(&expansion);
     // One call serves series of other lengths.
     let (interpreted, mut repeated) = (Interpreted(functions, Cell::new(0)), Repeated::new());
     for length in [0.5 * h, 0.25 * h, h] {
@@ -56,6 +58,7 @@ fn coefficients<const N: usize, const W: usize>(
             let time = ([0.0], [length]);
             in_rows(rows, time, &x, MOST_ORDER, &interpreted, &mut repeated)
         });
+        assert_eq!(linear(&expansion), are_linear);
         let again = read(&series, expansion);
         for (found, again) in found.iter().zip(again) {
             let shorten = |k: usize| (length / h).powi(k as i32);
@@ -181,6 +184,24 @@ fn functions_of_a_solution_keep_their_identities() {
             );
         }
     }
+}
+
+/// A level that the field uses before it is watched.
+struct Shared;
+
+impl Functions<1, 1> for Shared {
+    fn at<T: Scalar>(&self, _t: T, x: &[T; 1]) -> ([T; 1], [T; 1]) {
+        let field = [(x[0] - 0.4) * x[0]];
+        (field, [x[0] - 0.4])
+    }
+}
+
+#[test]
+fn what_is_done_twice_is_as_linear_as_what_is_done_once() {
+    // That repetition agrees is asserted there.
+    let [level] = coefficients(&Shared, [0.3], 0.5);
+    assert_eq!(level[0], 0.3 - 0.4);
+    assert_eq!(level[1], (0.3 - 0.4) * 0.3 * 0.5);
 }
 
 /// Two equations with everything in them: friction, forcing, a spring with a stop.

@@ -22,7 +22,8 @@ use crate::system::State;
 /// Steps without a transition after which the turning points of the first state are watched.
 const QUIET: usize = 400;
 
-/// Steps without a transition after which it is asked whether the orbit is drawn to an equilibrium; then after half as many more, and so on.
+/// Steps without a transition after which it is asked whether the orbit is drawn to an equilibrium. Then half as many more are needed, and so
+/// on: a cycle with long phases is asked a few times in all.
 const CALM: usize = 12;
 
 /// A look for a point of rest is put off by no more steps than this.
@@ -68,7 +69,7 @@ pub(super) struct Search<'a, S: Switched<N, G>, const N: usize, const G: usize> 
     quiet: usize,
     /// How many steps a look for a point of rest is put off, and how many are left of that.
     patience: (usize, usize),
-    /// Steps since the last transition at which it is asked where the orbit is drawn to.
+    /// Steps since the last transition at which it is asked next.
     asked_at: usize,
 }
 
@@ -206,7 +207,6 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
         }
         self.quiet = 0;
         self.patience = (1, 0);
-        self.asked_at = CALM;
         self.history.transition(at);
         (at.kind, at.from, at.to, at.contact).hash(&mut self.tag);
         if self.by == By::Events {
