@@ -81,6 +81,8 @@ def with_scipy(method):
 
     def slip(side, t, y):
         run = solve_ivp(field(side), (t, LATEST), y, events=(meets, comes_to_rest), **settings)
+        if run.status < 0:
+            raise RuntimeError(f"solve_ivp stopped: {run.message}")
         return run.t[-1], run.y[:, -1], bool(run.t_events[1].size)
 
     def stick(t, y):
@@ -146,7 +148,7 @@ def by_peer(slip, stick, points):
 def tell(name, points, peer, ours):
     rate, share, undecided = by_peer(*peer, points)
     error = np.sqrt(share * (1.0 - share) / points)
-    print(f"{name:23s}{rate:9.1f} points/s  share {share:.3f} +- {error:.3f}, {undecided} undecided: {ours / rate:.1f} times slower")
+    print(f"{name:23s}{rate:9.1f} points/s  share {share:.3f} +- {error:.3f}, {undecided} undecided: stickslip does {ours / rate:.2f} times as many")
 
 
 def cells(program):

@@ -13,7 +13,7 @@ pub struct Counters {
     pub rejected: u64,
     /// Calls of the user's field, on whatever scalar, by steps, event location and the switching rules (not those by which the
     /// guards of a stick phase are sampled). Of [`crate::Method::Taylor`] one for every order of
-    /// every series, and the rules: not the one call by which each step is checked, nor location.
+    /// every series, whether it was made or what it does repeated, and the rules: not the one call by which each step is checked, nor location.
     pub field_calls: u64,
     /// Transitions.
     pub events: u64,

@@ -79,8 +79,9 @@ pub enum Mode {
 /// ```
 pub trait Filippov<const N: usize> {
     /// Whether the functions are interpreted, as those are that a program reads from a file: a call of them then takes longer than the
-    /// arithmetic in it. [`crate::Method::Taylor`] calls such functions once a step and repeats what they did; compiled ones, the
-    /// default, it calls once for every order, which for these is faster. The orbits are the same.
+    /// arithmetic in it. [`crate::Method::Taylor`] calls such functions once and repeats what they did for as long as the mode lasts and
+    /// comparisons come out alike; compiled ones, the default, it calls once for every order, which for these is faster. The orbits are the same to
+    /// rounding.
     const INTERPRETED: bool = false;
 
     /// The vector field of `side` at time `t` and state `x`: dx/dt.

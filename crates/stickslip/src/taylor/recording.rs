@@ -5,6 +5,8 @@
 //! to numbers that are not constant is written down, with all that is zero, chosen or carried by dual numbers resolved and what is done
 //! twice done once; every order of every series repeats that, until a comparison comes out otherwise.
 
+use std::collections::HashMap;
+
 use super::jet::{Jet, Straight};
 use super::pass::Pass;
 use super::recorded::Recorded;
@@ -13,7 +15,7 @@ use super::steps::Steps;
 use crate::scalar::Scalar;
 
 /// Where a number is: in a row, or among those that are linear in time, or constant.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Place {
     Row(u32),
     Line(u32),
@@ -27,7 +29,7 @@ impl Place {
     }
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Operation {
     Add,
     Subtract,
@@ -56,11 +58,18 @@ pub(super) enum Operation {
 }
 
 /// An operation and what it is done with.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Call {
     pub(super) operation: Operation,
     pub(super) of: [Place; 2],
-    pub(super) constant: f64,
+    /// The bits of its constant.
+    constant: u64,
+}
+
+impl Call {
+    pub(super) fn constant(&self) -> f64 {
+        f64::from_bits(self.constant)
+    }
 }
 
 /// A call, the first row that it takes, and where its result is, if it has one.
@@ -85,6 +94,8 @@ pub(super) struct Line<const L: usize> {
 #[derive(Debug, Default)]
 pub(crate) struct Recording<const L: usize> {
     calls: Vec<Made>,
+    /// By call that has a result, its number.
+    known: HashMap<Call, usize>,
     /// Time first.
     lines: Vec<Line<L>>,
     /// For the orders above 0.
@@ -140,9 +151,7 @@ impl<const L: usize> Line<L> {
             is_constant: pass.is_none(),
         }
     }
-}
 
-impl<const L: usize> Line<L> {
     #[inline(always)]
     fn coefficient(&self, k: usize) -> Lanes<L> {
         match k {
@@ -158,6 +167,7 @@ impl<const L: usize> Recording<L> {
     pub(super) fn begin(&mut self, time: Jet<'_, L>) {
         self.forget();
         self.calls.clear();
+        self.known.clear();
         self.lines.clear();
         self.lines.push(Line::of(time));
     }
@@ -197,16 +207,20 @@ impl<const L: usize> Recording<L> {
         pass: &'a Pass<'a, L>,
     ) -> Recorded<'a, L> {
         let of = [self.place(a), self.place(b)];
+        let bits = constant.to_bits();
         let call = Call {
             operation,
             of,
-            constant,
+            constant: bits,
         };
-        let mut calls = self.calls.iter();
-        if let Some(known) = calls.find(|made| made.call == call)
-            && let Some(place) = known.result
+        if let Some(&known) = self.known.get(&call)
+            && let Made {
+                result: Some(place),
+                is_linear,
+                ..
+            } = self.calls[known]
         {
-            let number = self.number(place, pass).linear(known.is_linear);
+            let number = self.number(place, pass).linear(is_linear);
             return Recorded::at(place, number, pass);
         }
         let first = pass.next();
@@ -222,6 +236,7 @@ impl<const L: usize> Recording<L> {
         let is_new = !matches!(number, Jet::Series(series) if series.row < first);
         if is_new {
             number.keep();
+            self.known.insert(call, self.calls.len());
             self.calls.push(Made {
                 call,
                 first: first as u32,
@@ -243,7 +258,7 @@ impl<const L: usize> Recording<L> {
         let call = Call {
             operation,
             of,
-            constant: 0.0,
+            constant: 0,
         };
         self.calls.push(Made {
             call,
@@ -298,24 +313,19 @@ impl<const L: usize> Recording<L> {
         self.lines[0] = Line::of(time);
         for i in 0..self.calls.len() {
             let Made {
-                call:
-                    Call {
-                        operation,
-                        of,
-                        constant,
-                    },
+                call,
                 first,
                 result,
                 ..
             } = self.calls[i];
-            let [a, b] = of.map(|place| self.number(place, pass));
+            let [a, b] = call.of.map(|place| self.number(place, pass));
             pass.taken.set(first as usize);
-            let is_alike = match operation {
+            let is_alike = match call.operation {
                 Operation::Exceeds => a.exceeds(b),
                 Operation::ExceedsNot => !a.exceeds(b),
                 Operation::IsNotZero => !a.is_zero(),
                 _ => {
-                    let number = operation.of(a, b, constant);
+                    let number = call.operation.of(a, b, call.constant());
                     number.keep();
                     if let Some(Place::Line(line)) = result {
                         self.lines[line as usize] = Line::of(number);
@@ -339,12 +349,8 @@ impl<const L: usize> Recording<L> {
     /// Repeats one call at an order above 0.
     #[inline(never)]
     pub(super) fn repeat_call<'a>(&self, call: usize, pass: &'a Pass<'a, L>) {
-        let Call {
-            operation,
-            of,
-            constant,
-        } = self.calls[call].call;
-        let [a, b] = of.map(|place| self.number(place, pass));
-        operation.of(a, b, constant).keep();
+        let call = self.calls[call].call;
+        let [a, b] = call.of.map(|place| self.number(place, pass));
+        call.operation.of(a, b, call.constant()).keep();
     }
 }

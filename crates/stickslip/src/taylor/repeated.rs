@@ -18,6 +18,8 @@ pub(crate) struct Repeated<const L: usize, const N: usize, const W: usize> {
     watches_lines: bool,
     /// The rows that are taken when the functions have come to their end.
     taken: usize,
+    /// The rows that there must be.
+    room: usize,
     expansion: Expansion<W>,
 }
 
@@ -29,6 +31,7 @@ impl<const L: usize, const N: usize, const W: usize> Repeated<L, N, W> {
             watched: [Place::Line(0); W],
             watches_lines: false,
             taken: 0,
+            room: 0,
             expansion: Expansion::default(),
         }
     }
@@ -109,6 +112,7 @@ impl<const L: usize, const N: usize, const W: usize> Repeated<L, N, W> {
         let mut rows = self.watched.iter().zip(&watched);
         self.watches_lines =
             rows.any(|(place, row)| matches!(place, Place::Line(_)) && row.is_some());
+        self.room = pass.next() + pass.choices.get();
         self.expansion = outcome(&pass, watched, into.all.len())?;
         recording.end(self.field.into_iter().chain(self.watched), &pass);
         Ok(())
@@ -121,7 +125,7 @@ impl<const L: usize, const N: usize, const W: usize> Repeated<L, N, W> {
         (t, h): (Lanes<L>, Lanes<L>),
         x: &[Lanes<L>; N],
     ) -> bool {
-        if !self.recording.get_mut().is_complete() {
+        if !self.recording.get_mut().is_complete() || self.room > into.all.len() {
             return false;
         }
         let pass = Pass::new(into, 0);
@@ -134,6 +138,7 @@ impl<const L: usize, const N: usize, const W: usize> Repeated<L, N, W> {
             .repeat_first(pass.time(t, h), &pass);
         self.keep_watched(&self.recording.borrow(), &pass);
         self.expansion.divided = pass.divided.get();
+        self.expansion.value_read = pass.value_read.get();
         is_alike
     }
 }

@@ -106,6 +106,11 @@ enum Use {
 fn way(call: &Call, is_constant: impl Fn(u32) -> bool) -> Option<(Way, [u32; 2], f64)> {
     use Operation as Op;
     use Place::{Line, Row};
+    let sign = if call.operation == Op::Exceeds {
+        1.0
+    } else {
+        -1.0
+    };
     Some(match (call.operation, call.of) {
         (Op::Add, [Row(a), Row(b)]) => (Way::Add, [a, b], 0.0),
         (Op::Subtract, [Row(a), Row(b)]) => (Way::Subtract, [a, b], 0.0),
@@ -117,18 +122,15 @@ fn way(call: &Call, is_constant: impl Fn(u32) -> bool) -> Option<(Way, [u32; 2],
         (Op::Subtract, [Line(a), Row(b)]) if is_constant(a) => (Way::Scale, [b; 2], -1.0),
         (Op::AddConstant | Op::SubtractConstant, [Row(a), _]) => (Way::Copy, [a; 2], 0.0),
         (Op::Negate, [Row(a), _]) => (Way::Scale, [a; 2], -1.0),
-        (Op::MultiplyConstant, [Row(a), _]) => (Way::Scale, [a; 2], call.constant),
-        (Op::DivideByConstant, [Row(a), _]) => (Way::Scale, [a; 2], 1.0 / call.constant),
+        (Op::MultiplyConstant, [Row(a), _]) => (Way::Scale, [a; 2], call.constant()),
+        (Op::DivideByConstant, [Row(a), _]) => (Way::Scale, [a; 2], 1.0 / call.constant()),
         (Op::Exponential, [Row(a), _]) => (Way::Exponential, [a; 2], 0.0),
-        (Op::Exceeds, [Row(a), Row(b)]) => (Way::Ahead, [a, b], 1.0),
-        (Op::ExceedsNot, [Row(a), Row(b)]) => (Way::Ahead, [a, b], -1.0),
-        (Op::Exceeds, [Row(a), Line(b)]) if is_constant(b) => (Way::AheadOfConstant, [a; 2], 1.0),
-        (Op::ExceedsNot, [Row(a), Line(b)]) if is_constant(b) => {
-            (Way::AheadOfConstant, [a; 2], -1.0)
+        (Op::Exceeds | Op::ExceedsNot, [Row(a), Row(b)]) => (Way::Ahead, [a, b], sign),
+        (Op::Exceeds | Op::ExceedsNot, [Row(a), Line(b)]) if is_constant(b) => {
+            (Way::AheadOfConstant, [a; 2], sign)
         }
-        (Op::Exceeds, [Line(a), Row(b)]) if is_constant(a) => (Way::AheadOfConstant, [b; 2], -1.0),
-        (Op::ExceedsNot, [Line(a), Row(b)]) if is_constant(a) => {
-            (Way::AheadOfConstant, [b; 2], 1.0)
+        (Op::Exceeds | Op::ExceedsNot, [Line(a), Row(b)]) if is_constant(a) => {
+            (Way::AheadOfConstant, [b; 2], -sign)
         }
         _ => return None,
     })

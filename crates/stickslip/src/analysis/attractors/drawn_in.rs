@@ -13,11 +13,12 @@ use crate::system::State;
 /// The ellipsoid is larger than the orbit needs by this, which leaves room for rounding.
 const ROOM: f64 = 1.0 + 1e-6;
 
-/// Part of the decay near the equilibrium that the field's nonlinearity may take away.
+/// Part of the decay near the equilibrium that the field's nonlinearity may take away, and part that rounding of the equilibrium may.
 const MOST_TAKEN: f64 = 0.9;
+const MOST_ROUNDED: f64 = 0.05;
 
-/// Part of the state's size by which the field may miss zero at the equilibrium: rounding.
-const ROUNDING: f64 = 1e-9;
+/// Systems of more states are not asked: the equations for `P` are as many as its entries.
+const MOST_STATES: usize = 12;
 
 /// Whether no guard comes near zero in a box, ever.
 struct StaysClear<'a, const N: usize>(Interval, &'a [Interval; N]);
@@ -30,41 +31,50 @@ impl<const N: usize> UseFlow<N> for StaysClear<'_, N> {
     }
 }
 
-/// The equilibrium that the orbit at `at` comes to for certain, without another event, though it may be far from it yet.
+/// The equilibrium that the orbit at `at` comes to for certain, without another event, though it may be far from it yet. States stay
+/// within `escape`.
 ///
 /// Near a stable equilibrium `V(y) = yᵀPy` with `JᵀP + PJ = −1` falls along the linear flow (Lyapunov). It does so along the flow itself
 /// wherever the Jacobian differs little enough from `J`; over the box around the ellipsoid on which the orbit is, intervals tell by how
-/// much it differs, and that no boundary is met. The ellipsoid then is never left, and `V` goes to zero.
+/// much it differs, and that no boundary is met. The ellipsoid then is never left, and `V` falls to what rounding leaves. Bounds of intervals are
+/// not rounded outward; a tenth of the decay is room for that.
 pub(super) fn drawn_to<S: Switched<N, G>, const N: usize, const G: usize>(
     system: &S,
     mode: S::Mode,
     at: &Timed<N>,
+    escape: f64,
 ) -> Option<State<N>> {
     // While a contact sticks, what ends that takes derivatives, which intervals do not have.
-    if S::any_sticks(mode) {
+    if S::any_sticks(mode) || N > MOST_STATES {
         return None;
     }
     let Rest { x, jacobian } = equilibrium_near(system, mode, at.t, &at.x, N)?;
     if !attracts(&jacobian) {
         return None;
     }
-    let weights = weights(&jacobian)?;
+    let (weights, rounded) = weights(&jacobian)?;
     let inverse = Cholesky::new(weights)?.inverse();
     let away = at.x - x;
     let level = ROOM * away.dot(&(weights * away));
     let radius: [f64; N] = std::array::from_fn(|i| (level * inverse[(i, i)]).sqrt());
+    if (0..N).any(|i| x[i].abs() + radius[i] > escape) {
+        return None;
+    }
     let ever = Interval::new(at.t, f64::INFINITY);
     let over: [Interval; N] = std::array::from_fn(|i| Interval::around(x[i], radius[i]));
     let branch = system.branch(at);
     if !system.with_flow(mode, branch, StaysClear(ever, &over)) {
         return None;
     }
-    // A field that depends on time has no equilibrium.
     let point: [Interval; N] = std::array::from_fn(|i| Interval::around(x[i], 0.0));
     let there = Interval::decided(|| system.with_flow(mode, branch, Velocity(ever, &point)))?;
-    let rounding = ROUNDING * jacobian.amax() * x.amax().max(away.amax());
-    let vanishes = |v: &Interval| v.low >= -rounding && v.high <= rounding;
-    if !there.iter().all(vanishes) {
+    // At a point intervals have no width, unless the field depends on time: then it has no equilibrium.
+    if there.iter().any(|v| v.low != v.high) {
+        return None;
+    }
+    let largest = norm(&weights);
+    let velocity = there.iter().map(|v| v.low * v.low).sum::<f64>().sqrt();
+    if 2.0 * largest * velocity > MOST_ROUNDED * (level / largest).sqrt() {
         return None;
     }
     let mut differs = SMatrix::<f64, N, N>::zeros();
@@ -77,17 +87,20 @@ pub(super) fn drawn_to<S: Switched<N, G>, const N: usize, const G: usize>(
         let column = Interval::decided(|| system.with_flow(mode, branch, Velocity(time, &seeded)))?;
         for i in 0..N {
             let Interval { low, high } = column[i].eps;
+            if !low.is_finite() || !high.is_finite() {
+                return None;
+            }
             differs[(i, j)] = (high - jacobian[(i, j)]).max(jacobian[(i, j)] - low);
         }
     }
-    if differs.iter().any(|d| !d.is_finite()) {
-        return None;
-    }
-    // The largest sum of a row bounds the norm of what is taken from −1.
     let taken = weights.abs() * differs;
-    let taken = taken + taken.transpose();
-    let most = taken.row_iter().map(|row| row.sum()).fold(0.0, f64::max);
-    (most <= MOST_TAKEN).then_some(x)
+    (norm(&(taken + taken.transpose())) + rounded <= MOST_TAKEN).then_some(x)
+}
+
+/// The largest sum of a row of sizes: no less than the norm of a symmetric matrix.
+fn norm<const N: usize>(matrix: &SMatrix<f64, N, N>) -> f64 {
+    let sums = matrix.row_iter().map(|row| row.abs().sum());
+    sums.fold(0.0, f64::max)
 }
 
 /// Whether all eigenvalues are to the left of zero for certain.
@@ -96,8 +109,8 @@ fn attracts<const N: usize>(jacobian: &SMatrix<f64, N, N>) -> bool {
     multipliers(jacobian).iter().all(|value| value.re < bound)
 }
 
-/// `P` of `JᵀP + PJ = −1`; `None` where there is none.
-fn weights<const N: usize>(jacobian: &SMatrix<f64, N, N>) -> Option<SMatrix<f64, N, N>> {
+/// `P` of `JᵀP + PJ = −1`, and by how much rounding misses that; `None` where there is none.
+fn weights<const N: usize>(jacobian: &SMatrix<f64, N, N>) -> Option<(SMatrix<f64, N, N>, f64)> {
     let place = |i: usize, j: usize| i * N + j;
     let mut equations = DMatrix::zeros(N * N, N * N);
     let mut right = DVector::zeros(N * N);
@@ -114,6 +127,7 @@ fn weights<const N: usize>(jacobian: &SMatrix<f64, N, N>) -> Option<SMatrix<f64,
     let solution = equations.lu().solve(&right)?;
     let entry = |i, j| 0.5 * (solution[place(i, j)] + solution[place(j, i)]);
     let weights = SMatrix::<f64, N, N>::from_fn(entry);
-    let are_finite = weights.iter().all(|weight| weight.is_finite());
-    are_finite.then_some(weights)
+    let half = weights * jacobian;
+    let rounded = norm(&(half + half.transpose() + SMatrix::identity()));
+    rounded.is_finite().then_some((weights, rounded))
 }

@@ -80,7 +80,8 @@ pub struct Reached<const N: usize, K = Mode> {
     pub mode: K,
     /// Time at which the orbit was left.
     pub t: f64,
-    /// State at that time.
+    /// State at that time. Where it is certain that the orbit comes to an equilibrium which it is still far from, it is moved there but for
+    /// [`crate::analysis::RecurrenceSettings::closeness`].
     pub x: State<N>,
 }
 

@@ -71,6 +71,9 @@ pub(super) struct Search<'a, S: Switched<N, G>, const N: usize, const G: usize> 
     patience: (usize, usize),
     /// Steps since the last transition at which it is asked next.
     asked_at: usize,
+    escape: f64,
+    /// Where it is said to be at the end, if not where it is.
+    moved_to: Option<State<N>>,
 }
 
 impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> {
@@ -103,6 +106,8 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
             quiet: 0,
             patience: (1, 0),
             asked_at: CALM,
+            escape: options.escape,
+            moved_to: None,
         }
     }
 
@@ -180,7 +185,8 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
         self.before = at.x;
         if self.settings.forcing.is_none() && self.quiet >= self.asked_at {
             self.asked_at += self.asked_at / 2;
-            if let Some(x) = drawn_to(self.system, mode, at) {
+            if let Some(x) = drawn_to(self.system, mode, at, self.escape) {
+                self.moved_to = Some(self.near_to(&x, &at.x));
                 return Some((Kind::Equilibrium, vec![SectionPoint { t: at.t, x }]));
             }
         }
@@ -199,6 +205,13 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
         *patience = (2 * *patience).min(MOST_PATIENT);
         let (kind, x) = rest_at(self.system, mode, at, &scale, &self.near)?;
         Some((kind, vec![SectionPoint { t: at.t, x }]))
+    }
+
+    /// The state on the way from `x` to an equilibrium at which the two count as the same.
+    fn near_to(&self, equilibrium: &State<N>, x: &State<N>) -> State<N> {
+        let away = x - equilibrium;
+        let parts = (0..N).map(|i| self.near.allowed(self.ever.size(i)) / away[i].abs());
+        equilibrium + away * parts.fold(1.0, f64::min)
     }
 
     fn transition(&mut self, at: &Transition<N, S::Mode>) -> Option<(Kind, Vec<SectionPoint<N>>)> {
@@ -319,7 +332,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
             in_stick,
             mode,
             t: integration.t(),
-            x: *integration.x(),
+            x: self.moved_to.unwrap_or(*integration.x()),
         }
     }
 }
