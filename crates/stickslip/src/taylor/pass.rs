@@ -76,7 +76,7 @@ impl<'a, const L: usize> Pass<'a, L> {
             Some(recording) => recording
                 .borrow_mut()
                 .record(operation, [a, b], constant, self),
-            None => Recorded::of_none(operation.of(a.number, b.number, constant)),
+            None => Recorded::constant_of(operation.of(a.number, b.number, constant)),
         }
     }
 

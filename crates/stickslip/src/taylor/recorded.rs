@@ -24,7 +24,7 @@ impl<'a, const L: usize> Recorded<'a, L> {
 
     /// A constant.
     #[inline(always)]
-    pub(super) fn of_none(number: Jet<'a, L>) -> Self {
+    pub(super) fn constant_of(number: Jet<'a, L>) -> Self {
         let place = None;
         Recorded { number, place }
     }
@@ -44,7 +44,7 @@ impl<'a, const L: usize> Recorded<'a, L> {
     fn recorded(self, operation: Operation, other: Self, constant: f64) -> Self {
         match self.pass(other) {
             Some(pass) => pass.record(operation, [self, other], constant),
-            None => Recorded::of_none(operation.of(self.number, other.number, constant)),
+            None => Recorded::constant_of(operation.of(self.number, other.number, constant)),
         }
     }
 
@@ -61,69 +61,31 @@ impl<'a, const L: usize> Recorded<'a, L> {
     }
 }
 
-impl<const L: usize> Add for Recorded<'_, L> {
-    type Output = Self;
-    #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        self.recorded(Operation::Add, other, 0.0)
-    }
+/// An operator between two numbers, and with a constant on the right.
+macro_rules! operator {
+    ($name:ident, $method:ident, $operation:ident, $with_constant:ident) => {
+        impl<const L: usize> $name for Recorded<'_, L> {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                self.recorded(Operation::$operation, other, 0.0)
+            }
+        }
+
+        impl<const L: usize> $name<f64> for Recorded<'_, L> {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, constant: f64) -> Self {
+                self.alone(Operation::$with_constant, constant)
+            }
+        }
+    };
 }
 
-impl<const L: usize> Sub for Recorded<'_, L> {
-    type Output = Self;
-    #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        self.recorded(Operation::Subtract, other, 0.0)
-    }
-}
-
-impl<const L: usize> Mul for Recorded<'_, L> {
-    type Output = Self;
-    #[inline(always)]
-    fn mul(self, other: Self) -> Self {
-        self.recorded(Operation::Multiply, other, 0.0)
-    }
-}
-
-impl<const L: usize> Div for Recorded<'_, L> {
-    type Output = Self;
-    #[inline(always)]
-    fn div(self, other: Self) -> Self {
-        self.recorded(Operation::Divide, other, 0.0)
-    }
-}
-
-impl<const L: usize> Add<f64> for Recorded<'_, L> {
-    type Output = Self;
-    #[inline(always)]
-    fn add(self, other: f64) -> Self {
-        self.alone(Operation::AddConstant, other)
-    }
-}
-
-impl<const L: usize> Sub<f64> for Recorded<'_, L> {
-    type Output = Self;
-    #[inline(always)]
-    fn sub(self, other: f64) -> Self {
-        self.alone(Operation::SubtractConstant, other)
-    }
-}
-
-impl<const L: usize> Mul<f64> for Recorded<'_, L> {
-    type Output = Self;
-    #[inline(always)]
-    fn mul(self, other: f64) -> Self {
-        self.alone(Operation::MultiplyConstant, other)
-    }
-}
-
-impl<const L: usize> Div<f64> for Recorded<'_, L> {
-    type Output = Self;
-    #[inline(always)]
-    fn div(self, other: f64) -> Self {
-        self.alone(Operation::DivideByConstant, other)
-    }
-}
+operator!(Add, add, Add, AddConstant);
+operator!(Sub, sub, Subtract, SubtractConstant);
+operator!(Mul, mul, Multiply, MultiplyConstant);
+operator!(Div, div, Divide, DivideByConstant);
 
 impl<const L: usize> Neg for Recorded<'_, L> {
     type Output = Self;
@@ -136,15 +98,15 @@ impl<const L: usize> Neg for Recorded<'_, L> {
 impl<const L: usize> Scalar for Recorded<'_, L> {
     #[inline(always)]
     fn constant(value: f64) -> Self {
-        Recorded::of_none(Jet::constant(value))
+        Recorded::constant_of(Jet::constant(value))
     }
     #[inline(always)]
     fn zero() -> Self {
-        Recorded::of_none(Jet::Zero)
+        Recorded::constant_of(Jet::Zero)
     }
     #[inline(always)]
     fn one() -> Self {
-        Recorded::of_none(Jet::One)
+        Recorded::constant_of(Jet::One)
     }
     #[inline(always)]
     fn is_same(self, other: Self) -> bool {
@@ -180,7 +142,7 @@ impl<const L: usize> Scalar for Recorded<'_, L> {
             Some((Place::Row(row), pass)) => {
                 Recorded::at(Place::Row(row + 1), pass.known(row as usize + 1), pass)
             }
-            _ => Recorded::of_none(self.number.cos()),
+            _ => Recorded::constant_of(self.number.cos()),
         };
         (sine, cosine)
     }

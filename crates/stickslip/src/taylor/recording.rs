@@ -230,7 +230,7 @@ impl<const L: usize> Recording<L> {
             Jet::Line(Straight { pass: Some(_), .. }) => {
                 Place::Line(self.push(Line::of(number)) as u32)
             }
-            Jet::Zero | Jet::One | Jet::Line(_) => return Recorded::of_none(number),
+            Jet::Zero | Jet::One | Jet::Line(_) => return Recorded::constant_of(number),
         };
         // What comes out as one of the numbers that it is made of is nothing new.
         let is_new = !matches!(number, Jet::Series(series) if series.row < first);

@@ -5,7 +5,7 @@
 
 use super::pass::Pass;
 use super::recording::{Call, Made, Operation, Place, Recording};
-use super::row::{Row as Cells, lanes, lanes_of, product, quotient};
+use super::row::{Row, lanes, lanes_of, product, quotient};
 
 /// What is done at every order.
 #[derive(Clone, Copy, Debug)]
@@ -39,13 +39,13 @@ struct Step {
     way: Way,
     /// Where the result comes, or the first row that is taken.
     row: u32,
-    a: Row,
-    b: Row,
+    a: Source,
+    b: Source,
     constant: f64,
 }
 
 impl Step {
-    fn of(way: Way, row: u32, [a, mut b]: [Row; 2], constant: f64) -> Self {
+    fn of(way: Way, row: u32, [a, mut b]: [Source; 2], constant: f64) -> Self {
         let way = match way {
             Way::Add | Way::Subtract if [a.factor, b.factor] != [1.0; 2] => {
                 if let Way::Subtract = way {
@@ -67,7 +67,7 @@ impl Step {
 
 /// The rows in which a number's coefficients are.
 #[derive(Clone, Copy, Debug)]
-struct Row {
+struct Source {
     /// That of order 0.
     first: u32,
     /// Those above.
@@ -76,9 +76,9 @@ struct Row {
     factor: f64,
 }
 
-impl Row {
+impl Source {
     fn itself(row: u32) -> Self {
-        Row {
+        Source {
             first: row,
             above: row,
             factor: 1.0,
@@ -146,7 +146,7 @@ impl Steps {
         rows: usize,
     ) {
         let uses = uses(calls, wanted, &is_constant, rows);
-        let mut rows: Vec<Row> = (0..rows as u32).map(Row::itself).collect();
+        let mut rows: Vec<Source> = (0..rows as u32).map(Source::itself).collect();
         self.0.clear();
         for (i, made) in calls.iter().enumerate() {
             if !is_used(made, &uses) {
@@ -160,12 +160,12 @@ impl Steps {
                     let is_exact = constant.abs() == 1.0 || a.factor.abs() == 1.0;
                     match way {
                         Way::Copy if uses[row as usize] < Use::Row => {
-                            rows[row as usize] = Row { first, ..a };
+                            rows[row as usize] = Source { first, ..a };
                             continue;
                         }
                         Way::Scale if uses[row as usize] == Use::Newest && is_exact => {
                             let factor = constant * a.factor;
-                            rows[row as usize] = Row { first, factor, ..a };
+                            rows[row as usize] = Source { first, factor, ..a };
                             continue;
                         }
                         _ => {}
@@ -181,7 +181,7 @@ impl Steps {
                         } => (Way::SineCosine, line),
                         _ => (Way::Any, i as u32),
                     };
-                    Step::of(way, made.first, [Row::itself(number); 2], 0.0)
+                    Step::of(way, made.first, [Source::itself(number); 2], 0.0)
                 }
             };
             self.0.push(step);
@@ -195,12 +195,12 @@ impl Steps {
         pass: &'a Pass<'a, L>,
     ) {
         let order = pass.order;
-        let first = |row: Row| {
+        let first = |row: Source| {
             let row = pass.row_of_all(row.first);
             row.map_or([f64::NAN; L], |row| row.at(0))
         };
-        let newest = |row: &'a Cells<L>| row.at(order);
-        let scaled = |row: &'a Cells<L>, of: Row| lanes_of(row.at(order), |a| of.factor * a);
+        let newest = |row: &'a Row<L>| row.at(order);
+        let scaled = |row: &'a Row<L>, of: Source| lanes_of(row.at(order), |a| of.factor * a);
         for step in &self.0 {
             let Step {
                 way,
