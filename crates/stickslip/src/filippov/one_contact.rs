@@ -14,6 +14,7 @@ use crate::dual::Dual;
 use crate::error::{Error, Point};
 use crate::ode::Timed;
 use crate::orbit::Ending;
+use crate::scalar::Scalar;
 use crate::system::{Filippov, Mode, Side, State, components};
 
 impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
@@ -45,6 +46,13 @@ impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
             Mode::Slip(Side::Below) => user.with(&Slip::<_, false> { system, contact }),
             Mode::Slip(Side::Above) => user.with(&Slip::<_, true> { system, contact }),
             Mode::Stick => user.with(&Stick { system, contact }),
+        }
+    }
+
+    fn slip_field<T: Scalar>(&self, mode: Mode, t: T, x: &[T; N]) -> Option<[T; N]> {
+        match mode {
+            Mode::Slip(side) => Some(self.field(side, t, x)),
+            Mode::Stick => None,
         }
     }
 

@@ -49,6 +49,10 @@ pub trait Switched<const N: usize, const G: usize> {
         user: U,
     ) -> U::Output;
 
+    /// The field of a mode in which all contacts slip. It is one that takes little to compile for one more kind of number.
+    #[doc(hidden)]
+    fn slip_field<T: Scalar>(&self, mode: Self::Mode, t: T, x: &[T; N]) -> Option<[T; N]>;
+
     /// The mode at a start, and how many derivatives of each of its guards vanish there; `None` where there is no unique one.
     #[doc(hidden)]
     fn first_mode(&self, run: &mut Run<N, G>) -> Result<FirstMode<Self::Mode, G>, Error>;

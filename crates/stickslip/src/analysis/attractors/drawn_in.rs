@@ -2,10 +2,10 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector, SMatrix};
 
-use super::rest::{Rest, ZERO, equilibrium_near};
+use super::rest::{Rest, ZERO, equilibrium_near, velocities_from};
 use crate::analysis::multipliers;
 use crate::dual::Dual;
-use crate::filippov::{Flow, Switched, UseFlow, Velocity};
+use crate::filippov::{Flow, Switched, UseFlow};
 use crate::interval::Interval;
 use crate::ode::Timed;
 use crate::system::State;
@@ -52,11 +52,10 @@ pub(super) fn drawn_to<S: Switched<N, G>, const N: usize, const G: usize>(
     if !attracts(&jacobian) {
         return None;
     }
-    let (weights, rounded) = weights(&jacobian)?;
-    let inverse = Cholesky::new(weights)?.inverse();
+    let falling = Falling::along(&DMatrix::from_fn(N, N, |i, j| jacobian[(i, j)]))?;
     let away = at.x - x;
-    let level = ROOM * away.dot(&(weights * away));
-    let radius: [f64; N] = std::array::from_fn(|i| (level * inverse[(i, i)]).sqrt());
+    let level = ROOM * falling.at(away.as_slice());
+    let radius: [f64; N] = std::array::from_fn(|i| falling.reach(level, i));
     if (0..N).any(|i| x[i].abs() + radius[i] > escape) {
         return None;
     }
@@ -66,25 +65,22 @@ pub(super) fn drawn_to<S: Switched<N, G>, const N: usize, const G: usize>(
     if !system.with_flow(mode, branch, StaysClear(ever, &over)) {
         return None;
     }
-    let point: [Interval; N] = std::array::from_fn(|i| Interval::around(x[i], 0.0));
-    let there = Interval::decided(|| system.with_flow(mode, branch, Velocity(ever, &point)))?;
-    // At a point intervals have no width, unless the field depends on time: then it has no equilibrium.
+    let there = velocities_from(system, mode, &Timed { t: at.t, x })?;
     if there.iter().any(|v| v.low != v.high) {
         return None;
     }
-    let largest = norm(&weights);
     let velocity = there.iter().map(|v| v.low * v.low).sum::<f64>().sqrt();
-    if 2.0 * largest * velocity > MOST_ROUNDED * (level / largest).sqrt() {
+    if !falling.outweighs(velocity, level) {
         return None;
     }
-    let mut differs = SMatrix::<f64, N, N>::zeros();
+    let mut differs = DMatrix::zeros(N, N);
     for j in 0..N {
         let seeded = std::array::from_fn(|i| {
             let unit = if i == j { 1.0 } else { 0.0 };
             Dual::new(over[i], Interval::around(unit, 0.0))
         });
         let time = Dual::new(ever, Interval::around(0.0, 0.0));
-        let column = Interval::decided(|| system.with_flow(mode, branch, Velocity(time, &seeded)))?;
+        let column = Interval::decided(|| system.slip_field(mode, time, &seeded)).flatten()?;
         for i in 0..N {
             let Interval { low, high } = column[i].eps;
             if !low.is_finite() || !high.is_finite() {
@@ -93,14 +89,7 @@ pub(super) fn drawn_to<S: Switched<N, G>, const N: usize, const G: usize>(
             differs[(i, j)] = (high - jacobian[(i, j)]).max(jacobian[(i, j)] - low);
         }
     }
-    let taken = weights.abs() * differs;
-    (norm(&(taken + taken.transpose())) + rounded <= MOST_TAKEN).then_some(x)
-}
-
-/// The largest sum of a row of sizes: no less than the norm of a symmetric matrix.
-fn norm<const N: usize>(matrix: &SMatrix<f64, N, N>) -> f64 {
-    let sums = matrix.row_iter().map(|row| row.abs().sum());
-    sums.fold(0.0, f64::max)
+    falling.withstands(&differs).then_some(x)
 }
 
 /// Whether all eigenvalues are to the left of zero for certain.
@@ -109,25 +98,71 @@ fn attracts<const N: usize>(jacobian: &SMatrix<f64, N, N>) -> bool {
     multipliers(jacobian).iter().all(|value| value.re < bound)
 }
 
-/// `P` of `JᵀP + PJ = −1`, and by how much rounding misses that; `None` where there is none.
-fn weights<const N: usize>(jacobian: &SMatrix<f64, N, N>) -> Option<(SMatrix<f64, N, N>, f64)> {
-    let place = |i: usize, j: usize| i * N + j;
-    let mut equations = DMatrix::zeros(N * N, N * N);
-    let mut right = DVector::zeros(N * N);
-    for i in 0..N {
-        for j in 0..N {
-            let row = place(i, j);
-            for k in 0..N {
-                equations[(row, place(k, j))] += jacobian[(k, i)];
-                equations[(row, place(i, k))] += jacobian[(k, j)];
+/// A quadratic function that falls along a linear flow: `P` of `JᵀP + PJ = −1`. Of any number of states, so that it is compiled once.
+struct Falling {
+    weights: DMatrix<f64>,
+    inverse: DMatrix<f64>,
+    /// No less than the norm of `P`.
+    norm: f64,
+    /// By how much rounding misses the equation.
+    rounded: f64,
+}
+
+impl Falling {
+    /// That of a Jacobian; `None` where there is none that is positive.
+    fn along(jacobian: &DMatrix<f64>) -> Option<Self> {
+        let n = jacobian.nrows();
+        let place = |i: usize, j: usize| i * n + j;
+        let mut equations = DMatrix::zeros(n * n, n * n);
+        let mut right = DVector::zeros(n * n);
+        for i in 0..n {
+            for j in 0..n {
+                let row = place(i, j);
+                for k in 0..n {
+                    equations[(row, place(k, j))] += jacobian[(k, i)];
+                    equations[(row, place(i, k))] += jacobian[(k, j)];
+                }
+                right[row] = if i == j { -1.0 } else { 0.0 };
             }
-            right[row] = if i == j { -1.0 } else { 0.0 };
         }
+        let solution = equations.lu().solve(&right)?;
+        let entry = |i, j| 0.5 * (solution[place(i, j)] + solution[place(j, i)]);
+        let weights = DMatrix::from_fn(n, n, entry);
+        let half = &weights * jacobian;
+        let rounded = norm(&(&half + half.transpose() + DMatrix::identity(n, n)));
+        let inverse = Cholesky::new(weights.clone())?.inverse();
+        rounded.is_finite().then(|| Falling {
+            norm: norm(&weights),
+            weights,
+            inverse,
+            rounded,
+        })
     }
-    let solution = equations.lu().solve(&right)?;
-    let entry = |i, j| 0.5 * (solution[place(i, j)] + solution[place(j, i)]);
-    let weights = SMatrix::<f64, N, N>::from_fn(entry);
-    let half = weights * jacobian;
-    let rounded = norm(&(half + half.transpose() + SMatrix::identity()));
-    rounded.is_finite().then_some((weights, rounded))
+
+    fn at(&self, away: &[f64]) -> f64 {
+        let away = DVector::from_column_slice(away);
+        away.dot(&(&self.weights * &away))
+    }
+
+    /// How far a component can be off where the function is no more than `level`.
+    fn reach(&self, level: f64, i: usize) -> f64 {
+        (level * self.inverse[(i, i)]).sqrt()
+    }
+
+    /// Whether on the ellipsoid of this level it falls though the field at its middle is off zero.
+    fn outweighs(&self, velocity: f64, level: f64) -> bool {
+        2.0 * self.norm * velocity <= MOST_ROUNDED * (level / self.norm).sqrt()
+    }
+
+    /// Whether it falls along every linear flow that differs by no more.
+    fn withstands(&self, differs: &DMatrix<f64>) -> bool {
+        let taken = self.weights.abs() * differs;
+        norm(&(&taken + taken.transpose())) + self.rounded <= MOST_TAKEN
+    }
+}
+
+/// The largest sum of a row of sizes: no less than the norm of a symmetric matrix.
+fn norm(matrix: &DMatrix<f64>) -> f64 {
+    let sums = matrix.row_iter().map(|row| row.abs().sum());
+    sums.fold(0.0, f64::max)
 }

@@ -7,6 +7,7 @@ use super::reached::Kind;
 use crate::analysis::multipliers;
 use crate::dual::Dual;
 use crate::filippov::{Flow, Settled, Switched, UseFlow, Velocity};
+use crate::interval::Interval;
 use crate::ode::Timed;
 use crate::system::{State, components};
 
@@ -100,6 +101,18 @@ pub(super) fn holds<S: Switched<N, G>, const N: usize, const G: usize>(
     system.with_flow(mode, system.branch(&at), LeastGuard(at)) > 0.0
 }
 
+/// All velocities at a point from a time on, if all contacts slip: of no width, unless the field depends on time. `None` where intervals do
+/// not decide.
+pub(super) fn velocities_from<S: Switched<N, G>, const N: usize, const G: usize>(
+    system: &S,
+    mode: S::Mode,
+    at: &Timed<N>,
+) -> Option<[Interval; N]> {
+    let ever = Interval::new(at.t, f64::INFINITY);
+    let point: [Interval; N] = std::array::from_fn(|i| Interval::around(at.x[i], 0.0));
+    Interval::decided(|| system.slip_field(mode, ever, &point)).flatten()
+}
+
 /// The point of rest that an orbit at `x` is about to reach, and whether it is one of a set; `None` where there is none that near, or one
 /// that does not attract.
 pub(super) fn rest_at<S: Switched<N, G>, const N: usize, const G: usize>(
@@ -114,6 +127,10 @@ pub(super) fn rest_at<S: Switched<N, G>, const N: usize, const G: usize>(
     const TURN: f64 = 10.0;
     let is_near = |i: usize| (x[i] - at.x[i]).abs() <= TURN * near.allowed(scale[i]);
     if !(0..N).all(is_near) || !holds(system, mode, Timed { t: at.t, x }) {
+        return None;
+    }
+    let velocities = velocities_from(system, mode, &Timed { t: at.t, x });
+    if velocities.is_some_and(|all| all.iter().any(|v| v.high > v.low)) {
         return None;
     }
     let bound = ZERO * jacobian.amax();

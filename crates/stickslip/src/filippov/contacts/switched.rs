@@ -14,6 +14,7 @@ use crate::filippov::switch::kind;
 use crate::filippov::switched::{Next, Switch, Switched, UseFlow};
 use crate::filippov::uncertainty::{ULPS, uncertainties};
 use crate::ode::Timed;
+use crate::scalar::Scalar;
 use crate::system::{Mode, Side, State, components};
 
 impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Several<S> {
@@ -57,6 +58,17 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
     #[inline(always)]
     fn with_flow<U: UseFlow<N>>(&self, mode: [Mode; M], _branch: (), user: U) -> U::Output {
         user.with(&Joint::new(&self.0, &mode))
+    }
+
+    fn slip_field<T: Scalar>(&self, modes: [Mode; M], t: T, x: &[T; N]) -> Option<[T; N]> {
+        let mut sides = [Side::Below; M];
+        for (side, mode) in sides.iter_mut().zip(modes) {
+            match mode {
+                Mode::Slip(slips_on) => *side = slips_on,
+                Mode::Stick => return None,
+            }
+        }
+        Some(self.0.field(&sides, t, x))
     }
 
     /// Off its boundary a contact's side decides; those on it, to rounding, are decided together.
