@@ -51,6 +51,8 @@ pub(crate) fn equilibrium_near<S: Switched<N, G>, const N: usize, const G: usize
         // The last step is rounding once it is no smaller than the one before.
         if size == 0.0 || size >= 0.5 * smallest {
             let rounding = 1e-12 * x.amax().max(f64::MIN_POSITIVE) + f64::MIN_POSITIVE;
+            // A subnormal number is what rounding left of zero.
+            let x = x.map(|v| if v.abs() < f64::MIN_POSITIVE { 0.0 } else { v });
             return (size <= rounding.max(1e-12)).then_some(Rest { x, jacobian });
         }
         smallest = size;
