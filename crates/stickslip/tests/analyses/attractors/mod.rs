@@ -15,7 +15,7 @@ use crate::listed::Listed;
 use crate::smooth::{Lorenz, Smooth};
 
 pub mod systems;
-use systems::{Backwards, Driven, Leine, Pushed, Rings, Wells};
+use systems::{Backwards, Detour, Driven, Leine, Pushed, Rings, Wells};
 
 const ABOVE: Mode = Mode::Slip(Side::Above);
 const BELOW: Mode = Mode::Slip(Side::Below);
@@ -238,6 +238,24 @@ fn rest_is_known_as_soon_as_nothing_can_keep_the_orbit_from_it() {
         }
     }
     assert!(decided > 40, "{decided} while they were far from it");
+}
+
+#[test]
+fn an_orbit_that_escapes_on_its_way_to_rest_escapes() {
+    // Asked after a tenth of the way out.
+    let options = Options::default().longest_step(0.003);
+    let found = |bound| {
+        reached(
+            &Smooth(Detour),
+            [0.0, 1.0],
+            &within(50.0),
+            &options.escape(bound),
+        )
+    };
+    let free = found(f64::INFINITY);
+    assert_eq!(free.kind, Kind::Equilibrium);
+    assert!(free.t < 0.1, "{}", free.t);
+    assert_eq!(found(20.0).kind, Kind::Escape);
 }
 
 #[test]

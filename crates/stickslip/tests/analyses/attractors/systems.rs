@@ -81,6 +81,15 @@ impl Field<2> for Backwards {
     }
 }
 
+/// `x' = -x + 100 y`, `y' = -y`: `x = 100 t exp(-t)` from `(0, 1)`, so that what comes to rest is 36.8 away before.
+pub struct Detour;
+
+impl Field<2> for Detour {
+    fn at<T: Scalar>(&self, x: &[T; 2]) -> [T; 2] {
+        [-x[0] + x[1] * 100.0, -x[1]]
+    }
+}
+
 /// `x'' = -x - x'/2 + p`, pushed by `p = sin(t/20)/5`, or by one that decays.
 pub struct Pushed {
     pub decay: f64,
