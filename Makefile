@@ -90,8 +90,9 @@ bench-peers: ## Error against run time beside SciPy, numba, heyoka and pydiffsol
 
 bench-basins: ## Starts of a basin per second on one thread, beside heyoka and SciPy with events written by hand, and cells of a map; needs Python
 	$(CARGO) build --locked --release -p stickslip-cli
+	$(CARGO) build --locked --release -p stickslip --example basin
 	@$(PEERS_INSTALL) || { echo "Python 3.11 or later ($(PYTHON)) with venv, and a network to install $(PEERS_WANTED) from, are needed" >&2; exit 1; }
-	$(PEERS_VENV)/bin/python benches/peers/basins.py $(subst /debug/,/release/,$(STICKSLIP))
+	$(PEERS_VENV)/bin/python benches/peers/basins.py $(subst /debug/,/release/,$(STICKSLIP)) $(subst /debug/stickslip,/release/examples/basin,$(STICKSLIP))
 
 SPECTRUM = $(subst /debug/stickslip,/release/spectrum,$(STICKSLIP))
 SPECTRA_ARGS ?=

@@ -1,14 +1,16 @@
-"""Basin of attraction of P16, points per second: the program `stickslip` on one thread beside heyoka's integrator and SciPy's solve_ivp with
-events written by hand; and cells per second of a map of two parameters by the program.
+"""Basin of attraction of P16, points per second: the library, whose user wrote the two functions, and the program `stickslip`, which reads them
+from a file, each on one thread, beside heyoka's integrator and SciPy's solve_ivp with events written by hand; and cells per second of a map of
+two parameters by the program.
 
-    python basins.py PROGRAM [POINTS]
+    python basins.py PROGRAM EXAMPLE [POINTS]
 
-All answer the same question of each start, fixed point or stick-slip cycle, at a tolerance of 1e-8. The peers' user knows the system: an orbit
-that sticks twice is on the cycle, for stick forgets all; one within 1e-2 of the fixed point, which attracts there, has come to it. The program
-knows neither. The peers do a sample of the starts, SciPy POINTS of them and heyoka a hundred times as many, drawn from a fixed seed. heyoka's
+EXAMPLE is the library's example `basin`, a basin on the same starts. All answer the same question of each start, fixed point or stick-slip cycle, at a tolerance of 1e-8. The peers' user knows the system: an orbit
+that sticks twice is on the cycle, for stick forgets all; one within 1e-2 of the fixed point, which attracts there, has come to it. Library and
+program know neither. The peers do a sample of the starts, SciPy POINTS of them and heyoka a hundred times as many, drawn from a fixed seed. heyoka's
 stick phase is in closed form, and what it takes to compile its functions is told apart.
 """
 
+import os
 import subprocess
 import sys
 import tempfile
@@ -136,6 +138,19 @@ def by_program(program):
     return GRID * GRID / elapsed, sum(shares)
 
 
+def by_library(example):
+    """Points per second, and the share of the fixed point."""
+    one_thread = os.environ | {"RAYON_NUM_THREADS": "1"}
+    # Done in a quarter of a second: the middle of some runs.
+    times = []
+    for _ in range(9):
+        begin = time.perf_counter()
+        ended = subprocess.run([example], check=True, capture_output=True, text=True, env=one_thread)
+        times.append(time.perf_counter() - begin)
+    shares = [float(line.split()[0]) for line in ended.stdout.splitlines() if line.endswith(": equilibrium")]
+    return GRID * GRID / sorted(times)[len(times) // 2], sum(shares)
+
+
 def by_peer(slip, stick, points):
     random = np.random.default_rng(16)
     starts = np.column_stack([random.uniform(-2.0, 2.0, points), random.uniform(0.0, 2.0, points)])
@@ -148,7 +163,8 @@ def by_peer(slip, stick, points):
 def tell(name, points, peer, ours):
     rate, share, undecided = by_peer(*peer, points)
     error = np.sqrt(share * (1.0 - share) / points)
-    print(f"{name:23s}{rate:9.1f} points/s  share {share:.3f} +- {error:.3f}, {undecided} undecided: stickslip does {ours / rate:.2f} times as many")
+    times = " and ".join(f"{one / rate:.2f}" for one in ours)
+    print(f"{name:23s}{rate:9.1f} points/s  share {share:.3f} +- {error:.3f}, {undecided} undecided: stickslip does {times} times as many")
 
 
 def cells(program):
@@ -163,9 +179,12 @@ def cells(program):
 
 
 def main():
-    program, points = sys.argv[1], int(sys.argv[2]) if len(sys.argv) > 2 else 100
-    ours, share = by_program(program)
-    print(f"stickslip, one thread  {ours:9.1f} points/s  share of the fixed point {share:.3f}")
+    program, example = sys.argv[1:3]
+    points = int(sys.argv[3]) if len(sys.argv) > 3 else 100
+    ours = []
+    for name, (rate, share) in (("compiled", by_library(example)), ("from a file", by_program(program))):
+        ours.append(rate)
+        print(f"stickslip, {name:12s}{rate:9.1f} points/s  share of the fixed point {share:.3f}")
     begin = time.perf_counter()
     heyoka = with_heyoka()
     compiled = time.perf_counter() - begin

@@ -14,11 +14,11 @@ pub(super) struct History<const N: usize, K> {
 }
 
 impl<const N: usize, K: Copy> History<N, K> {
-    /// With room for so many of each.
+    /// That keeps so many of each.
     pub fn of(most: usize) -> Self {
         History {
-            phases: VecDeque::with_capacity(most),
-            transitions: VecDeque::with_capacity(most),
+            phases: VecDeque::new(),
+            transitions: VecDeque::new(),
             most,
             count: Count::default(),
         }
@@ -57,8 +57,15 @@ impl<const N: usize, K: Copy> History<N, K> {
     }
 
     pub fn into_parts(self) -> (Vec<Phase<N, K>>, Vec<(TransitionKind, usize)>) {
-        (self.phases.into(), self.transitions.into())
+        (exact(self.phases), exact(self.transitions))
     }
+}
+
+/// Without room for more: thousands of starts keep theirs at the same time.
+fn exact<T>(of: VecDeque<T>) -> Vec<T> {
+    let mut all = Vec::from(of);
+    all.shrink_to_fit();
+    all
 }
 
 /// Takes one more, and forgets the first where there are too many.

@@ -75,7 +75,7 @@ impl<const N: usize> Recurrence<N> {
         Recurrence {
             near,
             forcing,
-            passages: VecDeque::with_capacity(kept),
+            passages: VecDeque::new(),
             kept,
             runs: vec![0; most],
             scale: State::zeros(),
