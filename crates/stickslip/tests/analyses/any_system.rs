@@ -2,7 +2,7 @@
 
 use stickslip::{Error, Filippov, Scalar, Side};
 
-use crate::attractors::systems::{Backwards, Detour, Driven, Leine, Pushed, Rings, Wells};
+use crate::attractors::systems::{Backwards, Detour, Driven, Leine, Pushed, Rings, Shear, Wells};
 use crate::bifurcations::systems::{Beat, DrivenFamily, Ends, Held, Island, Pitchfork, Twisted};
 use crate::den_hartog::DenHartog;
 use crate::line::Line;
@@ -13,7 +13,7 @@ systems!(Any1, 1: Beat(Beat), Line(Line));
 
 systems!(
     Any2, 2:
-    Backwards(Smooth<Backwards>), DenHartog(DenHartog), Detour(Smooth<Detour>), Driven(Driven), Ends(Ends), Held(Held), Leine(Leine), Pushed(Pushed), Wells(Wells),
+    Backwards(Smooth<Backwards>), DenHartog(DenHartog), Detour(Smooth<Detour>), Driven(Driven), Ends(Ends), Held(Held), Leine(Leine), Pushed(Pushed), Shear(Smooth<Shear>), Wells(Wells),
 );
 
 systems!(

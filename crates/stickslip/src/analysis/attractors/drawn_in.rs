@@ -17,6 +17,13 @@ const ROOM: f64 = 1.0 + 1e-6;
 const MOST_TAKEN: f64 = 0.9;
 const MOST_ROUNDED: f64 = 0.05;
 
+/// Parts of the way from the equilibrium for each of which the Jacobian has bounds of its own.
+const PARTS: u32 = 8;
+
+/// Sizes that an ellipsoid is looked for in: each so many times the one before.
+const SMALLER: f64 = 0.85;
+const STEPS: u32 = 16;
+
 /// Systems of more states are not asked: the equations for `P` are as many as its entries.
 const MOST_STATES: usize = 12;
 
@@ -31,65 +38,151 @@ impl<const N: usize> UseFlow<N> for StaysClear<'_, N> {
     }
 }
 
-/// The equilibrium that the orbit at `at` comes to for certain, without another event, though it may be far from it yet. States stay
-/// within `escape`.
-///
-/// Near a stable equilibrium `V(y) = yᵀPy` with `JᵀP + PJ = −1` falls along the linear flow (Lyapunov). It does so along the flow itself
-/// wherever the Jacobian differs little enough from `J`; over the box around the ellipsoid on which the orbit is, intervals tell by how
-/// much it differs, and that no boundary is met. The ellipsoid then is never left, and `V` falls to what rounding leaves. Bounds of intervals are
-/// not rounded outward; a tenth of the decay is room for that.
-pub(super) fn drawn_to<S: Switched<N, G>, const N: usize, const G: usize>(
+/// A neighbourhood of an equilibrium out of which no orbit in slip gets: each comes to the equilibrium without another event, though it may be
+/// far from it yet.
+pub(super) struct Trap<const N: usize> {
+    /// The equilibrium.
+    pub x: State<N>,
+    falling: Falling,
+    level: f64,
+    /// Where the orbit was when it was looked for.
+    from: f64,
+}
+
+impl<const N: usize> Trap<N> {
+    /// The largest that is proven around an equilibrium near `at`, but not much larger than the orbit there needs. States stay within
+    /// `escape`.
+    ///
+    /// Near a stable equilibrium `x` the function `V(y) = yᵀPy` with `JᵀP + PJ = −1` falls along the linear flow (Lyapunov). The field at `x + y`
+    /// is `A y`, where `A` is the mean of the Jacobian on the way from `x`; so `V` falls along the flow itself wherever `A` differs little enough
+    /// from `J`. Over the box around an ellipsoid on which `V` is constant, intervals tell by how much it differs, and that no boundary is met.
+    /// The ellipsoid then is never left, and `V` falls to what rounding leaves. Bounds of intervals are not rounded outward; a tenth of the decay
+    /// is room for that.
+    pub fn near<S: Switched<N, G>, const G: usize>(
+        system: &S,
+        mode: S::Mode,
+        at: &Timed<N>,
+        escape: f64,
+    ) -> Option<Self> {
+        // While a contact sticks, what ends that takes derivatives, which intervals do not have.
+        if S::any_sticks(mode) || N > MOST_STATES {
+            return None;
+        }
+        let Rest { x, jacobian } = equilibrium_near(system, mode, at.t, &at.x, N)?;
+        if !attracts(&jacobian) {
+            return None;
+        }
+        let falling = Falling::along(&DMatrix::from_fn(N, N, |i, j| jacobian[(i, j)]))?;
+        let there = Timed { t: at.t, x };
+        let velocities = velocities_from(system, mode, &there)?;
+        if velocities.iter().any(|v| v.low != v.high) {
+            return None;
+        }
+        let velocity = velocities.iter().map(|v| v.low * v.low).sum::<f64>().sqrt();
+        let is_trap = |level: f64| {
+            let radius: [f64; N] = std::array::from_fn(|i| falling.reach(level, i));
+            (0..N).all(|i| x[i].abs() + radius[i] <= escape)
+                && falling.outweighs(velocity, level)
+                && stays_clear(system, mode, &there, &radius)
+                && differs(system, mode, &there, &radius, &jacobian)
+                    .is_some_and(|differs| falling.withstands(&differs))
+        };
+        let from = ROOM * falling.at((at.x - x).as_slice());
+        let level = largest(from, is_trap)?;
+        Some(Trap {
+            x,
+            falling,
+            level,
+            from,
+        })
+    }
+
+    /// Whether a state, of the same mode and of no earlier time, is in it.
+    pub fn holds(&self, x: &State<N>) -> bool {
+        self.level_of(x) <= self.level
+    }
+
+    /// Whether an orbit at this state has come nearer since the trap was looked for.
+    pub fn draws(&self, x: &State<N>) -> bool {
+        self.level_of(x) < self.from
+    }
+
+    fn level_of(&self, x: &State<N>) -> f64 {
+        ROOM * self.falling.at((x - self.x).as_slice())
+    }
+}
+
+/// The largest level in steps downwards from one for which the claim holds; it is asked of a few of them, for what holds on an ellipsoid holds
+/// on smaller ones.
+fn largest(from: f64, claim: impl Fn(f64) -> bool) -> Option<f64> {
+    let level = |step: u32| from * (SMALLER * SMALLER).powi(step as i32);
+    if claim(from) {
+        return Some(from);
+    }
+    let (mut too_large, mut known) = (0, None);
+    let mut small = STEPS;
+    while small - too_large > 1 {
+        let middle = u32::midpoint(too_large, small);
+        if claim(level(middle)) {
+            small = middle;
+            known = Some(level(middle));
+        } else {
+            too_large = middle;
+        }
+    }
+    known
+}
+
+/// A box around a state.
+fn around<const N: usize>(x: &State<N>, radius: &[f64; N], part: f64) -> [Interval; N] {
+    std::array::from_fn(|i| Interval::around(x[i], part * radius[i]))
+}
+
+/// Whether no guard comes near zero in a box, ever.
+fn stays_clear<S: Switched<N, G>, const N: usize, const G: usize>(
     system: &S,
     mode: S::Mode,
     at: &Timed<N>,
-    escape: f64,
-) -> Option<State<N>> {
-    // While a contact sticks, what ends that takes derivatives, which intervals do not have.
-    if S::any_sticks(mode) || N > MOST_STATES {
-        return None;
-    }
-    let Rest { x, jacobian } = equilibrium_near(system, mode, at.t, &at.x, N)?;
-    if !attracts(&jacobian) {
-        return None;
-    }
-    let falling = Falling::along(&DMatrix::from_fn(N, N, |i, j| jacobian[(i, j)]))?;
-    let away = at.x - x;
-    let level = ROOM * falling.at(away.as_slice());
-    let radius: [f64; N] = std::array::from_fn(|i| falling.reach(level, i));
-    if (0..N).any(|i| x[i].abs() + radius[i] > escape) {
-        return None;
-    }
+    radius: &[f64; N],
+) -> bool {
     let ever = Interval::new(at.t, f64::INFINITY);
-    let over: [Interval; N] = std::array::from_fn(|i| Interval::around(x[i], radius[i]));
-    let branch = system.branch(at);
-    if !system.with_flow(mode, branch, StaysClear(ever, &over)) {
-        return None;
-    }
-    let there = velocities_from(system, mode, &Timed { t: at.t, x })?;
-    if there.iter().any(|v| v.low != v.high) {
-        return None;
-    }
-    let velocity = there.iter().map(|v| v.low * v.low).sum::<f64>().sqrt();
-    if !falling.outweighs(velocity, level) {
-        return None;
-    }
-    let mut differs = DMatrix::zeros(N, N);
-    for j in 0..N {
-        let seeded = std::array::from_fn(|i| {
-            let unit = if i == j { 1.0 } else { 0.0 };
-            Dual::new(over[i], Interval::around(unit, 0.0))
-        });
-        let time = Dual::new(ever, Interval::around(0.0, 0.0));
-        let column = Interval::decided(|| system.slip_field(mode, time, &seeded)).flatten()?;
-        for i in 0..N {
-            let Interval { low, high } = column[i].eps;
-            if !low.is_finite() || !high.is_finite() {
-                return None;
+    let over = around(&at.x, radius, 1.0);
+    system.with_flow(mode, system.branch(at), StaysClear(ever, &over))
+}
+
+/// By how much the mean of the Jacobian on a straight way from a state into the box around it differs from the one given: each part of the ways
+/// lies in a smaller box.
+fn differs<S: Switched<N, G>, const N: usize, const G: usize>(
+    system: &S,
+    mode: S::Mode,
+    at: &Timed<N>,
+    radius: &[f64; N],
+    jacobian: &SMatrix<f64, N, N>,
+) -> Option<DMatrix<f64>> {
+    let time = Dual::new(
+        Interval::new(at.t, f64::INFINITY),
+        Interval::around(0.0, 0.0),
+    );
+    let mut low = DMatrix::<f64>::zeros(N, N);
+    let mut high = low.clone();
+    for part in 1..=PARTS {
+        let over = around(&at.x, radius, f64::from(part) / f64::from(PARTS));
+        for j in 0..N {
+            let seeded = std::array::from_fn(|i| {
+                let unit = if i == j { 1.0 } else { 0.0 };
+                Dual::new(over[i], Interval::around(unit, 0.0))
+            });
+            let column = Interval::decided(|| system.slip_field(mode, time, &seeded)).flatten()?;
+            for i in 0..N {
+                low[(i, j)] += column[i].eps.low / f64::from(PARTS);
+                high[(i, j)] += column[i].eps.high / f64::from(PARTS);
             }
-            differs[(i, j)] = (high - jacobian[(i, j)]).max(jacobian[(i, j)] - low);
         }
     }
-    falling.withstands(&differs).then_some(x)
+    let differs = DMatrix::from_fn(N, N, |i, j| {
+        (high[(i, j)] - jacobian[(i, j)]).max(jacobian[(i, j)] - low[(i, j)])
+    });
+    differs.iter().all(|d| d.is_finite()).then_some(differs)
 }
 
 /// Whether all eigenvalues are to the left of zero for certain.
@@ -140,8 +233,15 @@ impl Falling {
     }
 
     fn at(&self, away: &[f64]) -> f64 {
-        let away = DVector::from_column_slice(away);
-        away.dot(&(&self.weights * &away))
+        let weighed = |i: usize| {
+            away.iter()
+                .enumerate()
+                .map(move |(j, one)| self.weights[(i, j)] * one)
+        };
+        away.iter()
+            .enumerate()
+            .map(|(i, one)| one * weighed(i).sum::<f64>())
+            .sum()
     }
 
     /// How far a component can be off where the function is no more than `level`.

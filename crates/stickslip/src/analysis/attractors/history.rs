@@ -38,6 +38,10 @@ impl<const N: usize, K: Copy> History<N, K> {
         self.count.transitions += 1;
     }
 
+    pub fn last_phase(&self) -> Option<&Phase<N, K>> {
+        self.phases.back()
+    }
+
     /// Keeps what lies between two counts, of which the second is that of now.
     pub fn keep(&mut self, (from, to): &(Count, Count)) {
         keep_last(&mut self.phases, to.phases - from.phases);

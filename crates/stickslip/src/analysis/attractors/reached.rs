@@ -76,9 +76,9 @@ pub struct Reached<const N: usize, K = Mode> {
     pub transitions: Vec<(TransitionKind, usize)>,
     /// Part of the time of these phases in which a contact sticks; at rest, and without phases, 1 or 0 by the mode at the end.
     pub in_stick: f64,
-    /// Mode at the end.
+    /// Mode at that time.
     pub mode: K,
-    /// Time at which the orbit was left.
+    /// Time at which the orbit was left; where it has just been released, that of the stick's beginning, from which it is better to go on.
     pub t: f64,
     /// State at that time. Where it is certain that the orbit comes to an equilibrium which it is still far from, it is moved there but for
     /// [`crate::analysis::RecurrenceSettings::closeness`].

@@ -18,6 +18,10 @@ const SHRINKING: (usize, f64) = (4, 0.9);
 /// What may be left of the way where differences are too small to show a ratio: a way of so many.
 const UNSEEN: f64 = 100.0;
 
+/// Two states that differ by no more than so many units of the last place of a component's size are the same. Stick leaves nothing else of the
+/// way before it.
+const SAME: f64 = 64.0;
+
 /// A cycle is so many times wider than the solver's rounding.
 const WIDE: f64 = 10.0;
 
@@ -157,8 +161,10 @@ impl<const N: usize> Recurrence<N> {
             let (here, there) = (&self.passages[last], &self.passages[last - lag]);
             let repeats = here.tag == there.tag && self.apart(here, there, &self.near) <= 1.0;
             self.runs[lag - 1] = if repeats { self.runs[lag - 1] + 1 } else { 0 };
+            // The future of one state is one: it need not be seen again all around the pattern.
+            let wanted = if self.is_same(here, there) { 1 } else { lag };
             if found.is_none()
-                && self.runs[lag - 1] >= lag
+                && self.runs[lag - 1] >= wanted
                 && let Some(left) = self.left(last, lag)
             {
                 let pattern = self.pattern(last, lag);
@@ -169,6 +175,15 @@ impl<const N: usize> Recurrence<N> {
             }
         }
         found
+    }
+
+    fn is_same(&self, one: &Passage<N>, other: &Passage<N>) -> bool {
+        let rounding = Nearness {
+            closeness: 0.0,
+            atol: 0.0,
+            rtol: SAME * f64::EPSILON / OF_SOLVER,
+        };
+        self.apart(one, other, &rounding) <= 1.0
     }
 
     /// Largest difference of two points in units of what is allowed.

@@ -3,7 +3,7 @@
 use std::collections::hash_map::DefaultHasher;
 use std::hash::{Hash, Hasher};
 
-use super::drawn_in::drawn_to;
+use super::drawn_in::Trap;
 use super::history::History;
 use super::nearness::{Extent, Nearness};
 use super::reached::{Kind, Reached, SectionPoint};
@@ -22,7 +22,7 @@ use crate::system::State;
 /// Steps without a transition after which the turning points of the first state are watched.
 const QUIET: usize = 400;
 
-/// Steps without a transition after which it is asked whether the orbit is drawn to an equilibrium. Then half as many more are needed, and so
+/// Steps without a transition after which an equilibrium is looked for that the orbit may be drawn to. Then half as many more are needed, and so
 /// on: a cycle with long phases is asked a few times in all.
 const CALM: usize = 12;
 
@@ -69,11 +69,13 @@ pub(super) struct Search<'a, S: Switched<N, G>, const N: usize, const G: usize> 
     quiet: usize,
     /// How many steps a look for a point of rest is put off, and how many are left of that.
     patience: (usize, usize),
-    /// Steps since the last transition at which it is asked next.
+    /// Steps since the last transition at which a trap is looked for next.
     asked_at: usize,
+    /// The one that was found in this phase.
+    trap: Option<Trap<N>>,
     escape: f64,
-    /// Where it is said to be at the end, if not where it is.
-    moved_to: Option<State<N>>,
+    /// Where it is said to be left, if not where it is.
+    left_at: Option<(Timed<N>, S::Mode)>,
 }
 
 impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> {
@@ -106,8 +108,9 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
             quiet: 0,
             patience: (1, 0),
             asked_at: CALM,
+            trap: None,
             escape: options.escape,
-            moved_to: None,
+            left_at: None,
         }
     }
 
@@ -185,10 +188,20 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
         self.before = at.x;
         if self.settings.forcing.is_none() && self.quiet >= self.asked_at {
             self.asked_at += self.asked_at / 2;
-            if let Some(x) = drawn_to(self.system, mode, at, self.escape) {
-                self.moved_to = Some(self.near_to(&x, &at.x));
-                return Some((Kind::Equilibrium, vec![SectionPoint { t: at.t, x }]));
+            if !self.trap.as_ref().is_some_and(|trap| trap.draws(&at.x)) {
+                self.trap = Trap::near(self.system, mode, at, self.escape);
             }
+        }
+        if let Some(trap) = &self.trap
+            && trap.holds(&at.x)
+        {
+            let x = trap.x;
+            let left = Timed {
+                t: at.t,
+                x: self.near_to(&x, &at.x),
+            };
+            self.left_at = Some((left, mode));
+            return Some((Kind::Equilibrium, vec![SectionPoint { t: at.t, x }]));
         }
         let scale = State::from_fn(|i, _| self.ever.size(i));
         let stays = |i: usize| moved[i].abs() <= self.near.allowed(scale[i]);
@@ -219,6 +232,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
             return None;
         }
         self.quiet = 0;
+        self.trap = None;
         self.patience = (1, 0);
         self.history.transition(at);
         (at.kind, at.from, at.to, at.contact).hash(&mut self.tag);
@@ -266,6 +280,15 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
         };
         let points = recurrence.last(pattern.returns);
         self.history.keep(&pattern.counts);
+        // Where stick ends is a bad place to go on from: at another parameter an orbit from there may miss the stick that is still to come.
+        let ended = self.history.last_phase().filter(|_| by == By::Transitions);
+        self.left_at = ended.and_then(|last| {
+            let begin = Timed {
+                t: last.t_start,
+                x: last.x_start,
+            };
+            S::any_sticks(last.mode).then_some((begin, last.mode))
+        });
         let kind = Kind::Periodic {
             returns: pattern.returns,
             period: pattern.period,
@@ -317,7 +340,11 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
         points: Vec<SectionPoint<N>>,
         integration: &Integration<'_, S, N, G>,
     ) -> Reached<N, S::Mode> {
-        let mode = integration.mode();
+        let now = Timed {
+            t: integration.t(),
+            x: *integration.x(),
+        };
+        let (left, mode) = self.left_at.unwrap_or((now, integration.mode()));
         let rests = matches!(kind, Kind::Equilibrium | Kind::EquilibriumSet);
         let by_phases = self.history.in_stick(S::any_sticks);
         let in_stick = by_phases
@@ -331,8 +358,8 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
             transitions,
             in_stick,
             mode,
-            t: integration.t(),
-            x: self.moved_to.unwrap_or(*integration.x()),
+            t: left.t,
+            x: left.x,
         }
     }
 }

@@ -78,8 +78,7 @@ impl<F> Shooting<'_, F> {
     where
         F: Fn(f64) -> S,
     {
-        let at = from.1.points.first()?;
-        let start = Timed { t: at.t, x: at.x };
+        let start = self.start(from.1)?;
         let rough = circuit_from(&(self.family)(from.0), &start, period, self.options)?;
         let first = self.orbit(from.0, &rough.anchor, rough.period)?;
         let wanted = first.circuit.sequence();
@@ -126,6 +125,30 @@ impl<F> Shooting<'_, F> {
         let after = behind.map(|other| other.circuit.modes());
         let place = Place::in_parameter(last.s, bad);
         describe(&system, &good, after.unwrap_or_default(), place)
+    }
+
+    /// Where shooting begins: where a phase does in which all contacts slip, for stick forgets what came before, and with it by how much the
+    /// start is off. With a forcing the strobe sees the orbit at its phase.
+    fn start<S: Switched<N, G>, const N: usize, const G: usize>(
+        &self,
+        reached: &Reached<N, S::Mode>,
+    ) -> Option<Timed<N>>
+    where
+        F: Fn(f64) -> S,
+    {
+        let mut phases = reached.phases.iter();
+        let slip = phases.find(|phase| self.forced.is_none() && !S::any_sticks(phase.mode));
+        slip.map(|phase| Timed {
+            t: phase.t_start,
+            x: phase.x_start,
+        })
+        .or_else(|| {
+            let first = reached.points.first()?;
+            Some(Timed {
+                t: first.t,
+                x: first.x,
+            })
+        })
     }
 
     /// The change as it is seen from an orbit with fewer phases on the other side of it, or beside it where the branch turns back.

@@ -15,7 +15,7 @@ use crate::listed::Listed;
 use crate::smooth::{Lorenz, Smooth};
 
 pub mod systems;
-use systems::{Backwards, Detour, Driven, Leine, Pushed, Rings, Wells};
+use systems::{Backwards, Detour, Driven, Leine, Pushed, Rings, Shear, Wells};
 
 const ABOVE: Mode = Mode::Slip(Side::Above);
 const BELOW: Mode = Mode::Slip(Side::Below);
@@ -238,6 +238,44 @@ fn rest_is_known_as_soon_as_nothing_can_keep_the_orbit_from_it() {
         }
     }
     assert!(decided > 40, "{decided} while they were far from it");
+}
+
+#[test]
+fn a_trap_reaches_as_far_as_the_mean_slope_on_the_way_from_its_middle() {
+    // V = (x² + y²)/2 falls to where y' = -y + x² has a slope, in the mean from the middle on, of no more than 9/10 in x. Within a radius r the
+    // slope goes up to 2 r, and its mean, in eight parts, up to 9/8 r.
+    let radius = |[x, y]: [f64; 2]| x.hypot(y);
+    let options = Options::default().longest_step(0.003);
+    let known = |[x, y]: [f64; 2]| {
+        let found = reached(&Smooth(Shear), [x, y], &within(50.0), &options);
+        assert_eq!(found.kind, Kind::Equilibrium, "from {x}, {y}");
+        let left = math::exp(-found.t);
+        let there = [x * left, y * left + x * x * (left - left * left)];
+        (found.t, radius(there))
+    };
+    let (early, _) = known([0.3, 1.5]);
+    assert!(early < 0.1, "{early}");
+    // Of sizes that are looked at each is 0.85 of the one before.
+    let (late, there) = known([0.4, 2.0]);
+    assert!(
+        late > 0.1 && there < 1.6 && there > 0.85 * 1.59,
+        "{late} {there}"
+    );
+}
+
+#[test]
+fn stick_is_known_to_repeat_at_its_second_release() {
+    let options = Options::tol(1e-10);
+    let start = [1.0, 0.0];
+    let found = reached(&Leine, start, &within(200.0), &options);
+    assert!(matches!(found.kind, Kind::Periodic { returns: 2, .. }));
+    let orbit = solve(&Leine.any(), 0.0, start, 100.0, &options).unwrap();
+    let second = orbit.sticks().nth(1).unwrap();
+    assert!((found.t - second.t_start).abs() < 1e-9, "{}", found.t);
+    assert_eq!(found.mode, Mode::Stick);
+    let released = found.points.last().unwrap();
+    assert!((released.t - second.t_end).abs() < 1e-9, "{}", released.t);
+    assert!((released.x - second.x_end).amax() < 1e-9);
 }
 
 #[test]

@@ -90,6 +90,15 @@ impl Field<2> for Detour {
     }
 }
 
+/// `x' = -x`, `y' = -y + x²`: `y = x(0)² (exp(-t) - exp(-2t))` from `y = 0`.
+pub struct Shear;
+
+impl Field<2> for Shear {
+    fn at<T: Scalar>(&self, x: &[T; 2]) -> [T; 2] {
+        [-x[0], x[0] * x[0] - x[1]]
+    }
+}
+
 /// `x'' = -x - x'/2 + p`, pushed by `p = sin(t/20)/5`, or by one that decays.
 pub struct Pushed {
     pub decay: f64,
