@@ -53,11 +53,11 @@ fn write(folder: &Path) -> Result<(), Box<dyn Error>> {
         }
     }
     let csv = table::csv(&rows);
-    let [states, column] = Observed::ALL.map(|observed| table::table(&csv, observed));
+    let [states, noisy, column] = Observed::ALL.map(|observed| table::table(&csv, observed));
     std::fs::write(
         folder.join("README.md"),
         format!(
-            "{HEAD}## Whole states\n\n{states}\n## The first column alone, embedded\n\n{column}{TAIL}"
+            "{HEAD}## Whole states\n\n{states}\n## Whole states with noise\n\n{noisy}\n## The first column alone, embedded\n\n{column}{TAIL}"
         ),
     )?;
     std::fs::write(folder.join("coverage.csv"), csv)?;

@@ -1,29 +1,40 @@
 //! One series: what the estimators say of it, held against the truth.
 
+use std::f64::consts::PI;
+
 use stickslip::analysis::data_spectrum::{
     DataError, DataExponent, DataSettings, Embedding, EmbeddingSettings, Origin, Series, Status,
     choose_embedding, data_spectrum, reversal,
 };
 
+use stickslip::math;
+use stickslip::statistics::SplitMix;
+
 use super::systems::Case;
+
+/// Part of a column's standard deviation.
+pub const NOISE: f64 = 0.01;
 
 /// What a series holds of the states.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Observed {
     /// All of them.
     States,
+    /// All of them, with noise of [`NOISE`].
+    Noisy,
     /// Their first value, which is embedded as the program `spectrum` embeds a column.
     Column,
 }
 
 impl Observed {
-    /// Both.
-    pub const ALL: [Observed; 2] = [Observed::States, Observed::Column];
+    /// Each way.
+    pub const ALL: [Observed; 3] = [Observed::States, Observed::Noisy, Observed::Column];
 
     /// A word for tables.
     pub fn word(self) -> &'static str {
         match self {
             Observed::States => "states",
+            Observed::Noisy => "noisy states",
             Observed::Column => "first column",
         }
     }
@@ -90,6 +101,10 @@ pub fn trial(
             let series = Series::new(values, case.columns, case.dt)?;
             settings().map(|settings| of_states(&series, &settings))
         }
+        Observed::Noisy => {
+            let series = Series::new(noisy(values, case.columns, seed), case.columns, case.dt)?;
+            settings().map(|settings| of_states(&series, &settings))
+        }
         Observed::Column => {
             let column = values.into_iter().step_by(case.columns).collect();
             let column = Series::new(column, 1, case.dt)?;
@@ -111,6 +126,24 @@ pub fn trial(
             sano_sawada: sano_sawada.next(),
         })
         .collect())
+}
+
+/// Each value with a normal error of its own, [`NOISE`] of its column's standard deviation, as of a sensor.
+fn noisy(mut values: Vec<f64>, columns: usize, seed: u64) -> Vec<f64> {
+    let mut random = SplitMix::new(seed);
+    for column in 0..columns {
+        let of = || values.iter().skip(column).step_by(columns);
+        let count = of().count() as f64;
+        let mean = of().sum::<f64>() / count;
+        let variance = of().map(|v| (v - mean) * (v - mean)).sum::<f64>() / count;
+        let size = NOISE * variance.sqrt();
+        for value in values.iter_mut().skip(column).step_by(columns) {
+            // Box and Muller, 1958; the logarithm's argument is not zero.
+            let radius = (-2.0 * math::ln(1.0 - random.uniform())).sqrt();
+            *value += size * radius * math::cos(2.0 * PI * random.uniform());
+        }
+    }
+    values
 }
 
 fn settings() -> [DataSettings; 2] {

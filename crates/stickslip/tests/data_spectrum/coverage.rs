@@ -8,6 +8,7 @@ mod table;
 #[path = "../../examples/spectrum_coverage/trial.rs"]
 mod trial;
 
+use stickslip::analysis::data_spectrum::{DataSettings, Series, Status, data_spectrum};
 use trial::Observed;
 
 const CSV: &str = include_str!("../../examples/spectrum_coverage/coverage.csv");
@@ -93,4 +94,32 @@ fn the_known_exponents_follow_from_the_equations() {
             assert!((mean - known).abs() < 4.0 * error + ROUNDING, "{told}");
         }
     }
+}
+
+/// With 30 reference points there are three blocks to tell an error from.
+#[test]
+fn few_references_hold_what_ok_promises() {
+    let settings = DataSettings {
+        references: Some(30),
+        ..DataSettings::sano_sawada()
+    };
+    // How often the plain scatter of three blocks, Student's 4.5266 in place of 2.0840 taken back, would hold.
+    let plain = 2.0840 / 4.5266;
+    let (mut ok, mut holds, mut narrow) = (0, 0, 0);
+    for case in systems::cases().iter().filter(|case| case.dt == 1.0) {
+        for seed in 0..100 {
+            let series = Series::new((case.series)(seed, 3000), case.columns, case.dt).unwrap();
+            let first = &data_spectrum(&series, &settings).unwrap().exponents[0];
+            if first.status == Status::Ok {
+                let off = (first.value - case.known[0]).abs();
+                ok += 1;
+                holds += usize::from(off <= 2.0 * first.stderr);
+                narrow += usize::from(off <= 2.0 * plain * first.stderr);
+            }
+        }
+    }
+    println!("{ok} {holds} {narrow}");
+    assert!(ok > 200, "{ok}");
+    assert!(10 * holds >= 9 * ok, "{holds} of {ok}");
+    assert!(10 * narrow < 9 * ok, "{narrow} of {ok}");
 }
