@@ -7,6 +7,7 @@ use assert_cmd::Command;
 use assert_cmd::cargo::cargo_bin_cmd;
 use predicates::prelude::*;
 use predicates::str::{contains, starts_with};
+use stickslip::statistics::SplitMix;
 
 fn program() -> Command {
     cargo_bin_cmd!("spectrum")
@@ -364,6 +365,25 @@ fn doubtful_spectra_come_with_a_warning() {
             "exponent 1 is undetermined: at more than 1 %",
         ),
         (
+            // With noise of a part in five hundred of the range.
+            {
+                let mut random = SplitMix::new(5);
+                let mut noise = move || 0.005 * (random.uniform() + random.uniform() - 1.0);
+                henon(false)
+                    .lines()
+                    .map(|line| {
+                        let values = line.split(',').map(|v| v.parse::<f64>().unwrap());
+                        let noisy: Vec<String> =
+                            values.map(|v| (v + noise()).to_string()).collect();
+                        format!("{}\n", noisy.join(","))
+                    })
+                    .collect()
+            },
+            vec![],
+            "noisy",
+            "give more --neighbours, values with less noise",
+        ),
+        (
             column,
             vec!["--dimension", "1"],
             "unpredictable",
@@ -533,6 +553,7 @@ fn help_has_examples_and_explains_the_status() {
         "--step 5 --affine",
         "collapses",
         "undetermined",
+        "noisy",
         "fixed_rank",
         "--delay",
         "--dimension",

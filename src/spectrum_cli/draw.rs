@@ -251,7 +251,11 @@ fn convergence(findings: &Findings) -> Panel {
                 Dash::Dashed,
                 format!("({}) unidentified", number(exponent.value, 4)),
             ),
-            Status::Unstable | Status::Starved | Status::Undetermined | Status::Unpredictable => (
+            Status::Unstable
+            | Status::Starved
+            | Status::Undetermined
+            | Status::Noisy
+            | Status::Unpredictable => (
                 Dash::Solid,
                 format!("{} {}", number(exponent.value, 4), exponent.status.word()),
             ),

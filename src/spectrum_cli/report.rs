@@ -188,6 +188,12 @@ pub fn warnings(findings: &Findings, source: &Table) -> Vec<String> {
             short(spectrum.residual_ratio)
         ));
     }
+    if let Some(which) = indices(Status::Noisy) {
+        warnings.push(format!(
+            "exponent {which} is noisy: noise of the size of what the maps leave unpredicted flattens them by more than two errors: give more \
+             --neighbours, values with less noise, or a longer --step"
+        ));
+    }
     if let Some(which) = indices(Status::Undetermined) {
         warnings.push(format!(
             "exponent {which} is undetermined: at more than 1 % of the reference points the neighbours do not determine the maps that are \
@@ -311,6 +317,7 @@ fn value(exponent: &DataExponent, is_spurious: bool) -> String {
         | Status::Unstable
         | Status::Starved
         | Status::Undetermined
+        | Status::Noisy
         | Status::Unpredictable => short(exponent.value),
         Status::Annihilated => "-inf".into(),
         Status::Unidentified if exponent.value.is_nan() => "–".into(),

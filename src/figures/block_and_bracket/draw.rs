@@ -233,6 +233,7 @@ fn table(set: &Set, data: &Data) -> Result<Table, PublishedError> {
                     Status::Unidentified => format!("({value})"),
                     Status::Starved
                     | Status::Undetermined
+                    | Status::Noisy
                     | Status::Unstable
                     | Status::Unpredictable => {
                         format!("{value} {}", e.status.word())

@@ -1,7 +1,7 @@
 //! How often the true exponent lies within two error bars where an estimate from data is called `ok`: series of systems of known
 //! spectrum, of lengths and starts that no constant of the estimator was chosen on.
 //!
-//! `cargo run --release -p stickslip --features data --example spectrum_coverage -- FOLDER` takes some ten minutes on two cores and
+//! `cargo run --release -p stickslip --features data --example spectrum_coverage -- FOLDER` takes some twenty minutes on two cores and
 //! writes `coverage.csv` and `README.md`; `--known` prints the exponents of the systems from the equations instead.
 
 mod systems;
@@ -54,10 +54,11 @@ fn write(folder: &Path) -> Result<(), Box<dyn Error>> {
     }
     let csv = table::csv(&rows);
     let [states, noisy, column] = Observed::ALL.map(|observed| table::table(&csv, observed));
+    let noise = 100.0 * trial::NOISE;
     std::fs::write(
         folder.join("README.md"),
         format!(
-            "{HEAD}## Whole states\n\n{states}\n## Whole states with noise\n\n{noisy}\n## The first column alone, embedded\n\n{column}{TAIL}"
+            "{HEAD}## Whole states\n\n{states}\n## Whole states with noise of {noise} %\n\n{noisy}\n## The first column alone, embedded\n\n{column}{TAIL}"
         ),
     )?;
     std::fs::write(folder.join("coverage.csv"), csv)?;
@@ -78,6 +79,9 @@ An exponent counts where the system has it; one that is called `ok` and that no 
 these, \"error\" the median distance from it, per unit of time. Of whole states those that are not `ok` are mostly strong contractions that no
 series shows (`unidentified`), and Chua's where the corners of its diode are in the neighbourhoods (`unstable`); of the first column most are
 not among those found, or `starved`.
+
+Noise is a normal error of each value, in parts of its column's standard deviation. The more points, the smaller the neighbourhoods, and the more
+of them is noise: an exponent is `noisy` then, or `unpredictable`.
 
 The first column is embedded with the delay and the number of values that are chosen from the data. Exponents that are told to be the
 embedding's own are left out; what the system has and the rest has not is not `ok`. The pendulum's first column is the sine of an angle that

@@ -13,7 +13,7 @@ use stickslip::statistics::SplitMix;
 use super::systems::Case;
 
 /// Part of a column's standard deviation.
-pub const NOISE: f64 = 0.01;
+pub const NOISE: f64 = 0.001;
 
 /// What a series holds of the states.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

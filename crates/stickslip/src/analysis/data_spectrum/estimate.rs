@@ -193,6 +193,7 @@ fn estimate<const N: usize>(
         references,
         starved,
         residual_ratio,
+        tau,
     };
     let exponents = (0..N)
         .map(|i| {
@@ -283,6 +284,8 @@ struct Evidence {
     references: usize,
     starved: usize,
     residual_ratio: f64,
+    /// Time that a map takes.
+    tau: f64,
 }
 
 impl Evidence {
@@ -308,8 +311,7 @@ impl Evidence {
             eps_sensitivity = corrected.large[i].mean - corrected.small[i].mean;
             best = corrected.best(i);
             if status == Status::Ok {
-                let ways = [corrected.range(i), corrected.gap(i)];
-                status = self.extrapolated(&best, ways, &corrected.zero[i]);
+                status = self.extrapolated(i, &best, corrected);
             }
         }
         let annihilated = status == Status::Annihilated;
@@ -337,12 +339,22 @@ impl Evidence {
         }
     }
 
-    /// Of an exponent that nothing speaks against before it is extrapolated. `ways` are those that it is away from others: at the larger size,
-    /// and by the maps that judge linear ones.
-    fn extrapolated(&self, best: &Average, ways: [f64; 2], zero: &Average) -> Status {
-        let tolerance = (RANGE * zero.stderr).max(PART * best.mean.abs());
+    /// Of an exponent that nothing speaks against before it is extrapolated, the `best` of its averages.
+    fn extrapolated<const N: usize>(
+        &self,
+        i: usize,
+        best: &Average,
+        corrected: &Corrected<N>,
+    ) -> Status {
+        // To those at the larger size, and by the maps that judge linear ones.
+        let ways = [corrected.range(i), corrected.gap(i)];
+        // Two errors are to hold the true value.
+        let flattened = corrected.noise[i] / self.tau > 2.0 * best.stderr;
+        let tolerance = (RANGE * corrected.zero[i].stderr).max(PART * best.mean.abs());
         if best.undetermined as f64 > UNDETERMINED * self.references as f64 {
             Status::Undetermined
+        } else if flattened {
+            Status::Noisy
         } else if ways.iter().all(|way| way.abs() <= tolerance) {
             Status::Ok
         } else {

@@ -15,6 +15,7 @@ use rayon::prelude::*;
 use super::averages::{Average, average, volume};
 use super::chain::{Stretch, carry};
 use super::cloud::Cloud;
+use super::directions::upper_median;
 use super::neighbours::{Finder, Neighbour};
 use super::polynomial::{Degree, Derivative, Fitter, Polynomial};
 use super::settings::DataSettings;
@@ -101,6 +102,8 @@ pub(super) struct Chains<const N: usize> {
     judged: Vec<Stretch<N>>,
     /// Mean radius, in the unit of the cloud.
     radius: [f64; 2],
+    /// Part of the neighbours' variance in each direction that is noise, at the smaller size.
+    noise: [f64; N],
     /// Tangent directions.
     dimension: usize,
 }
@@ -112,6 +115,8 @@ pub(super) struct Corrected<const N: usize> {
     pub(super) large: [Average; N],
     /// With statistical errors.
     pub(super) zero: [Average; N],
+    /// Part of the neighbours' variance in each direction that is noise, by which the maps are flattened.
+    pub(super) noise: [f64; N],
     /// By the maps that judge linear ones.
     judged: Option<[Average; N]>,
     /// Sum of the exponents of the tangent directions, with its whole error.
@@ -180,6 +185,7 @@ pub(super) fn run<const N: usize>(
     let mut judging: Vec<Square<N>> = bases[0].clone();
     let mut judged = Vec::new();
     let mut radius = [0.0; 2];
+    let mut noises = Vec::with_capacity(references);
     let mut from = 0;
     while from < references {
         (reference.progress)(from);
@@ -214,6 +220,7 @@ pub(super) fn run<const N: usize>(
         };
         for (i, local) in (from..until).zip(maps) {
             let chain = i % chains;
+            noises.push(local.sizes[0].0.noise);
             for (size, (map, distance)) in local.sizes.iter().enumerate() {
                 radius[size] += distance;
                 stretches[size].push(through(map, &mut bases[size][chain]));
@@ -227,6 +234,7 @@ pub(super) fn run<const N: usize>(
     Chains {
         stretches,
         judged,
+        noise: std::array::from_fn(|i| upper_median(noises.iter().map(|noise| noise[i]))),
         dimension: plan.polynomial.tangent,
         radius: radius.map(|sum| sum / references as f64),
     }
@@ -256,6 +264,7 @@ impl<const N: usize> Chains<N> {
             small: average(small, tau).0,
             large: average(large, tau).0,
             zero,
+            noise: self.noise,
             judged: judged.map(|judged| average(judged, tau).0),
             sum: with_bias(sum, range, gap(&sum, judged_sum.as_ref())),
         };

@@ -69,6 +69,10 @@
 //! [`divergence`] finds the largest exponent without maps, from how neighbours part (Rosenstein, Kantz), and finds the straight part of the
 //! curves by a rule. [`surrogate_test`] says whether a series is told from linear noise of the same spectrum and the same values.
 //!
+//! # Noise
+//! Noise of the points that a map is fitted to flattens it: a slope is too small by the part of their variance that is noise. What the maps
+//! leave unpredicted shows how much that may be, and where it is more than the error an exponent is [`Status::Noisy`].
+//!
 //! # When an exponent is minus infinity, and when unidentified
 //! In a stick phase the velocity is the belt's, exactly. Neighbours in such a phase do not differ in it: the neighbour
 //! matrix has a singular value at rounding, the map is undetermined in that direction, and the pseudo-inverse's zero

@@ -78,6 +78,9 @@ pub(super) struct Derivative<const N: usize> {
     pub(super) rank: usize,
     /// A stretching below this is rounding.
     pub(super) nothing: f64,
+    /// Part of the neighbours' variance in each direction that is noise, by which a slope is too small: half of what the images show, for they
+    /// have that of the points, too. NaN where there is nothing to tell it from.
+    pub(super) noise: [f64; N],
 }
 
 /// Memory for the matrices of a fit, used again for every point.
@@ -103,6 +106,7 @@ impl Fitter {
                 matrix: [[0.0; N]; N],
                 rank: 0,
                 nothing: 0.0,
+                noise: [f64::NAN; N],
             };
         }
         self.fill(points, j, neighbours, directions, polynomial);
@@ -148,6 +152,16 @@ impl Fitter {
         }
     }
 
+    /// Variance that the polynomial leaves of a component of the images; NaN where there are no degrees of freedom to tell from.
+    fn unpredicted(&self, rows: usize, unknowns: usize) -> f64 {
+        let images = self.design[unknowns * rows..].chunks_exact(rows);
+        let components = images.len();
+        let left: f64 = images
+            .map(|image| dot(&image[unknowns..], &image[unknowns..]))
+            .sum();
+        left / ((rows - unknowns) * components) as f64
+    }
+
     /// The linear part by back substitution in the last N rows of the triangle.
     fn derivative<const N: usize>(
         &self,
@@ -163,8 +177,10 @@ impl Fitter {
             matrix: [[0.0; N]; N],
             rank: 0,
             nothing: 0.0,
+            noise: [f64::NAN; N],
         };
         let widest = at(first, 0).abs();
+        let noise = 0.5 * rows as f64 * self.unpredicted(rows, unknowns);
         // `[component of the image][direction]`
         let mut slopes = [[0.0; N]; N];
         for i in (0..N).rev() {
@@ -179,6 +195,7 @@ impl Fitter {
                 continue;
             }
             derivative.rank += 1;
+            derivative.noise[i] = noise / (corner * corner);
             derivative.nothing = derivative.nothing.max(rounding / corner.abs());
             for (out, slopes) in slopes.iter_mut().enumerate() {
                 let others: f64 = (i + 1..N).map(|k| at(first + k, i) * slopes[k]).sum();
@@ -222,6 +239,7 @@ fn triangle(design: &mut [f64], rows: usize, unknowns: usize) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::statistics::SplitMix;
 
     /// Any quadratic map is recovered to rounding, also where the neighbours lie on a curved surface, of which a linear fit
     /// would take the curvature for a third direction.
@@ -268,6 +286,40 @@ mod tests {
             ..polynomial
         });
         assert_eq!(linear.rank, 3);
+    }
+
+    /// Points and images with noise of variance σ² beside a spread of s², turned by a rotation: its slopes come out too small by
+    /// f = σ²/(s² + σ²), and what is left unpredicted is 2f − f² of that spread.
+    #[test]
+    fn what_is_unpredicted_shows_by_how_much_noise_flattens_a_map() {
+        const COUNT: u32 = 20_000;
+        let mut random = SplitMix::new(3);
+        // Variances 1 and 1/25; sums of twelve are nearly normal.
+        let mut normal = || (0..12).map(|_| random.uniform()).sum::<f64>() - 6.0;
+        let mut points = vec![[0.0; 2]; 2];
+        let mut neighbours = Vec::new();
+        for _ in 0..COUNT {
+            let [x, y] = [normal(), normal()];
+            neighbours.push((1.0, points.len() as u32));
+            points.extend([[x, y], [y, -x]].map(|[a, b]| [a + 0.2 * normal(), b + 0.2 * normal()]));
+        }
+        let directions = [[1.0, 0.0], [0.0, 1.0]];
+        let linear = Polynomial {
+            forms: 0,
+            tangent: 2,
+            affine: false,
+            step: 1,
+            rounding: f64::EPSILON,
+        };
+        let found = Fitter::default().fit(&points, 0, &neighbours, &directions, &linear);
+        let flattened = 1.0 - 0.5 * (found.matrix[0][1] - found.matrix[1][0]);
+        let told = found.noise[0];
+        let wanted = 0.04 / 1.04;
+        assert!((flattened - wanted).abs() < 4e-3, "{flattened}");
+        assert!(
+            (told - wanted + 0.5 * wanted * wanted).abs() < 1.5e-3,
+            "{told}"
+        );
     }
 
     #[test]

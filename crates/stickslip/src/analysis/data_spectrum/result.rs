@@ -20,6 +20,10 @@ pub enum Status {
     /// It belongs to such a direction, but at more than 1 % of the reference points the neighbours do not determine the maps that are
     /// extrapolated ([`DataExponent::undetermined`]), as where values lie on a grid.
     Undetermined,
+    /// It belongs to such a direction, but noise flattens the maps that are extrapolated by more than two errors. Half of the variance of the
+    /// images that they leave unpredicted is taken for noise of the points; the part that this is of the neighbours' variance in the direction is
+    /// what the slope, and the logarithm of its stretching, is too small by.
+    Noisy,
     /// The maps do not predict where neighbours go ([`DataSpectrum::residual_ratio`] above 0.8): the points are not states of a
     /// deterministic system, or noise is as large as the neighbourhoods.
     Unpredictable,
@@ -32,11 +36,12 @@ pub enum Status {
 
 impl Status {
     /// All of them.
-    pub const ALL: [Status; 7] = [
+    pub const ALL: [Status; 8] = [
         Status::Ok,
         Status::Unstable,
         Status::Starved,
         Status::Undetermined,
+        Status::Noisy,
         Status::Unpredictable,
         Status::Unidentified,
         Status::Annihilated,
@@ -49,6 +54,7 @@ impl Status {
             Status::Unstable => "unstable",
             Status::Starved => "starved",
             Status::Undetermined => "undetermined",
+            Status::Noisy => "noisy",
             Status::Unpredictable => "unpredictable",
             Status::Unidentified => "unidentified",
             Status::Annihilated => "annihilated",
