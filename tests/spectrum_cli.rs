@@ -365,7 +365,7 @@ fn doubtful_spectra_come_with_a_warning() {
             "exponent 1 is undetermined: at more than 1 %",
         ),
         (
-            // With noise of a part in five hundred of the range.
+            // With noise of 0.002, uniform errors summed in pairs.
             {
                 let mut random = SplitMix::new(5);
                 let mut noise = move || 0.005 * (random.uniform() + random.uniform() - 1.0);

@@ -190,7 +190,7 @@ pub fn warnings(findings: &Findings, source: &Table) -> Vec<String> {
     }
     if let Some(which) = indices(Status::Noisy) {
         warnings.push(format!(
-            "exponent {which} is noisy: noise of the size of what the maps leave unpredicted flattens them by more than two errors: give more \
+            "exponent {which} is noisy: noise of the size of what the maps leave unpredicted may flatten them by more than two errors: give more \
              --neighbours, values with less noise, or a longer --step"
         ));
     }

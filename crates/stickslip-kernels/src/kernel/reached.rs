@@ -128,7 +128,7 @@ pub struct Outcome {
     pub transitions: Vec<TransitionThere>,
     /// Part of the time in which a contact sticks.
     pub in_stick: f64,
-    /// Modes at the end.
+    /// Modes where the orbit was left.
     pub modes: Modes,
     /// Time and state where the orbit was left; not kept on disk.
     #[serde(skip)]

@@ -81,7 +81,7 @@ series shows (`unidentified`), and Chua's where the corners of its diode are in 
 not among those found, or `starved`.
 
 Noise is a normal error of each value, in parts of its column's standard deviation. The more points, the smaller the neighbourhoods, and the more
-of them is noise: an exponent is `noisy` then, or `unpredictable`.
+of them is noise: an exponent is `noisy` then, or `unstable`.
 
 The first column is embedded with the delay and the number of values that are chosen from the data. Exponents that are told to be the
 embedding's own are left out; what the system has and the rest has not is not `ok`. The pendulum's first column is the sine of an angle that

@@ -158,7 +158,7 @@ fn noise_takes_the_ok_from_what_it_covers() {
     };
     for (size, wanted) in [
         (0.0, [Status::Ok, Status::Ok]),
-        (2e-4, [Status::Ok, Status::Noisy]),
+        (5e-4, [Status::Ok, Status::Noisy]),
         (2e-3, [Status::Noisy, Status::Noisy]),
     ] {
         let found = with(size);

@@ -50,8 +50,8 @@ pub(super) struct Trap<const N: usize> {
 }
 
 impl<const N: usize> Trap<N> {
-    /// The largest that is proven around an equilibrium near `at`, but not much larger than the orbit there needs. States stay within
-    /// `escape`.
+    /// The largest of some sizes that is proven around an equilibrium near `at`; the first is that which the orbit there needs. States stay
+    /// within `escape`.
     ///
     /// Near a stable equilibrium `x` the function `V(y) = yᵀPy` with `JᵀP + PJ = −1` falls along the linear flow (Lyapunov). The field at `x + y`
     /// is `A y`, where `A` is the mean of the Jacobian on the way from `x`; so `V` falls along the flow itself wherever `A` differs little enough
@@ -112,8 +112,8 @@ impl<const N: usize> Trap<N> {
     }
 }
 
-/// The largest level in steps downwards from one for which the claim holds; it is asked of a few of them, for what holds on an ellipsoid holds
-/// on smaller ones.
+/// The largest level in steps downwards from one for which the claim holds, if it holds for all smaller ones, too. The claim of a trap does, but
+/// for what rounding of the equilibrium leaves; where a smaller level fails for that, one that holds may be missed.
 fn largest(from: f64, claim: impl Fn(f64) -> bool) -> Option<f64> {
     let level = |step: u32| from * (SMALLER * SMALLER).powi(step as i32);
     if claim(from) {
@@ -179,10 +179,15 @@ fn differs<S: Switched<N, G>, const N: usize, const G: usize>(
             }
         }
     }
-    let differs = DMatrix::from_fn(N, N, |i, j| {
-        (high[(i, j)] - jacobian[(i, j)]).max(jacobian[(i, j)] - low[(i, j)])
-    });
-    differs.iter().all(|d| d.is_finite()).then_some(differs)
+    // A bound that is no number would be lost in the larger of two.
+    low.iter()
+        .chain(&high)
+        .all(|bound| bound.is_finite())
+        .then(|| {
+            DMatrix::from_fn(N, N, |i, j| {
+                (high[(i, j)] - jacobian[(i, j)]).max(jacobian[(i, j)] - low[(i, j)])
+            })
+        })
 }
 
 /// Whether all eigenvalues are to the left of zero for certain.

@@ -23,6 +23,7 @@ use search::{By, Search};
 ///
 /// Points of the section repeat if the last `p` of them are each near to the one `p` before, and what was left of the way to it, from the
 /// ratio of two differences `p` apart, is little as well: so points that creep do not pass for a pattern. The shortest such `p` is taken.
+/// One point that is met again to the last bits is enough, for its future is the same.
 /// The points' tags count, too: what transitions there were since the point before.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RecurrenceSettings {

@@ -78,7 +78,8 @@ pub struct Reached<const N: usize, K = Mode> {
     pub in_stick: f64,
     /// Mode at that time.
     pub mode: K,
-    /// Time at which the orbit was left; where it has just been released, that of the stick's beginning, from which it is better to go on.
+    /// Time at which the orbit was left; where the phase that ended then is one in which a contact sticks, that of its beginning, from which it is
+    /// better to go on.
     pub t: f64,
     /// State at that time. Where it is certain that the orbit comes to an equilibrium which it is still far from, it is moved there but for
     /// [`crate::analysis::RecurrenceSettings::closeness`].

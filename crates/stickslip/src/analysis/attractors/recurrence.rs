@@ -18,8 +18,8 @@ const SHRINKING: (usize, f64) = (4, 0.9);
 /// What may be left of the way where differences are too small to show a ratio: a way of so many.
 const UNSEEN: f64 = 100.0;
 
-/// Two states that differ by no more than so many units of the last place of a component's size are the same. Stick leaves nothing else of the
-/// way before it.
+/// Two states that differ by no more than so many units of the last place of a component's size are the same. They are met where
+/// stick leaves one state only, as in systems of two states without forcing.
 const SAME: f64 = 64.0;
 
 /// A cycle is so many times wider than the solver's rounding.

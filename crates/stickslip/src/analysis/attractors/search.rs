@@ -280,7 +280,8 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
         };
         let points = recurrence.last(pattern.returns);
         self.history.keep(&pattern.counts);
-        // Where stick ends is a bad place to go on from: at another parameter an orbit from there may miss the stick that is still to come.
+        // Where stick may have ended is a bad place to go on from: at another parameter an orbit from there may miss the stick that is still to
+        // come.
         let ended = self.history.last_phase().filter(|_| by == By::Transitions);
         self.left_at = ended.and_then(|last| {
             let begin = Timed {

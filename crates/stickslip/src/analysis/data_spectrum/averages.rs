@@ -19,6 +19,8 @@ pub(super) struct Average {
     pub(super) mean: f64,
     /// Standard error from the means over blocks of time; NaN for fewer than two blocks.
     pub(super) stderr: f64,
+    /// The same without regard to how few the blocks are: what a difference is measured by that is not told by scatter.
+    pub(super) scatter: f64,
     /// Steps in which the direction was annihilated.
     pub(super) collapses: usize,
     /// Steps in which the data determine nothing.
@@ -74,11 +76,15 @@ pub(super) fn average<const N: usize>(
             running.push((i + 1, sums.map(|sum| sum.mean() / tau)));
         }
     }
-    let averages = std::array::from_fn(|c| Average {
-        mean: sums[c].mean() / tau,
-        stderr: block_error(parts.iter().map(|block| block[c])) / tau,
-        collapses: collapses[c],
-        undetermined: undetermined[c],
+    let averages = std::array::from_fn(|c| {
+        let (scatter, widened) = block_error(parts.iter().map(|block| block[c]));
+        Average {
+            mean: sums[c].mean() / tau,
+            stderr: widened * scatter / tau,
+            scatter: scatter / tau,
+            collapses: collapses[c],
+            undetermined: undetermined[c],
+        }
     });
     (averages, running)
 }
@@ -96,13 +102,13 @@ pub(super) fn volume<const N: usize>(
     average(&volumes, tau).0[0]
 }
 
-/// Standard error of the mean from the scatter of the means of blocks. Fewer than [`BLOCKS`] tell their own scatter less well: the error then is
-/// wider, so that twice as much holds the mean as often as with all of them.
-fn block_error(blocks: impl Iterator<Item = Sum>) -> f64 {
+/// Standard error of the mean from the scatter of the means of blocks, and how many times it is widened. Fewer than [`BLOCKS`] tell their own
+/// scatter less well: the error then is wider, so that twice as much holds the mean as often as with all of them.
+fn block_error(blocks: impl Iterator<Item = Sum>) -> (f64, f64) {
     let means: Vec<f64> = blocks.filter(|b| b.1 > 0).map(Sum::mean).collect();
     let count = means.len() as f64;
     if means.len() < 2 {
-        return f64::NAN;
+        return (f64::NAN, 1.0);
     }
     let mean = means.iter().sum::<f64>() / count;
     let squares: f64 = means.iter().map(|m| (m - mean) * (m - mean)).sum();
@@ -111,7 +117,7 @@ fn block_error(blocks: impl Iterator<Item = Sum>) -> f64 {
     } else {
         1.0
     };
-    widened * (squares / (count - 1.0) / count).sqrt()
+    ((squares / (count - 1.0) / count).sqrt(), widened)
 }
 
 /// How many standard errors hold a mean as often as two do where the scatter is known exactly, if it is known from `freedom` degrees of freedom:
@@ -181,10 +187,12 @@ mod tests {
             let count = count as f64;
             (ones * (count - ones) / count / (count - 1.0) / count).sqrt()
         };
-        assert_eq!(block_error(blocks(BLOCKS)), plain(BLOCKS));
+        let (scatter, wider) = block_error(blocks(BLOCKS));
+        assert!((scatter / plain(BLOCKS) - 1.0).abs() < 1e-14 && wider == 1.0);
         // 4.5266 over 2.0840.
-        let wider = block_error(blocks(3)) / plain(3);
+        let (scatter, wider) = block_error(blocks(3));
+        assert!((scatter / plain(3) - 1.0).abs() < 1e-14);
         assert!((wider - 2.1721).abs() < 1e-4, "{wider}");
-        assert!(block_error(blocks(1)).is_nan());
+        assert!(block_error(blocks(1)).0.is_nan());
     }
 }

@@ -350,7 +350,7 @@ impl Evidence {
         let ways = [corrected.range(i), corrected.gap(i)];
         // Two errors are to hold the true value.
         let flattened = corrected.noise[i] / self.tau > 2.0 * best.stderr;
-        let tolerance = (RANGE * corrected.zero[i].stderr).max(PART * best.mean.abs());
+        let tolerance = (RANGE * corrected.zero[i].scatter).max(PART * best.mean.abs());
         if best.undetermined as f64 > UNDETERMINED * self.references as f64 {
             Status::Undetermined
         } else if flattened {
@@ -364,7 +364,7 @@ impl Evidence {
 
     fn status(&self, i: usize, full: &Average, eps_sensitivity: f64) -> Status {
         let references = self.references as f64;
-        let tolerance = (STANDARD_ERRORS * full.stderr).max(PART * full.mean.abs());
+        let tolerance = (STANDARD_ERRORS * full.scatter).max(PART * full.mean.abs());
         if i >= self.dimension || full.undetermined as f64 > UNDETERMINED * references {
             Status::Unidentified
         } else if full.collapses > 0 {

@@ -20,9 +20,10 @@ pub enum Status {
     /// It belongs to such a direction, but at more than 1 % of the reference points the neighbours do not determine the maps that are
     /// extrapolated ([`DataExponent::undetermined`]), as where values lie on a grid.
     Undetermined,
-    /// It belongs to such a direction, but noise flattens the maps that are extrapolated by more than two errors. Half of the variance of the
-    /// images that they leave unpredicted is taken for noise of the points; the part that this is of the neighbours' variance in the direction is
-    /// what the slope, and the logarithm of its stretching, is too small by.
+    /// It belongs to such a direction, but noise may flatten the maps that are extrapolated by more than two errors. What they leave unpredicted
+    /// of the images is taken for noise, the same in all columns, of images and points. The part that it is of the neighbours' variance in a
+    /// direction is what slopes, and logarithms of stretchings, are too small by; the first exponent is held against the widest direction, and so
+    /// on. Many that are called so are within two errors nevertheless.
     Noisy,
     /// The maps do not predict where neighbours go ([`DataSpectrum::residual_ratio`] above 0.8): the points are not states of a
     /// deterministic system, or noise is as large as the neighbourhoods.
@@ -70,7 +71,9 @@ pub struct DataExponent {
     pub value: f64,
     /// Standard error. By [`super::Estimator::SanoSawada`] that of the mean from the scatter between blocks of time, which is statistical
     /// only and knows nothing of bias; by [`super::Estimator::Extrapolated`] the root of the sum of squares of that, of the whole
-    /// step from the larger size to zero, and of the distance of linear maps that were asked for from quadratic ones. NaN where nothing determines the value.
+    /// step from the larger size to zero, and of the distance of linear maps that were asked for from quadratic ones. With fewer than 320
+    /// reference points there are fewer than 32 blocks, of ten points at least; the scatter is then wider by the quotient of Student's quantiles,
+    /// so that two errors hold as much. NaN where nothing determines the value.
     pub stderr: f64,
     /// The exponent by Eqs. (25) and (26), with its statistical error: the value itself with [`super::Estimator::SanoSawada`].
     pub sano_sawada: (f64, f64),
