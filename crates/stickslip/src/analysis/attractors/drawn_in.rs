@@ -7,6 +7,7 @@ use crate::analysis::multipliers;
 use crate::dual::Dual;
 use crate::filippov::{Flow, Switched, UseFlow};
 use crate::interval::Interval;
+use crate::math;
 use crate::ode::Timed;
 use crate::system::State;
 
@@ -115,7 +116,7 @@ impl<const N: usize> Trap<N> {
 /// The largest level in steps downwards from one for which the claim holds, if it holds for all smaller ones, too. The claim of a trap does, but
 /// for what rounding of the equilibrium leaves; where a smaller level fails for that, one that holds may be missed.
 fn largest(from: f64, claim: impl Fn(f64) -> bool) -> Option<f64> {
-    let level = |step: u32| from * (SMALLER * SMALLER).powi(step as i32);
+    let level = |step: u32| from * math::powi(SMALLER * SMALLER, step as i32);
     if claim(from) {
         return Some(from);
     }

@@ -244,7 +244,7 @@ fn rest_is_known_as_soon_as_nothing_can_keep_the_orbit_from_it() {
 fn a_trap_reaches_as_far_as_the_mean_slope_on_the_way_from_its_middle() {
     // V = (x² + y²)/2 falls to where y' = -y + x² has a slope, in the mean from the middle on, of no more than 9/5 in x. Within a radius r the
     // slope goes up to 2 r, and its mean, in eight parts, up to 9/8 r.
-    let radius = |[x, y]: [f64; 2]| x.hypot(y);
+    let radius = |[x, y]: [f64; 2]| math::hypot(x, y);
     let options = Options::default().longest_step(0.003);
     let known = |[x, y]: [f64; 2]| {
         let found = reached(&Smooth(Shear), [x, y], &within(50.0), &options);
