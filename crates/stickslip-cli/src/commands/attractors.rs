@@ -1,14 +1,14 @@
 //! Attractors in words, tables and JSON.
 
 use serde_json::{Value, json};
-use stickslip::Options;
 use stickslip::analysis::RecurrenceSettings;
+use stickslip::{Error, Mode, Options};
 
 use super::Failure;
 use super::tables::{exact, letters, state_json};
 use super::told::told;
 use crate::system::System;
-use stickslip_kernels::kernel::{Motion, Outcome};
+use stickslip_kernels::kernel::{Modes, Motion, Outcome};
 
 /// What the orbit from `x` at time 0 comes to.
 pub(super) fn reached_from(
@@ -20,6 +20,33 @@ pub(super) fn reached_from(
     let kernel = system.kernel();
     let outcome = kernel.attractor(x, settings, options, &|error| told(error, system));
     outcome.map_err(|error| Failure::from(error).of(system))
+}
+
+/// As [`reached_from`], for one start of many: that it lies outside the domain of the field, or beyond the escape bound, is an outcome of its own.
+pub(super) fn reached_from_one_of_many(
+    system: &System,
+    x: &[f64],
+    settings: &RecurrenceSettings,
+    options: &Options,
+) -> Result<Outcome, Failure> {
+    let kernel = system.kernel();
+    let at_once = |motion| Outcome {
+        motion,
+        points: Vec::new(),
+        phases: Vec::new(),
+        transitions: Vec::new(),
+        in_stick: 0.0,
+        // No run has begun, so that there is no mode; that of an orbit which comes to nothing is not told.
+        modes: Modes::new(&vec![Mode::Stick; system.contacts()]),
+        left_at: (0.0, x.to_vec()),
+    };
+    match kernel.attractor(x, settings, options, &|error| told(error, system)) {
+        Err(Error::Escaped { .. }) => Ok(at_once(Motion::Escape)),
+        Err(error @ Error::StartOutsideDomain { .. }) => {
+            Ok(at_once(Motion::Failure(told(&error, system))))
+        }
+        outcome => outcome.map_err(|error| Failure::from(error).of(system)),
+    }
 }
 
 /// The phases of a period, or the modes of a rest, as signs; of other motions, whose phases are only the last ones, nothing.

@@ -130,16 +130,34 @@ fn check_ends(low: f64, high: f64, option: &str) -> Result<(), Failure> {
     }
 }
 
+/// Points of a basin, or cells of a map, of which all are held in memory at the end.
+const MOST_POINTS: usize = 100_000_000;
+
+/// Refuses a number of points that no memory holds.
+pub(super) fn not_too_many(option: &str, points: Option<usize>) -> Result<(), Failure> {
+    if points.is_some_and(|points| points <= MOST_POINTS) {
+        return Ok(());
+    }
+    Err(Failure::Usage(format!(
+        "{option}: these are more than {MOST_POINTS} points; give fewer, and look at parts of the plane one after the other"
+    )))
+}
+
 /// The numbers of columns and rows of `200x100`.
 pub(super) fn grid(text: &str) -> Result<(NonZeroUsize, NonZeroUsize), Failure> {
     let numbers = text.split_once('x').and_then(|(columns, rows)| {
         Some((columns.trim().parse().ok()?, rows.trim().parse().ok()?))
     });
-    numbers.ok_or_else(|| {
+    let (columns, rows): (NonZeroUsize, NonZeroUsize) = numbers.ok_or_else(|| {
         Failure::Usage(format!(
             "--grid {text}: numbers of columns and rows are expected, both at least 1, as in --grid 200x100"
         ))
-    })
+    })?;
+    not_too_many(
+        &format!("--grid {text}"),
+        columns.get().checked_mul(rows.get()),
+    )?;
+    Ok((columns, rows))
 }
 
 /// Where along a row of so many cells the middle of one is.

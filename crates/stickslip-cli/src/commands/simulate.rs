@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use serde_json::json;
-use stickslip::{Ending, TransitionKind};
+use stickslip::{Ending, Error, TransitionKind};
 
 use super::arguments::{Ready, RunArguments};
 use super::recording::{Recording, kind_name};
@@ -51,6 +51,11 @@ fn followed(ready: &Ready, t_end: Option<f64>) -> Result<Found, Failure> {
     let outcome = system.kernel().run(&run, system.section(), &mut recording);
     recording.close();
     let failure = match &outcome {
+        // At a start whose future is not unique there is nothing to draw.
+        Ok(ended) if ended.t == *t => {
+            let x = stickslip::error::Point(ended.x.clone());
+            return Err(Failure::from(Error::NoUniqueFuture { t: *t, x }).of(system));
+        }
         Ok(_) => None,
         // What was reached is worth having; where nothing was, there is nothing to write.
         Err(error) if recording.points.len() > 1 => Some(told(error, system)),

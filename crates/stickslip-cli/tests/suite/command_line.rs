@@ -686,3 +686,45 @@ fn figures_are_also_written_as_png() {
         }
     }
 }
+
+/// Friction that pushes on: both fields lead away from the boundary.
+#[test]
+fn a_start_without_a_unique_future_is_told() {
+    let top = folder();
+    let system = r#"
+name = "pushed on"
+[states]
+x = ""
+v = ""
+[contacts.belt]
+boundary = "v - 0.2"
+friction = "-0.3"
+[field]
+x = "v"
+v = "-x - friction(belt)"
+[start]
+x = 0
+v = 0.2
+[time]
+end = 20
+"#;
+    std::fs::write(top.path().join("s.toml"), system).unwrap();
+    for command in ["simulate", "orbit"] {
+        program(top.path())
+            .args([command, "s.toml", "--out", "o"])
+            .assert()
+            .code(1)
+            .stderr(contains("no unique future").and(contains("--at-repelling")));
+    }
+    program(top.path())
+        .args([
+            "simulate",
+            "s.toml",
+            "--at-repelling",
+            "below",
+            "--out",
+            "o",
+        ])
+        .assert()
+        .success();
+}

@@ -297,3 +297,82 @@ fn killed_at_any_moment_the_same_command_goes_on() {
     }
     assert!(within >= 3, "only {within} of 10 were killed within");
 }
+
+/// A block on a belt, held by a spring of which the force is a logarithm: there is none left of 0.
+const LOGARITHM: &str = r#"
+name = "log spring"
+[states]
+x = "m"
+v = "m/s"
+[parameters]
+vp = 0.2
+mu = 0.3
+[contacts.belt]
+boundary = "v - vp"
+friction = "mu"
+[field]
+x = "v"
+v = "-ln(x) - friction(belt)"
+[start]
+x = 1
+v = 0
+[ranges]
+x = [-1, 3]
+v = [-0.1, 0.1]
+"#;
+
+#[test]
+fn starts_outside_the_domain_or_the_bound_lose_nothing_of_the_others() {
+    let top = folder();
+    std::fs::write(top.path().join("log.toml"), LOGARITHM).unwrap();
+    let motions = |arguments: &[&str], folder: &str| {
+        let output = program(top.path())
+            .args(arguments)
+            .args(["--json", "--out", folder])
+            .assert();
+        let json: Value = serde_json::from_slice(&output.success().get_output().stdout).unwrap();
+        let found = json["attractors"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .chain(json["no_attractor"].as_array().unwrap());
+        let share = |one: &Value| {
+            (
+                one["motion"].as_str().unwrap().to_owned(),
+                one["starts"].as_u64().unwrap(),
+            )
+        };
+        found.map(share).collect::<BTreeMap<_, _>>()
+    };
+    // The middles of two columns of four lie left of 0.
+    let found = motions(&["basin", "log.toml", "--grid", "8x1"], "o");
+    assert_eq!(found["failure"], 2, "{found:?}");
+    assert_eq!(found.values().sum::<u64>(), 8);
+    let found = motions(
+        &["basin", "leine", "--x", "x=2e6:3e6", "--grid", "2x1"],
+        "p",
+    );
+    assert_eq!(found["escape"], 2, "{found:?}");
+    let plane = ["--x", "vp=0.1:0.2", "--y", "mu=0.2:0.3", "--grid", "2x1"];
+    program(top.path())
+        .args(["map", "log.toml", "--start", "x=-1", "--out", "m"])
+        .args(plane)
+        .assert()
+        .success();
+    let cells = text(top.path().join("m/map.csv"));
+    assert_eq!(cells.matches("failure").count(), 2, "{cells}");
+}
+
+#[test]
+fn more_points_than_any_memory_holds_are_refused() {
+    let top = folder();
+    for (option, value) in [("--grid", "99999999x99999999"), ("--random", "100000001")] {
+        program(top.path())
+            .args(["basin", "leine", option, value])
+            .assert()
+            .code(2)
+            .stderr(contains(format!(
+                "{option} {value}: these are more than 100000000 points"
+            )));
+    }
+}

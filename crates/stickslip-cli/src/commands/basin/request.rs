@@ -7,8 +7,8 @@ use stickslip::analysis::RecurrenceSettings;
 
 use super::super::Failure;
 use super::super::arguments::{OutputArguments, SolverArguments};
-use super::super::attractors::reached_from;
-use super::super::range::{StateRange, grid};
+use super::super::attractors::reached_from_one_of_many;
+use super::super::range::{StateRange, grid, not_too_many};
 use super::super::sweeping::Sweep;
 use super::starts::Points;
 use super::{Arguments, found};
@@ -55,10 +55,13 @@ impl Basin {
             )));
         }
         let points = match (arguments.random, arguments.seed) {
-            (Some(number), seed) => Points::Random {
-                number,
-                seed: seed.unwrap_or(FIRST_SEED),
-            },
+            (Some(number), seed) => {
+                not_too_many(&format!("--random {number}"), Some(number.get()))?;
+                Points::Random {
+                    number,
+                    seed: seed.unwrap_or(FIRST_SEED),
+                }
+            }
             (None, Some(seed)) => {
                 return Err(Failure::Usage(format!(
                     "--seed {seed} has no effect on a grid; leave it out, or give --random"
@@ -121,7 +124,8 @@ impl Sweep for Basin {
             starts: Vec::new(),
         };
         for point in self.points.of_block(index) {
-            let outcome = reached_from(system, &self.start(point), &settings, &options)?;
+            let start = self.start(point);
+            let outcome = reached_from_one_of_many(system, &start, &settings, &options)?;
             let number = found::number(&mut reached.attractors, outcome, system, &settings);
             reached.starts.push(number);
         }

@@ -30,7 +30,7 @@ impl Cell {
         duration: f64,
         options: &Options,
     ) -> Result<Self, Failure> {
-        let outcome = attractors::reached_from(system, start, settings, options)?;
+        let outcome = attractors::reached_from_one_of_many(system, start, settings, options)?;
         let is_there = !outcome.points.is_empty();
         let phases = match outcome.motion {
             Motion::Periodic { .. } => attractors::cycle(&outcome),
