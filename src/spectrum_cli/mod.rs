@@ -61,7 +61,8 @@ series with the time reversed, in which only the system's change sign. With dela
 stderr holds the scatter over time and the whole way of the extrapolation to neighbourhoods of size zero; over 200 series of known
 spectrum, over one column of each, and over these states with noise of a thousandth of their spread, the true value was within two of it
 at least nine times in ten where the status is ok. These were 5000 points or more, with the default settings; of few --references it was
-counted for maps only. With --estimator sano-sawada, the estimator of Eqs. (25) and (26) without correction, it is statistical only and knows nothing of bias.
+counted for maps only. With --estimator sano-sawada, the estimator of Eqs. (25) and (26) without correction, it is statistical only and
+knows nothing of bias.
 eps_sensitivity (table and --json) is by how much the exponent changes with neighbourhoods of twice the size, a measure of the bias.
 Columns are used as they are, not standardised: bring them to comparable units first. Flows that are sampled densely gain from --step 5 --affine.
 

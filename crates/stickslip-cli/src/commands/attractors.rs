@@ -17,9 +17,17 @@ pub(super) fn reached_from(
     settings: &RecurrenceSettings,
     options: &Options,
 ) -> Result<Outcome, Failure> {
+    sought(system, x, settings, options).map_err(|error| Failure::from(error).of(system))
+}
+
+fn sought(
+    system: &System,
+    x: &[f64],
+    settings: &RecurrenceSettings,
+    options: &Options,
+) -> Result<Outcome, Error> {
     let kernel = system.kernel();
-    let outcome = kernel.attractor(x, settings, options, &|error| told(error, system));
-    outcome.map_err(|error| Failure::from(error).of(system))
+    kernel.attractor(x, settings, options, &|error| told(error, system))
 }
 
 /// As [`reached_from`], for one start of many: that it lies outside the domain of the field, or beyond the escape bound, is an outcome of its own.
@@ -29,7 +37,6 @@ pub(super) fn reached_from_one_of_many(
     settings: &RecurrenceSettings,
     options: &Options,
 ) -> Result<Outcome, Failure> {
-    let kernel = system.kernel();
     let at_once = |motion| Outcome {
         motion,
         points: Vec::new(),
@@ -40,7 +47,7 @@ pub(super) fn reached_from_one_of_many(
         modes: Modes::new(&vec![Mode::Stick; system.contacts()]),
         left_at: (0.0, x.to_vec()),
     };
-    match kernel.attractor(x, settings, options, &|error| told(error, system)) {
+    match sought(system, x, settings, options) {
         Err(Error::Escaped { .. }) => Ok(at_once(Motion::Escape)),
         Err(error @ Error::StartOutsideDomain { .. }) => {
             Ok(at_once(Motion::Failure(told(&error, system))))

@@ -349,7 +349,7 @@ fn starts_outside_the_domain_or_the_bound_lose_nothing_of_the_others() {
         }
         starts
     };
-    // The middles of two columns of four lie left of 0.
+    // The middles of two columns of eight lie left of 0.
     let found = motions(&["basin", "log.toml", "--grid", "8x1"], "o");
     assert_eq!(found["failure"], 2, "{found:?}");
     assert_eq!(found.values().sum::<u64>(), 8);

@@ -1,7 +1,7 @@
 //! How often the true exponent lies within two error bars where an estimate from data is called `ok`: series of systems of known
 //! spectrum, of lengths and starts that no constant of the estimator was chosen on.
 //!
-//! `cargo run --release -p stickslip --features data --example spectrum_coverage -- FOLDER` takes some twenty minutes on two cores and
+//! `cargo run --release -p stickslip --features data --example spectrum_coverage -- FOLDER` takes some fifteen minutes on two cores and
 //! writes `coverage.csv` and `README.md`; `--known` prints the exponents of the systems from the equations instead.
 
 mod systems;

@@ -32,7 +32,8 @@
 //! The true exponent is within two standard errors in nine of ten cases or more. That was counted on 200 series of eight systems of
 //! known spectrum, 5000 to 100000 points without noise, with lengths and starts that no constant was chosen on, on these with noise of a
 //! thousandth of their spread, and on their first columns alone, embedded, of both of which fewer exponents are called so: the tables are in
-//! `examples/spectrum_coverage/README.md`. It is no promise for data with noise of another kind, for series that do not go through the attractor many times, and for systems with corners at points that few orbits visit.
+//! `examples/spectrum_coverage/README.md`. It is no promise for data with noise of another kind, for series that do not go through the
+//! attractor many times, and for systems with corners at points that few orbits visit.
 //!
 //! # The divergence
 //! The exponents of all directions add up to the mean divergence of the system. Where it is known,
@@ -71,7 +72,7 @@
 //!
 //! # Noise
 //! Noise of the points that a map is fitted to flattens it: a slope is too small by the part of their variance that is noise. What the maps
-//! leave unpredicted shows how much that may be, and where it is more than the error an exponent is [`Status::Noisy`].
+//! leave unpredicted shows how much that may be, and where it is more than two errors an exponent is [`Status::Noisy`].
 //!
 //! # When an exponent is minus infinity, and when unidentified
 //! In a stick phase the velocity is the belt's, exactly. Neighbours in such a phase do not differ in it: the neighbour
