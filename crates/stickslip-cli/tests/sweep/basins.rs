@@ -381,3 +381,60 @@ fn more_points_than_any_memory_holds_are_refused() {
             )));
     }
 }
+
+/// A drive weaker than friction leaves the block where it is, in one set of equilibria and not in one attractor for each place.
+#[test]
+fn rest_under_a_weak_drive_is_one_attractor() {
+    let top = folder();
+    let arguments = [
+        "basin",
+        "den-hartog",
+        "--set",
+        "S=2",
+        "--x",
+        "x=-0.9:0.9",
+        "--y",
+        "v=-0.3:0.3",
+    ];
+    let output = program(top.path())
+        .args(arguments)
+        .args(["--grid", "4x4", "--json"])
+        .assert()
+        .success();
+    let json: Value = serde_json::from_slice(&output.get_output().stdout).unwrap();
+    let [rest] = &json["attractors"].as_array().unwrap()[..] else {
+        panic!("{json:#}");
+    };
+    assert_eq!(
+        (&rest["motion"], &rest["starts"]),
+        (&"set of equilibria".into(), &16.into())
+    );
+}
+
+/// The folder knows a system by its text, wherever its file is.
+#[test]
+fn a_system_is_the_same_by_another_path() {
+    let top = folder();
+    program(top.path())
+        .args(["new", "mine.toml"])
+        .assert()
+        .success();
+    let basin = |file: &str| {
+        let mut program = program(top.path());
+        program.args(["basin", file, "--grid", "3x3"]).assert()
+    };
+    basin("mine.toml").success();
+    std::fs::create_dir(top.path().join("there")).unwrap();
+    std::fs::rename(
+        top.path().join("mine.toml"),
+        top.path().join("there/other.toml"),
+    )
+    .unwrap();
+    basin("./there/other.toml").success();
+    let changed = text(top.path().join("there/other.toml"))
+        .replace("mu0 = { value = 0.4", "mu0 = { value = 0.5");
+    std::fs::write(top.path().join("there/other.toml"), changed).unwrap();
+    basin("there/other.toml").failure().stderr(contains(
+        "holds another sweep: the argument `parameters` was",
+    ));
+}

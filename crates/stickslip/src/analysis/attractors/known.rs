@@ -10,11 +10,14 @@ use crate::system::{State, components};
 /// Points between two of a set of equilibria that must be of it.
 const BETWEEN: usize = 16;
 
+/// Moments of the drive's period at which rest must hold there.
+const MOMENTS: usize = 32;
+
 /// The attractors met so far, each with a number in the order in which it was met first.
 ///
 /// Two orbits have come to the same one if they have come to the same kind of motion, and
 /// - at an equilibrium, to the same point;
-/// - at a set of equilibria, to points between which (on a straight line, laid onto the boundary) there are only further ones;
+/// - at a set of equilibria, to points between which (on a straight line, laid onto the boundary) there are only further ones, at every moment of a drive;
 /// - on a periodic orbit, to the same points of the section in the same order, with the same cycle of phases;
 /// - on a recurrent one, to points of which nearly all lie near (5 % of their extent) to one of the other's.
 ///
@@ -39,6 +42,7 @@ const BETWEEN: usize = 16;
 pub struct Attractors<'a, S: Switched<N, G>, const N: usize, const G: usize> {
     system: &'a S,
     closeness: f64,
+    forcing: Option<f64>,
     found: Vec<Reached<N, S::Mode>>,
 }
 
@@ -51,6 +55,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Attractors<'a, S, N,
         Attractors {
             system,
             closeness: TIMES * settings.closeness,
+            forcing: settings.forcing,
             found: Vec::new(),
         }
     }
@@ -134,7 +139,18 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Attractors<'a, S, N,
                 .system
                 .with_flow(mode, branch, Velocity(t, components(&x)));
             let rests = State::from(velocity).amax() <= self.closeness * x.amax();
-            rests && holds(self.system, mode, Timed { t, x })
+            rests && self.holds(mode, Timed { t, x })
+        })
+    }
+
+    /// Whether a mode holds at a point of rest, with a drive through its whole period: at as many moments of it.
+    fn holds(&self, mode: S::Mode, at: Timed<N>) -> bool {
+        let Some(period) = self.forcing else {
+            return holds(self.system, mode, at);
+        };
+        (0..MOMENTS).all(|k| {
+            let t = at.t + period * k as f64 / MOMENTS as f64;
+            holds(self.system, mode, Timed { t, x: at.x })
         })
     }
 }

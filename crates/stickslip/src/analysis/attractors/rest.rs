@@ -15,7 +15,7 @@ use crate::system::{State, components};
 const MOST: usize = 30;
 
 /// Part of the largest entry of the Jacobian below which an eigenvalue, or a singular value, cannot be told from zero.
-pub(super) const ZERO: f64 = 1e-7;
+pub(crate) const ZERO: f64 = 1e-7;
 
 /// A point of rest.
 #[derive(Clone, Copy, Debug)]
@@ -135,9 +135,30 @@ pub(super) fn rest_at<S: Switched<N, G>, const N: usize, const G: usize>(
     if velocities.is_some_and(|all| all.iter().any(|v| v.high > v.low)) {
         return None;
     }
+    let kind = kind_by(system, mode, &Timed { t: at.t, x }, &jacobian)?;
+    Some((kind, x))
+}
+
+/// Whether a state of rest is one of a set; `None` where it does not attract.
+pub(super) fn kind_of_rest<S: Switched<N, G>, const N: usize, const G: usize>(
+    system: &S,
+    mode: S::Mode,
+    at: &Timed<N>,
+) -> Option<Kind> {
+    let jacobian = jacobian_of(system, mode, at.t, &at.x);
+    kind_by(system, mode, at, &jacobian)
+}
+
+/// The same by the Jacobian there.
+fn kind_by<S: Switched<N, G>, const N: usize, const G: usize>(
+    system: &S,
+    mode: S::Mode,
+    at: &Timed<N>,
+    jacobian: &SMatrix<f64, N, N>,
+) -> Option<Kind> {
     let bound = ZERO * jacobian.amax();
     let mut zeros = 0;
-    for value in multipliers(&jacobian) {
+    for value in multipliers(jacobian) {
         if value.norm() <= bound {
             zeros += 1;
         } else if value.re >= -bound {
@@ -145,11 +166,10 @@ pub(super) fn rest_at<S: Switched<N, G>, const N: usize, const G: usize>(
         }
     }
     // Off its boundary the sliding field leaves the boundary function as it is: a zero for each contact that sticks.
-    let of_stick = system.normals(mode, &Timed { t: at.t, x }).len();
-    let kind = if zeros > of_stick {
+    let of_stick = system.normals(mode, at).len();
+    Some(if zeros > of_stick {
         Kind::EquilibriumSet
     } else {
         Kind::Equilibrium
-    };
-    Some((kind, x))
+    })
 }

@@ -8,7 +8,7 @@ use super::history::History;
 use super::nearness::{Extent, Nearness};
 use super::reached::{Kind, Reached, SectionPoint};
 use super::recurrence::{Pattern, Recurrence};
-use super::rest::rest_at;
+use super::rest::{kind_of_rest, rest_at};
 use super::{RecurrenceSettings, recurrent, turning::Turning};
 use crate::error::Error;
 use crate::filippov::{
@@ -153,7 +153,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
                         t: event.t,
                         x: event.x,
                     };
-                    self.event(at)
+                    self.event(at, event.mode)
                 }
                 Happening::Progress(Progress::Step) => {
                     let integration = watched.integration();
@@ -249,13 +249,29 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
         self.closes(found, By::Transitions)
     }
 
-    fn event(&mut self, at: SectionPoint<N>) -> Option<(Kind, Vec<SectionPoint<N>>)> {
+    fn event(
+        &mut self,
+        at: SectionPoint<N>,
+        mode: S::Mode,
+    ) -> Option<(Kind, Vec<SectionPoint<N>>)> {
         if self.by == By::Transitions && self.quiet <= QUIET {
             return None;
         }
         let (tag, extent) = self.since_last(&at.x);
         let found = self.by_event.pass(at, tag, self.history.count(), extent);
+        let is_held = found.is_some_and(|pattern| self.rests(&pattern.extent, mode));
+        let here = Timed { t: at.t, x: at.x };
+        if is_held && let Some(kind) = kind_of_rest(self.system, mode, &here) {
+            return Some((kind, vec![at]));
+        }
         self.closes(found, By::Events)
+    }
+
+    /// Whether friction has held the orbit in one place while the drive went through its period: then it does so for ever.
+    fn rests(&self, extent: &Extent<N>, mode: S::Mode) -> bool {
+        let moves = extent.high - extent.low;
+        let stays = |i: usize| moves[i] <= self.near.rounding(self.ever.size(i));
+        self.settings.forcing.is_some() && S::any_sticks(mode) && (0..N).all(stays)
     }
 
     /// What has happened since the last point, and where the orbit has been; from here it counts anew.

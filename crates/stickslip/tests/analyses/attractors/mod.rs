@@ -364,6 +364,47 @@ fn forced_orbits_are_compared_at_whole_periods() {
     }
 }
 
+/// What drives with less than the friction moves nothing that is within their difference of the middle, at any moment of its period.
+#[test]
+fn rest_under_a_drive_is_one_set_of_equilibria() {
+    let options = Options::tol(1e-10);
+    let settings = within(2e3).forced(2.0 * PI);
+    let held = DenHartog {
+        frequency: 1.0,
+        friction: 2.0,
+    };
+    let any = held.any();
+    let mut known = Attractors::new(&any, &settings);
+    for start in [
+        [0.3, 0.0],
+        [-0.9, 0.0],
+        [3.1, -0.4],
+        [0.8, -0.9],
+        [0.0, 0.0],
+    ] {
+        let found = reached(&held, start, &settings, &options);
+        assert_eq!(
+            (&found.kind, found.mode),
+            (&Kind::EquilibriumSet, Mode::Stick)
+        );
+        assert!(found.points[0].x[0].abs() <= 1.0 && found.points[0].x[1] == 0.0);
+        assert_eq!(found.in_stick, 1.0);
+        assert_eq!(known.number(found), 0, "{start:?}");
+    }
+    // With less friction the same drive moves it, and its orbit is no rest though it sticks at times.
+    let moved = DenHartog {
+        frequency: 0.4,
+        friction: 0.9,
+    };
+    let found = reached(&moved, [0.3, 0.0], &within(2e3).forced(5.0 * PI), &options);
+    assert!(
+        matches!(found.kind, Kind::Periodic { .. }),
+        "{}",
+        found.kind
+    );
+    assert!(found.in_stick > 0.1);
+}
+
 #[test]
 fn den_hartog_s_amplitudes_are_found_from_a_run_and_refined() {
     let settings = [
