@@ -2,12 +2,15 @@
 
 use nalgebra::SMatrix;
 
+use super::periodic::slope_at;
 use super::tangent::{Tangent, flatten};
 use crate::error::Error;
 use crate::filippov::{
     Integration, Options, Progress, StepRecord, Summary, Switched, Transition, TransitionKind,
+    Velocity,
 };
-use crate::system::State;
+use crate::ode::Timed;
+use crate::system::{Mode, Side, State, components};
 
 /// The derivative ∂x(t)/∂x(t0) of the flow map along one orbit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,7 +24,7 @@ pub struct Monodromy<const N: usize> {
 }
 
 /// The monodromy matrix from `(t0, x0)` to `t_end`: every step is run again on dual numbers, every
-/// transition contributes its saltation matrix.
+/// transition contributes its saltation matrix. Where a contact sticks at the start, a change across its Σ is one that comes back to Σ at once.
 ///
 /// # Errors
 /// Those of [`crate::run`]; [`Error::NoUniqueFuture`] where Σ repels, and at a two-fold; [`Error::TangentSingular`] where the orbit grazes Σ, or
@@ -33,17 +36,55 @@ pub fn monodromy<S: Switched<N, G>, const N: usize, const G: usize>(
     t_end: f64,
     options: &Options,
 ) -> Result<Monodromy<N>, Error> {
-    let tangent = Tangent::new(system, options);
+    carried(
+        system,
+        t0,
+        x0.into(),
+        t_end,
+        options,
+        TangentMap::identity(),
+    )
+}
+
+/// The same of a system that does not depend on time. There the flow carries its own direction along exactly. So that direction is taken out
+/// of what is carried and put back at the end: near an equilibrium, where an orbit is slow and neighbours part fast, what a step errs along the
+/// flow would else grow beyond all that is asked for.
+///
+/// # Errors
+/// As [`monodromy`].
+pub(super) fn monodromy_of_autonomous<S: Switched<N, G>, const N: usize, const G: usize>(
+    system: &S,
+    t0: f64,
+    x0: State<N>,
+    t_end: f64,
+    options: &Options,
+) -> Result<Monodromy<N>, Error> {
     let mut map = TangentMap::identity();
+    map.take_out(&slope_at(system, t0, &x0));
+    carried(system, t0, x0, t_end, options, map)
+}
+
+fn carried<S: Switched<N, G>, const N: usize, const G: usize>(
+    system: &S,
+    t0: f64,
+    x0: State<N>,
+    t_end: f64,
+    options: &Options,
+    mut map: TangentMap<N>,
+) -> Result<Monodromy<N>, Error> {
+    let tangent = Tangent::new(system, options);
     let mut integration = Integration::new(system, t0, x0, t_end, options)?;
+    map.begin(system, integration.mode(), &Timed { t: t0, x: x0 });
     loop {
         match integration.step()? {
             Progress::Step => map.through_step(&tangent, &integration.last_step()),
             Progress::Transition(at) => map.through_transition(&tangent, &at)?,
             Progress::PhaseEnd(_) => {}
             Progress::End(summary) => {
+                let here = Velocity(summary.t, components(&summary.x));
+                let velocity = system.with_flow(integration.mode(), S::Branch::default(), here);
                 return Ok(Monodromy {
-                    matrix: map.matrix,
+                    matrix: map.whole(&velocity.into()),
                     stick_entries: map.stick_entries,
                     summary,
                 });
@@ -56,6 +97,8 @@ pub fn monodromy<S: Switched<N, G>, const N: usize, const G: usize>(
 pub(super) struct TangentMap<const N: usize> {
     pub(super) matrix: SMatrix<f64, N, N>,
     stick_entries: usize,
+    /// How much of the velocity was taken out of each column, where it is.
+    along: Option<State<N>>,
 }
 
 impl<const N: usize> TangentMap<N> {
@@ -63,6 +106,52 @@ impl<const N: usize> TangentMap<N> {
         TangentMap {
             matrix: SMatrix::from_fn(|i, j| f64::from(u8::from(i == j))),
             stick_entries: 0,
+            along: None,
+        }
+    }
+
+    /// Takes the direction of this velocity out of all columns.
+    fn take_out(&mut self, velocity: &State<N>) {
+        let square = velocity.norm_squared();
+        // At rest there is no direction.
+        if square == 0.0 {
+            return;
+        }
+        let parts = self.matrix.tr_mul(velocity) / square;
+        self.matrix -= velocity * parts.transpose();
+        *self.along.get_or_insert_with(State::zeros) += parts;
+    }
+
+    /// With what was taken out.
+    fn whole(&self, velocity: &State<N>) -> SMatrix<f64, N, N> {
+        match self.along {
+            Some(along) => self.matrix + velocity * along.transpose(),
+            None => self.matrix,
+        }
+    }
+
+    /// An orbit that begins in stick was on Σ before: of a change across it nothing is left.
+    pub(super) fn begin<S: Switched<N, G>, const G: usize>(
+        &mut self,
+        system: &S,
+        mode: S::Mode,
+        at: &Timed<N>,
+    ) {
+        for (contact, normal) in system.normals(mode, at) {
+            // The way back to Σ is along one side's field, by which the other's and that of stick differ from it, too.
+            let [below, above] = [Side::Below, Side::Above].map(|side| {
+                let slips = S::with_mode_of(mode, contact, Mode::Slip(side));
+                let here = Velocity(at.t, components(&at.x));
+                State::from(system.with_flow(slips, S::Branch::default(), here))
+            });
+            let way = above - below;
+            let across = normal.dot(&way);
+            if across != 0.0 {
+                on_columns(&mut self.matrix, |column| {
+                    *column -= way * (normal.dot(column) / across);
+                    flatten(&normal, column);
+                });
+            }
         }
     }
 
@@ -74,6 +163,13 @@ impl<const N: usize> TangentMap<N> {
         on_columns(&mut self.matrix, |column| {
             *column = tangent.carried(step, column)
         });
+        if self.along.is_some() {
+            let here = Velocity(step.t_end, components(&step.x_end));
+            let velocity = tangent
+                .system
+                .with_flow(step.mode, S::Branch::default(), here);
+            self.take_out(&velocity.into());
+        }
     }
 
     pub(super) fn through_transition<S: Switched<N, G>, const G: usize>(

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector, SMatrix};
 
-use super::monodromy::{Monodromy, monodromy};
+use super::monodromy::{Monodromy, monodromy, monodromy_of_autonomous};
 use crate::error::Error;
 use crate::filippov::{
     Direction, Happening, Integration, Options, Plane, Progress, Switched, Velocity, Watched,
@@ -165,7 +165,10 @@ fn shoot<S: Switched<N, G>, const N: usize, const G: usize>(
     let (mut residual, mut wanted) = (f64::INFINITY, by_tolerance);
     let guessed = period;
     for _ in 0..MOST {
-        let turn = monodromy(system, t, x, t + period, options)?;
+        let turn = match phase {
+            Some(_) => monodromy_of_autonomous(system, t, x, t + period, options)?,
+            None => monodromy(system, t, x, t + period, options)?,
+        };
         if turn.summary.ending != Ending::EndTime {
             return Err(turn.summary.no_unique_future());
         }

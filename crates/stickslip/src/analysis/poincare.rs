@@ -146,6 +146,8 @@ where
         &mut self,
     ) -> Result<(Return<N, S::Mode>, SMatrix<f64, N, N>), Error> {
         let mut map = TangentMap::identity();
+        let mode = self.watched.integration().mode();
+        map.begin(self.system, mode, &self.at);
         let event = self.advance(Some(&mut map))?;
         let flow = map.matrix;
         let here = Velocity(event.t, components(&event.x));

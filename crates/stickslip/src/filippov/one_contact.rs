@@ -157,9 +157,9 @@ impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
         }
     }
 
-    fn normals(&self, mode: Mode, at: &Timed<N>) -> Vec<State<N>> {
+    fn normals(&self, mode: Mode, at: &Timed<N>) -> Vec<(usize, State<N>)> {
         match mode {
-            Mode::Stick => vec![boundary_gradient(self, at.t, &at.x).0],
+            Mode::Stick => vec![(0, boundary_gradient(self, at.t, &at.x).0)],
             Mode::Slip(_) => Vec::new(),
         }
     }

@@ -106,9 +106,9 @@ pub trait Switched<const N: usize, const G: usize> {
     #[doc(hidden)]
     fn mode_by_side(&self, t: f64, x: &State<N>) -> Self::Mode;
 
-    /// The gradients of the boundary functions of the contacts that stick.
+    /// The contacts that stick, and the gradients of their boundary functions.
     #[doc(hidden)]
-    fn normals(&self, mode: Self::Mode, at: &Timed<N>) -> Vec<State<N>>;
+    fn normals(&self, mode: Self::Mode, at: &Timed<N>) -> Vec<(usize, State<N>)>;
 
     /// Whether any contact sticks.
     #[doc(hidden)]

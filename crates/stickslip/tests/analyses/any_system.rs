@@ -3,7 +3,9 @@
 use stickslip::{Error, Filippov, Scalar, Side};
 
 use crate::attractors::systems::{Backwards, Detour, Driven, Leine, Pushed, Rings, Shear, Wells};
-use crate::bifurcations::systems::{Beat, DrivenFamily, Ends, Held, Island, Pitchfork, Twisted};
+use crate::bifurcations::systems::{
+    Area, Beat, Belt, DrivenFamily, Ends, Held, Island, Pitchfork, Twisted,
+};
 use crate::den_hartog::DenHartog;
 use crate::line::Line;
 use crate::listed::{Listed, systems};
@@ -18,7 +20,7 @@ systems!(
 
 systems!(
     Any3, 3:
-    DrivenFamily(DrivenFamily), Island(Island), Lorenz(Smooth<Lorenz>), Rings(Rings), Twisted(Twisted),
+    Belt(Belt), DrivenFamily(DrivenFamily), Island(Island), Lorenz(Smooth<Lorenz>), Rings(Rings), Twisted(Twisted),
 );
 
-systems!(Any4, 4: Pitchfork(Pitchfork));
+systems!(Any4, 4: Area(Area), Pitchfork(Pitchfork));

@@ -117,9 +117,10 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Behind<'_, S, N, G> {
             let apart = good.iter().rev().find(|one| (one.s - last.s).abs() > least);
             let same = last.circuit.sequence();
             let further = || {
-                DISTANCES.iter().find_map(|part| {
-                    let s = last.s - step.signum() * 0.1 * part * self.width;
-                    let found = self.at_parameter(last.circuit.anchor, last.circuit.period, s)?;
+                let away = DISTANCES.map(|part| -0.1 * step.signum() * part * self.width);
+                let ways = away.into_iter().flat_map(|way| [way, -way]);
+                ways.map(|way| last.s + way).find_map(|s| {
+                    let found = self.corrector.next_at(last, s)?;
                     (found.circuit.sequence() == same).then_some(found)
                 })
             };
@@ -157,11 +158,8 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Behind<'_, S, N, G> {
             (one.circuit.anchor.x[N - 1] - here).abs() > 1e-6 * self.width
         };
         let before = self.good.iter().rev().find(is_apart)?;
-        let way = at.x - before.circuit.anchor.x;
-        let mut slope = way / way[N - 1];
-        let mut flow = corner.branch.slope;
-        flow[N - 1] = 0.0;
-        slope -= flow * (flow.dot(&slope) / flow.norm_squared());
+        let way = self.corrector.way(&before.circuit.anchor, at);
+        let slope = way / way[N - 1];
         let old = corner.circuit.sequence();
         let period = corner.circuit.period;
         let orbit = |x: State<N>| {

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector, SMatrix};
 
-use crate::analysis::monodromy::monodromy;
+use crate::analysis::monodromy::{monodromy, monodromy_of_autonomous};
 use crate::analysis::periodic::{rounding, slope_at};
 use crate::analysis::sequence::circuit::Circuit;
 use crate::analysis::sequence::locate::Known;
@@ -11,8 +11,14 @@ use crate::ode::Timed;
 use crate::orbit::Ending;
 use crate::system::State;
 
+use super::walk::at_parameter;
+
 /// Iterations allowed.
 const MOST: usize = 12;
+
+/// An orbit closes in its velocity to this part of it. Where it is slow that says more than that it closes in place: next to an equilibrium
+/// any orbit comes back to where it was, within what rounding leaves.
+const SAME_VELOCITY: f64 = 1e-4;
 
 /// What the branch needs of a periodic orbit besides its circuit.
 #[derive(Clone, Debug)]
@@ -20,7 +26,7 @@ pub(super) struct Solved<const N: usize> {
     /// The derivative of the flow map over the period, that with respect to the parameter in the last column.
     pub matrix: SMatrix<f64, N, N>,
     /// The start, and the direction of the flow there.
-    pub start: State<N>,
+    pub start: Timed<N>,
     pub slope: State<N>,
     pub iterations: usize,
 }
@@ -46,6 +52,70 @@ pub(super) struct Corrector<'a, S> {
 }
 
 impl<S> Corrector<'_, S> {
+    /// The next orbit of a branch at another parameter, along the tangent: where states and period go with the parameter while the orbit closes.
+    pub fn next_at<const N: usize, const G: usize>(
+        &self,
+        from: &OnBranch<N, S::Mode>,
+        parameter: f64,
+    ) -> Option<OnBranch<N, S::Mode>>
+    where
+        S: Switched<N, G>,
+    {
+        let Solved {
+            matrix,
+            start,
+            slope,
+            ..
+        } = &from.branch;
+        let states = N - 1;
+        let unknowns = states + usize::from(self.forced.is_none());
+        let mut closes = DMatrix::<f64>::zeros(unknowns, unknowns);
+        let mut right = DVector::<f64>::zeros(unknowns);
+        for i in 0..states {
+            for j in 0..states {
+                closes[(i, j)] = matrix[(i, j)] - f64::from(u8::from(i == j));
+            }
+            right[i] = -matrix[(i, states)];
+            if self.forced.is_none() {
+                closes[(i, states)] = slope[i];
+                closes[(states, i)] = slope[i];
+            }
+        }
+        let tangent = closes.lu().solve(&right)?;
+        let way = parameter - start.x[states];
+        let mut at = *start;
+        for i in 0..states {
+            at.x[i] += tangent[i] * way;
+        }
+        let of_period = if self.forced.is_none() {
+            tangent[states]
+        } else {
+            0.0
+        };
+        self.orbit(
+            &at_parameter(at, from.circuit.period + of_period * way, parameter),
+            parameter,
+        )
+    }
+
+    /// The way from one orbit of a branch to the next, across the flow; with a forcing, at the second one's time.
+    pub fn way<const N: usize, const G: usize>(&self, from: &Timed<N>, to: &Timed<N>) -> State<N>
+    where
+        S: Switched<N, G>,
+    {
+        let way = to.x - from.x;
+        let [before, flow] = [from, to].map(|at| slope_at(self.system, at.t, &at.x));
+        // What one orbit moves while the other is waited for, by the trapezium rule: next to a graze orbits differ by the square of that time.
+        let mean = (before + flow) * 0.5;
+        if self.forced.is_some() {
+            return way - mean * (to.t - from.t);
+        }
+        // Along the flow it is the same orbit.
+        let across =
+            |way: State<N>, flow: State<N>| way - flow * (flow.dot(&way) / flow.norm_squared());
+        across(across(way, mean), flow)
+    }
+
     /// The orbit near a guess; `s` is its place on the branch.
     pub fn orbit<const N: usize, const G: usize>(
         &self,
@@ -61,7 +131,11 @@ impl<S> Corrector<'_, S> {
         let by_tolerance = 100.0 * self.options.atol.max(self.options.rtol);
         let mut residual = f64::INFINITY;
         for iterations in 1..=MOST {
-            let turn = monodromy(self.system, t, x, t + period, self.options).ok()?;
+            let turn = match self.forced {
+                Some(_) => monodromy(self.system, t, x, t + period, self.options),
+                None => monodromy_of_autonomous(self.system, t, x, t + period, self.options),
+            };
+            let turn = turn.ok()?;
             if turn.summary.ending != Ending::EndTime {
                 return None;
             }
@@ -71,25 +145,28 @@ impl<S> Corrector<'_, S> {
             let size = gap.amax();
             let wanted = by_tolerance.max(rounding(&turn, &x));
             let is_on = off.abs() <= by_tolerance.min(1e-12) * guess.row.amax();
+            let velocity = slope_at(self.system, t + period, &turn.summary.x);
             if size <= wanted && is_on && (size >= 0.5 * residual || size == 0.0) {
+                let start = slope_at(self.system, t, &x);
                 let circuit =
                     Circuit::follow(self.system, &Timed { t, x }, period, self.options).ok()?;
                 // The period of another orbit, or a point of rest.
                 let is_near = (period - guess.period).abs() <= 0.3 * guess.period;
+                let closes = self.forced.is_some()
+                    || (velocity - start).norm() <= SAME_VELOCITY * start.norm();
                 let branch = Solved {
                     matrix: turn.matrix,
-                    start: x,
-                    slope: slope_at(self.system, t, &x),
+                    start: Timed { t, x },
+                    slope: start,
                     iterations,
                 };
-                return (is_near && circuit.extent > by_tolerance).then_some(Known {
+                return (is_near && closes && circuit.extent > by_tolerance).then_some(Known {
                     s,
                     circuit,
                     branch,
                 });
             }
             residual = size;
-            let velocity = slope_at(self.system, t + period, &turn.summary.x);
             let unknowns = N + usize::from(self.forced.is_none());
             let mut matrix = DMatrix::<f64>::zeros(unknowns, unknowns);
             let mut right = DVector::<f64>::zeros(unknowns);

@@ -12,6 +12,9 @@ use crate::system::State;
 /// An orbit of less than this part of the widest one's extent is about to be an equilibrium.
 const SMALL: f64 = 0.04;
 
+/// A driven orbit that sticks, and moves by less than this part of the widest one's extent between, is about to rest.
+const AT_REST: f64 = 1e-3;
+
 /// An orbit that comes so near to a state of another, in parts of its extent, may be that one: it is followed in steps of some of this.
 const NEAR: f64 = 0.1;
 
@@ -47,14 +50,18 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
         }
     }
 
-    /// Whether the orbit is about to be an equilibrium.
+    /// Whether the orbit is about to be an equilibrium, or at rest.
     pub(super) fn shrinks(&self) -> Option<Stop> {
-        let extent = self.last.circuit.extent;
-        // A driven orbit shrinks to none.
-        if self.settings.forced.is_some() {
+        let circuit = &self.last.circuit;
+        let extent = circuit.extent;
+        if extent >= self.before.circuit.extent {
             return None;
         }
-        if extent >= SMALL * self.widest || extent >= self.before.circuit.extent {
+        if self.settings.forced.is_some() {
+            let sticks = circuit.parts.iter().any(|part| S::any_sticks(part.mode));
+            return (sticks && extent < AT_REST * self.widest).then_some(Stop::Rest);
+        }
+        if extent >= SMALL * self.widest {
             return None;
         }
         let (parameter, frequency) = hopf(self.corrector.system, &self.last, self.width)?;

@@ -10,9 +10,8 @@ use crate::system::State;
 pub(super) struct Line<const N: usize> {
     pub base: Timed<N>,
     pub period: f64,
-    /// Changes for a step of length 1.
+    /// Changes for a step of length 1, at the same time.
     pub direction: State<N>,
-    pub of_time: f64,
     pub of_period: f64,
     /// Distance between the two.
     pub length: f64,
@@ -24,7 +23,7 @@ impl<const N: usize> Line<N> {
     /// Where the orbit is sought at a place on it.
     pub fn guess(&self, s: f64) -> Guess<N> {
         let at = Timed {
-            t: self.base.t + self.of_time * s,
+            t: self.base.t,
             x: self.base.x + self.direction * s,
         };
         let row = self.direction.component_mul(&self.weights);
@@ -46,13 +45,7 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
             weight * weight
         });
         let is_forced = self.settings.forced.is_some();
-        let mut way = b.anchor.x - a.anchor.x;
-        if !is_forced {
-            // Along the flow it is the same orbit.
-            let mut flow = self.last.branch.slope;
-            flow[N - 1] = 0.0;
-            way -= flow * (flow.dot(&way) / flow.norm_squared());
-        }
+        let way = self.corrector.way(&a.anchor, &b.anchor);
         let length = way.component_mul(&way).dot(&weights).sqrt();
         Line {
             // Only the forcing knows the time.
@@ -62,11 +55,6 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
             },
             period: b.period,
             direction: way / length,
-            of_time: if is_forced {
-                (b.anchor.t - a.anchor.t) / length
-            } else {
-                0.0
-            },
             of_period: (b.period - a.period) / length,
             length,
             weights,
@@ -78,7 +66,7 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
     pub(super) fn on(&self, line: &Line<N>, s: f64) -> Option<OnBranch<N, S::Mode>> {
         let guess = line.guess(s);
         let found = self.corrector.orbit(&guess, s)?;
-        let off = found.branch.start - guess.at.x;
+        let off = found.branch.start.x - guess.at.x;
         let distance = off.component_mul(&off).dot(&line.weights).sqrt();
         let room = if s < 0.0 { line.length } else { s };
         (distance <= room.max(0.1 * self.step)).then_some(found)

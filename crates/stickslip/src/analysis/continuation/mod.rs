@@ -154,6 +154,17 @@ pub enum Stop {
         /// Size of the eigenvalues: angle per unit of time.
         frequency: f64,
     },
+    /// The orbit of a driven system, which sticks at times, comes to rest: it moves by a thousandth of what the widest one on the branch does.
+    Rest,
+    /// The orbit comes ever nearer to a saddle and takes ever longer: it becomes a homoclinic orbit, and the branch ends.
+    Homoclinic {
+        /// The parameter: that of the last orbit.
+        parameter: f64,
+        /// The rate at which orbits leave the saddle: the least positive real part of its eigenvalues.
+        leaves: f64,
+        /// The rate at which they come to it: the negative real part nearest to zero.
+        comes: f64,
+    },
     /// The phases change at the last point of all, and no orbit with other phases was found next to it.
     SequenceEnds,
     /// No further orbit was found within the shortest step behind the last one.

@@ -119,8 +119,12 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
                 return Stop::Points;
             }
             let stop = self.shrinks().or_else(|| self.advance());
-            if let Some(stop) = stop.or_else(|| self.closes()) {
-                return stop;
+            match stop.or_else(|| self.closes()) {
+                Some(Stop::NoConvergence) => {
+                    return self.homoclinic().unwrap_or(Stop::NoConvergence);
+                }
+                Some(stop) => return stop,
+                None => {}
             }
         }
     }

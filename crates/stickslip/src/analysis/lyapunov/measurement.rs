@@ -147,7 +147,7 @@ impl<S, const N: usize> Measurement<'_, S, N> {
     {
         let (t, x) = (step.t_start, step.x_start);
         let mut across: Vec<State<N>> = Vec::new();
-        for mut gradient in self.tangent.system.normals(step.mode, &Timed { t, x }) {
+        for (_, mut gradient) in self.tangent.system.normals(step.mode, &Timed { t, x }) {
             for before in &across {
                 flatten(before, &mut gradient);
             }

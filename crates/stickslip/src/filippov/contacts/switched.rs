@@ -169,11 +169,11 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
         })
     }
 
-    fn normals(&self, mode: [Mode; M], at: &Timed<N>) -> Vec<State<N>> {
+    fn normals(&self, mode: [Mode; M], at: &Timed<N>) -> Vec<(usize, State<N>)> {
         let gradients = gradients(&self.0, at.t, &at.x);
         (0..M)
             .filter(|&i| mode[i] == Mode::Stick)
-            .map(|i| gradients[i])
+            .map(|i| (i, gradients[i]))
             .collect()
     }
 

@@ -7,10 +7,10 @@ use stickslip::analysis::{
     continue_periodic_orbit, monodromy,
 };
 use stickslip::nalgebra::Matrix3;
-use stickslip::{Error, Method, Mode, Options, Side, State, math};
+use stickslip::{Error, Filippov, Method, Mode, Options, Side, State, math};
 
 use super::sweeps::touching;
-use super::systems::{DrivenFamily, Island, Pitchfork, Twisted};
+use super::systems::{Area, Belt, DrivenFamily, Island, Pitchfork, Twisted};
 use crate::attractors::systems::Rings;
 use crate::listed::Listed;
 
@@ -315,4 +315,67 @@ fn what_cannot_be_followed_is_an_error_that_says_why() {
     );
     let error = error.unwrap_err();
     assert!(matches!(error, Error::Parameter { .. }), "{error}");
+}
+
+/// Next to a saddle neighbours part by e^(2 · 16), and the multiplier is what is left of it: by Liouville's formula, area by area, it is known
+/// without that.
+#[test]
+fn a_cycle_is_followed_to_its_homoclinic_end_with_the_multiplier_of_its_area() {
+    let settings = ContinuationSettings {
+        step: 0.01,
+        ..ContinuationSettings::over(0.1, 1.0)
+    };
+    let found = branch(&Belt, [-0.27, -0.73, 1.0], (7.7, false), &settings);
+    let last = found.points.last().unwrap();
+    assert!(last.period > 30.0, "{}", last.period);
+    assert!(found.points.len() > 20 && found.special.is_empty());
+    for point in &found.points {
+        let start = State::from([point.x[0], point.x[1], point.parameter, 0.0]);
+        let t_end = point.t + point.period;
+        let options = Options::tol(1e-13);
+        let orbit = stickslip::solve(&Area.any(), point.t, start, t_end, &options).unwrap();
+        let mut log_area = orbit.x_end[3];
+        for at in &orbit.transitions {
+            let rate = |side: Side| Area.field(side, at.t, &at.x.into())[1];
+            let (Mode::Slip(from), Mode::Slip(to)) = (at.from, at.to) else {
+                panic!("sticks at {}", point.parameter);
+            };
+            log_area += math::ln(rate(to) / rate(from));
+        }
+        let exact = math::exp(log_area);
+        let error = point.multipliers[0].re / exact - 1.0;
+        let allowed = if point.period < 20.0 { 1e-8 } else { 2e-3 };
+        assert!(
+            error.abs() < allowed,
+            "{}: {} for {exact}",
+            point.period,
+            point.multipliers[0]
+        );
+        assert_eq!(point.stability(), Stability::Stable);
+    }
+    // The saddle is on the belt's slow side, where x - x³ is minus the friction at rest.
+    let resting = Area::FRICTION / (1.0 + last.parameter);
+    let mut x = 0.0;
+    for _ in 0..50 {
+        x = x * x * x - resting;
+    }
+    let trace = Area::FRICTION / ((1.0 + last.parameter) * (1.0 + last.parameter));
+    let root = (0.25 * trace * trace + 1.0 - 3.0 * x * x).sqrt();
+    let Stop::Homoclinic {
+        parameter,
+        leaves,
+        comes,
+    } = found.stop
+    else {
+        panic!("{:?}", found.stop);
+    };
+    assert_eq!(parameter, last.parameter);
+    assert!((leaves - (0.5 * trace + root)).abs() < 1e-9, "{leaves}");
+    assert!((comes - (0.5 * trace - root)).abs() < 1e-9, "{comes}");
+    // The parameter comes as near to the end's as an orbit comes to the saddle and back.
+    let away = math::exp(-leaves * last.period);
+    let [.., before, _] = found.points.as_slice() else {
+        unreachable!("there are more than twenty");
+    };
+    assert!((before.parameter - parameter).abs() < 1e5 * away + 1e-10);
 }

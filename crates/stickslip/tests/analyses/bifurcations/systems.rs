@@ -229,3 +229,39 @@ impl Filippov<2> for Ends {
         x[1]
     }
 }
+
+/// The block on a belt of model 1, with the belt's speed as its parameter, a third state; the fourth is the logarithm of what the slips do to an
+/// area: the integral of the field's divergence.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Area;
+
+impl Area {
+    pub const FRICTION: f64 = 0.192_450_089_729_875_25;
+}
+
+impl Filippov<4> for Area {
+    fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T; 4]) -> [T; 4] {
+        let falls = (x[1] - x[2]) * side.sign() + 1.0;
+        let friction = T::constant(Area::FRICTION * side.sign()) / falls;
+        let spring = x[0] - x[0] * x[0] * x[0];
+        let divergence = T::constant(Area::FRICTION) / (falls * falls);
+        [x[1], spring - friction, T::zero(), divergence]
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 4]) -> T {
+        x[1] - x[2]
+    }
+}
+
+/// The same without the area.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Belt;
+
+impl Filippov<3> for Belt {
+    fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; 3]) -> [T; 3] {
+        let [position, velocity, speed, _] = Area.field(side, t, &[x[0], x[1], x[2], T::zero()]);
+        [position, velocity, speed]
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 3]) -> T {
+        x[1] - x[2]
+    }
+}

@@ -197,3 +197,31 @@ fn static_friction_that_gives_way_jumps() {
     let m = assert_agree("static friction, one stick", &block, slipping, 8.0, 1);
     assert!(m.determinant().abs() < 1e-9);
 }
+
+/// A change across Σ of an orbit that begins in stick comes back to Σ at once, along the friction: the position stays to first order. What is along
+/// Σ is carried as by the stick and the slip behind it.
+#[test]
+fn a_start_in_stick_forgets_what_is_across_the_boundary() {
+    let belt = BeltOscillator {
+        belt_speed: 0.2,
+        ..BeltOscillator::default()
+    };
+    let start = State::from([-0.1, 0.2]);
+    let orbit = solve(&belt, 0.0, start, 3.0, &super::tol(TIGHT)).expect("runs");
+    assert_eq!(orbit.phases[0].mode, Mode::Stick);
+    assert!(orbit.phases.len() > 1);
+    let over = |t_end: f64| {
+        let found = monodromy(&belt, 0.0, start, t_end, &super::tol(TIGHT)).expect("runs");
+        // The ways back from above and below take different times, so that only differences along Σ are of second order.
+        let along = by_differences(&belt, 0.0, start, t_end)
+            .column(0)
+            .into_owned();
+        let error = (found.matrix.column(0) - along).amax();
+        assert!(error < ALLOWED, "{} {along}", found.matrix);
+        assert!(found.matrix.column(1).amax() < 1e-13, "{}", found.matrix);
+        found.matrix
+    };
+    over(3.0);
+    let [one, none] = multipliers(&over(0.1));
+    assert!((one.re - 1.0).abs() < 1e-13 && none.norm() < 1e-13);
+}
