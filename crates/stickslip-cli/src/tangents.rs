@@ -159,6 +159,16 @@ impl Line {
         }
     }
 
+    /// By how much the boundary function's rate is larger with the field above than with that below: in slip, and while the contact holds. Friction
+    /// makes it smaller.
+    pub fn jumps(&self, system: &System, s: f64) -> Option<(f64, f64)> {
+        let jump = |fields| {
+            let [below, above] = self.rates(system, fields, s)?;
+            Some(above - below)
+        };
+        Some((jump(Fields::Slip)?, jump(Fields::Holding)?))
+    }
+
     /// The state on the boundary where the state along the line is `s`.
     fn state(&self, system: &System, s: f64) -> Option<Vec<f64>> {
         let mut x = self.x.clone();

@@ -75,6 +75,17 @@ pub(super) struct StartArguments {
 }
 
 impl StartArguments {
+    /// Whether the value of this state at the start is given.
+    pub(super) fn sets(&self, state: &str) -> bool {
+        let given = self
+            .start
+            .iter()
+            .filter_map(|text| text.split_once('=').map(|(name, _)| name.trim()));
+        given
+            .map(stickslip_kernels::expression::normal)
+            .any(|name| name == state)
+    }
+
     /// Time and state at the start.
     pub(super) fn of(&self, system: &System) -> Result<(f64, Vec<f64>), Failure> {
         let names = || system.file.states.iter().map(|state| state.name.as_str());

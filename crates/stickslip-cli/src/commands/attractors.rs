@@ -5,7 +5,7 @@ use stickslip::analysis::RecurrenceSettings;
 use stickslip::{Error, Mode, Options};
 
 use super::Failure;
-use super::tables::{exact, letters, state_json};
+use super::tables::{exact, letters, state_json, to_digits};
 use super::told::told;
 use crate::system::System;
 use stickslip_kernels::kernel::{Modes, Motion, Outcome};
@@ -56,20 +56,17 @@ pub(super) fn reached_from_one_of_many(
     }
 }
 
-/// The phases of a period, or the modes of a rest, as signs; of other motions, whose phases are only the last ones, nothing.
+/// The phases of a period, the same text wherever in the cycle they were found to begin, or the modes of a rest, as signs; of other motions, whose
+/// phases are only the last ones, nothing.
 pub(super) fn sequence(outcome: &Outcome) -> String {
     match outcome.motion {
-        Motion::Periodic { .. } => {
-            let phases: Vec<String> = outcome.sequence().iter().map(letters).collect();
-            phases.join(" ")
-        }
+        Motion::Periodic { .. } => cycle(outcome),
         Motion::Equilibrium | Motion::EquilibriumSet => letters(&outcome.modes),
         _ => String::new(),
     }
 }
 
-/// As [`sequence`], and the same text wherever in a cycle the phases begin.
-pub(super) fn cycle(outcome: &Outcome) -> String {
+fn cycle(outcome: &Outcome) -> String {
     let phases: Vec<String> = outcome.sequence().iter().map(letters).collect();
     let turned = |by: usize| {
         let (end, begin) = phases.split_at(by);
@@ -133,7 +130,9 @@ pub(super) fn words(outcome: &Outcome, until: f64) -> String {
     let word = outcome.motion.word();
     match (&outcome.motion, place(outcome)) {
         (Motion::Periodic { period, .. }, _) => {
-            format!("{word}, period {period:.9}, phases {}", sequence(outcome))
+            // A return is a return within a millionth.
+            let period = to_digits(*period, 7);
+            format!("{word}, period {period}, phases {}", sequence(outcome))
         }
         (_, Some(place)) => format!("{word} at {place}"),
         // Of several starts that fail the first one tells how.

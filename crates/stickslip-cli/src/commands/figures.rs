@@ -10,6 +10,9 @@ use crate::system::System;
 /// Colours of curves, in order.
 const COLOURS: [Color; 4] = [BLUE, VERMILLION, GREEN, PURPLE];
 
+/// Colours of stick, by contact.
+const STICKS: [Color; 4] = [ORANGE, GREEN, PURPLE, VERMILLION];
+
 /// Height of a state's panel in the time history, px.
 const HISTORY: f64 = 130.0;
 
@@ -130,18 +133,24 @@ pub(super) fn portrait(system: &System, recording: &Recording) -> Result<String,
         Curve::new(points)
     };
     panel.add(curve(&|_| true).color(BLUE).width(1.2).legend("orbit"));
-    let sticks: Vec<(f64, f64)> = recording
-        .phases
-        .iter()
-        .filter(|phase| phase.modes.as_slice().contains(&Mode::Stick))
-        .map(|phase| (phase.t_start, phase.t_end))
-        .collect();
-    if !sticks.is_empty() {
+    let contacts = &system.file.contacts;
+    for (k, contact) in contacts.iter().enumerate() {
+        let sticks = recording.sticks_of(k);
+        if sticks.is_empty() {
+            continue;
+        }
         let is_stuck = |t: f64| {
             let next = sticks.partition_point(|stick| stick.1 < t);
             sticks.get(next).is_some_and(|stick| stick.0 <= t)
         };
-        panel.add(curve(&is_stuck).color(ORANGE).width(3.0).legend("stick"));
+        let name = match contacts.len() {
+            1 => "stick".to_owned(),
+            _ => format!("stick of {}", symbol(&contact.name)),
+        };
+        // Where several stick, the first ones show beside the last.
+        let width = 3.0 + 1.5 * (contacts.len() - 1 - k) as f64;
+        let stick = curve(&is_stuck).color(STICKS[k % STICKS.len()]);
+        panel.add(stick.width(width).legend(&name));
     }
     if let Some(first) = recording.points.first() {
         panel.add(
@@ -166,7 +175,11 @@ pub(super) fn portrait(system: &System, recording: &Recording) -> Result<String,
         states[1].name,
         states[0].name,
         recording.points.first().map_or(0.0, |point| point.t),
-        sticks.len()
+        recording
+            .phases
+            .iter()
+            .filter(|phase| phase.modes.as_slice().contains(&Mode::Stick))
+            .count()
     );
     let title = format!("{}: phase portrait", system.file.name);
     let figure = Figure::new("portrait", (560.0, 480.0), &title, &description).row(1.0, panel);
@@ -236,7 +249,8 @@ pub(super) fn history(system: &System, recording: &Recording) -> Result<String, 
     for (k, sticks) in all_sticks.iter().enumerate() {
         let y = (floor(k) + 0.2, floor(k) + 0.8);
         for &(begin, end) in sticks {
-            strips.add(Band::rect((begin, end), y).fill(ORANGE));
+            let colour = STICKS[k % STICKS.len()];
+            strips.add(Band::rect((begin, end), y).fill(colour));
         }
     }
     figure = figure.row(strips_height + AXIS, strips);

@@ -17,7 +17,12 @@ pub(super) fn exact(value: f64) -> String {
 
 /// A number for people: twelve digits, of which rounding has not made the last ones.
 pub(super) fn rounded(value: f64) -> f64 {
-    format!("{value:.11e}").parse().unwrap_or(value)
+    to_digits(value, 12)
+}
+
+/// A number to so many significant digits.
+pub(super) fn to_digits(value: f64, digits: usize) -> f64 {
+    format!("{value:.*e}", digits - 1).parse().unwrap_or(value)
 }
 
 /// Texts of their own.

@@ -23,7 +23,7 @@ const FORMAT: u32 = 1;
 const PROGRAM: &str = concat!("stickslip ", env!("CARGO_PKG_VERSION"));
 
 /// The file `manifest.json`.
-#[derive(Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Manifest {
     format: u32,
@@ -35,7 +35,7 @@ pub(super) struct Manifest {
     system: System,
 }
 
-#[derive(Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct System {
     name: String,
@@ -122,12 +122,21 @@ impl Manifest {
         Ok(bytes)
     }
 
+    /// What its blocks are marked with. The system's name is that of a file, and says nothing of what is in it.
+    ///
+    /// # Errors
+    /// As [`Manifest::bytes`].
+    pub(super) fn fingerprint(&self, folder: &Path) -> Result<String, SweepError> {
+        let mut nameless = self.clone();
+        nameless.system.name.clear();
+        nameless.bytes(folder).map(|bytes| digest(&bytes))
+    }
+
     /// What differs first between two sweeps: what it is, its value here and its value in the other; nothing if their blocks are the same.
     pub(super) fn difference(&self, other: &Self) -> Option<(String, String, String)> {
         let named = [
             ("the program", &self.program, &other.program),
             ("the command", &self.command, &other.command),
-            ("the system's name", &self.system.name, &other.system.name),
         ];
         for (what, old, new) in named {
             if old != new {

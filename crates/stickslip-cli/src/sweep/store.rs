@@ -4,7 +4,7 @@ use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
-use super::block::{Found, decode, digest, encode};
+use super::block::{Found, decode, encode};
 use super::error::SweepError;
 use super::manifest::{self, Manifest};
 use super::plan::Plan;
@@ -48,7 +48,7 @@ impl Store {
     fn of(folder: &Path, manifest: Manifest) -> Result<Self, SweepError> {
         Ok(Self {
             folder: folder.to_owned(),
-            fingerprint: digest(&manifest.bytes(folder)?),
+            fingerprint: manifest.fingerprint(folder)?,
             plan: manifest.into_plan(),
         })
     }

@@ -114,10 +114,14 @@ fn parameters_and_starts_can_be_set() {
 #[test]
 fn wrong_arguments_are_told_with_a_remedy() {
     let top = folder();
-    let bad: [(&[&str], &str); 29] = [
+    let bad: [(&[&str], &str); 30] = [
         (
             &["simulate", "belt", "--set", "muo=1"],
             "there is no parameter `muo`; did you mean `mu0`?",
+        ),
+        (
+            &["basin", "belt", "--start", "v=0.1"],
+            "--start v=… has no effect: the starts go through v",
         ),
         (
             &["simulate", "belt", "--set", "mu0"],
@@ -327,6 +331,52 @@ fn what_was_understood_and_written_is_told_as_json_too() {
     let driven = json(top.path(), &["check", "den-hartog", "--set", "O=0.5"]);
     assert_eq!(driven["time"]["depends_on_time"], true);
     assert_eq!(driven["time"]["period"], 4.0 * std::f64::consts::PI);
+}
+
+/// What integrates without complaint and is hardly meant.
+#[test]
+fn friction_of_the_wrong_sign_or_less_at_rest_is_doubted() {
+    let top = folder();
+    program(top.path())
+        .args(["new", "mine.toml"])
+        .assert()
+        .success();
+    let right = text(top.path().join("mine.toml"));
+    let doubts = |replaced: &str, by: &str| {
+        assert!(right.contains(replaced));
+        let name = top.path().join("other.toml");
+        std::fs::write(&name, right.replace(replaced, by)).unwrap();
+        let found = json(top.path(), &["check", "other.toml"]);
+        let doubts = found["doubtful"].as_array().unwrap().clone();
+        let told = program(top.path())
+            .args(["check", "other.toml"])
+            .assert()
+            .success();
+        let told = String::from_utf8(told.get_output().stdout.clone()).unwrap();
+        assert_eq!(told.contains("doubtful"), !doubts.is_empty());
+        doubts
+    };
+    let law = "friction(belt))";
+    assert_eq!(doubts(law, law), [""; 0]);
+    let [driving] = &doubts("- friction(belt))", "+ friction(belt))")[..] else {
+        panic!("one doubt is expected");
+    };
+    let driving = driving.as_str().unwrap();
+    // Friction of 0.4 on either side.
+    assert!(
+        driving.contains("drives the slip") && driving.contains("larger by 0.8 above than below"),
+        "{driving}"
+    );
+    let commented = "# static = \"1.5*mu0\"";
+    assert_eq!(doubts(commented, "static = \"1.5*mu0\""), [""; 0]);
+    let [less] = &doubts(commented, "static = \"0.5*mu0\"")[..] else {
+        panic!("one doubt is expected");
+    };
+    let less = less.as_str().unwrap();
+    assert!(
+        less.contains("takes 0.4 of the rate") && less.contains("in slip 0.8"),
+        "{less}"
+    );
 }
 
 #[test]

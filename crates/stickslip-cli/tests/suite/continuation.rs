@@ -145,6 +145,50 @@ fn the_edge_of_the_region_without_stops_is_den_hartogs() {
     }
 }
 
+/// From an orbit with stops the branch comes to the same edge downwards, and upwards to rest: a drive of amplitude 1 moves nothing that friction
+/// of 1 holds.
+#[test]
+fn a_branch_of_orbits_with_stops_ends_at_neither_side_too_early() {
+    let (json, _) = followed(&["den-hartog", "--set", "S=0.9", "--parameter", "S=0.5:1.2"]);
+    let found = special(&json);
+    let [(name, edge_found)] = found.as_slice() else {
+        panic!("{found:?}");
+    };
+    assert!(name.starts_with("crossing-sliding"), "{name}");
+    assert!((edge_found - edge(0.7)).abs() < 1e-9, "{edge_found}");
+    let [low, high] = [0, 1].map(|k| &json["ends"][k]);
+    assert_eq!(
+        (&low["stop"], &low["parameter"]),
+        (&"range".into(), &0.5.into())
+    );
+    assert_eq!(high["stop"], "rest");
+    let last = high["parameter"].as_f64().unwrap();
+    assert!((0.98..1.0).contains(&last), "{last}");
+}
+
+/// The slow side of model 1 has a saddle, which the cycle without stick comes to as the belt slows down.
+#[test]
+fn a_homoclinic_end_is_named() {
+    let (json, rows) = followed(&["belt", "--parameter", "vp=0.1:1"]);
+    let [low, high] = [0, 1].map(|k| &json["ends"][k]);
+    assert_eq!(
+        (&low["stop"], &high["stop"]),
+        (&"homoclinic".into(), &"range".into())
+    );
+    let homoclinic = &low["homoclinic"];
+    assert!((homoclinic["parameter"].as_f64().unwrap() - 0.773_996_928_3).abs() < 1e-9);
+    let [comes, leaves] = ["comes", "leaves"].map(|name| homoclinic[name].as_f64().unwrap());
+    // The sum of both is the trace: how friction falls with the speed at the saddle.
+    let trace = 3f64.sqrt() / 9.0 / (1.773_996_928_3 * 1.773_996_928_3);
+    assert!(
+        (comes + leaves - trace).abs() < 1e-9 && comes < 0.0,
+        "{comes} {leaves}"
+    );
+    for row in &rows {
+        assert_eq!(row["stability"], "stable", "{row}");
+    }
+}
+
 /// The same edge along the frequency, with which the drive's period changes, by branches and by sweeps.
 #[test]
 fn the_edge_along_the_frequency() {
@@ -226,6 +270,7 @@ fn a_branch_goes_back_only_where_it_folds() {
     let (json, _) = followed(&["den-hartog", "--set", "O=0.7", "--parameter", "O=0.2:0.8"]);
     let found = special(&json);
     assert!(found.len() >= 2);
+    assert_eq!(json["ends"][0]["stop"], "range");
     for (one, two) in found.iter().zip(&found[1..]) {
         assert!(one.0 != "fold" && two.1 - one.1 > 1e-4, "{found:?}");
     }

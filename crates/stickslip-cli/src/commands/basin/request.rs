@@ -54,6 +54,16 @@ impl Basin {
                 "--x and --y are both `{name}`; a plane has two states"
             )));
         }
+        for range in &plane {
+            let name = &system.file.states[range.state].name;
+            if arguments.run.start.sets(name) {
+                return Err(Failure::Usage(format!(
+                    "--start {name}=… has no effect: the starts go through {name} from {} to {}; leave it out, or choose another plane with --x \
+                     and --y",
+                    range.low, range.high
+                )));
+            }
+        }
         let points = match (arguments.random, arguments.seed) {
             (Some(number), seed) => {
                 not_too_many(&format!("--random {number}"), Some(number.get()))?;

@@ -13,7 +13,11 @@ fn text(formula: Option<&Formula>) -> Option<&str> {
     formula.map(|formula| formula.text.as_str())
 }
 
-pub(super) fn understood(system: &System, on_boundary: Option<&(Line, OnLine)>) -> Value {
+pub(super) fn understood(
+    system: &System,
+    on_boundary: Option<&(Line, OnLine)>,
+    doubts: &[String],
+) -> Value {
     let file = &system.file;
     let start = system.built.start.as_deref();
     let states = file.states.iter().enumerate().map(|(k, state)| {
@@ -72,6 +76,7 @@ pub(super) fn understood(system: &System, on_boundary: Option<&(Line, OnLine)>) 
         },
         "section": section,
         "boundary": on_boundary.map(|(line, found)| tangents::json(system, line, found)),
+        "doubtful": doubts,
     })
 }
 

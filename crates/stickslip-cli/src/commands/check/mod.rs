@@ -1,5 +1,6 @@
 //! `stickslip check`: what was understood of a file.
 
+mod doubts;
 mod json;
 mod words;
 
@@ -23,10 +24,12 @@ pub(super) struct Arguments {
 pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
     let system = arguments.system.system()?;
     let on_boundary = on_boundary(&system);
+    let doubts = doubts::doubts(&system);
     let text = if arguments.json {
-        format!("{:#}\n", json::understood(&system, on_boundary.as_ref()))
+        let understood = json::understood(&system, on_boundary.as_ref(), &doubts);
+        format!("{understood:#}\n")
     } else {
-        words::understood(&system, on_boundary.as_ref())
+        words::understood(&system, on_boundary.as_ref(), &doubts)
     };
     Ok(Said {
         text,

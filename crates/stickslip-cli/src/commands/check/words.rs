@@ -27,7 +27,11 @@ fn behind(parts: &[&str]) -> String {
 }
 
 /// What was understood, line by line.
-pub(super) fn understood(system: &System, on_boundary: Option<&(Line, OnLine)>) -> String {
+pub(super) fn understood(
+    system: &System,
+    on_boundary: Option<&(Line, OnLine)>,
+    doubts: &[String],
+) -> String {
     let file = &system.file;
     let mut text = format!("{}\n", file.name);
     for row in file.description.iter().flat_map(|text| text.lines()) {
@@ -173,5 +177,6 @@ pub(super) fn understood(system: &System, on_boundary: Option<&(Line, OnLine)>) 
         );
         lines(&mut text, "", listed);
     }
+    lines(&mut text, "doubtful", doubts.iter().cloned());
     text
 }

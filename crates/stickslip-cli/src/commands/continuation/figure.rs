@@ -4,7 +4,7 @@ use plot::{
     BLACK, BLUE, Color, Curve, Dash, Figure, GREEN, Guide, Legend, Markers, ORANGE, PURPLE, Panel,
     Shape, VERMILLION,
 };
-use stickslip::analysis::Stability;
+use stickslip::analysis::{Stability, Stop};
 use stickslip_kernels::kernel::{SpecialKind, SpecialThere};
 
 use super::super::figures;
@@ -53,12 +53,13 @@ pub(super) fn diagram(told: &Told<'_>) -> Result<String, OutputError> {
     let title = format!("{}: branch of periodic orbits", system.file.name);
     let description = format!(
         "A branch of periodic orbits of {} over {} from {} to {}: least and greatest {}, period, and the largest multiplier up to {LARGEST}; \
-         whole lines where it is stable, dotted where neutral, dashed where unstable; marks at folds, flips, branch points, torus bifurcations and changes of its phases.",
+         whole lines where it is stable, dotted where neutral, dashed where unstable; marks at folds, flips, branch points, torus bifurcations, changes of its phases, and where it ends in an equilibrium, a homoclinic orbit or rest.",
         system.file.name, range.name, range.low, range.high, first.name
     );
     let height = 70.0 + 190.0 * rows.len() as f64;
     let mut figure = Figure::new("continue", (640.0, height), &title, &description);
     let last = rows.len() - 1;
+    let mut in_legend: Vec<Stability> = Vec::new();
     for (k, (label, values)) in rows.into_iter().enumerate() {
         let (low, high) = ends(told);
         let x = if k == last {
@@ -81,7 +82,12 @@ pub(super) fn diagram(told: &Told<'_>) -> Result<String, OutputError> {
                     Stability::Neutral => (BLUE, Dash::Dotted),
                     Stability::Unstable => (VERMILLION, Dash::Dashed),
                 };
-                panel.add(Curve::new(run).color(color).dash(dash).width(1.4));
+                let mut curve = Curve::new(run).color(color).dash(dash).width(1.4);
+                if k == last && !in_legend.contains(&stability) {
+                    in_legend.push(stability);
+                    curve = curve.legend(&stability.to_string());
+                }
+                panel.add(curve);
             }
         }
         for (name, is_this, color, shape) in KINDS {
@@ -92,6 +98,19 @@ pub(super) fn diagram(told: &Told<'_>) -> Result<String, OutputError> {
             if !points.is_empty() {
                 let markers = Markers::new(points).shape(shape).color(color).size(6.0);
                 panel.add(markers.legend(name));
+            }
+        }
+        for (name, is_this, shape) in ENDS {
+            let ends = [branch.points.first(), branch.points.last()];
+            let there = ends.into_iter().zip(branch.stops);
+            let points: Vec<(f64, f64)> = there
+                .filter(|(_, stop)| is_this(stop))
+                .filter_map(|(end, _)| end)
+                .flat_map(|end| values.iter().map(|value| (end.orbit.parameter, value(end))))
+                .collect();
+            if !points.is_empty() {
+                let markers = Markers::new(points).shape(shape).color(BLACK).open();
+                panel.add(markers.size(7.0).legend(name));
             }
         }
         if k == last {
@@ -136,6 +155,23 @@ const KINDS: [Marked; 5] = [
         ORANGE,
         Shape::Square,
     ),
+];
+
+/// Ends of a branch with their marks.
+type MarkedEnd = (&'static str, fn(&Stop) -> bool, Shape);
+
+const ENDS: [MarkedEnd; 3] = [
+    (
+        "Hopf bifurcation",
+        |stop| matches!(stop, Stop::Equilibrium { .. }),
+        Shape::Circle,
+    ),
+    (
+        "homoclinic orbit",
+        |stop| matches!(stop, Stop::Homoclinic { .. }),
+        Shape::Square,
+    ),
+    ("rest", |stop| matches!(stop, Stop::Rest), Shape::Diamond),
 ];
 
 /// The part of the range that the branch takes, with a little room.

@@ -45,6 +45,17 @@ fn why(stop: Stop, parameter: &str) -> String {
             tables::rounded(value),
             tables::rounded(frequency)
         ),
+        Stop::Homoclinic {
+            parameter: value,
+            leaves,
+            comes,
+        } => format!(
+            "in a homoclinic orbit of a saddle: at {parameter} = {}, rates {} and {}",
+            tables::rounded(value),
+            tables::rounded(comes),
+            tables::rounded(leaves)
+        ),
+        Stop::Rest => "where it comes to rest: it moves a thousandth of what it did".to_owned(),
         Stop::SequenceEnds => {
             "where its phases change: no orbit with other phases was found next to it".to_owned()
         }
@@ -62,6 +73,8 @@ fn why_in_short(stop: Stop) -> &'static str {
         Stop::Points => "points",
         Stop::Closed => "closed",
         Stop::Equilibrium { .. } => "equilibrium",
+        Stop::Homoclinic { .. } => "homoclinic",
+        Stop::Rest => "rest",
         Stop::SequenceEnds => "sequence ends",
         Stop::NoConvergence => "no convergence",
     }
@@ -230,6 +243,10 @@ impl Told<'_> {
                     "stop": why_in_short(stop),
                     "hopf": match stop {
                         Stop::Equilibrium { parameter, frequency } => json!({ "parameter": parameter, "frequency": frequency }),
+                        _ => Value::Null,
+                    },
+                    "homoclinic": match stop {
+                        Stop::Homoclinic { parameter, leaves, comes } => json!({ "parameter": parameter, "leaves": leaves, "comes": comes }),
                         _ => Value::Null,
                     },
                 })

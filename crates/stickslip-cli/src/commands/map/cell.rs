@@ -32,13 +32,8 @@ impl Cell {
     ) -> Result<Self, Failure> {
         let outcome = attractors::reached_from_one_of_many(system, start, settings, options)?;
         let is_there = !outcome.points.is_empty();
-        let phases = match outcome.motion {
-            Motion::Periodic { .. } => attractors::cycle(&outcome),
-            Motion::Equilibrium | Motion::EquilibriumSet => attractors::sequence(&outcome),
-            _ => String::new(),
-        };
         Ok(Self {
-            phases,
+            phases: attractors::sequence(&outcome),
             in_stick: is_there.then_some(outcome.in_stick),
             largest: Largest::on(system, &outcome, duration, options),
             motion: outcome.motion,
