@@ -10,19 +10,19 @@ help: ## Show the targets
 
 figures: $(FIGURES) ## Compute and draw all figures into figures/
 
-# One build for all binaries; the runs then only start them, one after the other even under make -j. PROFILE=dev takes the programs that the
+# One build for all binaries; the runs then only start them, one after the other even under make -j. FIGURES_PROFILE=dev takes the programs that the
 # tests have made: half as fast, the same bits, and nothing is compiled once more.
-PROFILE ?= release
+FIGURES_PROFILE ?= release
 build-figures:
-	$(CARGO) build --locked --profile $(PROFILE) -p stickslip-replication --bins
+	$(CARGO) build --locked --profile $(FIGURES_PROFILE) -p stickslip-replication --bins
 .PHONY: build-figures
 .NOTPARALLEL:
 
 $(FIGURES): build-figures
-	$(CARGO) run --locked --profile $(PROFILE) --quiet -p stickslip-replication --bin $@ -- --out-dir figures
+	$(CARGO) run --locked --profile $(FIGURES_PROFILE) --quiet -p stickslip-replication --bin $@ -- --out-dir figures
 
 report: build-figures ## The verdict on every claim: report/index.html, report/claims.csv, figures/{convergence,scan}.*, README
-	$(CARGO) run --locked --profile $(PROFILE) --quiet -p stickslip-replication --bin report
+	$(CARGO) run --locked --profile $(FIGURES_PROFILE) --quiet -p stickslip-replication --bin report
 
 test: ## Run all tests; the test profile is optimised, see Cargo.toml
 	$(CARGO) test --locked

@@ -4,6 +4,7 @@ use stickslip::analysis::RecurrenceSettings;
 use stickslip::{Error, Options};
 use stickslip_kernels::kernel::{Motion, Periodic, Run, Shooting};
 
+use super::extremes::Extremes;
 use super::sweeping::check_period;
 use super::{Failure, attractors};
 use crate::system::System;
@@ -167,7 +168,24 @@ impl Search<'_> {
             period: f64::from(count) * period,
         };
         let orbit = self.system.kernel().periodic(&self.run(t, &x, t), forced)?;
+        if self.rests(&orbit)? {
+            let x: Vec<String> = orbit.x.iter().map(|x| format!("{x:.9}")).collect();
+            return Err(Failure::NoPeriodicOrbit(format!(
+                "no periodic orbit was found: the run comes to rest at ({}), where friction holds it against the drive; start elsewhere (--start), or \
+                 set other parameters (--set)",
+                x.join(", ")
+            )));
+        }
         Ok((orbit, Some(count)))
+    }
+
+    /// Whether nothing moves in a period.
+    fn rests(&self, orbit: &Periodic) -> Result<bool, Error> {
+        let mut extremes = Extremes::from(&orbit.x);
+        let once = self.run(orbit.t, &orbit.x, orbit.t + orbit.period);
+        self.system.kernel().run(&once, None, &mut extremes)?;
+        let found = extremes.found();
+        Ok(found.iter().all(|(low, high)| low == high))
     }
 
     /// Why there is no periodic orbit: where the run comes to rest, that it does, and otherwise what the search failed with.

@@ -373,6 +373,9 @@ fn friction_of_the_wrong_sign_or_less_at_rest_is_doubted() {
         panic!("one doubt is expected");
     };
     let less = less.as_str().unwrap();
+    // The law at rest is the static one but for rounding.
+    let same = "static = \"mu0*(0.09*m)/(0.09*m)\"";
+    assert_eq!(doubts(commented, same), [""; 0]);
     assert!(
         less.contains("takes 0.4 of the rate") && less.contains("in slip 0.8"),
         "{less}"
@@ -434,6 +437,24 @@ end = 20
 x1 = [-1, 1]
 v1 = [-1, 1]
 "#;
+
+/// A drive weaker than friction comes to rest, too.
+#[test]
+fn rest_under_a_drive_is_no_periodic_orbit() {
+    let top = folder();
+    let driven = ["den-hartog", "--set", "S=2", "--start", "v=0.5"];
+    for command in [&["orbit"][..], &["continue", "--parameter", "S=1.5:3"]] {
+        program(top.path())
+            .args(command)
+            .args(driven)
+            .assert()
+            .code(1)
+            .stderr(contains(
+                "no periodic orbit was found: the run comes to rest at (0.117",
+            ))
+            .stderr(contains("against the drive"));
+    }
+}
 
 #[test]
 fn contacts_are_spoken_of_by_their_names() {

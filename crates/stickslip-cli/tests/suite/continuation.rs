@@ -166,7 +166,8 @@ fn a_branch_of_orbits_with_stops_ends_at_neither_side_too_early() {
     assert!((0.98..1.0).contains(&last), "{last}");
 }
 
-/// The slow side of model 1 has a saddle, which the cycle without stick comes to as the belt slows down.
+/// The slow side of model 1 has a saddle, which the cycle without stick comes to as the belt slows down. A test of the library finds the parameter
+/// from the saddle's own orbits.
 #[test]
 fn a_homoclinic_end_is_named() {
     let (json, rows) = followed(&["belt", "--parameter", "vp=0.1:1"]);

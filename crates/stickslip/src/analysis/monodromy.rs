@@ -2,29 +2,29 @@
 
 use nalgebra::SMatrix;
 
-use super::periodic::slope_at;
+use super::periodic::velocity_in;
 use super::tangent::{Tangent, flatten};
 use crate::error::Error;
 use crate::filippov::{
     Integration, Options, Progress, StepRecord, Summary, Switched, Transition, TransitionKind,
-    Velocity,
 };
 use crate::ode::Timed;
-use crate::system::{Mode, Side, State, components};
+use crate::system::{Mode, Side, State};
 
 /// The derivative ∂x(t)/∂x(t0) of the flow map along one orbit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Monodromy<const N: usize> {
     /// The derivative, `N` × `N`: column `j` is the change of the end state with component `j` of the start.
     pub matrix: SMatrix<f64, N, N>,
-    /// How many times the orbit entered stick; the first such entry takes one from the rank.
+    /// How many times the orbit entered stick; the first such entry takes one from the rank; so does stick at the start, which is no entry.
     pub stick_entries: usize,
     /// How the run that carried it ended.
     pub summary: Summary<N>,
 }
 
 /// The monodromy matrix from `(t0, x0)` to `t_end`: every step is run again on dual numbers, every
-/// transition contributes its saltation matrix. Where a contact sticks at the start, a change across its Σ is one that comes back to Σ at once.
+/// transition contributes its saltation matrix. Where a contact sticks at the start, the orbit is taken to have been on its Σ before: of a change
+/// across it there is what comes back to Σ along the kinetic friction, also where that is too weak to bring it back.
 ///
 /// # Errors
 /// Those of [`crate::run`]; [`Error::NoUniqueFuture`] where Σ repels, and at a two-fold; [`Error::TangentSingular`] where the orbit grazes Σ, or
@@ -36,14 +36,11 @@ pub fn monodromy<S: Switched<N, G>, const N: usize, const G: usize>(
     t_end: f64,
     options: &Options,
 ) -> Result<Monodromy<N>, Error> {
-    carried(
-        system,
-        t0,
-        x0.into(),
-        t_end,
-        options,
-        TangentMap::identity(),
-    )
+    let start = Timed {
+        t: t0,
+        x: x0.into(),
+    };
+    carried(system, &start, t_end, options, false)
 }
 
 /// The same of a system that does not depend on time. There the flow carries its own direction along exactly. So that direction is taken out
@@ -59,32 +56,35 @@ pub(super) fn monodromy_of_autonomous<S: Switched<N, G>, const N: usize, const G
     t_end: f64,
     options: &Options,
 ) -> Result<Monodromy<N>, Error> {
-    let mut map = TangentMap::identity();
-    map.take_out(&slope_at(system, t0, &x0));
-    carried(system, t0, x0, t_end, options, map)
+    carried(system, &Timed { t: t0, x: x0 }, t_end, options, true)
 }
 
 fn carried<S: Switched<N, G>, const N: usize, const G: usize>(
     system: &S,
-    t0: f64,
-    x0: State<N>,
+    start: &Timed<N>,
     t_end: f64,
     options: &Options,
-    mut map: TangentMap<N>,
+    is_autonomous: bool,
 ) -> Result<Monodromy<N>, Error> {
     let tangent = Tangent::new(system, options);
-    let mut integration = Integration::new(system, t0, x0, t_end, options)?;
-    map.begin(system, integration.mode(), &Timed { t: t0, x: x0 });
+    let mut integration = Integration::new(system, start.t, start.x, t_end, options)?;
+    let mut map = TangentMap::identity();
+    map.begin(system, integration.mode(), start);
+    if is_autonomous {
+        map.take_out(&velocity_in(system, integration.mode(), start));
+    }
     loop {
         match integration.step()? {
             Progress::Step => map.through_step(&tangent, &integration.last_step()),
             Progress::Transition(at) => map.through_transition(&tangent, &at)?,
             Progress::PhaseEnd(_) => {}
             Progress::End(summary) => {
-                let here = Velocity(summary.t, components(&summary.x));
-                let velocity = system.with_flow(integration.mode(), S::Branch::default(), here);
+                let end = Timed {
+                    t: summary.t,
+                    x: summary.x,
+                };
                 return Ok(Monodromy {
-                    matrix: map.whole(&velocity.into()),
+                    matrix: map.whole(&velocity_in(system, integration.mode(), &end)),
                     stick_entries: map.stick_entries,
                     summary,
                 });
@@ -130,7 +130,7 @@ impl<const N: usize> TangentMap<N> {
         }
     }
 
-    /// An orbit that begins in stick was on Σ before: of a change across it nothing is left.
+    /// An orbit that begins in stick is taken to have been on Σ before: of a change across it nothing is left.
     pub(super) fn begin<S: Switched<N, G>, const G: usize>(
         &mut self,
         system: &S,
@@ -138,11 +138,10 @@ impl<const N: usize> TangentMap<N> {
         at: &Timed<N>,
     ) {
         for (contact, normal) in system.normals(mode, at) {
-            // The way back to Σ is along one side's field, by which the other's and that of stick differ from it, too.
+            // The way back to Σ is along that by which one side's field differs from that of stick, which lies between both sides'.
             let [below, above] = [Side::Below, Side::Above].map(|side| {
                 let slips = S::with_mode_of(mode, contact, Mode::Slip(side));
-                let here = Velocity(at.t, components(&at.x));
-                State::from(system.with_flow(slips, S::Branch::default(), here))
+                velocity_in(system, slips, at)
             });
             let way = above - below;
             let across = normal.dot(&way);
@@ -164,11 +163,11 @@ impl<const N: usize> TangentMap<N> {
             *column = tangent.carried(step, column)
         });
         if self.along.is_some() {
-            let here = Velocity(step.t_end, components(&step.x_end));
-            let velocity = tangent
-                .system
-                .with_flow(step.mode, S::Branch::default(), here);
-            self.take_out(&velocity.into());
+            let end = Timed {
+                t: step.t_end,
+                x: step.x_end,
+            };
+            self.take_out(&velocity_in(tangent.system, step.mode, &end));
         }
     }
 

@@ -146,8 +146,16 @@ pub(super) fn slope_at<S: Switched<N, G>, const N: usize, const G: usize>(
     t: f64,
     x: &State<N>,
 ) -> State<N> {
-    let mode = system.mode_by_side(t, x);
-    let here = Velocity(t, components(x));
+    velocity_in(system, system.mode_by_side(t, x), &Timed { t, x: *x })
+}
+
+/// The vector that moves a state in a mode.
+pub(super) fn velocity_in<S: Switched<N, G>, const N: usize, const G: usize>(
+    system: &S,
+    mode: S::Mode,
+    at: &Timed<N>,
+) -> State<N> {
+    let here = Velocity(at.t, components(&at.x));
     system.with_flow(mode, S::Branch::default(), here).into()
 }
 

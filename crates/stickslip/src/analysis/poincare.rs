@@ -137,7 +137,8 @@ where
     /// It is `(I − f ∇gᵀ/(∂g/∂t + ∇g·f)) Φ`, with the tangent flow Φ from there to here, the field `f` here, and the section
     /// `g`: what a change of the start does to the time of the return is taken out along the motion. On the section it has the
     /// Floquet multipliers of a periodic orbit but the one along it, in whose place there is a zero. The time at the last return is held:
-    /// of a system that depends on time the derivatives of returns in a row multiply where the section fixes the time.
+    /// of a system that depends on time the derivatives of returns in a row multiply where the section fixes the time. From a state in stick it
+    /// begins as [`crate::analysis::monodromy`] does.
     ///
     /// # Errors
     /// As [`PoincareMap::step`]; [`Error::TangentSingular`] where the orbit does not pass through the section with a rate, which is a return

@@ -4,6 +4,9 @@ use super::super::tables::rounded;
 use crate::system::System;
 use crate::tangents::Line;
 
+/// Part by which two laws differ that are the same but for rounding.
+const ROUNDING: f64 = 1e-12;
+
 /// Friction that pushes the wrong way, and static friction below that in slip: asked on every contact's boundary, next to the start.
 pub(super) fn doubts(system: &System) -> Vec<String> {
     let contacts = 0..system.contacts();
@@ -33,7 +36,7 @@ fn doubts_of(system: &System, contact: usize) -> Vec<String> {
             described.boundary.text,
             rounded(slip)
         ));
-    } else if described.holding.is_some() && holding > slip {
+    } else if described.holding.is_some() && holding > slip * (1.0 - ROUNDING) {
         doubts.push(format!(
             "static friction of {name} is less than friction in slip: it takes {} of the rate of {}, and in slip {}",
             rounded(-holding),

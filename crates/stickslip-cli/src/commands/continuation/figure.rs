@@ -167,7 +167,7 @@ const ENDS: [MarkedEnd; 3] = [
         Shape::Circle,
     ),
     (
-        "homoclinic orbit",
+        "homoclinic end",
         |stop| matches!(stop, Stop::Homoclinic { .. }),
         Shape::Square,
     ),

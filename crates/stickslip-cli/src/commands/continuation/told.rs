@@ -47,10 +47,15 @@ fn why(stop: Stop, parameter: &str) -> String {
         ),
         Stop::Homoclinic {
             parameter: value,
+            saddles,
             leaves,
             comes,
         } => format!(
-            "in a homoclinic orbit of a saddle: at {parameter} = {}, rates {} and {}",
+            "in {}: at {parameter} = {}, rates {} and {}",
+            match saddles.get() {
+                1 => "a homoclinic orbit of a saddle".to_owned(),
+                number => format!("a heteroclinic cycle of {number} saddles"),
+            },
             tables::rounded(value),
             tables::rounded(comes),
             tables::rounded(leaves)
@@ -246,7 +251,7 @@ impl Told<'_> {
                         _ => Value::Null,
                     },
                     "homoclinic": match stop {
-                        Stop::Homoclinic { parameter, leaves, comes } => json!({ "parameter": parameter, "leaves": leaves, "comes": comes }),
+                        Stop::Homoclinic { parameter, saddles, leaves, comes } => json!({ "parameter": parameter, "saddles": saddles, "leaves": leaves, "comes": comes }),
                         _ => Value::Null,
                     },
                 })

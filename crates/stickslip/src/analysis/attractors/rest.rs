@@ -95,7 +95,7 @@ impl<const N: usize> UseFlow<N> for LeastGuard<N> {
 }
 
 /// Whether a mode holds at a point.
-pub(super) fn holds<S: Switched<N, G>, const N: usize, const G: usize>(
+pub(crate) fn holds<S: Switched<N, G>, const N: usize, const G: usize>(
     system: &S,
     mode: S::Mode,
     at: Timed<N>,

@@ -259,7 +259,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
         }
         let (tag, extent) = self.since_last(&at.x);
         let found = self.by_event.pass(at, tag, self.history.count(), extent);
-        let is_held = found.is_some_and(|pattern| self.rests(&pattern.extent, mode));
+        let is_held = found.is_some_and(|pattern| self.rests(&pattern, mode));
         let here = Timed { t: at.t, x: at.x };
         if is_held && let Some(kind) = kind_of_rest(self.system, mode, &here) {
             return Some((kind, vec![at]));
@@ -268,10 +268,12 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
     }
 
     /// Whether friction has held the orbit in one place while the drive went through its period: then it does so for ever.
-    fn rests(&self, extent: &Extent<N>, mode: S::Mode) -> bool {
+    fn rests(&self, pattern: &Pattern<N>, mode: S::Mode) -> bool {
+        let Pattern { extent, counts, .. } = pattern;
         let moves = extent.high - extent.low;
-        let stays = |i: usize| moves[i] <= self.near.rounding(self.ever.size(i));
-        self.settings.forcing.is_some() && S::any_sticks(mode) && (0..N).all(stays)
+        let stays = |i: usize| moves[i] <= self.near.rounding(extent.size(i));
+        let is_held = S::any_sticks(mode) && counts.0.transitions == counts.1.transitions;
+        self.settings.forcing.is_some() && is_held && (0..N).all(stays)
     }
 
     /// What has happened since the last point, and where the orbit has been; from here it counts anew.

@@ -95,7 +95,7 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Behind<'_, S, N, G> {
             first.s = here;
             let by_parameter = |s: f64, good: &[OnBranch<N, S::Mode>]| {
                 let (at, period) = extrapolated(good, s);
-                self.at_parameter(at, period, s)
+                self.corrector.orbit(&Guess::at_parameter(at, period, s), s)
             };
             let resolution = RESOLUTION * self.width;
             let Some((good, bad)) = approach(first, step, resolution, by_parameter) else {
@@ -117,8 +117,9 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Behind<'_, S, N, G> {
             let apart = good.iter().rev().find(|one| (one.s - last.s).abs() > least);
             let same = last.circuit.sequence();
             let further = || {
+                // Next to the corner rounding may have taken one side for the other.
                 let away = DISTANCES.map(|part| -0.1 * step.signum() * part * self.width);
-                let ways = away.into_iter().flat_map(|way| [way, -way]);
+                let ways = away.into_iter().chain(away.map(|way| -way));
                 ways.map(|way| last.s + way).find_map(|s| {
                     let found = self.corrector.next_at(last, s)?;
                     (found.circuit.sequence() == same).then_some(found)
@@ -130,23 +131,6 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Behind<'_, S, N, G> {
             return Some(Entered { change, orbits, at });
         }
         None
-    }
-
-    fn at_parameter(
-        &self,
-        mut at: Timed<N>,
-        period: f64,
-        parameter: f64,
-    ) -> Option<OnBranch<N, S::Mode>> {
-        at.x[N - 1] = parameter;
-        let row = State::from_fn(|i, _| f64::from(u8::from(i == N - 1)));
-        let guess = Guess {
-            at,
-            period,
-            row,
-            value: parameter,
-        };
-        self.corrector.orbit(&guess, parameter)
     }
 
     /// Two orbits next to the last one with other phases than it, the nearer one first.
@@ -163,7 +147,8 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Behind<'_, S, N, G> {
         let old = corner.circuit.sequence();
         let period = corner.circuit.period;
         let orbit = |x: State<N>| {
-            let found = self.at_parameter(Timed { t: at.t, x }, period, x[N - 1])?;
+            let guess = Guess::at_parameter(Timed { t: at.t, x }, period, x[N - 1]);
+            let found = self.corrector.orbit(&guess, x[N - 1])?;
             (found.circuit.sequence() != old).then_some(found)
         };
         for distance in DISTANCES.map(|part| part * self.width * way[N - 1].signum()) {

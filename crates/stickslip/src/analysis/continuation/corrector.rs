@@ -11,14 +11,13 @@ use crate::ode::Timed;
 use crate::orbit::Ending;
 use crate::system::State;
 
-use super::walk::at_parameter;
-
 /// Iterations allowed.
 const MOST: usize = 12;
 
-/// An orbit closes in its velocity to this part of it. Where it is slow that says more than that it closes in place: next to an equilibrium
-/// any orbit comes back to where it was, within what rounding leaves.
+/// An orbit closes in its velocity to this part of it, or to as many times what it may be off in place. Where it is slow that says more than that it
+/// closes in place: next to an equilibrium any orbit comes back to where it was, within what rounding leaves.
 const SAME_VELOCITY: f64 = 1e-4;
+const TIMES: f64 = 100.0;
 
 /// What the branch needs of a periodic orbit besides its circuit.
 #[derive(Clone, Debug)]
@@ -41,6 +40,19 @@ pub(super) struct Guess<const N: usize> {
     pub period: f64,
     pub row: State<N>,
     pub value: f64,
+}
+
+impl<const N: usize> Guess<N> {
+    /// At a given parameter, near a state.
+    pub fn at_parameter(mut at: Timed<N>, period: f64, parameter: f64) -> Self {
+        at.x[N - 1] = parameter;
+        Guess {
+            at,
+            period,
+            row: State::from_fn(|i, _| f64::from(u8::from(i == N - 1))),
+            value: parameter,
+        }
+    }
 }
 
 /// A system whose last state is a parameter.
@@ -93,7 +105,7 @@ impl<S> Corrector<'_, S> {
             0.0
         };
         self.orbit(
-            &at_parameter(at, from.circuit.period + of_period * way, parameter),
+            &Guess::at_parameter(at, from.circuit.period + of_period * way, parameter),
             parameter,
         )
     }
@@ -153,7 +165,8 @@ impl<S> Corrector<'_, S> {
                 // The period of another orbit, or a point of rest.
                 let is_near = (period - guess.period).abs() <= 0.3 * guess.period;
                 let closes = self.forced.is_some()
-                    || (velocity - start).norm() <= SAME_VELOCITY * start.norm();
+                    || (velocity - start).norm()
+                        <= SAME_VELOCITY.max(TIMES * by_tolerance) * start.norm();
                 let branch = Solved {
                     matrix: turn.matrix,
                     start: Timed { t, x },

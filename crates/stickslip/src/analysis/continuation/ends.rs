@@ -1,18 +1,18 @@
 //! Where a branch ends.
 
 use super::Stop;
-use super::corrector::OnBranch;
+use super::corrector::{Guess, OnBranch};
 use super::critical::Critical;
 use super::rest::hopf;
-use super::walk::{Walk, at_parameter};
-use crate::filippov::{Switched, run};
+use super::walk::Walk;
+use crate::filippov::{Switched, run, solve};
 use crate::ode::Timed;
 use crate::system::State;
 
 /// An orbit of less than this part of the widest one's extent is about to be an equilibrium.
 const SMALL: f64 = 0.04;
 
-/// A driven orbit that sticks, and moves by less than this part of the widest one's extent between, is about to rest.
+/// A driven orbit that moves by less than this part of the widest one's extent may be about to rest.
 const AT_REST: f64 = 1e-3;
 
 /// An orbit that comes so near to a state of another, in parts of its extent, may be that one: it is followed in steps of some of this.
@@ -32,13 +32,10 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
         let end = there.clamp(low, high);
         let part = ((end - here) / (there - here)).clamp(0.0, 1.0);
         let (a, b) = (&self.last.circuit, &next.circuit);
-        let at = Timed {
-            t: b.anchor.t,
-            x: a.anchor.x + (b.anchor.x - a.anchor.x) * part,
-        };
+        let at = self.between(&a.anchor, &b.anchor, part);
         let found = self
             .corrector
-            .orbit(&at_parameter(at, b.period, end), 0.0)
+            .orbit(&Guess::at_parameter(at, b.period, end), 0.0)
             .filter(|found| found.circuit.sequence() == a.sequence());
         match found {
             _ if part == 0.0 => Some(Stop::Range),
@@ -50,6 +47,14 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
         }
     }
 
+    /// A part of the way from one orbit to the next, at the time of the second.
+    fn between(&self, from: &Timed<N>, to: &Timed<N>, part: f64) -> Timed<N> {
+        Timed {
+            t: to.t,
+            x: to.x - self.corrector.way(from, to) * (1.0 - part),
+        }
+    }
+
     /// Whether the orbit is about to be an equilibrium, or at rest.
     pub(super) fn shrinks(&self) -> Option<Stop> {
         let circuit = &self.last.circuit;
@@ -58,8 +63,8 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
             return None;
         }
         if self.settings.forced.is_some() {
-            let sticks = circuit.parts.iter().any(|part| S::any_sticks(part.mode));
-            return (sticks && extent < AT_REST * self.widest).then_some(Stop::Rest);
+            let rests = extent < AT_REST * self.widest && self.rests_further_on();
+            return rests.then_some(Stop::Rest);
         }
         if extent >= SMALL * self.widest {
             return None;
@@ -69,6 +74,24 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
             parameter,
             frequency,
         })
+    }
+
+    /// Whether an orbit a step further on begins where the last one sticks, and does so all the time.
+    fn rests_further_on(&self) -> bool {
+        let circuit = &self.last.circuit;
+        let stick = circuit.parts.iter().find(|part| S::any_sticks(part.mode));
+        let Some(stuck) = stick.and_then(|part| part.first) else {
+            return false;
+        };
+        let way = circuit.anchor.x[N - 1] - self.before.circuit.anchor.x[N - 1];
+        let mut x = stuck.x;
+        x[N - 1] += way.signum() * self.settings.step * self.width;
+        let (system, options) = (self.corrector.system, self.corrector.options);
+        let end = stuck.t + circuit.period;
+        let Ok(orbit) = solve(system, stuck.t, x, end, options) else {
+            return false;
+        };
+        orbit.transitions.is_empty() && orbit.phases.iter().all(|phase| S::any_sticks(phase.mode))
     }
 
     /// Whether the branch has come back to the first orbit, which is then its last.
@@ -82,11 +105,8 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
             return None;
         }
         let part = (begin - from) / (to - from);
-        let at = Timed {
-            t: b.anchor.t,
-            x: a.anchor.x + (b.anchor.x - a.anchor.x) * part,
-        };
-        let guess = at_parameter(at, b.period, begin);
+        let at = self.between(&a.anchor, &b.anchor, part);
+        let guess = Guess::at_parameter(at, b.period, begin);
         let found = self.corrector.orbit(&guess, 0.0)?;
         if !self.is_first(&found) {
             return None;

@@ -9,6 +9,8 @@ mod rest;
 mod special;
 mod walk;
 
+use std::num::NonZeroUsize;
+
 use nalgebra::Complex;
 
 use super::sequence::SequenceChange;
@@ -154,13 +156,17 @@ pub enum Stop {
         /// Size of the eigenvalues: angle per unit of time.
         frequency: f64,
     },
-    /// The orbit of a driven system, which sticks at times, comes to rest: it moves by a thousandth of what the widest one on the branch does.
+    /// The orbit of a driven system comes to rest: it moves by less than a thousandth of what the widest one on the branch does, and a step further on
+    /// friction holds it all the time.
     Rest,
-    /// The orbit comes ever nearer to a saddle and takes ever longer: it becomes a homoclinic orbit, and the branch ends.
+    /// The orbit comes ever nearer to a saddle and takes ever longer: it becomes a homoclinic orbit, or with several saddles a heteroclinic cycle, and
+    /// the branch ends.
     Homoclinic {
         /// The parameter: that of the last orbit.
         parameter: f64,
-        /// The rate at which orbits leave the saddle: the least positive real part of its eigenvalues.
+        /// How many saddles it passes.
+        saddles: NonZeroUsize,
+        /// The rate at which orbits leave the saddle: the least positive real part of its eigenvalues, of several saddles the least.
         leaves: f64,
         /// The rate at which they come to it: the negative real part nearest to zero.
         comes: f64,

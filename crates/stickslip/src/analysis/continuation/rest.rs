@@ -1,15 +1,19 @@
 //! Where a branch of periodic orbits ends at an equilibrium: shrinks to one, or passes ever nearer to a saddle.
 
+use std::num::NonZeroUsize;
+
 use nalgebra::DMatrix;
 
 use super::Stop;
 use super::corrector::OnBranch;
 use super::critical::zero_between;
 use super::walk::Walk;
-use crate::analysis::attractors::rest::{ZERO, equilibrium_near};
+use crate::analysis::attractors::rest::{ZERO, equilibrium_near, holds};
 use crate::analysis::multipliers::eigenvalues;
-use crate::filippov::{Integration, Progress, Switched, Velocity};
-use crate::system::{State, components};
+use crate::analysis::periodic::velocity_in;
+use crate::filippov::{Integration, Progress, Switched};
+use crate::ode::Timed;
+use crate::system::State;
 
 /// An orbit passes a saddle where, at its least speed, it would go this part of its extent in a period.
 const SLOW: f64 = 1e-2;
@@ -56,17 +60,71 @@ pub(super) fn hopf<S: Switched<N, G>, const N: usize, const G: usize>(
     None
 }
 
+/// A saddle, and how fast orbits leave it and come to it at the slowest.
+struct Saddle<const N: usize> {
+    x: State<N>,
+    leaves: f64,
+    comes: f64,
+}
+
 impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
-    /// Whether the last orbit is about to be a homoclinic one: slower than the one before it, and close to a saddle.
+    /// Whether the last orbit is about to be a homoclinic one: slower than the one before it, and close to a saddle, or to several.
     pub(super) fn homoclinic(&self) -> Option<Stop> {
         let circuit = &self.last.circuit;
         if self.settings.forced.is_some() || circuit.period <= self.before.circuit.period {
             return None;
         }
-        let (mode, x) = self.slowest(SLOW * circuit.extent / circuit.period)?;
+        let saddles = self.saddles()?;
+        let leaves = saddles.iter().map(|saddle| saddle.leaves);
+        let comes = saddles.iter().map(|saddle| saddle.comes);
+        Some(Stop::Homoclinic {
+            parameter: circuit.anchor.x[N - 1],
+            saddles: NonZeroUsize::new(saddles.len())?,
+            leaves: leaves.fold(f64::INFINITY, f64::min),
+            comes: comes.fold(f64::NEG_INFINITY, f64::max),
+        })
+    }
+
+    /// The saddles that the last orbit passes by slowly.
+    fn saddles(&self) -> Option<Vec<Saddle<N>>> {
+        let circuit = &self.last.circuit;
+        let (system, options) = (self.corrector.system, self.corrector.options);
+        let slow = SLOW * circuit.extent / circuit.period;
+        let near = CLOSE * circuit.extent;
+        let start = circuit.anchor;
+        let t_end = start.t + circuit.period;
+        let mut integration = Integration::new(system, start.t, start.x, t_end, options).ok()?;
+        let mut saddles: Vec<Saddle<N>> = Vec::new();
+        loop {
+            match integration.step().ok()? {
+                Progress::Step => {
+                    let (mode, x) = (integration.mode(), *integration.x());
+                    let at = Timed {
+                        t: integration.t(),
+                        x,
+                    };
+                    let is_slow = velocity_in(system, mode, &at).norm() < slow;
+                    let is_new = |saddle: &Saddle<N>| (saddle.x - x).norm() > 2.0 * near;
+                    if is_slow
+                        && saddles.iter().all(is_new)
+                        && let Some(saddle) = self.saddle_near(mode, &at)
+                        && (saddle.x - x).norm() <= near
+                    {
+                        saddles.push(saddle);
+                    }
+                }
+                Progress::Transition(_) | Progress::PhaseEnd(_) => {}
+                Progress::End(_) => return Some(saddles),
+            }
+        }
+    }
+
+    /// The equilibrium of a mode near a state, if the mode holds there and orbits both come to it and leave it.
+    fn saddle_near(&self, mode: S::Mode, at: &Timed<N>) -> Option<Saddle<N>> {
         let free = N - 1;
-        let rest = equilibrium_near(self.corrector.system, mode, 0.0, &x, free)?;
-        if (rest.x - x).norm() > CLOSE * circuit.extent {
+        let rest = equilibrium_near(self.corrector.system, mode, at.t, &at.x, free)?;
+        let there = Timed { t: at.t, x: rest.x };
+        if !holds(self.corrector.system, mode, there) {
             return None;
         }
         let jacobian = DMatrix::from_fn(free, free, |i, j| rest.jacobian[(i, j)]);
@@ -76,35 +134,10 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
             let rates = values.iter().map(|value| sign * value.re);
             rates.filter(|&rate| rate > zero).min_by(f64::total_cmp)
         };
-        Some(Stop::Homoclinic {
-            parameter: circuit.anchor.x[free],
+        Some(Saddle {
+            x: rest.x,
             leaves: nearest(1.0)?,
             comes: -nearest(-1.0)?,
         })
-    }
-
-    /// Where the last orbit is slowest, at the ends of steps, if it is slower than this there.
-    fn slowest(&self, than: f64) -> Option<(S::Mode, State<N>)> {
-        let circuit = &self.last.circuit;
-        let (system, options) = (self.corrector.system, self.corrector.options);
-        let start = circuit.anchor;
-        let t_end = start.t + circuit.period;
-        let mut integration = Integration::new(system, start.t, start.x, t_end, options).ok()?;
-        let (mut least, mut place) = (than, None);
-        loop {
-            match integration.step().ok()? {
-                Progress::Step => {
-                    let (mode, x) = (integration.mode(), *integration.x());
-                    let here = Velocity(integration.t(), components(&x));
-                    let velocity = system.with_flow(mode, S::Branch::default(), here);
-                    let speed = State::from(velocity).norm();
-                    if speed < least {
-                        (least, place) = (speed, Some((mode, x)));
-                    }
-                }
-                Progress::Transition(_) | Progress::PhaseEnd(_) => {}
-                Progress::End(_) => return place,
-            }
-        }
     }
 }

@@ -78,7 +78,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
         };
         let period = settings.forced.unwrap_or(period);
         let at = anchor(system, &Timed { t: 0.0, x }, period, options)?;
-        let first = corrector.orbit(&at_parameter(at, period, x[N - 1]), 0.0);
+        let first = corrector.orbit(&Guess::at_parameter(at, period, x[N - 1]), 0.0);
         let first = first.ok_or(Error::NotFound {
             what: "a periodic orbit near the start of the branch",
             t: at.t,
@@ -144,7 +144,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
         let mut way = room.min(0.1 * self.settings.step * self.width) * direction;
         for _ in 0..12 {
             let circuit = &self.last.circuit;
-            let guess = at_parameter(circuit.anchor, circuit.period, here + way);
+            let guess = Guess::at_parameter(circuit.anchor, circuit.period, here + way);
             if let Some(next) = self.corrector.orbit(&guess, 0.0)
                 && next.circuit.sequence() == circuit.sequence()
             {
@@ -303,17 +303,5 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
             multipliers: Critical::of(branch, is_forced).multipliers,
             sequence: circuit.modes(),
         });
-    }
-}
-
-/// The orbit at a given parameter, near a state.
-pub(super) fn at_parameter<const N: usize>(at: Timed<N>, period: f64, parameter: f64) -> Guess<N> {
-    let mut at = at;
-    at.x[N - 1] = parameter;
-    Guess {
-        at,
-        period,
-        row: State::from_fn(|i, _| f64::from(u8::from(i == N - 1))),
-        value: parameter,
     }
 }

@@ -4,7 +4,7 @@ use nalgebra::SMatrix;
 use stickslip::TransitionKind::StickEntry;
 use stickslip::analysis::multipliers;
 use stickslip::models::BeltOscillator;
-use stickslip::{Mode, Side, State, math};
+use stickslip::{Filippov, Mode, Scalar, Side, State, math};
 
 use super::check::{TIGHT, kinds};
 use crate::any_system::{monodromy, periodic_orbit, solve};
@@ -224,4 +224,35 @@ fn a_start_in_stick_forgets_what_is_across_the_boundary() {
     over(3.0);
     let [one, none] = multipliers(&over(0.1));
     assert!((one.re - 1.0).abs() < 1e-13 && none.norm() < 1e-13);
+}
+
+/// Two blocks with friction between them and nothing else. A change of one's velocity is shared as the friction shares it, by momentum; across the
+/// boundary at a right angle it would not be.
+struct Pair;
+
+impl Filippov<4> for Pair {
+    fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T; 4]) -> [T; 4] {
+        let friction = T::constant(side.sign());
+        [x[1], -friction, x[3], friction / 3.0]
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 4]) -> T {
+        x[1] - x[3]
+    }
+}
+
+#[test]
+fn a_start_in_stick_comes_back_to_the_boundary_along_the_friction() {
+    let start = State::from([0.1, 0.7, -0.2, 0.7]);
+    let t_end = 2.0;
+    let found = stickslip::analysis::monodromy(&Pair, 0.0, start, t_end, &super::tol(TIGHT));
+    let found = found.expect("runs").matrix;
+    let mut exact = SMatrix::<f64, 4, 4>::identity();
+    // Masses of 1 and 3.
+    for (column, part) in [(1, 0.25), (3, 0.75)] {
+        for row in [1, 3] {
+            exact[(row, column)] = part;
+            exact[(row - 1, column)] = part * t_end;
+        }
+    }
+    assert!((found - exact).amax() < 1e-13, "{found}");
 }
