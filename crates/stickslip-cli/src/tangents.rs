@@ -160,13 +160,18 @@ impl Line {
     }
 
     /// By how much the boundary function's rate is larger with the field above than with that below: in slip, and while the contact holds. Friction
-    /// makes it smaller.
-    pub fn jumps(&self, system: &System, s: f64) -> Option<(f64, f64)> {
-        let jump = |fields| {
-            let [below, above] = self.rates(system, fields, s)?;
-            Some(above - below)
-        };
-        Some((jump(Fields::Slip)?, jump(Fields::Holding)?))
+    /// makes it smaller. Both within what rounding leaves of the rates, which is last.
+    pub fn jumps(&self, system: &System, s: f64) -> Option<(f64, f64, f64)> {
+        const ULPS: f64 = 64.0;
+        let [slip, holding] =
+            [Fields::Slip, Fields::Holding].map(|fields| self.rates(system, fields, s));
+        let (slip, holding) = (slip?, holding?);
+        let largest = slip
+            .iter()
+            .chain(&holding)
+            .fold(0.0, |most: f64, rate| most.max(rate.abs()));
+        let jump = |[below, above]: [f64; 2]| above - below;
+        Some((jump(slip), jump(holding), ULPS * f64::EPSILON * largest))
     }
 
     /// The state on the boundary where the state along the line is `s`.

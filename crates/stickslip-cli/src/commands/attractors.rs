@@ -120,9 +120,13 @@ pub(super) fn place(outcome: &Outcome) -> Option<String> {
     if !matches!(outcome.motion, Motion::Equilibrium | Motion::EquilibriumSet) {
         return None;
     }
-    let (_, x) = outcome.points.first()?;
+    outcome.points.first().map(|(_, x)| state_words(x))
+}
+
+/// A state for people.
+pub(super) fn state_words(x: &[f64]) -> String {
     let x: Vec<String> = x.iter().map(|x| format!("{x:.9}")).collect();
-    Some(format!("({})", x.join(", ")))
+    format!("({})", x.join(", "))
 }
 
 /// What it is, in one line, after so long a time.

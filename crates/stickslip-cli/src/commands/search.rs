@@ -169,11 +169,9 @@ impl Search<'_> {
         };
         let orbit = self.system.kernel().periodic(&self.run(t, &x, t), forced)?;
         if self.rests(&orbit)? {
-            let x: Vec<String> = orbit.x.iter().map(|x| format!("{x:.9}")).collect();
-            return Err(Failure::NoPeriodicOrbit(format!(
-                "no periodic orbit was found: the run comes to rest at ({}), where friction holds it against the drive; start elsewhere (--start), or \
-                 set other parameters (--set)",
-                x.join(", ")
+            let place = attractors::state_words(&orbit.x);
+            return Err(comes_to(&format!(
+                "rest at {place}, where friction holds it against the drive"
             )));
         }
         Ok((orbit, Some(count)))
@@ -208,9 +206,7 @@ impl Search<'_> {
             }
             _ => format!("the equilibrium {place}"),
         };
-        Failure::NoPeriodicOrbit(format!(
-            "no periodic orbit was found: the run comes to {rest}; start elsewhere (--start), or set other parameters (--set)"
-        ))
+        comes_to(&rest)
     }
 
     fn strobed(&self, t: f64, x: &[f64], span: f64) -> Result<(f64, Vec<f64>), Failure> {
@@ -240,4 +236,11 @@ impl Search<'_> {
         let first = distances.iter().position(|&distance| distance <= near);
         Ok(first.map_or(1, |first| first as u32 + 1))
     }
+}
+
+/// That a run ends at rest.
+fn comes_to(rest: &str) -> Failure {
+    Failure::NoPeriodicOrbit(format!(
+        "no periodic orbit was found: the run comes to {rest}; start elsewhere (--start), or set other parameters (--set)"
+    ))
 }

@@ -373,13 +373,25 @@ fn friction_of_the_wrong_sign_or_less_at_rest_is_doubted() {
         panic!("one doubt is expected");
     };
     let less = less.as_str().unwrap();
-    // The law at rest is the static one but for rounding.
-    let same = "static = \"mu0*(0.09*m)/(0.09*m)\"";
-    assert_eq!(doubts(commented, same), [""; 0]);
     assert!(
         less.contains("takes 0.4 of the rate") && less.contains("in slip 0.8"),
         "{less}"
     );
+    // The law at rest is the static one but for rounding, also beside a large force.
+    let same = "static = \"mu0*(0.09*m)/(0.09*m)\"";
+    assert_eq!(doubts(commented, same), [""; 0]);
+    let start = "[start]\nx = 0.5";
+    assert!(right.contains(start));
+    let far = right
+        .replace(commented, same)
+        .replace(start, "[start]\nx = 1e6/3");
+    std::fs::write(
+        top.path().join("far.toml"),
+        far.replace("1e6/3", "\"1e6/3\""),
+    )
+    .unwrap();
+    let found = json(top.path(), &["check", "far.toml"]);
+    assert_eq!(found["doubtful"], serde_json::json!([]));
 }
 
 #[test]

@@ -4,7 +4,7 @@ use stickslip::{Error, Filippov, Scalar, Side};
 
 use crate::attractors::systems::{Backwards, Detour, Driven, Leine, Pushed, Rings, Shear, Wells};
 use crate::bifurcations::systems::{
-    Area, Beat, Belt, DrivenFamily, Ends, Held, Island, Pitchfork, Twisted,
+    Area, Beat, Belt, DrivenFamily, Ends, Held, Island, Pitchfork, Softening, Twisted,
 };
 use crate::den_hartog::DenHartog;
 use crate::line::Line;
@@ -20,7 +20,7 @@ systems!(
 
 systems!(
     Any3, 3:
-    Belt(Belt), DrivenFamily(DrivenFamily), Island(Island), Lorenz(Smooth<Lorenz>), Rings(Rings), Twisted(Twisted),
+    Belt(Belt), DrivenFamily(DrivenFamily), Island(Island), Lorenz(Smooth<Lorenz>), Rings(Rings), Softening(Smooth<Softening>), Twisted(Twisted),
 );
 
 systems!(Any4, 4: Area(Area), Pitchfork(Pitchfork));

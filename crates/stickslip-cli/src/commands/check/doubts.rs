@@ -4,9 +4,6 @@ use super::super::tables::rounded;
 use crate::system::System;
 use crate::tangents::Line;
 
-/// Part by which two laws differ that are the same but for rounding.
-const ROUNDING: f64 = 1e-12;
-
 /// Friction that pushes the wrong way, and static friction below that in slip: asked on every contact's boundary, next to the start.
 pub(super) fn doubts(system: &System) -> Vec<String> {
     let contacts = 0..system.contacts();
@@ -24,19 +21,19 @@ fn doubts_of(system: &System, contact: usize) -> Vec<String> {
     let whole = (f64::NEG_INFINITY, f64::INFINITY);
     let jumps = Line::through(system, contact, None, whole, (t, start))
         .and_then(|line| line.jumps(system, start[line.along]));
-    let (Some(_), Some((slip, holding))) = (&described.friction, jumps) else {
+    let (Some(_), Some((slip, holding, rounding))) = (&described.friction, jumps) else {
         return Vec::new();
     };
     let name = &described.name;
     let mut doubts = Vec::new();
-    if slip > 0.0 {
+    if slip > rounding {
         doubts.push(format!(
             "the friction of {name} drives the slip: the rate of {} is larger by {} above than below, so that the contact never sticks; is \
              friction({name}) meant with the other sign?",
             described.boundary.text,
             rounded(slip)
         ));
-    } else if described.holding.is_some() && holding > slip * (1.0 - ROUNDING) {
+    } else if described.holding.is_some() && holding > slip + rounding {
         doubts.push(format!(
             "static friction of {name} is less than friction in slip: it takes {} of the rate of {}, and in slip {}",
             rounded(-holding),

@@ -53,7 +53,8 @@ pub(super) fn diagram(told: &Told<'_>) -> Result<String, OutputError> {
     let title = format!("{}: branch of periodic orbits", system.file.name);
     let description = format!(
         "A branch of periodic orbits of {} over {} from {} to {}: least and greatest {}, period, and the largest multiplier up to {LARGEST}; \
-         whole lines where it is stable, dotted where neutral, dashed where unstable; marks at folds, flips, branch points, torus bifurcations, changes of its phases, and where it ends in an equilibrium, a homoclinic orbit or rest.",
+         whole lines where it is stable, dotted where neutral, dashed where unstable; marks at folds, flips, branch points, torus bifurcations, \
+         changes of its phases, and where it ends in an equilibrium, a homoclinic orbit or rest.",
         system.file.name, range.name, range.low, range.high, first.name
     );
     let height = 70.0 + 190.0 * rows.len() as f64;

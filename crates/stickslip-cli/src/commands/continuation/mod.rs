@@ -19,7 +19,8 @@ use told::Told;
 /// Continue a periodic orbit along a parameter, stable or not, through folds and changes of its phases
 ///
 /// The orbit is found at the parameter's present value (that of the file, or of --set) and followed both ways by pseudo-arclength. Where a
-/// multiplier is 1 or -1 or a pair is on the unit circle, and where the phases change, the place is located and named. Of a driven system the
+/// multiplier is 1 or -1 or a pair is on the unit circle, and where the phases change, the place is located and named; so is an end in an
+/// equilibrium, a homoclinic orbit or rest. Of a driven system the
 /// parameter may be one that the period depends on. Writes branch.csv, special.csv and continue.svg.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {

@@ -17,7 +17,8 @@ const MOMENTS: usize = 32;
 ///
 /// Two orbits have come to the same one if they have come to the same kind of motion, and
 /// - at an equilibrium, to the same point;
-/// - at a set of equilibria, to points between which (on a straight line, laid onto the boundary) there are only further ones, at every moment of a drive;
+/// - at a set of equilibria, to points between which (on a straight line, laid onto the boundary) there are only further ones; with a drive, at 32
+///   moments of its period;
 /// - on a periodic orbit, to the same points of the section in the same order, with the same cycle of phases;
 /// - on a recurrent one, to points of which nearly all lie near (5 % of their extent) to one of the other's.
 ///

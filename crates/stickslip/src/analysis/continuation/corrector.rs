@@ -14,10 +14,15 @@ use crate::system::State;
 /// Iterations allowed.
 const MOST: usize = 12;
 
-/// An orbit closes in its velocity to this part of it, or to as many times what it may be off in place. Where it is slow that says more than that it
-/// closes in place: next to an equilibrium any orbit comes back to where it was, within what rounding leaves.
+/// An orbit closes in its velocity to this part of it. Where it is slow that says more than that it closes in place: next to an equilibrium any orbit
+/// comes back to where it was, within what rounding leaves.
 const SAME_VELOCITY: f64 = 1e-4;
+
+/// With a loose tolerance it closes in its velocity to as many times what it may be off in place.
 const TIMES: f64 = 100.0;
+
+/// An iterate's run is left where it goes so many times as far as the orbit that is sought may: it escapes, maybe by ever shorter steps.
+const FAR: f64 = 100.0;
 
 /// What the branch needs of a periodic orbit besides its circuit.
 #[derive(Clone, Debug)]
@@ -64,7 +69,8 @@ pub(super) struct Corrector<'a, S> {
 }
 
 impl<S> Corrector<'_, S> {
-    /// The next orbit of a branch at another parameter, along the tangent: where states and period go with the parameter while the orbit closes.
+    /// The next orbit of a branch at another parameter. Newton's iteration begins at the orbit itself, so that its first step is along the tangent:
+    /// states and period go with the parameter while the orbit closes.
     pub fn next_at<const N: usize, const G: usize>(
         &self,
         from: &OnBranch<N, S::Mode>,
@@ -73,41 +79,12 @@ impl<S> Corrector<'_, S> {
     where
         S: Switched<N, G>,
     {
-        let Solved {
-            matrix,
-            start,
-            slope,
-            ..
-        } = &from.branch;
-        let states = N - 1;
-        let unknowns = states + usize::from(self.forced.is_none());
-        let mut closes = DMatrix::<f64>::zeros(unknowns, unknowns);
-        let mut right = DVector::<f64>::zeros(unknowns);
-        for i in 0..states {
-            for j in 0..states {
-                closes[(i, j)] = matrix[(i, j)] - f64::from(u8::from(i == j));
-            }
-            right[i] = -matrix[(i, states)];
-            if self.forced.is_none() {
-                closes[(i, states)] = slope[i];
-                closes[(states, i)] = slope[i];
-            }
-        }
-        let tangent = closes.lu().solve(&right)?;
-        let way = parameter - start.x[states];
-        let mut at = *start;
-        for i in 0..states {
-            at.x[i] += tangent[i] * way;
-        }
-        let of_period = if self.forced.is_none() {
-            tangent[states]
-        } else {
-            0.0
+        let start = from.branch.start;
+        let guess = Guess {
+            value: parameter,
+            ..Guess::at_parameter(start, from.circuit.period, start.x[N - 1])
         };
-        self.orbit(
-            &Guess::at_parameter(at, from.circuit.period + of_period * way, parameter),
-            parameter,
-        )
+        self.orbit(&guess, parameter)
     }
 
     /// The way from one orbit of a branch to the next, across the flow; with a forcing, at the second one's time.
@@ -141,11 +118,13 @@ impl<S> Corrector<'_, S> {
         let (mut x, mut period) = (guess.at.x, self.forced.unwrap_or(guess.period));
         let slope = slope_at(self.system, t, &x);
         let by_tolerance = 100.0 * self.options.atol.max(self.options.rtol);
+        let reach = x.amax() + slope.norm() * period;
+        let bounded = self.options.escape(self.options.escape.min(FAR * reach));
         let mut residual = f64::INFINITY;
         for iterations in 1..=MOST {
             let turn = match self.forced {
-                Some(_) => monodromy(self.system, t, x, t + period, self.options),
-                None => monodromy_of_autonomous(self.system, t, x, t + period, self.options),
+                Some(_) => monodromy(self.system, t, x, t + period, &bounded),
+                None => monodromy_of_autonomous(self.system, t, x, t + period, &bounded),
             };
             let turn = turn.ok()?;
             if turn.summary.ending != Ending::EndTime {

@@ -15,8 +15,8 @@ use crate::filippov::{Integration, Progress, Switched};
 use crate::ode::Timed;
 use crate::system::State;
 
-/// An orbit passes a saddle where, at its least speed, it would go this part of its extent in a period.
-const SLOW: f64 = 1e-2;
+/// An orbit passes a saddle where, at its least speed, it would go this part of its extent in a period: a tenth of the mean speed of a pass.
+const SLOW: f64 = 1e-1;
 
 /// The saddle is no farther away than this part of the orbit's extent.
 const CLOSE: f64 = 1e-2;

@@ -2,6 +2,8 @@
 
 use stickslip::{Contacts, Filippov, Scalar, Side};
 
+use crate::smooth::Field;
+
 /// What a [`Beat`] does.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Rhythm {
@@ -263,5 +265,21 @@ impl Filippov<3> for Belt {
     }
     fn boundary<T: Scalar>(&self, _t: T, x: &[T; 3]) -> T {
         x[1] - x[2]
+    }
+}
+
+/// A softening spring, x'' = -x + x³, with damping that is negative near the middle: small `pull` times (p - x²) x'. Its cycle grows with p until it
+/// goes from one of the saddles ±1 to the other and back.
+pub struct Softening;
+
+impl Softening {
+    pub const PULL: f64 = 0.1;
+}
+
+impl Field<3> for Softening {
+    fn at<T: Scalar>(&self, x: &[T; 3]) -> [T; 3] {
+        let square = x[0] * x[0];
+        let pull = (x[2] - square) * x[1] * Softening::PULL;
+        [x[1], x[0] * (square - 1.0) + pull, T::zero()]
     }
 }
