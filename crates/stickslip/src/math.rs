@@ -14,6 +14,11 @@ pub fn cos(x: f64) -> f64 {
     libm::cos(x)
 }
 
+/// Sine and cosine of `x` in radians, the same as each alone, for little more than one of them.
+pub fn sin_cos(x: f64) -> (f64, f64) {
+    libm::sincos(x)
+}
+
 /// Tangent of `x` in radians.
 pub fn tan(x: f64) -> f64 {
     libm::tan(x)

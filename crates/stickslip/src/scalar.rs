@@ -151,6 +151,10 @@ impl Scalar for f64 {
         math::cos(self)
     }
     #[inline(always)]
+    fn sin_cos(self) -> (Self, Self) {
+        math::sin_cos(self)
+    }
+    #[inline(always)]
     fn tan(self) -> Self {
         math::tan(self)
     }

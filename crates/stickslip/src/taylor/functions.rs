@@ -7,27 +7,11 @@ use crate::scalar::Scalar;
 
 use Jet::Line;
 
-/// A function of a number, `whole` of what has a row and `value` of a constant.
-#[inline(always)]
-fn function<'a, const L: usize>(
-    a: Jet<'a, L>,
-    value: impl Fn(f64) -> f64,
-    whole: impl Fn(Coefficient<'a, L>) -> Jet<'a, L>,
-) -> Jet<'a, L> {
-    match a.in_row() {
-        Ok(a) => whole(a),
-        Err(a) => Jet::constant(value(a)),
-    }
-}
-
 impl<'a, const L: usize> Coefficient<'a, L> {
-    /// The newest coefficient of `f(a)` where `f' = g(a)`: `g` has the row `g`, and `value` is `f`.
+    /// The newest coefficient, not the value, of `f(a)` where `f' = g(a)`: `g` has the row `g`.
     #[inline(always)]
-    fn integral(self, slope: usize, g: usize, value: impl Fn(f64) -> f64) -> Lanes<L> {
+    fn integral(self, slope: usize, g: usize) -> Lanes<L> {
         let (pass, a) = (self.pass, self.newest);
-        if pass.order == 0 {
-            return lanes(|l| value(a[l]));
-        }
         let (inner, of_a, g0) = (pass.convolution(slope, g), pass.slope(a), pass.at(g, 0));
         pass.integral(lanes(|l| inner[l] + of_a[l] * g0[l]))
     }
@@ -56,7 +40,11 @@ impl<'a, const L: usize> Coefficient<'a, L> {
         let pass = self.pass;
         let slope = self.keep_slope();
         let (tangent, rate) = (pass.next(), pass.next() + 1);
-        let newest = self.integral(slope, rate, value);
+        let newest = if pass.order == 0 {
+            lanes(|l| value(self.newest[l]))
+        } else {
+            self.integral(slope, rate)
+        };
         let result = pass.result(newest);
         let of_square = if pass.order == 0 {
             lanes(|l| 1.0 + sign * (newest[l] * newest[l]))
@@ -70,20 +58,39 @@ impl<'a, const L: usize> Coefficient<'a, L> {
 
     /// Two functions of which each is the slope of the other, but for the sign of the second's.
     #[inline(always)]
-    fn pair(
-        self,
-        sign: f64,
-        first: impl Fn(f64) -> f64,
-        second: impl Fn(f64) -> f64,
-    ) -> (Jet<'a, L>, Jet<'a, L>) {
+    fn pair(self, sign: f64, both: impl Fn(f64) -> (f64, f64)) -> (Jet<'a, L>, Jet<'a, L>) {
         let pass = self.pass;
         let slope = self.keep_slope();
+        if pass.order == 0 {
+            return pass.results(self.newest, both);
+        }
         let (one, other) = (pass.next(), pass.next() + 1);
-        let sign = if pass.order == 0 { 1.0 } else { sign };
-        let of_one = self.integral(slope, other, first);
-        let of_other = self.integral(slope, one, second);
+        let of_one = self.integral(slope, other);
+        let of_other = self.integral(slope, one);
         let results = (pass.result(of_one), lanes(|l| sign * of_other[l]));
         (results.0, pass.result(results.1))
+    }
+
+    #[inline(always)]
+    fn exponential(self) -> Jet<'a, L> {
+        let pass = self.pass;
+        let slope = self.keep_slope();
+        pass.result(if pass.order == 0 {
+            lanes(|l| math::exp(self.newest[l]))
+        } else {
+            self.integral(slope, pass.next())
+        })
+    }
+
+    #[inline(always)]
+    fn root(self) -> Jet<'a, L> {
+        let (pass, newest) = (self.pass, self.newest);
+        if pass.order == 0 {
+            return pass.result(lanes(|l| newest[l].sqrt()));
+        }
+        let root = pass.next();
+        let (inner, r0) = (pass.convolution(root, root), pass.at(root, 0));
+        pass.result(lanes(|l| (newest[l] - inner[l]) / (2.0 * r0[l])))
     }
 
     /// A real power.
@@ -112,6 +119,10 @@ impl<'a, const L: usize> Coefficient<'a, L> {
     fn keep_slope(self) -> usize {
         self.pass.keep(self.pass.slope(self.newest))
     }
+}
+
+fn sinh_cosh(a: f64) -> (f64, f64) {
+    (math::sinh(a), math::cosh(a))
 }
 
 impl<const L: usize> Scalar for Jet<'_, L> {
@@ -173,25 +184,21 @@ impl<const L: usize> Scalar for Jet<'_, L> {
             pass: Some(pass),
         }) = self
         {
-            let sine = pass.next();
-            let (of_sine, of_cosine) = if pass.order == 0 {
-                (
-                    lanes(|l| math::sin(value[l])),
-                    lanes(|l| math::cos(value[l])),
-                )
-            } else {
-                let last = pass.order - 1;
-                let (s, c) = (pass.at(sine, last), pass.at(sine + 1, last));
-                (
-                    pass.integral(lanes(|l| slope[l] * c[l])),
-                    pass.integral(lanes(|l| -slope[l] * s[l])),
-                )
-            };
+            if pass.order == 0 {
+                return pass.results(value, math::sin_cos);
+            }
+            let (sine, last) = (pass.next(), pass.order - 1);
+            let (s, c) = (pass.at(sine, last), pass.at(sine + 1, last));
+            let of_sine = pass.integral(lanes(|l| slope[l] * c[l]));
+            let of_cosine = pass.integral(lanes(|l| -slope[l] * s[l]));
             return (pass.result(of_sine), pass.result(of_cosine));
         }
         match self.in_row() {
-            Ok(a) => a.pair(-1.0, math::sin, math::cos),
-            Err(a) => (Self::constant(math::sin(a)), Self::constant(math::cos(a))),
+            Ok(a) => a.pair(-1.0, math::sin_cos),
+            Err(a) => {
+                let (sine, cosine) = math::sin_cos(a);
+                (Self::constant(sine), Self::constant(cosine))
+            }
         }
     }
     #[inline(always)]
@@ -204,52 +211,66 @@ impl<const L: usize> Scalar for Jet<'_, L> {
     }
     #[inline(always)]
     fn tan(self) -> Self {
-        function(self, math::tan, |a| a.tangent(1.0, math::tan))
+        match self.in_row() {
+            Ok(a) => a.tangent(1.0, math::tan),
+            Err(a) => Self::constant(math::tan(a)),
+        }
     }
     #[inline(always)]
     fn atan(self) -> Self {
-        function(self, math::atan, |a| match (self * self + 1.0).in_row() {
-            Ok(b) => a.over(b, math::atan),
-            Err(_) => self,
-        })
+        match (self.in_row(), (self * self + 1.0).in_row()) {
+            (Ok(a), Ok(b)) => a.over(b, math::atan),
+            (Err(a), _) => Self::constant(math::atan(a)),
+            (Ok(_), Err(_)) => self,
+        }
     }
     #[inline(always)]
     fn sinh(self) -> Self {
-        function(self, math::sinh, |a| a.pair(1.0, math::sinh, math::cosh).0)
+        match self.in_row() {
+            Ok(a) => a.pair(1.0, sinh_cosh).0,
+            Err(a) => Self::constant(math::sinh(a)),
+        }
     }
     #[inline(always)]
     fn cosh(self) -> Self {
-        function(self, math::cosh, |a| a.pair(1.0, math::sinh, math::cosh).1)
+        match self.in_row() {
+            Ok(a) => a.pair(1.0, sinh_cosh).1,
+            Err(a) => Self::constant(math::cosh(a)),
+        }
     }
     #[inline(always)]
     fn tanh(self) -> Self {
-        function(self, math::tanh, |a| a.tangent(-1.0, math::tanh))
+        match self.in_row() {
+            Ok(a) => a.tangent(-1.0, math::tanh),
+            Err(a) => Self::constant(math::tanh(a)),
+        }
     }
     #[inline(always)]
     fn powf(self, p: f64) -> Self {
-        function(self, |a| math::pow(a, p), |a| a.power(p))
+        match self.in_row() {
+            Ok(a) => a.power(p),
+            Err(a) => Self::constant(math::pow(a, p)),
+        }
     }
     #[inline(always)]
     fn sqrt(self) -> Self {
-        function(self, f64::sqrt, |a| {
-            let (pass, newest) = (a.pass, a.newest);
-            if pass.order == 0 {
-                return pass.result(lanes(|l| newest[l].sqrt()));
-            }
-            let root = pass.next();
-            let (inner, r0) = (pass.convolution(root, root), pass.at(root, 0));
-            pass.result(lanes(|l| (newest[l] - inner[l]) / (2.0 * r0[l])))
-        })
+        match self.in_row() {
+            Ok(a) => a.root(),
+            Err(a) => Self::constant(a.sqrt()),
+        }
     }
     #[inline(always)]
     fn exp(self) -> Self {
-        function(self, math::exp, |a| {
-            let slope = a.keep_slope();
-            a.pass.result(a.integral(slope, a.pass.next(), math::exp))
-        })
+        match self.in_row() {
+            Ok(a) => a.exponential(),
+            Err(a) => Self::constant(math::exp(a)),
+        }
     }
     #[inline(always)]
     fn ln(self) -> Self {
-        function(self, math::ln, |a| a.over(a, math::ln))
+        match self.in_row() {
+            Ok(a) => a.over(a, math::ln),
+            Err(a) => Self::constant(math::ln(a)),
+        }
     }
 }

@@ -129,6 +129,22 @@ impl<'a, const L: usize> Pass<'a, L> {
             pass: self,
         })
     }
+
+    /// The values of two such numbers that are found together.
+    #[inline(always)]
+    pub(super) fn results(
+        &'a self,
+        of: Lanes<L>,
+        both: impl Fn(f64) -> (f64, f64),
+    ) -> (Jet<'a, L>, Jet<'a, L>) {
+        let mut one = [0.0; L];
+        let other = lanes(|l| {
+            let values = both(of[l]);
+            one[l] = values.0;
+            values.1
+        });
+        (self.result(one), self.result(other))
+    }
 }
 
 impl<'a, const L: usize> Coefficient<'a, L> {
