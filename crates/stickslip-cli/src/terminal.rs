@@ -3,6 +3,8 @@
 use std::cell::OnceCell;
 use std::io::{self, Write};
 use std::process::ExitCode;
+use std::sync::mpsc::RecvTimeoutError;
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
@@ -100,22 +102,43 @@ impl Patience {
     }
 }
 
+/// What is told of a computation that cannot say how far it is.
+pub(crate) struct Telling(Mutex<String>);
+
+impl Telling {
+    /// Tells this from now on.
+    pub(crate) fn tell(&self, words: String) {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = words;
+    }
+
+    fn told(&self) -> String {
+        self.0
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .clone()
+    }
+}
+
 /// Runs what cannot say how far it is, under something that moves once it has taken a while.
-pub(crate) fn patiently<T: Send>(what: &'static str, work: impl FnOnce() -> T + Send) -> T {
+pub(crate) fn patiently<T: Send>(what: &str, work: impl FnOnce(&Telling) -> T + Send) -> T {
+    const TICK: Duration = Duration::from_millis(120);
+    let telling = Telling(Mutex::new(what.to_owned()));
     std::thread::scope(|scope| {
         let (done, wait) = std::sync::mpsc::channel::<()>();
+        let telling = &telling;
         scope.spawn(move || {
-            if wait.recv_timeout(PATIENCE).is_ok() {
+            // The end of the work closes the channel.
+            if wait.recv_timeout(PATIENCE) != Err(RecvTimeoutError::Timeout) {
                 return;
             }
-            let spinner = ProgressBar::new_spinner().with_message(what);
-            spinner.enable_steady_tick(Duration::from_millis(120));
-            // The end of the work closes the channel.
-            let _ = wait.recv();
+            let spinner = ProgressBar::new_spinner();
+            while wait.recv_timeout(TICK) == Err(RecvTimeoutError::Timeout) {
+                spinner.set_message(telling.told());
+                spinner.tick();
+            }
             spinner.finish_and_clear();
         });
-        let result = work();
-        let _ = done.send(());
+        let result = work(telling);
         drop(done);
         result
     })

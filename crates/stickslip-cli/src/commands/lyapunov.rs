@@ -37,7 +37,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
 
 fn found(ready: &Ready, settings: &SpectrumOptions) -> Result<Found, Failure> {
     let system = &ready.system;
-    let spectrum = patiently("measuring the spectrum", || {
+    let spectrum = patiently("measuring the spectrum", |_| {
         system.kernel().spectrum(ready.t, &ready.x, settings)
     })?;
     Ok(Found {

@@ -67,7 +67,7 @@ impl SearchArguments {
         };
         let drive = system.built.period.filter(|_| system.built.depends_on_time);
         self.have_effect(drive)?;
-        patiently("looking for a periodic orbit", || match drive {
+        patiently("looking for a periodic orbit", |_| match drive {
             Some(period) => search.driven(t, x, period, self.periods),
             None => match search.free(t, x) {
                 Ok(orbit) => Ok((orbit, None)),

@@ -5,8 +5,8 @@ use std::ops::ControlFlow;
 
 use stickslip::analysis::{
     ContinuationSettings, PeriodicOrbit, RecurrenceSettings, SpectrumOptions, SweepSettings,
-    attractor, continue_periodic_orbit, find_periodic_orbit, lyapunov_spectrum, multipliers,
-    periodic_orbit, periodic_orbit_forced, sweep,
+    attractor, continue_while, find_periodic_orbit, lyapunov_spectrum, multipliers, periodic_orbit,
+    periodic_orbit_forced, sweep,
 };
 use stickslip::{
     Ending, Error, EventRecord, Happening, Integration, Options, Phase, Progress, Several, State,
@@ -276,13 +276,16 @@ where
     fn branch(
         &self,
         x: &[f64],
-        period: f64,
-        upwards: bool,
+        way: (f64, bool),
         settings: &ContinuationSettings,
         options: &Options,
+        seen: &dyn Fn(f64),
     ) -> Result<BranchFound, Error> {
         let x = state::<N>(x);
-        let found = continue_periodic_orbit(&self.system, x, period, upwards, settings, options)?;
+        let found = continue_while(&self.system, x, way, settings, options, |point| {
+            seen(point.parameter);
+            ControlFlow::Continue(())
+        })?;
         Ok(BranchFound::of(&found, self.contacts))
     }
 

@@ -121,17 +121,18 @@ pub trait Kernel: Send + Sync {
         options: &Options,
     ) -> Result<Vec<Change>, Error>;
 
-    /// The branch of periodic orbits through the one near `x` at time 0, with a period near `period`. The last state is its parameter.
+    /// The branch of periodic orbits through the one near `x` at time 0, with a period near that of `way`, upwards or downwards. The last state is
+    /// its parameter; `seen` gets that of every orbit as it is found.
     ///
     /// # Errors
     /// Those of [`stickslip::analysis::continue_periodic_orbit`].
     fn branch(
         &self,
         x: &[f64],
-        period: f64,
-        upwards: bool,
+        way: (f64, bool),
         settings: &ContinuationSettings,
         options: &Options,
+        seen: &dyn Fn(f64),
     ) -> Result<BranchFound, Error>;
 
     /// Whether two orbits have come to the same attractor.

@@ -26,7 +26,8 @@ pub use attractors::{
 pub use basin::{Basin, Share, basin};
 pub use bifurcation::{AttractorChange, Sweep, SweepPoint, SweepSettings, WhatChanges, sweep};
 pub use continuation::{
-    Branch, BranchPoint, ContinuationSettings, Special, SpecialPoint, Stop, continue_periodic_orbit,
+    Branch, BranchPoint, ContinuationSettings, Special, SpecialPoint, Stop,
+    continue_periodic_orbit, continue_while,
 };
 pub use destination::{Destination, destination};
 pub use lyapunov::{

@@ -1,5 +1,7 @@
 //! The branch through an orbit, both ways.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use rayon::prelude::*;
 use stickslip::analysis::{ContinuationSettings, Stop};
 use stickslip::{Ending, Error, Options};
@@ -12,6 +14,7 @@ use super::super::Failure;
 use super::super::extremes::Extremes;
 use super::super::range::ParameterRange;
 use crate::system::System;
+use crate::terminal::Telling;
 
 /// An orbit of the branch.
 pub(super) struct Point {
@@ -89,6 +92,7 @@ impl<'a> Begin<'a> {
         periods: Option<u32>,
         settings: &ContinuationSettings,
         options: &Options,
+        telling: &Telling,
     ) -> Result<Branch, Failure> {
         let settings = ContinuationSettings {
             forced: periods.map(|_| orbit.period),
@@ -96,9 +100,17 @@ impl<'a> Begin<'a> {
         };
         let mut x = self.at_zero(orbit, options)?;
         x.push(self.value);
+        let orbits = AtomicUsize::new(0);
         let way = |upwards| {
-            let along = &self.along;
-            along.branch(&x, orbit.period, upwards, &settings, options)
+            let seen = |parameter: f64| {
+                let orbits = orbits.fetch_add(1, Ordering::Relaxed) + 1;
+                telling.tell(format!(
+                    "following the branch: {orbits} orbits, at {} = {parameter:.6}",
+                    self.range.name
+                ));
+            };
+            let way = (orbit.period, upwards);
+            self.along.branch(&x, way, &settings, options, &seen)
         };
         let (down, up) = rayon::join(|| way(false), || way(true));
         let (mut down, mut up) = (down?, up?);

@@ -61,8 +61,8 @@ fn found(arguments: &Arguments, ready: &Ready) -> Result<Found, Failure> {
     let (orbit, periods) = arguments
         .search
         .found(system, (ready.t, &ready.x), options)?;
-    let branch = patiently("following the branch", || {
-        begin.branch(&orbit, periods, &settings, options)
+    let branch = patiently("following the branch", |telling| {
+        begin.branch(&orbit, periods, &settings, options, telling)
     })?;
     let told = Told {
         system,

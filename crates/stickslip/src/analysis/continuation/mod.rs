@@ -10,6 +10,7 @@ mod special;
 mod walk;
 
 use std::num::NonZeroUsize;
+use std::ops::ControlFlow;
 
 use nalgebra::Complex;
 
@@ -145,7 +146,7 @@ pub struct SpecialPoint<const N: usize, K = Mode> {
 pub enum Stop {
     /// The parameter has come to an end of its range.
     Range,
-    /// There are as many points as asked for.
+    /// There are as many points as asked for, or [`continue_while`] was told to go no further.
     Points,
     /// The branch is closed: the last orbit is the first.
     Closed,
@@ -234,8 +235,24 @@ pub fn continue_periodic_orbit<S: Switched<N, G>, const N: usize, const G: usize
     settings: &ContinuationSettings,
     options: &Options,
 ) -> Result<Branch<N, S::Mode>, Error> {
+    let all = |_: &BranchPoint<N, S::Mode>| ControlFlow::Continue(());
+    continue_while(system, x, (period, upwards), settings, options, all)
+}
+
+/// [`continue_periodic_orbit`] with someone who sees every orbit as it is found, and may say that this is far enough.
+///
+/// # Errors
+/// Those of [`continue_periodic_orbit`].
+pub fn continue_while<S: Switched<N, G>, const N: usize, const G: usize>(
+    system: &S,
+    x: impl Into<State<N>>,
+    (period, upwards): (f64, bool),
+    settings: &ContinuationSettings,
+    options: &Options,
+    seen: impl FnMut(&BranchPoint<N, S::Mode>) -> ControlFlow<()>,
+) -> Result<Branch<N, S::Mode>, Error> {
     settings.check()?;
     let mut walk = Walk::begin(system, x.into(), period, settings, options)?;
-    let stop = walk.go(upwards);
+    let stop = walk.go(upwards, seen);
     Ok(walk.into_branch(stop))
 }

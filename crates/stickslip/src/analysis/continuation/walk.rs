@@ -1,5 +1,7 @@
 //! The walk along a branch: steps, what is special on the way, and the end.
 
+use std::ops::ControlFlow;
+
 use super::corner::Behind;
 use super::corrector::{Corrector, Guess, OnBranch};
 use super::critical::Critical;
@@ -110,12 +112,21 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
     }
 
     /// Follows the branch to its end.
-    pub fn go(&mut self, upwards: bool) -> Stop {
+    pub fn go(
+        &mut self,
+        upwards: bool,
+        mut seen: impl FnMut(&BranchPoint<N, S::Mode>) -> ControlFlow<()>,
+    ) -> Stop {
         if let Some(stop) = self.second(if upwards { 1.0 } else { -1.0 }) {
             return stop;
         }
+        let mut told = 0;
         loop {
-            if self.points.len() >= self.settings.most_points {
+            // One step may find several.
+            let new = self.points.get(told..).unwrap_or_default();
+            told = self.points.len();
+            let is_asked = new.iter().try_for_each(&mut seen).is_break();
+            if is_asked || self.points.len() >= self.settings.most_points {
                 return Stop::Points;
             }
             let stop = self.shrinks().or_else(|| self.advance());

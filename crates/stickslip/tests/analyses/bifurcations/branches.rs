@@ -1,10 +1,11 @@
 //! Branches of periodic orbits through folds and changes of their phases.
 
 use std::f64::consts::{LN_10, PI};
+use std::ops::ControlFlow;
 
 use stickslip::analysis::{
     Branch, ContinuationSettings, SequenceBifurcation, Special, Stability, Stop,
-    continue_periodic_orbit, monodromy,
+    continue_periodic_orbit, continue_while, monodromy,
 };
 use stickslip::nalgebra::Matrix3;
 use stickslip::{Error, Filippov, Method, Mode, Options, Side, State, math};
@@ -411,6 +412,29 @@ fn a_cycle_is_followed_to_its_homoclinic_end_with_the_multiplier_of_its_area() {
         }
     }
     assert!((parameter - low).abs() < 1e-10, "{parameter}, known {low}");
+}
+
+#[test]
+fn a_branch_is_seen_as_it_grows_and_left_when_asked() {
+    let system = Rings { place: 50.0 };
+    let start = [(1.0 + 0.5_f64.sqrt()).sqrt(), 0.0, -0.5];
+    let settings = ContinuationSettings::over(-1.5, 0.5);
+    let whole = branch(&system, start, (2.0 * PI, false), &settings);
+    let mut seen = Vec::new();
+    let options = Options::tol(1e-13);
+    let way = (2.0 * PI, false);
+    let part = continue_while(&system.any(), start, way, &settings, &options, |point| {
+        seen.push(point.clone());
+        if seen.len() == 10 {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    });
+    let part = part.unwrap();
+    assert_eq!(part.stop, Stop::Points);
+    assert_eq!(part.points, seen);
+    assert_eq!(whole.points[..10], seen);
 }
 
 /// Whether the orbit that leaves the saddle at -1 passes the one at 1.
