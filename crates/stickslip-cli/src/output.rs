@@ -55,7 +55,7 @@ pub enum OutputError {
     Plot(#[from] plot::PlotError),
     /// `--png` was asked of a program built without it.
     #[error(
-        "this program was built without PNG output; rebuild it with `cargo build --release -p stickslip-cli --features png`"
+        "this program was built without PNG output (--no-default-features); rebuild it with `cargo build --release -p stickslip-cli`"
     )]
     PngNotBuilt,
     /// The SVG cannot be turned into a PNG.

@@ -83,6 +83,16 @@ enum Fields {
     Holding,
 }
 
+/// By how much the boundary function's rate is larger with the field above than with that below. Friction makes it smaller.
+pub struct Jumps {
+    /// In slip.
+    pub slip: f64,
+    /// While the contact holds.
+    pub holding: f64,
+    /// What rounding leaves of the rates.
+    pub rounding: f64,
+}
+
 impl Line {
     /// The line through a point of state space: of the state that the boundary changes with most the value is solved for; along is `along`, or the
     /// first other state. `None` where there is no other state, or the boundary changes with none.
@@ -159,9 +169,9 @@ impl Line {
         }
     }
 
-    /// By how much the boundary function's rate is larger with the field above than with that below: in slip, and while the contact holds. Friction
-    /// makes it smaller. Both within what rounding leaves of the rates, which is last.
-    pub fn jumps(&self, system: &System, s: f64) -> Option<(f64, f64, f64)> {
+    /// See [`Jumps`], where the state along the line is `s`.
+    pub fn jumps(&self, system: &System, s: f64) -> Option<Jumps> {
+        // Some operations of a field of some terms, each off by half a unit in the last place of the largest.
         const ULPS: f64 = 64.0;
         let [slip, holding] =
             [Fields::Slip, Fields::Holding].map(|fields| self.rates(system, fields, s));
@@ -171,7 +181,11 @@ impl Line {
             .chain(&holding)
             .fold(0.0, |most: f64, rate| most.max(rate.abs()));
         let jump = |[below, above]: [f64; 2]| above - below;
-        Some((jump(slip), jump(holding), ULPS * f64::EPSILON * largest))
+        Some(Jumps {
+            slip: jump(slip),
+            holding: jump(holding),
+            rounding: ULPS * f64::EPSILON * largest,
+        })
     }
 
     /// The state on the boundary where the state along the line is `s`.

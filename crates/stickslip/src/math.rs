@@ -108,3 +108,25 @@ pub fn cosh(x: f64) -> f64 {
 pub fn acosh(x: f64) -> f64 {
     libm::acosh(x)
 }
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::FRAC_PI_4;
+
+    #[test]
+    fn sine_and_cosine_together_have_the_bits_of_each_alone() {
+        let mut values = vec![0.0, -0.0, f64::NAN, f64::INFINITY, 1e22, -1e300, 5e-324];
+        // Around the sizes at which an expansion, or a reduction, begins; and many others.
+        for size in [super::powi(2.0, -27), super::powi(2.0, -26), FRAC_PI_4, 1.0] {
+            for k in 0..2000 {
+                let near = size * (0.5 + f64::from(k) / 1000.0);
+                values.extend([near, -near, 40.0 * near]);
+            }
+        }
+        for x in values {
+            let (sine, cosine) = super::sin_cos(x);
+            assert_eq!(sine.to_bits(), super::sin(x).to_bits(), "sine of {x:e}");
+            assert_eq!(cosine.to_bits(), super::cos(x).to_bits(), "cosine of {x:e}");
+        }
+    }
+}

@@ -223,7 +223,7 @@ pub(super) struct OutputArguments {
     #[arg(long)]
     pub(super) json: bool,
 
-    /// Also write the figures as PNG, at twice the nominal size (needs a build with `--features png`)
+    /// Also write the figures as PNG, at twice the nominal size
     #[arg(long)]
     pub(super) png: bool,
 }

@@ -1,7 +1,7 @@
 //! Orbits as tables and as JSON.
 
 use serde_json::{Value, json};
-use stickslip::Mode;
+use stickslip::{Mode, math};
 
 use super::recording::{
     Crossed, Phase, Recording, Transition, direction_name, kind_name, mode_name,
@@ -28,6 +28,15 @@ pub(super) fn to_digits(value: f64, digits: usize) -> f64 {
 /// Texts of their own.
 pub(super) fn strings(texts: &[&str]) -> Vec<String> {
     texts.iter().map(|&text| text.to_owned()).collect()
+}
+
+/// A number with what it is uncertain by, and no digits beyond.
+pub(super) fn within(value: f64, uncertainty: f64) -> String {
+    if !(uncertainty > 0.0 && uncertainty.is_finite()) {
+        return format!("about {}", to_digits(value, 4));
+    }
+    let decimals = (1.0 - math::log10(uncertainty).floor()).clamp(0.0, 16.0);
+    format!("{value:.0$} ± {uncertainty:.0e}", decimals as usize)
 }
 
 /// Names of the states, with something behind each.
@@ -233,7 +242,7 @@ pub(super) fn change_name(change: &Change) -> String {
         Change::Sequence { name, after, .. } if after.is_empty() && name == "unnamed" => {
             "the orbit ends, at a fold or at a change that has no name".to_owned()
         }
-        Change::Sequence { name, .. } => name.clone(),
+        Change::Sequence { name, .. } | Change::Multiplier { name, .. } => name.clone(),
         Change::Equilibrium { frequency, .. } if *frequency > 0.0 => {
             "Hopf bifurcation of the equilibrium".to_owned()
         }

@@ -1,10 +1,10 @@
 //! Answers that are known in closed form or to many digits from elsewhere.
 
+use assert_cmd::Command;
 use stickslip::analysis::{Exponent, SpectrumOptions, Visibility};
 use stickslip::models::BeltOscillator;
 use stickslip::{Method, Options, Side, math};
 use stickslip_cli::tangents::{Kind, Line};
-use stickslip_kernels::kernel::{Run, Shooting};
 
 use super::recorded::{open, read, run};
 
@@ -12,7 +12,7 @@ fn taylor() -> Options {
     Options::tol(1e-13).method(Method::Taylor)
 }
 
-/// P17: without stops the amplitude is Den Hartog's.
+/// P17: without stops the amplitude that `orbit` finds is Den Hartog's.
 #[test]
 fn the_amplitudes_of_den_hartog() {
     let known = [
@@ -28,65 +28,31 @@ fn the_amplitudes_of_den_hartog() {
         (1.7, 0.3),
         (2.0, 0.1),
     ];
+    let top = tempfile::tempdir().unwrap();
     for (frequency, friction) in known {
-        let settings = [("O".to_owned(), frequency), ("S".to_owned(), friction)];
-        let system = open("den-hartog").file.with(&settings).unwrap();
-        let period = 2.0 * std::f64::consts::PI / frequency;
-        assert_eq!(system.built.period, Some(period));
-        let options = taylor();
-        let amplitude_known = {
+        let amplitude = {
             let v = 1.0 / (1.0 - frequency * frequency);
             let half = std::f64::consts::PI / frequency;
             let u = math::sin(half) / (frequency * (1.0 + math::cos(half)));
             (v * v - friction * friction * u * u).sqrt()
         };
-        // On the orbit the block turns back once a period at the amplitude.
-        let guess = [amplitude_known, 0.0];
-        let (mut t, mut x) = (0.0, guess.to_vec());
-        // The phase of the drive at which it does is found by going there.
-        let wait = Run {
-            t,
-            x: &x,
-            t_end: 400.0 * period,
-            options: &options,
-        };
-        let ended = system.kernel().run(&wait, None, &mut ()).unwrap();
-        (t, x) = (ended.t, ended.x);
-        let near = Run {
-            t,
-            x: &x,
-            t_end: t,
-            options: &options,
-        };
-        let orbit = system
-            .kernel()
-            .periodic(&near, Shooting::Forced { period })
-            .unwrap();
-        let once = Run {
-            t: orbit.t,
-            x: &orbit.x,
-            t_end: orbit.t + 1.01 * period,
-            options: &options,
-        };
-        let mut turning = Highest(0.0);
-        system
-            .kernel()
-            .run(&once, system.section(), &mut turning)
-            .unwrap();
-        let error = (turning.0 - amplitude_known).abs();
-        assert!(error < 1e-9, "O = {frequency}, S = {friction}: {error:e}");
-    }
-}
-
-struct Highest(f64);
-
-impl stickslip_kernels::kernel::Watcher for Highest {
-    fn passage(
-        &mut self,
-        at: &stickslip_kernels::kernel::Passage<'_>,
-    ) -> std::ops::ControlFlow<()> {
-        self.0 = self.0.max(at.x[0]);
-        std::ops::ControlFlow::Continue(())
+        let output = Command::new(env!("CARGO_BIN_EXE_stickslip"))
+            .current_dir(top.path())
+            .args(["orbit", "den-hartog", "--json", "--set"])
+            .arg(format!("O={frequency}"))
+            .arg("--set")
+            .arg(format!("S={friction}"))
+            .assert()
+            .success();
+        let json: serde_json::Value = serde_json::from_slice(&output.get_output().stdout).unwrap();
+        assert_eq!(json["periods_of_drive"], 1);
+        let [low, high] = [0, 1].map(|end| json["extremes"]["x"][end].as_f64().unwrap());
+        for error in [high - amplitude, low + amplitude] {
+            assert!(
+                error.abs() < 1e-9,
+                "O = {frequency}, S = {friction}: {error:e}"
+            );
+        }
     }
 }
 

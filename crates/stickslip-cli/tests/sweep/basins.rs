@@ -1,37 +1,16 @@
 //! `stickslip basin` and `merge`.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
-use std::process::{Command as Process, Stdio};
-use std::thread::sleep;
-use std::time::Duration;
+use std::path::Path;
 
 use predicates::prelude::*;
 use predicates::str::contains;
 use serde_json::Value;
 
-use super::common::{folder, program, text};
+use super::common::{files, folder, program, text};
 
 /// A sweep of some blocks that takes a moment.
 const SWEEP: [&str; 4] = ["basin", "basins", "--grid", "24x16"];
-
-/// All files below a folder but locks, by name.
-fn files(top: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
-    let mut all = BTreeMap::new();
-    let mut folders = vec![top.to_owned()];
-    while let Some(folder) = folders.pop() {
-        for entry in std::fs::read_dir(&folder).unwrap() {
-            let path = entry.unwrap().path();
-            if path.is_dir() {
-                folders.push(path);
-            } else if path.file_name().unwrap() != "lock" {
-                let name = path.strip_prefix(top).unwrap().to_owned();
-                all.insert(name, std::fs::read(&path).unwrap());
-            }
-        }
-    }
-    all
-}
 
 fn attractors(top: &Path, arguments: &[&str]) -> Vec<Value> {
     let output = program(top)
@@ -258,44 +237,6 @@ fn wrong_planes_are_told() {
         .code(1)
         .stderr(contains("it is a file, not a folder").or(contains("Not a directory")));
     assert_eq!(text(top.path().join("file")), "precious");
-}
-
-#[test]
-fn killed_at_any_moment_the_same_command_goes_on() {
-    let top = folder();
-    let out = |name: &str| top.path().join(name);
-    program(top.path())
-        .args(SWEEP)
-        .args(["--out", "whole"])
-        .assert()
-        .success();
-    let whole = files(&out("whole"));
-    let mut within = 0;
-    for moment in 0..10_u64 {
-        let name = format!("killed {moment}");
-        let mut child = Process::new(env!("CARGO_BIN_EXE_stickslip"))
-            .current_dir(top.path())
-            .args(SWEEP)
-            .args(["--out", &name])
-            .stdout(Stdio::null())
-            .spawn()
-            .unwrap();
-        // The first block tells that it has begun; how long that takes depends on the machine.
-        while std::fs::read_dir(out(&name).join("sweep/blocks")).map_or(0, Iterator::count) == 0 {
-            sleep(Duration::from_millis(1));
-        }
-        sleep(Duration::from_millis(7 * moment));
-        child.kill().unwrap();
-        child.wait().unwrap();
-        within += usize::from(!out(&name).join("basin.csv").exists());
-        program(top.path())
-            .args(SWEEP)
-            .args(["--out", &name])
-            .assert()
-            .success();
-        assert!(files(&out(&name)) == whole, "{moment}");
-    }
-    assert!(within >= 3, "only {within} of 10 were killed within");
 }
 
 /// A block on a belt, held by a spring of which the force is a logarithm: there is none left of 0.

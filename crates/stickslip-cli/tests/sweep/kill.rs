@@ -4,11 +4,11 @@ use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use stickslip_cli::sweep::{Computed, Plan, SweepError, run};
 
-use super::common::{block, plan, table, task, undisturbed};
+use super::common::{block, files, folder, plan, program, table, task, undisturbed};
 
 /// Where the process to be killed finds its folder.
 const FOLDER: &str = "STICKSLIP_TEST_SWEEP";
@@ -54,19 +54,23 @@ fn blocks_in(folder: &Path) -> usize {
     std::fs::read_dir(folder.join("blocks")).map_or(0, Iterator::count)
 }
 
+/// The next of numbers between 0 and 1 without order, the same at each run of the test.
+fn drawn(state: &mut u64) -> f64 {
+    *state = state.wrapping_mul(6_364_136_223_846_793_005) + 1_442_695;
+    (*state >> 33) as f64 / f64::from(1_u32 << 31)
+}
+
 #[test]
 fn killed_twenty_times_it_goes_on_to_the_same_bits() {
     let (plan, wanted) = (long(), undisturbed(&long()));
-    // A sequence of moments without order, the same at each run of the test.
     let mut moment = 12_345_u64;
     let mut within = 0;
     for _ in 0..20 {
         let folder = tempfile::tempdir().unwrap();
         // Two kills each, so that what goes on is killed as well.
         for _ in 0..2 {
-            moment = moment.wrapping_mul(6_364_136_223_846_793_005) + 1_442_695;
             let mut child = begin(folder.path());
-            sleep(Duration::from_micros((moment >> 33) % 60_000));
+            sleep(Duration::from_millis(60).mul_f64(drawn(&mut moment)));
             // SIGKILL: the process has no say in it.
             child.kill().unwrap();
             child.wait().unwrap();
@@ -81,6 +85,78 @@ fn killed_twenty_times_it_goes_on_to_the_same_bits() {
         assert_eq!(rest.count(), 1, "something unfinished was left");
     }
     assert!(within >= 10, "only {within} of 20 were killed within");
+}
+
+/// Each sweep that goes on, with its own table, and how often it is killed.
+const SWEEPS: [(&[&str], &str, u32); 3] = [
+    (&["basin", "basins", "--grid", "24x16"], "basin.csv", 8),
+    (
+        &[
+            "map",
+            "basins",
+            "--x",
+            "vd=1.2:2",
+            "--y",
+            "d=0.05:0.15",
+            "--grid",
+            "8x4",
+        ],
+        "map.csv",
+        6,
+    ),
+    (
+        &[
+            "bifurcation",
+            "basins",
+            "--parameter",
+            "vd=1:2",
+            "--values",
+            "41",
+            "--tol",
+            "1e-10",
+        ],
+        "bifurcation.csv",
+        6,
+    ),
+];
+
+#[test]
+fn the_program_killed_at_any_moment_goes_on_by_the_same_command() {
+    let top = folder();
+    let out = |name: &str| top.path().join(name);
+    let mut moment = 54_321_u64;
+    for (sweep, table, kills) in SWEEPS {
+        let run = |name: &str| {
+            let to = ["--out", name];
+            program(top.path()).args(sweep).args(to).assert().success();
+        };
+        let begin = Instant::now();
+        run("whole");
+        let long = begin.elapsed();
+        let whole = files(&out("whole"));
+        let mut within = 0;
+        for kill in 0..kills {
+            let name = format!("killed {kill}");
+            let mut child = Command::new(env!("CARGO_BIN_EXE_stickslip"))
+                .current_dir(top.path())
+                .args(sweep)
+                .args(["--out", &name])
+                .stdout(Stdio::null())
+                .spawn()
+                .unwrap();
+            sleep(long.mul_f64(drawn(&mut moment)));
+            child.kill().unwrap();
+            child.wait().unwrap();
+            let is_within =
+                blocks_in(&out(&name).join("sweep")) > 0 && !out(&name).join(table).exists();
+            within += u32::from(is_within);
+            run(&name);
+            assert!(files(&out(&name)) == whole, "{sweep:?}, {kill}");
+            std::fs::remove_dir_all(out(&name)).unwrap();
+        }
+        assert!(within >= 2, "only {within} of {kills} were killed within");
+        std::fs::remove_dir_all(out("whole")).unwrap();
+    }
 }
 
 #[test]

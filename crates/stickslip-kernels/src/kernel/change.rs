@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use stickslip::Several;
-use stickslip::analysis::{AttractorChange, SequenceChange, WhatChanges};
+use stickslip::analysis::{AttractorChange, SequenceChange, Special, WhatChanges};
 
 use super::erased::{Erase, Modes};
 use super::system::{ManyContacts, OneContact};
@@ -74,6 +74,17 @@ pub enum Change {
         /// Size of the imaginary part of the eigenvalues that cross.
         frequency: f64,
     },
+    /// A periodic orbit that keeps its phases has a multiplier on the unit circle.
+    Multiplier {
+        /// The parameter.
+        parameter: f64,
+        /// What it is called.
+        name: String,
+        /// A state on the orbit.
+        x: Vec<f64>,
+        /// Period of the orbit.
+        period: f64,
+    },
     /// It could not be located.
     Unlocated,
 }
@@ -94,6 +105,17 @@ impl Change {
                 x: x.as_slice().to_vec(),
                 frequency: *frequency,
             },
+            WhatChanges::Multiplier {
+                parameter,
+                what,
+                x,
+                period,
+            } => Change::Multiplier {
+                parameter: *parameter,
+                name: special_name(what),
+                x: x.as_slice().to_vec(),
+                period: *period,
+            },
             WhatChanges::Unlocated => Change::Unlocated,
         }
     }
@@ -113,5 +135,16 @@ impl Change {
             before: erased(&change.before),
             after: erased(&change.after),
         }
+    }
+}
+
+/// What a special orbit is called.
+fn special_name<const N: usize, K>(what: &Special<N, K>) -> String {
+    match what {
+        Special::Fold => "fold".to_owned(),
+        Special::BranchPoint => "branch point".to_owned(),
+        Special::Flip => "flip".to_owned(),
+        Special::NeimarkSacker { .. } => "Neimark-Sacker".to_owned(),
+        Special::Sequence(change) => change.bifurcation.to_string(),
     }
 }

@@ -4,9 +4,9 @@ use std::cell::Cell;
 use std::ops::ControlFlow;
 
 use stickslip::analysis::{
-    ContinuationSettings, PeriodicOrbit, RecurrenceSettings, SpectrumOptions, SweepSettings,
-    attractor, continue_while, find_periodic_orbit, lyapunov_spectrum, multipliers, periodic_orbit,
-    periodic_orbit_forced, sweep,
+    BranchPoint, ContinuationSettings, PeriodicOrbit, RecurrenceSettings, SpectrumOptions,
+    SweepSettings, attractor, continue_periodic_orbit_while, find_periodic_orbit,
+    lyapunov_spectrum, multipliers, periodic_orbit, periodic_orbit_forced, sweep,
 };
 use stickslip::{
     Ending, Error, EventRecord, Happening, Integration, Options, Phase, Progress, Several, State,
@@ -276,16 +276,20 @@ where
     fn branch(
         &self,
         x: &[f64],
-        way: (f64, bool),
+        period: f64,
+        upwards: bool,
         settings: &ContinuationSettings,
         options: &Options,
         seen: &dyn Fn(f64),
     ) -> Result<BranchFound, Error> {
         let x = state::<N>(x);
-        let found = continue_while(&self.system, x, way, settings, options, |point| {
+        let system = &self.system;
+        let each = |point: &BranchPoint<N, S::Mode>| {
             seen(point.parameter);
             ControlFlow::Continue(())
-        })?;
+        };
+        let found =
+            continue_periodic_orbit_while(system, x, period, upwards, settings, options, each)?;
         Ok(BranchFound::of(&found, self.contacts))
     }
 

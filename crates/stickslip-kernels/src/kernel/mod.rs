@@ -121,15 +121,16 @@ pub trait Kernel: Send + Sync {
         options: &Options,
     ) -> Result<Vec<Change>, Error>;
 
-    /// The branch of periodic orbits through the one near `x` at time 0, with a period near that of `way`, upwards or downwards. The last state is
-    /// its parameter; `seen` gets that of every orbit as it is found.
+    /// The branch of periodic orbits through the one near `x` at time 0, with a period near `period`. The last state is its parameter; `seen` gets that of
+    /// every orbit as it is found.
     ///
     /// # Errors
     /// Those of [`stickslip::analysis::continue_periodic_orbit`].
     fn branch(
         &self,
         x: &[f64],
-        way: (f64, bool),
+        period: f64,
+        upwards: bool,
         settings: &ContinuationSettings,
         options: &Options,
         seen: &dyn Fn(f64),

@@ -27,7 +27,7 @@ pub use basin::{Basin, Share, basin};
 pub use bifurcation::{AttractorChange, Sweep, SweepPoint, SweepSettings, WhatChanges, sweep};
 pub use continuation::{
     Branch, BranchPoint, ContinuationSettings, Special, SpecialPoint, Stop,
-    continue_periodic_orbit, continue_while,
+    continue_periodic_orbit, continue_periodic_orbit_while,
 };
 pub use destination::{Destination, destination};
 pub use lyapunov::{

@@ -4,7 +4,7 @@ use stickslip::{Error, Filippov, Scalar, Side};
 
 use crate::attractors::systems::{Backwards, Detour, Driven, Leine, Pushed, Rings, Shear, Wells};
 use crate::bifurcations::systems::{
-    Area, Beat, Belt, DrivenFamily, Ends, Held, Island, Pitchfork, Softening, Twisted,
+    Area, AtParameter, Beat, Belt, DrivenFamily, Ends, Held, Island, Pitchfork, Softening, Twisted,
 };
 use crate::den_hartog::DenHartog;
 use crate::line::Line;
@@ -15,7 +15,7 @@ systems!(Any1, 1: Beat(Beat), Line(Line));
 
 systems!(
     Any2, 2:
-    Backwards(Smooth<Backwards>), DenHartog(DenHartog), Detour(Smooth<Detour>), Driven(Driven), Ends(Ends), Held(Held), Leine(Leine), Pushed(Pushed), Shear(Smooth<Shear>), Wells(Wells),
+    Backwards(Smooth<Backwards>), DenHartog(DenHartog), Detour(Smooth<Detour>), Driven(Driven), Ends(Ends), Held(Held), Leine(Leine), Pushed(Pushed), RingsAt(AtParameter<Rings>), Shear(Smooth<Shear>), TwistedAt(AtParameter<Twisted>), Wells(Wells),
 );
 
 systems!(

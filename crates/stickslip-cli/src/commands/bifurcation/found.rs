@@ -171,7 +171,7 @@ impl Found {
                         row.extend([before, after].map(|modes| tables::sequence(modes)));
                         &x[..]
                     }
-                    Change::Equilibrium { x, .. } => {
+                    Change::Equilibrium { x, .. } | Change::Multiplier { x, .. } => {
                         row.extend(vec![String::new(); 3]);
                         &x[..]
                     }
@@ -279,9 +279,9 @@ fn sticks(at: &At) -> impl Iterator<Item = &stickslip_kernels::kernel::PhaseTher
 /// Where a change is.
 fn located(change: &Change) -> Option<f64> {
     match *change {
-        Change::Sequence { parameter, .. } | Change::Equilibrium { parameter, .. } => {
-            Some(parameter)
-        }
+        Change::Sequence { parameter, .. }
+        | Change::Equilibrium { parameter, .. }
+        | Change::Multiplier { parameter, .. } => Some(parameter),
         Change::Unlocated => None,
     }
 }

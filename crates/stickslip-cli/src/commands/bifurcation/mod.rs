@@ -15,10 +15,11 @@ pub(super) use request::Bifurcation;
 /// Follow attractors over a parameter, up and down, each from the state reached at the value before
 ///
 /// For each value: the points of the section, the sequence of phases, durations and lengths of stick, and the largest Lyapunov exponent. Where
-/// both ways differ, there is more than one attractor. A change of the phases is located and named by the event function that vanishes there. Writes
-/// bifurcation.csv, sticks.csv, changes.csv and bifurcation.svg. In changes.csv `before` and `after` are the phases of the orbit that is followed
-/// through the change; where it is unstable behind it, the attractor there is another one, whose phases bifurcation.csv has. Finished blocks are
-/// in sweep/: after a kill the same command goes on from there.
+/// both ways differ, there is more than one attractor. A change of the phases is located and named by the event function that vanishes there; where
+/// none does, by the multiplier on the unit circle: a fold, flip, Neimark-Sacker bifurcation or branch point. Writes bifurcation.csv, sticks.csv,
+/// changes.csv and bifurcation.svg. In changes.csv `before` and `after` are the phases of the orbit that is followed through the change; where it is
+/// unstable behind it, the attractor there is another one, whose phases bifurcation.csv has. Finished blocks are in sweep/: after a kill the same
+/// command goes on from there.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
     /// The parameter and its range

@@ -2,7 +2,7 @@
 
 use super::super::tables::rounded;
 use crate::system::System;
-use crate::tangents::Line;
+use crate::tangents::{Jumps, Line};
 
 /// Friction that pushes the wrong way, and static friction below that in slip: asked on every contact's boundary, next to the start.
 pub(super) fn doubts(system: &System) -> Vec<String> {
@@ -21,9 +21,14 @@ fn doubts_of(system: &System, contact: usize) -> Vec<String> {
     let whole = (f64::NEG_INFINITY, f64::INFINITY);
     let jumps = Line::through(system, contact, None, whole, (t, start))
         .and_then(|line| line.jumps(system, start[line.along]));
-    let (Some(_), Some((slip, holding, rounding))) = (&described.friction, jumps) else {
+    let (Some(_), Some(jumps)) = (&described.friction, jumps) else {
         return Vec::new();
     };
+    let Jumps {
+        slip,
+        holding,
+        rounding,
+    } = jumps;
     let name = &described.name;
     let mut doubts = Vec::new();
     if slip > rounding {

@@ -1,6 +1,6 @@
 //! The branch through an orbit, both ways.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 use stickslip::analysis::{ContinuationSettings, Stop};
@@ -100,17 +100,20 @@ impl<'a> Begin<'a> {
         };
         let mut x = self.at_zero(orbit, options)?;
         x.push(self.value);
-        let orbits = AtomicUsize::new(0);
+        let far = Mutex::new([(0_usize, self.value); 2]);
         let way = |upwards| {
             let seen = |parameter: f64| {
-                let orbits = orbits.fetch_add(1, Ordering::Relaxed) + 1;
+                let mut far = far.lock().unwrap_or_else(PoisonError::into_inner);
+                let (orbits, place) = &mut far[usize::from(upwards)];
+                (*orbits, *place) = (*orbits + 1, parameter);
+                let [down, up] = far.map(|(orbits, place)| format!("{orbits} to {place:.6}"));
                 telling.tell(format!(
-                    "following the branch: {orbits} orbits, at {} = {parameter:.6}",
+                    "following the branch, orbits to {}: down {down}, up {up}",
                     self.range.name
                 ));
             };
-            let way = (orbit.period, upwards);
-            self.along.branch(&x, way, &settings, options, &seen)
+            let along = &self.along;
+            along.branch(&x, orbit.period, upwards, &settings, options, &seen)
         };
         let (down, up) = rayon::join(|| way(false), || way(true));
         let (mut down, mut up) = (down?, up?);

@@ -47,6 +47,7 @@ fn why(stop: Stop, parameter: &str) -> String {
         ),
         Stop::Homoclinic {
             parameter: value,
+            uncertainty,
             saddles,
             leaves,
             comes,
@@ -56,7 +57,7 @@ fn why(stop: Stop, parameter: &str) -> String {
                 1 => "a homoclinic orbit of a saddle".to_owned(),
                 number => format!("a heteroclinic cycle of {number} saddles"),
             },
-            tables::rounded(value),
+            tables::within(value, uncertainty),
             tables::rounded(comes),
             tables::rounded(leaves)
         ),
@@ -251,7 +252,7 @@ impl Told<'_> {
                         _ => Value::Null,
                     },
                     "homoclinic": match stop {
-                        Stop::Homoclinic { parameter, saddles, leaves, comes } => json!({ "parameter": parameter, "saddles": saddles, "leaves": leaves, "comes": comes }),
+                        Stop::Homoclinic { parameter, uncertainty, saddles, leaves, comes } => json!({ "parameter": parameter, "uncertainty": uncertainty, "saddles": saddles, "leaves": leaves, "comes": comes }),
                         _ => Value::Null,
                     },
                 })

@@ -29,7 +29,7 @@ pub(super) fn locate<S: Switched<N, G>, const N: usize, const G: usize>(
     forcing: Option<f64>,
     options: &Options,
 ) -> WhatChanges<N, S::Mode> {
-    let mut unnamed = None;
+    let (mut smooth, mut unnamed) = (None, None);
     for (from, to) in [(one, other), (other, one)] {
         match from.1.kind {
             Kind::Equilibrium => {
@@ -45,36 +45,50 @@ pub(super) fn locate<S: Switched<N, G>, const N: usize, const G: usize>(
                     forced,
                     options,
                 };
-                let found = shooting.change(from, period, to.0);
-                match found {
+                let Some(way) = shooting.follow(from, period, to.0) else {
+                    continue;
+                };
+                match shooting.change(&way) {
                     Some(found) if found.bifurcation != SequenceBifurcation::Unnamed => {
                         return WhatChanges::Sequence(found);
                     }
                     found => unnamed = unnamed.or(found),
                 }
+                smooth = smooth.or_else(|| shooting.multiplier(&way));
             }
             _ => {}
         }
     }
-    unnamed.map_or(WhatChanges::Unlocated, WhatChanges::Sequence)
+    let unnamed = unnamed.map(WhatChanges::Sequence);
+    smooth.or(unnamed).unwrap_or(WhatChanges::Unlocated)
 }
 
 /// Periodic orbits of a family by shooting.
-struct Shooting<'a, F> {
-    family: &'a F,
+pub(super) struct Shooting<'a, F> {
+    pub(super) family: &'a F,
     /// The period, where it is that of the forcing.
-    forced: Option<f64>,
-    options: &'a Options,
+    pub(super) forced: Option<f64>,
+    pub(super) options: &'a Options,
+}
+
+/// An orbit followed from one value towards another, as far as its phases stay the same.
+pub(super) struct Way<const N: usize, K> {
+    pub(super) good: Vec<Known<(), N, K>>,
+    /// Where it has other phases, or is not found, next to the last of these; none where it goes on all the way.
+    pub(super) bad: Option<f64>,
+    /// With other phases.
+    behind: Option<Known<(), N, K>>,
+    resolution: f64,
 }
 
 impl<F> Shooting<'_, F> {
-    /// Where the phases of the orbit change on the way to another value.
-    fn change<S: Switched<N, G>, const N: usize, const G: usize>(
+    /// Follows the orbit on the way to another value.
+    fn follow<S: Switched<N, G>, const N: usize, const G: usize>(
         &self,
         from: End<'_, N, S::Mode>,
         period: f64,
         to: f64,
-    ) -> Option<SequenceChange<N, S::Mode>>
+    ) -> Option<Way<N, S::Mode>>
     where
         F: Fn(f64) -> S,
     {
@@ -95,36 +109,52 @@ impl<F> Shooting<'_, F> {
         };
         // In small steps, so that it is this orbit that is followed and not another one near by.
         let mut step = FIRST * (to - from.0);
+        let resolution = RESOLUTION * (to - from.0).abs();
         let bad = loop {
             let at = good.last()?.s;
             if at == to {
-                // It goes on all the way: what was swept has left it for another reason.
-                return None;
+                break None;
             }
             let goes_on = (to - at) / step > 1.0;
             let next = if goes_on { at + step } else { to };
             match solve(next, &good) {
                 Some(found) if is_same(&found.circuit.sequence(), &wanted) => good.push(found),
-                _ => break next,
+                _ => break Some(next),
             }
             step *= GROWTH;
         };
-        let resolution = RESOLUTION * (to - from.0).abs();
-        let bad = locate::locate(&mut good, bad, resolution, &mut solve);
-        let last = good.last()?;
+        let bad = bad.map(|bad| locate::locate(&mut good, bad, resolution, &mut solve));
+        Some(Way {
+            good,
+            bad,
+            behind,
+            resolution,
+        })
+    }
+
+    /// Where its phases change, if they do.
+    fn change<S: Switched<N, G>, const N: usize, const G: usize>(
+        &self,
+        way: &Way<N, S::Mode>,
+    ) -> Option<SequenceChange<N, S::Mode>>
+    where
+        F: Fn(f64) -> S,
+    {
+        let (bad, last) = (way.bad?, way.good.last()?);
         let system = (self.family)(last.s);
         // From the side with fewer phases all event functions are smooth, and a graze is no root.
-        let simple = behind
+        let simple = way
+            .behind
             .as_ref()
             .filter(|one| one.circuit.parts.len() < last.circuit.parts.len());
         if let Some(simple) = simple
-            && let Some(found) = self.back_from(last, simple, resolution)
+            && let Some(found) = self.back_from(last, simple, way.resolution)
         {
             return Some(found);
         }
-        let after = behind.map(|other| other.circuit.modes());
+        let after = way.behind.as_ref().map(|other| other.circuit.modes());
         let place = Place::in_parameter(last.s, bad);
-        describe(&system, &good, after.unwrap_or_default(), place)
+        describe(&system, &way.good, after.unwrap_or_default(), place)
     }
 
     /// Where shooting begins: where a phase does in which all contacts slip, for stick forgets what came before, and with it by how much the
@@ -178,7 +208,7 @@ impl<F> Shooting<'_, F> {
         })
     }
 
-    fn orbit<S: Switched<N, G>, const N: usize, const G: usize>(
+    pub(super) fn orbit<S: Switched<N, G>, const N: usize, const G: usize>(
         &self,
         parameter: f64,
         guess: &Timed<N>,

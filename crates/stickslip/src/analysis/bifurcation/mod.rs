@@ -1,9 +1,11 @@
 //! A sweep of one parameter that carries the state on: bifurcation diagrams, with hysteresis by a second sweep the other way.
 
 mod change;
+mod multiplier;
 mod stability;
 
 use super::attractors::{Kind, Reached, RecurrenceSettings, attractor};
+use super::continuation::Special;
 use super::lyapunov::{Exponent, SpectrumOptions, lyapunov_spectrum};
 use super::sequence::SequenceChange;
 use crate::error::Error;
@@ -77,6 +79,18 @@ pub enum WhatChanges<const N: usize, K = Mode> {
         /// Size of the imaginary part of the eigenvalues that cross: 0 where it is one, and otherwise a Hopf bifurcation.
         frequency: f64,
     },
+    /// A periodic orbit keeps its phases and has a multiplier on the unit circle: it doubles its period or sheds a torus, meets another branch, or
+    /// ends in a fold.
+    Multiplier {
+        /// The parameter.
+        parameter: f64,
+        /// Which: never [`Special::Sequence`].
+        what: Special<N, K>,
+        /// A state on the orbit.
+        x: State<N>,
+        /// Its period.
+        period: f64,
+    },
     /// It could not be located: the orbits on both sides go on through the interval, or are not periodic, or do not converge.
     Unlocated,
 }
@@ -94,8 +108,8 @@ pub struct Sweep<const N: usize, K = Mode> {
 /// `family` makes the system of each parameter.
 ///
 /// Between two values where the phases of a periodic orbit differ, the orbit itself is followed by shooting, to where its phases change: to
-/// 1e-10 of the interval, and named by the event function that vanishes there ([`super::SequenceBifurcation`]). An equilibrium is
-/// followed to where it loses its stability.
+/// 1e-10 of the interval, and named by the event function that vanishes there ([`super::SequenceBifurcation`]). Where none does, it is
+/// followed to where one of its multipliers is on the unit circle, or to a fold. An equilibrium is followed to where it loses its stability.
 ///
 /// ```
 /// use stickslip::analysis::{SweepSettings, sweep};

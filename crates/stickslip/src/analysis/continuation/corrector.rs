@@ -21,7 +21,7 @@ const SAME_VELOCITY: f64 = 1e-4;
 /// With a loose tolerance it closes in its velocity to as many times what it may be off in place.
 const TIMES: f64 = 100.0;
 
-/// An iterate's run is left where it goes so many times as far as the orbit that is sought may: it escapes, maybe by ever shorter steps.
+/// An iterate's run is left where it goes so many times as far as orbits of the branch do: it escapes, maybe by ever shorter steps.
 const FAR: f64 = 100.0;
 
 /// What the branch needs of a periodic orbit besides its circuit.
@@ -65,6 +65,8 @@ pub(super) struct Corrector<'a, S> {
     pub system: &'a S,
     /// The period, where it is the forcing's.
     pub forced: Option<f64>,
+    /// How far the widest orbit goes that is known.
+    pub extent: f64,
     pub options: &'a Options,
 }
 
@@ -118,8 +120,8 @@ impl<S> Corrector<'_, S> {
         let (mut x, mut period) = (guess.at.x, self.forced.unwrap_or(guess.period));
         let slope = slope_at(self.system, t, &x);
         let by_tolerance = 100.0 * self.options.atol.max(self.options.rtol);
-        let reach = x.amax() + slope.norm() * period;
-        let bounded = self.options.escape(self.options.escape.min(FAR * reach));
+        let reach = x.amax() + FAR * self.extent;
+        let bounded = self.options.escape(self.options.escape.min(reach));
         let mut residual = f64::INFINITY;
         for iterations in 1..=MOST {
             let turn = match self.forced {

@@ -67,7 +67,7 @@ impl Critical {
 
 /// The zero between two places at which a function has different signs, by regula falsi with the Illinois rule. Where another branch meets this
 /// one no orbit can be computed, and so no value: the function is then asked next to it.
-pub(super) fn zero_between(
+pub(in crate::analysis) fn zero_between(
     (mut a, mut at_a): (f64, f64),
     (mut b, mut at_b): (f64, f64),
     mut function: impl FnMut(f64) -> Option<f64>,

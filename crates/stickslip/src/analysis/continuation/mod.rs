@@ -19,6 +19,7 @@ use super::stability::Stability;
 use crate::error::Error;
 use crate::filippov::{Options, Switched};
 use crate::system::{Mode, State};
+pub(super) use critical::zero_between;
 use walk::Walk;
 
 /// How far and how finely a branch is followed.
@@ -146,7 +147,7 @@ pub struct SpecialPoint<const N: usize, K = Mode> {
 pub enum Stop {
     /// The parameter has come to an end of its range.
     Range,
-    /// There are as many points as asked for, or [`continue_while`] was told to go no further.
+    /// There are as many points as asked for, or [`continue_periodic_orbit_while`] was told to go no further.
     Points,
     /// The branch is closed: the last orbit is the first.
     Closed,
@@ -163,11 +164,14 @@ pub enum Stop {
     /// The orbit comes ever nearer to a saddle and takes ever longer: it becomes a homoclinic orbit, or with several saddles a heteroclinic cycle, and
     /// the branch ends.
     Homoclinic {
-        /// The parameter: that of the last orbit.
+        /// The parameter, extrapolated from those of the last orbits: they come near to it like `e^(-rT)`, where `T` is the period.
         parameter: f64,
+        /// How far it was extrapolated, which holds more than the error; not a number where there was nothing to extrapolate from.
+        uncertainty: f64,
         /// How many saddles it passes.
         saddles: NonZeroUsize,
-        /// The rate at which orbits leave the saddle: the least positive real part of its eigenvalues, of several saddles the least.
+        /// The rate at which orbits leave the saddle, at the last orbit's parameter: the least positive real part of its eigenvalues, of several
+        /// saddles the least.
         leaves: f64,
         /// The rate at which they come to it: the negative real part nearest to zero.
         comes: f64,
@@ -236,17 +240,18 @@ pub fn continue_periodic_orbit<S: Switched<N, G>, const N: usize, const G: usize
     options: &Options,
 ) -> Result<Branch<N, S::Mode>, Error> {
     let all = |_: &BranchPoint<N, S::Mode>| ControlFlow::Continue(());
-    continue_while(system, x, (period, upwards), settings, options, all)
+    continue_periodic_orbit_while(system, x, period, upwards, settings, options, all)
 }
 
 /// [`continue_periodic_orbit`] with someone who sees every orbit as it is found, and may say that this is far enough.
 ///
 /// # Errors
 /// Those of [`continue_periodic_orbit`].
-pub fn continue_while<S: Switched<N, G>, const N: usize, const G: usize>(
+pub fn continue_periodic_orbit_while<S: Switched<N, G>, const N: usize, const G: usize>(
     system: &S,
     x: impl Into<State<N>>,
-    (period, upwards): (f64, bool),
+    period: f64,
+    upwards: bool,
     settings: &ContinuationSettings,
     options: &Options,
     seen: impl FnMut(&BranchPoint<N, S::Mode>) -> ControlFlow<()>,

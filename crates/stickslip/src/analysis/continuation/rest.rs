@@ -4,18 +4,19 @@ use std::num::NonZeroUsize;
 
 use nalgebra::DMatrix;
 
-use super::Stop;
 use super::corrector::OnBranch;
 use super::critical::zero_between;
-use super::walk::Walk;
+use super::walk::{RESOLUTION, Walk};
+use super::{BranchPoint, Stop};
 use crate::analysis::attractors::rest::{ZERO, equilibrium_near, holds};
 use crate::analysis::multipliers::eigenvalues;
 use crate::analysis::periodic::velocity_in;
 use crate::filippov::{Integration, Progress, Switched};
+use crate::math;
 use crate::ode::Timed;
 use crate::system::State;
 
-/// An orbit passes a saddle where, at its least speed, it would go this part of its extent in a period: a tenth of the mean speed of a pass.
+/// An orbit passes a saddle where, at its least speed, it would go this part of its extent in a period.
 const SLOW: f64 = 1e-1;
 
 /// The saddle is no farther away than this part of the orbit's extent.
@@ -75,14 +76,36 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
             return None;
         }
         let saddles = self.saddles()?;
+        // How long it passes one is the logarithm of how near it comes, over the slower of its rates.
+        let times = saddles
+            .iter()
+            .map(|saddle| saddle.leaves.min(-saddle.comes).recip());
+        let (parameter, uncertainty) = self.at_infinity(times.sum::<f64>().recip());
         let leaves = saddles.iter().map(|saddle| saddle.leaves);
         let comes = saddles.iter().map(|saddle| saddle.comes);
         Some(Stop::Homoclinic {
-            parameter: circuit.anchor.x[N - 1],
+            parameter,
+            uncertainty,
             saddles: NonZeroUsize::new(saddles.len())?,
             leaves: leaves.fold(f64::INFINITY, f64::min),
             comes: comes.fold(f64::NEG_INFINITY, f64::max),
         })
+    }
+
+    /// The parameter at which the period is infinite, which the orbits come near to like `e^(-rate T)` or nearly so, and how far the last one is from it.
+    fn at_infinity(&self, rate: f64) -> (f64, f64) {
+        // From an orbit that is as far away again.
+        const TIMES: f64 = 2.0;
+        let here = self.parameter();
+        let period = self.last.circuit.period;
+        let is_further =
+            |point: &&BranchPoint<N, S::Mode>| rate * (period - point.period) >= math::ln(TIMES);
+        let Some(other) = self.points.iter().rev().find(is_further) else {
+            return (here, f64::NAN);
+        };
+        let further = math::exp(rate * (period - other.period));
+        let way = (here - other.parameter) / (further - 1.0);
+        (here + way, way.abs().max(RESOLUTION * self.width))
     }
 
     /// The saddles that the last orbit passes by slowly.

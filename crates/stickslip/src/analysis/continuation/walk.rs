@@ -73,13 +73,14 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
                 bound: "in the range of the continuation",
             });
         }
+        let period = settings.forced.unwrap_or(period);
+        let (at, extent) = anchor(system, &Timed { t: 0.0, x }, period, options)?;
         let corrector = Corrector {
             system,
             forced: settings.forced,
+            extent,
             options,
         };
-        let period = settings.forced.unwrap_or(period);
-        let at = anchor(system, &Timed { t: 0.0, x }, period, options)?;
         let first = corrector.orbit(&Guess::at_parameter(at, period, x[N - 1]), 0.0);
         let first = first.ok_or(Error::NotFound {
             what: "a periodic orbit near the start of the branch",
@@ -117,26 +118,24 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
         upwards: bool,
         mut seen: impl FnMut(&BranchPoint<N, S::Mode>) -> ControlFlow<()>,
     ) -> Stop {
-        if let Some(stop) = self.second(if upwards { 1.0 } else { -1.0 }) {
-            return stop;
-        }
+        let mut stop = self.second(if upwards { 1.0 } else { -1.0 });
         let mut told = 0;
         loop {
             // One step may find several.
             let new = self.points.get(told..).unwrap_or_default();
             told = self.points.len();
             let is_asked = new.iter().try_for_each(&mut seen).is_break();
+            if let Some(stop) = stop {
+                return stop;
+            }
             if is_asked || self.points.len() >= self.settings.most_points {
                 return Stop::Points;
             }
-            let stop = self.shrinks().or_else(|| self.advance());
-            match stop.or_else(|| self.closes()) {
-                Some(Stop::NoConvergence) => {
-                    return self.homoclinic().unwrap_or(Stop::NoConvergence);
-                }
-                Some(stop) => return stop,
-                None => {}
-            }
+            let step = self.shrinks().or_else(|| self.advance());
+            stop = match step.or_else(|| self.closes()) {
+                Some(Stop::NoConvergence) => self.homoclinic().or(Some(Stop::NoConvergence)),
+                other => other,
+            };
         }
     }
 
@@ -297,6 +296,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
     /// Goes on from this orbit.
     pub(super) fn take(&mut self, next: OnBranch<N, S::Mode>) {
         self.widest = self.widest.max(next.circuit.extent);
+        self.corrector.extent = self.widest;
         self.before = std::mem::replace(&mut self.last, next);
         self.note();
     }

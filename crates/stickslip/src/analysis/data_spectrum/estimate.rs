@@ -2,31 +2,20 @@
 
 use rayon::prelude::*;
 
-use super::averages::{Average, average, volume};
+use super::averages::{average, volume};
 use super::chain::{Stretch, advance};
 use super::cloud::Cloud;
 use super::directions::{self, Kind, upper_median};
 use super::error::DataError;
-use super::extrapolation::{self, Corrected, Plan};
+use super::evidence::Evidence;
+use super::extrapolation::{self, Plan};
 use super::fit::{LocalMap, Rule, Scratch};
 use super::neighbours::{Finder, Neighbour};
-use super::result::{Counts, DataExponent, DataSpectrum, Running, Status};
+use super::result::{Counts, DataSpectrum, Running};
 use super::series::{Series, for_columns};
 use super::settings::{DataSettings, Estimator, FEWEST_REFERENCES};
 use super::svd::Square;
 
-/// Part of the reference points that may fail to determine a direction that counts as determined.
-const UNDETERMINED: f64 = 0.01;
-/// With a larger part of the reference points starved no estimate is the one asked for.
-const STARVED: f64 = 0.5;
-/// With a larger residual ratio the maps predict next to nothing: about a third of the variance.
-const UNPREDICTABLE: f64 = 0.8;
-/// Two estimates differ if they are apart by more than so many standard errors,
-const STANDARD_ERRORS: f64 = 4.0;
-/// and by more than this part of the value.
-const PART: f64 = 0.05;
-/// An extrapolation over more than so many standard errors, and more than that part of the value, is none from small sizes.
-const RANGE: f64 = 2.0;
 /// Reference points between two reports of progress.
 const CHUNK: usize = 2048;
 
@@ -276,109 +265,6 @@ fn chain<const N: usize>(
         .enumerate()
         .map(|(i, local)| advance(map(local), &mut bases[i % chains], width))
         .collect()
-}
-
-/// What is known of all exponents alike.
-struct Evidence {
-    dimension: usize,
-    references: usize,
-    starved: usize,
-    residual_ratio: f64,
-    /// Time that a map takes.
-    tau: f64,
-}
-
-impl Evidence {
-    /// Puts together what is known of exponent `i`. `wide` is its estimate from neighbourhoods of twice the size, if
-    /// there is one.
-    fn exponent<const N: usize>(
-        &self,
-        i: usize,
-        full: &Average,
-        fixed: Option<&Average>,
-        wide: Option<&Average>,
-        corrected: Option<&Corrected<N>>,
-    ) -> DataExponent {
-        let mut eps_sensitivity = match wide {
-            Some(wide) => wide.mean - full.mean,
-            None => f64::NAN,
-        };
-        let mut status = self.status(i, full, eps_sensitivity);
-        let mut best = *full;
-        if let Some(corrected) = corrected
-            && i < self.dimension
-        {
-            eps_sensitivity = corrected.large[i].mean - corrected.small[i].mean;
-            best = corrected.best(i);
-            if status == Status::Ok {
-                status = self.extrapolated(i, &best, corrected);
-            }
-        }
-        let annihilated = status == Status::Annihilated;
-        let of = |average: &Average| {
-            if annihilated {
-                (f64::NEG_INFINITY, f64::NAN)
-            } else {
-                (average.mean, average.stderr)
-            }
-        };
-        let (value, stderr) = of(&best);
-        DataExponent {
-            sano_sawada: of(full),
-            value,
-            stderr,
-            eps_sensitivity: if annihilated {
-                f64::NAN
-            } else {
-                eps_sensitivity
-            },
-            status,
-            fixed_rank: fixed.map(of),
-            collapses: full.collapses,
-            undetermined: best.undetermined,
-        }
-    }
-
-    /// Of an exponent that nothing speaks against before it is extrapolated, the `best` of its averages.
-    fn extrapolated<const N: usize>(
-        &self,
-        i: usize,
-        best: &Average,
-        corrected: &Corrected<N>,
-    ) -> Status {
-        // To those at the larger size, and by the maps that judge linear ones.
-        let ways = [corrected.range(i), corrected.gap(i)];
-        // Two errors are to hold the true value.
-        let flattened = corrected.noise[i] / self.tau > 2.0 * best.stderr;
-        let tolerance = (RANGE * corrected.zero[i].scatter).max(PART * best.mean.abs());
-        if best.undetermined as f64 > UNDETERMINED * self.references as f64 {
-            Status::Undetermined
-        } else if flattened {
-            Status::Noisy
-        } else if ways.iter().all(|way| way.abs() <= tolerance) {
-            Status::Ok
-        } else {
-            Status::Unstable
-        }
-    }
-
-    fn status(&self, i: usize, full: &Average, eps_sensitivity: f64) -> Status {
-        let references = self.references as f64;
-        let tolerance = (STANDARD_ERRORS * full.scatter).max(PART * full.mean.abs());
-        if i >= self.dimension || full.undetermined as f64 > UNDETERMINED * references {
-            Status::Unidentified
-        } else if full.collapses > 0 {
-            Status::Annihilated
-        } else if self.residual_ratio > UNPREDICTABLE {
-            Status::Unpredictable
-        } else if self.starved as f64 > STARVED * references {
-            Status::Starved
-        } else if eps_sensitivity.abs() > tolerance {
-            Status::Unstable
-        } else {
-            Status::Ok
-        }
-    }
 }
 
 fn counts<const N: usize>(locals: &[Local<N>]) -> Counts {

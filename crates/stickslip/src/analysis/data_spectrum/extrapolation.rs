@@ -118,7 +118,7 @@ pub(super) struct Corrected<const N: usize> {
     /// Part of the neighbours' variance in each direction that is noise, by which the maps are flattened.
     pub(super) noise: [f64; N],
     /// By the maps that judge linear ones.
-    judged: Option<[Average; N]>,
+    pub(super) judged: Option<[Average; N]>,
     /// Sum of the exponents of the tangent directions, with its whole error.
     pub(super) sum: Average,
 }

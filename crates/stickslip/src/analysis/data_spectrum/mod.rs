@@ -106,6 +106,7 @@ mod divergence;
 mod embedding;
 mod error;
 mod estimate;
+mod evidence;
 mod extrapolation;
 mod fit;
 mod neighbours;

@@ -114,7 +114,8 @@ impl<const N: usize, K: Copy + PartialEq> Circuit<N, K> {
     }
 }
 
-/// A state in the middle of the longest slip of a period from `start`, which may lie anywhere on the orbit.
+/// A state in the middle of the longest slip of a period from `start`, which may lie anywhere on the orbit, and how far the component goes that goes
+/// farthest.
 ///
 /// # Errors
 /// As [`Circuit::follow`]; [`Error::NotFound`] where a contact sticks all the time.
@@ -123,7 +124,7 @@ pub(crate) fn anchor<S: Switched<N, G>, const N: usize, const G: usize>(
     start: &Timed<N>,
     period: f64,
     options: &Options,
-) -> Result<Timed<N>, Error> {
+) -> Result<(Timed<N>, f64), Error> {
     let orbit = whole(system, start, period, options)?;
     let slips = orbit
         .phases
@@ -138,7 +139,7 @@ pub(crate) fn anchor<S: Switched<N, G>, const N: usize, const G: usize>(
         });
     };
     let t = phase.t_start + 0.5 * phase.duration();
-    Ok(Timed { t, x: orbit.at(t)? })
+    Ok((Timed { t, x: orbit.at(t)? }, extent(&orbit)))
 }
 
 fn whole<S: Switched<N, G>, const N: usize, const G: usize>(

@@ -112,6 +112,6 @@ pub(super) fn circuit_from<S: Switched<N, G>, const N: usize, const G: usize>(
     period: f64,
     options: &Options,
 ) -> Option<circuit::Circuit<N, S::Mode>> {
-    let anchor = circuit::anchor(system, start, period, options).ok()?;
+    let (anchor, _) = circuit::anchor(system, start, period, options).ok()?;
     circuit::Circuit::follow(system, &anchor, period, options).ok()
 }

@@ -4,8 +4,8 @@ use std::f64::consts::{LN_10, PI};
 use std::ops::ControlFlow;
 
 use stickslip::analysis::{
-    Branch, ContinuationSettings, SequenceBifurcation, Special, Stability, Stop,
-    continue_periodic_orbit, continue_while, monodromy,
+    Branch, BranchPoint, ContinuationSettings, SequenceBifurcation, Special, Stability, Stop,
+    continue_periodic_orbit, continue_periodic_orbit_while, monodromy,
 };
 use stickslip::nalgebra::Matrix3;
 use stickslip::{Error, Filippov, Method, Mode, Options, Side, State, math};
@@ -157,6 +157,10 @@ fn a_closed_branch_is_followed_once() {
         let radius = (1.0 + (0.25_f64 - p * p).sqrt()).sqrt();
         let found = branch(&Island, [radius, 0.0, p], (2.0 * PI, upwards), &settings);
         assert_eq!(found.stop, Stop::Closed);
+        if !upwards {
+            let (found, seen) = watched(&Island, [radius, 0.0, p], &settings, usize::MAX);
+            assert_eq!(found.points, seen);
+        }
         let [one, two] = found.special.as_slice() else {
             panic!("{:?}", found.special);
         };
@@ -390,6 +394,7 @@ fn a_cycle_is_followed_to_its_homoclinic_end_with_the_multiplier_of_its_area() {
     }
     let Stop::Homoclinic {
         parameter,
+        uncertainty,
         saddles,
         leaves,
         comes,
@@ -397,7 +402,9 @@ fn a_cycle_is_followed_to_its_homoclinic_end_with_the_multiplier_of_its_area() {
     else {
         panic!("{:?}", found.stop);
     };
-    assert_eq!((parameter, saddles.get()), (last.parameter, 1));
+    assert_eq!(saddles.get(), 1);
+    assert!((parameter - last.parameter).abs() < 1e-9, "{parameter}");
+    assert!(uncertainty < 1e-10, "{uncertainty:e}");
     assert!((leaves - exact_rates[0]).abs() < 1e-9, "{leaves}");
     assert!((comes - exact_rates[1]).abs() < 1e-9, "{comes}");
     let (mut low, mut high) = (0.7735, 0.7745);
@@ -414,27 +421,44 @@ fn a_cycle_is_followed_to_its_homoclinic_end_with_the_multiplier_of_its_area() {
     assert!((parameter - low).abs() < 1e-10, "{parameter}, known {low}");
 }
 
-#[test]
-fn a_branch_is_seen_as_it_grows_and_left_when_asked() {
-    let system = Rings { place: 50.0 };
-    let start = [(1.0 + 0.5_f64.sqrt()).sqrt(), 0.0, -0.5];
-    let settings = ContinuationSettings::over(-1.5, 0.5);
-    let whole = branch(&system, start, (2.0 * PI, false), &settings);
+/// A branch, and the orbits that were seen of it before it was left.
+fn watched<S: Listed<3>>(
+    system: &S,
+    x: [f64; 3],
+    settings: &ContinuationSettings,
+    most: usize,
+) -> (Branch<3>, Vec<BranchPoint<3>>) {
     let mut seen = Vec::new();
-    let options = Options::tol(1e-13);
-    let way = (2.0 * PI, false);
-    let part = continue_while(&system.any(), start, way, &settings, &options, |point| {
+    let (system, options, period) = (system.any(), Options::tol(1e-13), 2.0 * PI);
+    let see = |point: &BranchPoint<3>| {
         seen.push(point.clone());
-        if seen.len() == 10 {
+        if seen.len() == most {
             ControlFlow::Break(())
         } else {
             ControlFlow::Continue(())
         }
-    });
-    let part = part.unwrap();
-    assert_eq!(part.stop, Stop::Points);
+    };
+    let found = continue_periodic_orbit_while(&system, x, period, false, settings, &options, see);
+    (found.unwrap(), seen)
+}
+
+#[test]
+fn a_branch_is_seen_as_it_grows_and_left_when_asked() {
+    let system = Rings { place: 50.0 };
+    let start = [(1.0 + 0.5_f64.sqrt()).sqrt(), 0.0, -0.5];
+    // Around the fold to an equilibrium, to an end of the range, and from there nowhere.
+    let [whole, short, none] = [-1.5, -0.8, -0.5].map(|low| ContinuationSettings::over(low, 0.5));
+    for settings in [&whole, &short, &none] {
+        let (found, seen) = watched(&system, start, settings, usize::MAX);
+        assert_eq!(found.points, seen);
+        let is_range = found.stop == Stop::Range;
+        assert_eq!(is_range, settings != &whole, "{:?}", found.stop);
+        assert_eq!(seen.len() == 1, settings == &none);
+    }
+    let (part, seen) = watched(&system, start, &whole, 10);
+    assert_eq!((part.stop, seen.len()), (Stop::Points, 10));
     assert_eq!(part.points, seen);
-    assert_eq!(whole.points[..10], seen);
+    assert_eq!(watched(&system, start, &whole, usize::MAX).1[..10], seen);
 }
 
 /// Whether the orbit that leaves the saddle at -1 passes the one at 1.
@@ -469,6 +493,7 @@ fn a_cycle_is_followed_to_two_saddles() {
     let found = branch(&system, start.into(), (7.6, true), &settings);
     let Stop::Homoclinic {
         parameter,
+        uncertainty,
         saddles,
         leaves,
         comes,
@@ -488,10 +513,12 @@ fn a_cycle_is_followed_to_two_saddles() {
         }
     }
     assert!((low - 0.2).abs() < Softening::PULL * Softening::PULL);
-    // The last orbit's, which is followed no nearer than to a distance of 1e-3 from the saddles: its energy lacks twice the square of that.
-    assert!((parameter - low).abs() < 1e-4, "{parameter}, known {low}");
-    // Each has the trace pull (p - 1) and the determinant -2.
-    let half_trace = 0.5 * Softening::PULL * (parameter - 1.0);
+    let last = found.points.last().unwrap().parameter;
+    let [off, before] = [parameter, last].map(|value| (value - low).abs());
+    assert!(off < 0.2 * before && off < uncertainty, "{off:e}");
+    assert!(uncertainty < 2.0 * before && before < 1e-4, "{before:e}");
+    // Each, at the last orbit's parameter, has the trace pull (p - 1) and the determinant -2.
+    let half_trace = 0.5 * Softening::PULL * (last - 1.0);
     let root = (half_trace * half_trace + 2.0).sqrt();
     assert!((leaves - (half_trace + root)).abs() < 1e-9, "{leaves}");
     assert!((comes - (half_trace - root)).abs() < 1e-9, "{comes}");

@@ -3,13 +3,13 @@
 use std::f64::consts::{LN_10, PI};
 
 use stickslip::analysis::{
-    AttractorChange, Exponent, Kind, SequenceBifurcation, SequenceChange, SpectrumOptions, Sweep,
-    SweepSettings, WhatChanges, is_same_cycle, sweep,
+    AttractorChange, Exponent, Kind, SequenceBifurcation, SequenceChange, Special, SpectrumOptions,
+    Sweep, SweepSettings, WhatChanges, is_same_cycle, sweep,
 };
 use stickslip::{Error, Mode, Options, Side, math, solve};
 
-use super::systems::{Beat, End, Ends, Held, Rhythm};
-use crate::attractors::systems::Driven;
+use super::systems::{AtParameter, Beat, End, Ends, Held, Rhythm, Twisted};
+use crate::attractors::systems::{Driven, Rings};
 use crate::den_hartog::DenHartog;
 use crate::listed::Listed;
 
@@ -56,6 +56,52 @@ fn check<const N: usize>(change: &SequenceChange<N>, name: SequenceBifurcation, 
         change.uncertainty < 1e-9 && change.residual < 1e-4,
         "{change:?}"
     );
+}
+
+/// The only change in a sweep, which is by a multiplier.
+fn multiplier(found: &Sweep<2>) -> (f64, &Special<2>) {
+    let [change] = found.changes.as_slice() else {
+        panic!("{:?}", found.changes);
+    };
+    match &change.what {
+        WhatChanges::Multiplier {
+            parameter, what, ..
+        } => (*parameter, what),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn a_flip_a_torus_and_a_fold_of_an_attractor_are_located_and_named() {
+    let settings = SweepSettings::within(2000.0);
+    let options = Options::tol(1e-11).escape(100.0);
+    for half_turn in [true, false] {
+        let system = |value| AtParameter {
+            system: Twisted { half_turn },
+            value,
+        };
+        let settings = settings.forced(2.0 * PI);
+        let family = |value| kept(system(value)).any();
+        let found = sweep(family, [-0.1, 0.12], [1.01, 0.0], &settings, &options).unwrap();
+        let (parameter, what) = multiplier(&found);
+        assert!(parameter.abs() < 1e-9, "{parameter:e}");
+        match *what {
+            Special::Flip => assert!(half_turn),
+            Special::NeimarkSacker { angle } => {
+                assert!(!half_turn && (angle - 0.6 * PI).abs() < 1e-8, "{angle}");
+            }
+            ref other => panic!("{other:?}"),
+        }
+    }
+    let system = |value| AtParameter {
+        system: Rings { place: 50.0 },
+        value,
+    };
+    let family = |value| kept(system(value)).any();
+    let found = sweep(family, [-0.8, -1.1], [1.3, 0.0], &settings, &options).unwrap();
+    let (parameter, what) = multiplier(&found);
+    assert!((parameter + 1.0).abs() < 1e-9, "{parameter}");
+    assert_eq!(*what, Special::Fold);
 }
 
 #[test]

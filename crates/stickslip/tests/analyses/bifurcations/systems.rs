@@ -143,6 +143,22 @@ impl Filippov<3> for Twisted {
     }
 }
 
+/// A system whose third state is a parameter, at one value of it.
+pub struct AtParameter<S> {
+    pub system: S,
+    pub value: f64,
+}
+
+impl<S: Filippov<3>> Filippov<2> for AtParameter<S> {
+    fn field<T: Scalar>(&self, side: Side, t: T, &[x, y]: &[T; 2]) -> [T; 2] {
+        let [rate, other, _] = self.system.field(side, t, &[x, y, T::constant(self.value)]);
+        [rate, other]
+    }
+    fn boundary<T: Scalar>(&self, t: T, &[x, y]: &[T; 2]) -> T {
+        self.system.boundary(t, &[x, y, T::constant(self.value)])
+    }
+}
+
 /// `r' = r (1/4 - (r² - 1)² - p²)`, `θ' = 1`, the parameter being the third state: the cycles are a closed branch, with folds at `p = ±1/2`, `r = 1`.
 pub struct Island;
 

@@ -1,0 +1,121 @@
+//! Where an orbit that keeps its phases loses its stability, or ends, by one of its multipliers.
+
+use super::WhatChanges;
+use super::change::{Shooting, Way, extrapolated};
+use crate::analysis::continuation::{Special, zero_between};
+use crate::analysis::monodromy::{monodromy, monodromy_of_autonomous};
+use crate::analysis::multipliers::multipliers;
+use crate::analysis::sequence::locate::Known;
+use crate::filippov::Switched;
+use crate::math;
+
+/// At an end of the orbit located to 1e-10 a multiplier that goes to 1 like a root is some 1e-5 from it.
+const NEAR_ONE: f64 = 1e-3;
+
+/// Functions of the multipliers, the trivial one left out.
+struct Critical {
+    /// Zero where one is 1.
+    one: f64,
+    /// Zero where one is −1.
+    minus_one: f64,
+    /// Zero where a pair is on the unit circle, and its angle there.
+    circle: Option<(f64, f64)>,
+    /// How far the nearest is from 1.
+    from_one: f64,
+}
+
+impl<F> Shooting<'_, F> {
+    /// The first of its multipliers to reach the unit circle on the way.
+    pub(super) fn multiplier<S: Switched<N, G>, const N: usize, const G: usize>(
+        &self,
+        way: &Way<N, S::Mode>,
+    ) -> Option<WhatChanges<N, S::Mode>>
+    where
+        F: Fn(f64) -> S,
+    {
+        type Function = fn(&Critical) -> Option<f64>;
+        let functions: [Function; 3] = [
+            |at| Some(at.minus_one),
+            |at| at.circle.map(|circle| circle.0),
+            |at| Some(at.one),
+        ];
+        for pair in way.good.windows(2) {
+            let [one, two] = pair else { continue };
+            let (here, there) = (self.critical(one)?, self.critical(two)?);
+            for (kind, function) in functions.into_iter().enumerate() {
+                let (Some(a), Some(b)) = (function(&here), function(&there)) else {
+                    continue;
+                };
+                if a * b >= 0.0 {
+                    continue;
+                }
+                let orbit = |s: f64| {
+                    let (guess, period) = extrapolated(pair, s);
+                    self.orbit(s, &guess, period)
+                };
+                let zero = zero_between((one.s, a), (two.s, b), |s| {
+                    function(&self.critical(&orbit(s)?)?)
+                })?;
+                let at = orbit(zero).unwrap_or_else(|| two.clone());
+                let what = match kind {
+                    0 => Special::Flip,
+                    1 => Special::NeimarkSacker {
+                        angle: self.critical(&at)?.circle?.1,
+                    },
+                    _ => Special::BranchPoint,
+                };
+                return Some(changes(zero, what, &at));
+            }
+        }
+        let last = way.good.last().filter(|_| way.bad.is_some())?;
+        let is_fold = self.critical(last)?.from_one < NEAR_ONE;
+        is_fold.then(|| changes(last.s, Special::Fold, last))
+    }
+
+    fn critical<S: Switched<N, G>, const N: usize, const G: usize>(
+        &self,
+        orbit: &Known<(), N, S::Mode>,
+    ) -> Option<Critical>
+    where
+        F: Fn(f64) -> S,
+    {
+        let system = (self.family)(orbit.s);
+        let (start, options) = (orbit.circuit.anchor, self.options);
+        let t_end = start.t + orbit.circuit.period;
+        let turn = match self.forced {
+            Some(_) => monodromy(&system, start.t, start.x, t_end, options),
+            None => monodromy_of_autonomous(&system, start.t, start.x, t_end, options),
+        };
+        let all = multipliers(&turn.ok()?.matrix);
+        // The nearest to 1 is first.
+        let free = if self.forced.is_some() {
+            &all[..]
+        } else {
+            &all[1..]
+        };
+        let one = free.iter().map(|value| 1.0 - value);
+        let minus_one = free.iter().map(|value| 1.0 + value);
+        let pairs = free.iter().filter(|value| value.im > 0.0);
+        let circle = pairs.map(|value| (value.norm_sqr() - 1.0, math::atan2(value.im, value.re)));
+        let from_one = free.iter().map(|value| (value - 1.0).norm());
+        Some(Critical {
+            one: one.product::<nalgebra::Complex<f64>>().re,
+            minus_one: minus_one.product::<nalgebra::Complex<f64>>().re,
+            circle: circle.min_by(|a, b| a.0.abs().total_cmp(&b.0.abs())),
+            from_one: from_one.fold(f64::INFINITY, f64::min),
+        })
+    }
+}
+
+fn changes<const N: usize, K: Copy + PartialEq>(
+    parameter: f64,
+    what: Special<N, K>,
+    orbit: &Known<(), N, K>,
+) -> WhatChanges<N, K> {
+    WhatChanges::Multiplier {
+        parameter,
+        what,
+        x: orbit.circuit.anchor.x,
+        period: orbit.circuit.period,
+    }
+}
