@@ -90,11 +90,11 @@ bench-peers: ## Error against run time beside SciPy, numba, heyoka and pydiffsol
 	fi
 	@! cmp -s $(PEERS_WANTED) $(PEERS_STAMP) || $(MAKE) bench-spectra
 
-bench-basins: ## Starts of a basin per second on one thread, by library and program, beside heyoka and SciPy with events written by hand, and cells of a map; needs Python
+bench-basins: ## Starts of a basin per second on one thread, by library and program, beside heyoka and SciPy with events written by hand: report/basins.csv; and cells of a map; needs Python
 	$(CARGO) build --locked --release -p stickslip-cli
 	$(CARGO) build --locked --release -p stickslip --example basin
 	@$(PEERS_INSTALL) || { echo "Python 3.11 or later ($(PYTHON)) with venv, and a network to install $(PEERS_WANTED) from, are needed" >&2; exit 1; }
-	$(PEERS_VENV)/bin/python benches/peers/basins.py $(subst /debug/,/release/,$(STICKSLIP)) $(subst /debug/stickslip,/release/examples/basin,$(STICKSLIP))
+	$(PEERS_VENV)/bin/python benches/peers/basins.py $(subst /debug/,/release/,$(STICKSLIP)) $(subst /debug/stickslip,/release/examples/basin,$(STICKSLIP)) report/basins.csv
 
 SPECTRUM = $(subst /debug/stickslip,/release/spectrum,$(STICKSLIP))
 SPECTRA_ARGS ?=

@@ -2,15 +2,16 @@
 from a file, each on one thread, beside heyoka's integrator and SciPy's solve_ivp with events written by hand; and cells per second of a map of
 two parameters by the program.
 
-    python basins.py PROGRAM EXAMPLE [POINTS]
+    python basins.py PROGRAM EXAMPLE TABLE [POINTS]
 
-EXAMPLE is the library's example `basin`, a basin on the same starts. All answer the same question of each start, fixed point or stick-slip
+EXAMPLE is the library's example `basin`, a basin on the same starts; TABLE is the CSV file that the numbers go to. All answer the same question of each start, fixed point or stick-slip
 cycle, at a tolerance of 1e-8. The peers' user knows the system: an orbit that sticks twice is on the cycle, for stick forgets all; one
 within 1e-2 of the fixed point, which attracts there, has come to it. Library and program know neither. The peers do a sample of the starts,
 SciPy POINTS of them and heyoka a hundred times as many, drawn from a fixed seed. heyoka's stick phase is in closed form, and what it takes
 to compile its functions is told apart.
 """
 
+import csv
 import os
 import subprocess
 import sys
@@ -167,6 +168,7 @@ def tell(name, points, peer, ours):
     compiled, file = (one / rate for one in ours)
     told = f"stickslip does {compiled:.2f} times as many compiled, {file:.2f} from a file"
     print(f"{name:23s}{rate:9.1f} points/s  share {share:.3f} +- {error:.3f}, {undecided} undecided: {told}")
+    return [name, f"{rate:.4g}", f"{share:.3f}", f"{compiled:.3g}", f"{file:.3g}"]
 
 
 def cells(program):
@@ -181,20 +183,26 @@ def cells(program):
 
 
 def main():
-    program, example = sys.argv[1:3]
-    points = int(sys.argv[3]) if len(sys.argv) > 3 else 100
-    ours = []
+    program, example, table = sys.argv[1:4]
+    points = int(sys.argv[4]) if len(sys.argv) > 4 else 100
+    ours, rows = [], [["solver", "points_per_second", "share_of_fixed_point", "compiled_over_it", "file_over_it"]]
     for name, (rate, share) in (("compiled", by_library(example)), ("from a file", by_program(program))):
         ours.append(rate)
         print(f"stickslip, {name:12s}{rate:9.1f} points/s  share of the fixed point {share:.3f}")
+        rows.append([f"stickslip {name}", f"{rate:.4g}", f"{share:.3f}", f"{ours[0] / rate:.3g}", ""])
+    rows[-1][-1] = "1"
     begin = time.perf_counter()
     heyoka = with_heyoka()
     compiled = time.perf_counter() - begin
-    tell("heyoka", 100 * points, heyoka, ours)
+    rows.append(tell("heyoka", 100 * points, heyoka, ours))
     print(f"                       {compiled:9.1f} s to compile its functions")
     for method in ("RK45", "DOP853", "LSODA"):
-        tell(f"SciPy {method}", points, with_scipy(method), ours)
+        rows.append(tell(f"SciPy {method}", points, with_scipy(method), ours))
     print(f"stickslip map          {cells(program):9.1f} cells/s on one thread, attractor and exponent of each")
+    with open(f"{table}.part", "w", encoding="utf-8", newline="") as file:
+        csv.writer(file, lineterminator="\n").writerows(rows)
+    os.replace(f"{table}.part", table)
+    print(f"wrote {table}")
 
 
 if __name__ == "__main__":

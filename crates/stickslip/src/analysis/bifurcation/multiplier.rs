@@ -33,42 +33,51 @@ impl<F> Shooting<'_, F> {
     where
         F: Fn(f64) -> S,
     {
+        const ONE: usize = 0;
+        const MINUS_ONE: usize = 1;
         type Function = fn(&Critical) -> Option<f64>;
         let functions: [Function; 3] = [
+            |at| Some(at.one),
             |at| Some(at.minus_one),
             |at| at.circle.map(|circle| circle.0),
-            |at| Some(at.one),
         ];
-        for pair in way.good.windows(2) {
-            let [one, two] = pair else { continue };
-            let (here, there) = (self.critical(one)?, self.critical(two)?);
+        let critical: Vec<Option<Critical>> =
+            way.good.iter().map(|orbit| self.critical(orbit)).collect();
+        for (orbits, values) in way.good.windows(2).zip(critical.windows(2)) {
+            let ([one, two], [Some(here), Some(there)]) = (orbits, values) else {
+                continue;
+            };
+            // Next to a fold rounding tells the sign.
+            let is_noise = here.from_one.max(there.from_one) < NEAR_ONE;
+            let orbit = |s: f64| {
+                let (guess, period) = extrapolated(orbits, s);
+                self.orbit(s, &guess, period)
+            };
             for (kind, function) in functions.into_iter().enumerate() {
-                let (Some(a), Some(b)) = (function(&here), function(&there)) else {
+                let (Some(a), Some(b)) = (function(here), function(there)) else {
                     continue;
                 };
-                if a * b >= 0.0 {
+                if a * b >= 0.0 || kind == ONE && is_noise {
                     continue;
                 }
-                let orbit = |s: f64| {
-                    let (guess, period) = extrapolated(pair, s);
-                    self.orbit(s, &guess, period)
+                let value = |s: f64| function(&self.critical(&orbit(s)?)?);
+                let Some(zero) = zero_between((one.s, a), (two.s, b), value) else {
+                    continue;
                 };
-                let zero = zero_between((one.s, a), (two.s, b), |s| {
-                    function(&self.critical(&orbit(s)?)?)
-                })?;
+                // Where another branch meets it no orbit can be computed.
                 let at = orbit(zero).unwrap_or_else(|| two.clone());
                 let what = match kind {
-                    0 => Special::Flip,
-                    1 => Special::NeimarkSacker {
+                    ONE => Special::BranchPoint,
+                    MINUS_ONE => Special::Flip,
+                    _ => Special::NeimarkSacker {
                         angle: self.critical(&at)?.circle?.1,
                     },
-                    _ => Special::BranchPoint,
                 };
                 return Some(changes(zero, what, &at));
             }
         }
-        let last = way.good.last().filter(|_| way.bad.is_some())?;
-        let is_fold = self.critical(last)?.from_one < NEAR_ONE;
+        let (last, nearest) = (way.good.last()?, critical.last()?.as_ref()?);
+        let is_fold = way.bad.is_some() && nearest.from_one < NEAR_ONE;
         is_fold.then(|| changes(last.s, Special::Fold, last))
     }
 
