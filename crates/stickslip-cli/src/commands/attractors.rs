@@ -10,6 +10,9 @@ use super::told::told;
 use crate::system::System;
 use stickslip_kernels::kernel::{Modes, Motion, Outcome};
 
+/// Digits of a period by recurrence, which is refined no further.
+const DIGITS: usize = 7;
+
 /// What the orbit from `x` at time 0 comes to.
 pub(super) fn reached_from(
     system: &System,
@@ -88,7 +91,9 @@ pub(super) fn class(outcome: &Outcome) -> String {
 /// Motion, period, returns, phases, and part of the time in stick; empty where there is none.
 pub(super) fn fields(outcome: &Outcome) -> [String; 5] {
     let (period, returns) = match outcome.motion {
-        Motion::Periodic { period, returns } => (exact(period), returns.to_string()),
+        Motion::Periodic { period, returns } => {
+            (exact(to_digits(period, DIGITS)), returns.to_string())
+        }
         _ => (String::new(), String::new()),
     };
     let (phases, in_stick) = if outcome.points.is_empty() {
@@ -135,7 +140,7 @@ pub(super) fn words(outcome: &Outcome, until: f64) -> String {
     match (&outcome.motion, place(outcome)) {
         (Motion::Periodic { period, .. }, _) => {
             // A return is a return within a millionth.
-            let period = to_digits(*period, 7);
+            let period = to_digits(*period, DIGITS);
             format!("{word}, period {period}, phases {}", sequence(outcome))
         }
         (_, Some(place)) => format!("{word} at {place}"),

@@ -139,7 +139,7 @@ pub(super) fn not_too_many(option: &str, points: Option<usize>) -> Result<(), Fa
         return Ok(());
     }
     Err(Failure::Usage(format!(
-        "{option}: these are more than {MOST_POINTS} points; give fewer, and look at parts of the plane one after the other"
+        "{option}: these are more than {MOST_POINTS} points; give fewer, and look at one part after the other"
     )))
 }
 

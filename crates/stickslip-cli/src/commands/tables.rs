@@ -242,6 +242,9 @@ pub(super) fn change_name(change: &Change) -> String {
         Change::Sequence { name, after, .. } if after.is_empty() && name == "unnamed" => {
             "the orbit ends, at a fold or at a change that has no name".to_owned()
         }
+        Change::Sequence { name, .. } if name == "unnamed" => {
+            "a change of the phases that has no name".to_owned()
+        }
         Change::Sequence { name, .. } | Change::Multiplier { name, .. } => name.clone(),
         Change::Equilibrium { frequency, .. } if *frequency > 0.0 => {
             "Hopf bifurcation of the equilibrium".to_owned()

@@ -335,6 +335,43 @@ fn what_was_understood_and_written_is_told_as_json_too() {
 
 /// What integrates without complaint and is hardly meant.
 #[test]
+fn a_period_that_is_none_is_doubted() {
+    const DRIVEN: &str = r#"
+name = "driven"
+[states]
+x = "m"
+v = "m/s"
+[parameters]
+w = 2
+[contacts.ground]
+boundary = "v"
+friction = "0.1"
+[field]
+x = "v"
+v = "cos(w*t) - x - friction(ground)"
+[start]
+x = 1
+v = 0
+[time]
+period = "2*pi/w"
+"#;
+    let top = folder();
+    for (period, doubts) in [("2*pi/w", 0), ("4*pi/w", 0), ("2.2*pi/w", 1)] {
+        let text = DRIVEN.replace("2*pi/w", period);
+        std::fs::write(top.path().join("driven.toml"), text).unwrap();
+        let found = json(top.path(), &["check", "driven.toml"]);
+        let doubtful = found["doubtful"].as_array().unwrap();
+        assert_eq!(doubtful.len(), doubts, "{doubtful:?}");
+        let wanted = "not the same after the file's period 3.45";
+        assert!(
+            doubtful
+                .iter()
+                .all(|one| one.as_str().unwrap().contains(wanted))
+        );
+    }
+}
+
+#[test]
 fn friction_of_the_wrong_sign_or_less_at_rest_is_doubted() {
     let top = folder();
     program(top.path())

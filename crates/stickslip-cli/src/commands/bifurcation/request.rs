@@ -11,7 +11,7 @@ use super::super::Failure;
 use super::super::arguments::{OutputArguments, SolverArguments, StartArguments};
 use super::super::attractors;
 use super::super::exponent::Largest;
-use super::super::range::ParameterRange;
+use super::super::range::{ParameterRange, not_too_many};
 use super::super::sweeping::{Sweep, check_duration};
 use super::{Arguments, found};
 use crate::sweep::{BlockError, Store};
@@ -88,6 +88,8 @@ impl Bifurcation {
                 "--values 1: a diagram has at least 2 values".into(),
             ));
         }
+        let values = diagram.values.get();
+        not_too_many(&format!("--values {values}"), Some(values))?;
         diagram.solver.options()?;
         check_duration(diagram.duration)?;
         for value in [diagram.parameter.low, diagram.parameter.high] {

@@ -1,15 +1,19 @@
 //! What of a file can be integrated and is hardly meant.
 
+use super::super::sweeping::check_period;
 use super::super::tables::rounded;
 use crate::system::System;
 use crate::tangents::{Jumps, Line};
 
-/// Friction that pushes the wrong way, and static friction below that in slip: asked on every contact's boundary, next to the start.
+/// A period that is none; friction that pushes the wrong way, and static friction below that in slip: asked on every contact's boundary, next to the
+/// start.
 pub(super) fn doubts(system: &System) -> Vec<String> {
-    let contacts = 0..system.contacts();
-    contacts
-        .flat_map(|contact| doubts_of(system, contact))
-        .collect()
+    let period = match (system.is_periodic(), check_period(system)) {
+        (Some(false), Err(failure)) => Some(failure.to_string()),
+        _ => None,
+    };
+    let contacts = (0..system.contacts()).flat_map(|contact| doubts_of(system, contact));
+    period.into_iter().chain(contacts).collect()
 }
 
 fn doubts_of(system: &System, contact: usize) -> Vec<String> {

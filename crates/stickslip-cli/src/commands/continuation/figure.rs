@@ -15,6 +15,8 @@ use crate::output::OutputError;
 /// A value of an orbit.
 type Value = fn(&Point) -> f64;
 
+const LARGEST_MULTIPLIER: &str = "largest multiplier";
+
 /// Largest multiplier that is drawn: of unstable orbits it may be of any size.
 const LARGEST: f64 = 3.0;
 
@@ -43,7 +45,7 @@ pub(super) fn diagram(told: &Told<'_>) -> Result<String, OutputError> {
     let all: [(String, &[Value]); 3] = [
         (extent, &[|at| at.extremes[0].0, |at| at.extremes[0].1]),
         (period, &[|at| at.orbit.period]),
-        ("largest multiplier".to_owned(), &[largest]),
+        (LARGEST_MULTIPLIER.to_owned(), &[largest]),
     ];
     // Of a driven system the period says nothing, unless it is what is varied.
     let rows: Vec<_> = all
@@ -72,12 +74,13 @@ pub(super) fn diagram(told: &Told<'_>) -> Result<String, OutputError> {
         let all = values
             .iter()
             .flat_map(|value| branch.points.iter().map(value));
+        let is_size = label == LARGEST_MULTIPLIER;
         let mut panel = Panel::new(x, figures::axis(&label, all));
-        if label.starts_with("largest") {
+        if is_size {
             panel.add(Guide::horizontal(1.0));
         }
         for value in values {
-            for (stability, run) in runs(branch, *value) {
+            for (stability, run) in runs(branch, *value, is_size) {
                 let (color, dash) = match stability {
                     Stability::Stable => (BLUE, Dash::Solid),
                     Stability::Neutral => (BLUE, Dash::Dotted),
@@ -94,7 +97,11 @@ pub(super) fn diagram(told: &Told<'_>) -> Result<String, OutputError> {
         for (name, is_this, color, shape) in KINDS {
             let there = branch.special.iter().filter(|at| is_this(&at.what));
             let points: Vec<(f64, f64)> = there
-                .flat_map(|at| values.iter().map(|value| place(branch, at, *value)))
+                .flat_map(|at| {
+                    values
+                        .iter()
+                        .map(|value| place(branch, at, *value, is_size))
+                })
                 .collect();
             if !points.is_empty() {
                 let markers = Markers::new(points).shape(shape).color(color).size(6.0);
@@ -106,8 +113,8 @@ pub(super) fn diagram(told: &Told<'_>) -> Result<String, OutputError> {
             let there = ends.into_iter().zip(branch.stops);
             let points: Vec<(f64, f64)> = there
                 .filter(|(_, stop)| is_this(stop))
-                .filter_map(|(end, _)| end)
-                .flat_map(|end| values.iter().map(|value| (end.orbit.parameter, value(end))))
+                .filter_map(|(end, stop)| Some(end_marks(end?, stop, values)))
+                .flatten()
                 .collect();
             if !points.is_empty() {
                 let markers = Markers::new(points).shape(shape).color(BLACK).open();
@@ -175,6 +182,19 @@ const ENDS: [MarkedEnd; 3] = [
     ("rest", |stop| matches!(stop, Stop::Rest), Shape::Diamond),
 ];
 
+/// Where the end of a branch is: an equilibrium is between the least and the greatest that the last orbit has of a state.
+fn end_marks(end: &Point, stop: Stop, values: &[Value]) -> Vec<(f64, f64)> {
+    let heights: Vec<f64> = match (stop, values) {
+        (Stop::Equilibrium { .. }, [least, greatest]) => vec![0.5 * (least(end) + greatest(end))],
+        _ => values.iter().map(|value| value(end)).collect(),
+    };
+    let place = match stop {
+        Stop::Equilibrium { parameter, .. } | Stop::Homoclinic { parameter, .. } => parameter,
+        _ => end.orbit.parameter,
+    };
+    heights.into_iter().map(|height| (place, height)).collect()
+}
+
 /// The part of the range that the branch takes, with a little room.
 fn ends(told: &Told<'_>) -> (f64, f64) {
     let parameters = told.branch.points.iter().map(|at| at.orbit.parameter);
@@ -189,8 +209,13 @@ fn ends(told: &Told<'_>) -> (f64, f64) {
     ((low - room).max(range.low), (high + room).min(range.high))
 }
 
-/// Where a special orbit is on the curve of a value: between its neighbours.
-fn place(branch: &Branch, at: &SpecialThere, value: Value) -> (f64, f64) {
+/// Where a special orbit is on the curve of a value: between its neighbours. Where stability changes by a multiplier, its size is 1.
+fn place(branch: &Branch, at: &SpecialThere, value: Value, is_size: bool) -> (f64, f64) {
+    let stability = |k: usize| branch.points.get(k).map(|point| point.orbit.stability);
+    let changes = at.behind.checked_sub(1).and_then(stability) != stability(at.behind);
+    if is_size && changes && !matches!(at.what, SpecialKind::Sequence(_)) {
+        return (at.parameter, 1.0);
+    }
     let orbit = |k: usize| {
         branch
             .points
@@ -199,9 +224,16 @@ fn place(branch: &Branch, at: &SpecialThere, value: Value) -> (f64, f64) {
     };
     let before = at.behind.checked_sub(1).and_then(orbit);
     let height = match (before, orbit(at.behind)) {
-        (Some(a), Some(b)) if a.0 != b.0 => {
-            // A fold lies beyond both.
-            let part = ((at.parameter - a.0) / (b.0 - a.0)).clamp(0.0, 1.0);
+        (Some(a), Some(b)) => {
+            let [from, to] = [a.0, b.0].map(|parameter| (parameter - at.parameter).abs());
+            // A fold lies beyond both; along the branch the parameter goes there like a square.
+            let is_fold = matches!(at.what, SpecialKind::Fold);
+            let [from, to] = [from, to].map(|way| if is_fold { way.sqrt() } else { way });
+            let part = if from + to > 0.0 {
+                from / (from + to)
+            } else {
+                0.5
+            };
             a.1 + part * (b.1 - a.1)
         }
         (one, other) => one.or(other).map_or(f64::NAN, |one| one.1),
@@ -210,13 +242,15 @@ fn place(branch: &Branch, at: &SpecialThere, value: Value) -> (f64, f64) {
 }
 
 /// The branch in pieces of one stability. Neighbouring pieces share the special orbit between them, so that the curve has no gap.
-fn runs(branch: &Branch, value: Value) -> Vec<(Stability, Vec<(f64, f64)>)> {
+fn runs(branch: &Branch, value: Value, is_size: bool) -> Vec<(Stability, Vec<(f64, f64)>)> {
     let mut runs: Vec<(Stability, Vec<(f64, f64)>)> = Vec::new();
     for (k, at) in branch.points.iter().enumerate() {
         let here = (at.orbit.parameter, value(at));
         let stability = at.orbit.stability;
         let special = branch.special.iter().filter(|at| at.behind == k);
-        let between: Vec<_> = special.map(|at| place(branch, at, value)).collect();
+        let between: Vec<_> = special
+            .map(|at| place(branch, at, value, is_size))
+            .collect();
         match runs.last_mut() {
             Some(run) => {
                 run.1.extend(between);
