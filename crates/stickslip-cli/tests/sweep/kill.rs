@@ -151,7 +151,11 @@ fn the_program_killed_at_any_moment_goes_on_by_the_same_command() {
                 blocks_in(&out(&name).join("sweep")) > 0 && !out(&name).join(table).exists();
             within += u32::from(is_within);
             run(&name);
-            assert!(files(&out(&name)) == whole, "{sweep:?}, {kill}");
+            let mut there = files(&out(&name));
+            // Of a table that was being written its temporary file is left, which nothing reads.
+            there.retain(|path, _| !path.to_string_lossy().starts_with(".tmp"));
+            let names: Vec<_> = there.keys().collect();
+            assert!(there == whole, "{sweep:?}, {kill}: {names:?}");
             std::fs::remove_dir_all(out(&name)).unwrap();
         }
         assert!(within >= 2, "only {within} of {kills} were killed within");
