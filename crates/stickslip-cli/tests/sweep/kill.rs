@@ -125,6 +125,7 @@ fn the_program_killed_at_any_moment_goes_on_by_the_same_command() {
     let top = folder();
     let out = |name: &str| top.path().join(name);
     let mut moment = 54_321_u64;
+    let mut within = 0;
     for (sweep, table, kills) in SWEEPS {
         let run = |name: &str| {
             let to = ["--out", name];
@@ -134,7 +135,6 @@ fn the_program_killed_at_any_moment_goes_on_by_the_same_command() {
         run("whole");
         let long = begin.elapsed();
         let whole = files(&out("whole"));
-        let mut within = 0;
         for kill in 0..kills {
             let name = format!("killed {kill}");
             let mut child = Command::new(env!("CARGO_BIN_EXE_stickslip"))
@@ -158,9 +158,9 @@ fn the_program_killed_at_any_moment_goes_on_by_the_same_command() {
             assert!(there == whole, "{sweep:?}, {kill}: {names:?}");
             std::fs::remove_dir_all(out(&name)).unwrap();
         }
-        assert!(within >= 2, "only {within} of {kills} were killed within");
         std::fs::remove_dir_all(out("whole")).unwrap();
     }
+    assert!(within >= 5, "only {within} of 20 were killed within");
 }
 
 #[test]
