@@ -1,10 +1,12 @@
 //! Analyses of systems and orbits: tangent points, monodromy by saltation, periodic orbits and their branches, attractors and basins,
 //! bifurcations, Lyapunov spectra, classes of motion.
 
+mod anchor;
 mod attractors;
 mod basin;
 mod bifurcation;
 mod continuation;
+mod critical;
 #[cfg(feature = "data")]
 pub mod data_spectrum;
 mod destination;

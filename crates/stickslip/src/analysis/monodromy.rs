@@ -2,7 +2,7 @@
 
 use nalgebra::SMatrix;
 
-use super::periodic::velocity_in;
+use super::anchor::velocity_in;
 use super::tangent::{Tangent, flatten};
 use crate::error::Error;
 use crate::filippov::{
@@ -40,32 +40,29 @@ pub fn monodromy<S: Switched<N, G>, const N: usize, const G: usize>(
         t: t0,
         x: x0.into(),
     };
-    carried(system, &start, t_end, options, false)
+    Ok(turn(system, &start, t_end, options, false)?.monodromy)
 }
 
-/// The same of a system that does not depend on time. There the flow carries its own direction along exactly. So that direction is taken out
-/// of what is carried and put back at the end: near an equilibrium, where an orbit is slow and neighbours part fast, what a step errs along the
-/// flow would else grow beyond all that is asked for.
+/// An orbit from a start to an end, as shooting needs it.
+pub(super) struct Turn<const N: usize> {
+    pub monodromy: Monodromy<N>,
+    /// The vector that moves the end state, of the mode that the orbit is in.
+    pub velocity: State<N>,
+}
+
+/// The monodromy matrix and the velocity at the end. The flow of a system that does not depend on time carries its own direction along exactly.
+/// So that direction is taken out of what is carried and put back at the end: near an equilibrium, where an orbit is slow and neighbours part
+/// fast, what a step errs along the flow would else grow beyond all that is asked for.
 ///
 /// # Errors
 /// As [`monodromy`].
-pub(super) fn monodromy_of_autonomous<S: Switched<N, G>, const N: usize, const G: usize>(
-    system: &S,
-    t0: f64,
-    x0: State<N>,
-    t_end: f64,
-    options: &Options,
-) -> Result<Monodromy<N>, Error> {
-    carried(system, &Timed { t: t0, x: x0 }, t_end, options, true)
-}
-
-fn carried<S: Switched<N, G>, const N: usize, const G: usize>(
+pub(super) fn turn<S: Switched<N, G>, const N: usize, const G: usize>(
     system: &S,
     start: &Timed<N>,
     t_end: f64,
     options: &Options,
     is_autonomous: bool,
-) -> Result<Monodromy<N>, Error> {
+) -> Result<Turn<N>, Error> {
     let tangent = Tangent::new(system, options);
     let mut integration = Integration::new(system, start.t, start.x, t_end, options)?;
     let mut map = TangentMap::identity();
@@ -83,10 +80,14 @@ fn carried<S: Switched<N, G>, const N: usize, const G: usize>(
                     t: summary.t,
                     x: summary.x,
                 };
-                return Ok(Monodromy {
-                    matrix: map.whole(&velocity_in(system, integration.mode(), &end)),
-                    stick_entries: map.stick_entries,
-                    summary,
+                let velocity = velocity_in(system, integration.mode(), &end);
+                return Ok(Turn {
+                    monodromy: Monodromy {
+                        matrix: map.whole(&velocity),
+                        stick_entries: map.stick_entries,
+                        summary,
+                    },
+                    velocity,
                 });
             }
         }

@@ -2,14 +2,15 @@
 
 use nalgebra::{DMatrix, DVector, SMatrix};
 
-use super::monodromy::{Monodromy, monodromy, monodromy_of_autonomous};
+use super::anchor::Anchor;
+use super::monodromy::{Monodromy, Turn, turn};
 use crate::error::Error;
 use crate::filippov::{
-    Direction, Happening, Integration, Options, Plane, Progress, Switched, Velocity, Watched,
+    Direction, Happening, Integration, Options, Plane, Progress, Switched, Watched,
 };
 use crate::ode::Timed;
 use crate::orbit::Ending;
-use crate::system::{State, components};
+use crate::system::State;
 
 /// A periodic orbit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,11 +42,13 @@ pub fn periodic_orbit_forced<S: Switched<N, G>, const N: usize, const G: usize>(
     period: f64,
     options: &Options,
 ) -> Result<PeriodicOrbit<N>, Error> {
-    shoot(system, t, x.into(), period, None, options)
+    let at = Timed { t, x: x.into() };
+    let start = Anchor::at_start(system, &at, t + period, options)?;
+    shoot(system, &start, period, true, options)
 }
 
 /// The periodic orbit near `x`, with a period near `period` (less than twice that), of a system that does not depend on time, by Newton's
-/// iteration for state and period together. `x` should not lie on Σ.
+/// iteration for state and period together. From an `x` on Σ that sticks, to rounding, the orbit is sought on Σ.
 ///
 /// # Errors
 /// Those of [`crate::run`]; [`Error::NoUniqueFuture`] and [`Error::TangentSingular`] as for [`crate::analysis::monodromy`]; [`Error::NotConverged`] when the iteration reaches neither 100 tolerances nor what rounding leaves.
@@ -64,9 +67,12 @@ pub fn periodic_orbit<S: Switched<N, G>, const N: usize, const G: usize>(
     period: f64,
     options: &Options,
 ) -> Result<PeriodicOrbit<N>, Error> {
-    let x = x.into();
-    let slope = slope_at(system, 0.0, &x);
-    shoot(system, 0.0, x, period, Some(slope), options)
+    let at = Timed {
+        t: 0.0,
+        x: x.into(),
+    };
+    let start = Anchor::at_start(system, &at, period, options)?;
+    shoot(system, &start, period, false, options)
 }
 
 /// The periodic orbit that the orbit from `x0` comes to, of a system that does not depend on time; no guess is needed.
@@ -98,26 +104,40 @@ pub fn find_periodic_orbit<S: Switched<N, G>, const N: usize, const G: usize>(
         t: transient,
         span: longest,
     };
+    let mut fewest: Option<(usize, Anchor<N, S::Mode>)> = None;
     let start = loop {
         match integration.step()? {
             Progress::Step => {
                 let step = integration.last_step();
                 let length = step.t_end - step.t_start;
+                if step.t_start < transient || length <= 0.0 {
+                    continue;
+                }
+                let t = step.t_start + 0.5 * length;
+                let x = step.dense.at_time(t);
+                let here = Anchor::of(&Timed { t, x }, step.mode);
+                let stick = system.normals(step.mode, &here.at()).len();
                 // In the middle of a slip it is not on Σ.
-                if step.t_start >= transient && !S::any_sticks(step.mode) && length > 0.0 {
-                    let t = step.t_start + 0.5 * length;
-                    let x = step.dense.at_time(t);
-                    break Timed { t, x };
+                if stick == 0 {
+                    break here;
+                }
+                if fewest.is_none_or(|(least, _)| stick < least) {
+                    fewest = Some((stick, here.settled(system)));
                 }
             }
             Progress::PhaseEnd(_) | Progress::Transition(_) => {}
-            Progress::End(summary) if summary.ending == Ending::EndTime => return Err(not_found()),
+            Progress::End(summary) if summary.ending == Ending::EndTime => {
+                let (_, here) = fewest.ok_or_else(not_found)?;
+                let t_end = transient + longest;
+                integration = Integration::new(system, here.t, here.x, t_end, options)?;
+                break here;
+            }
             Progress::End(summary) => return Err(summary.no_unique_future()),
         }
     };
     let section = Plane {
         point: start.x,
-        normal: slope_at(system, start.t, &start.x),
+        normal: start.velocity(system),
         direction: Direction::Rising,
     };
     let mut watched = Watched::new(integration, &section);
@@ -137,53 +157,34 @@ pub fn find_periodic_orbit<S: Switched<N, G>, const N: usize, const G: usize>(
     let nearest = returns.iter().map(|r| r.1).fold(f64::INFINITY, f64::min);
     let first = returns.iter().find(|r| r.1 <= 2.0 * nearest);
     let &(period, _) = first.ok_or_else(not_found)?;
-    periodic_orbit(system, start.x, period, options)
+    let start = Anchor { t: 0.0, ..start };
+    shoot(system, &start, period, false, options)
 }
 
-/// The vector that moves a state: of its side's field, or on Σ the sliding one.
-pub(super) fn slope_at<S: Switched<N, G>, const N: usize, const G: usize>(
+/// Newton's iteration from a guess; unless the system is driven, with that period, the period is unknown too, and along the flow at the
+/// guess no correction is made. A guess in stick is kept on its boundary.
+pub(super) fn shoot<S: Switched<N, G>, const N: usize, const G: usize>(
     system: &S,
-    t: f64,
-    x: &State<N>,
-) -> State<N> {
-    velocity_in(system, system.mode_by_side(t, x), &Timed { t, x: *x })
-}
-
-/// The vector that moves a state in a mode.
-pub(super) fn velocity_in<S: Switched<N, G>, const N: usize, const G: usize>(
-    system: &S,
-    mode: S::Mode,
-    at: &Timed<N>,
-) -> State<N> {
-    let here = Velocity(at.t, components(&at.x));
-    system.with_flow(mode, S::Branch::default(), here).into()
-}
-
-/// Newton's iteration; with `phase` (the flow's direction at the guess, along which no correction is made) the period
-/// is unknown too.
-fn shoot<S: Switched<N, G>, const N: usize, const G: usize>(
-    system: &S,
-    t: f64,
-    mut x: State<N>,
-    mut period: f64,
-    phase: Option<State<N>>,
+    guess: &Anchor<N, S::Mode>,
+    guessed: f64,
+    is_forced: bool,
     options: &Options,
 ) -> Result<PeriodicOrbit<N>, Error> {
     let by_tolerance = 100.0 * options.atol.max(options.rtol);
     let (mut residual, mut wanted) = (f64::INFINITY, by_tolerance);
-    let guessed = period;
+    let mut at = guess.begun(system);
+    let mut period = guessed;
+    let phase = (!is_forced).then(|| at.velocity(system));
     for _ in 0..MOST {
-        let turn = match phase {
-            Some(_) => monodromy_of_autonomous(system, t, x, t + period, options)?,
-            None => monodromy(system, t, x, t + period, options)?,
-        };
-        if turn.summary.ending != Ending::EndTime {
-            return Err(turn.summary.no_unique_future());
+        let turn = turn(system, &at.at(), at.t + period, options, !is_forced)?;
+        let Turn { monodromy, .. } = &turn;
+        if monodromy.summary.ending != Ending::EndTime {
+            return Err(monodromy.summary.no_unique_future());
         }
-        let gap = turn.summary.x - x;
+        let gap = monodromy.summary.x - at.x;
         let size = gap.amax();
-        wanted = by_tolerance.max(rounding(&turn, &x));
-        let speed = phase.map_or(f64::INFINITY, |_| slope_at(system, t, &x).amax());
+        wanted = by_tolerance.max(rounding(monodromy, &at.x));
+        let speed = phase.map_or(f64::INFINITY, |_| at.velocity(system).amax());
         // What moves no further in a turn than it may be off repeats itself because it rests.
         if speed * period <= wanted {
             residual = size;
@@ -192,28 +193,29 @@ fn shoot<S: Switched<N, G>, const N: usize, const G: usize>(
         // The last halvings of the residual are rounding: stop at the first iterate that is no better.
         if size <= wanted && size >= 0.5 * residual || size == 0.0 {
             return Ok(PeriodicOrbit {
-                t,
-                x,
+                t: at.t,
+                x: at.x,
                 period,
-                monodromy: turn.matrix,
+                monodromy: monodromy.matrix,
                 residual: size,
             });
         }
         residual = size;
         // An equilibrium repeats itself after any time; the iteration may fall into one.
-        if speed * period < 1e-3 * x.amax().max(1e-3) {
+        if speed * period < 1e-3 * at.x.amax().max(1e-3) {
             break;
         }
-        let Some((dx, change)) = correction(system, t + period, &turn, &gap, phase.as_ref()) else {
+        let Some((dx, change)) = correction(&turn, &gap, phase.as_ref()) else {
             break;
         };
-        x += dx;
+        let moved = guess.moved(at.x + dx);
         period += change;
         // A bad guess may ask for any period, and as long a run.
         let is_near = (period - guessed).abs() < guessed;
-        if !(is_near && x.iter().all(|v| v.is_finite())) {
+        if !(is_near && moved.x.iter().all(|v| v.is_finite())) {
             break;
         }
+        at = moved.begun(system);
     }
     Err(Error::NotConverged {
         what: "the periodic orbit",
@@ -232,10 +234,8 @@ pub(super) fn rounding<const N: usize>(turn: &Monodromy<N>, x: &State<N>) -> f64
 }
 
 /// Newton's correction of state and period.
-fn correction<S: Switched<N, G>, const N: usize, const G: usize>(
-    system: &S,
-    t_end: f64,
-    turn: &Monodromy<N>,
+fn correction<const N: usize>(
+    turn: &Turn<N>,
     gap: &State<N>,
     phase: Option<&State<N>>,
 ) -> Option<(State<N>, f64)> {
@@ -244,14 +244,13 @@ fn correction<S: Switched<N, G>, const N: usize, const G: usize>(
     let mut right = DVector::<f64>::zeros(unknowns);
     for i in 0..N {
         for j in 0..N {
-            matrix[(i, j)] = turn.matrix[(i, j)] - f64::from(u8::from(i == j));
+            matrix[(i, j)] = turn.monodromy.matrix[(i, j)] - f64::from(u8::from(i == j));
         }
         right[i] = -gap[i];
     }
     if let Some(direction) = phase {
-        let slope = slope_at(system, t_end, &turn.summary.x);
         for i in 0..N {
-            matrix[(i, N)] = slope[i];
+            matrix[(i, N)] = turn.velocity[i];
             matrix[(N, i)] = direction[i];
         }
     }

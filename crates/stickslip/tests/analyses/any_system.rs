@@ -2,9 +2,12 @@
 
 use stickslip::{Error, Filippov, Scalar, Side};
 
-use crate::attractors::systems::{Backwards, Detour, Driven, Leine, Pushed, Rings, Shear, Wells};
+use crate::attractors::systems::{
+    Backwards, Detour, Driven, Leine, Pushed, Rings, Shear, ToZero, Wells,
+};
 use crate::bifurcations::systems::{
-    Area, AtParameter, Beat, Belt, DrivenFamily, Ends, Held, Island, Pitchfork, Softening, Twisted,
+    Area, AtParameter, Beat, Belt, DrivenFamily, Ends, Held, Island, Pitchfork, Shaken, Sheet,
+    Softening, Twisted,
 };
 use crate::den_hartog::DenHartog;
 use crate::line::Line;
@@ -15,12 +18,12 @@ systems!(Any1, 1: Beat(Beat), Line(Line));
 
 systems!(
     Any2, 2:
-    Backwards(Smooth<Backwards>), DenHartog(DenHartog), Detour(Smooth<Detour>), Driven(Driven), Ends(Ends), Held(Held), Leine(Leine), Pushed(Pushed), RingsAt(AtParameter<Rings>), Shear(Smooth<Shear>), TwistedAt(AtParameter<Twisted>), Wells(Wells),
+    Backwards(Smooth<Backwards>), DenHartog(DenHartog), Detour(Smooth<Detour>), Driven(Driven), Ends(Ends), Held(Held), Leine(Leine), Pushed(Pushed), RingsAt(AtParameter<Rings>), Shaken(Shaken), Shear(Smooth<Shear>), ToZero(ToZero), TwistedAt(AtParameter<Twisted>), Wells(Wells),
 );
 
 systems!(
     Any3, 3:
-    Belt(Belt), DrivenFamily(DrivenFamily), Island(Island), Lorenz(Smooth<Lorenz>), Rings(Rings), Softening(Smooth<Softening>), Twisted(Twisted),
+    Belt(Belt), DrivenFamily(DrivenFamily), Island(Island), Lorenz(Smooth<Lorenz>), Rings(Rings), SheetAt(AtParameter<Sheet>), Softening(Smooth<Softening>), Twisted(Twisted),
 );
 
-systems!(Any4, 4: Area(Area), Pitchfork(Pitchfork));
+systems!(Any4, 4: Area(Area), Pitchfork(Pitchfork), Sheet(Sheet));

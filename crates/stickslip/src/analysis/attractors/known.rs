@@ -16,7 +16,7 @@ const MOMENTS: usize = 32;
 /// The attractors met so far, each with a number in the order in which it was met first.
 ///
 /// Two orbits have come to the same one if they have come to the same kind of motion, and
-/// - at an equilibrium, to the same point;
+/// - at an equilibrium, to the same point, as far as the states at which the two orbits were left are from it;
 /// - at a set of equilibria, to points between which (on a straight line, laid onto the boundary) there are only further ones; with a drive, at 32
 ///   moments of its period;
 /// - on a periodic orbit, to the same points of the section in the same order, with the same cycle of phases;
@@ -87,15 +87,15 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Attractors<'a, S, N,
     pub fn is_same(&self, one: &Reached<N, S::Mode>, other: &Reached<N, S::Mode>) -> bool {
         match (&one.kind, &other.kind) {
             (Kind::Equilibrium, Kind::Equilibrium) => {
-                one.mode == other.mode && self.is_near(&one.points, &other.points)
+                one.mode == other.mode && self.is_near(one, other)
             }
             (Kind::EquilibriumSet, Kind::EquilibriumSet) => {
                 one.mode == other.mode
-                    && (self.is_near(&one.points, &other.points)
+                    && (self.is_near(one, other)
                         || self.are_joined(&one.points, &other.points, one.mode))
             }
             (Kind::Periodic { returns: p, .. }, Kind::Periodic { returns: q, .. }) => {
-                p == q && one.has_sequence_of(other) && self.is_near(&one.points, &other.points)
+                p == q && one.has_sequence_of(other) && self.is_near(one, other)
             }
             (Kind::Recurrent, Kind::Recurrent) => is_same_set(&one.points, &other.points),
             (Kind::TwoFold(one), Kind::TwoFold(other)) => one == other,
@@ -108,17 +108,26 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Attractors<'a, S, N,
     }
 
     /// Whether the points are the same, some turn apart.
-    fn is_near(&self, one: &[SectionPoint<N>], other: &[SectionPoint<N>]) -> bool {
+    fn is_near(&self, one: &Reached<N, S::Mode>, other: &Reached<N, S::Mode>) -> bool {
         let size = State::<N>::from_fn(|i, _| {
-            let sizes = one.iter().map(|point| point.x[i].abs());
+            let sizes = one.points.iter().map(|point| point.x[i].abs());
             sizes.fold(0.0, f64::max)
         });
         // A component that is always zero has no size of its own.
         let least = 1e-3 * size.amax();
+        // Nor has an equilibrium there: the orbits that come to it have.
+        let left = [one, other].map(|reached| match reached.points.as_slice() {
+            [point] if !matches!(reached.kind, Kind::Periodic { .. }) => reached.x - point.x,
+            _ => State::zeros(),
+        });
+        let left = left[0].abs() + left[1].abs();
         let same = move |a: &SectionPoint<N>, b: &SectionPoint<N>| {
-            (0..N).all(|i| (a.x[i] - b.x[i]).abs() <= self.closeness * size[i].max(least))
+            (0..N).all(|i| {
+                let allowed = self.closeness * size[i].max(least) + TIMES * left[i];
+                (a.x[i] - b.x[i]).abs() <= allowed
+            })
         };
-        turns(one, other, same).next().is_some()
+        turns(&one.points, &other.points, same).next().is_some()
     }
 
     /// Whether there is rest all the way from one point to the other.

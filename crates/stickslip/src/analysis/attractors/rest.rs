@@ -40,11 +40,20 @@ pub(crate) fn equilibrium_near<S: Switched<N, G>, const N: usize, const G: usize
     for _ in 0..MOST {
         let jacobian = jacobian_of(system, mode, t, &x);
         let velocity = system.with_flow(mode, branch, Velocity(t, components(&x)));
-        let dynamic = DMatrix::from_fn(free, free, |i, j| jacobian[(i, j)]);
+        // On the boundary of what sticks the step goes along it: across it the sliding field has no slope.
+        let normals = system.normals(mode, &Timed { t, x });
+        let scale = jacobian.amax();
+        let dynamic = DMatrix::from_fn(free + normals.len(), free, |i, j| {
+            let across = i.checked_sub(free).and_then(|k| normals.get(k));
+            across.map_or(jacobian[(i.min(N - 1), j)], |(_, n)| {
+                scale * n[j] / n.norm()
+            })
+        });
         if dynamic.iter().chain(&velocity).any(|v| !v.is_finite()) {
             return None;
         }
-        let right = DVector::from_fn(free, |i, _| -velocity[i]);
+        let right = |i: usize, _| if i < free { -velocity[i] } else { 0.0 };
+        let right = DVector::from_fn(dynamic.nrows(), right);
         let bound = ZERO * dynamic.amax();
         let step = dynamic.svd(true, true).solve(&right, bound).ok()?;
         let size = step.amax();

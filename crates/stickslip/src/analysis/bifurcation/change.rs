@@ -2,8 +2,9 @@
 
 use super::stability::loss_of_stability;
 use super::{Reached, WhatChanges};
+use crate::analysis::anchor::Anchor;
 use crate::analysis::attractors::Kind;
-use crate::analysis::periodic::{periodic_orbit, periodic_orbit_forced};
+use crate::analysis::periodic::shoot;
 use crate::analysis::sequence::circuit::Circuit;
 use crate::analysis::sequence::locate::{self, Known, is_same};
 use crate::analysis::sequence::{
@@ -11,7 +12,6 @@ use crate::analysis::sequence::{
 };
 use crate::filippov::{Options, Switched};
 use crate::ode::Timed;
-use crate::system::State;
 
 /// Part of the interval to which a change is located.
 const RESOLUTION: f64 = 1e-10;
@@ -30,7 +30,7 @@ pub(super) fn locate<S: Switched<N, G>, const N: usize, const G: usize>(
     options: &Options,
 ) -> WhatChanges<N, S::Mode> {
     let (mut smooth, mut unnamed) = (None, None);
-    for (from, to) in [(one, other), (other, one)] {
+    for (from, to, is_back) in [(one, other, false), (other, one, true)] {
         match from.1.kind {
             Kind::Equilibrium => {
                 if let Some(found) = loss_of_stability(family, from, to.0) {
@@ -48,7 +48,13 @@ pub(super) fn locate<S: Switched<N, G>, const N: usize, const G: usize>(
                 let Some(way) = shooting.follow(from, period, to.0) else {
                     continue;
                 };
-                match shooting.change(&way) {
+                let found = shooting.change(&way).map(|mut found| {
+                    if is_back {
+                        std::mem::swap(&mut found.before, &mut found.after);
+                    }
+                    found
+                });
+                match found {
                     Some(found) if found.bifurcation != SequenceBifurcation::Unnamed => {
                         return WhatChanges::Sequence(found);
                     }
@@ -99,7 +105,7 @@ impl<F> Shooting<'_, F> {
         let mut good = vec![first];
         let mut behind: Option<Known<(), N, S::Mode>> = None;
         let mut solve = |s: f64, good: &[Known<(), N, S::Mode>]| {
-            let (guess, period) = extrapolated(good, s);
+            let (guess, period) = extrapolated(good, s)?;
             let found = self.orbit(s, &guess, period);
             let is_other = |one: &Known<(), N, S::Mode>| !is_same(&one.circuit.sequence(), &wanted);
             if let Some(other) = found.as_ref().filter(|one| is_other(one)) {
@@ -157,8 +163,8 @@ impl<F> Shooting<'_, F> {
         describe(&system, &way.good, after.unwrap_or_default(), place)
     }
 
-    /// Where shooting begins: where a phase does in which all contacts slip, for stick forgets what came before, and with it by how much the
-    /// start is off. With a forcing the strobe sees the orbit at its phase.
+    /// A state of the orbit: where a phase begins in which all contacts slip, for stick forgets what came before, and with it by how much the
+    /// start is off; where there is none, or with a forcing, where the section or the strobe sees it.
     fn start<S: Switched<N, G>, const N: usize, const G: usize>(
         &self,
         reached: &Reached<N, S::Mode>,
@@ -195,7 +201,7 @@ impl<F> Shooting<'_, F> {
         let way = way.abs().max(1e4 * resolution) * way.signum();
         [0.3 * way, -0.3 * way].into_iter().find_map(|step| {
             let solve = |s: f64, good: &[Known<(), N, S::Mode>]| {
-                let (guess, period) = extrapolated(good, s);
+                let (guess, period) = extrapolated(good, s)?;
                 self.orbit(s, &guess, period)
             };
             let (good, bad) = locate::approach(simple.clone(), step, resolution, solve)?;
@@ -211,21 +217,24 @@ impl<F> Shooting<'_, F> {
     pub(super) fn orbit<S: Switched<N, G>, const N: usize, const G: usize>(
         &self,
         parameter: f64,
-        guess: &Timed<N>,
+        guess: &Anchor<N, S::Mode>,
         period: f64,
     ) -> Option<Known<(), N, S::Mode>>
     where
         F: Fn(f64) -> S,
     {
         let system = (self.family)(parameter);
-        let cycle = match self.forced {
-            Some(period) => periodic_orbit_forced(&system, guess.t, guess.x, period, self.options),
-            None => periodic_orbit(&system, guess.x, period, self.options),
-        }
-        .ok()?;
-        let start = Timed {
+        let is_forced = self.forced.is_some();
+        let period = self.forced.unwrap_or(period);
+        let at = Anchor {
+            // Only the forcing knows the time.
+            t: if is_forced { guess.t } else { 0.0 },
+            ..*guess
+        };
+        let cycle = shoot(&system, &at, period, is_forced, self.options).ok()?;
+        let start = Anchor {
             t: cycle.t,
-            x: cycle.x,
+            ..guess.moved(cycle.x)
         };
         let circuit = Circuit::follow(&system, &start, cycle.period, self.options).ok()?;
         Some(Known {
@@ -240,24 +249,19 @@ impl<F> Shooting<'_, F> {
 pub(in crate::analysis) fn extrapolated<B, const N: usize, K: Copy + PartialEq>(
     good: &[Known<B, N, K>],
     s: f64,
-) -> (Timed<N>, f64) {
+) -> Option<(Anchor<N, K>, f64)> {
     match good {
         [.., one, two] if two.s != one.s => {
             let part = ((s - two.s) / (two.s - one.s)).clamp(-1.0, 1.0);
             let (a, b) = (&one.circuit, &two.circuit);
-            let guess = Timed {
+            let guess = Anchor {
                 t: b.anchor.t + part * (b.anchor.t - a.anchor.t),
                 x: b.anchor.x + (b.anchor.x - a.anchor.x) * part,
+                mode: b.anchor.mode,
             };
-            (guess, b.period + part * (b.period - a.period))
+            Some((guess, b.period + part * (b.period - a.period)))
         }
-        [.., last] => (last.circuit.anchor, last.circuit.period),
-        [] => (
-            Timed {
-                t: 0.0,
-                x: State::zeros(),
-            },
-            0.0,
-        ),
+        [.., last] => Some((last.circuit.anchor, last.circuit.period)),
+        [] => None,
     }
 }

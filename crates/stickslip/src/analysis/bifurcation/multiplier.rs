@@ -1,28 +1,17 @@
 //! Where an orbit that keeps its phases loses its stability, or ends, by one of its multipliers.
 
+use nalgebra::{DMatrix, DVector};
+
 use super::WhatChanges;
 use super::change::{Shooting, Way, extrapolated};
-use crate::analysis::continuation::{Special, zero_between};
-use crate::analysis::monodromy::{monodromy, monodromy_of_autonomous};
-use crate::analysis::multipliers::multipliers;
+use crate::analysis::continuation::Special;
+use crate::analysis::critical::{Critical, zero_between};
+use crate::analysis::monodromy::turn;
 use crate::analysis::sequence::locate::Known;
 use crate::filippov::Switched;
-use crate::math;
 
 /// At an end of the orbit located to 1e-10 a multiplier that goes to 1 like a root is some 1e-5 from it.
 const NEAR_ONE: f64 = 1e-3;
-
-/// Functions of the multipliers, the trivial one left out.
-struct Critical {
-    /// Zero where one is 1.
-    one: f64,
-    /// Zero where one is −1.
-    minus_one: f64,
-    /// Zero where a pair is on the unit circle, and its angle there.
-    circle: Option<(f64, f64)>,
-    /// How far the nearest is from 1.
-    from_one: f64,
-}
 
 impl<F> Shooting<'_, F> {
     /// The first of its multipliers to reach the unit circle on the way.
@@ -36,11 +25,7 @@ impl<F> Shooting<'_, F> {
         const ONE: usize = 0;
         const MINUS_ONE: usize = 1;
         type Function = fn(&Critical) -> Option<f64>;
-        let functions: [Function; 3] = [
-            |at| Some(at.one),
-            |at| Some(at.minus_one),
-            |at| at.circle.map(|circle| circle.0),
-        ];
+        let functions: [Function; 3] = [|at| Some(at.one), |at| Some(at.minus_one), |at| at.circle];
         let critical: Vec<Option<Critical>> =
             way.good.iter().map(|orbit| self.critical(orbit)).collect();
         for (orbits, values) in way.good.windows(2).zip(critical.windows(2)) {
@@ -48,9 +33,9 @@ impl<F> Shooting<'_, F> {
                 continue;
             };
             // Next to a fold rounding tells the sign.
-            let is_noise = here.from_one.max(there.from_one) < NEAR_ONE;
+            let is_noise = here.gap_to_one().max(there.gap_to_one()) < NEAR_ONE;
             let orbit = |s: f64| {
-                let (guess, period) = extrapolated(orbits, s);
+                let (guess, period) = extrapolated(orbits, s)?;
                 self.orbit(s, &guess, period)
             };
             for (kind, function) in functions.into_iter().enumerate() {
@@ -70,14 +55,14 @@ impl<F> Shooting<'_, F> {
                     ONE => Special::BranchPoint,
                     MINUS_ONE => Special::Flip,
                     _ => Special::NeimarkSacker {
-                        angle: self.critical(&at)?.circle?.1,
+                        angle: self.critical(&at)?.angle,
                     },
                 };
                 return Some(changes(zero, what, &at));
             }
         }
         let (last, nearest) = (way.good.last()?, critical.last()?.as_ref()?);
-        let is_fold = way.bad.is_some() && nearest.from_one < NEAR_ONE;
+        let is_fold = way.bad.is_some() && nearest.gap_to_one() < NEAR_ONE;
         is_fold.then(|| changes(last.s, Special::Fold, last))
     }
 
@@ -91,28 +76,13 @@ impl<F> Shooting<'_, F> {
         let system = (self.family)(orbit.s);
         let (start, options) = (orbit.circuit.anchor, self.options);
         let t_end = start.t + orbit.circuit.period;
-        let turn = match self.forced {
-            Some(_) => monodromy(&system, start.t, start.x, t_end, options),
-            None => monodromy_of_autonomous(&system, start.t, start.x, t_end, options),
-        };
-        let all = multipliers(&turn.ok()?.matrix);
-        // The nearest to 1 is first.
-        let free = if self.forced.is_some() {
-            &all[..]
-        } else {
-            &all[1..]
-        };
-        let one = free.iter().map(|value| 1.0 - value);
-        let minus_one = free.iter().map(|value| 1.0 + value);
-        let pairs = free.iter().filter(|value| value.im > 0.0);
-        let circle = pairs.map(|value| (value.norm_sqr() - 1.0, math::atan2(value.im, value.re)));
-        let from_one = free.iter().map(|value| (value - 1.0).norm());
-        Some(Critical {
-            one: one.product::<nalgebra::Complex<f64>>().re,
-            minus_one: minus_one.product::<nalgebra::Complex<f64>>().re,
-            circle: circle.min_by(|a, b| a.0.abs().total_cmp(&b.0.abs())),
-            from_one: from_one.fold(f64::INFINITY, f64::min),
-        })
+        let is_autonomous = self.forced.is_none();
+        let turn = turn(&system, &start.at(), t_end, options, is_autonomous).ok()?;
+        let matrix = &turn.monodromy.matrix;
+        let matrix = DMatrix::from_fn(N, N, |i, j| matrix[(i, j)]);
+        let velocity = start.velocity(&system);
+        let flow = DVector::from_fn(N, |i, _| velocity[i]);
+        Some(Critical::of(&matrix, is_autonomous.then_some(&flow)))
     }
 }
 

@@ -1,13 +1,11 @@
 //! The branch behind a change of phases, where the line through its orbits may not lead to it: it may turn back.
 
 use super::corrector::{Corrector, Guess, OnBranch};
-use super::critical::Critical;
 use super::walk::RESOLUTION;
 use crate::analysis::bifurcation::extrapolated;
 use crate::analysis::sequence::locate::approach;
 use crate::analysis::sequence::{Place, SequenceBifurcation, SequenceChange, describe};
 use crate::filippov::Switched;
-use crate::ode::Timed;
 use crate::system::State;
 
 /// Distances in the parameter, as parts of its range, at which orbits with other phases are tried.
@@ -38,7 +36,7 @@ pub(super) struct Behind<'a, S: Switched<N, G>, const N: usize, const G: usize> 
 pub(super) struct Entered<const N: usize, K> {
     pub change: SequenceChange<N, K>,
     /// A state on the orbit at the change.
-    pub at: Timed<N>,
+    pub x: State<N>,
     pub orbits: Option<[OnBranch<N, K>; 2]>,
 }
 
@@ -79,8 +77,8 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Behind<'_, S, N, G> {
             around = self.around().or_else(|| pair(other, far));
         }
         let orbits = around;
-        let at = edge.circuit.anchor;
-        Some(Entered { change, orbits, at })
+        let x = edge.circuit.anchor.x;
+        Some(Entered { change, orbits, x })
     }
 
     /// Comes back to the change from an orbit with fewer phases behind it.
@@ -94,7 +92,7 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Behind<'_, S, N, G> {
             let mut first = simple.clone();
             first.s = here;
             let by_parameter = |s: f64, good: &[OnBranch<N, S::Mode>]| {
-                let (at, period) = extrapolated(good, s);
+                let (at, period) = extrapolated(good, s)?;
                 self.corrector.orbit(&Guess::at_parameter(at, period, s), s)
             };
             let resolution = RESOLUTION * self.width;
@@ -127,8 +125,8 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Behind<'_, S, N, G> {
             };
             let far = apart.cloned().or_else(further);
             let orbits = far.map(|far| [last.clone(), far]);
-            let at = last.circuit.anchor;
-            return Some(Entered { change, orbits, at });
+            let x = last.circuit.anchor.x;
+            return Some(Entered { change, orbits, x });
         }
         None
     }
@@ -147,7 +145,7 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Behind<'_, S, N, G> {
         let old = corner.circuit.sequence();
         let period = corner.circuit.period;
         let orbit = |x: State<N>| {
-            let guess = Guess::at_parameter(Timed { t: at.t, x }, period, x[N - 1]);
+            let guess = Guess::at_parameter(at.moved(x), period, x[N - 1]);
             let found = self.corrector.orbit(&guess, x[N - 1])?;
             (found.circuit.sequence() != old).then_some(found)
         };
@@ -184,7 +182,7 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Behind<'_, S, N, G> {
         };
         let [edge, first, second] = [edge, near, far].map(|one| one.circuit.anchor.x);
         let is_forced = self.corrector.forced.is_some();
-        let [a, b] = [near, far].map(|one| Critical::of(&one.branch, is_forced).one);
+        let [a, b] = [near, far].map(|one| one.branch.critical(is_forced).one);
         (first - edge).dot(&(second - first)) > 0.0 && a * b > 0.0
     }
 }

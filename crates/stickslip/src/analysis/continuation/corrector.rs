@@ -2,12 +2,13 @@
 
 use nalgebra::{DMatrix, DVector, SMatrix};
 
-use crate::analysis::monodromy::{monodromy, monodromy_of_autonomous};
-use crate::analysis::periodic::{rounding, slope_at};
+use crate::analysis::anchor::Anchor;
+use crate::analysis::critical::Critical;
+use crate::analysis::monodromy::turn;
+use crate::analysis::periodic::rounding;
 use crate::analysis::sequence::circuit::Circuit;
 use crate::analysis::sequence::locate::Known;
 use crate::filippov::{Options, Switched};
-use crate::ode::Timed;
 use crate::orbit::Ending;
 use crate::system::State;
 
@@ -26,30 +27,40 @@ const FAR: f64 = 100.0;
 
 /// What the branch needs of a periodic orbit besides its circuit.
 #[derive(Clone, Debug)]
-pub(super) struct Solved<const N: usize> {
+pub(super) struct Solved<const N: usize, K> {
     /// The derivative of the flow map over the period, that with respect to the parameter in the last column.
     pub matrix: SMatrix<f64, N, N>,
     /// The start, and the direction of the flow there.
-    pub start: Timed<N>,
+    pub start: Anchor<N, K>,
     pub slope: State<N>,
     pub iterations: usize,
 }
 
+impl<const N: usize, K> Solved<N, K> {
+    /// The functions of its multipliers.
+    pub fn critical(&self, is_forced: bool) -> Critical {
+        let states = N - 1;
+        let matrix = DMatrix::from_fn(states, states, |i, j| self.matrix[(i, j)]);
+        let flow = DVector::from_fn(states, |i, _| self.slope[i]);
+        Critical::of(&matrix, (!is_forced).then_some(&flow))
+    }
+}
+
 /// An orbit on a branch.
-pub(super) type OnBranch<const N: usize, K> = Known<Solved<N>, N, K>;
+pub(super) type OnBranch<const N: usize, K> = Known<Solved<N, K>, N, K>;
 
 /// Where an orbit is sought: near a state with its time and period, and where `row · x` has a value.
 #[derive(Clone, Copy)]
-pub(super) struct Guess<const N: usize> {
-    pub at: Timed<N>,
+pub(super) struct Guess<const N: usize, K> {
+    pub at: Anchor<N, K>,
     pub period: f64,
     pub row: State<N>,
     pub value: f64,
 }
 
-impl<const N: usize> Guess<N> {
+impl<const N: usize, K> Guess<N, K> {
     /// At a given parameter, near a state.
-    pub fn at_parameter(mut at: Timed<N>, period: f64, parameter: f64) -> Self {
+    pub fn at_parameter(mut at: Anchor<N, K>, period: f64, parameter: f64) -> Self {
         at.x[N - 1] = parameter;
         Guess {
             at,
@@ -90,12 +101,16 @@ impl<S> Corrector<'_, S> {
     }
 
     /// The way from one orbit of a branch to the next, across the flow; with a forcing, at the second one's time.
-    pub fn way<const N: usize, const G: usize>(&self, from: &Timed<N>, to: &Timed<N>) -> State<N>
+    pub fn way<const N: usize, const G: usize>(
+        &self,
+        from: &Anchor<N, S::Mode>,
+        to: &Anchor<N, S::Mode>,
+    ) -> State<N>
     where
         S: Switched<N, G>,
     {
         let way = to.x - from.x;
-        let [before, flow] = [from, to].map(|at| slope_at(self.system, at.t, &at.x));
+        let [before, flow] = [from, to].map(|at| at.velocity(self.system));
         // What one orbit moves while the other is waited for, by the trapezium rule: next to a graze orbits differ by the square of that time.
         let mean = (before + flow) * 0.5;
         if self.forced.is_some() {
@@ -110,39 +125,37 @@ impl<S> Corrector<'_, S> {
     /// The orbit near a guess; `s` is its place on the branch.
     pub fn orbit<const N: usize, const G: usize>(
         &self,
-        guess: &Guess<N>,
+        guess: &Guess<N, S::Mode>,
         s: f64,
     ) -> Option<OnBranch<N, S::Mode>>
     where
         S: Switched<N, G>,
     {
-        let t = guess.at.t;
-        let (mut x, mut period) = (guess.at.x, self.forced.unwrap_or(guess.period));
-        let slope = slope_at(self.system, t, &x);
+        let mut at = guess.at.begun(self.system);
+        let mut period = self.forced.unwrap_or(guess.period);
+        let slope = at.velocity(self.system);
         let by_tolerance = 100.0 * self.options.atol.max(self.options.rtol);
-        let reach = x.amax() + FAR * self.extent;
+        let reach = at.x.amax() + FAR * self.extent;
         let bounded = self.options.escape(self.options.escape.min(reach));
         let mut residual = f64::INFINITY;
         for iterations in 1..=MOST {
-            let turn = match self.forced {
-                Some(_) => monodromy(self.system, t, x, t + period, &bounded),
-                None => monodromy_of_autonomous(self.system, t, x, t + period, &bounded),
-            };
-            let turn = turn.ok()?;
+            let is_autonomous = self.forced.is_none();
+            let end = at.t + period;
+            let turn = turn(self.system, &at.at(), end, &bounded, is_autonomous).ok()?;
+            let (velocity, turn) = (turn.velocity, turn.monodromy);
             if turn.summary.ending != Ending::EndTime {
                 return None;
             }
-            let mut gap = turn.summary.x - x;
+            let mut gap = turn.summary.x - at.x;
             gap[N - 1] = 0.0;
-            let off = guess.value - guess.row.dot(&x);
+            let off = guess.value - guess.row.dot(&at.x);
             let size = gap.amax();
-            let wanted = by_tolerance.max(rounding(&turn, &x));
+            let wanted = by_tolerance.max(rounding(&turn, &at.x));
             let is_on = off.abs() <= by_tolerance.min(1e-12) * guess.row.amax();
-            let velocity = slope_at(self.system, t + period, &turn.summary.x);
             if size <= wanted && is_on && (size >= 0.5 * residual || size == 0.0) {
-                let start = slope_at(self.system, t, &x);
-                let circuit =
-                    Circuit::follow(self.system, &Timed { t, x }, period, self.options).ok()?;
+                let start = at.velocity(self.system);
+                let meant = guess.at.moved(at.x);
+                let circuit = Circuit::follow(self.system, &meant, period, self.options).ok()?;
                 // The period of another orbit, or a point of rest.
                 let is_near = (period - guess.period).abs() <= 0.3 * guess.period;
                 let closes = self.forced.is_some()
@@ -150,7 +163,7 @@ impl<S> Corrector<'_, S> {
                         <= SAME_VELOCITY.max(TIMES * by_tolerance) * start.norm();
                 let branch = Solved {
                     matrix: turn.matrix,
-                    start: Timed { t, x },
+                    start: at,
                     slope: start,
                     iterations,
                 };
@@ -180,18 +193,20 @@ impl<S> Corrector<'_, S> {
                     matrix[(N, i)] = slope[i];
                 }
                 // Along the flow nothing is corrected.
-                right[N] = slope.dot(&(guess.at.x - x)) - slope[N - 1] * (guess.at.x - x)[N - 1];
+                let back = guess.at.x - at.x;
+                right[N] = slope.dot(&back) - slope[N - 1] * back[N - 1];
             }
             let change = matrix.lu().solve(&right)?;
-            x += State::<N>::from_fn(|i, _| change[i]);
+            let moved = guess.at.moved(at.x + State::<N>::from_fn(|i, _| change[i]));
             if self.forced.is_none() {
                 period += change[N];
             }
             // A bad guess may ask for any period, and as long a run.
             let is_possible = (period - guess.period).abs() < guess.period;
-            if !(is_possible && x.iter().all(|v| v.is_finite())) {
+            if !(is_possible && moved.x.iter().all(|v| v.is_finite())) {
                 return None;
             }
+            at = moved.begun(self.system);
         }
         None
     }

@@ -2,11 +2,10 @@
 
 use super::Stop;
 use super::corrector::{Guess, OnBranch};
-use super::critical::Critical;
 use super::rest::hopf;
 use super::walk::Walk;
+use crate::analysis::anchor::Anchor;
 use crate::filippov::{Switched, run, solve};
-use crate::ode::Timed;
 use crate::system::State;
 
 /// An orbit of less than this part of the widest one's extent is about to be an equilibrium.
@@ -48,11 +47,13 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
     }
 
     /// A part of the way from one orbit to the next, at the time of the second.
-    fn between(&self, from: &Timed<N>, to: &Timed<N>, part: f64) -> Timed<N> {
-        Timed {
-            t: to.t,
-            x: to.x - self.corrector.way(from, to) * (1.0 - part),
-        }
+    fn between(
+        &self,
+        from: &Anchor<N, S::Mode>,
+        to: &Anchor<N, S::Mode>,
+        part: f64,
+    ) -> Anchor<N, S::Mode> {
+        to.moved(to.x - self.corrector.way(from, to) * (1.0 - part))
     }
 
     /// Whether the orbit is about to be an equilibrium, or at rest.
@@ -131,7 +132,7 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
             return off.amax() <= SAME * first.circuit.extent;
         }
         // Any state of it may be the anchor.
-        let [a, b] = [found, first].map(|one| Critical::of(&one.branch, is_forced));
+        let [a, b] = [found, first].map(|one| one.branch.critical(is_forced));
         let [one, two] = [found, first].map(|one| one.circuit.period);
         let alike = agree(one / two, 1.0) && agree(a.one, b.one) && agree(a.minus_one, b.minus_one);
         alike && self.comes_by(found, &first.circuit.anchor.x) <= NEAR * first.circuit.extent
@@ -140,7 +141,7 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
     /// How near an orbit comes to a state: the mirror image of the first orbit is like it, but elsewhere.
     fn comes_by(&self, found: &OnBranch<N, S::Mode>, place: &State<N>) -> f64 {
         const PARTS: u32 = 128;
-        let Timed { t, x } = found.circuit.anchor;
+        let Anchor { t, x, .. } = found.circuit.anchor;
         let (mut nearest, mut here) = ((x - place).norm(), x);
         for k in 0..PARTS {
             let at = |k: u32| t + found.circuit.period * f64::from(k) / f64::from(PARTS);

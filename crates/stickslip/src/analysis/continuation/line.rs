@@ -2,13 +2,13 @@
 
 use super::corrector::{Guess, OnBranch};
 use super::walk::Walk;
+use crate::analysis::anchor::Anchor;
 use crate::filippov::Switched;
-use crate::ode::Timed;
 use crate::system::State;
 
 /// The line through the last two orbits, along which the next is sought.
-pub(super) struct Line<const N: usize> {
-    pub base: Timed<N>,
+pub(super) struct Line<const N: usize, K> {
+    pub base: Anchor<N, K>,
     pub period: f64,
     /// Changes for a step of length 1, at the same time.
     pub direction: State<N>,
@@ -19,13 +19,10 @@ pub(super) struct Line<const N: usize> {
     pub weights: State<N>,
 }
 
-impl<const N: usize> Line<N> {
+impl<const N: usize, K: Copy> Line<N, K> {
     /// Where the orbit is sought at a place on it.
-    pub fn guess(&self, s: f64) -> Guess<N> {
-        let at = Timed {
-            t: self.base.t,
-            x: self.base.x + self.direction * s,
-        };
+    pub fn guess(&self, s: f64) -> Guess<N, K> {
+        let at = self.base.moved(self.base.x + self.direction * s);
         let row = self.direction.component_mul(&self.weights);
         Guess {
             at,
@@ -37,7 +34,7 @@ impl<const N: usize> Line<N> {
 }
 
 impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
-    pub(super) fn line(&self) -> Line<N> {
+    pub(super) fn line(&self) -> Line<N, S::Mode> {
         let (a, b) = (&self.before.circuit, &self.last.circuit);
         let (state, parameter) = (1.0 / self.size, 1.0 / self.width);
         let weights = State::from_fn(|i, _| {
@@ -49,9 +46,9 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
         let length = way.component_mul(&way).dot(&weights).sqrt();
         Line {
             // Only the forcing knows the time.
-            base: Timed {
+            base: Anchor {
                 t: if is_forced { b.anchor.t } else { 0.0 },
-                x: b.anchor.x,
+                ..b.anchor
             },
             period: b.period,
             direction: way / length,
@@ -63,7 +60,7 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
 
     /// The orbit next to a place on the line, if there is one no farther from it than the place is from the last orbit; between the last
     /// two, than these are from each other.
-    pub(super) fn on(&self, line: &Line<N>, s: f64) -> Option<OnBranch<N, S::Mode>> {
+    pub(super) fn on(&self, line: &Line<N, S::Mode>, s: f64) -> Option<OnBranch<N, S::Mode>> {
         let guess = line.guess(s);
         let found = self.corrector.orbit(&guess, s)?;
         let off = found.branch.start.x - guess.at.x;

@@ -2,7 +2,6 @@
 
 mod corner;
 mod corrector;
-mod critical;
 mod ends;
 mod line;
 mod rest;
@@ -19,7 +18,6 @@ use super::stability::Stability;
 use crate::error::Error;
 use crate::filippov::{Options, Switched};
 use crate::system::{Mode, State};
-pub(super) use critical::zero_between;
 use walk::Walk;
 
 /// How far and how finely a branch is followed.

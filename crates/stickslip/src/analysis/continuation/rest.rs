@@ -5,12 +5,12 @@ use std::num::NonZeroUsize;
 use nalgebra::DMatrix;
 
 use super::corrector::OnBranch;
-use super::critical::zero_between;
 use super::walk::{RESOLUTION, Walk};
 use super::{BranchPoint, Stop};
+use crate::analysis::anchor::velocity_in;
 use crate::analysis::attractors::rest::{ZERO, equilibrium_near, holds};
+use crate::analysis::critical::zero_between;
 use crate::analysis::multipliers::eigenvalues;
-use crate::analysis::periodic::velocity_in;
 use crate::filippov::{Integration, Progress, Switched};
 use crate::math;
 use crate::ode::Timed;

@@ -1,10 +1,10 @@
 //! The special orbits between two on a branch, by their multipliers.
 
 use super::corrector::OnBranch;
-use super::critical::{Critical, zero_between};
 use super::line::Line;
 use super::walk::Walk;
 use super::{Special, SpecialPoint};
+use crate::analysis::critical::{Critical, zero_between};
 use crate::filippov::Switched;
 
 impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
@@ -14,7 +14,7 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
         self.take(next);
         let line = self.line();
         let is_forced = self.settings.forced.is_some();
-        let of = |orbit: &OnBranch<N, S::Mode>| Critical::of(&orbit.branch, is_forced);
+        let of = |orbit: &OnBranch<N, S::Mode>| orbit.branch.critical(is_forced);
         let (here, there) = (of(&self.before), of(&self.last));
         type Function = fn(&Critical) -> Option<f64>;
         let functions: [Function; 3] = [|c| Some(c.one), |c| Some(c.minus_one), |c| c.circle];
@@ -56,14 +56,18 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
     }
 
     /// The orbit at a place, or, where another branch meets this one and Newton's matrix is singular, next to it.
-    fn next_to(&self, line: &Line<N>, s: f64) -> Option<OnBranch<N, S::Mode>> {
+    fn next_to(&self, line: &Line<N, S::Mode>, s: f64) -> Option<OnBranch<N, S::Mode>> {
         const PARTS: [f64; 5] = [0.0, 1e-10, -1e-10, 1e-9, -1e-9];
         let mut places = PARTS.iter().map(|part| s + part * line.length);
         places.find_map(|place| self.on(line, place))
     }
 
     /// Whether the parameter turns back at an orbit between the last two.
-    fn fold_or_branch(&self, line: &Line<N>, orbit: &OnBranch<N, S::Mode>) -> Special<N, S::Mode> {
+    fn fold_or_branch(
+        &self,
+        line: &Line<N, S::Mode>,
+        orbit: &OnBranch<N, S::Mode>,
+    ) -> Special<N, S::Mode> {
         let parameter = |orbit: &OnBranch<N, S::Mode>| orbit.circuit.anchor.x[N - 1];
         let near = 1e-3 * line.length;
         let next_to = |s: f64, end: &OnBranch<N, S::Mode>| {

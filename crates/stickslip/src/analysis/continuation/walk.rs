@@ -4,10 +4,9 @@ use std::ops::ControlFlow;
 
 use super::corner::Behind;
 use super::corrector::{Corrector, Guess, OnBranch};
-use super::critical::Critical;
 use super::line::Line;
 use super::{Branch, BranchPoint, ContinuationSettings, Special, SpecialPoint, Stop};
-use crate::analysis::periodic::slope_at;
+use crate::analysis::anchor::velocity_in;
 use crate::analysis::sequence::Place;
 use crate::analysis::sequence::SequenceBifurcation;
 use crate::analysis::sequence::circuit::anchor;
@@ -57,7 +56,8 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
         settings: &'a ContinuationSettings,
         options: &'a Options,
     ) -> Result<Self, Error> {
-        let rate = slope_at(system, 0.0, &x)[N - 1];
+        let start = Timed { t: 0.0, x };
+        let rate = velocity_in(system, system.mode_by_side(0.0, &x), &start)[N - 1];
         if rate != 0.0 {
             return Err(Error::Parameter {
                 name: "the last state's rate",
@@ -74,7 +74,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
             });
         }
         let period = settings.forced.unwrap_or(period);
-        let (at, extent) = anchor(system, &Timed { t: 0.0, x }, period, options)?;
+        let (at, extent) = anchor(system, &start, period, options)?;
         let corrector = Corrector {
             system,
             forced: settings.forced,
@@ -206,14 +206,14 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
             return false;
         }
         let is_forced = self.settings.forced.is_some();
-        let [one, two, last] = three.map(|orbit| Critical::of(&orbit.branch, is_forced).one);
+        let [one, two, last] = three.map(|orbit| orbit.branch.critical(is_forced).one);
         one * two > 0.0 && two * last > 0.0
     }
 
     /// The phases change within the step, or it is too long.
     fn get_behind(
         &mut self,
-        line: &Line<N>,
+        line: &Line<N, S::Mode>,
         step: f64,
         trial: Option<OnBranch<N, S::Mode>>,
     ) -> Option<Stop> {
@@ -272,7 +272,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
         self.special.push(SpecialPoint {
             parameter: next.change.parameter,
             behind: self.points.len(),
-            x: next.at.x,
+            x: next.x,
             period: next.change.period,
             what: Special::Sequence(Box::new(next.change)),
         });
@@ -311,7 +311,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
             t: circuit.anchor.t,
             x: circuit.anchor.x,
             period: circuit.period,
-            multipliers: Critical::of(branch, is_forced).multipliers,
+            multipliers: branch.critical(is_forced).multipliers,
             sequence: circuit.modes(),
         });
     }

@@ -2,8 +2,9 @@
 
 use super::margin::{Key, Margin, Site, landing};
 use super::minima::minima;
+use crate::analysis::anchor::Anchor;
 use crate::error::Error;
-use crate::filippov::{Options, Switched, Transition, TransitionKind, solve};
+use crate::filippov::{Options, Phase, Switched, Transition, TransitionKind, run, solve};
 use crate::ode::Timed;
 use crate::orbit::{Ending, Orbit};
 use crate::system::State;
@@ -27,18 +28,45 @@ pub(crate) struct Circuit<const N: usize, K> {
     pub parts: Vec<Part<N, K>>,
     pub margins: Vec<Margin<N, K>>,
     /// The state in the middle of the part that the start lies in.
-    pub anchor: Timed<N>,
+    pub anchor: Anchor<N, K>,
     pub period: f64,
     /// By how much the component that moves most does so.
     pub extent: f64,
 }
 
 impl<const N: usize, K: Copy + PartialEq> Circuit<N, K> {
-    /// Follows the orbit from `start`, in the middle of a slip, for a period.
+    /// Follows the orbit from `start`, in the middle of a phase, for a period. Where that phase is so short that the start, as well as it is
+    /// known, lies in the one beside it, the orbit is followed from the middle of that phase.
     ///
     /// # Errors
     /// Those of [`solve`]; [`Error::NoUniqueFuture`].
     pub fn follow<S: Switched<N, G, Mode = K>, const G: usize>(
+        system: &S,
+        start: &Anchor<N, K>,
+        period: f64,
+        options: &Options,
+    ) -> Result<Self, Error> {
+        let found = Circuit::from(system, &start.at(), period, options)?;
+        let Some(t) = found.beside(start.mode) else {
+            return Ok(found);
+        };
+        let x = run(system, start.t, start.x, t, options, &mut ())?.x;
+        // A period earlier it is the same.
+        let before = t - start.t > 0.5 * period;
+        let t = if before { t - period } else { t };
+        Circuit::from(system, &Timed { t, x }, period, options)
+    }
+
+    /// The middle of the phase next to the start, where that is in this mode and the start is not.
+    fn beside(&self, mode: K) -> Option<f64> {
+        let (last, others) = self.parts.split_last()?;
+        let is_meant = |part: &&Part<N, K>| part.mode == mode && last.mode != mode;
+        let middle = |part: &Part<N, K>| Some(part.first?.t + 0.5 * part.duration);
+        let beside = [others.first()?, others.last()?];
+        beside.into_iter().find(is_meant).and_then(middle)
+    }
+
+    fn from<S: Switched<N, G, Mode = K>, const G: usize>(
         system: &S,
         start: &Timed<N>,
         period: f64,
@@ -87,7 +115,9 @@ impl<const N: usize, K: Copy + PartialEq> Circuit<N, K> {
                 });
             }
         }
-        let anchor = middle(&orbit, &turns, start, period)?;
+        let middle = middle(&orbit, &turns, start, period)?;
+        let mode = parts.last().map_or(S::UNDECIDED, |part| part.mode);
+        let anchor = Anchor::of(&middle, mode).settled(system);
         Ok(Circuit {
             parts,
             margins,
@@ -114,32 +144,46 @@ impl<const N: usize, K: Copy + PartialEq> Circuit<N, K> {
     }
 }
 
-/// A state in the middle of the longest slip of a period from `start`, which may lie anywhere on the orbit, and how far the component goes that goes
-/// farthest.
+/// A phase shorter than this part of the longest one is no good start: it may be there by rounding alone.
+const SHORT: f64 = 1e-2;
+
+/// A state in the middle of a phase of a period from `start`, which may lie anywhere on the orbit, and how far the component goes that goes
+/// farthest. It is the longest of the phases in which the fewest contacts stick, for stick forgets what came before, and with it by how much a
+/// start is off.
 ///
 /// # Errors
-/// As [`Circuit::follow`]; [`Error::NotFound`] where a contact sticks all the time.
+/// As [`Circuit::follow`].
 pub(crate) fn anchor<S: Switched<N, G>, const N: usize, const G: usize>(
     system: &S,
     start: &Timed<N>,
     period: f64,
     options: &Options,
-) -> Result<(Timed<N>, f64), Error> {
+) -> Result<(Anchor<N, S::Mode>, f64), Error> {
     let orbit = whole(system, start, period, options)?;
-    let slips = orbit
-        .phases
-        .iter()
-        .filter(|phase| !S::any_sticks(phase.mode));
-    let longest = slips.max_by(|a, b| a.duration().total_cmp(&b.duration()));
-    let Some(phase) = longest else {
-        return Err(Error::NotFound {
-            what: "a slip on the periodic orbit",
-            t: start.t,
-            span: period,
-        });
-    };
+    let durations = orbit.phases.iter().map(Phase::duration);
+    let longest = durations.fold(0.0, f64::max);
+    let mut best: Option<(usize, &Phase<N, S::Mode>)> = None;
+    for phase in &orbit.phases {
+        let end = Timed {
+            t: phase.t_end,
+            x: phase.x_end,
+        };
+        let stick = system.normals(phase.mode, &end).len();
+        let is_better = |(least, before): (usize, &Phase<N, S::Mode>)| {
+            stick < least || stick == least && phase.duration() >= before.duration()
+        };
+        if phase.duration() >= SHORT * longest && best.is_none_or(is_better) {
+            best = Some((stick, phase));
+        }
+    }
+    let (_, phase) = best.ok_or(Error::NotFound {
+        what: "a phase on the periodic orbit",
+        t: start.t,
+        span: period,
+    })?;
     let t = phase.t_start + 0.5 * phase.duration();
-    Ok((Timed { t, x: orbit.at(t)? }, extent(&orbit)))
+    let middle = Anchor::of(&Timed { t, x: orbit.at(t)? }, phase.mode);
+    Ok((middle.settled(system), extent(&orbit)))
 }
 
 fn whole<S: Switched<N, G>, const N: usize, const G: usize>(

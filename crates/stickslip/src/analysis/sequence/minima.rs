@@ -16,6 +16,7 @@ pub(super) fn minima<S: Switched<N, G>, const N: usize, const G: usize>(
 ) -> Vec<Margin<N, S::Mode>> {
     let mut found: Vec<Margin<N, S::Mode>> = Vec::new();
     let last = turns.len().saturating_sub(1);
+    let mut rates = Vec::new();
     for step in &orbit.steps {
         // Before the first transition it is the last part that goes on.
         let passed = turns.iter().filter(|at| at.t <= step.t_start).count();
@@ -26,8 +27,15 @@ pub(super) fn minima<S: Switched<N, G>, const N: usize, const G: usize>(
             t: 0.5 * (step.t_start + step.t_end),
             x: middle,
         });
-        let search = Minima { step, begins };
-        for (guard, at, value, scale) in system.with_flow(step.mode, branch, search) {
+        let before = if begins { &[][..] } else { &rates };
+        let search = Minima {
+            step,
+            begins,
+            before,
+        };
+        let (minima, rates_at_end) = system.with_flow(step.mode, branch, search);
+        rates = rates_at_end;
+        for (guard, at, value, scale) in minima {
             let site = Site::Minimum(guard);
             let same =
                 |margin: &&Margin<N, S::Mode>| margin.key.part == part && margin.key.site == site;
@@ -54,11 +62,13 @@ struct Minima<'a, K, const N: usize> {
     step: &'a StepRecord<N, K>,
     /// Whether a phase begins with the step: a guard may leave zero there without a rate.
     begins: bool,
+    /// The rates of the guards at the end of the step before, where it is of the same phase.
+    before: &'a [f64],
 }
 
 impl<K, const N: usize> UseFlow<N> for Minima<'_, K, N> {
-    /// Guard, place, value, and the largest size that it has in the step.
-    type Output = Vec<(usize, Timed<N>, f64, f64)>;
+    /// Guard, place, value, and the largest size that it has in the step; and the rates of the guards at its end.
+    type Output = (Vec<(usize, Timed<N>, f64, f64)>, Vec<f64>);
 
     fn with<F: Flow<N>>(self, flow: &F) -> Self::Output {
         let step = self.step;
@@ -69,7 +79,8 @@ impl<K, const N: usize> UseFlow<N> for Minima<'_, K, N> {
             Timed { t, x }
         };
         let mut found = Vec::new();
-        for &guard in F::GUARDS {
+        let mut rates = Vec::new();
+        for (k, &guard) in F::GUARDS.iter().enumerate() {
             let jet = |s: f64| {
                 let Timed { t, x } = place(s);
                 flow.jet(guard, t, &x)
@@ -83,6 +94,12 @@ impl<K, const N: usize> UseFlow<N> for Minima<'_, K, N> {
                 .collect();
             let sizes = samples.iter().map(|(_, jet)| jet[0].abs());
             let scale = sizes.fold(f64::MIN_POSITIVE, f64::max);
+            // A step may end at a minimum, and rounding take its rate there for one of either sign.
+            let falls = self.before.get(k).is_some_and(|rate| *rate < 0.0);
+            if falls && samples[0].1[1] >= 0.0 {
+                found.push((guard, place(0.0), jet(0.0)[0], scale));
+            }
+            rates.extend(samples.last().map(|(_, jet)| jet[1]));
             for pair in samples.windows(2) {
                 let ((mut a, before), (mut b, behind)) = (pair[0], pair[1]);
                 if !(before[1] < 0.0 && behind[1] >= 0.0) {
@@ -111,6 +128,6 @@ impl<K, const N: usize> UseFlow<N> for Minima<'_, K, N> {
                 found.push((guard, place(s), jet(s)[0], scale));
             }
         }
-        found
+        (found, rates)
     }
 }

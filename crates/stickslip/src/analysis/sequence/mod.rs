@@ -37,9 +37,10 @@ pub struct SequenceChange<const N: usize, K = Mode> {
     pub other: [f64; 2],
     /// Period of the orbit.
     pub period: f64,
-    /// The modes before it, coming from where the branch was followed.
+    /// The modes before it: coming from where the branch was followed; of a sweep, on the side of the value before. None where the orbit was
+    /// followed from the other side and none was found on this one.
     pub before: Vec<K>,
-    /// The modes of the orbit that was found next to it: the one that it becomes there, or, where the branch turns back, the one that it
+    /// The modes behind it, of the orbit that was found next to it: the one that it becomes there, or, where the branch turns back, the one that it
     /// meets; none where none was found.
     pub after: Vec<K>,
 }
@@ -105,7 +106,7 @@ where
     })
 }
 
-/// The circuit of a periodic orbit through `start`, begun in the middle of its longest slip.
+/// The circuit of a periodic orbit through `start`, begun in the middle of its longest slip, or where the fewest contacts stick.
 pub(super) fn circuit_from<S: Switched<N, G>, const N: usize, const G: usize>(
     system: &S,
     start: &Timed<N>,

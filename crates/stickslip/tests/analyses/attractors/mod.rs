@@ -15,7 +15,7 @@ use crate::listed::Listed;
 use crate::smooth::{Lorenz, Smooth};
 
 pub mod systems;
-use systems::{Backwards, Detour, Driven, Leine, Pushed, Rings, Shear, Wells};
+use systems::{Backwards, By, Detour, Driven, Leine, Pushed, Rings, Shear, ToZero, Wells};
 
 const ABOVE: Mode = Mode::Slip(Side::Above);
 const BELOW: Mode = Mode::Slip(Side::Below);
@@ -154,6 +154,29 @@ fn rest_is_told_apart_by_the_interval_that_holds_it() {
     };
     let places = [1.0, 1.1, -1.0, 0.0, 0.9, 1.4, -0.9, 0.2, -0.2];
     assert_eq!(places.map(&mut number), [0, 0, 1, 2, 0, 0, 1, 2, 2]);
+}
+
+#[test]
+fn an_equilibrium_at_zero_is_one_attractor_and_not_one_for_each_start() {
+    for by in [By::Spring, By::Relay, By::CurvedRelay] {
+        let system = ToZero(by);
+        let any = system.any();
+        let settings = within(200.0);
+        let mut known = Attractors::new(&any, &settings);
+        let starts = [
+            [1.0, 0.0],
+            [-0.3, 0.7],
+            [0.01, -2.0],
+            [1e-6, 1e-5],
+            [0.0, 0.0],
+        ];
+        for start in starts {
+            let found = attractor(&any, start, &settings, &Options::default()).unwrap();
+            assert_eq!(found.kind, Kind::Equilibrium, "{by:?} from {start:?}");
+            assert!(found.points[0].x.amax() < 1e-9, "{:?}", found.points);
+            assert_eq!(known.number(found), 0, "{by:?} from {start:?}");
+        }
+    }
 }
 
 #[test]

@@ -117,3 +117,34 @@ impl Filippov<2> for Pushed {
         T::constant(-1.0)
     }
 }
+
+/// What brings a [`ToZero`] there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum By {
+    /// `x'' = -x - 0.4 x'`, with a boundary that is met by nothing.
+    Spring,
+    /// `x'' = -4 sgn(x + x')`: from stick at `x + x' = 0` on, where `x' = -x`.
+    Relay,
+    /// The same at `sin x + x' = 0`.
+    CurvedRelay,
+}
+
+/// An equilibrium at zero, to the last bit.
+pub struct ToZero(pub By);
+
+impl Filippov<2> for ToZero {
+    fn field<T: Scalar>(&self, side: Side, _t: T, &[x, v]: &[T; 2]) -> [T; 2] {
+        let pull = match self.0 {
+            By::Spring => -x - v * 0.4,
+            By::Relay | By::CurvedRelay => T::constant(-4.0 * side.sign()),
+        };
+        [v, pull]
+    }
+    fn boundary<T: Scalar>(&self, _t: T, &[x, v]: &[T; 2]) -> T {
+        match self.0 {
+            By::Spring => x - 5.0,
+            By::Relay => x + v,
+            By::CurvedRelay => x.sin() + v,
+        }
+    }
+}

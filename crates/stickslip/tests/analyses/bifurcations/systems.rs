@@ -299,3 +299,68 @@ impl Field<3> for Softening {
         [x[1], x[0] * (square - 1.0) + pull, T::zero()]
     }
 }
+
+/// What is asked of a [`Sheet`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Lies {
+    /// `r' = r (p + 2 r² - r⁴)` on `z = x² + p`, which is pressed upon by 5: two cycles for -1 < p < 0.
+    Folded,
+    /// `r' = r (1 - r²)` on `z = x²`, which is pressed upon by `p` and pulled at by `x + 1/10`: the circle of radius 1 never leaves it for `p > 11/10`.
+    Pulled,
+}
+
+/// A circle `θ' = 1` in x and y on a curved boundary in x and z, on which it sticks; the fourth state is the parameter `p`.
+pub struct Sheet {
+    pub lies: Lies,
+}
+
+impl Filippov<4> for Sheet {
+    fn field<T: Scalar>(&self, side: Side, _t: T, &[x, y, _, p]: &[T; 4]) -> [T; 4] {
+        let square = x * x + y * y;
+        let (grows, lifted) = match self.lies {
+            Lies::Folded => (
+                p + square * 2.0 - square * square,
+                T::constant(-5.0 * side.sign()),
+            ),
+            Lies::Pulled => (-square + 1.0, x + 0.1 - p * side.sign()),
+        };
+        let forward = x * grows - y;
+        let across = y * grows + x;
+        [
+            forward,
+            across,
+            x * forward * 2.0 + lifted,
+            T::constant(0.0),
+        ]
+    }
+    fn boundary<T: Scalar>(&self, _t: T, &[x, _, z, p]: &[T; 4]) -> T {
+        match self.lies {
+            Lies::Folded => z - x * x - p,
+            Lies::Pulled => z - x * x,
+        }
+    }
+}
+
+impl Filippov<3> for AtParameter<Sheet> {
+    fn field<T: Scalar>(&self, side: Side, t: T, &[x, y, z]: &[T; 3]) -> [T; 3] {
+        let p = T::constant(self.value);
+        let [x, y, z, _] = self.system.field(side, t, &[x, y, z, p]);
+        [x, y, z]
+    }
+    fn boundary<T: Scalar>(&self, t: T, &[x, y, z]: &[T; 3]) -> T {
+        let p = T::constant(self.value);
+        self.system.boundary(t, &[x, y, z, p])
+    }
+}
+
+/// A block of which nothing is known but friction `p` on a belt of speed `(3/2) sin t`, the second state being `p`.
+pub struct Shaken;
+
+impl Filippov<2> for Shaken {
+    fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T; 2]) -> [T; 2] {
+        [x[1] * -side.sign(), T::constant(0.0)]
+    }
+    fn boundary<T: Scalar>(&self, t: T, x: &[T; 2]) -> T {
+        x[0] - t.sin() * 1.5
+    }
+}

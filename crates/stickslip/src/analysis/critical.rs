@@ -1,9 +1,8 @@
 //! The functions of an orbit's multipliers that vanish where it branches, folds, flips or sheds a torus.
 
-use nalgebra::{Complex, DMatrix};
+use nalgebra::{Complex, DMatrix, DVector};
 
-use super::corrector::Solved;
-use crate::analysis::multipliers::eigenvalues;
+use super::multipliers::eigenvalues;
 
 /// The functions at one orbit.
 #[derive(Clone, Debug)]
@@ -21,30 +20,27 @@ pub(super) struct Critical {
 }
 
 impl Critical {
-    pub fn of<const N: usize>(solved: &Solved<N>, is_forced: bool) -> Self {
-        let states = N - 1;
-        let matrix = DMatrix::from_fn(states, states, |i, j| solved.matrix[(i, j)]);
-        let shifted = |by: f64| {
-            DMatrix::from_fn(states, states, |i, j| {
-                matrix[(i, j)] + if i == j { by } else { 0.0 }
-            })
-        };
-        let one = if is_forced {
-            shifted(-1.0).determinant()
-        } else {
-            let mut bordered = shifted(-1.0).resize(N, N, 0.0);
-            // Of length 1, so that it is the same wherever on the orbit the start is.
-            let flow = solved.slope / solved.slope.norm();
-            for i in 0..states {
-                bordered[(i, states)] = flow[i];
-                bordered[(states, i)] = flow[i];
+    /// Of a monodromy matrix, square in the states; of a system that does not depend on time with the vector that moves the orbit at its start.
+    pub fn of(matrix: &DMatrix<f64>, flow: Option<&DVector<f64>>) -> Self {
+        let states = matrix.nrows();
+        let shifted = |by: f64| matrix + DMatrix::identity(states, states) * by;
+        let one = match flow {
+            None => shifted(-1.0).determinant(),
+            Some(flow) => {
+                let mut bordered = shifted(-1.0).resize(states + 1, states + 1, 0.0);
+                // Of length 1, so that it is the same wherever on the orbit the start is.
+                let flow = flow / flow.norm();
+                for i in 0..states {
+                    bordered[(i, states)] = flow[i];
+                    bordered[(states, i)] = flow[i];
+                }
+                // Of one sign with the forced one's: the border takes the trivial multiplier's place.
+                -bordered.determinant()
             }
-            // Of one sign with the forced one's: the border takes the trivial multiplier's place.
-            -bordered.determinant()
         };
-        let mut multipliers = eigenvalues(&matrix);
+        let mut multipliers = eigenvalues(matrix);
         multipliers.sort_by(|a, b| b.norm_sqr().total_cmp(&a.norm_sqr()));
-        if !is_forced {
+        if flow.is_some() {
             let off = |k: usize| (multipliers[k] - 1.0).norm_sqr();
             if let Some(k) = (0..states).min_by(|a, b| off(*a).total_cmp(&off(*b))) {
                 multipliers.remove(k);
@@ -63,11 +59,17 @@ impl Critical {
             multipliers,
         }
     }
+
+    /// How far the nearest multiplier is from 1.
+    pub fn gap_to_one(&self) -> f64 {
+        let gaps = self.multipliers.iter().map(|value| (value - 1.0).norm());
+        gaps.fold(f64::INFINITY, f64::min)
+    }
 }
 
 /// The zero between two places at which a function has different signs, by regula falsi with the Illinois rule. Where another branch meets this
 /// one no orbit can be computed, and so no value: the function is then asked next to it.
-pub(in crate::analysis) fn zero_between(
+pub(super) fn zero_between(
     (mut a, mut at_a): (f64, f64),
     (mut b, mut at_b): (f64, f64),
     mut function: impl FnMut(f64) -> Option<f64>,
