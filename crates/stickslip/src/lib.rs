@@ -148,8 +148,9 @@
 //! # Attractors, sweeps and branches
 //! [`analysis::attractor`] says which attractor a start leads to, without a list of them, and [`analysis::basin`] does so for many starts, with
 //! the shares. [`analysis::sweep`] leads an attractor along a parameter, up or down, and locates where its phases change; the name, of the
-//! four sliding bifurcations say, follows from the event function that vanishes there. [`analysis::continue_periodic_orbit`] follows a
-//! periodic orbit, stable or not, through folds and grazes. Their pages have examples.
+//! four sliding bifurcations say, follows from the event function that vanishes there. Where none does, a fold, a flip, a torus or a branch
+//! point has its name from the multipliers. [`analysis::continue_periodic_orbit`] follows a periodic orbit, stable or not, in slip or always
+//! in stick, through folds and grazes. Their pages have examples.
 //!
 //! # Ensembles
 //! [`ensemble`] integrates many starts or parameters on all cores, each with the bits that it has alone, and hands back what came of them

@@ -1,10 +1,9 @@
 //! Where shooting begins on an orbit.
 
-use super::attractors::rest::holds;
 use crate::error::Error;
 use crate::filippov::{Integration, Options, Settled, Switched, Velocity};
 use crate::ode::Timed;
-use crate::system::{State, components};
+use crate::system::{Mode, State, components};
 
 /// A state of an orbit, and the mode that it is in there. On Σ the state alone does not tell it: rounding moves it to one side.
 #[derive(Clone, Copy, Debug)]
@@ -55,14 +54,24 @@ impl<const N: usize, K: Copy> Anchor<N, K> {
         onto(onto(*self))
     }
 
-    /// Where a run begins that is meant to be in this mode there: where the mode holds, on its boundary; else on one side.
-    pub fn begun<S: Switched<N, G, Mode = K>, const G: usize>(&self, system: &S) -> Self {
-        let onto = self.settled(system);
-        if !S::any_sticks(self.mode) || holds(system, self.mode, onto.at()) {
-            return onto;
+    /// Where a run begins that is meant to be in this mode there: on the boundary of what sticks, if that sticks, and in the mode that a run from
+    /// there is in.
+    ///
+    /// # Errors
+    /// Those of [`Integration::new`].
+    pub fn begun<S: Switched<N, G, Mode = K>, const G: usize>(
+        &self,
+        system: &S,
+        t_end: f64,
+        options: &Options,
+    ) -> Result<Self, Error> {
+        let onto = Anchor::at_start(system, &self.settled(system).at(), t_end, options)?;
+        let meant = system.normals(self.mode, &self.at());
+        let sticks = |contact: usize| S::mode_of(onto.mode, contact) == Mode::Stick;
+        if meant.iter().all(|(contact, _)| sticks(*contact)) {
+            return Ok(onto);
         }
-        let mode = system.mode_by_side(self.t, &self.x);
-        Anchor { mode, ..*self }
+        Anchor::at_start(system, &self.at(), t_end, options)
     }
 
     /// The vector that moves it.

@@ -127,7 +127,10 @@ pub fn find_periodic_orbit<S: Switched<N, G>, const N: usize, const G: usize>(
             }
             Progress::PhaseEnd(_) | Progress::Transition(_) => {}
             Progress::End(summary) if summary.ending == Ending::EndTime => {
-                let (_, here) = fewest.ok_or_else(not_found)?;
+                let moves = |(_, here): &(usize, Anchor<N, S::Mode>)| {
+                    here.velocity(system).amax() * longest > f64::EPSILON * here.x.amax()
+                };
+                let (_, here) = fewest.filter(moves).ok_or_else(not_found)?;
                 let t_end = transient + longest;
                 integration = Integration::new(system, here.t, here.x, t_end, options)?;
                 break here;
@@ -172,7 +175,7 @@ pub(super) fn shoot<S: Switched<N, G>, const N: usize, const G: usize>(
 ) -> Result<PeriodicOrbit<N>, Error> {
     let by_tolerance = 100.0 * options.atol.max(options.rtol);
     let (mut residual, mut wanted) = (f64::INFINITY, by_tolerance);
-    let mut at = guess.begun(system);
+    let mut at = guess.begun(system, guess.t + guessed, options)?;
     let mut period = guessed;
     let phase = (!is_forced).then(|| at.velocity(system));
     for _ in 0..MOST {
@@ -215,7 +218,7 @@ pub(super) fn shoot<S: Switched<N, G>, const N: usize, const G: usize>(
         if !(is_near && moved.x.iter().all(|v| v.is_finite())) {
             break;
         }
-        at = moved.begun(system);
+        at = moved.begun(system, guess.t + period, options)?;
     }
     Err(Error::NotConverged {
         what: "the periodic orbit",

@@ -3,7 +3,7 @@
 use stickslip::{Error, Filippov, Scalar, Side};
 
 use crate::attractors::systems::{
-    Backwards, Detour, Driven, Leine, Pushed, Rings, Shear, ToZero, Wells,
+    Backwards, Detour, Driven, Leine, NearWells, Pushed, Rings, Shear, ToZero, Wells,
 };
 use crate::bifurcations::systems::{
     Area, AtParameter, Beat, Belt, DrivenFamily, Ends, Held, Island, Pitchfork, Shaken, Sheet,
@@ -14,7 +14,7 @@ use crate::line::Line;
 use crate::listed::{Listed, systems};
 use crate::smooth::{Lorenz, Smooth};
 
-systems!(Any1, 1: Beat(Beat), Line(Line));
+systems!(Any1, 1: Beat(Beat), Line(Line), NearWells(NearWells));
 
 systems!(
     Any2, 2:

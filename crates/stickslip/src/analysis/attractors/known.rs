@@ -16,7 +16,7 @@ const MOMENTS: usize = 32;
 /// The attractors met so far, each with a number in the order in which it was met first.
 ///
 /// Two orbits have come to the same one if they have come to the same kind of motion, and
-/// - at an equilibrium, to the same point, as far as the states at which the two orbits were left are from it;
+/// - at an equilibrium, to the same point;
 /// - at a set of equilibria, to points between which (on a straight line, laid onto the boundary) there are only further ones; with a drive, at 32
 ///   moments of its period;
 /// - on a periodic orbit, to the same points of the section in the same order, with the same cycle of phases;
@@ -115,7 +115,8 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Attractors<'a, S, N,
         });
         // A component that is always zero has no size of its own.
         let least = 1e-3 * size.amax();
-        // Nor has an equilibrium there: the orbits that come to it have.
+        // Nor has an equilibrium at zero. Newton's iteration leaves of where it began no more than this part.
+        const LEFT: f64 = 1e-6;
         let left = [one, other].map(|reached| match reached.points.as_slice() {
             [point] if !matches!(reached.kind, Kind::Periodic { .. }) => reached.x - point.x,
             _ => State::zeros(),
@@ -123,7 +124,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Attractors<'a, S, N,
         let left = left[0].abs() + left[1].abs();
         let same = move |a: &SectionPoint<N>, b: &SectionPoint<N>| {
             (0..N).all(|i| {
-                let allowed = self.closeness * size[i].max(least) + TIMES * left[i];
+                let allowed = self.closeness * size[i].max(least) + LEFT * left[i];
                 (a.x[i] - b.x[i]).abs() <= allowed
             })
         };

@@ -40,20 +40,27 @@ pub(crate) fn equilibrium_near<S: Switched<N, G>, const N: usize, const G: usize
     for _ in 0..MOST {
         let jacobian = jacobian_of(system, mode, t, &x);
         let velocity = system.with_flow(mode, branch, Velocity(t, components(&x)));
-        // On the boundary of what sticks the step goes along it: across it the sliding field has no slope.
-        let normals = system.normals(mode, &Timed { t, x });
+        // The sliding field has no component across the boundary, there or beside it: that the equilibrium lies on it is an equation of its own.
+        let onto = system.with_flow(mode, branch, Settled(Timed { t, x })) - x;
+        let length = |normal: &State<N>| normal.rows(0, free).norm();
+        let mut normals = system.normals(mode, &Timed { t, x });
+        normals.retain(|(_, normal)| length(normal) > 0.0);
         let scale = jacobian.amax();
         let dynamic = DMatrix::from_fn(free + normals.len(), free, |i, j| {
             let across = i.checked_sub(free).and_then(|k| normals.get(k));
-            across.map_or(jacobian[(i.min(N - 1), j)], |(_, n)| {
-                scale * n[j] / n.norm()
+            across.map_or(jacobian[(i.min(N - 1), j)], |(_, normal)| {
+                scale * normal[j] / length(normal)
             })
         });
         if dynamic.iter().chain(&velocity).any(|v| !v.is_finite()) {
             return None;
         }
-        let right = |i: usize, _| if i < free { -velocity[i] } else { 0.0 };
-        let right = DVector::from_fn(dynamic.nrows(), right);
+        let right = DVector::from_fn(dynamic.nrows(), |i, _| {
+            let across = i.checked_sub(free).and_then(|k| normals.get(k));
+            across.map_or(-velocity[i.min(N - 1)], |(_, normal)| {
+                scale * normal.dot(&onto) / length(normal)
+            })
+        });
         let bound = ZERO * dynamic.amax();
         let step = dynamic.svd(true, true).solve(&right, bound).ok()?;
         let size = step.amax();
@@ -66,7 +73,6 @@ pub(crate) fn equilibrium_near<S: Switched<N, G>, const N: usize, const G: usize
         }
         smallest = size;
         x += State::from_fn(|i, _| if i < free { step[i] } else { 0.0 });
-        x = system.with_flow(mode, branch, Settled(Timed { t, x }));
     }
     None
 }

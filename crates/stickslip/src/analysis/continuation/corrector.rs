@@ -131,8 +131,11 @@ impl<S> Corrector<'_, S> {
     where
         S: Switched<N, G>,
     {
-        let mut at = guess.at.begun(self.system);
         let mut period = self.forced.unwrap_or(guess.period);
+        let begun = |at: Anchor<N, S::Mode>, period: f64| {
+            at.begun(self.system, at.t + period, self.options).ok()
+        };
+        let mut at = begun(guess.at, period)?;
         let slope = at.velocity(self.system);
         let by_tolerance = 100.0 * self.options.atol.max(self.options.rtol);
         let reach = at.x.amax() + FAR * self.extent;
@@ -206,7 +209,7 @@ impl<S> Corrector<'_, S> {
             if !(is_possible && moved.x.iter().all(|v| v.is_finite())) {
                 return None;
             }
-            at = moved.begun(self.system);
+            at = begun(moved, period)?;
         }
         None
     }

@@ -145,14 +145,14 @@ impl<const N: usize, K: Copy + PartialEq> Circuit<N, K> {
 }
 
 /// A phase shorter than this part of the longest one is no good start: it may be there by rounding alone.
-const SHORT: f64 = 1e-2;
+const SHORT: f64 = 1e-6;
 
 /// A state in the middle of a phase of a period from `start`, which may lie anywhere on the orbit, and how far the component goes that goes
 /// farthest. It is the longest of the phases in which the fewest contacts stick, for stick forgets what came before, and with it by how much a
 /// start is off.
 ///
 /// # Errors
-/// As [`Circuit::follow`].
+/// As [`Circuit::follow`]; [`Error::NotFound`] where there is no phase.
 pub(crate) fn anchor<S: Switched<N, G>, const N: usize, const G: usize>(
     system: &S,
     start: &Timed<N>,

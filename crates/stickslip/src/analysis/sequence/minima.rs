@@ -8,6 +8,9 @@ use crate::orbit::Orbit;
 /// Samples of a step by which the minima of its guards are sought.
 const SAMPLES: usize = 8;
 
+/// Part of a step within which two minima are one.
+const NEXT_TO: f64 = 1e-6;
+
 /// The smallest values of all guards within the phases.
 pub(super) fn minima<S: Switched<N, G>, const N: usize, const G: usize>(
     system: &S,
@@ -16,29 +19,31 @@ pub(super) fn minima<S: Switched<N, G>, const N: usize, const G: usize>(
 ) -> Vec<Margin<N, S::Mode>> {
     let mut found: Vec<Margin<N, S::Mode>> = Vec::new();
     let last = turns.len().saturating_sub(1);
-    let mut rates = Vec::new();
+    // The period is cut in the middle of a phase: what ends with the last step goes on with the first.
+    let mut rates = match (orbit.steps.first(), orbit.steps.last()) {
+        (Some(first), Some(last)) if first.mode == last.mode => {
+            minima_of(system, last, &[], false).rates
+        }
+        _ => Vec::new(),
+    };
     for step in &orbit.steps {
         // Before the first transition it is the last part that goes on.
         let passed = turns.iter().filter(|at| at.t <= step.t_start).count();
         let part = passed.checked_sub(1).unwrap_or(last);
         let begins = turns.iter().any(|at| at.t == step.t_start);
-        let middle = step.dense.at_time(0.5 * (step.t_start + step.t_end));
-        let branch = system.branch(&Timed {
-            t: 0.5 * (step.t_start + step.t_end),
-            x: middle,
-        });
         let before = if begins { &[][..] } else { &rates };
-        let search = Minima {
-            step,
-            begins,
-            before,
-        };
-        let (minima, rates_at_end) = system.with_flow(step.mode, branch, search);
-        rates = rates_at_end;
-        for (guard, at, value, scale) in minima {
+        let of_step = minima_of(system, step, before, begins);
+        rates = of_step.rates;
+        for (guard, at, value, scale) in of_step.minima {
             let site = Site::Minimum(guard);
             let same =
                 |margin: &&Margin<N, S::Mode>| margin.key.part == part && margin.key.site == site;
+            // At the end of a step rounding may have seen it, and sees it again at the beginning of the next.
+            let near = NEXT_TO * (step.t_end - step.t_start);
+            let is_near = |margin: &Margin<N, S::Mode>| (margin.at.t - at.t).abs() <= near;
+            if found.iter().rfind(same).is_some_and(is_near) {
+                continue;
+            }
             let count = found.iter().filter(same).count();
             let contact = S::contact_of(guard);
             let of_contact = is_contact_function(system, guard);
@@ -57,6 +62,32 @@ pub(super) fn minima<S: Switched<N, G>, const N: usize, const G: usize>(
     found
 }
 
+/// Those of a step; see [`Minima`].
+fn minima_of<S: Switched<N, G>, const N: usize, const G: usize>(
+    system: &S,
+    step: &StepRecord<N, S::Mode>,
+    before: &[f64],
+    begins: bool,
+) -> OfStep<N> {
+    let t = 0.5 * (step.t_start + step.t_end);
+    let x = step.dense.at_time(t);
+    let branch = system.branch(&Timed { t, x });
+    let search = Minima {
+        step,
+        begins,
+        before,
+    };
+    system.with_flow(step.mode, branch, search)
+}
+
+/// What is found in a step.
+struct OfStep<const N: usize> {
+    /// Guard, place, value, and the largest size that it has in the step.
+    minima: Vec<(usize, Timed<N>, f64, f64)>,
+    /// The rates of the guards at its end.
+    rates: Vec<f64>,
+}
+
 /// The minima of the guards of a step's mode within it.
 struct Minima<'a, K, const N: usize> {
     step: &'a StepRecord<N, K>,
@@ -67,8 +98,7 @@ struct Minima<'a, K, const N: usize> {
 }
 
 impl<K, const N: usize> UseFlow<N> for Minima<'_, K, N> {
-    /// Guard, place, value, and the largest size that it has in the step; and the rates of the guards at its end.
-    type Output = (Vec<(usize, Timed<N>, f64, f64)>, Vec<f64>);
+    type Output = OfStep<N>;
 
     fn with<F: Flow<N>>(self, flow: &F) -> Self::Output {
         let step = self.step;
@@ -128,6 +158,9 @@ impl<K, const N: usize> UseFlow<N> for Minima<'_, K, N> {
                 found.push((guard, place(s), jet(s)[0], scale));
             }
         }
-        (found, rates)
+        OfStep {
+            minima: found,
+            rates,
+        }
     }
 }

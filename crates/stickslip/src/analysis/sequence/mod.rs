@@ -27,7 +27,7 @@ pub struct SequenceChange<const N: usize, K = Mode> {
     pub contacts: Vec<usize>,
     /// Where on the orbit, on the boundary to rounding.
     pub x: State<N>,
-    /// The event function there on the last orbit before the change, in units of the size that it has on this orbit.
+    /// The event function there on the orbit that it was located from, in units of the size that it has on this orbit.
     pub residual: f64,
     /// First and second derivative in time of the contact's distance from the boundary there, along the field that the orbit comes by; not
     /// numbers where it comes by stick. At a graze the first is zero.

@@ -15,7 +15,9 @@ use crate::listed::Listed;
 use crate::smooth::{Lorenz, Smooth};
 
 pub mod systems;
-use systems::{Backwards, By, Detour, Driven, Leine, Pushed, Rings, Shear, ToZero, Wells};
+use systems::{
+    Backwards, By, Detour, Driven, Leine, NearWells, Pushed, Rings, Shear, ToZero, Wells,
+};
 
 const ABOVE: Mode = Mode::Slip(Side::Above);
 const BELOW: Mode = Mode::Slip(Side::Below);
@@ -177,6 +179,19 @@ fn an_equilibrium_at_zero_is_one_attractor_and_not_one_for_each_start() {
             assert_eq!(known.number(found), 0, "{by:?} from {start:?}");
         }
     }
+}
+
+#[test]
+fn equilibria_beside_each_other_are_two_however_far_the_starts() {
+    let any = NearWells.any();
+    let settings = within(200.0);
+    let mut known = Attractors::new(&any, &settings);
+    let numbers = [1e3, -1e3, 2e-3, -2e-3].map(|x| {
+        let found = attractor(&any, [x], &settings, &Options::default()).unwrap();
+        assert_eq!(found.kind, Kind::Equilibrium, "from {x}");
+        known.number(found)
+    });
+    assert_eq!(numbers, [0, 1, 0, 1]);
 }
 
 #[test]

@@ -118,6 +118,19 @@ impl Filippov<2> for Pushed {
     }
 }
 
+/// `x' = x (1 - (1000 x)²)`: equilibria at -1/1000 and 1/1000 attract from anywhere. The boundary is met by nothing.
+pub struct NearWells;
+
+impl Filippov<1> for NearWells {
+    fn field<T: Scalar>(&self, _side: Side, _t: T, &[x]: &[T; 1]) -> [T; 1] {
+        let apart = x * 1000.0;
+        [x * (-apart * apart + 1.0)]
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 1]) -> T {
+        x[0] - 1e4
+    }
+}
+
 /// What brings a [`ToZero`] there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum By {

@@ -172,3 +172,48 @@ fn a_branch_of_two_contacts_is_followed_through_the_change_of_one() {
         assert!((found.points.last().unwrap().parameter - 1.1).abs() < 1e-12);
     }
 }
+
+#[test]
+fn a_contact_that_always_sticks_does_not_hide_what_the_other_does() {
+    for varied in [0, 1] {
+        let mut rhythms = [Rhythm::Hold; 2];
+        rhythms[varied] = Rhythm::Touch;
+        for ends in [(0.97, 1.02), (1.02, 0.97)] {
+            let found = changes(rhythms, 2.0, varied, ends);
+            let [change] = found.as_slice() else {
+                panic!("{found:?}");
+            };
+            let name = (change.bifurcation, change.contacts.as_slice());
+            assert_eq!(name, (SequenceBifurcation::GrazingSliding, &[varied][..]));
+            assert!((change.parameter - 1.0).abs() < 1e-9, "{change:?}");
+        }
+        let system = Several(DuetFamily {
+            rhythms,
+            p: 2.0,
+            varied,
+        });
+        let settings = ContinuationSettings::over(0.9, 1.1).forced(2.0 * PI);
+        for (p, upwards) in [(0.95, true), (1.05, false)] {
+            let mut start = [0.0, 0.0, p];
+            start[varied] = -0.1;
+            let options = Options::tol(1e-13);
+            let found =
+                continue_periodic_orbit(&system, start, 6.3, upwards, &settings, &options).unwrap();
+            assert_eq!(found.stop, Stop::Range, "{:?}", found.special);
+            let [graze] = found.special.as_slice() else {
+                panic!("{:?}", found.special);
+            };
+            assert!((graze.parameter - 1.0).abs() < 1e-9, "{graze:?}");
+            for point in &found.points {
+                assert!(
+                    point
+                        .sequence
+                        .iter()
+                        .all(|modes| modes[1 - varied] == Mode::Stick)
+                );
+                let off = point.x[1 - varied] - math::sin(point.t);
+                assert!(off.abs() < 1e-14, "{off:e}");
+            }
+        }
+    }
+}

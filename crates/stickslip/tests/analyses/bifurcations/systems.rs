@@ -17,6 +17,8 @@ pub enum Rhythm {
     Meet,
     /// `y = sin(t - p)` attracts on both sides, and crosses the boundary `y = 0` at p, p + π, and so on.
     Clock,
+    /// Sticks to `y = sin t` for ever.
+    Hold,
 }
 
 /// One state `y` of which each side's rate is a function of time alone, or nearly: period 2π.
@@ -36,13 +38,15 @@ impl Filippov<1> for Beat {
             (Rhythm::Meet, Side::Below) => t.sin() + 0.5,
             (Rhythm::Meet, Side::Above) => (t - self.p).sin() - 0.7,
             (Rhythm::Clock, _) => -x[0] + (t - self.p).sin() + (t - self.p).cos(),
+            (Rhythm::Hold, side) => T::constant(-5.0 * side.sign()),
         }]
     }
-    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 1]) -> T {
+    fn boundary<T: Scalar>(&self, t: T, x: &[T; 1]) -> T {
         match self.rhythm {
             Rhythm::Touch => x[0] - self.p,
             Rhythm::Lift => x[0] - 5.0,
             Rhythm::Part | Rhythm::Meet | Rhythm::Clock => x[0],
+            Rhythm::Hold => x[0] - t.sin(),
         }
     }
     fn contact<T: Scalar>(&self, t: T, _x: &[T; 1]) -> Option<T> {
@@ -84,6 +88,7 @@ impl DuetFamily {
             (Rhythm::Touch, Side::Above) => T::constant(-1.0),
             (Rhythm::Part, Side::Below) => t.sin() * 2.0 + 1.8,
             (Rhythm::Part, Side::Above) => t.cos() * p - 1.0,
+            (Rhythm::Hold, side) => T::constant(-5.0 * side.sign()),
             _ => -x[i] + t.sin() + t.cos(),
         }
     }
@@ -94,8 +99,9 @@ impl Contacts<3, 2> for DuetFamily {
         let [a, b] = [0, 1].map(|i| self.rate(i, sides[i], t, x));
         [a, b, T::constant(0.0)]
     }
-    fn boundaries<T: Scalar>(&self, _t: T, x: &[T; 3]) -> [T; 2] {
+    fn boundaries<T: Scalar>(&self, t: T, x: &[T; 3]) -> [T; 2] {
         std::array::from_fn(|i| match self.rhythms[i] {
+            Rhythm::Hold => x[i] - t.sin(),
             Rhythm::Touch if i == self.varied => x[i] - x[2],
             Rhythm::Touch => x[i] - self.p,
             _ => x[i],
