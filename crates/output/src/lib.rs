@@ -2,7 +2,8 @@
 
 mod png;
 
-use std::fs;
+use std::fs::{self, File};
+use std::io::ErrorKind::CrossesDevices;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
@@ -72,6 +73,18 @@ pub fn make_folder(path: &Path) -> Result<(), WriteError> {
 /// # Errors
 /// [`WriteError`]; temporary files are removed.
 pub fn write_all(folder: &Path, artifacts: &[Artifact]) -> Result<Vec<PathBuf>, WriteError> {
+    write_all_by(folder, folder, artifacts)
+}
+
+/// The same by way of another folder, in which a kill may leave what is unfinished.
+///
+/// # Errors
+/// As [`write_all`].
+pub fn write_all_by(
+    staging: &Path,
+    folder: &Path,
+    artifacts: &[Artifact],
+) -> Result<Vec<PathBuf>, WriteError> {
     make_folder(folder)?;
     let failed = |path: &Path| {
         let path = path.to_owned();
@@ -80,16 +93,32 @@ pub fn write_all(folder: &Path, artifacts: &[Artifact]) -> Result<Vec<PathBuf>, 
     let mut staged = Vec::with_capacity(artifacts.len());
     for artifact in artifacts {
         let path = folder.join(&artifact.name);
-        let file = stage(folder, |file| file.write_all(&artifact.bytes));
+        let file = stage(staging, |file| file.write_all(&artifact.bytes));
         staged.push((file.map_err(failed(&path))?, path));
     }
     let mut written = Vec::with_capacity(staged.len());
     for (file, path) in staged {
-        let persisted = file.persist(&path).map_err(|error| error.error);
-        persisted.map_err(failed(&path))?;
+        place(file, &path).map_err(failed(&path))?;
         written.push(path);
     }
     Ok(written)
+}
+
+/// Gives a temporary file its name; where that is on another file system, by way of a second one there.
+///
+/// # Errors
+/// Those of the operating system; the temporary file is removed.
+pub fn place(file: NamedTempFile, path: &Path) -> io::Result<()> {
+    let error = match file.persist(path) {
+        Ok(_) => return Ok(()),
+        Err(error) => error,
+    };
+    let (true, Some(folder)) = (error.error.kind() == CrossesDevices, path.parent()) else {
+        return Err(error.error);
+    };
+    let mut content = File::open(error.file.path())?;
+    let there = stage(folder, |file| io::copy(&mut content, file).map(|_| ()))?;
+    there.persist(path).map(|_| ()).map_err(|error| error.error)
 }
 
 /// A temporary file in `folder` with a content, on disk. It is removed unless it is given a name.

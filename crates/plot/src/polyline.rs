@@ -108,17 +108,24 @@ pub(super) fn clip_area(points: &[Point], bounds: &Bounds) -> Vec<Point> {
     polygon
 }
 
+/// Points of a piece of a long line.
+const PIECE: usize = 1 << 16;
+
 /// Drops points whose absence moves the line by less than `tolerance` (Ramer, Douglas and Peucker; without
-/// recursion, so a long orbit cannot exhaust the stack). `scale` turns data units into those of the tolerance.
+/// recursion, so a long orbit cannot exhaust the stack). `scale` turns data units into those of the tolerance. The ends of pieces of a long line
+/// are kept: where every split leaves nearly all points on one side, as of a spiral, the time grows with the square of a piece and not of the line.
 pub(super) fn thin(points: &[Point], scale: Point, tolerance: f64) -> Vec<Point> {
     if points.len() < 3 {
         return points.to_vec();
     }
     let mut keep = vec![false; points.len()];
     let last = points.len() - 1;
-    keep[0] = true;
     keep[last] = true;
-    let mut open = vec![(0, last)];
+    let mut open = Vec::new();
+    for first in (0..last).step_by(PIECE) {
+        keep[first] = true;
+        open.push((first, last.min(first + PIECE)));
+    }
     while let Some((first, last)) = open.pop() {
         let mut farthest = (0.0, first);
         for i in first + 1..last {
@@ -207,6 +214,14 @@ mod tests {
             thin(&line, (1.0, 1.0), 0.01),
             vec![(0.0, 0.0), (99.0, 198.0)]
         );
+    }
+
+    #[test]
+    fn a_long_line_is_thinned_in_pieces() {
+        let length = 2 * PIECE + 2;
+        let line: Vec<Point> = (0..length).map(|i| (i as f64, 0.0)).collect();
+        let ends = [0, PIECE, 2 * PIECE, length - 1].map(|i| line[i]);
+        assert_eq!(thin(&line, (1.0, 1.0), 0.01), ends);
     }
 
     #[test]

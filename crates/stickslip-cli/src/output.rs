@@ -81,6 +81,18 @@ impl From<PngError> for OutputError {
     }
 }
 
+/// As [`output::write_all_by`].
+///
+/// # Errors
+/// [`OutputError::Write`].
+pub fn write_all_by(
+    staging: &Path,
+    folder: &Path,
+    artifacts: &[Artifact],
+) -> Result<Vec<PathBuf>, OutputError> {
+    Ok(output::write_all_by(staging, folder, artifacts)?)
+}
+
 /// As [`output::write_all`].
 ///
 /// # Errors

@@ -151,6 +151,10 @@ pub(super) fn portrait(system: &System, recording: &Recording) -> Result<String,
         let width = 3.0 + 1.5 * (contacts.len() - 1 - k) as f64;
         let stick = curve(&is_stuck).color(STICKS[k % STICKS.len()]);
         panel.add(stick.width(width).legend(&name));
+        // Where a stick goes nowhere there is no line to be seen.
+        let points = standing(recording, k);
+        let markers = Markers::new(points).size(width + 1.5);
+        panel.add(markers.color(STICKS[k % STICKS.len()]));
     }
     if let Some(first) = recording.points.first() {
         panel.add(
@@ -184,6 +188,32 @@ pub(super) fn portrait(system: &System, recording: &Recording) -> Result<String,
     let title = format!("{}: phase portrait", system.file.name);
     let figure = Figure::new("portrait", (560.0, 480.0), &title, &description).row(1.0, panel);
     Ok(figure.render()?)
+}
+
+/// Where a contact's sticks stand in the plane of the first two states, but for a part of it that is not seen.
+fn standing(recording: &Recording, contact: usize) -> Vec<(f64, f64)> {
+    const UNSEEN: f64 = 0.01;
+    let extent = |values: &mut dyn Iterator<Item = f64>| {
+        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
+            (low.min(x), high.max(x))
+        });
+        high - low
+    };
+    let width = [0, 1].map(|k| extent(&mut recording.points.iter().map(|point| point.x[k])));
+    let stands = recording.phases.iter().filter(|phase| {
+        let from = recording
+            .points
+            .partition_point(|point| point.t < phase.t_start);
+        let of = recording.points[from..].iter();
+        let within = of.take_while(|point| point.t <= phase.t_end);
+        let points: Vec<_> = within.collect();
+        let moves = |k: usize| extent(&mut points.iter().map(|point| point.x[k]));
+        phase.modes.as_slice().get(contact) == Some(&Mode::Stick)
+            && (0..2).all(|k| moves(k) <= UNSEEN * width[k])
+    });
+    stands
+        .map(|phase| (phase.x_end[0], phase.x_end[1]))
+        .collect()
 }
 
 /// All states against time, and when each contact sticks.

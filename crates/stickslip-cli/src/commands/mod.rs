@@ -29,7 +29,7 @@ use std::process::ExitCode;
 use clap::{Arg, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::file::FileError;
-use crate::output::{Artifact, OutputError, png, write_all};
+use crate::output::{Artifact, OutputError, png, write_all_by};
 use crate::sweep::SweepError;
 use crate::system::{SettingError, System};
 use crate::terminal::{Said, finish};
@@ -170,13 +170,14 @@ struct Found {
 impl Found {
     /// Writes the files and says what was found.
     fn written(self, output: &OutputArguments) -> Result<Said, Failure> {
-        self.written_besides(Vec::new(), output)
+        self.written_besides(Vec::new(), Path::new(&output.out), output)
     }
 
-    /// As [`Found::written`], besides files that are on disk already.
+    /// As [`Found::written`], besides files that are on disk already, and by way of a folder for what is unfinished.
     fn written_besides(
         self,
         there: Vec<PathBuf>,
+        staging: &Path,
         output: &OutputArguments,
     ) -> Result<Said, Failure> {
         let mut artifacts = self.tables;
@@ -190,7 +191,7 @@ impl Found {
             artifacts.push(Artifact::text(format!("{name}.svg"), svg));
         }
         let mut paths = there;
-        paths.extend(write_all(Path::new(&output.out), &artifacts)?);
+        paths.extend(write_all_by(staging, Path::new(&output.out), &artifacts)?);
         let paths: Vec<String> = paths
             .iter()
             .map(|path| path.display().to_string())

@@ -7,8 +7,15 @@ use stickslip::{Direction, Mode, Side, TransitionKind};
 use crate::terminal::Patience;
 use stickslip_kernels::kernel::{Modes, Passage, PhaseView, StepView, TransitionView, Watcher};
 
-/// Points per step for a curve through the orbit: a step of high order is long, and a curve through its ends alone would be a polygon.
+/// Parts of a step for a curve through the orbit, at least: a step of high order is long, and a curve through its ends alone would be a polygon.
 const PER_STEP: u32 = 16;
+
+/// A part is halved where its middle is off the straight line by more than this part of what the orbit has covered, so many times at most.
+const STRAIGHT: f64 = 1e-3;
+const MOST_HALVINGS: u32 = 6;
+
+/// What differs by this part of its size may be rounding.
+const ROUNDING: f64 = 1e-9;
 
 /// A phase.
 pub(super) struct Phase {
@@ -57,6 +64,8 @@ pub(super) struct Recording {
     pub(super) transitions: Vec<Transition>,
     pub(super) passages: Vec<Crossed>,
     pub(super) points: Vec<Point>,
+    /// Least and greatest value of each state at the ends of steps so far.
+    extent: Vec<(f64, f64)>,
     span: (f64, f64),
     patience: Patience,
 }
@@ -72,9 +81,43 @@ impl Recording {
                 x: x.to_vec(),
                 ends_step: true,
             }],
+            extent: x.iter().map(|&x| (x, x)).collect(),
             span: (t, t_end),
             patience,
         }
+    }
+
+    /// Keeps the points of a step between two, and the second one.
+    fn part(
+        &mut self,
+        step: &StepView<'_>,
+        from: &(f64, Vec<f64>),
+        to: (f64, Vec<f64>),
+        deep: u32,
+    ) {
+        let t = 0.5 * (from.0 + to.0);
+        if deep > 0 {
+            let middle = within(step, t);
+            let ends = from.1.iter().zip(&to.1);
+            let off = middle.iter().zip(ends).zip(&self.extent);
+            let is_bent = |(x, (a, b)): (&f64, (&f64, &f64)), &(low, high): &(f64, f64)| {
+                (x - 0.5 * (a + b)).abs()
+                    > STRAIGHT * (high - low) + ROUNDING * low.abs().max(high.abs())
+            };
+            if off
+                .into_iter()
+                .any(|(values, range)| is_bent(values, range))
+            {
+                let middle = (t, middle);
+                self.part(step, from, middle.clone(), deep - 1);
+                return self.part(step, &middle, to, deep - 1);
+            }
+        }
+        self.points.push(Point {
+            t: to.0,
+            ends_step: to.0 == step.t_end,
+            x: to.1,
+        });
     }
 
     /// Takes off the terminal how far the run is.
@@ -104,22 +147,21 @@ impl Watcher for Recording {
     }
 
     fn step(&mut self, step: &StepView<'_>) -> ControlFlow<()> {
-        for k in 1..PER_STEP {
-            let part = f64::from(k) / f64::from(PER_STEP);
-            let t = step.t_start + part * (step.t_end - step.t_start);
-            let mut x = vec![0.0; step.x_end.len()];
-            step.at(t, &mut x);
-            self.points.push(Point {
-                t,
-                x,
-                ends_step: false,
-            });
+        for ((low, high), &x) in self.extent.iter_mut().zip(step.x_end) {
+            (*low, *high) = (low.min(x), high.max(x));
         }
-        self.points.push(Point {
-            t: step.t_end,
-            x: step.x_end.to_vec(),
-            ends_step: true,
-        });
+        let mut from = (step.t_start, within(step, step.t_start));
+        for k in 1..=PER_STEP {
+            let part = f64::from(k) / f64::from(PER_STEP);
+            let to = if k == PER_STEP {
+                (step.t_end, step.x_end.to_vec())
+            } else {
+                let t = step.t_start + part * (step.t_end - step.t_start);
+                (t, within(step, t))
+            };
+            self.part(step, &from, to.clone(), MOST_HALVINGS);
+            from = to;
+        }
         let (from, to) = self.span;
         self.patience.done((step.t_end - from) / (to - from));
         ControlFlow::Continue(())
@@ -157,6 +199,13 @@ impl Watcher for Recording {
         });
         ControlFlow::Continue(())
     }
+}
+
+/// The state at a time within a step.
+fn within(step: &StepView<'_>, t: f64) -> Vec<f64> {
+    let mut x = vec![0.0; step.x_end.len()];
+    step.at(t, &mut x);
+    x
 }
 
 /// A mode in a table.

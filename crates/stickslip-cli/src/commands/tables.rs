@@ -239,8 +239,13 @@ pub(super) fn change_json(system: &System, change: &Change) -> Value {
 /// What a change of an attractor is called.
 pub(super) fn change_name(change: &Change) -> String {
     match change {
-        Change::Sequence { name, after, .. } if after.is_empty() && name == "unnamed" => {
-            "the orbit ends, at a fold or at a change that has no name".to_owned()
+        Change::Sequence {
+            name,
+            before,
+            after,
+            ..
+        } if name == "unnamed" && (before.is_empty() || after.is_empty()) => {
+            "the orbit was found on one side only: a fold, or a change that has no name".to_owned()
         }
         Change::Sequence { name, .. } if name == "unnamed" => {
             "a change of the phases that has no name".to_owned()

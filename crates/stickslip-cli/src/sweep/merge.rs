@@ -1,5 +1,6 @@
 //! Joins the shares of a sweep that were computed in folders of their own.
 
+use std::fs::File;
 use std::path::Path;
 
 use super::block::Found;
@@ -18,6 +19,8 @@ pub struct Merged {
     pub store: Store,
     /// Blocks that more than one folder had, all with the same bytes.
     pub repeated: usize,
+    // Nobody else computes or merges the sweep in this folder until its tables are written.
+    _lock: File,
 }
 
 /// Joins the blocks of the sweep whose shares are in `folders`, in the folder `out`, which may be one of them. Everything is checked
@@ -89,6 +92,7 @@ pub fn merge(out: &Path, folders: &[impl AsRef<Path>]) -> Result<Merged, SweepEr
     Ok(Merged {
         store: writer.store,
         repeated,
+        _lock: writer.lock,
     })
 }
 

@@ -10,6 +10,7 @@
 //! | `manifest.json` | the command, every argument by name, the system's text and its hash, the version of the format |
 //! | `blocks/00000017.block` | a line with the sweep's fingerprint, the index, the length and a checksum; then the block |
 //! | `work/3-of-8/` | the lock of a share, and files that are not complete |
+//! | `work/tables/` | tables and figures that are not complete |
 
 mod block;
 mod error;

@@ -1,5 +1,6 @@
 //! Computes the blocks of a share that are not on disk yet.
 
+use std::fs::File;
 use std::num::NonZeroUsize;
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -36,6 +37,8 @@ pub struct Computed {
     pub old: usize,
     /// Blocks that were on disk and damaged, and were computed anew, each with what was wrong.
     pub repaired: Vec<(usize, &'static str)>,
+    // Held until all is written that is made of the blocks.
+    _lock: File,
 }
 
 /// Computes what is missing of a share, on all threads. `compute` gets the index of a block and, in a chain, the bytes of the block
@@ -110,6 +113,7 @@ where
     }
     Ok(Computed {
         store: writer.store,
+        _lock: writer.lock,
         new: all - old,
         old,
         repaired,

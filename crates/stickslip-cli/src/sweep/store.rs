@@ -11,6 +11,9 @@ use super::plan::Plan;
 use super::share::Share;
 use super::whole;
 
+/// Name of the file that is locked.
+const LOCK: &str = "lock";
+
 /// Ending of the names of blocks.
 const ENDING: &str = ".block";
 
@@ -28,7 +31,7 @@ pub(super) struct Writer {
     pub(super) store: Store,
     staging: PathBuf,
     // Held for as long as the writer is there; the system gives it back however the process ends.
-    _lock: File,
+    pub(super) lock: File,
 }
 
 impl Store {
@@ -51,6 +54,14 @@ impl Store {
             fingerprint: manifest.fingerprint(folder)?,
             plan: manifest.into_plan(),
         })
+    }
+
+    /// A folder for what is being written of tables and figures: whoever computes or merges the whole sweep next removes what a kill leaves there.
+    ///
+    /// # Errors
+    /// [`SweepError::CreateFolder`].
+    pub fn staging(&self) -> Result<PathBuf, SweepError> {
+        tables(&self.folder)
     }
 
     /// The folder.
@@ -145,7 +156,13 @@ impl Writer {
             .join(share.to_string().replace('/', "-of-"));
         output::make_folder(&blocks(folder))?;
         output::make_folder(&staging)?;
-        let lock = lock(&staging, share, folder)?;
+        let tables = tables(folder)?;
+        let unfinished: &[&Path] = if share.is_whole() {
+            &[&staging, &tables]
+        } else {
+            &[&staging]
+        };
+        let lock = lock(&staging, share, folder, unfinished)?;
         if there.is_none() {
             let path = folder.join(manifest::NAME);
             whole::write_once(&path, &staging, &wanted.bytes(folder)?)?;
@@ -156,7 +173,7 @@ impl Writer {
         Ok(Self {
             store: Store::of(folder, wanted)?,
             staging,
-            _lock: lock,
+            lock,
         })
     }
 
@@ -169,6 +186,13 @@ impl Writer {
         let path = self.store.path(block);
         whole::write(&path, &self.staging, |file| file.write_all(&bytes))
     }
+}
+
+/// The folder for unfinished tables, made if it is missing.
+fn tables(folder: &Path) -> Result<PathBuf, SweepError> {
+    let tables = folder.join("work").join("tables");
+    output::make_folder(&tables)?;
+    Ok(tables)
 }
 
 fn blocks(folder: &Path) -> PathBuf {
@@ -217,10 +241,14 @@ fn check(folder: &Path, there: Option<&Manifest>, wanted: &Manifest) -> Result<(
     }
 }
 
-/// The lock of a share. Whoever holds it removes what a killed process has left unfinished.
-fn lock(staging: &Path, share: Share, folder: &Path) -> Result<File, SweepError> {
-    const NAME: &str = "lock";
-    let path = staging.join(NAME);
+/// The lock of a share. Whoever holds it removes what a killed process has left in the folders for what is unfinished.
+fn lock(
+    staging: &Path,
+    share: Share,
+    folder: &Path,
+    unfinished: &[&Path],
+) -> Result<File, SweepError> {
+    let path = staging.join(LOCK);
     let file = OpenOptions::new()
         .create(true)
         .truncate(false)
@@ -242,15 +270,20 @@ fn lock(staging: &Path, share: Share, folder: &Path) -> Result<File, SweepError>
         }
         Err(TryLockError::Error(source)) => return Err(SweepError::Write { path, source }),
     }
+    unfinished.iter().try_for_each(|folder| clear(folder))?;
+    Ok(file)
+}
+
+/// Removes what a killed process has left unfinished.
+fn clear(staging: &Path) -> Result<(), SweepError> {
     let clear = || -> io::Result<()> {
         for entry in fs::read_dir(staging)? {
             let entry = entry?;
-            if entry.file_name() != NAME {
+            if entry.file_name() != LOCK {
                 fs::remove_file(entry.path())?;
             }
         }
         Ok(())
     };
-    clear().map_err(SweepError::write(staging))?;
-    Ok(file)
+    clear().map_err(SweepError::write(staging))
 }

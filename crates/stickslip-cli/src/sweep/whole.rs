@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 use std::path::Path;
 
-use output::{WriteError, stage};
+use output::{WriteError, place, stage};
 
 use super::error::SweepError;
 
@@ -32,30 +32,28 @@ pub(super) fn write(
     content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), SweepError> {
     let staged = stage(staging, content).map_err(SweepError::write(path))?;
-    let persisted = staged.persist(path).map_err(|error| error.error);
-    persisted.map_err(SweepError::write(path))?;
-    Ok(())
+    place(staged, path).map_err(SweepError::write(path))
 }
 
-/// Writes a table or another file that need not fit into memory: `content` writes it bit by bit, and it appears under its name when it is
-/// complete. Its folder must exist.
+/// Writes a table or another file that need not fit into memory, by way of a temporary file in `staging`: `content` writes
+/// it bit by bit, and it appears under its name when it is complete. Both folders must exist.
 ///
 /// # Errors
 /// Those of `content`; [`SweepError::Write`]. What was at `path` before then stays.
 pub fn write_whole<E: From<SweepError>>(
     path: &Path,
+    staging: &Path,
     content: impl FnOnce(&mut dyn Write) -> Result<(), E>,
 ) -> Result<(), E> {
-    let folder = path.parent().unwrap_or(Path::new("."));
     let failed = SweepError::write(path);
     let mut of_content = Ok(());
-    let staged = stage(folder, |file| {
+    let staged = stage(staging, |file| {
         of_content = content(file);
         Ok(())
     });
     of_content?;
-    let persisted = staged.and_then(|file| file.persist(path).map_err(|error| error.error));
-    persisted.map_err(failed)?;
+    let placed = staged.and_then(|file| place(file, path));
+    placed.map_err(failed)?;
     Ok(())
 }
 

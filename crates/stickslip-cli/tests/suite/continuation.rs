@@ -14,17 +14,28 @@ fn program(folder: &Path, arguments: &[&str]) -> Command {
     command
 }
 
-/// What the program says of a branch, and the columns of `branch.csv` by name.
+/// What the program says of a branch, and the rows of `branch.csv` with the names of its columns.
 fn followed(arguments: &[&str]) -> (Value, Vec<Value>) {
+    let (json, branch, _) = with_special(arguments);
+    (json, branch)
+}
+
+/// The same, and those of `special.csv`.
+fn with_special(arguments: &[&str]) -> (Value, Vec<Value>, Vec<Value>) {
     let top = tempfile::tempdir().unwrap();
     let output = program(top.path(), arguments)
         .arg("--json")
         .assert()
         .success();
     let json = serde_json::from_slice(&output.get_output().stdout).unwrap();
-    let svg = std::fs::read_to_string(top.path().join("stickslip-output/continue.svg")).unwrap();
+    let folder = top.path().join("stickslip-output");
+    let svg = std::fs::read_to_string(folder.join("continue.svg")).unwrap();
     roxmltree::Document::parse(&svg).unwrap();
-    let table = top.path().join("stickslip-output/branch.csv");
+    let [branch, special] = ["branch.csv", "special.csv"].map(|name| rows(&folder.join(name)));
+    (json, branch, special)
+}
+
+fn rows(table: &Path) -> Vec<Value> {
     let mut rows = csv::Reader::from_path(table).unwrap();
     let heading = rows.headers().unwrap().clone();
     let rows = rows.records().map(|row| {
@@ -34,7 +45,7 @@ fn followed(arguments: &[&str]) -> (Value, Vec<Value>) {
             .map(|(name, field)| (name.to_owned(), Value::from(field)))
             .collect()
     });
-    (json, rows.collect())
+    rows.collect()
 }
 
 fn number(row: &Value, column: &str) -> f64 {
@@ -56,7 +67,7 @@ fn special(json: &Value) -> Vec<(String, f64)> {
 /// P16: where the cycle ends, and where the unstable one between it and the fixed point begins.
 #[test]
 fn both_ends_of_the_cycle_beside_the_fixed_point_are_located() {
-    let (json, rows) = followed(&["basins", "--parameter", "vd=1.1:2"]);
+    let (json, rows, table) = with_special(&["basins", "--parameter", "vd=1.1:2"]);
     let found = special(&json);
     assert_eq!(found.len(), 1);
     assert_eq!(found[0].0, "grazing-sliding");
@@ -73,6 +84,20 @@ fn both_ends_of_the_cycle_beside_the_fixed_point_are_located() {
     );
     let hopf = ends[1]["hopf"]["parameter"].as_f64().unwrap();
     assert!((hopf - 0.5 * LN_10).abs() < 1e-9, "{hopf}");
+    // The table has it behind all orbits, with the period of the eigenvalues.
+    let [graze, end] = table.as_slice() else {
+        panic!("{table:?}");
+    };
+    assert_eq!(
+        (&graze["what"], &end["what"]),
+        (&"grazing-sliding".into(), &"Hopf".into())
+    );
+    assert_eq!(
+        (number(end, "vd"), number(end, "behind")),
+        (hopf, rows.len() as f64)
+    );
+    let frequency = ends[1]["hopf"]["frequency"].as_f64().unwrap();
+    assert!((number(end, "period") * frequency - 2.0 * PI).abs() < 1e-12);
     assert_eq!(number(&rows[0], "vd"), 1.1);
     let stable = rows.iter().filter(|row| row["stability"] == "stable");
     assert!(stable.clone().all(|row| row["phases"] == "S -"));
@@ -170,7 +195,7 @@ fn a_branch_of_orbits_with_stops_ends_at_neither_side_too_early() {
 /// from the saddle's own orbits.
 #[test]
 fn a_homoclinic_end_is_named() {
-    let (json, rows) = followed(&["belt", "--parameter", "vp=0.1:1"]);
+    let (json, rows, table) = with_special(&["belt", "--parameter", "vp=0.1:1"]);
     let [low, high] = [0, 1].map(|k| &json["ends"][k]);
     assert_eq!(
         (&low["stop"], &high["stop"]),
@@ -178,6 +203,16 @@ fn a_homoclinic_end_is_named() {
     );
     let homoclinic = &low["homoclinic"];
     assert!((homoclinic["parameter"].as_f64().unwrap() - 0.773_996_928_3).abs() < 1e-9);
+    let end = &table[0];
+    assert_eq!(
+        (&end["what"], &end["behind"]),
+        (&"homoclinic".into(), &"0".into())
+    );
+    assert_eq!(number(end, "vp"), homoclinic["parameter"].as_f64().unwrap());
+    assert_eq!(
+        number(end, "uncertainty"),
+        homoclinic["uncertainty"].as_f64().unwrap()
+    );
     let [comes, leaves] = ["comes", "leaves"].map(|name| homoclinic[name].as_f64().unwrap());
     // The sum of both is the trace: how friction falls with the speed at the saddle.
     let trace = 3f64.sqrt() / 9.0 / (1.773_996_928_3 * 1.773_996_928_3);
@@ -342,6 +377,58 @@ y = 0
         (hopf["frequency"].as_f64().unwrap() - 1.0).abs() < 1e-9,
         "{hopf}"
     );
+}
+
+/// A circle of period 2π on a curved boundary, which is pressed upon by `p` and pulled at by `x + 1/10`: the orbit never leaves it for `p > 11/10`.
+const SHEET: &str = r#"
+name = "sheet"
+[states]
+x = ""
+y = ""
+z = ""
+[parameters]
+p = 1.3
+[definitions]
+forward = "x*(1 - x^2 - y^2) - y"
+[contacts.sheet]
+boundary = "z - x^2"
+[field]
+x = "forward"
+y = "y*(1 - x^2 - y^2) + x"
+z = "2*x*forward + x + 0.1 + by_side(sheet, p, -p)"
+[start]
+x = 0.5
+y = 0.5
+z = 2
+"#;
+
+#[test]
+fn an_orbit_that_never_slips_is_found_and_followed_to_where_it_does() {
+    let top = tempfile::tempdir().unwrap();
+    let path = top.path().join("sheet.toml");
+    std::fs::write(&path, SHEET).unwrap();
+    let path = path.to_str().unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_stickslip"))
+        .current_dir(top.path())
+        .args(["orbit", path, "--json"])
+        .assert()
+        .success();
+    let orbit: Value = serde_json::from_slice(&output.get_output().stdout).unwrap();
+    assert!(
+        (orbit["period"].as_f64().unwrap() - 2.0 * PI).abs() < 1e-9,
+        "{orbit}"
+    );
+    let (json, rows) = followed(&[path, "--parameter", "p=1:1.5"]);
+    let found = special(&json);
+    assert_eq!((found.len(), found[0].0.as_str()), (1, "adding-sliding"));
+    assert!((found[0].1 - 1.1).abs() < 1e-9, "{}", found[0].1);
+    let is_slipping = |row: &&Value| row["phases"] != "S";
+    assert!(
+        rows.iter()
+            .filter(is_slipping)
+            .all(|row| number(row, "p") < 1.1)
+    );
+    assert!(rows.iter().any(|row| is_slipping(&row)) && rows.last().unwrap()["phases"] == "S");
 }
 
 /// A branch along which a bad guess would ask for an orbit without end.

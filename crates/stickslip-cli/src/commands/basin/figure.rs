@@ -17,7 +17,7 @@ use stickslip_kernels::kernel::Motion;
 const COLOURS: [Color; 6] = [BLUE, ORANGE, GREEN, PURPLE, SKY, VERMILLION];
 
 /// Entries of the legend; attractors of smaller shares have one together.
-const MOST: usize = 12;
+const MOST: usize = COLOURS.len();
 
 /// One entry of the legend and the attractors that it is for.
 struct Class {
@@ -80,10 +80,9 @@ fn classes(attractors: &[Attracting], until: f64) -> Vec<Class> {
             legend: legend(&one.outcome, one.share, until),
         }
     };
-    let colours = COLOURS.iter().cycle();
     let mut classes: Vec<Class> = shown
         .iter()
-        .zip(colours)
+        .zip(&COLOURS)
         .map(|(&number, &colour)| class(number, colour))
         .collect();
     match *rest {

@@ -86,7 +86,7 @@ impl Found {
         let names = system.file.states.iter().map(|state| state.name.clone());
         let columns = ["attractor", "motion"].map(str::to_owned);
         let heading: Vec<String> = names.chain(columns).collect();
-        write_whole(&table, |file| {
+        write_whole(&table, &store.staging()?, |file| {
             let mut rows = csv::Writer::from_writer(file);
             rows.write_record(&heading).map_err(OutputError::from)?;
             store.for_each(|index, content| {
@@ -146,6 +146,7 @@ impl Found {
         self,
         basin: &Basin,
         system: &System,
+        store: &Store,
         output: &OutputArguments,
     ) -> Result<Said, Failure> {
         let found = super::super::Found {
@@ -155,7 +156,7 @@ impl Found {
             figures: vec![("basin".to_owned(), figure::basin(&self, basin, system)?)],
             failure: None,
         };
-        found.written_besides(vec![self.table], output)
+        found.written_besides(vec![self.table], &store.staging()?, output)
     }
 
     fn attractors_table(&self, system: &System) -> Result<Artifact, Failure> {

@@ -148,6 +148,6 @@ impl Sweep for Basin {
         store: &Store,
         output: &OutputArguments,
     ) -> Result<Said, Failure> {
-        found::Found::read(self, system, store, output)?.written(self, system, output)
+        found::Found::read(self, system, store, output)?.written(self, system, store, output)
     }
 }

@@ -115,6 +115,7 @@ impl Found {
         self,
         diagram: &Bifurcation,
         system: &System,
+        store: &Store,
         output: &OutputArguments,
     ) -> Result<Said, Failure> {
         let name = "bifurcation".to_owned();
@@ -125,7 +126,7 @@ impl Found {
             figures: vec![(name, figure::diagram(&self, diagram, system)?)],
             failure: None,
         };
-        found.written_besides(self.files, output)
+        found.written_besides(self.files, &store.staging()?, output)
     }
 
     /// Where changes were located, on either way.
@@ -336,7 +337,7 @@ fn table(
     store: &Store,
     mut each: impl FnMut(&mut Rows<'_>, bool, &At) -> Result<(), csv::Error>,
 ) -> Result<(), Failure> {
-    write_whole(path, |file| {
+    write_whole(path, &store.staging()?, |file| {
         let mut rows = csv::Writer::from_writer(file);
         rows.write_record(heading).map_err(OutputError::from)?;
         store.for_each(|block, content| {

@@ -248,6 +248,6 @@ impl Sweep for Bifurcation {
         store: &Store,
         output: &OutputArguments,
     ) -> Result<Said, Failure> {
-        found::Found::read(self, system, store, output)?.written(self, system, output)
+        found::Found::read(self, system, store, output)?.written(self, system, store, output)
     }
 }

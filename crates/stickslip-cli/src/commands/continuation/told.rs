@@ -1,5 +1,6 @@
 //! What a branch has shown, as tables and in words.
 
+use std::f64::consts::TAU;
 use std::fmt::Write;
 
 use serde_json::{Value, json};
@@ -86,6 +87,38 @@ fn why_in_short(stop: Stop) -> &'static str {
     }
 }
 
+/// The row of `special.csv` for the end of a branch behind so many orbits, if it is at a bifurcation. Its orbit has no phases of its own, and a
+/// homoclinic one no period.
+fn end_row(stop: Stop, behind: usize, columns: usize) -> Option<Vec<String>> {
+    let (parameter, what, uncertainty, period) = match stop {
+        Stop::Equilibrium {
+            parameter,
+            frequency,
+        } => (parameter, "Hopf", None, Some(TAU / frequency)),
+        Stop::Homoclinic {
+            parameter,
+            uncertainty,
+            saddles,
+            ..
+        } => {
+            let what = match saddles.get() {
+                1 => "homoclinic",
+                _ => "heteroclinic",
+            };
+            (parameter, what, Some(uncertainty), None)
+        }
+        _ => return None,
+    };
+    let number = |value: Option<f64>| value.map(tables::exact).unwrap_or_default();
+    let mut row = vec![behind.to_string(), tables::exact(parameter)];
+    // Contacts and angle, then the phases.
+    row.extend([what.to_owned(), String::new(), String::new()]);
+    row.extend([number(uncertainty), String::new(), String::new()]);
+    row.push(number(period));
+    row.resize(columns, String::new());
+    Some(row)
+}
+
 impl Told<'_> {
     pub(super) fn found(&self) -> Result<Found, Failure> {
         let svg = figure::diagram(self)?;
@@ -134,7 +167,7 @@ impl Told<'_> {
         csv_table("branch.csv", &heading, rows)
     }
 
-    /// `special.csv`: the special orbits, each behind so many rows of `branch.csv`.
+    /// `special.csv`: the special orbits, each behind so many rows of `branch.csv`, and the ends that are bifurcations.
     fn special_table(&self) -> Result<Artifact, OutputError> {
         let columns = [
             "what",
@@ -178,6 +211,10 @@ impl Told<'_> {
             row.extend(at.x.iter().map(|&x| tables::exact(x)));
             row
         });
+        let [down, up] = self.branch.stops;
+        let first = end_row(down, 0, heading.len());
+        let last = end_row(up, self.branch.points.len(), heading.len());
+        let rows: Vec<_> = first.into_iter().chain(rows).chain(last).collect();
         csv_table("special.csv", &heading, rows)
     }
 

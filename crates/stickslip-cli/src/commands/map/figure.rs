@@ -32,7 +32,7 @@ const REDS: [Color; 4] = [
 ];
 
 /// Entries of the legend of attractors; smaller classes have one together.
-const MOST: usize = 6;
+const MOST: usize = COLOURS.len();
 
 /// The cells of one colour.
 struct Layer {
@@ -100,10 +100,9 @@ fn attractors(found: &Found, until: f64) -> Vec<Layer> {
         // In a figure a minus is as wide as a plus.
         legend: found.classes[class].name.replace('-', "−"),
     };
-    let colours = COLOURS.iter().cycle();
     let mut layers: Vec<Layer> = shown
         .iter()
-        .zip(colours)
+        .zip(&COLOURS)
         .map(|(&class, &colour)| layer(class, colour))
         .collect();
     match *rest {

@@ -63,7 +63,7 @@ impl Found {
         ];
         let names = map.plane.iter().map(|range| range.name.as_str());
         let heading: Vec<&str> = names.chain(columns).collect();
-        write_whole(&table, |file| {
+        write_whole(&table, &store.staging()?, |file| {
             let mut rows = csv::Writer::from_writer(file);
             rows.write_record(&heading).map_err(OutputError::from)?;
             store.for_each(|row, content| {
@@ -111,6 +111,7 @@ impl Found {
         self,
         map: &Map,
         system: &System,
+        store: &Store,
         output: &OutputArguments,
     ) -> Result<Said, Failure> {
         let found = super::super::Found {
@@ -120,7 +121,7 @@ impl Found {
             figures: vec![("map".to_owned(), figure::map(&self, map, system)?)],
             failure: None,
         };
-        found.written_besides(vec![self.table], output)
+        found.written_besides(vec![self.table], &store.staging()?, output)
     }
 
     fn summary(&self, map: &Map, system: &System) -> String {

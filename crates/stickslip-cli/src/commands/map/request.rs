@@ -117,6 +117,6 @@ impl Sweep for Map {
         store: &Store,
         output: &OutputArguments,
     ) -> Result<Said, Failure> {
-        found::Found::read(self, store, output)?.written(self, system, output)
+        found::Found::read(self, store, output)?.written(self, system, store, output)
     }
 }
