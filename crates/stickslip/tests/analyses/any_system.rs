@@ -6,8 +6,8 @@ use crate::attractors::systems::{
     Backwards, Detour, Driven, Leine, NearWells, Pushed, Rings, Shear, ToZero, Wells,
 };
 use crate::bifurcations::systems::{
-    Area, AtParameter, Beat, Belt, DrivenFamily, Ends, Held, Island, Pitchfork, Shaken, Sheet,
-    Softening, Twisted,
+    Area, AtParameter, Beat, BeatFamily, Belt, DrivenFamily, Ends, Held, Island, Pitchfork, Shaken,
+    Sheet, Softening, Twisted,
 };
 use crate::den_hartog::DenHartog;
 use crate::line::Line;
@@ -18,7 +18,7 @@ systems!(Any1, 1: Beat(Beat), Line(Line), NearWells(NearWells));
 
 systems!(
     Any2, 2:
-    Backwards(Smooth<Backwards>), DenHartog(DenHartog), Detour(Smooth<Detour>), Driven(Driven), Ends(Ends), Held(Held), Leine(Leine), Pushed(Pushed), RingsAt(AtParameter<Rings>), Shaken(Shaken), Shear(Smooth<Shear>), ToZero(ToZero), TwistedAt(AtParameter<Twisted>), Wells(Wells),
+    Backwards(Smooth<Backwards>), BeatFamily(BeatFamily), DenHartog(DenHartog), Detour(Smooth<Detour>), Driven(Driven), Ends(Ends), Held(Held), Leine(Leine), Pushed(Pushed), RingsAt(AtParameter<Rings>), Shaken(Shaken), Shear(Smooth<Shear>), ToZero(ToZero), TwistedAt(AtParameter<Twisted>), Wells(Wells),
 );
 
 systems!(

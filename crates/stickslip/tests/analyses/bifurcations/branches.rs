@@ -8,10 +8,12 @@ use stickslip::analysis::{
     continue_periodic_orbit, continue_periodic_orbit_while, monodromy,
 };
 use stickslip::nalgebra::Matrix3;
-use stickslip::{Error, Filippov, Method, Mode, Options, Side, State, math};
+use stickslip::{Error, Filippov, Method, Mode, Options, Side, State, math, solve};
 
-use super::sweeps::touching;
-use super::systems::{Area, Belt, DrivenFamily, Island, Pitchfork, Softening, Twisted};
+use super::sweeps::{landing, touching};
+use super::systems::{
+    Area, BeatFamily, Belt, DrivenFamily, Island, Pitchfork, Rhythm, Softening, Twisted,
+};
 use crate::attractors::systems::Rings;
 use crate::listed::Listed;
 use crate::smooth::Smooth;
@@ -116,6 +118,56 @@ fn a_branch_that_leaves_its_range_ends_there() {
     };
     let found = branch(&Rings { place: 50.0 }, start, (6.3, true), &few);
     assert_eq!((found.stop, found.points.len()), (Stop::Points, 5));
+}
+
+/// By name, the change that an orbit of a rhythm goes through, and where. Both ways lead to it.
+#[test]
+fn every_change_of_the_phases_is_located_and_named_on_a_branch() {
+    let rises = math::atan(0.7 / 0.51_f64.sqrt());
+    let changes = [
+        (Rhythm::Touch, SequenceBifurcation::GrazingSliding, 1.0),
+        (Rhythm::Part, SequenceBifurcation::AddingSliding, 1.0),
+        (
+            Rhythm::Meet,
+            SequenceBifurcation::CrossingSliding,
+            landing() - rises,
+        ),
+        (
+            Rhythm::Meet,
+            SequenceBifurcation::SwitchingSliding,
+            landing() - (PI - rises),
+        ),
+        (Rhythm::Lift, SequenceBifurcation::ContactGrazing, 1.0),
+    ];
+    for (rhythm, name, exact) in changes {
+        for upwards in [false, true] {
+            let settings = ContinuationSettings::over(exact - 0.11, exact + 0.1).forced(2.0 * PI);
+            let begin = if upwards { exact - 0.1 } else { exact + 0.09 };
+            let options = Options::tol(1e-13);
+            let family = BeatFamily(rhythm);
+            let start = find(&family, begin);
+            let found =
+                continue_periodic_orbit(&family.any(), start, 6.3, upwards, &settings, &options);
+            let found = found.unwrap();
+            assert_eq!(found.stop, Stop::Range, "{rhythm:?}: {:?}", found.special);
+            let [special] = found.special.as_slice() else {
+                panic!("{rhythm:?}: {:?}", found.special);
+            };
+            let Special::Sequence(change) = &special.what else {
+                panic!("{special:?}");
+            };
+            assert_eq!(change.bifurcation, name);
+            let error = (change.parameter - exact).abs();
+            assert!(error < 1e-9 && change.uncertainty < 1e-9, "{change:?}");
+        }
+    }
+}
+
+/// A state of the orbit that attracts, at a multiple of the period.
+fn find(family: &BeatFamily, p: f64) -> [f64; 2] {
+    let options = Options::tol(1e-12);
+    let run = solve(&family.any(), 0.0, [-0.5, p], 40.0 * PI, &options).unwrap();
+    [run.x_end[0], p]
 }
 
 /// A step of the series may be so long that a contraction by e⁻⁷ in it overflows the stages by which the vectors are carried.

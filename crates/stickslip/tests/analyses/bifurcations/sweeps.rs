@@ -136,7 +136,7 @@ fn adding_sliding_where_the_stick_touches_its_edge() {
 }
 
 /// Where `Rhythm::Meet` lands from below: `(t - t₀)/2 - cos t + cos t₀ = 0` from `t₀ = 7π/6` on.
-fn landing() -> f64 {
+pub fn landing() -> f64 {
     let start = 7.0 * PI / 6.0;
     let height = |t: f64| 0.5 * (t - start) - math::cos(t) + math::cos(start);
     let (mut a, mut b) = (2.0 * PI, 7.2);

@@ -28,29 +28,58 @@ pub struct Beat {
     pub p: f64,
 }
 
-impl Filippov<1> for Beat {
-    fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; 1]) -> [T; 1] {
-        [match (self.rhythm, side) {
+impl Rhythm {
+    fn rate<T: Scalar>(self, side: Side, t: T, y: T, p: T) -> T {
+        match (self, side) {
             (Rhythm::Touch, Side::Above) => T::constant(-1.0),
-            (Rhythm::Touch | Rhythm::Lift, _) => -x[0] + t.sin() + t.cos(),
+            (Rhythm::Touch | Rhythm::Lift, _) => -y + t.sin() + t.cos(),
             (Rhythm::Part, Side::Below) => t.sin() * 2.0 + 1.8,
-            (Rhythm::Part, Side::Above) => t.cos() * self.p - 1.0,
+            (Rhythm::Part, Side::Above) => t.cos() * p - 1.0,
             (Rhythm::Meet, Side::Below) => t.sin() + 0.5,
-            (Rhythm::Meet, Side::Above) => (t - self.p).sin() - 0.7,
-            (Rhythm::Clock, _) => -x[0] + (t - self.p).sin() + (t - self.p).cos(),
+            (Rhythm::Meet, Side::Above) => (t - p).sin() - 0.7,
+            (Rhythm::Clock, _) => -y + (t - p).sin() + (t - p).cos(),
             (Rhythm::Hold, side) => T::constant(-5.0 * side.sign()),
-        }]
-    }
-    fn boundary<T: Scalar>(&self, t: T, x: &[T; 1]) -> T {
-        match self.rhythm {
-            Rhythm::Touch => x[0] - self.p,
-            Rhythm::Lift => x[0] - 5.0,
-            Rhythm::Part | Rhythm::Meet | Rhythm::Clock => x[0],
-            Rhythm::Hold => x[0] - t.sin(),
         }
     }
+
+    fn height<T: Scalar>(self, t: T, y: T, p: T) -> T {
+        match self {
+            Rhythm::Touch => y - p,
+            Rhythm::Lift => y - 5.0,
+            Rhythm::Part | Rhythm::Meet | Rhythm::Clock => y,
+            Rhythm::Hold => y - t.sin(),
+        }
+    }
+
+    fn contact<T: Scalar>(self, t: T, p: T) -> Option<T> {
+        (self == Rhythm::Lift).then(|| -t.cos() + p)
+    }
+}
+
+impl Filippov<1> for Beat {
+    fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; 1]) -> [T; 1] {
+        [self.rhythm.rate(side, t, x[0], T::constant(self.p))]
+    }
+    fn boundary<T: Scalar>(&self, t: T, x: &[T; 1]) -> T {
+        self.rhythm.height(t, x[0], T::constant(self.p))
+    }
     fn contact<T: Scalar>(&self, t: T, _x: &[T; 1]) -> Option<T> {
-        (self.rhythm == Rhythm::Lift).then(|| -t.cos() + self.p)
+        self.rhythm.contact(t, T::constant(self.p))
+    }
+}
+
+/// A [`Beat`] with its parameter as the second state.
+pub struct BeatFamily(pub Rhythm);
+
+impl Filippov<2> for BeatFamily {
+    fn field<T: Scalar>(&self, side: Side, t: T, &[y, p]: &[T; 2]) -> [T; 2] {
+        [self.0.rate(side, t, y, p), T::constant(0.0)]
+    }
+    fn boundary<T: Scalar>(&self, t: T, &[y, p]: &[T; 2]) -> T {
+        self.0.height(t, y, p)
+    }
+    fn contact<T: Scalar>(&self, t: T, &[_, p]: &[T; 2]) -> Option<T> {
+        self.0.contact(t, p)
     }
 }
 
@@ -78,34 +107,22 @@ pub struct DuetFamily {
 }
 
 impl DuetFamily {
-    fn rate<T: Scalar>(&self, i: usize, side: Side, t: T, x: &[T; 3]) -> T {
-        let p = if i == self.varied {
+    fn parameter<T: Scalar>(&self, i: usize, x: &[T; 3]) -> T {
+        if i == self.varied {
             x[2]
         } else {
             T::constant(self.p)
-        };
-        match (self.rhythms[i], side) {
-            (Rhythm::Touch, Side::Above) => T::constant(-1.0),
-            (Rhythm::Part, Side::Below) => t.sin() * 2.0 + 1.8,
-            (Rhythm::Part, Side::Above) => t.cos() * p - 1.0,
-            (Rhythm::Hold, side) => T::constant(-5.0 * side.sign()),
-            _ => -x[i] + t.sin() + t.cos(),
         }
     }
 }
 
 impl Contacts<3, 2> for DuetFamily {
     fn field<T: Scalar>(&self, sides: &[Side; 2], t: T, x: &[T; 3]) -> [T; 3] {
-        let [a, b] = [0, 1].map(|i| self.rate(i, sides[i], t, x));
+        let [a, b] = [0, 1].map(|i| self.rhythms[i].rate(sides[i], t, x[i], self.parameter(i, x)));
         [a, b, T::constant(0.0)]
     }
     fn boundaries<T: Scalar>(&self, t: T, x: &[T; 3]) -> [T; 2] {
-        std::array::from_fn(|i| match self.rhythms[i] {
-            Rhythm::Hold => x[i] - t.sin(),
-            Rhythm::Touch if i == self.varied => x[i] - x[2],
-            Rhythm::Touch => x[i] - self.p,
-            _ => x[i],
-        })
+        std::array::from_fn(|i| self.rhythms[i].height(t, x[i], self.parameter(i, x)))
     }
 }
 
