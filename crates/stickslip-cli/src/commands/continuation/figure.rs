@@ -42,15 +42,16 @@ pub(super) fn diagram(told: &Told<'_>) -> Result<String, OutputError> {
         unit => format!("{extent}, {unit}"),
     };
     let period = figures::in_time(system, "period", "");
-    let all: [(String, &[Value]); 3] = [
-        (extent, &[|at| at.extremes[0].0, |at| at.extremes[0].1]),
-        (period, &[|at| at.orbit.period]),
-        (LARGEST_MULTIPLIER.to_owned(), &[largest]),
+    // Multipliers are known to 1e-6.
+    let all: [(String, &[Value], f64); 3] = [
+        (extent, &[|at| at.extremes[0].0, |at| at.extremes[0].1], 0.0),
+        (period, &[|at| at.orbit.period], 0.0),
+        (LARGEST_MULTIPLIER.to_owned(), &[largest], 1e-6),
     ];
     // Of a driven system the period says nothing, unless it is what is varied.
     let rows: Vec<_> = all
         .into_iter()
-        .filter(|(_, values)| values.len() > 1 || differs(&branch.points, values[0]))
+        .filter(|(_, values, error)| values.len() > 1 || differs(&branch.points, values[0], *error))
         .collect();
     let title = format!("{}: branch of periodic orbits", system.file.name);
     let description = format!(
@@ -63,7 +64,7 @@ pub(super) fn diagram(told: &Told<'_>) -> Result<String, OutputError> {
     let mut figure = Figure::new("continue", (640.0, height), &title, &description);
     let last = rows.len() - 1;
     let mut in_legend: Vec<Stability> = Vec::new();
-    for (k, (label, values)) in rows.into_iter().enumerate() {
+    for (k, (label, values, _)) in rows.into_iter().enumerate() {
         let (low, high) = ends(told);
         let x = if k == last {
             let label = figures::parameter_label(system, &range.name);
@@ -267,11 +268,11 @@ fn runs(branch: &Branch, value: Value, is_size: bool) -> Vec<(Stability, Vec<(f6
     runs
 }
 
-/// Whether a value is not the same everywhere but for rounding.
-fn differs(points: &[Point], value: Value) -> bool {
+/// Whether a value is not the same everywhere but for rounding, and for what it may be off.
+fn differs(points: &[Point], value: Value, error: f64) -> bool {
     let values = || points.iter().map(value);
     let (low, high) = values().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
         (low.min(v), high.max(v))
     });
-    high - low > 1e-9 * high.abs()
+    high - low > error + 1e-9 * high.abs()
 }

@@ -2,7 +2,7 @@
 
 use super::reached::{Kind, Reached, SectionPoint, turns};
 use super::recurrent::is_same_set;
-use super::rest::holds;
+use super::rest::{holds, off_by};
 use crate::filippov::{Settled, Switched, Velocity};
 use crate::ode::Timed;
 use crate::system::{State, components};
@@ -87,15 +87,16 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Attractors<'a, S, N,
     pub fn is_same(&self, one: &Reached<N, S::Mode>, other: &Reached<N, S::Mode>) -> bool {
         match (&one.kind, &other.kind) {
             (Kind::Equilibrium, Kind::Equilibrium) => {
-                one.mode == other.mode && self.is_near(one, other)
+                one.mode == other.mode
+                    && (self.is_near(&one.points, &other.points) || self.are_one(one, other))
             }
             (Kind::EquilibriumSet, Kind::EquilibriumSet) => {
                 one.mode == other.mode
-                    && (self.is_near(one, other)
+                    && (self.is_near(&one.points, &other.points)
                         || self.are_joined(&one.points, &other.points, one.mode))
             }
             (Kind::Periodic { returns: p, .. }, Kind::Periodic { returns: q, .. }) => {
-                p == q && one.has_sequence_of(other) && self.is_near(one, other)
+                p == q && one.has_sequence_of(other) && self.is_near(&one.points, &other.points)
             }
             (Kind::Recurrent, Kind::Recurrent) => is_same_set(&one.points, &other.points),
             (Kind::TwoFold(one), Kind::TwoFold(other)) => one == other,
@@ -108,27 +109,30 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Attractors<'a, S, N,
     }
 
     /// Whether the points are the same, some turn apart.
-    fn is_near(&self, one: &Reached<N, S::Mode>, other: &Reached<N, S::Mode>) -> bool {
+    fn is_near(&self, one: &[SectionPoint<N>], other: &[SectionPoint<N>]) -> bool {
         let size = State::<N>::from_fn(|i, _| {
-            let sizes = one.points.iter().map(|point| point.x[i].abs());
+            let sizes = one.iter().map(|point| point.x[i].abs());
             sizes.fold(0.0, f64::max)
         });
         // A component that is always zero has no size of its own.
         let least = 1e-3 * size.amax();
-        // Nor has an equilibrium at zero. Newton's iteration leaves of where it began no more than this part.
-        const LEFT: f64 = 1e-6;
-        let left = [one, other].map(|reached| match reached.points.as_slice() {
-            [point] if !matches!(reached.kind, Kind::Periodic { .. }) => reached.x - point.x,
-            _ => State::zeros(),
-        });
-        let left = left[0].abs() + left[1].abs();
         let same = move |a: &SectionPoint<N>, b: &SectionPoint<N>| {
-            (0..N).all(|i| {
-                let allowed = self.closeness * size[i].max(least) + LEFT * left[i];
-                (a.x[i] - b.x[i]).abs() <= allowed
-            })
+            (0..N).all(|i| (a.x[i] - b.x[i]).abs() <= self.closeness * size[i].max(least))
         };
-        turns(&one.points, &other.points, same).next().is_some()
+        turns(one, other, same).next().is_some()
+    }
+
+    /// Whether two equilibria are one, to what each is off. At zero they have no size that tells.
+    fn are_one(&self, one: &Reached<N, S::Mode>, other: &Reached<N, S::Mode>) -> bool {
+        let ([a], [b]) = (one.points.as_slice(), other.points.as_slice()) else {
+            return false;
+        };
+        let [a, b] = [a, b].map(|point| Timed {
+            t: point.t,
+            x: point.x,
+        });
+        let off = off_by(self.system, one.mode, [&a, &b]);
+        off.is_some_and(|off| (a.x - b.x).amax() <= TIMES * off.amax())
     }
 
     /// Whether there is rest all the way from one point to the other.

@@ -34,35 +34,11 @@ pub(crate) fn equilibrium_near<S: Switched<N, G>, const N: usize, const G: usize
     x: &State<N>,
     free: usize,
 ) -> Option<Rest<N>> {
-    let branch = S::Branch::default();
     let mut x = *x;
     let mut smallest = f64::INFINITY;
     for _ in 0..MOST {
         let jacobian = jacobian_of(system, mode, t, &x);
-        let velocity = system.with_flow(mode, branch, Velocity(t, components(&x)));
-        // The sliding field has no component across the boundary, there or beside it: that the equilibrium lies on it is an equation of its own.
-        let onto = system.with_flow(mode, branch, Settled(Timed { t, x })) - x;
-        let length = |normal: &State<N>| normal.rows(0, free).norm();
-        let mut normals = system.normals(mode, &Timed { t, x });
-        normals.retain(|(_, normal)| length(normal) > 0.0);
-        let scale = jacobian.amax();
-        let dynamic = DMatrix::from_fn(free + normals.len(), free, |i, j| {
-            let across = i.checked_sub(free).and_then(|k| normals.get(k));
-            across.map_or(jacobian[(i.min(N - 1), j)], |(_, normal)| {
-                scale * normal[j] / length(normal)
-            })
-        });
-        if dynamic.iter().chain(&velocity).any(|v| !v.is_finite()) {
-            return None;
-        }
-        let right = DVector::from_fn(dynamic.nrows(), |i, _| {
-            let across = i.checked_sub(free).and_then(|k| normals.get(k));
-            across.map_or(-velocity[i.min(N - 1)], |(_, normal)| {
-                scale * normal.dot(&onto) / length(normal)
-            })
-        });
-        let bound = ZERO * dynamic.amax();
-        let step = dynamic.svd(true, true).solve(&right, bound).ok()?;
+        let step = newton_step(system, mode, &Timed { t, x }, &jacobian, free)?;
         let size = step.amax();
         // The last step is rounding once it is no smaller than the one before.
         if size == 0.0 || size >= 0.5 * smallest {
@@ -72,9 +48,62 @@ pub(crate) fn equilibrium_near<S: Switched<N, G>, const N: usize, const G: usize
             return (size <= rounding.max(1e-12)).then_some(Rest { x, jacobian });
         }
         smallest = size;
-        x += State::from_fn(|i, _| if i < free { step[i] } else { 0.0 });
+        x += step;
     }
     None
+}
+
+/// How far two points, each an equilibrium to rounding, are off by their own Newton steps: further apart they are two.
+pub(super) fn off_by<S: Switched<N, G>, const N: usize, const G: usize>(
+    system: &S,
+    mode: S::Mode,
+    points: [&Timed<N>; 2],
+) -> Option<State<N>> {
+    let [one, other] = points.map(|at| {
+        let jacobian = jacobian_of(system, mode, at.t, &at.x);
+        newton_step(system, mode, at, &jacobian, N)
+    });
+    Some(one?.abs() + other?.abs())
+}
+
+/// Newton's step towards an equilibrium.
+fn newton_step<S: Switched<N, G>, const N: usize, const G: usize>(
+    system: &S,
+    mode: S::Mode,
+    at: &Timed<N>,
+    jacobian: &SMatrix<f64, N, N>,
+    free: usize,
+) -> Option<State<N>> {
+    let Timed { t, x } = *at;
+    let branch = S::Branch::default();
+    let velocity = system.with_flow(mode, branch, Velocity(t, components(&x)));
+    // The sliding field has no component across the boundary, there or beside it: that the equilibrium lies on it is an equation of its own.
+    let onto = system.with_flow(mode, branch, Settled(*at)) - x;
+    let length = |normal: &State<N>| normal.rows(0, free).norm();
+    let mut normals = system.normals(mode, at);
+    normals.retain(|(_, normal)| length(normal) > 0.0);
+    let scale = jacobian.amax();
+    let mut matrix = DMatrix::zeros(free + normals.len(), free);
+    let mut right = DVector::zeros(matrix.nrows());
+    for i in 0..free {
+        for j in 0..free {
+            matrix[(i, j)] = jacobian[(i, j)];
+        }
+        right[i] = -velocity[i];
+    }
+    for (k, (_, normal)) in normals.iter().enumerate() {
+        let weight = scale / length(normal);
+        for j in 0..free {
+            matrix[(free + k, j)] = weight * normal[j];
+        }
+        right[free + k] = weight * normal.dot(&onto);
+    }
+    if matrix.iter().chain(&velocity).any(|v| !v.is_finite()) {
+        return None;
+    }
+    let bound = ZERO * matrix.amax();
+    let step = matrix.svd(true, true).solve(&right, bound).ok()?;
+    Some(State::from_fn(|i, _| if i < free { step[i] } else { 0.0 }))
 }
 
 /// The Jacobian of a mode's field, by dual numbers.
