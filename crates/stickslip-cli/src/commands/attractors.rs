@@ -130,7 +130,9 @@ pub(super) fn place(outcome: &Outcome) -> Option<String> {
 
 /// A state for people.
 pub(super) fn state_words(x: &[f64]) -> String {
-    let x: Vec<String> = x.iter().map(|x| format!("{x:.9}")).collect();
+    // What rounds to zero has no sign.
+    let signed = |x: f64| if x.abs() < 0.5e-9 { 0.0 } else { x };
+    let x: Vec<String> = x.iter().map(|&x| format!("{:.9}", signed(x))).collect();
     format!("({})", x.join(", "))
 }
 
