@@ -158,9 +158,9 @@ impl Orbit<'_> {
             };
             let imaginary = match multiplier.im {
                 0.0 => String::new(),
-                im => format!(" {} {} i", if im < 0.0 { "-" } else { "+" }, im.abs()),
+                im => format!(" {} {:?} i", if im < 0.0 { "-" } else { "+" }, im.abs()),
             };
-            let _ = writeln!(text, "  {title:13}{}{imaginary}{trivial}", multiplier.re);
+            let _ = writeln!(text, "  {title:13}{:?}{imaginary}{trivial}", multiplier.re);
         }
         let _ = writeln!(text, "  stability    {}", self.stability());
         let _ = writeln!(

@@ -30,6 +30,9 @@ pub struct PeriodicOrbit<const N: usize> {
 /// Iterations allowed.
 const MOST: usize = 30;
 
+/// Tolerances within which an orbit has come back.
+const TOLERANCES: f64 = 100.0;
+
 /// The periodic orbit near `x` of a system with period `period` in time (a forced one), by Newton's iteration on
 /// `x(t + period) − x` with the monodromy matrix.
 ///
@@ -158,7 +161,10 @@ pub fn find_periodic_orbit<S: Switched<N, G>, const N: usize, const G: usize>(
         }
     }
     let nearest = returns.iter().map(|r| r.1).fold(f64::INFINITY, f64::min);
-    let first = returns.iter().find(|r| r.1 <= 2.0 * nearest);
+    // Nearer than the tolerance tells, one return is as good as another.
+    let blurred = options.atol + options.rtol * start.x.norm();
+    let near = 2.0 * nearest.max(TOLERANCES * blurred);
+    let first = returns.iter().find(|r| r.1 <= near);
     let &(period, _) = first.ok_or_else(not_found)?;
     let start = Anchor { t: 0.0, ..start };
     shoot(system, &start, period, false, options)

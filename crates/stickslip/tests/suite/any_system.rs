@@ -12,7 +12,7 @@ use crate::den_hartog::DenHartog;
 use crate::grazes;
 use crate::line::Line;
 use crate::listed::{Listed, systems};
-use crate::lyapunov_equations::{Fork, FromSupport, Linear, Refracting, Rider, Roessler};
+use crate::lyapunov_equations::{Fork, FromSupport, Linear, Pressed, Refracting, Rider, Roessler};
 use crate::sections::Watches;
 use crate::smooth::{Lorenz, Smooth};
 use crate::solver::systems::{
@@ -42,7 +42,7 @@ systems!(
     Roessler(Smooth<Roessler>), TwiceRound(TwiceRound),
 );
 
-systems!(Any4, 4: Bracket(BlockAndBracket));
+systems!(Any4, 4: Bracket(BlockAndBracket), Pressed(Pressed));
 
 pub fn solve<S: Listed<N>, const N: usize>(
     system: &S,

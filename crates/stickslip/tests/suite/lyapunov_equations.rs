@@ -54,6 +54,42 @@ fn linear_systems_have_the_real_parts_of_their_eigenvalues() {
     assert_eq!((spectrum.stick_entries, spectrum.stick_fraction), (0, 0.0));
 }
 
+/// A driven linear system of eigenvalues -1/2 ± 2i and -8 on the boundary `w = 3x/10 + y/5`, which is pressed upon by 100 and so never left.
+pub struct Pressed;
+
+impl Filippov<4> for Pressed {
+    fn field<T: Scalar>(&self, side: Side, t: T, &[x, y, z, _]: &[T; 4]) -> [T; 4] {
+        let (along, turns) = (-x * 0.5 + y * 2.0 + t.cos(), -y * 0.5 - x * 2.0);
+        let across = x - 100.0 * side.sign();
+        [
+            along,
+            turns,
+            -z * 8.0 + x,
+            along * 0.3 + turns * 0.2 + across,
+        ]
+    }
+    fn boundary<T: Scalar>(&self, _t: T, &[x, y, _, w]: &[T; 4]) -> T {
+        w - x * 0.3 - y * 0.2
+    }
+}
+
+#[test]
+fn a_long_stick_has_the_exponents_of_the_sliding_flow() {
+    let start = (0.0, State::from([1.0, 1.0, 2.0, 0.5]));
+    for duration in [100.0, 1000.0] {
+        let settings = SpectrumOptions::over(50.0, duration).solver(Options::tol(1e-10));
+        let spectrum = lyapunov_spectrum(&Pressed, start, &settings).unwrap();
+        assert_eq!((spectrum.stick_entries, spectrum.stick_fraction), (0, 1.0));
+        let [first, second, third, last] = spectrum.exponents;
+        // Of the first two each turns with the frame.
+        close(first.value(), -0.5, 1.0 / duration);
+        close(first.value() + second.value(), -1.0, 1e-6);
+        close(third.value(), -8.0, 1e-6);
+        assert_eq!(last, Exponent::Annihilated);
+        close(spectrum.defect(), 0.0, 1e-6);
+    }
+}
+
 #[test]
 fn the_largest_exponent_is_found_where_the_axes_decouple() {
     let matrix = [[-1.0, 0.0, 0.0], [0.0, -2.0, 0.0], [0.0, 0.0, 0.3]];

@@ -61,6 +61,13 @@ impl<const N: usize> Frame<N> {
         }
     }
 
+    /// Changes the vectors alive.
+    pub(super) fn change_living(&mut self, change: impl Fn(&mut State<N>)) {
+        for j in self.living() {
+            change(&mut self.columns[j]);
+        }
+    }
+
     /// Modified Gram–Schmidt; returns the length of what is left of each vector after those before it are
     /// taken out, or `None` if one of them is zero or not finite.
     pub(super) fn orthonormalise(&mut self) -> Option<[f64; N]> {

@@ -12,6 +12,9 @@ use crate::math;
 use crate::ode::Timed;
 use crate::system::State;
 
+/// Part of its length by which a vector may be off the boundary of what sticks: its length is then off by the square of that.
+const OFF: f64 = 1e-12;
+
 /// The frame, and what is summed up of it.
 pub(super) struct Measurement<'a, S, const N: usize> {
     tangent: Tangent<'a, S>,
@@ -146,14 +149,9 @@ impl<S, const N: usize> Measurement<'_, S, N> {
         S: Switched<N, G>,
     {
         let (t, x) = (step.t_start, step.x_start);
-        let mut across: Vec<State<N>> = Vec::new();
-        for (_, mut gradient) in self.tangent.system.normals(step.mode, &Timed { t, x }) {
-            for before in &across {
-                flatten(before, &mut gradient);
-            }
+        for gradient in self.gradients(step.mode, &Timed { t, x }) {
             let kernel = gradient / gradient.norm();
             self.project(&kernel, &gradient, |q| *q)?;
-            across.push(gradient);
         }
         for j in 0..N {
             if self.frame.is_alive(j) {
@@ -162,6 +160,38 @@ impl<S, const N: usize> Measurement<'_, S, N> {
         }
         self.log_volume = 0.0;
         Some(())
+    }
+
+    /// Gradients of the boundaries of what sticks, made orthogonal.
+    fn gradients<const G: usize>(&self, mode: S::Mode, at: &Timed<N>) -> Vec<State<N>>
+    where
+        S: Switched<N, G>,
+    {
+        let mut across: Vec<State<N>> = Vec::new();
+        for (_, mut gradient) in self.tangent.system.normals(mode, at) {
+            for before in &across {
+                flatten(before, &mut gradient);
+            }
+            across.push(gradient);
+        }
+        across
+    }
+
+    /// Lays the vectors alive onto the boundaries of what sticks, where rounding has taken them off. Across a boundary the sliding flow lets be,
+    /// so that in a long stick a vector that shrinks along it would become what rounding has left across.
+    fn stay_on_boundary<const G: usize>(&mut self, step: &StepRecord<N, S::Mode>)
+    where
+        S: Switched<N, G>,
+    {
+        let (t, x) = (step.t_end, step.x_end);
+        let gradients = self.gradients(step.mode, &Timed { t, x });
+        self.frame.change_living(|q| {
+            for gradient in &gradients {
+                if gradient.dot(q).abs() > OFF * gradient.norm() * q.norm() {
+                    flatten(gradient, q);
+                }
+            }
+        });
     }
 
     fn take<const G: usize>(&mut self, step: &StepRecord<N, S::Mode>) -> Option<()>
@@ -180,6 +210,7 @@ impl<S, const N: usize> Measurement<'_, S, N> {
         };
         self.divergence += growth;
         if is_stick {
+            self.stay_on_boundary(step);
             self.stick_time += step.t_end - step.t_start;
         }
         self.book(growth)

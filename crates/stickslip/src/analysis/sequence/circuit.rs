@@ -18,6 +18,13 @@ pub(crate) struct Part<const N: usize, K> {
     pub duration: f64,
 }
 
+impl<const N: usize, K> Part<N, K> {
+    /// Time of its middle.
+    fn middle(&self) -> Option<f64> {
+        Some(self.first.as_ref()?.t + 0.5 * self.duration)
+    }
+}
+
 /// What a part is, apart from its length: sequences of these are compared.
 pub(crate) type Kind<K> = (K, Option<(TransitionKind, usize)>);
 
@@ -36,7 +43,8 @@ pub(crate) struct Circuit<const N: usize, K> {
 
 impl<const N: usize, K: Copy + PartialEq> Circuit<N, K> {
     /// Follows the orbit from `start`, in the middle of a phase, for a period. Where that phase is so short that the start, as well as it is
-    /// known, lies in the one beside it, the orbit is followed from the middle of that phase.
+    /// known, lies in the one beside it, the orbit is followed from the middle of that phase; where the start cuts one that begins just there,
+    /// from the middle of the longest.
     ///
     /// # Errors
     /// Those of [`solve`]; [`Error::NoUniqueFuture`].
@@ -47,7 +55,7 @@ impl<const N: usize, K: Copy + PartialEq> Circuit<N, K> {
         options: &Options,
     ) -> Result<Self, Error> {
         let found = Circuit::from(system, &start.at(), period, options)?;
-        let Some(t) = found.beside(start.mode) else {
+        let Some(t) = found.beside(start.mode).or_else(|| found.beside_cut()) else {
             return Ok(found);
         };
         let x = run(system, start.t, start.x, t, options, &mut ())?.x;
@@ -61,9 +69,26 @@ impl<const N: usize, K: Copy + PartialEq> Circuit<N, K> {
     fn beside(&self, mode: K) -> Option<f64> {
         let (last, others) = self.parts.split_last()?;
         let is_meant = |part: &&Part<N, K>| part.mode == mode && last.mode != mode;
-        let middle = |part: &Part<N, K>| Some(part.first?.t + 0.5 * part.duration);
         let beside = [others.first()?, others.last()?];
-        beside.into_iter().find(is_meant).and_then(middle)
+        beside.into_iter().find(is_meant).and_then(Part::middle)
+    }
+
+    /// The middle of the longest phase, where one begins in a mode that the one before it does not have: the cut at the start is within rounding of
+    /// a transition.
+    fn beside_cut(&self) -> Option<f64> {
+        let before = self
+            .parts
+            .iter()
+            .cycle()
+            .skip(self.parts.len().checked_sub(1)?);
+        let is_cut = |(before, part): (&Part<N, K>, &Part<N, K>)| {
+            part.first.is_some_and(|at| at.from != before.mode)
+        };
+        let longest = || {
+            let parts = self.parts.iter();
+            parts.max_by(|a, b| a.duration.total_cmp(&b.duration))
+        };
+        before.zip(&self.parts).any(is_cut).then(longest)??.middle()
     }
 
     fn from<S: Switched<N, G, Mode = K>, const G: usize>(

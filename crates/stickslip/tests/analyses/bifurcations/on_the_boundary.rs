@@ -4,9 +4,9 @@ use std::f64::consts::PI;
 
 use stickslip::analysis::{
     ContinuationSettings, Kind, SequenceBifurcation, Special, Stop, SweepSettings, WhatChanges,
-    continue_periodic_orbit, find_periodic_orbit, multipliers, sweep,
+    continue_periodic_orbit, find_periodic_orbit, is_same_cycle, multipliers, sweep,
 };
-use stickslip::{Mode, Options, math};
+use stickslip::{Mode, Options, Side, math};
 
 use super::systems::{AtParameter, Lies, Shaken, Sheet};
 use crate::listed::Listed;
@@ -19,9 +19,15 @@ fn an_orbit_that_never_slips_is_found_with_its_multipliers() {
         system: PULLED,
         value: 2.0,
     };
-    for (start, tolerance) in [([0.3, 0.4, 3.0], 1e-12), ([-2.0, 0.1, -1.0], 1e-9)] {
+    // Of many returns, all of them back to what rounding leaves, the first is the period.
+    let starts = [
+        ([0.3, 0.4, 3.0], 1e-12, 30.0),
+        ([-2.0, 0.1, -1.0], 1e-9, 30.0),
+        ([0.3, 0.4, 3.0], 1e-9, 500.0),
+    ];
+    for (start, tolerance, longest) in starts {
         let options = Options::tol(tolerance);
-        let cycle = find_periodic_orbit(&system.any(), start, 3.0, 30.0, &options).unwrap();
+        let cycle = find_periodic_orbit(&system.any(), start, 3.0, longest, &options).unwrap();
         let near = 1e3 * tolerance;
         assert!((cycle.period - 2.0 * PI).abs() < near, "{}", cycle.period);
         assert!((cycle.x.xy().norm() - 1.0).abs() < near);
@@ -170,6 +176,42 @@ fn where_it_begins_to_slip_is_located_from_both_sides() {
             &change.after
         };
         assert_eq!(stuck.as_slice(), [Mode::Stick], "{ends:?}");
+    }
+}
+
+/// Here the section that the sweep sees an orbit by lies where the first slip begins.
+#[test]
+fn the_phases_on_both_sides_are_told_where_slip_begins_at_the_start() {
+    for ends in [[1.05, 1.15], [1.15, 1.05]] {
+        let family = |value| {
+            let system = AtParameter {
+                system: PULLED,
+                value,
+            };
+            Box::leak(Box::new(system)).any()
+        };
+        let settings = SweepSettings::within(2000.0);
+        let start = [1.0, 0.0, 1.0];
+        let found = sweep(family, ends, start, &settings, &Options::tol(1e-10)).unwrap();
+        let [change] = found.changes.as_slice() else {
+            panic!("{:?}", found.changes);
+        };
+        let WhatChanges::Sequence(change) = &change.what else {
+            panic!("{change:?}");
+        };
+        assert!((change.parameter - 1.1).abs() < 1e-9, "{change:?}");
+        let [one, other] = [&change.before, &change.after];
+        let [stuck, slips] = if ends[0] > 1.1 {
+            [one, other]
+        } else {
+            [other, one]
+        };
+        let slip = Mode::Slip(Side::Above);
+        assert_eq!(stuck.as_slice(), [Mode::Stick], "{ends:?}");
+        assert!(
+            is_same_cycle(slips, &[slip, Mode::Stick]),
+            "{ends:?} {slips:?}"
+        );
     }
 }
 
