@@ -3,7 +3,7 @@
 use plot::*;
 use stickslip::Mode;
 
-use super::recording::Recording;
+use super::recording::{Phase, Recording};
 use crate::output::OutputError;
 use crate::system::System;
 
@@ -95,11 +95,7 @@ pub(super) fn in_time(system: &System, words: &str, power: &str) -> String {
 
 /// An axis for values, with a little room at both ends.
 pub(super) fn axis(label: &str, values: impl Iterator<Item = f64>) -> Axis {
-    let (low, high) = values
-        .filter(|value| value.is_finite())
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
-            (low.min(v), high.max(v))
-        });
+    let (low, high) = extremes(values);
     let (low, high) = if low <= high { (low, high) } else { (0.0, 0.0) };
     // What differs by rounding only has one value.
     let least = 1e-9 * low.abs().max(high.abs()).max(1e-6);
@@ -193,27 +189,31 @@ pub(super) fn portrait(system: &System, recording: &Recording) -> Result<String,
 /// Where a contact's sticks stand in the plane of the first two states, but for a part of it that is not seen.
 fn standing(recording: &Recording, contact: usize) -> Vec<(f64, f64)> {
     const UNSEEN: f64 = 0.01;
-    let extent = |values: &mut dyn Iterator<Item = f64>| {
-        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
-            (low.min(x), high.max(x))
-        });
+    let points = &recording.points;
+    let width = [0, 1].map(|k| {
+        let (low, high) = extremes(points.iter().map(|point| point.x[k]));
         high - low
-    };
-    let width = [0, 1].map(|k| extent(&mut recording.points.iter().map(|point| point.x[k])));
-    let stands = recording.phases.iter().filter(|phase| {
-        let from = recording
-            .points
-            .partition_point(|point| point.t < phase.t_start);
-        let of = recording.points[from..].iter();
-        let within = of.take_while(|point| point.t <= phase.t_end);
-        let points: Vec<_> = within.collect();
-        let moves = |k: usize| extent(&mut points.iter().map(|point| point.x[k]));
-        phase.modes.as_slice().get(contact) == Some(&Mode::Stick)
-            && (0..2).all(|k| moves(k) <= UNSEEN * width[k])
+    });
+    let is_stick = |phase: &&Phase| phase.modes.as_slice().get(contact) == Some(&Mode::Stick);
+    let stands = recording.phases.iter().filter(is_stick).filter(|phase| {
+        let from = points.partition_point(|point| point.t < phase.t_start);
+        let end = points.partition_point(|point| point.t <= phase.t_end);
+        (0..2).all(|k| {
+            let (low, high) = extremes(points[from..end].iter().map(|point| point.x[k]));
+            high - low <= UNSEEN * width[k]
+        })
     });
     stands
         .map(|phase| (phase.x_end[0], phase.x_end[1]))
         .collect()
+}
+
+/// The least and the greatest of the values that are finite; infinite, and the greater one first, where there are none.
+pub(super) fn extremes(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    let finite = values.filter(|value| value.is_finite());
+    finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
+        (low.min(value), high.max(value))
+    })
 }
 
 /// All states against time, and when each contact sticks.

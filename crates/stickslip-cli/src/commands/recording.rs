@@ -99,15 +99,12 @@ impl Recording {
         if deep > 0 {
             let middle = within(step, t);
             let ends = from.1.iter().zip(&to.1);
-            let off = middle.iter().zip(ends).zip(&self.extent);
-            let is_bent = |(x, (a, b)): (&f64, (&f64, &f64)), &(low, high): &(f64, f64)| {
-                (x - 0.5 * (a + b)).abs()
-                    > STRAIGHT * (high - low) + ROUNDING * low.abs().max(high.abs())
-            };
-            if off
-                .into_iter()
-                .any(|(values, range)| is_bent(values, range))
-            {
+            let mut states = middle.iter().zip(ends).zip(&self.extent);
+            let is_bent = states.any(|((x, (a, b)), &(low, high))| {
+                let rounding = ROUNDING * low.abs().max(high.abs());
+                (x - 0.5 * (a + b)).abs() > STRAIGHT * (high - low) + rounding
+            });
+            if is_bent {
                 let middle = (t, middle);
                 self.part(step, from, middle.clone(), deep - 1);
                 return self.part(step, &middle, to, deep - 1);
@@ -115,8 +112,8 @@ impl Recording {
         }
         self.points.push(Point {
             t: to.0,
-            ends_step: to.0 == step.t_end,
             x: to.1,
+            ends_step: false,
         });
     }
 
@@ -161,6 +158,9 @@ impl Watcher for Recording {
             };
             self.part(step, &from, to.clone(), MOST_HALVINGS);
             from = to;
+        }
+        if let Some(last) = self.points.last_mut() {
+            last.ends_step = true;
         }
         let (from, to) = self.span;
         self.patience.done((step.t_end - from) / (to - from));

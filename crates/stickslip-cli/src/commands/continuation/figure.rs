@@ -199,9 +199,7 @@ fn end_marks(end: &Point, stop: Stop, values: &[Value]) -> Vec<(f64, f64)> {
 /// The part of the range that the branch takes, with a little room.
 fn ends(told: &Told<'_>) -> (f64, f64) {
     let parameters = told.branch.points.iter().map(|at| at.orbit.parameter);
-    let (low, high) = parameters.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| {
-        (low.min(p), high.max(p))
-    });
+    let (low, high) = figures::extremes(parameters);
     let range = told.range;
     if low >= high {
         return (range.low, range.high);
@@ -270,9 +268,6 @@ fn runs(branch: &Branch, value: Value, is_size: bool) -> Vec<(Stability, Vec<(f6
 
 /// Whether a value is not the same everywhere but for rounding, and for what it may be off.
 fn differs(points: &[Point], value: Value, error: f64) -> bool {
-    let values = || points.iter().map(value);
-    let (low, high) = values().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
-        (low.min(v), high.max(v))
-    });
+    let (low, high) = figures::extremes(points.iter().map(value));
     high - low > error + 1e-9 * high.abs()
 }
