@@ -186,7 +186,8 @@ impl Search<'_> {
         Ok(found.iter().all(|(low, high)| low == high))
     }
 
-    /// Why there is no periodic orbit: where the run comes to rest, that it does, and otherwise what the search failed with.
+    /// Why there is no periodic orbit: where the run comes to rest, that it does, where it takes longer to come back, how long, and otherwise what
+    /// the search failed with.
     fn instead(&self, error: Error, x: &[f64]) -> Failure {
         let looked = matches!(
             error,
@@ -196,17 +197,23 @@ impl Search<'_> {
         let outcome = looked
             .then(|| attractors::reached_from(self.system, x, &settings, self.options))
             .and_then(Result::ok);
-        let rest = outcome.and_then(|outcome| Some((attractors::place(&outcome)?, outcome.motion)));
-        let Some((place, motion)) = rest else {
+        let Some(outcome) = outcome else {
             return error.into();
         };
-        let rest = match motion {
-            Motion::EquilibriumSet => {
-                format!("the equilibrium {place}, one of a set of equilibria")
+        match (attractors::place(&outcome), outcome.motion) {
+            (Some(place), Motion::EquilibriumSet) => comes_to(&format!(
+                "the equilibrium {place}, one of a set of equilibria"
+            )),
+            (Some(place), _) => comes_to(&format!("the equilibrium {place}")),
+            (None, Motion::Periodic { period, .. }) if period > self.longest => {
+                Failure::NoPeriodicOrbit(format!(
+                    "no periodic orbit was found that comes back within {}: the run comes to one of period {period:.6}; give a longer time \
+                     (--longest)",
+                    self.longest
+                ))
             }
-            _ => format!("the equilibrium {place}"),
-        };
-        comes_to(&rest)
+            _ => error.into(),
+        }
     }
 
     fn strobed(&self, t: f64, x: &[f64], span: f64) -> Result<(f64, Vec<f64>), Failure> {
