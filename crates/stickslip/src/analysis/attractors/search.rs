@@ -20,7 +20,7 @@ use crate::orbit::Ending;
 use crate::system::State;
 
 /// Steps without a transition after which the turning points of the first state are watched.
-const QUIET: usize = 400;
+const QUIET: usize = 100;
 
 /// Steps without a transition after which an equilibrium is looked for that the orbit may be drawn to. Then half as many more are needed, and so
 /// on: a cycle with long phases is asked a few times in all.
