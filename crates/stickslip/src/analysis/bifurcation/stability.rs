@@ -1,10 +1,24 @@
 //! Where an equilibrium loses its stability.
 
 use super::{Reached, WhatChanges};
-use crate::analysis::attractors::rest::equilibrium_near;
+use crate::analysis::attractors::rest::{ZERO, equilibrium_near};
 use crate::analysis::multipliers;
 use crate::filippov::Switched;
 use crate::ode::Timed;
+use crate::system::State;
+
+/// How far behind a value of the sweep its change is looked for where that value hits it, as a part of the way between two.
+const BEHIND: f64 = 1.0 / 64.0;
+
+/// What decides on an equilibrium at one value of the parameter.
+struct Leading<const N: usize> {
+    x: State<N>,
+    /// The largest real part among the eigenvalues, and the size of the imaginary part there.
+    rate: f64,
+    frequency: f64,
+    /// Rates that cannot be told from zero.
+    noise: f64,
+}
 
 /// Where the equilibrium loses its stability on the way to another value.
 pub(super) fn loss_of_stability<S: Switched<N, G>, const N: usize, const G: usize>(
@@ -14,7 +28,7 @@ pub(super) fn loss_of_stability<S: Switched<N, G>, const N: usize, const G: usiz
 ) -> Option<WhatChanges<N, S::Mode>> {
     let mode = from.1.mode;
     let mut x = from.1.points.first()?.x;
-    // The largest real part among the eigenvalues, and the imaginary part there; of stick the zeros across the boundary do not count.
+    // Of stick the zeros across the boundary do not count.
     let mut leading = |parameter: f64| {
         let system = family(parameter);
         let rest = equilibrium_near(&system, mode, 0.0, &x, N)?;
@@ -24,10 +38,21 @@ pub(super) fn loss_of_stability<S: Switched<N, G>, const N: usize, const G: usiz
         values.sort_by(|a, b| a.norm().total_cmp(&b.norm()));
         let of_field = values.iter().skip(across);
         let first = of_field.max_by(|a, b| a.re.total_cmp(&b.re))?;
-        Some((first.re, first.im.abs(), rest.x))
+        Some(Leading {
+            x,
+            rate: first.re,
+            frequency: first.im.abs(),
+            noise: ZERO * rest.jacobian.amax(),
+        })
     };
     let (mut a, mut b) = (from.0, to);
-    let (mut at_a, mut at_b) = (leading(a)?.0, leading(b)?.0);
+    let (mut at_a, there) = (leading(a)?.rate, leading(b)?);
+    let mut at_b = there.rate;
+    // At a change that a value of the sweep hits rounding tells the sign.
+    if at_b.abs() <= there.noise {
+        b += BEHIND * (b - a);
+        at_b = leading(b)?.rate;
+    }
     if at_a * at_b >= 0.0 {
         return None;
     }
@@ -35,7 +60,7 @@ pub(super) fn loss_of_stability<S: Switched<N, G>, const N: usize, const G: usiz
     let mut last = a;
     for _ in 0..100 {
         let next = b - at_b * (b - a) / (at_b - at_a);
-        let value = leading(next)?.0;
+        let value = leading(next)?.rate;
         let has_settled = (next - last).abs() <= 2.0 * f64::EPSILON * next.abs();
         last = next;
         if value == 0.0 || has_settled {
@@ -48,7 +73,7 @@ pub(super) fn loss_of_stability<S: Switched<N, G>, const N: usize, const G: usiz
         }
         (b, at_b) = (next, value);
     }
-    let (_, frequency, x) = leading(last)?;
+    let Leading { x, frequency, .. } = leading(last)?;
     Some(WhatChanges::Equilibrium {
         parameter: last,
         x,

@@ -211,6 +211,24 @@ fn den_hartog_s_orbits_have_stops_from_his_edge_on() {
     }
 }
 
+/// Rounding decides whether the focus is stable at such a value.
+#[test]
+fn a_loss_of_stability_that_a_value_of_the_sweep_hits_is_located() {
+    let focus = 0.5 * LN_10;
+    let family = |vd| kept(Driven { vd }).any();
+    for hit in [focus.next_down(), focus, focus.next_up()] {
+        let (settings, options) = (SweepSettings::within(200.0), Options::tol(1e-10));
+        let found = sweep(family, [1.3, hit], [0.55, 0.0], &settings, &options).unwrap();
+        let [change] = found.changes.as_slice() else {
+            panic!("{:?}", found.points);
+        };
+        let WhatChanges::Equilibrium { parameter, .. } = &change.what else {
+            panic!("{change:?}");
+        };
+        assert!((parameter - focus).abs() < 1e-12, "{parameter}");
+    }
+}
+
 #[test]
 fn the_ends_of_bistability_are_found_by_sweeps_up_and_down() {
     // At half a logarithm of ten the friction's fall takes all the damping away: 0.1 = e^(-2 vd).
