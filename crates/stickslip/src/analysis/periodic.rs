@@ -263,7 +263,18 @@ fn correction<const N: usize>(
             matrix[(N, i)] = direction[i];
         }
     }
-    let solution = matrix.lu().solve(&right)?;
+    let solution = newton_solution(matrix, &right)?;
     let dx = State::from_fn(|i, _| solution[i]);
     Some((dx, if phase.is_some() { solution[N] } else { 0.0 }))
+}
+
+/// Solves the equations of a Newton step. Where they leave a direction free, as the place of a block that nothing depends on, its solution is the one
+/// that does not go that way.
+pub(super) fn newton_solution(matrix: DMatrix<f64>, right: &DVector<f64>) -> Option<DVector<f64>> {
+    if let Some(solution) = matrix.clone().lu().solve(right) {
+        return Some(solution);
+    }
+    let bound = f64::EPSILON * matrix.amax();
+    let is_finite = matrix.iter().all(|v| v.is_finite());
+    is_finite.then(|| matrix.svd(true, true).solve(right, bound).ok())?
 }

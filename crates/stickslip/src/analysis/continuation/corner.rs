@@ -2,6 +2,7 @@
 
 use super::corrector::{Corrector, Guess, OnBranch};
 use super::walk::RESOLUTION;
+use crate::analysis::anchor::Anchor;
 use crate::analysis::bifurcation::extrapolated;
 use crate::analysis::sequence::locate::approach;
 use crate::analysis::sequence::{Place, SequenceBifurcation, SequenceChange, describe};
@@ -158,14 +159,14 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Behind<'_, S, N, G> {
                         continue;
                     };
                     // Another orbit with other phases may be at the same parameter, but further off.
-                    let off = near.circuit.anchor.x - at.x;
+                    let off = near.branch.start.x - at.x;
                     if off.norm() > FURTHEST * offset.abs() * slope.norm() {
                         continue;
                     }
-                    let further = near.circuit.anchor.x + (guess - at.x) * 0.5;
+                    let further = near.branch.start.x + (guess - at.x) * 0.5;
                     if let Some(far) = orbit(further)
                         && far.circuit.sequence() == near.circuit.sequence()
-                        && self.leads_on(&near, &far)
+                        && self.leads_on(at, &near, &far)
                     {
                         return Some([near, far]);
                     }
@@ -175,14 +176,17 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Behind<'_, S, N, G> {
         None
     }
 
-    /// Whether the way from the last orbit goes by the first of two to the second, with no fold between these.
-    fn leads_on(&self, near: &OnBranch<N, S::Mode>, far: &OnBranch<N, S::Mode>) -> bool {
-        let Some(edge) = self.good.last() else {
-            return false;
-        };
-        let [edge, first, second] = [edge, near, far].map(|one| one.circuit.anchor.x);
+    /// Whether the way from the last orbit's state goes by the first of two to the second, with no fold between these. All three are where Newton's
+    /// iteration was at this state's time: the middle of a phase may be of another one.
+    fn leads_on(
+        &self,
+        at: &Anchor<N, S::Mode>,
+        near: &OnBranch<N, S::Mode>,
+        far: &OnBranch<N, S::Mode>,
+    ) -> bool {
+        let [first, second] = [near, far].map(|one| one.branch.start.x);
         let is_forced = self.corrector.forced.is_some();
         let [a, b] = [near, far].map(|one| one.branch.critical(is_forced).one);
-        (first - edge).dot(&(second - first)) > 0.0 && a * b > 0.0
+        (first - at.x).dot(&(second - first)) > 0.0 && a * b > 0.0
     }
 }

@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector, SMatrix};
 use crate::analysis::anchor::Anchor;
 use crate::analysis::critical::Critical;
 use crate::analysis::monodromy::turn;
-use crate::analysis::periodic::rounding;
+use crate::analysis::periodic::{newton_solution, rounding};
 use crate::analysis::sequence::circuit::Circuit;
 use crate::analysis::sequence::locate::Known;
 use crate::filippov::{Options, Switched};
@@ -199,7 +199,7 @@ impl<S> Corrector<'_, S> {
                 let back = guess.at.x - at.x;
                 right[N] = slope.dot(&back) - slope[N - 1] * back[N - 1];
             }
-            let change = matrix.lu().solve(&right)?;
+            let change = newton_solution(matrix, &right)?;
             let moved = guess.at.moved(at.x + State::<N>::from_fn(|i, _| change[i]));
             if self.forced.is_none() {
                 period += change[N];

@@ -5,6 +5,7 @@ use super::corrector::{Guess, OnBranch};
 use super::rest::hopf;
 use super::walk::Walk;
 use crate::analysis::anchor::Anchor;
+use crate::analysis::attractors::is_same_cycle;
 use crate::filippov::{Switched, run, solve};
 use crate::system::State;
 
@@ -102,7 +103,9 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
         let begin = first.circuit.anchor.x[N - 1];
         let (from, to) = (a.anchor.x[N - 1], b.anchor.x[N - 1]);
         let passes = (from - begin) * (to - begin) <= 0.0 && from != to;
-        if self.points.len() <= 3 || !passes || b.sequence() != first.circuit.sequence() {
+        // Either may be anchored in another phase.
+        let is_alike = || is_same_cycle(&b.sequence(), &first.circuit.sequence());
+        if self.points.len() <= 3 || !passes || !is_alike() {
             return None;
         }
         let part = (begin - from) / (to - from);
@@ -127,15 +130,24 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
         let first = &self.first;
         let agree = |a: f64, b: f64| (a - b).abs() <= SAME * (1.0 + b.abs());
         if is_forced {
-            // Anchors are in the middle of the longest slip, wherever an orbit was found.
-            let off = found.circuit.anchor.x - first.circuit.anchor.x;
-            return off.amax() <= SAME * first.circuit.extent;
+            let off = |x: State<N>| (x - first.circuit.anchor.x).amax();
+            return self
+                .at_time(found, first.circuit.anchor.t)
+                .is_some_and(|x| off(x) <= SAME * first.circuit.extent);
         }
         // Any state of it may be the anchor.
         let [a, b] = [found, first].map(|one| one.branch.critical(is_forced));
         let [one, two] = [found, first].map(|one| one.circuit.period);
         let alike = agree(one / two, 1.0) && agree(a.one, b.one) && agree(a.minus_one, b.minus_one);
         alike && self.comes_by(found, &first.circuit.anchor.x) <= NEAR * first.circuit.extent
+    }
+
+    /// The state of a driven orbit at a time or whole periods of its own from it.
+    fn at_time(&self, orbit: &OnBranch<N, S::Mode>, t: f64) -> Option<State<N>> {
+        let at = &orbit.circuit.anchor;
+        let t = at.t + (t - at.t).rem_euclid(orbit.circuit.period);
+        let (system, options) = (self.corrector.system, self.corrector.options);
+        Some(run(system, at.t, at.x, t, options, &mut ()).ok()?.x)
     }
 
     /// How near an orbit comes to a state: the mirror image of the first orbit is like it, but elsewhere.

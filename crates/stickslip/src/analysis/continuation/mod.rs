@@ -88,8 +88,7 @@ impl ContinuationSettings {
 pub struct BranchPoint<const N: usize, K = Mode> {
     /// The parameter.
     pub parameter: f64,
-    /// A time and a state on the orbit, in the middle of a phase, a slip if there is one when the branch is begun; the last component is the
-    /// parameter.
+    /// A time and a state on the orbit, in the middle of a phase, which is not the same all along the branch; the last component is the parameter.
     pub t: f64,
     /// See `t`.
     pub x: State<N>,

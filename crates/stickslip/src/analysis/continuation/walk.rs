@@ -7,6 +7,7 @@ use super::corrector::{Corrector, Guess, OnBranch};
 use super::line::Line;
 use super::{Branch, BranchPoint, ContinuationSettings, Special, SpecialPoint, Stop};
 use crate::analysis::anchor::velocity_in;
+use crate::analysis::attractors::is_same_cycle;
 use crate::analysis::sequence::Place;
 use crate::analysis::sequence::SequenceBifurcation;
 use crate::analysis::sequence::circuit::anchor;
@@ -172,6 +173,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
 
     /// Takes a step, or gets behind a change of phases.
     fn advance(&mut self) -> Option<Stop> {
+        self.anchor_anew();
         let line = self.line();
         let wanted = self.last.circuit.sequence();
         let step = self
@@ -231,6 +233,18 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
             }
             Some(found)
         });
+        // On the way there the anchor's phase may be about to vanish.
+        let is_better = |one: &&OnBranch<N, S::Mode>| {
+            let system = self.corrector.system;
+            one.circuit.better_part(system).is_some()
+        };
+        if let Some(one) = good.iter().skip(2).find(is_better) {
+            let one = one.clone();
+            self.follow(one);
+            if self.anchor_anew() {
+                return None;
+            }
+        }
         behind.sort_by(|a, b| a.s.total_cmp(&b.s));
         let edge = good.last()?.clone();
         let place = Place {
@@ -291,6 +305,34 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
         self.take(near);
         self.follow(far);
         None
+    }
+
+    /// Anchors the last two orbits in another phase where that suits better, and can be done: the end of the anchor's own phase is located badly.
+    fn anchor_anew(&mut self) -> bool {
+        let Corrector {
+            system, options, ..
+        } = self.corrector;
+        let old = self.last.circuit.sequence();
+        let Some(part) = self.last.circuit.better_part(system) else {
+            return false;
+        };
+        let anew = |one: &OnBranch<N, S::Mode>| {
+            let at = one.circuit.anchor_in(system, part, options)?;
+            let guess = Guess::at_parameter(at, one.circuit.period, at.x[N - 1]);
+            self.corrector.orbit(&guess, one.s)
+        };
+        if self.before.circuit.sequence() != old {
+            return false;
+        }
+        let (Some(before), Some(last)) = (anew(&self.before), anew(&self.last)) else {
+            return false;
+        };
+        let new = last.circuit.sequence();
+        let is_done = before.circuit.sequence() == new && is_same_cycle(&new, &old);
+        if is_done {
+            (self.before, self.last) = (before, last);
+        }
+        is_done
     }
 
     /// Goes on from this orbit.

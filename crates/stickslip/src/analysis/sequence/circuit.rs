@@ -19,9 +19,23 @@ pub(crate) struct Part<const N: usize, K> {
 }
 
 impl<const N: usize, K> Part<N, K> {
-    /// Time of its middle.
-    fn middle(&self) -> Option<f64> {
-        Some(self.first.as_ref()?.t + 0.5 * self.duration)
+    /// The state in its middle, on the boundary of what sticks, of an orbit that is followed from somewhere within a period before it.
+    fn middle<S: Switched<N, G, Mode = K>, const G: usize>(
+        &self,
+        system: &S,
+        from: &Timed<N>,
+        period: f64,
+        options: &Options,
+    ) -> Result<Anchor<N, K>, Error>
+    where
+        K: Copy,
+    {
+        let t = self.first.as_ref().map_or(from.t, |at| at.t) + 0.5 * self.duration;
+        let x = run(system, from.t, from.x, t, options, &mut ())?.x;
+        // A period earlier it is the same.
+        let before = t - from.t > 0.5 * period;
+        let t = if before { t - period } else { t };
+        Ok(Anchor::of(&Timed { t, x }, self.mode).settled(system))
     }
 }
 
@@ -55,27 +69,62 @@ impl<const N: usize, K: Copy + PartialEq> Circuit<N, K> {
         options: &Options,
     ) -> Result<Self, Error> {
         let found = Circuit::from(system, &start.at(), period, options)?;
-        let Some(t) = found.beside(start.mode).or_else(|| found.beside_cut()) else {
+        let Some(part) = found.beside(start.mode).or_else(|| found.beside_cut()) else {
             return Ok(found);
         };
-        let x = run(system, start.t, start.x, t, options, &mut ())?.x;
-        // A period earlier it is the same.
-        let before = t - start.t > 0.5 * period;
-        let t = if before { t - period } else { t };
-        Circuit::from(system, &Timed { t, x }, period, options)
+        let middle = part.middle(system, &start.at(), period, options)?;
+        Circuit::from(system, &middle.at(), period, options)
     }
 
-    /// The middle of the phase next to the start, where that is in this mode and the start is not.
-    fn beside(&self, mode: K) -> Option<f64> {
+    /// The number of the part that it would better be anchored in, if there is one: of those that are not about to vanish the longest in which the
+    /// fewest contacts stick, for stick forgets what came before.
+    pub fn better_part<S: Switched<N, G, Mode = K>, const G: usize>(
+        &self,
+        system: &S,
+    ) -> Option<usize> {
+        const LASTING: f64 = 0.1;
+        const VANISHING: f64 = 0.01;
+        let durations = self.parts.iter().map(|part| part.duration);
+        let most = durations.fold(0.0, f64::max);
+        let stick = |part: &Part<N, K>| {
+            let at = part.first.as_ref()?;
+            let at = Timed { t: at.t, x: at.x };
+            Some(system.normals(part.mode, &at).len())
+        };
+        let lasting = self.parts.iter().enumerate();
+        let lasting = lasting.filter(|(_, part)| part.duration >= LASTING * most);
+        let (number, fewest, longest) = lasting
+            .filter_map(|(number, part)| Some((number, stick(part)?, part.duration)))
+            .min_by(|(_, a, long), (_, b, longer)| a.cmp(b).then(longer.total_cmp(long)))?;
+        let own = self.parts.last()?;
+        let is_freer = fewest < stick(own)? && longest > own.duration;
+        let is_better = is_freer || own.duration < VANISHING * most;
+        is_better.then_some(number)
+    }
+
+    /// The anchor in the middle of a part.
+    pub fn anchor_in<S: Switched<N, G, Mode = K>, const G: usize>(
+        &self,
+        system: &S,
+        part: usize,
+        options: &Options,
+    ) -> Option<Anchor<N, K>> {
+        let part = self.parts.get(part)?;
+        part.middle(system, &self.anchor.at(), self.period, options)
+            .ok()
+    }
+
+    /// The phase next to the start, where that is in this mode and the start is not.
+    fn beside(&self, mode: K) -> Option<&Part<N, K>> {
         let (last, others) = self.parts.split_last()?;
         let is_meant = |part: &&Part<N, K>| part.mode == mode && last.mode != mode;
         let beside = [others.first()?, others.last()?];
-        beside.into_iter().find(is_meant).and_then(Part::middle)
+        beside.into_iter().find(is_meant)
     }
 
-    /// The middle of the longest phase, where one begins in a mode that the one before it does not have: the cut at the start is within rounding of
+    /// The longest phase, where one begins in a mode that the one before it does not have: the cut at the start is within rounding of
     /// a transition.
-    fn beside_cut(&self) -> Option<f64> {
+    fn beside_cut(&self) -> Option<&Part<N, K>> {
         let before = self
             .parts
             .iter()
@@ -88,7 +137,7 @@ impl<const N: usize, K: Copy + PartialEq> Circuit<N, K> {
             let parts = self.parts.iter();
             parts.max_by(|a, b| a.duration.total_cmp(&b.duration))
         };
-        before.zip(&self.parts).any(is_cut).then(longest)??.middle()
+        before.zip(&self.parts).any(is_cut).then(longest)?
     }
 
     fn from<S: Switched<N, G, Mode = K>, const G: usize>(

@@ -10,6 +10,10 @@ use crate::system::{Mode, Side};
 pub(crate) enum Site {
     /// A guard is smallest within a phase.
     Minimum(usize),
+    /// A guard is smallest at the end of a phase, which another contact ends.
+    End(usize),
+    /// A guard is smallest at the beginning of a phase, which begins with another contact.
+    Begin(usize),
     /// A slip ends on the boundary, near to where stick begins or no longer does.
     Landing,
     /// A slip ends on the boundary ever more along it, until it passes by.
@@ -37,7 +41,7 @@ pub(crate) struct Margin<const N: usize, K> {
     /// Mode before.
     pub incoming: K,
     pub contact: usize,
-    /// The contact that ends a part, where it is not the one that begins it.
+    /// The contact that ends a part, where it is not the one that begins it; or beside whose transition a guard is smallest.
     pub other: Option<usize>,
     pub at: Timed<N>,
     pub is_contact_function: bool,

@@ -1,4 +1,4 @@
-//! The smallest values of the guards within the phases of a periodic orbit.
+//! The smallest values of the guards within the phases of a periodic orbit, and at their ends where these are another contact's.
 
 use super::margin::{Key, Margin, Site, is_contact_function};
 use crate::filippov::{Flow, StepRecord, Switched, Transition, UseFlow};
@@ -22,20 +22,28 @@ pub(super) fn minima<S: Switched<N, G>, const N: usize, const G: usize>(
     // The period is cut in the middle of a phase: what ends with the last step goes on with the first.
     let mut rates = match (orbit.steps.first(), orbit.steps.last()) {
         (Some(first), Some(last)) if first.mode == last.mode => {
-            minima_of(system, last, &[], false).rates
+            minima_of(system, last, &[], [None; 2]).rates
         }
         _ => Vec::new(),
     };
+    let switched = |t: f64| turns.iter().find(|at| at.t == t).map(|at| at.contact);
     for step in &orbit.steps {
         // Before the first transition it is the last part that goes on.
         let passed = turns.iter().filter(|at| at.t <= step.t_start).count();
         let part = passed.checked_sub(1).unwrap_or(last);
-        let begins = turns.iter().any(|at| at.t == step.t_start);
-        let before = if begins { &[][..] } else { &rates };
-        let of_step = minima_of(system, step, before, begins);
+        let ends = [step.t_start, step.t_end].map(switched);
+        let before = if ends[0].is_some() { &[][..] } else { &rates };
+        let of_step = minima_of(system, step, before, ends);
         rates = of_step.rates;
-        for (guard, at, value, scale) in of_step.minima {
-            let site = Site::Minimum(guard);
+        for Minimum {
+            site,
+            guard,
+            other,
+            at,
+            value,
+            scale,
+        } in of_step.minima
+        {
             let same =
                 |margin: &&Margin<N, S::Mode>| margin.key.part == part && margin.key.site == site;
             // At the end of a step rounding may have seen it, and sees it again at the beginning of the next.
@@ -53,7 +61,7 @@ pub(super) fn minima<S: Switched<N, G>, const N: usize, const G: usize>(
                 scale,
                 incoming: step.mode,
                 contact,
-                other: None,
+                other,
                 at,
                 is_contact_function: of_contact,
             });
@@ -67,34 +75,48 @@ fn minima_of<S: Switched<N, G>, const N: usize, const G: usize>(
     system: &S,
     step: &StepRecord<N, S::Mode>,
     before: &[f64],
-    begins: bool,
+    ends: [Option<usize>; 2],
 ) -> OfStep<N> {
     let t = 0.5 * (step.t_start + step.t_end);
     let x = step.dense.at_time(t);
     let branch = system.branch(&Timed { t, x });
     let search = Minima {
         step,
-        begins,
+        ends,
         before,
+        contact_of: S::contact_of,
     };
     system.with_flow(step.mode, branch, search)
 }
 
 /// What is found in a step.
 struct OfStep<const N: usize> {
-    /// Guard, place, value, and the largest size that it has in the step.
-    minima: Vec<(usize, Timed<N>, f64, f64)>,
+    minima: Vec<Minimum<N>>,
     /// The rates of the guards at its end.
     rates: Vec<f64>,
+}
+
+/// The smallest value of a guard near by.
+struct Minimum<const N: usize> {
+    site: Site,
+    guard: usize,
+    /// The contact beside whose transition it is.
+    other: Option<usize>,
+    at: Timed<N>,
+    value: f64,
+    /// The largest size that the guard has in the step.
+    scale: f64,
 }
 
 /// The minima of the guards of a step's mode within it.
 struct Minima<'a, K, const N: usize> {
     step: &'a StepRecord<N, K>,
-    /// Whether a phase begins with the step: a guard may leave zero there without a rate.
-    begins: bool,
+    /// The contacts with whose transitions a phase begins with the step, and ends with it.
+    ends: [Option<usize>; 2],
     /// The rates of the guards at the end of the step before, where it is of the same phase.
     before: &'a [f64],
+    /// The contact of a guard.
+    contact_of: fn(usize) -> usize,
 }
 
 impl<K, const N: usize> UseFlow<N> for Minima<'_, K, N> {
@@ -115,7 +137,8 @@ impl<K, const N: usize> UseFlow<N> for Minima<'_, K, N> {
                 let Timed { t, x } = place(s);
                 flow.jet(guard, t, &x)
             };
-            let first = usize::from(self.begins);
+            // A guard may leave zero without a rate where a phase begins.
+            let first = usize::from(self.ends[0].is_some());
             let samples: Vec<_> = (first..=SAMPLES)
                 .map(|k| {
                     let s = k as f64 / SAMPLES as f64;
@@ -126,8 +149,26 @@ impl<K, const N: usize> UseFlow<N> for Minima<'_, K, N> {
             let scale = sizes.fold(f64::MIN_POSITIVE, f64::max);
             // A step may end at a minimum, and rounding take its rate there for one of either sign.
             let falls = self.before.get(k).is_some_and(|rate| *rate < 0.0);
+            let minimum = |site, other, s: f64| Minimum {
+                site,
+                guard,
+                other,
+                at: place(s),
+                value: jet(s)[0],
+                scale,
+            };
             if falls && samples[0].1[1] >= 0.0 {
-                found.push((guard, place(0.0), jet(0.0)[0], scale));
+                found.push(minimum(Site::Minimum(guard), None, 0.0));
+            }
+            // Where another contact switches it may jump.
+            let others = self
+                .ends
+                .map(|one| one.filter(|one| *one != (self.contact_of)(guard)));
+            if others[0].is_some() && jet(0.0)[1] > 0.0 {
+                found.push(minimum(Site::Begin(guard), others[0], 0.0));
+            }
+            if others[1].is_some() && jet(1.0)[1] < 0.0 {
+                found.push(minimum(Site::End(guard), others[1], 1.0));
             }
             rates.extend(samples.last().map(|(_, jet)| jet[1]));
             for pair in samples.windows(2) {
@@ -155,7 +196,7 @@ impl<K, const N: usize> UseFlow<N> for Minima<'_, K, N> {
                     }
                     s = next;
                 }
-                found.push((guard, place(s), jet(s)[0], scale));
+                found.push(minimum(Site::Minimum(guard), None, s));
             }
         }
         OfStep {

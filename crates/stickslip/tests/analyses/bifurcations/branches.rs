@@ -38,6 +38,25 @@ fn branch<S: Listed<3>>(
     continue_periodic_orbit(&system.any(), x, period, upwards, settings, &options).unwrap()
 }
 
+/// r² of the outer or the inner cycle of `r' = r (p + 2 r² - r⁴)`.
+pub fn square_of_radius(is_outer: bool, p: f64) -> f64 {
+    let root = (1.0 + p).max(0.0).sqrt();
+    if is_outer { 1.0 + root } else { 1.0 - root }
+}
+
+/// Whether a branch ends where the inner one of these shrinks to the focus, at θ' = 1.
+pub fn is_hopf_at_zero(stop: Stop) {
+    let Stop::Equilibrium {
+        parameter,
+        frequency,
+    } = stop
+    else {
+        panic!("{stop:?}");
+    };
+    assert!(parameter.abs() < 1e-9, "{parameter}");
+    assert!((frequency - 1.0).abs() < 1e-9, "{frequency}");
+}
+
 #[test]
 fn a_fold_of_cycles_and_the_focus_that_the_inner_one_shrinks_to() {
     // Met by no boundary, and crossing one that means nothing.
@@ -65,12 +84,7 @@ fn a_fold_of_cycles_and_the_focus_that_the_inner_one_shrinks_to() {
         }
         for (k, point) in found.points.iter().enumerate() {
             let square = point.x.xy().norm_squared();
-            let root = (1.0 + point.parameter).max(0.0).sqrt();
-            let exact = if k < fold.behind {
-                1.0 + root
-            } else {
-                1.0 - root
-            };
+            let exact = square_of_radius(k < fold.behind, point.parameter);
             assert!((square - exact).abs() < 1e-6, "{k}: {square} {exact}");
             assert_eq!(point.stability(), expected(k < fold.behind), "{k}");
             // d(r g)/dr over a turn.
@@ -78,17 +92,7 @@ fn a_fold_of_cycles_and_the_focus_that_the_inner_one_shrinks_to() {
             let multiplier = math::exp(2.0 * PI * rate);
             assert!((point.multipliers[0].re - multiplier).abs() < 1e-7 * multiplier.max(1.0));
         }
-        let Stop::Equilibrium {
-            parameter,
-            frequency,
-        } = found.stop
-        else {
-            panic!("{:?}", found.stop);
-        };
-        assert!(
-            parameter.abs() < 1e-9 && (frequency - 1.0).abs() < 1e-9,
-            "{parameter}"
-        );
+        is_hopf_at_zero(found.stop);
         assert!(found.points.len() < 300, "{}", found.points.len());
     }
 }

@@ -6,9 +6,10 @@ use stickslip::analysis::{
     ContinuationSettings, Kind, SequenceBifurcation, Special, Stop, SweepSettings, WhatChanges,
     continue_periodic_orbit, find_periodic_orbit, is_same_cycle, multipliers, sweep,
 };
-use stickslip::{Mode, Options, Side, math};
+use stickslip::{Method, Mode, Options, Side, math};
 
-use super::systems::{AtParameter, Lies, Shaken, Sheet};
+use super::branches::{is_hopf_at_zero, square_of_radius};
+use super::systems::{AtParameter, Lies, Pulse, Shaken, Sheet};
 use crate::listed::Listed;
 
 const PULLED: Sheet = Sheet { lies: Lies::Pulled };
@@ -19,15 +20,9 @@ fn an_orbit_that_never_slips_is_found_with_its_multipliers() {
         system: PULLED,
         value: 2.0,
     };
-    // Of many returns, all of them back to what rounding leaves, the first is the period.
-    let starts = [
-        ([0.3, 0.4, 3.0], 1e-12, 30.0),
-        ([-2.0, 0.1, -1.0], 1e-9, 30.0),
-        ([0.3, 0.4, 3.0], 1e-9, 500.0),
-    ];
-    for (start, tolerance, longest) in starts {
+    for (start, tolerance) in [([0.3, 0.4, 3.0], 1e-12), ([-2.0, 0.1, -1.0], 1e-9)] {
         let options = Options::tol(tolerance);
-        let cycle = find_periodic_orbit(&system.any(), start, 3.0, longest, &options).unwrap();
+        let cycle = find_periodic_orbit(&system.any(), start, 3.0, 30.0, &options).unwrap();
         let near = 1e3 * tolerance;
         assert!((cycle.period - 2.0 * PI).abs() < near, "{}", cycle.period);
         assert!((cycle.x.xy().norm() - 1.0).abs() < near);
@@ -37,6 +32,24 @@ fn an_orbit_that_never_slips_is_found_with_its_multipliers() {
         // d(r - r³)/dr = -2, and stick forgets what was across the boundary.
         assert!((inwards.re - math::exp(-4.0 * PI)).abs() < 1e3 * near);
         assert!(across.norm() < 1e-12, "{across}");
+    }
+}
+
+/// Of many returns, all of them back to what rounding leaves, the first is the period.
+#[test]
+fn a_strongly_attracting_orbit_is_not_found_with_several_times_its_period() {
+    let system = AtParameter {
+        system: Sheet {
+            lies: Lies::Growing,
+        },
+        value: -0.1,
+    };
+    for method in [Method::Taylor, Method::Dop853] {
+        for tolerance in [1e-9, 1e-10, 1e-11, 1e-12] {
+            let (start, options) = ([1.0, 0.0, 0.0], Options::tol(tolerance).method(method));
+            let cycle = find_periodic_orbit(&system.any(), start, 200.0, 100.0, &options).unwrap();
+            assert!((cycle.period - PI).abs() < 1e-7, "{}", cycle.period);
+        }
     }
 }
 
@@ -55,27 +68,12 @@ fn it_is_followed_round_a_fold_on_a_boundary_that_moves_with_the_parameter() {
     };
     assert_eq!(fold.what, Special::Fold);
     // The focus in the sliding field that the inner cycle shrinks to; the boundary is elsewhere at every parameter.
-    let Stop::Equilibrium {
-        parameter,
-        frequency,
-    } = found.stop
-    else {
-        panic!("{:?}", found.stop);
-    };
-    assert!(
-        parameter.abs() < 1e-9 && (frequency - 1.0).abs() < 1e-9,
-        "{parameter:e} {frequency}"
-    );
+    is_hopf_at_zero(found.stop);
     assert!((fold.parameter + 1.0).abs() < 1e-9, "{}", fold.parameter);
     for (k, point) in found.points.iter().enumerate() {
         let [x, y, z, p] = [0, 1, 2, 3].map(|i| point.x[i]);
         let square = x * x + y * y;
-        let root = (1.0 + p).max(0.0).sqrt();
-        let exact = if k < fold.behind {
-            1.0 + root
-        } else {
-            1.0 - root
-        };
+        let exact = square_of_radius(k < fold.behind, p);
         assert!((square - exact).abs() < 1e-6, "{k}: {square} for {exact}");
         assert!((z - x * x - p).abs() < 1e-14);
         assert_eq!(point.sequence, [Mode::Stick]);
@@ -91,7 +89,7 @@ fn it_is_followed_round_a_fold_on_a_boundary_that_moves_with_the_parameter() {
 /// On the way from here up or down: where the pull `x + 1/10` is no more than `p` at x = 1, and where `-x - 1/10` is not at x = -1.
 #[test]
 fn where_it_begins_to_slip_is_located_from_both_sides() {
-    let (exact, options) = (1.1, Options::tol(1e-13));
+    let options = Options::tol(1e-13);
     for (from, upwards) in [(1.5, false), (0.7, true)] {
         let system = AtParameter {
             system: PULLED,
@@ -105,10 +103,9 @@ fn where_it_begins_to_slip_is_located_from_both_sides() {
                 step,
                 ..ContinuationSettings::over(0.7, 1.5)
             };
-            let of = (start, cycle.period, upwards);
-            let found =
-                continue_periodic_orbit(&PULLED.any(), of.0, of.1, of.2, &settings, &options)
-                    .unwrap();
+            let (any, period) = (PULLED.any(), cycle.period);
+            let found = continue_periodic_orbit(&any, start, period, upwards, &settings, &options);
+            let found = found.unwrap();
             assert_eq!(found.stop, Stop::Range, "{:?}", found.special);
             let places = if upwards { [0.9, 1.1] } else { [1.1, 0.9] };
             assert_eq!(found.special.len(), places.len(), "{:?}", found.special);
@@ -122,12 +119,10 @@ fn where_it_begins_to_slip_is_located_from_both_sides() {
                     error < 1e-9 && change.uncertainty < 1e-9 && error <= 3.0 * change.uncertainty,
                     "from {from} by {step}: {error:e} {change:?}"
                 );
-                let more = [&change.before, &change.after].map(|modes| modes.len());
-                let [stuck, slips] = if upwards { [1, 0] } else { [0, 1] }.map(|i: usize| more[i]);
-                assert!(
-                    slips == stuck + if stuck == 1 { 1 } else { 2 },
-                    "{change:?}"
-                );
+                let mut phases = [change.before.len(), change.after.len()];
+                phases.sort_unstable();
+                let wanted = if exact == 1.1 { [1, 2] } else { [2, 4] };
+                assert_eq!(phases, wanted, "{change:?}");
             }
             let stuck = found
                 .points
@@ -136,99 +131,72 @@ fn where_it_begins_to_slip_is_located_from_both_sides() {
             assert!(stuck.count() > 3);
         }
     }
-    for ends in [[1.3, 1.0], [1.0, 1.3]] {
-        let family = |value| {
-            let system = AtParameter {
-                system: PULLED,
-                value,
-            };
-            Box::leak(Box::new(system)).any()
-        };
-        let settings = SweepSettings::within(400.0);
-        let found = sweep(
-            family,
-            ends,
-            [0.9, 0.0, 0.8],
-            &settings,
-            &Options::tol(1e-11),
-        )
-        .unwrap();
-        let is_periodic = |kind: &Kind| matches!(kind, Kind::Periodic { .. });
-        assert!(
-            found
-                .points
-                .iter()
-                .all(|point| is_periodic(&point.reached.kind))
-        );
-        let [change] = found.changes.as_slice() else {
-            panic!("{:?}", found.changes);
-        };
-        let WhatChanges::Sequence(change) = &change.what else {
-            panic!("{change:?}");
-        };
-        assert_eq!(change.bifurcation, SequenceBifurcation::AddingSliding);
-        let error = (change.parameter - exact).abs();
-        assert!(error < 1e-9 && change.uncertainty < 1e-9, "{change:?}");
-        // In the order of the sweep.
-        let stuck = if ends[0] > exact {
-            &change.before
-        } else {
-            &change.after
-        };
-        assert_eq!(stuck.as_slice(), [Mode::Stick], "{ends:?}");
-    }
 }
 
-/// Here the section that the sweep sees an orbit by lies where the first slip begins.
+/// Of the first pair one slip begins; of the second, in the same instant of each half turn, two do, one of them where the section of the sweep is.
 #[test]
-fn the_phases_on_both_sides_are_told_where_slip_begins_at_the_start() {
-    for ends in [[1.05, 1.15], [1.15, 1.05]] {
-        let family = |value| {
-            let system = AtParameter {
-                system: PULLED,
-                value,
+fn a_sweep_locates_it_and_tells_the_phases_on_both_sides() {
+    let [below, above] = [Side::Below, Side::Above].map(Mode::Slip);
+    let one = [above, Mode::Stick];
+    let two = [above, Mode::Stick, below, Mode::Stick];
+    let cases: [(Lies, [f64; 2], f64, &[Mode]); 2] = [
+        (Lies::Pulled, [1.3, 1.0], 1.1, &one),
+        (Lies::Growing, [0.24, 0.26], 0.2541, &two),
+    ];
+    for (lies, [stuck, slipping], exact, cycle) in cases {
+        for ends in [[stuck, slipping], [slipping, stuck]] {
+            let family = |value| {
+                let system = Sheet { lies };
+                Box::leak(Box::new(AtParameter { system, value })).any()
             };
-            Box::leak(Box::new(system)).any()
-        };
-        let settings = SweepSettings::within(2000.0);
-        let start = [1.0, 0.0, 1.0];
-        let found = sweep(family, ends, start, &settings, &Options::tol(1e-10)).unwrap();
-        let [change] = found.changes.as_slice() else {
-            panic!("{:?}", found.changes);
-        };
-        let WhatChanges::Sequence(change) = &change.what else {
-            panic!("{change:?}");
-        };
-        assert!((change.parameter - 1.1).abs() < 1e-9, "{change:?}");
-        let [one, other] = [&change.before, &change.after];
-        let [stuck, slips] = if ends[0] > 1.1 {
-            [one, other]
-        } else {
-            [other, one]
-        };
-        let slip = Mode::Slip(Side::Above);
-        assert_eq!(stuck.as_slice(), [Mode::Stick], "{ends:?}");
-        assert!(
-            is_same_cycle(slips, &[slip, Mode::Stick]),
-            "{ends:?} {slips:?}"
-        );
+            let settings = SweepSettings::within(2000.0);
+            let (start, options) = ([0.9, 0.0, 0.0], Options::tol(1e-10));
+            let found = sweep(family, ends, start, &settings, &options).unwrap();
+            for point in &found.points {
+                let kind = &point.reached.kind;
+                assert!(matches!(kind, Kind::Periodic { .. }), "{ends:?}: {kind}");
+            }
+            let [change] = found.changes.as_slice() else {
+                panic!("{:?}", found.changes);
+            };
+            let WhatChanges::Sequence(change) = &change.what else {
+                panic!("{change:?}");
+            };
+            assert_eq!(change.bifurcation, SequenceBifurcation::AddingSliding);
+            let error = (change.parameter - exact).abs();
+            assert!(error < 1e-9 && change.uncertainty < 1e-9, "{change:?}");
+            // In the order of the sweep.
+            let (mut one, mut other) = (&change.before, &change.after);
+            if ends[0] == slipping {
+                (one, other) = (other, one);
+            }
+            assert_eq!(one.as_slice(), [Mode::Stick], "{ends:?}");
+            assert!(is_same_cycle(other, cycle), "{ends:?}: {other:?}");
+        }
     }
 }
 
-/// `v' = -p sgn(v - V(t))` on a belt of speed `V = (3/2) sin t`: what friction can give is enough for `p > 3/2`, in the same two instants of a period up
-/// and down.
+/// `v' = -p sgn(v - V(t))` on a belt of speed V: what friction can give is enough where p is more than |V'| ever is, for `V = (3/2) sin t` in the same
+/// two instants of a period up and down. The other V' is largest, 21/10, only at t = π, where the period of an orbit begun at 0 is cut.
 #[test]
 fn on_a_belt_that_shakes_the_block_sticks_for_ever_from_a_known_friction_on() {
     let options = Options::tol(1e-13);
-    for (from, upwards) in [(2.5, false), (1.4, true)] {
+    let both = Shaken { a: 1.5, b: 0.0 };
+    let once = Shaken { a: -1.5, b: 0.3 };
+    let cases = [
+        (&both, 1.5, 2.5, false),
+        (&both, 1.5, 1.4, true),
+        (&once, 2.1, 2.5, false),
+    ];
+    for (shaken, exact, from, upwards) in cases {
         for step in [0.02, 0.005] {
             let settings = ContinuationSettings {
                 step,
-                ..ContinuationSettings::over(1.4, 2.5).forced(2.0 * PI)
+                ..ContinuationSettings::over(exact - 0.1, 2.5).forced(2.0 * PI)
             };
             let start = [0.0, from];
             let found =
-                continue_periodic_orbit(&Shaken.any(), start, 6.3, upwards, &settings, &options);
+                continue_periodic_orbit(&shaken.any(), start, 6.3, upwards, &settings, &options);
             let found = found.unwrap();
             let [change] = found.special.as_slice() else {
                 panic!("{:?}", found.special);
@@ -237,13 +205,65 @@ fn on_a_belt_that_shakes_the_block_sticks_for_ever_from_a_known_friction_on() {
                 panic!("{change:?}");
             };
             assert_eq!(change.bifurcation, SequenceBifurcation::AddingSliding);
-            let error = (change.parameter - 1.5).abs();
+            let error = (change.parameter - exact).abs();
             assert!(
                 error < 1e-9 && error <= 3.0 * change.uncertainty,
                 "from {from} by {step}: {error:e} {change:?}"
             );
             if !upwards {
                 assert_eq!(change.before, [Mode::Stick]);
+            }
+        }
+    }
+}
+
+/// At `A` both slips begin, and at `A/√(1 + π²/4)` both sticks vanish, where the symmetric orbit of slip alone crosses at a rate of zero; from above the
+/// branch is begun on an orbit that sticks for ever, so that its first phase is one that vanishes.
+#[test]
+fn a_branch_goes_on_where_two_slips_begin_at_once_and_where_two_sticks_end() {
+    let adding = Pulse::amplitude();
+    let crossing = adding / (1.0 + 0.25 * PI * PI).sqrt();
+    let [below, above] = [Side::Below, Side::Above].map(Mode::Slip);
+    let cycles: [&[Mode]; 3] = [
+        &[below, above],
+        &[below, Mode::Stick, above, Mode::Stick],
+        &[Mode::Stick],
+    ];
+    for step in [0.02, 0.005] {
+        for (from, upwards) in [(1.3, false), (0.4, true)] {
+            let settings = ContinuationSettings {
+                step,
+                ..ContinuationSettings::over(0.3, 1.5).forced(PI)
+            };
+            let (start, options) = ([0.0, 0.0, from], Options::tol(1e-12));
+            let found =
+                continue_periodic_orbit(&Pulse.any(), start, PI, upwards, &settings, &options);
+            let found = found.unwrap();
+            assert_eq!(found.stop, Stop::Range, "from {from} by {step}");
+            let mut wanted = vec![
+                (crossing, SequenceBifurcation::CrossingSliding, [0, 1]),
+                (adding, SequenceBifurcation::AddingSliding, [1, 2]),
+            ];
+            if !upwards {
+                wanted.reverse();
+            }
+            assert_eq!(found.special.len(), wanted.len(), "{:?}", found.special);
+            for (special, (exact, name, mut sides)) in found.special.iter().zip(wanted) {
+                let Special::Sequence(change) = &special.what else {
+                    panic!("{special:?}");
+                };
+                assert_eq!(change.bifurcation, name);
+                let error = (change.parameter - exact).abs();
+                assert!(
+                    error < 1e-9 && change.uncertainty < 1e-9,
+                    "from {from} by {step}: {error:e} {change:?}"
+                );
+                if !upwards {
+                    sides.reverse();
+                }
+                for (modes, side) in [&change.before, &change.after].into_iter().zip(sides) {
+                    assert!(is_same_cycle(modes, cycles[side]), "{change:?}");
+                }
             }
         }
     }

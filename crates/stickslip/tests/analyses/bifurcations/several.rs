@@ -5,11 +5,11 @@ use std::f64::consts::PI;
 use stickslip::analysis::{
     AttractorChange, ContinuationSettings, Kind, RecurrenceSettings, SequenceBifurcation,
     SequenceChange, Special, Stop, SweepSettings, WhatChanges, attractor, continue_periodic_orbit,
-    is_same_cycle, sweep,
+    is_same_cycle, periodic_orbit_forced, sweep,
 };
-use stickslip::{Mode, Options, Several, Side, math};
+use stickslip::{Mode, Options, Several, Side, math, solve};
 
-use super::systems::{Beat, Duet, DuetFamily, Rhythm};
+use super::systems::{Beat, Duet, DuetFamily, Rhythm, Stack};
 
 const ABOVE: Mode = Mode::Slip(Side::Above);
 const BELOW: Mode = Mode::Slip(Side::Below);
@@ -214,6 +214,55 @@ fn a_contact_that_always_sticks_does_not_hide_what_the_other_does() {
                 let off = point.x[1 - varied] - math::sin(point.t);
                 assert!(off.abs() < 1e-14, "{off:e}");
             }
+        }
+    }
+}
+
+/// What the upper block takes to be moved along is most when the lower one turns back. With less friction it slips just before, and on after: both
+/// slips vanish there, in both halves of the period, and the branch goes on without them.
+#[test]
+fn a_slip_about_the_switch_of_another_contact_vanishes_at_a_known_friction() {
+    let system = Several(Stack);
+    let period = 2.0 * PI / Stack::PACE;
+    let options = Options::tol(1e-12);
+    // Moved along for ever, it does the same at any friction.
+    let along = [0.0, 0.0, 0.0, 0.6];
+    let along = solve(&system, 0.0, along, 40.0 * period, &options).unwrap();
+    let along = periodic_orbit_forced(&system, 0.0, along.x_end, period, &options).unwrap();
+    let orbit = solve(&system, 0.0, along.x, period, &options).unwrap();
+    let back = orbit.transitions.last().unwrap();
+    let Mode::Slip(side) = back.from[0] else {
+        panic!("{back:?}");
+    };
+    let force = math::cos(Stack::PACE * back.t) - back.x[0] - Stack::FLOOR * side.sign();
+    let exact = (force * Stack::TOP / (1.0 + Stack::TOP)).abs();
+    for (p, upwards) in [(0.5, true), (0.6, false)] {
+        let begin = [0.0, 0.0, 0.0, p];
+        let settled = solve(&system, 0.0, begin, 40.0 * period, &options).unwrap();
+        for step in [0.05, 0.1, 0.2] {
+            let settings = ContinuationSettings {
+                step,
+                ..ContinuationSettings::over(0.4, 0.8).forced(period)
+            };
+            let start = settled.x_end;
+            let found =
+                continue_periodic_orbit(&system, start, period, upwards, &settings, &options);
+            let found = found.unwrap();
+            let [special] = found.special.as_slice() else {
+                panic!("{:?}", found.special);
+            };
+            let Special::Sequence(change) = &special.what else {
+                panic!("{special:?}");
+            };
+            assert_eq!(change.bifurcation, SequenceBifurcation::Coincidence);
+            let error = (change.parameter - exact).abs();
+            assert!(
+                error < 1e-9 && change.uncertainty < 1e-9,
+                "from {p} by {step}: {error:e} {change:?}"
+            );
+            let phases = [change.before.len(), change.after.len()];
+            assert_eq!(phases, if upwards { [6, 2] } else { [2, 6] });
+            assert_eq!(found.stop, Stop::Range, "from {p} by {step}");
         }
     }
 }

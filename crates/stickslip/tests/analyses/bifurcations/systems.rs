@@ -330,9 +330,12 @@ pub enum Lies {
     Folded,
     /// `r' = r (1 - r²)` on `z = x²`, which is pressed upon by `p` and pulled at by `x + 1/10`: the circle of radius 1 never leaves it for `p > 11/10`.
     Pulled,
+    /// `r' = r (p + r² - r⁴)` on `z = 0`, which is pressed upon by 11/10 and pulled at by `x`, at twice the pace: the outer cycle never leaves it for
+    /// `p < 0.2541`, where r = 11/10.
+    Growing,
 }
 
-/// A circle `θ' = 1` in x and y on a curved boundary in x and z, on which it sticks; the fourth state is the parameter `p`.
+/// A circle `θ' = 1` in x and y on a boundary in x and z, curved but for the last, on which it sticks; the fourth state is the parameter `p`.
 pub struct Sheet {
     pub lies: Lies,
 }
@@ -346,13 +349,18 @@ impl Filippov<4> for Sheet {
                 T::constant(-5.0 * side.sign()),
             ),
             Lies::Pulled => (-square + 1.0, x + 0.1 - p * side.sign()),
+            Lies::Growing => (p + square - square * square, x - 1.1 * side.sign()),
         };
-        let forward = x * grows - y;
-        let across = y * grows + x;
+        let (pace, bent) = match self.lies {
+            Lies::Folded | Lies::Pulled => (1.0, 2.0),
+            Lies::Growing => (2.0, 0.0),
+        };
+        let forward = x * grows - y * pace;
+        let across = y * grows + x * pace;
         [
             forward,
             across,
-            x * forward * 2.0 + lifted,
+            x * forward * bent + lifted,
             T::constant(0.0),
         ]
     }
@@ -360,6 +368,7 @@ impl Filippov<4> for Sheet {
         match self.lies {
             Lies::Folded => z - x * x - p,
             Lies::Pulled => z - x * x,
+            Lies::Growing => z,
         }
     }
 }
@@ -376,14 +385,62 @@ impl Filippov<3> for AtParameter<Sheet> {
     }
 }
 
-/// A block of which nothing is known but friction `p` on a belt of speed `(3/2) sin t`, the second state being `p`.
-pub struct Shaken;
+/// A block of which nothing is known but friction `p` on a belt of speed `a sin t + b sin 2t`, the second state being `p`.
+pub struct Shaken {
+    pub a: f64,
+    pub b: f64,
+}
 
 impl Filippov<2> for Shaken {
     fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T; 2]) -> [T; 2] {
         [x[1] * -side.sign(), T::constant(0.0)]
     }
     fn boundary<T: Scalar>(&self, t: T, x: &[T; 2]) -> T {
-        x[0] - t.sin() * 1.5
+        x[0] - t.sin() * self.a - (t * 2.0).sin() * self.b
+    }
+}
+
+/// `y' = -3y/10 + cos 2t`, and beside it `z' = cos 2t + y/5 - p sgn z` on `z = 0`, the third state being `p`: what it is pulled by has, once y has
+/// settled, the amplitude [`Pulse::amplitude`], and it sticks for ever where `p` is more.
+pub struct Pulse;
+
+impl Pulse {
+    /// Of `cos 2t`, times `1 + (1/5)/(3/10 + 2i)`.
+    pub fn amplitude() -> f64 {
+        (4.25_f64 / 4.09).sqrt()
+    }
+}
+
+impl Filippov<3> for Pulse {
+    fn field<T: Scalar>(&self, side: Side, t: T, &[y, _, p]: &[T; 3]) -> [T; 3] {
+        let drive = (t * 2.0).cos();
+        [
+            y * -0.3 + drive,
+            drive + y * 0.2 - p * side.sign(),
+            T::constant(0.0),
+        ]
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 3]) -> T {
+        x[1]
+    }
+}
+
+/// A block on a rough floor, driven by `cos 0.8t`, with a block of 1/5 of its mass on top, which it moves by no more than the friction `p` between them.
+pub struct Stack;
+
+impl Stack {
+    pub const PACE: f64 = 0.8;
+    pub const FLOOR: f64 = 0.3;
+    pub const TOP: f64 = 0.2;
+}
+
+impl Contacts<4, 2> for Stack {
+    fn field<T: Scalar>(&self, sides: &[Side; 2], t: T, &[x, v, _, p]: &[T; 4]) -> [T; 4] {
+        let between = p * sides[1].sign();
+        let force = (t * Stack::PACE).cos() - x - Stack::FLOOR * sides[0].sign();
+        [v, force + between, between / -Stack::TOP, T::zero()]
+    }
+    fn boundaries<T: Scalar>(&self, _t: T, &[_, v, upper, _]: &[T; 4]) -> [T; 2] {
+        [v, upper - v]
     }
 }
