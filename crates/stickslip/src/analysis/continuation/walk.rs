@@ -173,7 +173,9 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
 
     /// Takes a step, or gets behind a change of phases.
     fn advance(&mut self) -> Option<Stop> {
-        self.anchor_anew();
+        if let Some(orbits) = self.anchored_anew(&self.before, &self.last) {
+            [self.before, self.last] = orbits;
+        }
         let line = self.line();
         let wanted = self.last.circuit.sequence();
         let step = self
@@ -234,16 +236,17 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
             Some(found)
         });
         // On the way there the anchor's phase may be about to vanish.
-        let is_better = |one: &&OnBranch<N, S::Mode>| {
-            let system = self.corrector.system;
-            one.circuit.better_part(system).is_some()
-        };
-        if let Some(one) = good.iter().skip(2).find(is_better) {
-            let one = one.clone();
-            self.follow(one);
-            if self.anchor_anew() {
-                return None;
+        let anew = good.iter().skip(2).find_map(|one| {
+            let orbits = self.anchored_anew(&self.last, one)?;
+            Some((one.clone(), orbits))
+        });
+        if let Some((one, orbits)) = anew {
+            if let Some(stop) = self.leaves_range(&one) {
+                return Some(stop);
             }
+            self.follow(one);
+            [self.before, self.last] = orbits;
+            return None;
         }
         behind.sort_by(|a, b| a.s.total_cmp(&b.s));
         let edge = good.last()?.clone();
@@ -307,32 +310,29 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
         None
     }
 
-    /// Anchors the last two orbits in another phase where that suits better, and can be done: the end of the anchor's own phase is located badly.
-    fn anchor_anew(&mut self) -> bool {
+    /// Two orbits with the same phases, anchored in another one where that suits the second better: the end of the anchor's own phase is located
+    /// badly.
+    fn anchored_anew(
+        &self,
+        before: &OnBranch<N, S::Mode>,
+        last: &OnBranch<N, S::Mode>,
+    ) -> Option<[OnBranch<N, S::Mode>; 2]> {
         let Corrector {
             system, options, ..
         } = self.corrector;
-        let old = self.last.circuit.sequence();
-        let Some(part) = self.last.circuit.better_part(system) else {
-            return false;
-        };
+        let old = last.circuit.sequence();
+        let part = last.circuit.better_part(system)?;
+        if before.circuit.sequence() != old {
+            return None;
+        }
         let anew = |one: &OnBranch<N, S::Mode>| {
             let at = one.circuit.anchor_in(system, part, options)?;
             let guess = Guess::at_parameter(at, one.circuit.period, at.x[N - 1]);
             self.corrector.orbit(&guess, one.s)
         };
-        if self.before.circuit.sequence() != old {
-            return false;
-        }
-        let (Some(before), Some(last)) = (anew(&self.before), anew(&self.last)) else {
-            return false;
-        };
-        let new = last.circuit.sequence();
-        let is_done = before.circuit.sequence() == new && is_same_cycle(&new, &old);
-        if is_done {
-            (self.before, self.last) = (before, last);
-        }
-        is_done
+        let orbits = [anew(before)?, anew(last)?];
+        let [one, two] = orbits.each_ref().map(|one| one.circuit.sequence());
+        (one == two && is_same_cycle(&one, &old)).then_some(orbits)
     }
 
     /// Goes on from this orbit.
