@@ -205,7 +205,8 @@ impl Search<'_> {
                 "the equilibrium {place}, one of a set of equilibria"
             )),
             (Some(place), _) => comes_to(&format!("the equilibrium {place}")),
-            (None, Motion::Periodic { period, .. }) if period > self.longest => {
+            // What is left of a stick passes before the orbit is awaited.
+            (None, Motion::Periodic { period, .. }) if 2.0 * period > self.longest => {
                 Failure::NoPeriodicOrbit(format!(
                     "no periodic orbit was found that comes back within {}: the run comes to one of period {period:.6}; give a longer time \
                      (--longest)",

@@ -274,7 +274,11 @@ pub(super) fn newton_solution(matrix: DMatrix<f64>, right: &DVector<f64>) -> Opt
     if let Some(solution) = matrix.clone().lu().solve(right) {
         return Some(solution);
     }
-    let bound = f64::EPSILON * matrix.amax();
-    let is_finite = matrix.iter().all(|v| v.is_finite());
-    is_finite.then(|| matrix.svd(true, true).solve(right, bound).ok())?
+    if !matrix.iter().all(|v| v.is_finite()) {
+        return None;
+    }
+    let size = matrix.nrows() as f64;
+    let parts = matrix.svd(true, true);
+    let bound = size * f64::EPSILON * parts.singular_values.max();
+    parts.solve(right, bound).ok()
 }

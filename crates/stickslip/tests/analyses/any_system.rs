@@ -6,8 +6,8 @@ use crate::attractors::systems::{
     Backwards, Detour, Driven, Leine, NearWells, Pushed, Rings, Shear, ToZero, Wells,
 };
 use crate::bifurcations::systems::{
-    Area, AtParameter, Beat, BeatFamily, Belt, DrivenFamily, Ends, Held, Island, Pitchfork, Pulse,
-    Shaken, Sheet, Softening, Twisted,
+    Area, AtParameter, Beat, BeatFamily, Belt, DrivenFamily, DrivenIsland, Ends, Held, Island,
+    Pitchfork, Pulse, Shaken, Sheet, Softening, Twisted,
 };
 use crate::den_hartog::DenHartog;
 use crate::line::Line;
@@ -23,7 +23,7 @@ systems!(
 
 systems!(
     Any3, 3:
-    Belt(Belt), DrivenFamily(DrivenFamily), Island(Island), Lorenz(Smooth<Lorenz>), Pulse(Pulse), Rings(Rings), SheetAt(AtParameter<Sheet>), Softening(Smooth<Softening>), Twisted(Twisted),
+    Belt(Belt), DrivenIsland(DrivenIsland), DrivenFamily(DrivenFamily), Island(Island), Lorenz(Smooth<Lorenz>), Pulse(Pulse), Rings(Rings), SheetAt(AtParameter<Sheet>), Softening(Smooth<Softening>), Twisted(Twisted),
 );
 
 systems!(Any4, 4: Area(Area), Pitchfork(Pitchfork), Sheet(Sheet));

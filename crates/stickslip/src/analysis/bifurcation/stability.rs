@@ -10,6 +10,9 @@ use crate::system::State;
 /// How far behind a value of the sweep its change is looked for where that value hits it, as a part of the way between two.
 const BEHIND: f64 = 1.0 / 64.0;
 
+/// So much of that way behind the value it was hit; further on it is another pair's.
+const NEXT_TO: f64 = 1e-6;
+
 /// What decides on an equilibrium at one value of the parameter.
 struct Leading<const N: usize> {
     x: State<N>,
@@ -72,6 +75,9 @@ pub(super) fn loss_of_stability<S: Switched<N, G>, const N: usize, const G: usiz
             at_a *= 0.5;
         }
         (b, at_b) = (next, value);
+    }
+    if (last - to) / (to - from.0) > NEXT_TO {
+        return None;
     }
     let Leading { x, frequency, .. } = leading(last)?;
     Some(WhatChanges::Equilibrium {

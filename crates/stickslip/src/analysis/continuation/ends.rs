@@ -144,8 +144,14 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
 
     /// The state of a driven orbit at a time or whole periods of its own from it.
     fn at_time(&self, orbit: &OnBranch<N, S::Mode>, t: f64) -> Option<State<N>> {
-        let at = &orbit.circuit.anchor;
-        let t = at.t + (t - at.t).rem_euclid(orbit.circuit.period);
+        // So little of a period that the state is the same.
+        const SAME_TIME: f64 = 1e-9;
+        let (at, period) = (&orbit.circuit.anchor, orbit.circuit.period);
+        let away = (t - at.t).rem_euclid(period);
+        if away.min(period - away) <= SAME_TIME * period {
+            return Some(at.x);
+        }
+        let t = at.t + away;
         let (system, options) = (self.corrector.system, self.corrector.options);
         Some(run(system, at.t, at.x, t, options, &mut ()).ok()?.x)
     }

@@ -76,14 +76,14 @@ impl<const N: usize, K: Copy + PartialEq> Circuit<N, K> {
         Circuit::from(system, &middle.at(), period, options)
     }
 
-    /// The number of the part that it would better be anchored in, if there is one: of those that are not about to vanish the longest in which the
-    /// fewest contacts stick, for stick forgets what came before.
+    /// The number of the part that it would better be anchored in, if there is one: of those that last the longest in which the fewest contacts stick.
+    /// A phase in which more do, or that is about to vanish, is left.
     pub fn better_part<S: Switched<N, G, Mode = K>, const G: usize>(
         &self,
         system: &S,
     ) -> Option<usize> {
         const LASTING: f64 = 0.1;
-        const VANISHING: f64 = 0.01;
+        const BRIEF: f64 = 0.01;
         let durations = self.parts.iter().map(|part| part.duration);
         let most = durations.fold(0.0, f64::max);
         let stick = |part: &Part<N, K>| {
@@ -98,7 +98,7 @@ impl<const N: usize, K: Copy + PartialEq> Circuit<N, K> {
             .min_by(|(_, a, long), (_, b, longer)| a.cmp(b).then(longer.total_cmp(long)))?;
         let own = self.parts.last()?;
         let is_freer = fewest < stick(own)? && longest > own.duration;
-        let is_better = is_freer || own.duration < VANISHING * most;
+        let is_better = is_freer || own.duration < BRIEF * most;
         is_better.then_some(number)
     }
 

@@ -11,7 +11,7 @@ const SAMPLES: usize = 8;
 /// Part of a step within which two minima are one.
 const NEXT_TO: f64 = 1e-6;
 
-/// The smallest values of all guards within the phases.
+/// The smallest values of all guards within the phases, and at their ends where these are another contact's.
 pub(super) fn minima<S: Switched<N, G>, const N: usize, const G: usize>(
     system: &S,
     orbit: &Orbit<N, S::Mode>,
@@ -52,8 +52,19 @@ pub(super) fn minima<S: Switched<N, G>, const N: usize, const G: usize>(
             if found.iter().rfind(same).is_some_and(is_near) {
                 continue;
             }
-            let count = found.iter().filter(same).count();
             let contact = S::contact_of(guard);
+            let turns_at = |t: f64| turns.iter().filter(move |turn| turn.t == t);
+            // What another contact's switch lets go, or what switches with it, leaves zero or comes to it.
+            let switches = match site {
+                Site::Begin(_) => turns_at(at.t)
+                    .any(|turn| S::mode_of(turn.from, contact) != S::mode_of(turn.to, contact)),
+                Site::End(_) => turns_at(at.t).any(|turn| turn.contact == contact),
+                _ => false,
+            };
+            if switches {
+                continue;
+            }
+            let count = found.iter().filter(same).count();
             let of_contact = is_contact_function(system, guard);
             found.push(Margin {
                 key: Key { part, site, count },
@@ -96,7 +107,7 @@ struct OfStep<const N: usize> {
     rates: Vec<f64>,
 }
 
-/// The smallest value of a guard near by.
+/// The smallest value of a guard among those around it.
 struct Minimum<const N: usize> {
     site: Site,
     guard: usize,

@@ -74,7 +74,7 @@ pub(super) fn name<S: Switched<N, G>, const N: usize, const G: usize>(
     let rates = Rates::at(system, margin.incoming, margin.contact, side, &margin.at);
     let is_tangent = match margin.key.site {
         Site::Minimum(_) | Site::Arrival => true,
-        // Where the fields agree, both are tangent. Beside another contact's transition there are two.
+        // Where the fields agree, both are tangent. The last two are coincidences.
         Site::Landing | Site::Duration | Site::End(_) | Site::Begin(_) => {
             rates.own[0].abs() <= (1.0 + AGREE) * rates.other[0].abs()
         }

@@ -12,7 +12,8 @@ use stickslip::{Error, Filippov, Method, Mode, Options, Side, State, math, solve
 
 use super::sweeps::{landing, touching};
 use super::systems::{
-    Area, BeatFamily, Belt, DrivenFamily, Island, Pitchfork, Rhythm, Softening, Twisted,
+    Area, BeatFamily, Belt, DrivenFamily, DrivenIsland, Island, Pitchfork, Rhythm, Softening,
+    Twisted,
 };
 use crate::attractors::systems::Rings;
 use crate::listed::Listed;
@@ -203,6 +204,23 @@ fn what_contracts_fast_is_carried_by_long_steps_too() {
                 assert!(error < 1e-11, "{method:?}, p = {p}, {k}: {error:e}");
             }
         }
+    }
+}
+
+#[test]
+fn a_closed_branch_of_driven_orbits_is_followed_once() {
+    let settings = ContinuationSettings::over(-1.0, 1.0).forced(2.0 * PI);
+    let start = [(0.25_f64 - 0.01).sqrt(), 0.0, 0.1];
+    for upwards in [true, false] {
+        let found = branch(&DrivenIsland, start, (2.0 * PI, upwards), &settings);
+        assert_eq!(found.stop, Stop::Closed);
+        let folds = found.special.iter();
+        let folds: Vec<_> = folds.map(|at| (&at.what, at.parameter)).collect();
+        let [(Special::Fold, one), (Special::Fold, two)] = folds.as_slice() else {
+            panic!("{folds:?}");
+        };
+        let sign = if upwards { 1.0 } else { -1.0 };
+        assert!((one - 0.5 * sign).abs() < 1e-9 && (two + 0.5 * sign).abs() < 1e-9);
     }
 }
 

@@ -9,7 +9,7 @@ use stickslip::analysis::{
 };
 use stickslip::{Mode, Options, Several, Side, math, solve};
 
-use super::systems::{Beat, Duet, DuetFamily, Rhythm, Stack};
+use super::systems::{Beat, Duet, DuetFamily, Released, Rhythm, Stack};
 
 const ABOVE: Mode = Mode::Slip(Side::Above);
 const BELOW: Mode = Mode::Slip(Side::Below);
@@ -264,5 +264,27 @@ fn a_slip_about_the_switch_of_another_contact_vanishes_at_a_known_friction() {
             assert_eq!(phases, if upwards { [6, 2] } else { [2, 6] });
             assert_eq!(found.stop, Stop::Range, "from {p} by {step}");
         }
+    }
+}
+
+/// What is let go by another contact's switch leaves its boundary there at every parameter.
+#[test]
+fn a_contact_that_another_one_lets_go_hides_no_change() {
+    let settings = ContinuationSettings::over(0.9, 1.1).forced(2.0 * PI);
+    for (p, upwards) in [(0.95, true), (1.05, false)] {
+        let (start, options) = ([-0.05, 0.0, -0.1, p], Options::tol(1e-13));
+        let system = Several(Released);
+        let found = continue_periodic_orbit(&system, start, 6.3, upwards, &settings, &options);
+        let found = found.unwrap();
+        assert_eq!(found.stop, Stop::Range, "{:?}", found.special);
+        let [special] = found.special.as_slice() else {
+            panic!("{:?}", found.special);
+        };
+        let Special::Sequence(change) = &special.what else {
+            panic!("{special:?}");
+        };
+        let name = (change.bifurcation, change.contacts.as_slice());
+        assert_eq!(name, (SequenceBifurcation::GrazingSliding, &[2][..]));
+        assert!((change.parameter - 1.0).abs() < 1e-9, "{change:?}");
     }
 }

@@ -444,3 +444,34 @@ impl Contacts<4, 2> for Stack {
         [v, upper - v]
     }
 }
+
+/// [`Rhythm::Clock`], whose crossing upwards lets a second one go that it holds from π on, and beside them a [`Rhythm::Touch`] with the fourth state as its
+/// parameter.
+pub struct Released;
+
+impl Contacts<4, 3> for Released {
+    fn field<T: Scalar>(&self, sides: &[Side; 3], t: T, &[clock, _, touch, p]: &[T; 4]) -> [T; 4] {
+        let pull = 0.75 * (1.0 + sides[0].sign());
+        [
+            Rhythm::Clock.rate(sides[0], t, clock, T::zero()),
+            T::constant(pull - sides[1].sign()),
+            Rhythm::Touch.rate(sides[2], t, touch, p),
+            T::zero(),
+        ]
+    }
+    fn boundaries<T: Scalar>(&self, t: T, &[clock, held, touch, p]: &[T; 4]) -> [T; 3] {
+        [clock, held, Rhythm::Touch.height(t, touch, p)]
+    }
+}
+
+/// `y' = 1/4 - y² - p²`, the third state being `p`, beside a block that a drive moves: driven orbits without an event on a closed branch.
+pub struct DrivenIsland;
+
+impl Filippov<3> for DrivenIsland {
+    fn field<T: Scalar>(&self, _side: Side, t: T, &[y, x, p]: &[T; 3]) -> [T; 3] {
+        [-y * y - p * p + 0.25, t.sin() - x, T::zero()]
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 3]) -> T {
+        x[1] - 10.0
+    }
+}
