@@ -449,6 +449,54 @@ fn a_run_that_comes_to_rest_is_no_periodic_orbit_and_is_told_where() {
     assert_eq!(std::fs::read_dir(top.path()).unwrap().count(), 0);
 }
 
+#[test]
+fn an_orbit_that_takes_longer_than_asked_to_come_back_is_told_with_its_period() {
+    let top = folder();
+    program(top.path())
+        .args(["orbit", "belt", "--longest", "3"])
+        .assert()
+        .code(1)
+        .stderr(contains("comes back within 3"))
+        .stderr(contains("one of period 7.722"))
+        .stderr(contains("--longest"));
+}
+
+/// The place of a block that another one carries: nothing depends on it.
+#[test]
+fn a_place_that_nothing_depends_on_keeps_no_orbit_from_being_found() {
+    let top = folder();
+    let text = r#"
+name = "carried"
+[time]
+period = "2.5*pi"
+[states]
+x = ""
+v = ""
+place = ""
+upper = ""
+[contacts.floor]
+boundary = "v"
+friction = "0.3"
+[contacts.top]
+boundary = "upper - v"
+friction = "0.5"
+[field]
+x = "v"
+v = "cos(0.8*t) - x - friction(floor) + friction(top)"
+place = "upper"
+upper = "-5*friction(top)"
+[start]
+x = 0
+v = 0
+place = 0
+upper = 0
+"#;
+    std::fs::write(top.path().join("carried.toml"), text).unwrap();
+    let found = json(top.path(), &["orbit", "carried.toml"]);
+    assert_eq!(found["stability"], "neutral");
+    assert!(found["residual"].as_f64().unwrap() < 1e-9, "{found}");
+}
+
 /// Two blocks on a belt, each with a friction of its own.
 const TWO: &str = r#"
 name = "two"

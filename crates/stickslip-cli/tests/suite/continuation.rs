@@ -431,6 +431,48 @@ fn an_orbit_that_never_slips_is_found_and_followed_to_where_it_does() {
     assert!(rows.iter().any(|row| is_slipping(&row)) && rows.last().unwrap()["phases"] == "S");
 }
 
+/// Of `z' = cos 2t + y/5 - K sgn z` the pull has the amplitude A, the root of (17/4)/(409/100). Below K = 0, to where the branch goes, there is no system.
+const RELAY: &str = r#"
+name = "relay"
+[time]
+period = "pi"
+[states]
+y = ""
+z = ""
+[parameters]
+K = { value = 1.5, range = [0, inf] }
+[contacts.relay]
+boundary = "z"
+friction = "K"
+[field]
+y = "-0.3*y + cos(2*t)"
+z = "cos(2*t) + 0.2*y - friction(relay)"
+[start]
+y = 0
+z = 0
+"#;
+
+#[test]
+fn a_branch_goes_through_two_changes_at_once_to_the_end_of_what_the_file_allows() {
+    let top = tempfile::tempdir().unwrap();
+    let path = top.path().join("relay.toml");
+    std::fs::write(&path, RELAY).unwrap();
+    let (json, rows) = followed(&[path.to_str().unwrap(), "--parameter", "K=0:3"]);
+    let amplitude = (4.25_f64 / 4.09).sqrt();
+    let vanishing = amplitude / (1.0 + 0.25 * PI * PI).sqrt();
+    let found = special(&json);
+    let wanted = [
+        ("crossing-sliding", vanishing),
+        ("adding-sliding", amplitude),
+    ];
+    assert_eq!(found.len(), wanted.len(), "{found:?}");
+    for ((name, parameter), (word, exact)) in found.iter().zip(wanted) {
+        assert_eq!(name, word);
+        assert!((parameter - exact).abs() < 1e-9, "{parameter} for {exact}");
+    }
+    assert!(number(&rows[0], "K") >= 0.0 && number(rows.last().unwrap(), "K") == 3.0);
+}
+
 /// A branch along which a bad guess would ask for an orbit without end.
 #[test]
 fn a_long_branch_comes_to_its_end() {

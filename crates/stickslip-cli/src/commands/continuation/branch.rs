@@ -167,7 +167,13 @@ impl<'a> Begin<'a> {
             behind: at.behind + first,
             ..at
         }));
+        // Newton's iteration comes to the ends of the range but for rounding.
+        let within = |parameter: f64| parameter.clamp(self.range.low, self.range.high);
+        for orbit in &mut orbits {
+            orbit.parameter = within(orbit.parameter);
+        }
         for at in &mut special {
+            at.parameter = within(at.parameter);
             let pace = self.pace(at.parameter)?;
             at.period *= pace;
             at.x.truncate(self.system.states());
