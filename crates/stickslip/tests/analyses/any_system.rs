@@ -7,7 +7,7 @@ use crate::attractors::systems::{
 };
 use crate::bifurcations::systems::{
     Area, AtParameter, Beat, BeatFamily, Belt, DrivenFamily, DrivenIsland, Ends, Held, Island,
-    Pitchfork, Pulse, Shaken, Sheet, Softening, Twisted,
+    Pitchfork, Pulse, Rough, Shaken, Sheet, Softening, Twisted,
 };
 use crate::den_hartog::DenHartog;
 use crate::line::Line;
@@ -23,7 +23,7 @@ systems!(
 
 systems!(
     Any3, 3:
-    Belt(Belt), DrivenIsland(DrivenIsland), DrivenFamily(DrivenFamily), Island(Island), Lorenz(Smooth<Lorenz>), Pulse(Pulse), Rings(Rings), SheetAt(AtParameter<Sheet>), Softening(Smooth<Softening>), Twisted(Twisted),
+    Belt(Belt), DrivenIsland(DrivenIsland), DrivenFamily(DrivenFamily), Island(Island), Lorenz(Smooth<Lorenz>), Pulse(Pulse), Rings(Rings), Rough(Rough), SheetAt(AtParameter<Sheet>), Softening(Smooth<Softening>), Twisted(Twisted),
 );
 
 systems!(Any4, 4: Area(Area), Pitchfork(Pitchfork), Sheet(Sheet));

@@ -214,6 +214,16 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
         one * two > 0.0 && two * last > 0.0
     }
 
+    /// Whether a place lies behind the last orbit on the way that has come, and not before it: the orbits there were found again.
+    fn is_behind(&self, parameter: f64) -> bool {
+        let [a, b] = [&self.before, &self.last].map(|orbit| orbit.circuit.anchor.x[N - 1]);
+        let is_smooth = self.before.circuit.sequence() == self.last.circuit.sequence();
+        let is_forced = self.settings.forced.is_some();
+        let [one, two] = [&self.before, &self.last].map(|at| at.branch.critical(is_forced).one);
+        let back = (b - parameter) * (b - a).signum();
+        is_smooth && one * two > 0.0 && back > SHORTEST * self.width
+    }
+
     /// The phases change within the step, or it is too long.
     fn get_behind(
         &mut self,
@@ -265,7 +275,8 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
             self.step = 0.1 * step;
             return (self.step < SHORTEST).then_some(Stop::NoConvergence);
         };
-        if next.change.bifurcation == SequenceBifurcation::Unnamed {
+        let is_behind = self.is_behind(next.change.parameter);
+        if next.change.bifurcation == SequenceBifurcation::Unnamed || is_behind {
             // Another orbit was met, or none: nearer to the last one it may be the right one.
             self.step = 0.1 * step;
             if edge.s > 0.01 * step {

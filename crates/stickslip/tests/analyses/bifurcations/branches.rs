@@ -12,8 +12,8 @@ use stickslip::{Error, Filippov, Method, Mode, Options, Side, State, math, solve
 
 use super::sweeps::{landing, touching};
 use super::systems::{
-    Area, BeatFamily, Belt, DrivenFamily, DrivenIsland, Island, Pitchfork, Rhythm, Softening,
-    Twisted,
+    Area, BeatFamily, Belt, DrivenFamily, DrivenIsland, Island, Pitchfork, Rhythm, Rough,
+    Softening, Twisted,
 };
 use crate::attractors::systems::Rings;
 use crate::listed::Listed;
@@ -204,6 +204,25 @@ fn what_contracts_fast_is_carried_by_long_steps_too() {
                 assert!(error < 1e-11, "{method:?}, p = {p}, {k}: {error:e}");
             }
         }
+    }
+}
+
+/// Over a wide range a step past a change of phases may end on an orbit before that.
+#[test]
+fn a_branch_does_not_turn_back_behind_a_change_of_phases() {
+    let options = Options::tol(1e-10);
+    let start = [0.5, 0.0, 0.8];
+    let settled = stickslip::run(&Rough.any(), 0.0, start, 400.0 * PI, &options, &mut ()).unwrap();
+    for step in [0.01, 0.02, 0.05] {
+        let settings = ContinuationSettings {
+            step,
+            ..ContinuationSettings::over(0.1, 3.0).forced(2.0 * PI)
+        };
+        let found = branch(&Rough, settled.x.into(), (2.0 * PI, false), &settings);
+        assert_eq!(found.stop, Stop::Range);
+        assert_eq!(found.special.len(), 3, "{:?}", found.special);
+        let mut pairs = found.points.windows(2);
+        assert!(pairs.all(|pair| pair[1].parameter < pair[0].parameter));
     }
 }
 

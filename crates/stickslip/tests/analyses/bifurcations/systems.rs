@@ -475,3 +475,16 @@ impl Filippov<3> for DrivenIsland {
         x[1] - 10.0
     }
 }
+
+/// `x'' = cos wt - x - (2/5) sgn x'`, in the drive's own time `wt`, the third state being `w`.
+pub struct Rough;
+
+impl Filippov<3> for Rough {
+    fn field<T: Scalar>(&self, side: Side, t: T, &[x, v, w]: &[T; 3]) -> [T; 3] {
+        let force = t.cos() - x - 0.4 * side.sign();
+        [v / w, force / w, T::zero()]
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 3]) -> T {
+        x[1]
+    }
+}
