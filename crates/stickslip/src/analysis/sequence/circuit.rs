@@ -76,8 +76,8 @@ impl<const N: usize, K: Copy + PartialEq> Circuit<N, K> {
         Circuit::from(system, &middle.at(), period, options)
     }
 
-    /// The number of the part that it would better be anchored in, if there is one: of those that last the longest in which the fewest contacts stick.
-    /// A phase in which more do, or that is about to vanish, is left.
+    /// The number of the part that it would better be anchored in, if there is one: of the parts that last, the longest of those in which the
+    /// fewest contacts stick. Left is one in which more do, or that is about to vanish.
     pub fn better_part<S: Switched<N, G, Mode = K>, const G: usize>(
         &self,
         system: &S,
