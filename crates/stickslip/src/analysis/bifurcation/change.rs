@@ -245,23 +245,37 @@ impl<F> Shooting<'_, F> {
     }
 }
 
-/// Where the orbit is expected by those known: on the line through the last two, no further than they are apart.
+/// Where the orbit is expected by those known: on the line through two of them, no further than they are apart.
 pub(in crate::analysis) fn extrapolated<B, const N: usize, K: Copy + PartialEq>(
     good: &[Known<B, N, K>],
     s: f64,
 ) -> Option<(Anchor<N, K>, f64)> {
-    match good {
-        [.., one, two] if two.s != one.s => {
-            let part = ((s - two.s) / (two.s - one.s)).clamp(-1.0, 1.0);
-            let (a, b) = (&one.circuit, &two.circuit);
-            let guess = Anchor {
-                t: b.anchor.t + part * (b.anchor.t - a.anchor.t),
-                x: b.anchor.x + (b.anchor.x - a.anchor.x) * part,
-                mode: b.anchor.mode,
-            };
-            Some((guess, b.period + part * (b.period - a.period)))
-        }
-        [.., last] => Some((last.circuit.anchor, last.circuit.period)),
-        [] => None,
-    }
+    let last = good.last()?;
+    let Some((one, two, part)) = pair_for(good, s) else {
+        return Some((last.circuit.anchor, last.circuit.period));
+    };
+    let (a, b) = (&one.circuit, &two.circuit);
+    let guess = Anchor {
+        t: b.anchor.t + part * (b.anchor.t - a.anchor.t),
+        x: b.anchor.x + (b.anchor.x - a.anchor.x) * part,
+        mode: b.anchor.mode,
+    };
+    Some((guess, b.period + part * (b.period - a.period)))
+}
+
+/// The last orbit, one before it that is at least as far from it as the place is, if there is such a one, and how far beyond the last the place is, in
+/// parts of the way between the two.
+pub(in crate::analysis) fn pair_for<B, const N: usize, K>(
+    good: &[Known<B, N, K>],
+    s: f64,
+) -> Option<(&Known<B, N, K>, &Known<B, N, K>, f64)> {
+    let (two, before) = good.split_last()?;
+    let is_apart = |one: &&Known<B, N, K>| (one.s - two.s).abs() >= (s - two.s).abs();
+    let apart = before.iter().rev().find(is_apart);
+    let one = apart.or_else(|| {
+        let away = |one: &&Known<B, N, K>| (one.s - two.s).abs();
+        before.iter().max_by(|a, b| away(a).total_cmp(&away(b)))
+    })?;
+    let part = (s - two.s) / (two.s - one.s);
+    (two.s != one.s).then_some((one, two, part.clamp(-1.0, 1.0)))
 }

@@ -11,7 +11,7 @@ use super::sequence::SequenceChange;
 use crate::error::Error;
 use crate::filippov::{Options, Switched};
 use crate::system::{Mode, State};
-pub(super) use change::extrapolated;
+pub(super) use change::{extrapolated, pair_for};
 
 /// How a parameter is swept.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -19,6 +19,10 @@ const PARTS: [f64; 8] = [-2.0, -4.0, -1.0, -8.0, -0.5, -16.0, 0.0, 1.0];
 /// How many times as far as by the way that has come the orbit may lie.
 const FURTHEST: f64 = 32.0;
 
+/// Orbits behind the corner lead back to it by the line through two of them, but for this part of the way. What grows as a root is off by 0.55 of it
+/// where the second is half as far again.
+const ROOT: f64 = 0.7;
+
 /// Part of the parameter's range within which a change that is seen from behind is the one that was come to.
 const NEAR: f64 = 1e-3;
 
@@ -74,8 +78,12 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Behind<'_, S, N, G> {
             self.found.iter().rev().find(is_same).cloned()
         });
         if !self.found.is_empty() {
-            let pair = |near, far| Some([near?, far?]);
-            around = self.around().or_else(|| pair(other, far));
+            let at = edge.circuit.anchor;
+            let pair = || {
+                let (near, far) = (other?, far?);
+                self.leads_on(&at, &near, &far).then_some([near, far])
+            };
+            around = self.around().or_else(pair);
         }
         let orbits = around;
         let x = edge.circuit.anchor.x;
@@ -144,8 +152,7 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Behind<'_, S, N, G> {
         let way = self.corrector.way(&before.circuit.anchor, at);
         let slope = way / way[N - 1];
         let old = corner.circuit.sequence();
-        let period = corner.circuit.period;
-        let orbit = |x: State<N>| {
+        let orbit = |x: State<N>, period: f64| {
             let guess = Guess::at_parameter(at.moved(x), period, x[N - 1]);
             let found = self.corrector.orbit(&guess, x[N - 1])?;
             (found.circuit.sequence() != old).then_some(found)
@@ -155,16 +162,25 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Behind<'_, S, N, G> {
                 for part in PARTS {
                     let mut guess = at.x + slope * (offset * part);
                     guess[N - 1] = here + offset;
-                    let Some(near) = orbit(guess) else {
+                    let furthest = FURTHEST * offset.abs() * slope.norm();
+                    // Where static friction lets go, the orbit and its period change by a jump behind the same state.
+                    let near = orbit(guess, corner.circuit.period).or_else(|| {
+                        let there = at.moved(guess);
+                        let period =
+                            self.corrector
+                                .comes_back(&there, corner.circuit.period, furthest)?;
+                        orbit(guess, period)
+                    });
+                    let Some(near) = near else {
                         continue;
                     };
                     // Another orbit with other phases may be at the same parameter, but further off.
                     let off = near.branch.start.x - at.x;
-                    if off.norm() > FURTHEST * offset.abs() * slope.norm() {
+                    if off.norm() > furthest {
                         continue;
                     }
                     let further = near.branch.start.x + (guess - at.x) * 0.5;
-                    if let Some(far) = orbit(further)
+                    if let Some(far) = orbit(further, near.circuit.period)
                         && far.circuit.sequence() == near.circuit.sequence()
                         && self.leads_on(at, &near, &far)
                     {
@@ -176,8 +192,9 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Behind<'_, S, N, G> {
         None
     }
 
-    /// Whether the way from the last orbit's state goes by the first of two to the second, with no fold between these. All three are where Newton's
-    /// iteration was at this state's time: the middle of a phase may be of another one.
+    /// Whether the way from the last orbit's state goes by the first of two to the second, with no fold between these, and they lead back to it: by
+    /// the line through them, or as a root does. All three are where Newton's iteration was at this state's time: the middle of a phase may be of
+    /// another one.
     fn leads_on(
         &self,
         at: &Anchor<N, S::Mode>,
@@ -187,6 +204,17 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Behind<'_, S, N, G> {
         let [first, second] = [near, far].map(|one| one.branch.start.x);
         let is_forced = self.corrector.forced.is_some();
         let [a, b] = [near, far].map(|one| one.branch.critical(is_forced).one);
-        (first - at.x).dot(&(second - first)) > 0.0 && a * b > 0.0
+        let scale = State::from_fn(|i, _| {
+            let size = if i + 1 < N {
+                self.corrector.extent
+            } else {
+                self.width
+            };
+            size.recip()
+        });
+        let (way, on) = (first - at.x, second - first);
+        let (way, on) = (way.component_mul(&scale), on.component_mul(&scale));
+        let by_line = on * (way[N - 1] / on[N - 1]);
+        way.dot(&on) > 0.0 && a * b > 0.0 && (way - by_line).norm() <= ROOT * way.norm()
     }
 }

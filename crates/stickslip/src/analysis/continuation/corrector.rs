@@ -8,7 +8,9 @@ use crate::analysis::monodromy::turn;
 use crate::analysis::periodic::{newton_solution, rounding};
 use crate::analysis::sequence::circuit::Circuit;
 use crate::analysis::sequence::locate::Known;
-use crate::filippov::{Options, Switched};
+use crate::filippov::{
+    Direction, Happening, Integration, Options, Plane, Progress, Switched, Watched,
+};
 use crate::orbit::Ending;
 use crate::system::State;
 
@@ -24,6 +26,9 @@ const TIMES: f64 = 100.0;
 
 /// An iterate's run is left where it goes so many times as far as orbits of the branch do: it escapes, maybe by ever shorter steps.
 const FAR: f64 = 100.0;
+
+/// An orbit whose period has jumped comes back within so many periods.
+const MOST_PERIODS: f64 = 2.0;
 
 /// What the branch needs of a periodic orbit besides its circuit.
 #[derive(Clone, Debug)]
@@ -120,6 +125,38 @@ impl<S> Corrector<'_, S> {
         let across =
             |way: State<N>, flow: State<N>| way - flow * (flow.dot(&way) / flow.norm_squared());
         across(across(way, mean), flow)
+    }
+
+    /// After what time, of about a period, the orbit from a state is first back within a distance of it.
+    pub fn comes_back<const N: usize, const G: usize>(
+        &self,
+        from: &Anchor<N, S::Mode>,
+        period: f64,
+        distance: f64,
+    ) -> Option<f64>
+    where
+        S: Switched<N, G>,
+    {
+        if self.forced.is_some() {
+            return None;
+        }
+        let section = Plane {
+            point: from.x,
+            normal: from.velocity(self.system),
+            direction: Direction::Rising,
+        };
+        let t_end = from.t + MOST_PERIODS * period;
+        let begun = Integration::new(self.system, from.t, from.x, t_end, self.options).ok()?;
+        let mut watched = Watched::new(begun, &section);
+        loop {
+            match watched.step().ok()? {
+                Happening::Event(event) if (event.x - from.x).norm() <= distance => {
+                    return Some(event.t - from.t);
+                }
+                Happening::Progress(Progress::End(_)) => return None,
+                _ => {}
+            }
+        }
     }
 
     /// The orbit near a guess; `s` is its place on the branch.

@@ -3,7 +3,7 @@
 use super::Stop;
 use super::corrector::{Guess, OnBranch};
 use super::rest::hopf;
-use super::walk::Walk;
+use super::walk::{RESOLUTION, Walk};
 use crate::analysis::anchor::Anchor;
 use crate::analysis::attractors::is_same_cycle;
 use crate::filippov::{Switched, run, solve};
@@ -17,6 +17,9 @@ const AT_REST: f64 = 1e-3;
 
 /// An orbit that comes so near to a state of another, in parts of its extent, may be that one: it is followed in steps of some of this.
 const NEAR: f64 = 0.1;
+
+/// So near to an end of the range, in parts of it, the orbit is at that end.
+const AT_END: f64 = 10.0 * RESOLUTION;
 
 /// Two orbits at one parameter that differ by less than this part are one.
 const SAME: f64 = 1e-6;
@@ -33,10 +36,13 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
         let part = ((end - here) / (there - here)).clamp(0.0, 1.0);
         let (a, b) = (&self.last.circuit, &next.circuit);
         let at = self.between(&a.anchor, &b.anchor, part);
-        let found = self
-            .corrector
+        let is_same = |found: &OnBranch<N, S::Mode>| found.circuit.sequence() == a.sequence();
+        let corrector = &self.corrector;
+        let found = corrector
             .orbit(&Guess::at_parameter(at, b.period, end), 0.0)
-            .filter(|found| found.circuit.sequence() == a.sequence());
+            .filter(is_same)
+            .or_else(|| corrector.next_at(&self.last, end).filter(is_same))
+            .or_else(|| corrector.next_at(next, end).filter(is_same));
         match found {
             _ if part == 0.0 => Some(Stop::Range),
             Some(found) => {
@@ -45,6 +51,14 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
             }
             None => Some(Stop::NoConvergence),
         }
+    }
+
+    /// Whether the branch has come to an end of the range, to what a parameter is located to: beyond it the system may not exist.
+    pub(super) fn is_at_end(&self) -> bool {
+        let (low, high) = self.settings.range;
+        let [before, here] = [&self.before, &self.last].map(|one| one.circuit.anchor.x[N - 1]);
+        let end = if here > before { high } else { low };
+        here != before && (end - here).abs() <= AT_END * self.width
     }
 
     /// A part of the way from one orbit to the next, at the time of the second.

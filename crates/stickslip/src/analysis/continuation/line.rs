@@ -3,6 +3,7 @@
 use super::corrector::{Guess, OnBranch};
 use super::walk::Walk;
 use crate::analysis::anchor::Anchor;
+use crate::analysis::bifurcation::pair_for;
 use crate::filippov::Switched;
 use crate::system::State;
 
@@ -61,7 +62,39 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
     /// The orbit next to a place on the line, if there is one no farther from it than the place is from the last orbit; between the last
     /// two, than these are from each other.
     pub(super) fn on(&self, line: &Line<N, S::Mode>, s: f64) -> Option<OnBranch<N, S::Mode>> {
+        self.on_across(line, line.guess(s), s)
+    }
+
+    /// The same, sought where those lead to that were found on it: next to a change a guess that is a little off lies behind it.
+    pub(super) fn on_beyond(
+        &self,
+        line: &Line<N, S::Mode>,
+        good: &[OnBranch<N, S::Mode>],
+        s: f64,
+    ) -> Option<OnBranch<N, S::Mode>> {
+        let (one, two, part) = pair_for(good, s)?;
+        let off = |one: &OnBranch<N, S::Mode>| {
+            let on_line = line.guess(one.s);
+            // The last two of the branch are on it by themselves.
+            let is_found = one.s > 0.0;
+            is_found.then(|| one.branch.start.x - on_line.at.x)
+        };
+        let [a, b] = [one, two].map(|one| off(one).unwrap_or_else(State::zeros));
         let guess = line.guess(s);
+        let guess = Guess {
+            at: guess.at.moved(guess.at.x + b + (b - a) * part),
+            period: two.circuit.period + (two.circuit.period - one.circuit.period) * part,
+            ..guess
+        };
+        self.on_across(line, guess, s)
+    }
+
+    fn on_across(
+        &self,
+        line: &Line<N, S::Mode>,
+        guess: Guess<N, S::Mode>,
+        s: f64,
+    ) -> Option<OnBranch<N, S::Mode>> {
         let found = self.corrector.orbit(&guess, s)?;
         let off = found.branch.start.x - guess.at.x;
         let distance = off.component_mul(&off).dot(&line.weights).sqrt();

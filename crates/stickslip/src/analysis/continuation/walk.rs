@@ -134,6 +134,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
             }
             let step = self.shrinks().or_else(|| self.advance());
             stop = match step.or_else(|| self.closes()) {
+                Some(Stop::NoConvergence) if self.is_at_end() => Some(Stop::Range),
                 Some(Stop::NoConvergence) => self.homoclinic().or(Some(Stop::NoConvergence)),
                 other => other,
             };
@@ -236,8 +237,8 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
         (before.s, last.s) = (-line.length, 0.0);
         let mut good = vec![before, last];
         let mut behind: Vec<_> = trial.into_iter().collect();
-        let bad = locate(&mut good, step, RESOLUTION, |s, _| {
-            let found = self.on(line, s)?;
+        let bad = locate(&mut good, step, RESOLUTION, |s, good| {
+            let found = self.on(line, s).or_else(|| self.on_beyond(line, good, s))?;
             if found.circuit.sequence() != wanted {
                 behind.push(found.clone());
             } else if self.turns_without_fold(&found) {
