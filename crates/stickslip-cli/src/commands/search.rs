@@ -191,7 +191,10 @@ impl Search<'_> {
     fn instead(&self, error: Error, x: &[f64]) -> Failure {
         let looked = matches!(
             error,
-            Error::NotConverged { .. } | Error::NotFound { .. } | Error::TangentSingular { .. }
+            Error::NotConverged { .. }
+                | Error::NotFound { .. }
+                | Error::TangentSingular { .. }
+                | Error::EventPileUp { .. }
         );
         let settings = RecurrenceSettings::within(UNTIL.max(self.transient + self.longest));
         let outcome = looked

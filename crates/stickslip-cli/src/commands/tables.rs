@@ -39,6 +39,16 @@ pub(super) fn within(value: f64, uncertainty: f64) -> String {
     format!("{value:.0$} ± {uncertainty:.0e}", decimals as usize)
 }
 
+/// The parameter of a change of phases, with no digits beyond its uncertainty.
+pub(super) fn place(value: f64, change: &Change) -> String {
+    match *change {
+        Change::Sequence { uncertainty, .. } if uncertainty > 1e-12 * value.abs() => {
+            within(value, uncertainty)
+        }
+        _ => rounded(value).to_string(),
+    }
+}
+
 /// Names of the states, with something behind each.
 fn states(system: &System, suffix: &str) -> Vec<String> {
     let states = system.file.states.iter();
@@ -255,6 +265,7 @@ pub(super) fn change_name(change: &Change) -> String {
             "Hopf bifurcation of the equilibrium".to_owned()
         }
         Change::Equilibrium { .. } => "zero eigenvalue of the equilibrium".to_owned(),
+        Change::BoundaryEquilibrium { .. } => "boundary-equilibrium bifurcation".to_owned(),
         Change::Unlocated => "not located".to_owned(),
     }
 }

@@ -74,6 +74,13 @@ pub enum Change {
         /// Size of the imaginary part of the eigenvalues that cross.
         frequency: f64,
     },
+    /// An equilibrium comes to the edge of where its mode holds.
+    BoundaryEquilibrium {
+        /// The parameter.
+        parameter: f64,
+        /// The equilibrium there.
+        x: Vec<f64>,
+    },
     /// A periodic orbit that keeps its phases has a multiplier on the unit circle.
     Multiplier {
         /// The parameter.
@@ -104,6 +111,10 @@ impl Change {
                 parameter: *parameter,
                 x: x.as_slice().to_vec(),
                 frequency: *frequency,
+            },
+            WhatChanges::BoundaryEquilibrium { parameter, x } => Change::BoundaryEquilibrium {
+                parameter: *parameter,
+                x: x.as_slice().to_vec(),
             },
             WhatChanges::Multiplier {
                 parameter,

@@ -5,6 +5,7 @@ mod anchor;
 mod attractors;
 mod basin;
 mod bifurcation;
+mod boundary_equilibrium;
 mod continuation;
 mod critical;
 #[cfg(feature = "data")]

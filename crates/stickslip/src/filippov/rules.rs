@@ -213,10 +213,19 @@ impl Leading {
 
 /// Applies the rules at a point of Σ to the leading derivatives along the two fields.
 pub(crate) fn departure(below: Leading, above: Leading) -> Departure {
+    // Where both fields are tangent no sliding field is determined. If one of them rests there, or as good as rests, and the other leads back to it,
+    // it is that side's equilibrium.
+    let both_tangent = below.order > 1 && above.order > 1;
     let fate = match (below.sign < 0.0, above.sign > 0.0) {
         (true, true) => Fate::Repelling,
         (true, false) => Fate::Slip(Side::Below),
         (false, true) => Fate::Slip(Side::Above),
+        (false, false) if both_tangent && below.sign == 0.0 && above.sign < 0.0 => {
+            Fate::Slip(Side::Below)
+        }
+        (false, false) if both_tangent && above.sign == 0.0 && below.sign > 0.0 => {
+            Fate::Slip(Side::Above)
+        }
         (false, false) => Fate::Stick,
     };
     let orders = match fate {

@@ -172,7 +172,9 @@ impl Found {
                         row.extend([before, after].map(|modes| tables::sequence(modes)));
                         &x[..]
                     }
-                    Change::Equilibrium { x, .. } | Change::Multiplier { x, .. } => {
+                    Change::Equilibrium { x, .. }
+                    | Change::BoundaryEquilibrium { x, .. }
+                    | Change::Multiplier { x, .. } => {
                         row.extend(vec![String::new(); 3]);
                         &x[..]
                     }
@@ -209,7 +211,7 @@ impl Found {
                     Some(value) => writeln!(
                         text,
                         "  {name:<4}  at {}: {}",
-                        tables::rounded(value),
+                        tables::place(value, change),
                         tables::change_words(system, change)
                     ),
                     None => writeln!(
@@ -282,6 +284,7 @@ fn located(change: &Change) -> Option<f64> {
     match *change {
         Change::Sequence { parameter, .. }
         | Change::Equilibrium { parameter, .. }
+        | Change::BoundaryEquilibrium { parameter, .. }
         | Change::Multiplier { parameter, .. } => Some(parameter),
         Change::Unlocated => None,
     }

@@ -169,7 +169,7 @@ const KINDS: [Marked; 5] = [
 /// Ends of a branch with their marks.
 type MarkedEnd = (&'static str, fn(&Stop) -> bool, Shape);
 
-const ENDS: [MarkedEnd; 3] = [
+const ENDS: [MarkedEnd; 4] = [
     (
         "Hopf bifurcation",
         |stop| matches!(stop, Stop::Equilibrium { .. }),
@@ -180,17 +180,26 @@ const ENDS: [MarkedEnd; 3] = [
         |stop| matches!(stop, Stop::Homoclinic { .. }),
         Shape::Square,
     ),
+    (
+        "boundary equilibrium",
+        |stop| matches!(stop, Stop::BoundaryEquilibrium { .. }),
+        Shape::Down,
+    ),
     ("rest", |stop| matches!(stop, Stop::Rest), Shape::Diamond),
 ];
 
 /// Where the end of a branch is: an equilibrium is between the least and the greatest that the last orbit has of a state.
 fn end_marks(end: &Point, stop: Stop, values: &[Value]) -> Vec<(f64, f64)> {
     let heights: Vec<f64> = match (stop, values) {
-        (Stop::Equilibrium { .. }, [least, greatest]) => vec![0.5 * (least(end) + greatest(end))],
+        (Stop::Equilibrium { .. } | Stop::BoundaryEquilibrium { .. }, [least, greatest]) => {
+            vec![0.5 * (least(end) + greatest(end))]
+        }
         _ => values.iter().map(|value| value(end)).collect(),
     };
     let place = match stop {
-        Stop::Equilibrium { parameter, .. } | Stop::Homoclinic { parameter, .. } => parameter,
+        Stop::Equilibrium { parameter, .. }
+        | Stop::BoundaryEquilibrium { parameter }
+        | Stop::Homoclinic { parameter, .. } => parameter,
         _ => end.orbit.parameter,
     };
     heights.into_iter().map(|height| (place, height)).collect()

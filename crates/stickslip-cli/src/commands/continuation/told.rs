@@ -46,6 +46,10 @@ fn why(stop: Stop, parameter: &str) -> String {
             tables::rounded(value),
             tables::rounded(frequency)
         ),
+        Stop::BoundaryEquilibrium { parameter: value } => format!(
+            "in an equilibrium on the boundary: boundary-equilibrium bifurcation at {parameter} = {}",
+            tables::rounded(value)
+        ),
         Stop::Homoclinic {
             parameter: value,
             uncertainty,
@@ -64,7 +68,8 @@ fn why(stop: Stop, parameter: &str) -> String {
         ),
         Stop::Rest => "where it comes to rest: it moves a thousandth of what it did".to_owned(),
         Stop::SequenceEnds => {
-            "where its phases change: no orbit with other phases was found next to it".to_owned()
+            "where its phases change: no orbit with other phases was found next to it, nor, by a return to it, behind a jump"
+                .to_owned()
         }
         Stop::NoConvergence => {
             "where no further orbit was found; a shorter --step or a smaller --tol may lead on"
@@ -80,6 +85,7 @@ fn why_in_short(stop: Stop) -> &'static str {
         Stop::Points => "points",
         Stop::Closed => "closed",
         Stop::Equilibrium { .. } => "equilibrium",
+        Stop::BoundaryEquilibrium { .. } => "boundary equilibrium",
         Stop::Homoclinic { .. } => "homoclinic",
         Stop::Rest => "rest",
         Stop::SequenceEnds => "sequence ends",
@@ -95,6 +101,7 @@ fn end_row(stop: Stop, behind: usize, columns: usize) -> Option<Vec<String>> {
             parameter,
             frequency,
         } => (parameter, "Hopf", None, Some(TAU / frequency)),
+        Stop::BoundaryEquilibrium { parameter } => (parameter, "boundary equilibrium", None, None),
         Stop::Homoclinic {
             parameter,
             uncertainty,
@@ -245,7 +252,10 @@ impl Told<'_> {
                 text,
                 "  at {} = {}: {}",
                 range.name,
-                tables::rounded(at.parameter),
+                match &at.what {
+                    SpecialKind::Sequence(change) => tables::place(at.parameter, change),
+                    _ => tables::rounded(at.parameter).to_string(),
+                },
                 self.special(at)
             );
         }
@@ -286,6 +296,10 @@ impl Told<'_> {
                     "stop": why_in_short(stop),
                     "hopf": match stop {
                         Stop::Equilibrium { parameter, frequency } => json!({ "parameter": parameter, "frequency": frequency }),
+                        _ => Value::Null,
+                    },
+                    "boundary_equilibrium": match stop {
+                        Stop::BoundaryEquilibrium { parameter } => json!(parameter),
                         _ => Value::Null,
                     },
                     "homoclinic": match stop {

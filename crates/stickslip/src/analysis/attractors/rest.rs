@@ -138,13 +138,22 @@ impl<const N: usize> UseFlow<N> for LeastGuard<N> {
     }
 }
 
+/// The smallest guard of a mode at a point.
+pub(crate) fn least_guard<S: Switched<N, G>, const N: usize, const G: usize>(
+    system: &S,
+    mode: S::Mode,
+    at: Timed<N>,
+) -> f64 {
+    system.with_flow(mode, system.branch(&at), LeastGuard(at))
+}
+
 /// Whether a mode holds at a point.
 pub(crate) fn holds<S: Switched<N, G>, const N: usize, const G: usize>(
     system: &S,
     mode: S::Mode,
     at: Timed<N>,
 ) -> bool {
-    system.with_flow(mode, system.branch(&at), LeastGuard(at)) > 0.0
+    least_guard(system, mode, at) > 0.0
 }
 
 /// All velocities at a point from a time on, if all contacts slip: of no width, unless the field depends on time. `None` where intervals do
@@ -168,11 +177,8 @@ pub(super) fn rest_at<S: Switched<N, G>, const N: usize, const G: usize>(
     scale: &State<N>,
     near: &Nearness,
 ) -> Option<(Kind, State<N>)> {
-    let Rest { x, jacobian } = equilibrium_near(system, mode, at.t, &at.x, N)?;
-    // The orbit may turn about it some steps wide.
-    const TURN: f64 = 10.0;
-    let is_near = |i: usize| (x[i] - at.x[i]).abs() <= TURN * near.allowed(scale[i]);
-    if !(0..N).all(is_near) || !holds(system, mode, Timed { t: at.t, x }) {
+    let Rest { x, jacobian } = nearest(system, mode, at, scale, near)?;
+    if !holds(system, mode, Timed { t: at.t, x }) {
         return None;
     }
     let velocities = velocities_from(system, mode, &Timed { t: at.t, x });
@@ -181,6 +187,35 @@ pub(super) fn rest_at<S: Switched<N, G>, const N: usize, const G: usize>(
     }
     let kind = kind_by(system, mode, &Timed { t: at.t, x }, &jacobian)?;
     Some((kind, x))
+}
+
+/// The equilibrium of a mode that an orbit at `x` has come to at the edge of where that mode holds; `None` where there is none that near, or it does not
+/// attract within the mode.
+pub(super) fn rest_on_edge<S: Switched<N, G>, const N: usize, const G: usize>(
+    system: &S,
+    mode: S::Mode,
+    at: &Timed<N>,
+    scale: &State<N>,
+    near: &Nearness,
+) -> Option<State<N>> {
+    let Rest { x, jacobian } = nearest(system, mode, at, scale, near)?;
+    let kind = kind_by(system, mode, &Timed { t: at.t, x }, &jacobian);
+    matches!(kind, Some(Kind::Equilibrium)).then_some(x)
+}
+
+/// The equilibrium of a mode, if it is about where the orbit is.
+fn nearest<S: Switched<N, G>, const N: usize, const G: usize>(
+    system: &S,
+    mode: S::Mode,
+    at: &Timed<N>,
+    scale: &State<N>,
+    near: &Nearness,
+) -> Option<Rest<N>> {
+    // The orbit may turn about it some steps wide.
+    const TURN: f64 = 10.0;
+    let rest = equilibrium_near(system, mode, at.t, &at.x, N)?;
+    let is_near = |i: usize| (rest.x[i] - at.x[i]).abs() <= TURN * near.allowed(scale[i]);
+    (0..N).all(is_near).then_some(rest)
 }
 
 /// Whether a state of rest is one of a set; `None` where it does not attract.

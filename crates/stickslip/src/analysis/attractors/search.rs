@@ -8,7 +8,7 @@ use super::history::History;
 use super::nearness::{Extent, Nearness};
 use super::reached::{Kind, Reached, SectionPoint};
 use super::recurrence::{Pattern, Recurrence};
-use super::rest::{kind_of_rest, rest_at};
+use super::rest::{kind_of_rest, rest_at, rest_on_edge};
 use super::{RecurrenceSettings, recurrent, turning::Turning};
 use crate::error::Error;
 use crate::filippov::{
@@ -145,7 +145,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
         loop {
             let happening = match watched.step() {
                 Ok(happening) => happening,
-                Err(error) => return self.failed(error),
+                Err(error) => return self.failed(error, watched.integration()),
             };
             let done = match happening {
                 Happening::Event(event) => {
@@ -345,12 +345,26 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
         (kind, points)
     }
 
-    fn failed(&mut self, error: Error) -> Stage<N> {
-        let kind = match error {
-            Error::Escaped { .. } => Kind::Escape,
-            other => Kind::Failure(other),
-        };
-        Stage::Done(kind, Vec::new())
+    fn failed(&mut self, error: Error, integration: &Integration<'_, S, N, G>) -> Stage<N> {
+        match error {
+            Error::Escaped { .. } => Stage::Done(Kind::Escape, Vec::new()),
+            Error::EventPileUp { .. } if self.settings.forcing.is_none() => {
+                // On the discontinuity boundary the rounding of an equilibrium is on either side of it.
+                let at = Timed {
+                    t: integration.t(),
+                    x: *integration.x(),
+                };
+                let scale = State::from_fn(|i, _| self.ever.size(i));
+                match rest_on_edge(self.system, integration.mode(), &at, &scale, &self.near) {
+                    Some(x) => {
+                        let points = vec![SectionPoint { t: at.t, x }];
+                        Stage::Done(Kind::Equilibrium, points)
+                    }
+                    None => Stage::Done(Kind::Failure(error), Vec::new()),
+                }
+            }
+            other => Stage::Done(Kind::Failure(other), Vec::new()),
+        }
     }
 
     fn reached(

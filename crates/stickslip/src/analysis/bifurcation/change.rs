@@ -4,9 +4,10 @@ use super::stability::loss_of_stability;
 use super::{Reached, WhatChanges};
 use crate::analysis::anchor::Anchor;
 use crate::analysis::attractors::Kind;
+use crate::analysis::boundary_equilibrium::{Held, Shrinking};
 use crate::analysis::periodic::shoot;
 use crate::analysis::sequence::circuit::Circuit;
-use crate::analysis::sequence::locate::{self, Known, is_same};
+use crate::analysis::sequence::locate::{self, Known, VANISHING, is_same, least};
 use crate::analysis::sequence::{
     Place, SequenceBifurcation, SequenceChange, circuit_from, describe,
 };
@@ -19,6 +20,15 @@ const RESOLUTION: f64 = 1e-10;
 /// First step on the way, as a part of it, and by how much each is longer than the one before.
 const FIRST: f64 = 1.0 / 64.0;
 const GROWTH: f64 = 1.3;
+
+/// A change is taken from the side with more phases where its uncertainty is less than this part of that from the other one.
+const NEARER: f64 = 0.1;
+
+/// How much shorter the first step is where the orbit was lost without a change.
+const SHORTER: f64 = 0.1;
+
+/// An orbit of less than this part of the first one's extent is about to be an equilibrium.
+const SMALL: f64 = 0.04;
 
 /// A value of the parameter and what was found there.
 type End<'a, const N: usize, K> = (f64, &'a Reached<N, K>);
@@ -59,6 +69,9 @@ pub(super) fn locate<S: Switched<N, G>, const N: usize, const G: usize>(
                         return WhatChanges::Sequence(found);
                     }
                     found => unnamed = unnamed.or(found),
+                }
+                if let Some(found) = shooting.boundary_equilibrium(&way) {
+                    return found;
                 }
                 smooth = smooth.or_else(|| shooting.multiplier(&way));
             }
@@ -105,8 +118,7 @@ impl<F> Shooting<'_, F> {
         let mut good = vec![first];
         let mut behind: Option<Known<(), N, S::Mode>> = None;
         let mut solve = |s: f64, good: &[Known<(), N, S::Mode>]| {
-            let (guess, period) = extrapolated(good, s)?;
-            let found = self.orbit(s, &guess, period);
+            let found = self.next(good, s);
             let is_other = |one: &Known<(), N, S::Mode>| !is_same(&one.circuit.sequence(), &wanted);
             if let Some(other) = found.as_ref().filter(|one| is_other(one)) {
                 behind = Some(other.clone());
@@ -114,22 +126,35 @@ impl<F> Shooting<'_, F> {
             found
         };
         // In small steps, so that it is this orbit that is followed and not another one near by.
-        let mut step = FIRST * (to - from.0);
+        let mut first_step = FIRST * (to - from.0);
         let resolution = RESOLUTION * (to - from.0).abs();
         let bad = loop {
-            let at = good.last()?.s;
-            if at == to {
-                break None;
+            let begun_at = good.last()?.s;
+            let mut step = first_step;
+            let stopped = loop {
+                let at = good.last()?.s;
+                if at == to {
+                    break None;
+                }
+                let goes_on = (to - at) / step > 1.0;
+                let next = if goes_on { at + step } else { to };
+                match solve(next, &good) {
+                    Some(found) if is_same(&found.circuit.sequence(), &wanted) => good.push(found),
+                    _ => break Some(next),
+                }
+                step *= GROWTH;
+            };
+            let Some(stopped) = stopped else { break None };
+            let bad = locate::locate(&mut good, stopped, resolution, &mut solve);
+            let last = good.last()?;
+            let is_change =
+                least(&last.circuit).is_some_and(|margin| margin.relative() <= VANISHING);
+            // Where no event function vanishes the orbit may only have been missed by too long a step.
+            if is_change || (last.s - begun_at).abs() < first_step.abs() {
+                break Some(bad);
             }
-            let goes_on = (to - at) / step > 1.0;
-            let next = if goes_on { at + step } else { to };
-            match solve(next, &good) {
-                Some(found) if is_same(&found.circuit.sequence(), &wanted) => good.push(found),
-                _ => break Some(next),
-            }
-            step *= GROWTH;
+            first_step *= SHORTER;
         };
-        let bad = bad.map(|bad| locate::locate(&mut good, bad, resolution, &mut solve));
         Some(Way {
             good,
             bad,
@@ -148,19 +173,49 @@ impl<F> Shooting<'_, F> {
     {
         let (bad, last) = (way.bad?, way.good.last()?);
         let system = (self.family)(last.s);
+        let after = way.behind.as_ref().map(|other| other.circuit.modes());
+        let place = Place::in_parameter(last.s, bad);
+        let here = describe(&system, &way.good, after.unwrap_or_default(), place);
         // From the side with fewer phases all event functions are smooth, and a graze is no root.
         let simple = way
             .behind
             .as_ref()
             .filter(|one| one.circuit.parts.len() < last.circuit.parts.len());
-        if let Some(simple) = simple
-            && let Some(found) = self.back_from(last, simple, way.resolution)
-        {
-            return Some(found);
+        let there = simple.and_then(|simple| self.back_from(last, simple, way.resolution));
+        // An unstable orbit there may be lost further away than this one here.
+        let is_nearer = |one: &SequenceChange<N, _>, other: &SequenceChange<N, _>| {
+            one.bifurcation == other.bifurcation && one.uncertainty < NEARER * other.uncertainty
+        };
+        match (there, here) {
+            (Some(there), Some(here)) if is_nearer(&here, &there) => Some(here),
+            (Some(there), _) => Some(there),
+            (None, here) => here,
         }
-        let after = way.behind.as_ref().map(|other| other.circuit.modes());
-        let place = Place::in_parameter(last.s, bad);
-        describe(&system, &way.good, after.unwrap_or_default(), place)
+    }
+
+    /// Where it shrinks to an equilibrium of one of several modes, if it does.
+    fn boundary_equilibrium<S: Switched<N, G>, const N: usize, const G: usize>(
+        &self,
+        way: &Way<N, S::Mode>,
+    ) -> Option<WhatChanges<N, S::Mode>>
+    where
+        F: Fn(f64) -> S,
+    {
+        let (widest, last) = (way.good.first()?, way.good.last()?);
+        let is_small =
+            |one: &&Known<(), N, S::Mode>| one.circuit.extent < SMALL * widest.circuit.extent;
+        // The last ones are as near to it as they can be computed, and nearer than the equilibrium is.
+        let small = way.good.iter().position(|one| is_small(&one))?;
+        let (before, one) = (way.good.get(small.checked_sub(1)?)?, way.good.get(small)?);
+        let of = |one: &Known<(), N, S::Mode>| (one.s, one.circuit.extent);
+        let shrinking = Shrinking::from(of(one), of(before), one.circuit.anchor.x)?;
+        let has_several = last.circuit.parts.len() > 1 && self.forced.is_none();
+        let modes = one.circuit.parts.iter().map(|part| part.mode);
+        let ends_in = |mode| {
+            shrinking.ends_in(|parameter, x| Held::near(&(self.family)(parameter), mode, x, N))
+        };
+        let found = has_several.then(|| modes.into_iter().find_map(ends_in))?;
+        found.map(|(parameter, x)| WhatChanges::BoundaryEquilibrium { parameter, x })
     }
 
     /// A state of the orbit: where a phase begins in which all contacts slip, for stick forgets what came before, and with it by how much the
@@ -200,10 +255,7 @@ impl<F> Shooting<'_, F> {
         let way = edge.s - simple.s;
         let way = way.abs().max(1e4 * resolution) * way.signum();
         [0.3 * way, -0.3 * way].into_iter().find_map(|step| {
-            let solve = |s: f64, good: &[Known<(), N, S::Mode>]| {
-                let (guess, period) = extrapolated(good, s)?;
-                self.orbit(s, &guess, period)
-            };
+            let solve = |s: f64, good: &[Known<(), N, S::Mode>]| self.next(good, s);
             let (good, bad) = locate::approach(simple.clone(), step, resolution, solve)?;
             let last = good.last()?;
             let place = Place::in_parameter(last.s, bad);
@@ -211,6 +263,22 @@ impl<F> Shooting<'_, F> {
             let mut found = describe(&(self.family)(last.s), &good, after, place)?;
             (found.before, found.after) = (edge.circuit.modes(), found.before);
             (found.bifurcation != SequenceBifurcation::Unnamed).then_some(found)
+        })
+    }
+
+    /// The orbit at a further place: where those known lead to, or next to the last one.
+    fn next<S: Switched<N, G>, const N: usize, const G: usize>(
+        &self,
+        good: &[Known<(), N, S::Mode>],
+        s: f64,
+    ) -> Option<Known<(), N, S::Mode>>
+    where
+        F: Fn(f64) -> S,
+    {
+        let (guess, period) = extrapolated(good, s)?;
+        self.orbit(s, &guess, period).or_else(|| {
+            let last = &good.last()?.circuit;
+            self.orbit(s, &last.anchor, last.period)
         })
     }
 

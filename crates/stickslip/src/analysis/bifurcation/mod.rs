@@ -79,6 +79,13 @@ pub enum WhatChanges<const N: usize, K = Mode> {
         /// Size of the imaginary part of the eigenvalues that cross: 0 where it is one, and otherwise a Hopf bifurcation.
         frequency: f64,
     },
+    /// An equilibrium comes to the discontinuity boundary, or to the edge of the part of it that is slid on: a boundary-equilibrium bifurcation.
+    BoundaryEquilibrium {
+        /// The parameter.
+        parameter: f64,
+        /// The equilibrium there.
+        x: State<N>,
+    },
     /// A periodic orbit keeps its phases and has a multiplier on the unit circle: it doubles its period or sheds a torus, meets another branch, or
     /// ends in a fold.
     Multiplier {
@@ -109,7 +116,8 @@ pub struct Sweep<const N: usize, K = Mode> {
 ///
 /// Between two values where the phases of a periodic orbit differ, the orbit itself is followed by shooting, to where its phases change: to
 /// 1e-10 of the interval, and named by the event function that vanishes there ([`super::SequenceBifurcation`]). Where none does, it is
-/// followed to where one of its multipliers is on the unit circle, or to a fold. An equilibrium is followed to where it loses its stability.
+/// followed to where one of its multipliers is on the unit circle, or to a fold. An equilibrium is followed to where it loses its
+/// stability, or its mode no longer holds.
 ///
 /// ```
 /// use stickslip::analysis::{SweepSettings, sweep};

@@ -1,7 +1,7 @@
-//! Where an equilibrium loses its stability.
+//! Where an equilibrium loses its stability, or its mode no longer holds.
 
 use super::{Reached, WhatChanges};
-use crate::analysis::attractors::rest::{ZERO, equilibrium_near};
+use crate::analysis::attractors::rest::{ZERO, equilibrium_near, least_guard};
 use crate::analysis::multipliers;
 use crate::filippov::Switched;
 use crate::ode::Timed;
@@ -13,6 +13,9 @@ const BEHIND: f64 = 1.0 / 64.0;
 /// So much of that way behind the value it was hit; further on it is another pair's.
 const NEXT_TO: f64 = 1e-6;
 
+/// A guard of less than this part of the equilibrium's size is rounding.
+const ROUNDING: f64 = 1e-13;
+
 /// What decides on an equilibrium at one value of the parameter.
 struct Leading<const N: usize> {
     x: State<N>,
@@ -21,9 +24,11 @@ struct Leading<const N: usize> {
     frequency: f64,
     /// Rates that cannot be told from zero.
     noise: f64,
+    /// The smallest guard of its mode.
+    guard: f64,
 }
 
-/// Where the equilibrium loses its stability on the way to another value.
+/// Where the equilibrium loses its stability on the way to another value, or comes to the edge of where its mode holds.
 pub(super) fn loss_of_stability<S: Switched<N, G>, const N: usize, const G: usize>(
     family: &impl Fn(f64) -> S,
     from: (f64, &Reached<N, S::Mode>),
@@ -36,7 +41,8 @@ pub(super) fn loss_of_stability<S: Switched<N, G>, const N: usize, const G: usiz
         let system = family(parameter);
         let rest = equilibrium_near(&system, mode, 0.0, &x, N)?;
         x = rest.x;
-        let across = system.normals(mode, &Timed { t: 0.0, x }).len();
+        let at = Timed { t: 0.0, x };
+        let across = system.normals(mode, &at).len();
         let mut values = multipliers(&rest.jacobian);
         values.sort_by(|a, b| a.norm().total_cmp(&b.norm()));
         let of_field = values.iter().skip(across);
@@ -46,15 +52,45 @@ pub(super) fn loss_of_stability<S: Switched<N, G>, const N: usize, const G: usiz
             rate: first.re,
             frequency: first.im.abs(),
             noise: ZERO * rest.jacobian.amax(),
+            guard: least_guard(&system, mode, at),
         })
     };
-    let (mut a, mut b) = (from.0, to);
-    let (mut at_a, there) = (leading(a)?.rate, leading(b)?);
-    let mut at_b = there.rate;
+    let way = (from.0, to);
+    let rate = zero_on(way, |parameter| {
+        let Leading { rate, noise, .. } = leading(parameter)?;
+        Some((rate, noise))
+    });
+    let edge = zero_on(way, |parameter| {
+        let Leading { x, guard, .. } = leading(parameter)?;
+        Some((guard, ROUNDING * x.amax()))
+    });
+    let nearer = |one: f64, other: Option<f64>| {
+        other.is_none_or(|other| (one - from.0).abs() <= (other - from.0).abs())
+    };
+    if let Some(parameter) = edge.filter(|&edge| nearer(edge, rate)) {
+        let x = leading(parameter)?.x;
+        return Some(WhatChanges::BoundaryEquilibrium { parameter, x });
+    }
+    let parameter = rate?;
+    let Leading { x, frequency, .. } = leading(parameter)?;
+    Some(WhatChanges::Equilibrium {
+        parameter,
+        x,
+        frequency,
+    })
+}
+
+/// The zero of a function, of which what is below its noise cannot be told from zero, on the way from one value of the parameter to another.
+fn zero_on(
+    (from, to): (f64, f64),
+    mut function: impl FnMut(f64) -> Option<(f64, f64)>,
+) -> Option<f64> {
+    let (mut a, mut b) = (from, to);
+    let ((mut at_a, _), (mut at_b, noise)) = (function(a)?, function(b)?);
     // At a change that a value of the sweep hits rounding tells the sign.
-    if at_b.abs() <= there.noise {
+    if at_b.abs() <= noise {
         b += BEHIND * (b - a);
-        at_b = leading(b)?.rate;
+        at_b = function(b)?.0;
     }
     if at_a * at_b >= 0.0 {
         return None;
@@ -63,7 +99,7 @@ pub(super) fn loss_of_stability<S: Switched<N, G>, const N: usize, const G: usiz
     let mut last = a;
     for _ in 0..100 {
         let next = b - at_b * (b - a) / (at_b - at_a);
-        let value = leading(next)?.rate;
+        let value = function(next)?.0;
         let has_settled = (next - last).abs() <= 2.0 * f64::EPSILON * next.abs();
         last = next;
         if value == 0.0 || has_settled {
@@ -76,13 +112,5 @@ pub(super) fn loss_of_stability<S: Switched<N, G>, const N: usize, const G: usiz
         }
         (b, at_b) = (next, value);
     }
-    if (last - to) / (to - from.0) > NEXT_TO {
-        return None;
-    }
-    let Leading { x, frequency, .. } = leading(last)?;
-    Some(WhatChanges::Equilibrium {
-        parameter: last,
-        x,
-        frequency,
-    })
+    ((last - to) / (to - from) <= NEXT_TO).then_some(last)
 }

@@ -127,6 +127,12 @@ impl<S> Corrector<'_, S> {
         across(across(way, mean), flow)
     }
 
+    /// The options for a run from a state, which is left where it goes far.
+    fn bounded<const N: usize>(&self, x: &State<N>) -> Options {
+        let reach = x.amax() + FAR * self.extent;
+        self.options.escape(self.options.escape.min(reach))
+    }
+
     /// After what time, of about a period, the orbit from a state is first back within a distance of it.
     pub fn comes_back<const N: usize, const G: usize>(
         &self,
@@ -146,7 +152,8 @@ impl<S> Corrector<'_, S> {
             direction: Direction::Rising,
         };
         let t_end = from.t + MOST_PERIODS * period;
-        let begun = Integration::new(self.system, from.t, from.x, t_end, self.options).ok()?;
+        let options = self.bounded(&from.x);
+        let begun = Integration::new(self.system, from.t, from.x, t_end, &options).ok()?;
         let mut watched = Watched::new(begun, &section);
         loop {
             match watched.step().ok()? {
@@ -175,8 +182,7 @@ impl<S> Corrector<'_, S> {
         let mut at = begun(guess.at, period)?;
         let slope = at.velocity(self.system);
         let by_tolerance = 100.0 * self.options.atol.max(self.options.rtol);
-        let reach = at.x.amax() + FAR * self.extent;
-        let bounded = self.options.escape(self.options.escape.min(reach));
+        let bounded = self.bounded(&at.x);
         let mut residual = f64::INFINITY;
         for iterations in 1..=MOST {
             let is_autonomous = self.forced.is_none();

@@ -6,6 +6,8 @@ use super::rest::hopf;
 use super::walk::{RESOLUTION, Walk};
 use crate::analysis::anchor::Anchor;
 use crate::analysis::attractors::is_same_cycle;
+use crate::analysis::boundary_equilibrium::{Held, Shrinking};
+use crate::analysis::sequence::circuit::Circuit;
 use crate::filippov::{Switched, run, solve};
 use crate::system::State;
 
@@ -85,11 +87,32 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
         if extent >= SMALL * self.widest {
             return None;
         }
+        if let Some(parameter) = self.boundary_equilibrium() {
+            return Some(Stop::BoundaryEquilibrium { parameter });
+        }
         let (parameter, frequency) = hopf(self.corrector.system, &self.last, self.width)?;
         Some(Stop::Equilibrium {
             parameter,
             frequency,
         })
+    }
+
+    /// The parameter at which an orbit that goes through several modes shrinks to an equilibrium of one of them.
+    fn boundary_equilibrium(&self) -> Option<f64> {
+        let [last, before] = [&self.last, &self.before].map(|one| &one.circuit);
+        let of = |one: &Circuit<N, S::Mode>| (one.anchor.x[N - 1], one.extent);
+        let shrinking = Shrinking::from(of(last), of(before), last.anchor.x)?;
+        let modes = last.parts.iter().map(|part| part.mode);
+        let ends_in = |mode| {
+            shrinking.ends_in(|parameter, x| {
+                let mut x = *x;
+                x[N - 1] = parameter;
+                Held::near(self.corrector.system, mode, &x, N - 1)
+            })
+        };
+        let has_several = last.parts.len() > 1;
+        let found = has_several.then(|| modes.into_iter().find_map(ends_in))?;
+        Some(found?.0)
     }
 
     /// Whether an orbit a step further on begins where the last one sticks, and does so all the time.

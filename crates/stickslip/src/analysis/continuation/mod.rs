@@ -156,6 +156,12 @@ pub enum Stop {
         /// Size of the eigenvalues: angle per unit of time.
         frequency: f64,
     },
+    /// The orbit shrinks to an equilibrium that comes to the discontinuity boundary, or to the edge of the part of it that is slid on, at this
+    /// parameter: a boundary-equilibrium bifurcation.
+    BoundaryEquilibrium {
+        /// The parameter.
+        parameter: f64,
+    },
     /// The orbit of a driven system comes to rest: it moves by less than a thousandth of what the widest one on the branch does, and a step further on
     /// friction holds it all the time.
     Rest,

@@ -17,7 +17,7 @@ pub(crate) struct Known<B, const N: usize, K> {
 const ZERO: f64 = 1e-9;
 
 /// A margin of this part of its scale is vanishing: where it grows as a root, a change located to 1e-10 leaves some 1e-6.
-pub(super) const VANISHING: f64 = 3e-5;
+pub(crate) const VANISHING: f64 = 3e-5;
 
 /// Trials allowed.
 const MOST: usize = 200;
