@@ -1,7 +1,9 @@
 //! Bifurcations located in a parameter, against their closed forms.
 
+mod boundary_equilibria;
 mod branches;
 mod on_the_boundary;
 mod several;
+mod static_friction;
 mod sweeps;
 pub mod systems;

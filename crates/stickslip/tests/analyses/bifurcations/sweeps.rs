@@ -17,7 +17,7 @@ const ABOVE: Mode = Mode::Slip(Side::Above);
 const BELOW: Mode = Mode::Slip(Side::Below);
 
 /// A system for as long as the tests run: those of the list are lent.
-fn kept<S>(system: S) -> &'static S {
+pub(super) fn kept<S>(system: S) -> &'static S {
     Box::leak(Box::new(system))
 }
 

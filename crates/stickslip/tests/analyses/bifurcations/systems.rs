@@ -177,6 +177,12 @@ impl<S: Filippov<3>> Filippov<2> for AtParameter<S> {
         let [rate, other, _] = self.system.field(side, t, &[x, y, T::constant(self.value)]);
         [rate, other]
     }
+    fn holding<T: Scalar>(&self, side: Side, t: T, &[x, y]: &[T; 2]) -> [T; 2] {
+        let [rate, other, _] = self
+            .system
+            .holding(side, t, &[x, y, T::constant(self.value)]);
+        [rate, other]
+    }
     fn boundary<T: Scalar>(&self, t: T, &[x, y]: &[T; 2]) -> T {
         self.system.boundary(t, &[x, y, T::constant(self.value)])
     }
@@ -486,5 +492,55 @@ impl Filippov<3> for Rough {
     }
     fn boundary<T: Scalar>(&self, _t: T, x: &[T; 3]) -> T {
         x[1]
+    }
+}
+
+/// A block on a spring and a belt, with friction 1 in slip and 3/2 at rest; the third state is the damping.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Grip;
+
+impl Grip {
+    pub const SPEED: f64 = 0.3;
+    pub const STATIC: f64 = 1.5;
+
+    fn rates<T: Scalar>([x, v, damping]: [T; 3], friction: f64) -> [T; 3] {
+        [v, -x - damping * v - friction, T::zero()]
+    }
+}
+
+impl Filippov<3> for Grip {
+    fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T; 3]) -> [T; 3] {
+        Grip::rates(*x, side.sign())
+    }
+    fn holding<T: Scalar>(&self, side: Side, _t: T, x: &[T; 3]) -> [T; 3] {
+        Grip::rates(*x, Grip::STATIC * side.sign())
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 3]) -> T {
+        x[1] - Grip::SPEED
+    }
+}
+
+/// Three equal lags in a row under the relay that counteracts the last, as soon as that is above the threshold, which is the fourth state. Either way on
+/// alone it comes to rest at ±1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lags;
+
+impl Filippov<4> for Lags {
+    fn field<T: Scalar>(&self, side: Side, _t: T, &[x, y, z, _]: &[T; 4]) -> [T; 4] {
+        [-x - side.sign(), x - y, y - z, T::zero()]
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 4]) -> T {
+        x[2] - x[3]
+    }
+}
+
+impl Filippov<3> for AtParameter<Lags> {
+    fn field<T: Scalar>(&self, side: Side, t: T, &[x, y, z]: &[T; 3]) -> [T; 3] {
+        let threshold = T::constant(self.value);
+        let [x, y, z, _] = self.system.field(side, t, &[x, y, z, threshold]);
+        [x, y, z]
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 3]) -> T {
+        x[2] - self.value
     }
 }

@@ -1,0 +1,207 @@
+//! Changes of phases behind which friction that is more at rest lets go by a jump, against closed forms.
+
+use stickslip::analysis::{
+    ContinuationSettings, SequenceBifurcation, Special, Stop, SweepSettings, WhatChanges,
+    continue_periodic_orbit, sweep,
+};
+use stickslip::{Mode, Options, Side, math};
+
+use super::systems::{AtParameter, Grip};
+use crate::listed::Listed;
+
+const ABOVE: Mode = Mode::Slip(Side::Above);
+const BELOW: Mode = Mode::Slip(Side::Below);
+
+/// Place and velocity in slip on a side at a time behind a place on the belt, and the acceleration, by the formula for the damped spring.
+fn slip(side: Side, damping: f64, x: f64, t: f64) -> [f64; 3] {
+    let (rest, rate) = (-side.sign(), -0.5 * damping);
+    let angle = (1.0 - rate * rate).sqrt();
+    let (cos, sin, size) = (
+        math::cos(angle * t),
+        math::sin(angle * t),
+        math::exp(rate * t),
+    );
+    let (a, b) = (x - rest, (Grip::SPEED - rate * (x - rest)) / angle);
+    let (along, across) = (a * cos + b * sin, b * cos - a * sin);
+    let [x, v] = [rest + size * along, size * (rate * along + angle * across)];
+    [x, v, -x - damping * v + rest]
+}
+
+/// Where a function of a number is zero between two at which its signs differ.
+fn zero(mut low: f64, mut high: f64, function: impl Fn(f64) -> f64) -> f64 {
+    let sign = function(low).signum();
+    assert!(sign * function(high) < 0.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if function(middle) * sign > 0.0 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    0.5 * (low + high)
+}
+
+/// Where stick lets go.
+fn release(damping: f64) -> f64 {
+    Grip::STATIC - damping * Grip::SPEED
+}
+
+/// Where the slip that begins there comes to the belt again.
+fn landing(damping: f64) -> f64 {
+    let from = release(damping);
+    let t = zero(3.0, 5.0, |t| {
+        slip(Side::Below, damping, from, t)[1] - Grip::SPEED
+    });
+    slip(Side::Below, damping, from, t)[0]
+}
+
+/// The damping at which it lands where friction can just hold: with less it passes on at once, to come back to where it lets go.
+fn let_go() -> f64 {
+    let room = |damping: f64| landing(damping) + Grip::STATIC + damping * Grip::SPEED;
+    zero(-0.7, -0.6, room)
+}
+
+/// The period of slip below, slip above and stick, until that lets go again.
+fn period_with_slip_above(damping: f64) -> f64 {
+    let from = release(damping);
+    let faster = |side, from, t| slip(side, damping, from, t)[1] - Grip::SPEED;
+    let below = zero(3.0, 5.0, |t| faster(Side::Below, from, t));
+    let there = slip(Side::Below, damping, from, below)[0];
+    let above = zero(1.0, 4.0, |t| faster(Side::Above, there, t));
+    let stuck = slip(Side::Above, damping, there, above)[0];
+    below + above + (from - stuck) / Grip::SPEED
+}
+
+/// The damping at which the slip above that follows ends just where stick lets go.
+fn no_stick() -> f64 {
+    zero(-0.75, -0.7, |damping| {
+        let from = landing(damping);
+        let t = zero(1.0, 4.0, |t| {
+            slip(Side::Above, damping, from, t)[1] - Grip::SPEED
+        });
+        slip(Side::Above, damping, from, t)[0] - release(damping)
+    })
+}
+
+/// The damping at which the slip below only just comes to the belt, the fastest that it is.
+fn touch() -> f64 {
+    zero(0.2, 0.3, |damping| {
+        let from = release(damping);
+        let t = zero(4.0, 6.0, |t| slip(Side::Below, damping, from, t)[2]);
+        slip(Side::Below, damping, from, t)[1] - Grip::SPEED
+    })
+}
+
+#[test]
+fn a_branch_goes_on_behind_a_jump_and_does_not_take_another_family_for_it() {
+    let (lets_go, no_stick, touches) = (let_go(), no_stick(), touch());
+    for (step, range) in [
+        (0.01, (-0.9, 0.5)),
+        (0.02, (-1.0, 1.0)),
+        (0.03, (-0.9, 0.5)),
+    ] {
+        let settings = ContinuationSettings {
+            step,
+            most_points: 160,
+            ..ContinuationSettings::over(range.0, range.1)
+        };
+        let start = [0.0, -1.0, 0.0];
+        let options = Options::tol(1e-12);
+        let [down, up] = [false, true].map(|upwards| {
+            let start = start_of_cycle(start);
+            continue_periodic_orbit(&Grip.any(), start, 7.55, upwards, &settings, &options).unwrap()
+        });
+        let expected = [
+            (&down, lets_go, SequenceBifurcation::CrossingSliding, 3),
+            (&down, no_stick, SequenceBifurcation::CrossingSliding, 2),
+            (&up, touches, SequenceBifurcation::GrazingSliding, 0),
+        ];
+        for (k, (branch, place, name, phases)) in expected.into_iter().enumerate() {
+            let at = &branch.special[k % 2];
+            let Special::Sequence(change) = &at.what else {
+                panic!("{at:?}");
+            };
+            assert_eq!(
+                (change.bifurcation, change.after.len()),
+                (name, phases),
+                "{change:?}"
+            );
+            let off = (at.parameter - place).abs();
+            assert!(
+                off < 1e-9 && change.uncertainty < 1e-9,
+                "{step} {k}: {off:e}"
+            );
+        }
+        // Beyond it there is no such orbit.
+        assert_eq!(up.stop, Stop::SequenceEnds);
+        let mut behind = 0;
+        for point in down.points.iter().filter(|point| point.sequence.len() == 3) {
+            assert_eq!(rotated(&point.sequence), [ABOVE, Mode::Stick, BELOW]);
+            let exact = period_with_slip_above(point.parameter);
+            assert!(
+                (point.period - exact).abs() < 1e-9,
+                "{} for {exact}",
+                point.period
+            );
+            behind += 1;
+        }
+        assert!(behind > 1);
+    }
+}
+
+/// A state of the cycle at no damping, in the middle of its slip.
+fn start_of_cycle(start: [f64; 3]) -> [f64; 3] {
+    let [x, v, _] = slip(Side::Below, start[2], release(start[2]), 2.0);
+    [x, v, start[2]]
+}
+
+/// The phases from the slip above on.
+fn rotated(phases: &[Mode]) -> Vec<Mode> {
+    let first = phases.iter().position(|mode| *mode == ABOVE).unwrap();
+    let mut phases = phases.to_vec();
+    phases.rotate_left(first);
+    phases
+}
+
+#[test]
+fn a_sweep_locates_them_however_wide_its_steps() {
+    for values in [7_u32, 9, 13] {
+        let dampings = (0..values).map(|k| -0.8 + 1.1 * f64::from(k) / f64::from(values - 1));
+        let family = |value| AtParameter {
+            system: Grip,
+            value,
+        };
+        let family = |value| crate::bifurcations::sweeps::kept(family(value)).any();
+        let settings = SweepSettings::within(500.0);
+        let found = sweep(
+            family,
+            dampings,
+            [1.2, 0.3],
+            &settings,
+            &Options::tol(1e-10),
+        )
+        .unwrap();
+        let places: Vec<f64> = found
+            .changes
+            .iter()
+            .filter_map(|change| match &change.what {
+                WhatChanges::Sequence(change) => {
+                    assert!(change.uncertainty < 1e-9, "{change:?}");
+                    Some(change.parameter)
+                }
+                _ => None,
+            })
+            .collect();
+        // The first lies between two values at which all orbits escape or between two with the same phases, where the steps are wide.
+        let exact = [no_stick(), let_go(), touch()];
+        let skipped = 3 - places.len();
+        assert!(skipped <= 1, "{values}: {places:?}");
+        for (place, exact) in places.iter().zip(&exact[skipped..]) {
+            assert!(
+                (place - exact).abs() < 1e-9,
+                "{values}: {place} for {exact}"
+            );
+        }
+    }
+}
