@@ -6,7 +6,7 @@ use super::corner::Behind;
 use super::corrector::{Corrector, Guess, OnBranch};
 use super::line::Line;
 use super::{Branch, BranchPoint, ContinuationSettings, Special, SpecialPoint, Stop};
-use crate::analysis::anchor::velocity_in;
+use crate::analysis::anchor::Anchor;
 use crate::analysis::attractors::is_same_cycle;
 use crate::analysis::sequence::Place;
 use crate::analysis::sequence::SequenceBifurcation;
@@ -58,7 +58,8 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
         options: &'a Options,
     ) -> Result<Self, Error> {
         let start = Timed { t: 0.0, x };
-        let rate = velocity_in(system, system.mode_by_side(0.0, &x), &start)[N - 1];
+        let period = settings.forced.unwrap_or(period);
+        let rate = Anchor::at_start(system, &start, period, options)?.velocity(system)[N - 1];
         if rate != 0.0 {
             return Err(Error::Parameter {
                 name: "the last state's rate",
@@ -74,7 +75,6 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
                 bound: "in the range of the continuation",
             });
         }
-        let period = settings.forced.unwrap_or(period);
         let (at, extent) = anchor(system, &start, period, options)?;
         let corrector = Corrector {
             system,

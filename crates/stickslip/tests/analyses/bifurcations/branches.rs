@@ -346,10 +346,15 @@ fn a_flip_and_a_torus_are_located_and_named() {
 fn where_another_branch_meets_it_the_branch_goes_on_and_the_point_is_named() {
     let (low, high) = (-0.25, 0.2);
     let settings = ContinuationSettings::over(low, high);
-    for (upwards, from, to) in [(true, -0.2, high), (false, 0.15, low)] {
+    // The second start is on the boundary, where both sides' fields agree.
+    let on_boundary = [0.2, 0.96_f64.sqrt()];
+    for (upwards, from, to, [x, y]) in [
+        (true, -0.2, high, [1.0, 0.0]),
+        (false, 0.15, low, on_boundary),
+    ] {
         let found = continue_periodic_orbit(
             &Pitchfork.any(),
-            [1.0, 0.0, 0.0, from],
+            [x, y, 0.0, from],
             2.0 * PI,
             upwards,
             &settings,
