@@ -319,7 +319,7 @@ pub(in crate::analysis) fn extrapolated<B, const N: usize, K: Copy + PartialEq>(
     s: f64,
 ) -> Option<(Anchor<N, K>, f64)> {
     let last = good.last()?;
-    let Some((one, two, part)) = pair_for(good, s) else {
+    let Some(([one, two], part)) = pair_for(good, s) else {
         return Some((last.circuit.anchor, last.circuit.period));
     };
     let (a, b) = (&one.circuit, &two.circuit);
@@ -336,7 +336,7 @@ pub(in crate::analysis) fn extrapolated<B, const N: usize, K: Copy + PartialEq>(
 pub(in crate::analysis) fn pair_for<B, const N: usize, K>(
     good: &[Known<B, N, K>],
     s: f64,
-) -> Option<(&Known<B, N, K>, &Known<B, N, K>, f64)> {
+) -> Option<([&Known<B, N, K>; 2], f64)> {
     let (two, before) = good.split_last()?;
     let is_apart = |one: &&Known<B, N, K>| (one.s - two.s).abs() >= (s - two.s).abs();
     let apart = before.iter().rev().find(is_apart);
@@ -345,5 +345,5 @@ pub(in crate::analysis) fn pair_for<B, const N: usize, K>(
         before.iter().max_by(|a, b| away(a).total_cmp(&away(b)))
     })?;
     let part = (s - two.s) / (two.s - one.s);
-    (two.s != one.s).then_some((one, two, part.clamp(-1.0, 1.0)))
+    (two.s != one.s).then_some(([one, two], part.clamp(-1.0, 1.0)))
 }

@@ -72,7 +72,7 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
         good: &[OnBranch<N, S::Mode>],
         s: f64,
     ) -> Option<OnBranch<N, S::Mode>> {
-        let (one, two, part) = pair_for(good, s)?;
+        let ([one, two], part) = pair_for(good, s)?;
         let off = |one: &OnBranch<N, S::Mode>| {
             let on_line = line.guess(one.s);
             // The last two of the branch are on it by themselves.

@@ -201,28 +201,33 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
         }
     }
 
+    /// The sign of the way that the last two orbits have come along the parameter; none where a fold lies between them, or a change of phases, at
+    /// which a branch may turn too.
+    fn heading(&self) -> Option<f64> {
+        let [before, last] = [&self.before, &self.last];
+        let is_smooth = before.circuit.sequence() == last.circuit.sequence();
+        let [a, b] = [before, last].map(|orbit| orbit.circuit.anchor.x[N - 1]);
+        let no_fold = self.to_fold(before) * self.to_fold(last) > 0.0;
+        (is_smooth && no_fold && a != b).then_some((b - a).signum())
+    }
+
+    /// The function of an orbit's multipliers that is zero at a fold.
+    fn to_fold(&self, orbit: &OnBranch<N, S::Mode>) -> f64 {
+        orbit.branch.critical(self.settings.forced.is_some()).one
+    }
+
     /// Whether the next orbit lies back along the parameter though no multiplier has passed 1: the way that has come was found again.
     fn turns_without_fold(&self, next: &OnBranch<N, S::Mode>) -> bool {
-        let three = [&self.before, &self.last, next];
-        let [a, b, c] = three.map(|orbit| orbit.circuit.anchor.x[N - 1]);
-        // The first two may lie on either side of a change of phases, where a branch may turn.
-        let is_smooth = self.before.circuit.sequence() == self.last.circuit.sequence();
-        if !is_smooth || (b - a) * (c - b) >= 0.0 {
-            return false;
-        }
-        let is_forced = self.settings.forced.is_some();
-        let [one, two, last] = three.map(|orbit| orbit.branch.critical(is_forced).one);
-        one * two > 0.0 && two * last > 0.0
+        let way = next.circuit.anchor.x[N - 1] - self.parameter();
+        let turns = self.heading().is_some_and(|heading| way * heading < 0.0);
+        turns && self.to_fold(&self.last) * self.to_fold(next) > 0.0
     }
 
     /// Whether a place lies behind the last orbit on the way that has come, and not before it: the orbits there were found again.
     fn is_behind(&self, parameter: f64) -> bool {
-        let [a, b] = [&self.before, &self.last].map(|orbit| orbit.circuit.anchor.x[N - 1]);
-        let is_smooth = self.before.circuit.sequence() == self.last.circuit.sequence();
-        let is_forced = self.settings.forced.is_some();
-        let [one, two] = [&self.before, &self.last].map(|at| at.branch.critical(is_forced).one);
-        let back = (b - parameter) * (b - a).signum();
-        is_smooth && one * two > 0.0 && back > SHORTEST * self.width
+        let way = parameter - self.parameter();
+        self.heading()
+            .is_some_and(|heading| way * heading < -SHORTEST * self.width)
     }
 
     /// The phases change within the step, or it is too long.
