@@ -32,10 +32,14 @@ pub(super) fn strings(texts: &[&str]) -> Vec<String> {
 
 /// A number with what it is uncertain by, and no digits beyond.
 pub(super) fn within(value: f64, uncertainty: f64) -> String {
+    const MOST: f64 = 16.0;
     if !(uncertainty > 0.0 && uncertainty.is_finite()) {
         return format!("about {}", to_digits(value, 4));
     }
-    let decimals = (1.0 - math::log10(uncertainty).floor()).clamp(0.0, 16.0);
+    let decimals = (1.0 - math::log10(uncertainty).floor()).max(0.0);
+    if decimals > MOST {
+        return format!("{value:.2e} ± {uncertainty:.0e}");
+    }
     format!("{value:.0$} ± {uncertainty:.0e}", decimals as usize)
 }
 
@@ -216,10 +220,17 @@ pub(super) fn sequence(modes: &[Modes]) -> String {
 
 /// As [`change_name`], with the contacts where there are several.
 pub(super) fn change_words(system: &System, change: &Change) -> String {
-    let name = change_name(change);
-    match changed_contacts(system, change) {
-        contacts if contacts.is_empty() || system.contacts() == 1 => name,
-        contacts => format!("{name} of {contacts}"),
+    let name = match changed_contacts(system, change) {
+        contacts if contacts.is_empty() || system.contacts() == 1 => change_name(change),
+        contacts => format!("{} of {contacts}", change_name(change)),
+    };
+    match change {
+        Change::Sequence { before, after, .. } if before.is_empty() != after.is_empty() => {
+            let phases = if after.is_empty() { before } else { after };
+            let phases = sequence(phases);
+            format!("{name}, where an orbit of phases {phases} ends: none was found beyond")
+        }
+        _ => name,
     }
 }
 
@@ -249,14 +260,6 @@ pub(super) fn change_json(system: &System, change: &Change) -> Value {
 /// What a change of an attractor is called.
 pub(super) fn change_name(change: &Change) -> String {
     match change {
-        Change::Sequence {
-            name,
-            before,
-            after,
-            ..
-        } if name == "unnamed" && (before.is_empty() || after.is_empty()) => {
-            "the orbit was found on one side only: a fold, or a change that has no name".to_owned()
-        }
         Change::Sequence { name, .. } if name == "unnamed" => {
             "a change of the phases that has no name".to_owned()
         }

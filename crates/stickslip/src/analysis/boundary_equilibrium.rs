@@ -6,8 +6,14 @@ use crate::filippov::Switched;
 use crate::ode::Timed;
 use crate::system::State;
 
-/// An orbit that shrinks to an equilibrium is no further from it than so many times its own extent.
+/// An orbit of less than this part of a wider one's extent may be about to shrink to an equilibrium.
+pub(super) const SMALL: f64 = 1e-2;
+
+/// Such an orbit is no further from the equilibrium than so many times its own extent.
 const NEAR: f64 = 10.0;
+
+/// Of two extents that differ by less than this part of them nothing is extrapolated.
+const APART: f64 = 1e-3;
 
 /// The equilibrium of a mode, and the smallest guard of that mode there: positive where it holds.
 pub(super) struct Held<const N: usize> {
@@ -44,7 +50,8 @@ impl<const N: usize> Shrinking<N> {
     pub fn from(here: (f64, f64), before: (f64, f64), x: State<N>) -> Option<Self> {
         let [(here, extent), (there, wider)] = [here, before];
         let way = (here - there) * extent / (wider - extent);
-        (extent < wider && here != there).then_some(Shrinking {
+        let shrinks = extent * (1.0 + APART) < wider && here != there;
+        shrinks.then_some(Shrinking {
             x,
             extent,
             here,
@@ -52,10 +59,11 @@ impl<const N: usize> Shrinking<N> {
         })
     }
 
-    /// The parameter, and the equilibrium of a mode that leaves the mode's region there, next to where the orbit would be a point. `held` has
-    /// the equilibrium of that mode near a state at a parameter.
+    /// The parameter, and the equilibrium of a mode that passes the edge of that mode's region there, next to where the orbit would be a point. `held`
+    /// has the equilibrium of that mode near a state at a parameter; the first `free` components are states.
     pub fn ends_in(
         &self,
+        free: usize,
         mut held: impl FnMut(f64, &State<N>) -> Option<Held<N>>,
     ) -> Option<(f64, State<N>)> {
         let mut x = self.x;
@@ -71,6 +79,7 @@ impl<const N: usize> Shrinking<N> {
         }
         let parameter = zero_between((self.here, one), (further, other), &mut guard)?;
         guard(parameter)?;
-        ((x - self.x).amax() <= NEAR * self.extent).then_some((parameter, x))
+        let off = (x - self.x).rows(0, free).amax();
+        (off <= NEAR * self.extent).then_some((parameter, x))
     }
 }

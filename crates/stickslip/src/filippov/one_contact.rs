@@ -5,7 +5,9 @@ use super::event::Event;
 use super::flow::{CONTACT, GUARDS, Slip, Stick, boundary_gradient, normal_component};
 use super::observer::{Transition, TransitionKind};
 use super::options::{AtRepelling, Options};
-use super::rules::{AtRest, Departure, Fate, Leading, LieDerivatives, SAME, Visibility, departure};
+use super::rules::{
+    AtRest, Departure, Fate, Leading, LieDerivatives, SAME, Visibility, departure, resting,
+};
 use super::run::Run;
 use super::switch::{kind, next_mode};
 use super::switched::{Next, Switch, Switched, UseFlow};
@@ -238,5 +240,7 @@ fn departs_by<S: Filippov<N>, const N: usize>(
         run.counters.field_calls += leading.calls;
         leading
     };
-    departure(of(Side::Below), of(Side::Above))
+    let [below, above] = [Side::Below, Side::Above].map(&mut of);
+    let rests = resting(system, t, &x, [&below, &above]);
+    departure(below, above, rests)
 }

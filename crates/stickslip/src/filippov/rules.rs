@@ -19,7 +19,8 @@ pub(crate) const SAME: f64 = 1e-12;
 /// What a point of Σ leads to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fate {
-    /// Both fields point to this side, or the field of this side is tangent and visible: slip on it.
+    /// Both fields point to this side, or the field of this side is tangent and visible: slip on it. Or both are tangent, and this side's has its
+    /// equilibrium there.
     Slip(Side),
     /// Both fields push towards Σ: stick.
     Stick,
@@ -211,21 +212,39 @@ impl Leading {
     }
 }
 
-/// Applies the rules at a point of Σ to the leading derivatives along the two fields.
-pub(crate) fn departure(below: Leading, above: Leading) -> Departure {
-    // Where both fields are tangent no sliding field is determined. If one of them rests there, or as good as rests, and the other leads back to it,
-    // it is that side's equilibrium.
+/// A velocity of less than this part of the other side's is none.
+const AT_REST: f64 = 1e-12;
+
+/// The side on which a point of Σ is an equilibrium to rounding, where both fields are tangent to Σ, so that no sliding field is determined, and
+/// the other one leads back to it.
+pub(crate) fn resting<S: Filippov<N>, const N: usize>(
+    system: &S,
+    t: f64,
+    x: &State<N>,
+    [below, above]: [&Leading; 2],
+) -> Option<Side> {
+    let side = match (below.sign, above.sign) {
+        (0.0, sign) if sign < 0.0 => Side::Below,
+        (sign, 0.0) if sign > 0.0 => Side::Above,
+        _ => return None,
+    };
+    let speed = |side| {
+        let rates = system.field(side, t, components(x));
+        rates
+            .iter()
+            .fold(0.0_f64, |most, rate| most.max(rate.abs()))
+    };
     let both_tangent = below.order > 1 && above.order > 1;
+    (both_tangent && speed(side) <= AT_REST * speed(side.opposite())).then_some(side)
+}
+
+/// Applies the rules at a point of Σ to the leading derivatives along the two fields, and to the side that it rests on, if it does on one only.
+pub(crate) fn departure(below: Leading, above: Leading, rests: Option<Side>) -> Departure {
     let fate = match (below.sign < 0.0, above.sign > 0.0) {
         (true, true) => Fate::Repelling,
         (true, false) => Fate::Slip(Side::Below),
         (false, true) => Fate::Slip(Side::Above),
-        (false, false) if both_tangent && below.sign == 0.0 && above.sign < 0.0 => {
-            Fate::Slip(Side::Below)
-        }
-        (false, false) if both_tangent && above.sign == 0.0 && below.sign > 0.0 => {
-            Fate::Slip(Side::Above)
-        }
+        (false, false) if rests.is_some() => rests.map_or(Fate::Stick, Fate::Slip),
         (false, false) => Fate::Stick,
     };
     let orders = match fate {
@@ -260,10 +279,17 @@ impl<S: Filippov<N>, const N: usize> Filippov<N> for AtRest<'_, S> {
 /// assert_eq!(fate(&belt, 0.0, &State::from([1.5, 1.0])), Fate::Slip(Side::Below));
 /// ```
 pub fn fate<S: Filippov<N>, const N: usize>(system: &S, t: f64, x: &State<N>) -> Fate {
-    let at_rest = |side| Leading::new(&AtRest(system), side, t, x, 0.0, false);
-    if departure(at_rest(Side::Below), at_rest(Side::Above)).fate == Fate::Stick {
-        return Fate::Stick;
+    let held = fate_by(&AtRest(system), t, x);
+    if held == Fate::Stick {
+        return held;
     }
-    let in_slip = |side| Leading::new(system, side, t, x, 0.0, false);
-    departure(in_slip(Side::Below), in_slip(Side::Above)).fate
+    fate_by(system, t, x)
+}
+
+/// The same by the fields of one kind of friction.
+fn fate_by<S: Filippov<N>, const N: usize>(system: &S, t: f64, x: &State<N>) -> Fate {
+    let of = |side| Leading::new(system, side, t, x, 0.0, false);
+    let [below, above] = [Side::Below, Side::Above].map(of);
+    let rests = resting(system, t, x, [&below, &above]);
+    departure(below, above, rests).fate
 }

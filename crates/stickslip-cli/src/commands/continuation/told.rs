@@ -68,8 +68,7 @@ fn why(stop: Stop, parameter: &str) -> String {
         ),
         Stop::Rest => "where it comes to rest: it moves a thousandth of what it did".to_owned(),
         Stop::SequenceEnds => {
-            "where its phases change: no orbit with other phases was found next to it, nor, by a return to it, behind a jump"
-                .to_owned()
+            "where its phases change: no orbit with other phases was found next to it".to_owned()
         }
         Stop::NoConvergence => {
             "where no further orbit was found; a shorter --step or a smaller --tol may lead on"
@@ -329,11 +328,15 @@ impl Told<'_> {
             SpecialKind::Sequence(change) => {
                 let name = tables::change_words(self.system, change);
                 match change {
-                    Change::Sequence { before, after, .. } if !after.is_empty() => format!(
-                        "{name}, between phases {} and {}",
-                        tables::sequence(before),
-                        tables::sequence(after)
-                    ),
+                    Change::Sequence { before, after, .. }
+                        if !before.is_empty() && !after.is_empty() =>
+                    {
+                        format!(
+                            "{name}, between phases {} and {}",
+                            tables::sequence(before),
+                            tables::sequence(after)
+                        )
+                    }
                     _ => name,
                 }
             }

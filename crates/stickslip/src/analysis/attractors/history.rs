@@ -42,6 +42,12 @@ impl<const N: usize, K: Copy> History<N, K> {
         self.phases.back()
     }
 
+    /// The modes of the last phases.
+    pub fn modes(&self) -> impl Iterator<Item = K> {
+        const LAST: usize = 4;
+        self.phases.iter().rev().take(LAST).map(|phase| phase.mode)
+    }
+
     /// Keeps what lies between two counts, of which the second is that of now.
     pub fn keep(&mut self, (from, to): &(Count, Count)) {
         keep_last(&mut self.phases, to.phases - from.phases);

@@ -355,7 +355,10 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
                     x: *integration.x(),
                 };
                 let scale = State::from_fn(|i, _| self.ever.size(i));
-                match rest_on_edge(self.system, integration.mode(), &at, &scale, &self.near) {
+                // Of either side's equilibrium it is not said which the last phase was beside.
+                let mut modes = [integration.mode()].into_iter().chain(self.history.modes());
+                let rest = |mode| rest_on_edge(self.system, mode, &at, &scale, &self.near);
+                match modes.find_map(rest) {
                     Some(x) => {
                         let points = vec![SectionPoint { t: at.t, x }];
                         Stage::Done(Kind::Equilibrium, points)

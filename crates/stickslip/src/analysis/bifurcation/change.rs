@@ -1,10 +1,13 @@
 //! Where between two values of a parameter an attractor changes.
 
-use super::stability::loss_of_stability;
+use std::cell::RefCell;
+
+use super::stability::{NEXT_TO, loss_of_stability};
 use super::{Reached, WhatChanges};
 use crate::analysis::anchor::Anchor;
-use crate::analysis::attractors::Kind;
-use crate::analysis::boundary_equilibrium::{Held, Shrinking};
+use crate::analysis::attractors::{Kind, is_same_cycle};
+use crate::analysis::boundary_equilibrium::{Held, SMALL, Shrinking};
+use crate::analysis::continuation::Special;
 use crate::analysis::periodic::shoot;
 use crate::analysis::sequence::circuit::Circuit;
 use crate::analysis::sequence::locate::{self, Known, VANISHING, is_same, least};
@@ -27,26 +30,68 @@ const NEARER: f64 = 0.1;
 /// How much shorter the first step is where the orbit was lost without a change.
 const SHORTER: f64 = 0.1;
 
-/// An orbit of less than this part of the first one's extent is about to be an equilibrium.
-const SMALL: f64 = 0.04;
+/// Part of the first step within which the orbit is lost again where it ends.
+const STUCK: f64 = 1e-3;
 
 /// A value of the parameter and what was found there.
 type End<'a, const N: usize, K> = (f64, &'a Reached<N, K>);
 
+/// What becomes of the attractor between two values: where it ends, and, if that is another place and not the same change, where the other one begins.
 pub(super) fn locate<S: Switched<N, G>, const N: usize, const G: usize>(
     family: &impl Fn(f64) -> S,
-    [one, other]: [End<'_, N, S::Mode>; 2],
+    ends: [End<'_, N, S::Mode>; 2],
     forcing: Option<f64>,
     options: &Options,
-) -> WhatChanges<N, S::Mode> {
-    let (mut smooth, mut unnamed) = (None, None);
-    for (from, to, is_back) in [(one, other, false), (other, one, true)] {
+) -> Vec<WhatChanges<N, S::Mode>> {
+    let [one, other] = ends;
+    let first = Seen::from(family, (one, other), forcing, options);
+    let second = Seen::from(family, (other, one), forcing, options).turned_round();
+    let width = other.0 - one.0;
+    let are_two = match (first.place(), second.place()) {
+        (Some(a), Some(b)) => (a - b).abs() > NEXT_TO * width.abs(),
+        _ => false,
+    };
+    let phases = ends.map(|end| end.1);
+    if are_two && !first.joins(phases) && !second.joins(phases) {
+        return [first, second].into_iter().filter_map(Seen::best).collect();
+    }
+    let named = if first.joins(phases) || !second.joins(phases) {
+        first.named.or(second.named)
+    } else {
+        second.named
+    };
+    let others = first
+        .smooth
+        .or(second.smooth)
+        .or(first.unnamed)
+        .or(second.unnamed);
+    vec![named.or(others).unwrap_or(WhatChanges::Unlocated)]
+}
+
+/// What is seen of a change from one of its sides.
+struct Seen<const N: usize, K> {
+    /// By an event function that vanishes, or the loss of an equilibrium.
+    named: Option<WhatChanges<N, K>>,
+    /// By a multiplier.
+    smooth: Option<WhatChanges<N, K>>,
+    /// By other phases only.
+    unnamed: Option<WhatChanges<N, K>>,
+}
+
+impl<const N: usize, K: Copy + PartialEq> Seen<N, K> {
+    fn from<S: Switched<N, G, Mode = K>, const G: usize>(
+        family: &impl Fn(f64) -> S,
+        (from, to): (End<'_, N, K>, End<'_, N, K>),
+        forcing: Option<f64>,
+        options: &Options,
+    ) -> Self {
+        let mut seen = Seen {
+            named: None,
+            smooth: None,
+            unnamed: None,
+        };
         match from.1.kind {
-            Kind::Equilibrium => {
-                if let Some(found) = loss_of_stability(family, from, to.0) {
-                    return found;
-                }
-            }
+            Kind::Equilibrium => seen.named = loss_of_stability(family, from, to.0),
             Kind::Periodic { returns, period } => {
                 // The forcing's own period is known better.
                 let forced = forcing.map(|one| one * returns as f64);
@@ -55,31 +100,77 @@ pub(super) fn locate<S: Switched<N, G>, const N: usize, const G: usize>(
                     forced,
                     options,
                 };
-                let Some(way) = shooting.follow(from, period, to.0) else {
-                    continue;
-                };
-                let found = shooting.change(&way).map(|mut found| {
-                    if is_back {
-                        std::mem::swap(&mut found.before, &mut found.after);
+                if let Some(way) = shooting.follow(from, period, to.0) {
+                    // Next to it a graze would be named: all of the orbit comes to the boundary.
+                    seen.named = shooting.boundary_equilibrium(&way, to.0);
+                    if seen.named.is_none() {
+                        let found = shooting.change(&way);
+                        let is_named = |one: &SequenceChange<N, K>| {
+                            one.bifurcation != SequenceBifurcation::Unnamed
+                        };
+                        // Where nothing else was found either, the orbit was lost, and that is no change.
+                        let is_other = |one: &SequenceChange<N, K>| !one.after.is_empty();
+                        match found {
+                            Some(found) if is_named(&found) => {
+                                seen.named = Some(WhatChanges::Sequence(found));
+                            }
+                            found => {
+                                seen.unnamed = found.filter(is_other).map(WhatChanges::Sequence);
+                                seen.smooth = shooting.multiplier(&way);
+                            }
+                        }
                     }
-                    found
-                });
-                match found {
-                    Some(found) if found.bifurcation != SequenceBifurcation::Unnamed => {
-                        return WhatChanges::Sequence(found);
-                    }
-                    found => unnamed = unnamed.or(found),
                 }
-                if let Some(found) = shooting.boundary_equilibrium(&way) {
-                    return found;
-                }
-                smooth = smooth.or_else(|| shooting.multiplier(&way));
             }
             _ => {}
         }
+        seen
     }
-    let unnamed = unnamed.map(WhatChanges::Sequence);
-    smooth.or(unnamed).unwrap_or(WhatChanges::Unlocated)
+
+    /// The same, of which what was before is behind.
+    fn turned_round(mut self) -> Self {
+        for what in [&mut self.named, &mut self.unnamed] {
+            if let Some(WhatChanges::Sequence(change)) = what {
+                std::mem::swap(&mut change.before, &mut change.after);
+            }
+        }
+        self
+    }
+
+    /// A place at which an orbit begins or ends: of a change of its phases, or a fold.
+    fn place(&self) -> Option<f64> {
+        match (&self.named, &self.smooth) {
+            (Some(WhatChanges::Sequence(change)), _) => Some(change.parameter),
+            (
+                None,
+                Some(WhatChanges::Multiplier {
+                    parameter,
+                    what: Special::Fold,
+                    ..
+                }),
+            ) => Some(*parameter),
+            _ => None,
+        }
+    }
+
+    /// Whether it is a change of the phases of one attractor into those of the other, or what has no such sides.
+    fn joins(&self, ends: [&Reached<N, K>; 2]) -> bool {
+        match &self.named {
+            Some(WhatChanges::Sequence(change)) => {
+                let sides = [&change.before, &change.after];
+                sides.into_iter().zip(ends).all(|(modes, end)| {
+                    let phases: Vec<K> = end.phases.iter().map(|phase| phase.mode).collect();
+                    is_same_cycle(modes, &phases)
+                })
+            }
+            Some(_) => true,
+            None => false,
+        }
+    }
+
+    fn best(self) -> Option<WhatChanges<N, K>> {
+        self.named.or(self.smooth)
+    }
 }
 
 /// Periodic orbits of a family by shooting.
@@ -116,12 +207,13 @@ impl<F> Shooting<'_, F> {
         let first = self.orbit(from.0, &rough.anchor, rough.period)?;
         let wanted = first.circuit.sequence();
         let mut good = vec![first];
-        let mut behind: Option<Known<(), N, S::Mode>> = None;
+        let behind: RefCell<Option<Known<(), N, S::Mode>>> = RefCell::new(None);
         let mut solve = |s: f64, good: &[Known<(), N, S::Mode>]| {
-            let found = self.next(good, s);
+            let (guess, period) = extrapolated(good, s)?;
+            let found = self.orbit(s, &guess, period);
             let is_other = |one: &Known<(), N, S::Mode>| !is_same(&one.circuit.sequence(), &wanted);
             if let Some(other) = found.as_ref().filter(|one| is_other(one)) {
-                behind = Some(other.clone());
+                behind.replace(Some(other.clone()));
             }
             found
         };
@@ -130,6 +222,7 @@ impl<F> Shooting<'_, F> {
         let resolution = RESOLUTION * (to - from.0).abs();
         let bad = loop {
             let begun_at = good.last()?.s;
+            behind.replace(None);
             let mut step = first_step;
             let stopped = loop {
                 let at = good.last()?.s;
@@ -149,8 +242,9 @@ impl<F> Shooting<'_, F> {
             let last = good.last()?;
             let is_change =
                 least(&last.circuit).is_some_and(|margin| margin.relative() <= VANISHING);
+            let advanced = (last.s - begun_at).abs();
             // Where no event function vanishes the orbit may only have been missed by too long a step.
-            if is_change || (last.s - begun_at).abs() < first_step.abs() {
+            if is_change || advanced < STUCK * first_step.abs() || first_step.abs() < resolution {
                 break Some(bad);
             }
             first_step *= SHORTER;
@@ -158,7 +252,7 @@ impl<F> Shooting<'_, F> {
         Some(Way {
             good,
             bad,
-            behind,
+            behind: behind.into_inner(),
             resolution,
         })
     }
@@ -193,29 +287,35 @@ impl<F> Shooting<'_, F> {
         }
     }
 
-    /// Where it shrinks to an equilibrium of one of several modes, if it does.
+    /// Where it shrinks to an equilibrium of one of several modes on the way to another value, if it does.
     fn boundary_equilibrium<S: Switched<N, G>, const N: usize, const G: usize>(
         &self,
         way: &Way<N, S::Mode>,
+        to: f64,
     ) -> Option<WhatChanges<N, S::Mode>>
     where
         F: Fn(f64) -> S,
     {
-        let (widest, last) = (way.good.first()?, way.good.last()?);
-        let is_small =
-            |one: &&Known<(), N, S::Mode>| one.circuit.extent < SMALL * widest.circuit.extent;
+        let (first, last) = (way.good.first()?, way.good.last()?);
+        if way.bad.is_none() || self.forced.is_some() || last.circuit.parts.len() < 2 {
+            return None;
+        }
         // The last ones are as near to it as they can be computed, and nearer than the equilibrium is.
-        let small = way.good.iter().position(|one| is_small(&one))?;
+        let small = |one: &Known<(), N, S::Mode>| one.circuit.extent < SMALL * first.circuit.extent;
+        let small = way.good.iter().position(small)?;
         let (before, one) = (way.good.get(small.checked_sub(1)?)?, way.good.get(small)?);
         let of = |one: &Known<(), N, S::Mode>| (one.s, one.circuit.extent);
         let shrinking = Shrinking::from(of(one), of(before), one.circuit.anchor.x)?;
-        let has_several = last.circuit.parts.len() > 1 && self.forced.is_none();
         let modes = one.circuit.parts.iter().map(|part| part.mode);
         let ends_in = |mode| {
-            shrinking.ends_in(|parameter, x| Held::near(&(self.family)(parameter), mode, x, N))
+            shrinking.ends_in(N, |parameter, x| {
+                Held::near(&(self.family)(parameter), mode, x, N)
+            })
         };
-        let found = has_several.then(|| modes.into_iter().find_map(ends_in))?;
-        found.map(|(parameter, x)| WhatChanges::BoundaryEquilibrium { parameter, x })
+        let (parameter, x) = modes.into_iter().find_map(ends_in)?;
+        let part = (parameter - one.s) / (to - one.s);
+        let is_on_way = part > 0.0 && part <= 1.0 + NEXT_TO;
+        is_on_way.then_some(WhatChanges::BoundaryEquilibrium { parameter, x })
     }
 
     /// A state of the orbit: where a phase begins in which all contacts slip, for stick forgets what came before, and with it by how much the
@@ -255,7 +355,10 @@ impl<F> Shooting<'_, F> {
         let way = edge.s - simple.s;
         let way = way.abs().max(1e4 * resolution) * way.signum();
         [0.3 * way, -0.3 * way].into_iter().find_map(|step| {
-            let solve = |s: f64, good: &[Known<(), N, S::Mode>]| self.next(good, s);
+            let solve = |s: f64, good: &[Known<(), N, S::Mode>]| {
+                let (guess, period) = extrapolated(good, s)?;
+                self.orbit(s, &guess, period)
+            };
             let (good, bad) = locate::approach(simple.clone(), step, resolution, solve)?;
             let last = good.last()?;
             let place = Place::in_parameter(last.s, bad);
@@ -263,22 +366,6 @@ impl<F> Shooting<'_, F> {
             let mut found = describe(&(self.family)(last.s), &good, after, place)?;
             (found.before, found.after) = (edge.circuit.modes(), found.before);
             (found.bifurcation != SequenceBifurcation::Unnamed).then_some(found)
-        })
-    }
-
-    /// The orbit at a further place: where those known lead to, or next to the last one.
-    fn next<S: Switched<N, G>, const N: usize, const G: usize>(
-        &self,
-        good: &[Known<(), N, S::Mode>],
-        s: f64,
-    ) -> Option<Known<(), N, S::Mode>>
-    where
-        F: Fn(f64) -> S,
-    {
-        let (guess, period) = extrapolated(good, s)?;
-        self.orbit(s, &guess, period).or_else(|| {
-            let last = &good.last()?.circuit;
-            self.orbit(s, &last.anchor, last.period)
         })
     }
 

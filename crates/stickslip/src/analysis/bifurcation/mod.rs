@@ -107,7 +107,8 @@ pub enum WhatChanges<const N: usize, K = Mode> {
 pub struct Sweep<const N: usize, K = Mode> {
     /// What was found, in the order of the parameters.
     pub points: Vec<SweepPoint<N, K>>,
-    /// Where it is not the same kind of motion, with the same phases, as at the value before.
+    /// Where it is not the same kind of motion, with the same phases, as at the value before: one, or where one orbit ends and another one begins that
+    /// has nothing to do with it, both.
     pub changes: Vec<AttractorChange<N, K>>,
 }
 
@@ -159,10 +160,13 @@ pub fn sweep<S: Switched<N, G>, const N: usize, const G: usize>(
             && is_change(&before.reached, &reached)
         {
             let ends = [(before.parameter, &before.reached), (parameter, &reached)];
-            changes.push(AttractorChange {
-                between: (before.parameter, parameter),
-                what: change::locate(&family, ends, settings.recurrence.forcing, locating),
-            });
+            let found = change::locate(&family, ends, settings.recurrence.forcing, locating);
+            let between = (before.parameter, parameter);
+            changes.extend(
+                found
+                    .into_iter()
+                    .map(|what| AttractorChange { between, what }),
+            );
         }
         points.push(SweepPoint {
             parameter,

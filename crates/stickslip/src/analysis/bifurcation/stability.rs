@@ -11,14 +11,13 @@ use crate::system::State;
 const BEHIND: f64 = 1.0 / 64.0;
 
 /// So much of that way behind the value it was hit; further on it is another pair's.
-const NEXT_TO: f64 = 1e-6;
+pub(super) const NEXT_TO: f64 = 1e-6;
 
-/// A guard of less than this part of the equilibrium's size is rounding.
-const ROUNDING: f64 = 1e-13;
+/// A guard of less than this part of what it was at the value before is rounding.
+const ROUNDING: f64 = 1e-12;
 
 /// What decides on an equilibrium at one value of the parameter.
-struct Leading<const N: usize> {
-    x: State<N>,
+struct Leading {
     /// The largest real part among the eigenvalues, and the size of the imaginary part there.
     rate: f64,
     frequency: f64,
@@ -35,20 +34,19 @@ pub(super) fn loss_of_stability<S: Switched<N, G>, const N: usize, const G: usiz
     to: f64,
 ) -> Option<WhatChanges<N, S::Mode>> {
     let mode = from.1.mode;
-    let mut x = from.1.points.first()?.x;
+    let begin = from.1.points.first()?.x;
     // Of stick the zeros across the boundary do not count.
-    let mut leading = |parameter: f64| {
+    let leading = |parameter: f64, x: &mut State<N>| {
         let system = family(parameter);
-        let rest = equilibrium_near(&system, mode, 0.0, &x, N)?;
-        x = rest.x;
-        let at = Timed { t: 0.0, x };
+        let rest = equilibrium_near(&system, mode, 0.0, x, N)?;
+        *x = rest.x;
+        let at = Timed { t: 0.0, x: rest.x };
         let across = system.normals(mode, &at).len();
         let mut values = multipliers(&rest.jacobian);
         values.sort_by(|a, b| a.norm().total_cmp(&b.norm()));
         let of_field = values.iter().skip(across);
         let first = of_field.max_by(|a, b| a.re.total_cmp(&b.re))?;
         Some(Leading {
-            x,
             rate: first.re,
             frequency: first.im.abs(),
             noise: ZERO * rest.jacobian.amax(),
@@ -56,26 +54,28 @@ pub(super) fn loss_of_stability<S: Switched<N, G>, const N: usize, const G: usiz
         })
     };
     let way = (from.0, to);
-    let rate = zero_on(way, |parameter| {
-        let Leading { rate, noise, .. } = leading(parameter)?;
-        Some((rate, noise))
-    });
+    let mut x = begin;
+    let guard = ROUNDING * leading(from.0, &mut x)?.guard.abs();
     let edge = zero_on(way, |parameter| {
-        let Leading { x, guard, .. } = leading(parameter)?;
-        Some((guard, ROUNDING * x.amax()))
+        Some((leading(parameter, &mut x)?.guard, guard))
+    });
+    let mut crosses = begin;
+    let rate = zero_on(way, |parameter| {
+        let Leading { rate, noise, .. } = leading(parameter, &mut crosses)?;
+        Some((rate, noise))
     });
     let nearer = |one: f64, other: Option<f64>| {
         other.is_none_or(|other| (one - from.0).abs() <= (other - from.0).abs())
     };
     if let Some(parameter) = edge.filter(|&edge| nearer(edge, rate)) {
-        let x = leading(parameter)?.x;
+        leading(parameter, &mut x)?;
         return Some(WhatChanges::BoundaryEquilibrium { parameter, x });
     }
     let parameter = rate?;
-    let Leading { x, frequency, .. } = leading(parameter)?;
+    let Leading { frequency, .. } = leading(parameter, &mut crosses)?;
     Some(WhatChanges::Equilibrium {
         parameter,
-        x,
+        x: crosses,
         frequency,
     })
 }

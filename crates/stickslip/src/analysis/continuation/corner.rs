@@ -19,9 +19,14 @@ const PARTS: [f64; 8] = [-2.0, -4.0, -1.0, -8.0, -0.5, -16.0, 0.0, 1.0];
 /// How many times as far as by the way that has come the orbit may lie.
 const FURTHEST: f64 = 32.0;
 
-/// Orbits behind the corner lead back to it by the line through two of them, but for this part of the way. What grows as a root is off by 0.55 of it
-/// where the second is half as far again.
-const ROOT: f64 = 0.7;
+/// Orbits behind the corner lead back to it by the line through two of them, or as a root does, but for this part of the way.
+const OFF: f64 = 0.15;
+
+/// Nearer orbits than this, on the line, do not show where they lead.
+const RESOLVED: f64 = 1e-8;
+
+/// What is left of a way where an orbit comes back, in parts of its extent, is rounding.
+const SAME: f64 = 1e-9;
 
 /// Part of the parameter's range within which a change that is seen from behind is the one that was come to.
 const NEAR: f64 = 1e-3;
@@ -71,7 +76,9 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Behind<'_, S, N, G> {
             after.unwrap_or_default(),
             place,
         )?;
-        let far = other.as_ref().and_then(|near| {
+        let is_apart = |one: &&OnBranch<N, S::Mode>| one.s - edge.s > RESOLVED;
+        let near = self.found.iter().find(is_apart).cloned();
+        let far = near.as_ref().and_then(|near| {
             let is_same = |one: &&OnBranch<N, _>| {
                 one.circuit.sequence() == near.circuit.sequence() && one.s - near.s > 1e-7
             };
@@ -80,7 +87,7 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Behind<'_, S, N, G> {
         if !self.found.is_empty() {
             let at = edge.circuit.anchor;
             let pair = || {
-                let (near, far) = (other?, far?);
+                let (near, far) = (near?, far?);
                 self.leads_on(&at, &near, &far).then_some([near, far])
             };
             around = self.around().or_else(pair);
@@ -162,29 +169,29 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Behind<'_, S, N, G> {
                 for part in PARTS {
                     let mut guess = at.x + slope * (offset * part);
                     guess[N - 1] = here + offset;
-                    let furthest = FURTHEST * offset.abs() * slope.norm();
-                    // Where static friction lets go, the orbit and its period change by a jump behind the same state.
-                    let near = orbit(guess, corner.circuit.period).or_else(|| {
-                        let there = at.moved(guess);
-                        let period =
-                            self.corrector
-                                .comes_back(&there, corner.circuit.period, furthest)?;
-                        orbit(guess, period)
-                    });
-                    let Some(near) = near else {
-                        continue;
+                    let pair = |period: f64| {
+                        let near = orbit(guess, period)?;
+                        // Another orbit with other phases may be at the same parameter, but further off.
+                        let off = near.branch.start.x - at.x;
+                        if off.norm() > FURTHEST * offset.abs() * slope.norm() {
+                            return None;
+                        }
+                        let further = near.branch.start.x + (guess - at.x) * 0.5;
+                        let far = orbit(further, near.circuit.period)?;
+                        let is_same = far.circuit.sequence() == near.circuit.sequence();
+                        (is_same && self.leads_on(at, &near, &far)).then_some([near, far])
                     };
-                    // Another orbit with other phases may be at the same parameter, but further off.
-                    let off = near.branch.start.x - at.x;
-                    if off.norm() > furthest {
-                        continue;
-                    }
-                    let further = near.branch.start.x + (guess - at.x) * 0.5;
-                    if let Some(far) = orbit(further, near.circuit.period)
-                        && far.circuit.sequence() == near.circuit.sequence()
-                        && self.leads_on(at, &near, &far)
-                    {
-                        return Some([near, far]);
+                    let period = corner.circuit.period;
+                    // Where static friction lets go, the orbit and its period change by a jump behind the same state.
+                    let by_return = || {
+                        let states = slope.rows(0, N - 1).norm();
+                        let distance = FURTHEST * offset.abs() * states;
+                        let distance = distance.max(SAME * self.corrector.extent);
+                        let there = at.moved(guess);
+                        pair(self.corrector.comes_back(&there, period, distance)?)
+                    };
+                    if let Some(orbits) = pair(period).or_else(by_return) {
+                        return Some(orbits);
                     }
                 }
             }
@@ -214,7 +221,13 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Behind<'_, S, N, G> {
         });
         let (way, on) = (first - at.x, second - first);
         let (way, on) = (way.component_mul(&scale), on.component_mul(&scale));
-        let by_line = on * (way[N - 1] / on[N - 1]);
-        way.dot(&on) > 0.0 && a * b > 0.0 && (way - by_line).norm() <= ROOT * way.norm()
+        // How many times as far the second is along the parameter.
+        let times = 1.0 + on[N - 1] / way[N - 1];
+        if way.dot(&on) <= 0.0 || a * b <= 0.0 || !(times > 1.0 && times.is_finite()) {
+            return false;
+        }
+        let by_line = on / (times - 1.0);
+        let of_root = 1.0 - 1.0 / (times.sqrt() + 1.0);
+        (way - by_line).norm() <= (OFF + of_root) * way.norm()
     }
 }

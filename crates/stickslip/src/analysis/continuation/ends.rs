@@ -6,7 +6,7 @@ use super::rest::hopf;
 use super::walk::{RESOLUTION, Walk};
 use crate::analysis::anchor::Anchor;
 use crate::analysis::attractors::is_same_cycle;
-use crate::analysis::boundary_equilibrium::{Held, Shrinking};
+use crate::analysis::boundary_equilibrium::{self, Held, Shrinking};
 use crate::analysis::sequence::circuit::Circuit;
 use crate::filippov::{Switched, run, solve};
 use crate::system::State;
@@ -84,11 +84,13 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
             let rests = extent < AT_REST * self.widest && self.rests_further_on();
             return rests.then_some(Stop::Rest);
         }
+        if extent < boundary_equilibrium::SMALL * self.widest
+            && let Some(parameter) = self.boundary_equilibrium()
+        {
+            return Some(Stop::BoundaryEquilibrium { parameter });
+        }
         if extent >= SMALL * self.widest {
             return None;
-        }
-        if let Some(parameter) = self.boundary_equilibrium() {
-            return Some(Stop::BoundaryEquilibrium { parameter });
         }
         let (parameter, frequency) = hopf(self.corrector.system, &self.last, self.width)?;
         Some(Stop::Equilibrium {
@@ -104,7 +106,7 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
         let shrinking = Shrinking::from(of(last), of(before), last.anchor.x)?;
         let modes = last.parts.iter().map(|part| part.mode);
         let ends_in = |mode| {
-            shrinking.ends_in(|parameter, x| {
+            shrinking.ends_in(N - 1, |parameter, x| {
                 let mut x = *x;
                 x[N - 1] = parameter;
                 Held::near(self.corrector.system, mode, &x, N - 1)
@@ -112,7 +114,9 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
         };
         let has_several = last.parts.len() > 1;
         let found = has_several.then(|| modes.into_iter().find_map(ends_in))?;
-        Some(found?.0)
+        let (low, high) = self.settings.range;
+        let parameter = found?.0;
+        (low..=high).contains(&parameter).then_some(parameter)
     }
 
     /// Whether an orbit a step further on begins where the last one sticks, and does so all the time.

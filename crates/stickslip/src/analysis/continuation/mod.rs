@@ -177,10 +177,12 @@ pub enum Stop {
         /// The rate at which orbits leave the saddle, at the last orbit's parameter: the least positive real part of its eigenvalues, of several
         /// saddles the least.
         leaves: f64,
-        /// The rate at which they come to it: the negative real part nearest to zero.
+        /// The rate at which they come to it: the negative real part nearest to zero; minus infinity for an equilibrium of the sliding field that
+        /// orbits come to from across the boundary, in finite time.
         comes: f64,
     },
-    /// The phases change at the last point of all, and no orbit with other phases was found next to it.
+    /// The phases change at the last point of all, and no orbit with other phases was found next to it; nor, of a system that does not depend on time,
+    /// by its return to a state next to it, with another period.
     SequenceEnds,
     /// No further orbit was found within the shortest step behind the last one.
     NoConvergence,

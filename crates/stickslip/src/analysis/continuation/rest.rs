@@ -160,7 +160,12 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
         Some(Saddle {
             x: rest.x,
             leaves: nearest(1.0)?,
-            comes: -nearest(-1.0)?,
+            // On the boundary orbits come to it from across in finite time.
+            comes: match nearest(-1.0) {
+                Some(rate) => -rate,
+                None if S::any_sticks(mode) => f64::NEG_INFINITY,
+                None => return None,
+            },
         })
     }
 }

@@ -6,6 +6,7 @@ use super::walk::Walk;
 use super::{Special, SpecialPoint};
 use crate::analysis::critical::{Critical, zero_between};
 use crate::filippov::Switched;
+use crate::system::State;
 
 impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
     /// Goes on from this orbit, and tells what is special between the last one and it, by the multipliers.
@@ -26,27 +27,35 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
             if a * b >= 0.0 {
                 continue;
             }
-            let at = |s: f64| self.on(&line, s);
-            let value = |s: f64| at(s).and_then(|orbit| function(&of(&orbit)));
+            let value = |s: f64| self.on(&line, s).and_then(|orbit| function(&of(&orbit)));
             let zero = zero_between((-line.length, a), (0.0, b), value);
-            let Some(orbit) = zero.and_then(|zero| self.next_to(&line, zero)) else {
+            let place = zero
+                .and_then(|zero| self.next_to(&line, zero))
+                .map(|orbit| Place::of(&orbit))
+                .or_else(|| {
+                    let rough = -line.length * b / (b - a);
+                    self.interpolated(&line, rough, |orbit| function(&of(orbit)))
+                });
+            let Some(place) = place else {
                 continue;
             };
             let what = match kind {
-                0 => self.fold_or_branch(&line, &orbit),
+                0 => self.fold_or_branch(&line, &place),
                 1 => Special::Flip,
                 _ => Special::NeimarkSacker {
-                    angle: of(&orbit).angle,
+                    angle: self
+                        .next_to(&line, place.s)
+                        .map_or(there.angle, |orbit| of(&orbit).angle),
                 },
             };
             found.push((
-                orbit.s,
+                place.s,
                 SpecialPoint {
-                    parameter: orbit.circuit.anchor.x[N - 1],
+                    parameter: place.x[N - 1],
                     what,
                     behind,
-                    x: orbit.circuit.anchor.x,
-                    period: orbit.circuit.period,
+                    x: place.x,
+                    period: place.period,
                 },
             ));
         }
@@ -62,24 +71,95 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
         places.find_map(|place| self.on(line, place))
     }
 
-    /// Whether the parameter turns back at an orbit between the last two.
-    fn fold_or_branch(
+    /// Where a function of the multipliers is zero near a place, by a polynomial through orbits about it: where another branch meets this one Newton's matrix
+    /// is singular, and no orbit is found next to it.
+    fn interpolated(
         &self,
         line: &Line<N, S::Mode>,
-        orbit: &OnBranch<N, S::Mode>,
-    ) -> Special<N, S::Mode> {
-        let parameter = |orbit: &OnBranch<N, S::Mode>| orbit.circuit.anchor.x[N - 1];
-        let near = 1e-3 * line.length;
-        let next_to = |s: f64, end: &OnBranch<N, S::Mode>| {
-            parameter(self.on(line, s).as_ref().unwrap_or(end))
+        rough: f64,
+        function: impl Fn(&OnBranch<N, S::Mode>) -> Option<f64>,
+    ) -> Option<Place<N>> {
+        // So far apart, in parts of the distance between the last two orbits, and so many each way.
+        const APART: f64 = 0.15;
+        const EACH_WAY: i32 = 4;
+        const FEWEST: usize = 5;
+        let wanted = self.last.circuit.sequence();
+        let mut nodes: Vec<(f64, f64, Place<N>)> = Vec::new();
+        for k in (-EACH_WAY..=EACH_WAY).filter(|k| *k != 0) {
+            let s = rough + APART * line.length * f64::from(k);
+            let found = self.on(line, s);
+            if let Some(orbit) = found.filter(|one| one.circuit.sequence() == wanted)
+                && let Some(value) = function(&orbit)
+            {
+                nodes.push((s, value, Place::of(&orbit)));
+            }
+        }
+        let is_between = nodes.windows(2).any(|two| two[0].1 * two[1].1 < 0.0);
+        if nodes.len() < FEWEST || !is_between {
+            return None;
+        }
+        // Lagrange's formula.
+        let weights = |s: f64| -> Vec<f64> {
+            let weight = |(k, node): (usize, &(f64, f64, Place<N>))| {
+                let others = nodes.iter().enumerate().filter(|(other, _)| *other != k);
+                others
+                    .map(|(_, other)| (s - other.0) / (node.0 - other.0))
+                    .product()
+            };
+            nodes.iter().enumerate().map(weight).collect()
         };
-        let before = next_to(orbit.s - near, &self.before);
-        let behind = next_to(orbit.s + near, &self.last);
-        let here = parameter(orbit);
+        let value = |s: f64| {
+            let terms = weights(s).into_iter().zip(&nodes);
+            terms.map(|(weight, node)| weight * node.1).sum::<f64>()
+        };
+        let ends = nodes.windows(2).find(|two| two[0].1 * two[1].1 < 0.0)?;
+        let [a, b] = [&ends[0], &ends[1]].map(|node| (node.0, node.1));
+        let s = zero_between(a, b, |s| Some(value(s)))?;
+        let weights = weights(s);
+        let weighted = || weights.iter().zip(&nodes);
+        let x = weighted().fold(State::<N>::zeros(), |sum, (weight, node)| {
+            sum + node.2.x * *weight
+        });
+        let period = weighted()
+            .map(|(weight, node)| weight * node.2.period)
+            .sum();
+        Some(Place { s, x, period })
+    }
+
+    /// Whether the parameter turns back at a place between the last two orbits.
+    fn fold_or_branch(&self, line: &Line<N, S::Mode>, at: &Place<N>) -> Special<N, S::Mode> {
+        // Not next to it: there another branch may be.
+        let away = 0.5 * line.length;
+        let parameter = |s: f64, end: &OnBranch<N, S::Mode>| {
+            let found = self.on(line, s);
+            let orbit = found.filter(|one| one.circuit.sequence() == end.circuit.sequence());
+            orbit.as_ref().unwrap_or(end).circuit.anchor.x[N - 1]
+        };
+        let before = parameter(at.s - away, &self.before);
+        let behind = parameter(at.s + away, &self.last);
+        let here = at.x[N - 1];
         if (before - here) * (behind - here) < 0.0 {
             Special::BranchPoint
         } else {
             Special::Fold
+        }
+    }
+}
+
+/// A place on the branch.
+struct Place<const N: usize> {
+    s: f64,
+    /// A state on the orbit there.
+    x: State<N>,
+    period: f64,
+}
+
+impl<const N: usize> Place<N> {
+    fn of<K>(orbit: &OnBranch<N, K>) -> Self {
+        Place {
+            s: orbit.s,
+            x: orbit.circuit.anchor.x,
+            period: orbit.circuit.period,
         }
     }
 }

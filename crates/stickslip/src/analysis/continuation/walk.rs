@@ -283,8 +283,17 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
         };
         let is_behind = self.is_behind(next.change.parameter);
         if next.change.bifurcation == SequenceBifurcation::Unnamed || is_behind {
+            if let Some(beyond) = self.beyond_branch_point(line, step) {
+                return self.leaves_range(&beyond).or_else(|| {
+                    self.follow(beyond);
+                    None
+                });
+            }
             // Another orbit was met, or none: nearer to the last one it may be the right one.
             self.step = 0.1 * step;
+            if let Some(stop) = self.leaves_range(&edge) {
+                return Some(stop);
+            }
             if edge.s > 0.01 * step {
                 self.follow(edge);
             }
@@ -325,6 +334,25 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
         self.take(near);
         self.follow(far);
         None
+    }
+
+    /// An orbit with the same phases a little further on than a step leads: next to where another branch meets this one none is found.
+    fn beyond_branch_point(
+        &self,
+        line: &Line<N, S::Mode>,
+        step: f64,
+    ) -> Option<OnBranch<N, S::Mode>> {
+        const TIMES: [f64; 3] = [2.0, 4.0, 8.0];
+        let wanted = self.last.circuit.sequence();
+        let last = self.to_fold(&self.last);
+        let is_beyond = |next: &OnBranch<N, S::Mode>| {
+            let way = next.circuit.anchor.x[N - 1] - self.parameter();
+            let goes_on = self.heading().is_some_and(|heading| way * heading > 0.0);
+            goes_on && last * self.to_fold(next) < 0.0 && next.circuit.sequence() == wanted
+        };
+        TIMES
+            .into_iter()
+            .find_map(|times| self.on(line, times * step).filter(is_beyond))
     }
 
     /// Two orbits with the same phases, anchored in another one where that suits the second better: the end of the anchor's own phase is located

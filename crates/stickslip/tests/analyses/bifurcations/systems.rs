@@ -520,17 +520,19 @@ impl Filippov<3> for Grip {
     }
 }
 
-/// Three equal lags in a row under the relay that counteracts the last, as soon as that is above the threshold, which is the fourth state. Either way on
-/// alone it comes to rest at ±1.
+/// Three equal lags in a row under the relay that counteracts the last, as soon as that is above the threshold: the fourth state, in units of its own.
+/// Either way on alone it comes to rest at ±1.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Lags;
+pub struct Lags {
+    pub unit: f64,
+}
 
 impl Filippov<4> for Lags {
     fn field<T: Scalar>(&self, side: Side, _t: T, &[x, y, z, _]: &[T; 4]) -> [T; 4] {
         [-x - side.sign(), x - y, y - z, T::zero()]
     }
     fn boundary<T: Scalar>(&self, _t: T, x: &[T; 4]) -> T {
-        x[2] - x[3]
+        x[2] - x[3] * self.unit
     }
 }
 
@@ -541,6 +543,73 @@ impl Filippov<3> for AtParameter<Lags> {
         [x, y, z]
     }
     fn boundary<T: Scalar>(&self, _t: T, x: &[T; 3]) -> T {
-        x[2] - self.value
+        x[2] - self.value * self.system.unit
+    }
+}
+
+/// A focus at `x = -1` that turns at the rate 1 and grows at the rate of the third state, below `x = 0`; above it, (-1, -1/5). On the boundary orbits slide from
+/// where they land to where the focus' field is tangent, but from beyond the equilibrium of the sliding field.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Focus;
+
+impl Focus {
+    pub const ABOVE: f64 = -0.2;
+}
+
+impl Filippov<3> for Focus {
+    fn field<T: Scalar>(&self, side: Side, _t: T, &[x, y, grows]: &[T; 3]) -> [T; 3] {
+        let off = x + 1.0;
+        match side {
+            Side::Below => [grows * off - y, off + grows * y, T::zero()],
+            Side::Above => [T::constant(-1.0), T::constant(Focus::ABOVE), T::zero()],
+        }
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 3]) -> T {
+        x[0]
+    }
+}
+
+/// A resonance at about 10 and a lag under a relay, with relative degree 1; the fourth state, `rho`, is where the zeros lie. Symmetric orbits lose their
+/// symmetry, and win it again.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Resonant;
+
+impl Filippov<4> for Resonant {
+    fn field<T: Scalar>(&self, side: Side, _t: T, &[y, a, b, rho]: &[T; 4]) -> [T; 4] {
+        let relay = side.sign();
+        [
+            a - y * 2.0 - relay,
+            b - y * 101.0 + rho * (2.0 * relay),
+            -y * 100.0 - rho * rho * relay,
+            T::zero(),
+        ]
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 4]) -> T {
+        x[0]
+    }
+}
+
+/// A driven block on a spring and a belt of speed 3/10, with damping 1/20, friction 1 in slip and 13/10 at rest; the third state is the amplitude of the drive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dragged;
+
+impl Dragged {
+    pub const PACE: f64 = 0.7;
+
+    fn rates<T: Scalar>(t: T, [x, v, amplitude]: [T; 3], friction: f64) -> [T; 3] {
+        let drive = amplitude * (t * Dragged::PACE).cos();
+        [v, -x - v * 0.05 - friction + drive, T::zero()]
+    }
+}
+
+impl Filippov<3> for Dragged {
+    fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; 3]) -> [T; 3] {
+        Dragged::rates(t, *x, side.sign())
+    }
+    fn holding<T: Scalar>(&self, side: Side, t: T, x: &[T; 3]) -> [T; 3] {
+        Dragged::rates(t, *x, 1.3 * side.sign())
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 3]) -> T {
+        x[1] - 0.3
     }
 }
