@@ -6,8 +6,8 @@ use crate::attractors::systems::{
     Backwards, Detour, Driven, Leine, NearWells, Pushed, Rings, Shear, ToZero, Wells,
 };
 use crate::bifurcations::systems::{
-    Area, AtParameter, Beat, BeatFamily, Belt, DrivenFamily, DrivenIsland, Ends, Grip, Held,
-    Island, Lags, Pitchfork, Pulse, Rough, Shaken, Sheet, Softening, Twisted,
+    Area, AtParameter, Beat, BeatFamily, Belt, Dragged, DrivenFamily, DrivenIsland, Ends, Focus,
+    Grip, Held, Island, Lags, Pitchfork, Pulse, Resonant, Rough, Shaken, Sheet, Softening, Twisted,
 };
 use crate::den_hartog::DenHartog;
 use crate::line::Line;
@@ -18,12 +18,12 @@ systems!(Any1, 1: Beat(Beat), Line(Line), NearWells(NearWells));
 
 systems!(
     Any2, 2:
-    Backwards(Smooth<Backwards>), BeatFamily(BeatFamily), DenHartog(DenHartog), Detour(Smooth<Detour>), Driven(Driven), Ends(Ends), GripAt(AtParameter<Grip>), Held(Held), Leine(Leine), Pushed(Pushed), RingsAt(AtParameter<Rings>), Shaken(Shaken), Shear(Smooth<Shear>), ToZero(ToZero), TwistedAt(AtParameter<Twisted>), Wells(Wells),
+    Backwards(Smooth<Backwards>), BeatFamily(BeatFamily), DenHartog(DenHartog), Detour(Smooth<Detour>), DraggedAt(AtParameter<Dragged>), Driven(Driven), Ends(Ends), GripAt(AtParameter<Grip>), Held(Held), Leine(Leine), Pushed(Pushed), RingsAt(AtParameter<Rings>), Shaken(Shaken), Shear(Smooth<Shear>), ToZero(ToZero), TwistedAt(AtParameter<Twisted>), Wells(Wells),
 );
 
 systems!(
     Any3, 3:
-    Belt(Belt), DrivenIsland(DrivenIsland), DrivenFamily(DrivenFamily), Grip(Grip), Island(Island), LagsAt(AtParameter<Lags>), Lorenz(Smooth<Lorenz>), Pulse(Pulse), Rings(Rings), Rough(Rough), SheetAt(AtParameter<Sheet>), Softening(Smooth<Softening>), Twisted(Twisted),
+    Belt(Belt), DrivenIsland(DrivenIsland), Dragged(Dragged), DrivenFamily(DrivenFamily), Focus(Focus), Grip(Grip), Island(Island), LagsAt(AtParameter<Lags>), Lorenz(Smooth<Lorenz>), Pulse(Pulse), Rings(Rings), Rough(Rough), SheetAt(AtParameter<Sheet>), Softening(Smooth<Softening>), Twisted(Twisted),
 );
 
-systems!(Any4, 4: Area(Area), Lags(Lags), Pitchfork(Pitchfork), Sheet(Sheet));
+systems!(Any4, 4: Area(Area), Lags(Lags), Resonant(Resonant), Pitchfork(Pitchfork), Sheet(Sheet));

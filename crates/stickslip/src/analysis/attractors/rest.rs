@@ -17,6 +17,9 @@ const MOST: usize = 30;
 /// Part of the largest entry of the Jacobian below which an eigenvalue, or a singular value, cannot be told from zero.
 pub(crate) const ZERO: f64 = 1e-7;
 
+/// A guard of less than this part of the size of an equilibrium is zero: it lies at the edge of where its mode holds.
+const ON_EDGE: f64 = 1e-14;
+
 /// A point of rest.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Rest<const N: usize> {
@@ -178,7 +181,9 @@ pub(super) fn rest_at<S: Switched<N, G>, const N: usize, const G: usize>(
     near: &Nearness,
 ) -> Option<(Kind, State<N>)> {
     let Rest { x, jacobian } = nearest(system, mode, at, scale, near)?;
-    if !holds(system, mode, Timed { t: at.t, x }) {
+    let guard = least_guard(system, mode, Timed { t: at.t, x });
+    let is_on_edge = guard.abs() <= ON_EDGE * x.amax();
+    if guard <= 0.0 && !is_on_edge {
         return None;
     }
     let velocities = velocities_from(system, mode, &Timed { t: at.t, x });
@@ -186,7 +191,7 @@ pub(super) fn rest_at<S: Switched<N, G>, const N: usize, const G: usize>(
         return None;
     }
     let kind = kind_by(system, mode, &Timed { t: at.t, x }, &jacobian)?;
-    Some((kind, x))
+    (guard > 0.0 || kind == Kind::Equilibrium).then_some((kind, x))
 }
 
 /// The equilibrium of a mode that an orbit at `x` has come to at the edge of where that mode holds; `None` where there is none that near, or it does not

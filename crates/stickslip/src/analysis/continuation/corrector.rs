@@ -166,6 +166,49 @@ impl<S> Corrector<'_, S> {
         }
     }
 
+    /// The matrix of Newton's iteration, of state, parameter and, where it is not the forcing's, period: that an orbit closes, `row · x` and where along the flow
+    /// it begins.
+    fn newton<const N: usize>(
+        &self,
+        turn: &SMatrix<f64, N, N>,
+        velocity: &State<N>,
+        slope: &State<N>,
+        row: &State<N>,
+    ) -> DMatrix<f64> {
+        let unknowns = N + usize::from(self.forced.is_none());
+        let mut matrix = DMatrix::<f64>::zeros(unknowns, unknowns);
+        for i in 0..N - 1 {
+            for j in 0..N {
+                matrix[(i, j)] = turn[(i, j)] - f64::from(u8::from(i == j));
+            }
+        }
+        for j in 0..N {
+            matrix[(N - 1, j)] = row[j];
+        }
+        if self.forced.is_none() {
+            for i in 0..N - 1 {
+                matrix[(i, N)] = velocity[i];
+                matrix[(N, i)] = slope[i];
+            }
+        }
+        matrix
+    }
+
+    /// How state, parameter and period change along the branch at an orbit, where `row · x` changes by 1.
+    pub fn tangent<const N: usize, K>(
+        &self,
+        orbit: &OnBranch<N, K>,
+        row: &State<N>,
+    ) -> Option<(State<N>, f64)> {
+        let Solved { matrix, slope, .. } = &orbit.branch;
+        let matrix = self.newton(matrix, slope, slope, row);
+        let mut right = DVector::<f64>::zeros(matrix.nrows());
+        right[N - 1] = 1.0;
+        let change = newton_solution(matrix, &right)?;
+        let of_period = change.get(N).copied().unwrap_or(0.0);
+        Some((State::from_fn(|i, _| change[i]), of_period))
+    }
+
     /// The orbit near a guess; `s` is its place on the branch.
     pub fn orbit<const N: usize, const G: usize>(
         &self,
@@ -220,24 +263,13 @@ impl<S> Corrector<'_, S> {
                 });
             }
             residual = size;
-            let unknowns = N + usize::from(self.forced.is_none());
-            let mut matrix = DMatrix::<f64>::zeros(unknowns, unknowns);
-            let mut right = DVector::<f64>::zeros(unknowns);
+            let matrix = self.newton(&turn.matrix, &velocity, &slope, &guess.row);
+            let mut right = DVector::<f64>::zeros(matrix.nrows());
             for i in 0..N - 1 {
-                for j in 0..N {
-                    matrix[(i, j)] = turn.matrix[(i, j)] - f64::from(u8::from(i == j));
-                }
                 right[i] = -gap[i];
-            }
-            for j in 0..N {
-                matrix[(N - 1, j)] = guess.row[j];
             }
             right[N - 1] = off;
             if self.forced.is_none() {
-                for i in 0..N - 1 {
-                    matrix[(i, N)] = velocity[i];
-                    matrix[(N, i)] = slope[i];
-                }
                 // Along the flow nothing is corrected.
                 let back = guess.at.x - at.x;
                 right[N] = slope.dot(&back) - slope[N - 1] * back[N - 1];

@@ -59,6 +59,25 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
         }
     }
 
+    /// The line through the last orbit along the branch's own tangent there.
+    pub(super) fn tangent(&self, line: &Line<N, S::Mode>) -> Option<Line<N, S::Mode>> {
+        let row = line.direction.component_mul(&line.weights);
+        let (way, of_period) = self.corrector.tangent(&self.last, &row)?;
+        let length = way.component_mul(&way).dot(&line.weights).sqrt();
+        let start = self.last.branch.start;
+        Some(Line {
+            base: Anchor {
+                t: line.base.t,
+                ..start
+            },
+            period: line.period,
+            direction: way / length,
+            of_period: of_period / length,
+            length: line.length,
+            weights: line.weights,
+        })
+    }
+
     /// The orbit next to a place on the line, if there is one no farther from it than the place is from the last orbit; between the last
     /// two, than these are from each other.
     pub(super) fn on(&self, line: &Line<N, S::Mode>, s: f64) -> Option<OnBranch<N, S::Mode>> {

@@ -29,14 +29,13 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
             }
             let value = |s: f64| self.on(&line, s).and_then(|orbit| function(&of(&orbit)));
             let zero = zero_between((-line.length, a), (0.0, b), value);
+            let by_polynomial =
+                |rough: f64| self.interpolated(&line, rough, |orbit| function(&of(orbit)));
             let place = zero
                 .and_then(|zero| self.next_to(&line, zero))
                 .map(|orbit| Place::of(&orbit))
-                .or_else(|| {
-                    let rough = -line.length * b / (b - a);
-                    self.interpolated(&line, rough, |orbit| function(&of(orbit)))
-                });
-            let Some(place) = place else {
+                .or_else(|| by_polynomial(-line.length * b / (b - a)));
+            let Some(mut place) = place else {
                 continue;
             };
             let what = match kind {
@@ -48,6 +47,12 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
                         .map_or(there.angle, |orbit| of(&orbit).angle),
                 },
             };
+            // Next to it orbits are worse than about it.
+            if what == Special::BranchPoint
+                && let Some(better) = by_polynomial(place.s)
+            {
+                place = better;
+            }
             found.push((
                 place.s,
                 SpecialPoint {

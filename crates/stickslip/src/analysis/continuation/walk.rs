@@ -283,7 +283,8 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
         };
         let is_behind = self.is_behind(next.change.parameter);
         if next.change.bifurcation == SequenceBifurcation::Unnamed || is_behind {
-            if let Some(beyond) = self.beyond_branch_point(line, step) {
+            let beyond = self.beyond_branch_point(line, step);
+            if let Some(beyond) = beyond.or_else(|| self.round_a_bend(line, step)) {
                 return self.leaves_range(&beyond).or_else(|| {
                     self.follow(beyond);
                     None
@@ -334,6 +335,23 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
         self.take(near);
         self.follow(far);
         None
+    }
+
+    /// An orbit with the same phases along the branch's tangent behind a fold: where it turns by more than a right angle no orbit is ahead on the line of the
+    /// last two.
+    fn round_a_bend(&self, line: &Line<N, S::Mode>, step: f64) -> Option<OnBranch<N, S::Mode>> {
+        const TIMES: [f64; 3] = [1.0, 0.3, 0.1];
+        let wanted = self.last.circuit.sequence();
+        if self.heading().is_some() {
+            return None;
+        }
+        let tangent = self.tangent(line)?;
+        let is_next = |next: &OnBranch<N, S::Mode>| {
+            next.circuit.sequence() == wanted && !self.turns_without_fold(next)
+        };
+        TIMES
+            .into_iter()
+            .find_map(|times| self.on(&tangent, times * step).filter(is_next))
     }
 
     /// An orbit with the same phases a little further on than a step leads: next to where another branch meets this one none is found.

@@ -1,58 +1,75 @@
 //! Orbits that shrink to an equilibrium on the discontinuity boundary.
 
+use std::f64::consts::PI;
+
 use stickslip::analysis::{
     ContinuationSettings, Kind, RecurrenceSettings, Stop, SweepSettings, WhatChanges, attractor,
     continue_periodic_orbit, sweep,
 };
-use stickslip::{Mode, Options, solve};
+use stickslip::{Fate, Filippov, Mode, Options, Scalar, Side, State, fate, math, solve};
 
 use super::sweeps::kept;
-use super::systems::{AtParameter, Lags};
+use super::systems::{AtParameter, Focus, Lags};
 use crate::listed::Listed;
 
-/// The equilibrium of either side is on the boundary where the threshold is the state that it rests at.
+const ONE: Lags = Lags { unit: 1.0 };
+
+/// The equilibrium of either side is on the boundary where the threshold is the state that it rests at, whatever the threshold is measured in.
 #[test]
 fn the_end_of_a_branch_is_known_to_rounding() {
-    let settings = ContinuationSettings::over(-2.0, 2.0);
     let options = Options::tol(1e-12);
-    for (upwards, exact) in [(false, -1.0), (true, 1.0)] {
-        let start = [-0.7, -0.1, 0.1, 0.0];
-        let settled = solve(&Lags.any(), 0.0, start, 200.0, &options).unwrap();
-        let x = settled.x_end;
-        let found =
-            continue_periodic_orbit(&Lags.any(), x, 3.67, upwards, &settings, &options).unwrap();
-        let Stop::BoundaryEquilibrium { parameter } = found.stop else {
-            panic!("{:?}", found.stop);
-        };
-        assert!((parameter - exact).abs() < 1e-12, "{parameter}");
-        assert_eq!(found.special, []);
+    for unit in [1.0, 1e-3, 1e6] {
+        let settings = ContinuationSettings::over(-2.0 / unit, 2.0 / unit);
+        for (upwards, exact) in [(false, -1.0), (true, 1.0)] {
+            let (system, start) = (Lags { unit }, [-0.7, -0.1, 0.1, 0.0]);
+            let settled = solve(&system.any(), 0.0, start, 200.0, &options).unwrap();
+            let x = settled.x_end;
+            let found =
+                continue_periodic_orbit(&system.any(), x, 3.67, upwards, &settings, &options);
+            let found = found.unwrap();
+            let Stop::BoundaryEquilibrium { parameter } = found.stop else {
+                panic!("{unit}: {:?}", found.stop);
+            };
+            assert!((parameter * unit - exact).abs() < 1e-12, "{parameter}");
+            assert_eq!(found.special, []);
+        }
     }
+}
+
+/// Short of it the branch ends at the end of the range.
+#[test]
+fn one_beyond_the_range_is_none() {
+    let options = Options::tol(1e-12);
+    let start = [-0.7, -0.1, 0.1, 0.0];
+    let x = solve(&ONE.any(), 0.0, start, 200.0, &options)
+        .unwrap()
+        .x_end;
+    let settings = ContinuationSettings::over(-2.0, 0.999999);
+    let found = continue_periodic_orbit(&ONE.any(), x, 3.67, true, &settings, &options).unwrap();
+    assert_eq!(found.stop, Stop::Range);
+    let last = found.points.last().unwrap();
+    assert!((last.parameter - 0.999999).abs() < 1e-12);
 }
 
 /// Also where a value of the sweep hits it.
 #[test]
 fn a_sweep_finds_it_from_the_side_of_the_equilibrium_or_from_that_of_the_orbit() {
     for values in [[0.9, 1.1], [1.1, 0.9], [0.9, 1.0], [1.0, 1.2]] {
-        let family = |value| {
-            kept(AtParameter {
-                system: Lags,
-                value,
-            })
-            .any()
-        };
+        let family = |value| kept(AtParameter { system: ONE, value }).any();
         let start = [0.5, 0.1, 0.3];
         let settings = SweepSettings::within(300.0);
         let found = sweep(family, values, start, &settings, &Options::tol(1e-10)).unwrap();
         let at: Vec<_> = found.changes.iter().map(|change| &change.what).collect();
-        match at.as_slice() {
-            [WhatChanges::BoundaryEquilibrium { parameter, x }] => {
-                assert!((parameter - 1.0).abs() < 1e-12, "{values:?}: {parameter}");
-                assert!(x.iter().all(|x| (x - 1.0).abs() < 1e-12), "{values:?}: {x}");
-            }
-            // What rests on the boundary is the same attractor as what rests beside it.
-            [] => assert_eq!(values[0], 1.0),
-            other => panic!("{values:?}: {other:?}"),
+        // What rests on the boundary is the same attractor as what rests beside it.
+        if values[0] == 1.0 {
+            assert!(at.is_empty(), "{at:?}");
+            continue;
         }
+        let [WhatChanges::BoundaryEquilibrium { parameter, x }] = at.as_slice() else {
+            panic!("{values:?}: {at:?}");
+        };
+        assert!((parameter - 1.0).abs() < 1e-12, "{values:?}: {parameter}");
+        assert!(x.iter().all(|x| (x - 1.0).abs() < 1e-12), "{values:?}: {x}");
     }
 }
 
@@ -60,7 +77,7 @@ fn a_sweep_finds_it_from_the_side_of_the_equilibrium_or_from_that_of_the_orbit()
 #[test]
 fn on_the_boundary_the_equilibrium_is_rested_in_and_nothing_sticks() {
     let system = AtParameter {
-        system: Lags,
+        system: ONE,
         value: 1.0,
     };
     let (start, options) = ([0.5, 0.1, 0.3], Options::tol(1e-10));
@@ -76,7 +93,85 @@ fn on_the_boundary_the_equilibrium_is_rested_in_and_nothing_sticks() {
         "{}",
         orbit.x_end
     );
+    assert_eq!(
+        fate(&system, 0.0, &State::from([1.0; 3])),
+        Fate::Slip(Side::Below)
+    );
     let settings = RecurrenceSettings::within(500.0);
-    let reached = attractor(&system.any(), start, &settings, &options).unwrap();
-    assert_eq!(reached.kind, Kind::Equilibrium);
+    for start in [start, [1.2, 0.9, 0.4], [0.0; 3], [1.0, 1.0, 0.9]] {
+        for tolerance in [1e-8, 1e-10, 1e-12] {
+            let options = Options::tol(tolerance);
+            let reached = attractor(&system.any(), start, &settings, &options).unwrap();
+            assert_eq!(reached.kind, Kind::Equilibrium, "{start:?} {tolerance:e}");
+        }
+    }
+}
+
+/// Below, orbits leave a tangent point along y = x⁴, of which three derivatives vanish there; above, they come back to it.
+struct Flat;
+
+impl Filippov<2> for Flat {
+    fn field<T: Scalar>(&self, side: Side, _t: T, &[x, _]: &[T; 2]) -> [T; 2] {
+        match side {
+            Side::Below => [T::constant(1.0), x * x * x * 4.0],
+            Side::Above => [T::constant(1.0), -x],
+        }
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
+        x[1]
+    }
+}
+
+#[test]
+fn what_moves_along_the_boundary_does_not_rest_on_it() {
+    assert_eq!(fate(&Flat, 0.0, &State::from([0.0; 2])), Fate::Stick);
+}
+
+/// The slip from the tangent point, at the height of the growth, lands at the sliding field's equilibrium.
+#[test]
+fn a_branch_ends_in_a_homoclinic_orbit_of_the_sliding_field() {
+    // Back at the boundary, turned by almost 3π/2 and grown meanwhile: where 1 + r cos φ = 0 again.
+    let landing = |grows: f64| {
+        let (mut low, mut high) = (PI, 2.0 * PI);
+        for _ in 0..60 {
+            let t = 0.5 * (low + high);
+            // At t = 0 it is at the height `grows`, 1 from the focus.
+            let off = math::exp(grows * t) * (math::cos(t) - grows * math::sin(t));
+            if off < 1.0 {
+                low = t;
+            } else {
+                high = t;
+            }
+        }
+        math::exp(grows * low) * (math::sin(low) + grows * math::cos(low))
+    };
+    let equilibrium = |grows: f64| (1.0 + Focus::ABOVE * grows) / (Focus::ABOVE - grows);
+    let (mut low, mut high) = (0.1, 0.3);
+    for _ in 0..60 {
+        let grows = 0.5 * (low + high);
+        if landing(grows) > equilibrium(grows) {
+            low = grows;
+        } else {
+            high = grows;
+        }
+    }
+    let settings = ContinuationSettings::over(0.05, 0.5);
+    let options = Options::tol(1e-12);
+    let start = [-1e-9, 0.1, 0.1];
+    let found = continue_periodic_orbit(&Focus.any(), start, 8.70, true, &settings, &options);
+    let Stop::Homoclinic {
+        parameter,
+        uncertainty,
+        comes,
+        ..
+    } = found.unwrap().stop
+    else {
+        panic!();
+    };
+    let off = (parameter - low).abs();
+    assert!(
+        off < uncertainty && uncertainty < 1e-4,
+        "{parameter} for {low}: {uncertainty:e}"
+    );
+    assert_eq!(comes, f64::NEG_INFINITY);
 }

@@ -12,7 +12,7 @@ use stickslip::{Error, Filippov, Method, Mode, Options, Side, State, math, solve
 
 use super::sweeps::{landing, touching};
 use super::systems::{
-    Area, BeatFamily, Belt, DrivenFamily, DrivenIsland, Island, Pitchfork, Rhythm, Rough,
+    Area, BeatFamily, Belt, DrivenFamily, DrivenIsland, Island, Pitchfork, Resonant, Rhythm, Rough,
     Softening, Twisted,
 };
 use crate::attractors::systems::Rings;
@@ -620,4 +620,34 @@ fn a_cycle_is_followed_to_two_saddles() {
     let root = (half_trace * half_trace + 2.0).sqrt();
     assert!((leaves - (half_trace + root)).abs() < 1e-9, "{leaves}");
     assert!((comes - (half_trace - root)).abs() < 1e-9, "{comes}");
+}
+
+/// The half of a symmetric orbit, from one exit of stick to that with the other sign, has the multiplier -1 there, by matrix exponentials with 22 digits.
+/// Newton's matrix is singular at them, and next to the first the branch ended with short steps.
+#[test]
+fn points_at_which_symmetry_breaks_are_found_with_any_step() {
+    const POINTS: [f64; 2] = [1.955_032_552_903_879, 2.046_729_920_873_024];
+    let options = Options::tol(1e-12);
+    let begin = [0.0, 1.0, 3.0, 1.9];
+    let settled = solve(&Resonant.any(), 0.0, begin, 400.0, &options).unwrap();
+    let (start, period) = (settled.x_end, 2.5408);
+    for step in [0.005, 0.01, 0.02] {
+        let settings = ContinuationSettings {
+            step,
+            ..ContinuationSettings::over(1.5, 2.2)
+        };
+        let found =
+            continue_periodic_orbit(&Resonant.any(), start, period, false, &settings, &options);
+        let found = found.unwrap();
+        let points = found
+            .special
+            .iter()
+            .filter(|at| at.what == Special::BranchPoint);
+        let places: Vec<f64> = points.map(|at| at.parameter).collect();
+        assert_eq!(places.len(), POINTS.len(), "{step}: {:?}", found.special);
+        // The branch comes to them from its fold at 2.047.
+        for (place, exact) in places.iter().zip(POINTS.into_iter().rev()) {
+            assert!((place - exact).abs() < 1e-9, "{step}: {place} for {exact}");
+        }
+    }
 }
