@@ -20,8 +20,8 @@ use told::Told;
 ///
 /// The orbit is found at the parameter's present value (that of the file, or of --set) and followed both ways by pseudo-arclength. Where a
 /// multiplier is 1 or -1 or a pair is on the unit circle, and where the phases change, the place is located and named; so is an end in an
-/// equilibrium, a homoclinic orbit or rest. Of a driven system the
-/// parameter may be one that the period depends on. Writes branch.csv, special.csv and continue.svg.
+/// equilibrium, on the boundary or off it, a homoclinic orbit or rest. Of a driven system the parameter may be one that the period depends on. Writes
+/// branch.csv, special.csv and continue.svg.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
     /// The parameter and the range in which the branch is followed
