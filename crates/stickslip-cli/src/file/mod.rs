@@ -189,6 +189,14 @@ pub enum FileError {
         /// Names of the shipped models.
         shipped: String,
     },
+    /// Its letters are in another code.
+    #[error("{path} is no text in UTF-8: line {line} has other bytes; save it as UTF-8")]
+    NotUtf8 {
+        /// The path as given.
+        path: String,
+        /// The first line that is not.
+        line: usize,
+    },
     /// Its content is wrong.
     #[error("{}", problem.shown(source_text))]
     Wrong {
@@ -228,6 +236,17 @@ fn unreadable(path: &str, cause: &std::io::Error) -> FileError {
     }
 }
 
+fn not_utf8(path: &str, wrong: &std::string::FromUtf8Error) -> FileError {
+    let before = wrong
+        .as_bytes()
+        .iter()
+        .take(wrong.utf8_error().valid_up_to());
+    FileError::NotUtf8 {
+        path: path.to_owned(),
+        line: 1 + before.filter(|byte| **byte == b'\n').count(),
+    }
+}
+
 impl SystemFile {
     /// Reads a file, or a shipped model by its name. A file of that name comes first.
     ///
@@ -237,7 +256,10 @@ impl SystemFile {
         let shipped = crate::shipped::named(path).filter(|_| !Path::new(path).is_file());
         let text = match shipped {
             Some(text) => text.to_owned(),
-            None => std::fs::read_to_string(path).map_err(|cause| unreadable(path, &cause))?,
+            None => {
+                let bytes = std::fs::read(path).map_err(|cause| unreadable(path, &cause))?;
+                String::from_utf8(bytes).map_err(|wrong| not_utf8(path, &wrong))?
+            }
         };
         let name = path.to_owned();
         SystemFile::parse(Source { name, text })

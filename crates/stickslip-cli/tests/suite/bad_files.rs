@@ -603,3 +603,21 @@ fn greek_names_and_the_micro_sign_are_the_same_letter() {
     assert_eq!(file.parameters[0].name, "μ₀");
     assert!(file.with(&[("\u{b5}₀".to_owned(), 0.3)]).is_ok());
 }
+
+/// An é as one byte, as in Latin-1, in the second line.
+#[test]
+fn a_file_in_another_code_is_told_with_its_line() {
+    let text = GOOD.replace("a block", "a bloc l\u{e9}ger");
+    let bytes: Vec<u8> = text.chars().map(|letter| letter as u8).collect();
+    let file = tempfile::NamedTempFile::new().unwrap();
+    std::fs::write(file.path(), bytes).unwrap();
+    let path = file.path().to_str().unwrap();
+    let error = SystemFile::open(path).unwrap_err();
+    assert!(
+        matches!(error, FileError::NotUtf8 { line: 2, .. }),
+        "{error}"
+    );
+    assert!(error.to_string().ends_with("save it as UTF-8"), "{error}");
+    std::fs::write(file.path(), text).unwrap();
+    assert!(SystemFile::open(path).is_ok());
+}
