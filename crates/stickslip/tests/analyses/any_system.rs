@@ -7,7 +7,8 @@ use crate::attractors::systems::{
 };
 use crate::bifurcations::systems::{
     Area, AtParameter, Beat, BeatFamily, Belt, Dragged, DrivenFamily, DrivenIsland, Ends, Focus,
-    Grip, Held, Island, Lags, Pitchfork, Pulse, Resonant, Rough, Shaken, Sheet, Softening, Twisted,
+    Grip, Held, Island, Lags, Persists, Pitchfork, Pulse, Resonant, Rough, Shaken, Sheet,
+    Softening, Twisted,
 };
 use crate::den_hartog::DenHartog;
 use crate::line::Line;
@@ -18,7 +19,7 @@ systems!(Any1, 1: Beat(Beat), Line(Line), NearWells(NearWells));
 
 systems!(
     Any2, 2:
-    Backwards(Smooth<Backwards>), BeatFamily(BeatFamily), DenHartog(DenHartog), Detour(Smooth<Detour>), DraggedAt(AtParameter<Dragged>), Driven(Driven), Ends(Ends), GripAt(AtParameter<Grip>), Held(Held), Leine(Leine), Pushed(Pushed), RingsAt(AtParameter<Rings>), Shaken(Shaken), Shear(Smooth<Shear>), ToZero(ToZero), TwistedAt(AtParameter<Twisted>), Wells(Wells),
+    Backwards(Smooth<Backwards>), BeatFamily(BeatFamily), DenHartog(DenHartog), Detour(Smooth<Detour>), DraggedAt(AtParameter<Dragged>), Driven(Driven), Ends(Ends), GripAt(AtParameter<Grip>), Held(Held), Leine(Leine), PersistsAt(AtParameter<Persists>), Pushed(Pushed), RingsAt(AtParameter<Rings>), Shaken(Shaken), Shear(Smooth<Shear>), ToZero(ToZero), TwistedAt(AtParameter<Twisted>), Wells(Wells),
 );
 
 systems!(

@@ -107,7 +107,7 @@ pub enum WhatChanges<const N: usize, K = Mode> {
 pub struct Sweep<const N: usize, K = Mode> {
     /// What was found, in the order of the parameters.
     pub points: Vec<SweepPoint<N, K>>,
-    /// Where it is not the same kind of motion, with the same phases, as at the value before: one, or where one orbit ends and another one begins that
+    /// Where it is not the same kind of motion, with the same phases or the same mode of rest, as at the value before: one, or where one orbit ends and another one begins that
     /// has nothing to do with it, both.
     pub changes: Vec<AttractorChange<N, K>>,
 }
@@ -196,6 +196,8 @@ fn is_change<const N: usize, K: Copy + PartialEq>(
 ) -> bool {
     match (&one.kind, &other.kind) {
         (Kind::Periodic { .. }, Kind::Periodic { .. }) => !one.has_sequence_of(other),
+        // In slip or on the boundary.
+        (Kind::Equilibrium, Kind::Equilibrium) => one.mode != other.mode,
         (one, other) => std::mem::discriminant(one) != std::mem::discriminant(other),
     }
 }

@@ -65,8 +65,10 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Behind<'_, S, N, G> {
             .as_ref()
             .filter(|one| one.circuit.parts.len() < edge.circuit.parts.len());
         if let Some(simple) = simple
-            && let Some(entered) = self.back_from(simple)
+            && let Some(mut entered) = self.back_from(simple)
         {
+            // Next to the corner the orbits on that side may be too near to each other.
+            entered.orbits = entered.orbits.or_else(|| around.or_else(|| self.around()));
             return Some(entered);
         }
         let after = other.as_ref().map(|one| one.circuit.modes());

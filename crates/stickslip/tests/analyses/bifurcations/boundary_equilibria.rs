@@ -9,7 +9,7 @@ use stickslip::analysis::{
 use stickslip::{Fate, Filippov, Mode, Options, Scalar, Side, State, fate, math, solve};
 
 use super::sweeps::kept;
-use super::systems::{AtParameter, Focus, Lags};
+use super::systems::{AtParameter, Focus, Lags, Persists};
 use crate::listed::Listed;
 
 const ONE: Lags = Lags { unit: 1.0 };
@@ -70,6 +70,37 @@ fn a_sweep_finds_it_from_the_side_of_the_equilibrium_or_from_that_of_the_orbit()
         };
         assert!((parameter - 1.0).abs() < 1e-12, "{values:?}: {parameter}");
         assert!(x.iter().all(|x| (x - 1.0).abs() < 1e-12), "{values:?}: {x}");
+    }
+}
+
+/// The focus goes over into the equilibrium of the sliding field where it comes to the boundary.
+#[test]
+fn an_equilibrium_that_goes_over_into_sliding_is_located_there() {
+    for values in [[-0.3, 0.5], [0.5, -0.3]] {
+        let family = |value| {
+            kept(AtParameter {
+                system: Persists,
+                value,
+            })
+            .any()
+        };
+        let settings = SweepSettings::within(300.0);
+        let found = sweep(family, values, [-0.4, 0.1], &settings, &Options::tol(1e-10)).unwrap();
+        let [change] = found.changes.as_slice() else {
+            panic!("{:?}", found.changes);
+        };
+        let WhatChanges::BoundaryEquilibrium { parameter, x } = change.what else {
+            panic!("{change:?}");
+        };
+        assert!(
+            parameter.abs() < 1e-12 && x.amax() < 1e-12,
+            "{parameter}: {x}"
+        );
+        let modes = found.points.iter().map(|point| point.reached.mode);
+        let slips = modes
+            .filter(|mode| *mode == Mode::Slip(Side::Below))
+            .count();
+        assert_eq!(slips, 1);
     }
 }
 

@@ -569,6 +569,24 @@ impl Filippov<3> for Focus {
     }
 }
 
+/// A focus at `x = p` below `x = 0` that draws orbits in, and above it (-1, 1); the third state is `p`. Beyond zero the sliding field has an equilibrium that
+/// draws orbits in.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Persists;
+
+impl Filippov<3> for Persists {
+    fn field<T: Scalar>(&self, side: Side, _t: T, &[x, y, p]: &[T; 3]) -> [T; 3] {
+        let off = x - p;
+        match side {
+            Side::Below => [-off * 0.3 - y, off - y * 0.3, T::zero()],
+            Side::Above => [T::constant(-1.0), T::constant(1.0), T::zero()],
+        }
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 3]) -> T {
+        x[0]
+    }
+}
+
 /// A resonance at about 10 and a lag under a relay, with relative degree 1; the fourth state, `rho`, is where the zeros lie. Symmetric orbits lose their
 /// symmetry, and win it again.
 #[derive(Clone, Copy, Debug, PartialEq)]
