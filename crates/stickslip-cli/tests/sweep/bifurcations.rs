@@ -262,7 +262,9 @@ fn contacts_that_change_places_are_told_together() {
             .split("at ")
             .nth(1)
             .and_then(|rest| rest.split(':').next());
-        let value: f64 = value.unwrap().parse().unwrap();
-        assert!((value - exact).abs() < 1e-9, "{value} for {exact}");
+        let (value, uncertainty) = value.unwrap().split_once(" ± ").unwrap();
+        let [value, uncertainty] = [value, uncertainty].map(|text| text.parse::<f64>().unwrap());
+        let error = (value - exact).abs();
+        assert!(error < 1e-9 && uncertainty < 1e-9, "{line} for {exact}");
     }
 }
