@@ -571,3 +571,62 @@ fn a_torus_is_named_in_ascii_for_other_programs() {
         assert!(std::fs::read_to_string(path).unwrap().is_ascii(), "{table}");
     }
 }
+
+/// Three lags under a relay: either side's equilibrium is on the boundary where the threshold is ±1, and the orbit shrinks to it.
+const LAGS: &str = r#"
+name = "lags"
+[states]
+x = ""
+y = ""
+z = ""
+[parameters]
+b = { value = 0, range = [-2, 2] }
+[contacts.relay]
+boundary = "z - b"
+friction = "1"
+[field]
+x = "-x - friction(relay)"
+y = "x - y"
+z = "y - z"
+[start]
+x = 0.5
+y = 0.1
+z = 0.3
+"#;
+
+#[test]
+fn an_end_in_an_equilibrium_on_the_boundary_is_told_everywhere() {
+    let top = tempfile::tempdir().unwrap();
+    let path = top.path().join("lags.toml");
+    std::fs::write(&path, LAGS).unwrap();
+    let file = path.to_str().unwrap();
+    let (json, _, table) = with_special(&[file, "--parameter", "b=-2:2"]);
+    let ends = json["ends"].as_array().unwrap();
+    assert_eq!((ends.len(), table.len()), (2, 2));
+    for ((end, row), exact) in ends.iter().zip(&table).zip([-1.0, 1.0]) {
+        assert_eq!(end["stop"], "boundary equilibrium");
+        assert_eq!(row["what"], "boundary equilibrium");
+        let told = end["boundary_equilibrium"].as_f64().unwrap();
+        assert_eq!(number(row, "b"), told);
+        assert!((told - exact).abs() < 1e-12, "{told}");
+    }
+    let mut sweep = Command::new(env!("CARGO_BIN_EXE_stickslip"));
+    sweep
+        .current_dir(top.path())
+        .args(["bifurcation", file, "--parameter", "b=0.95:1.05"])
+        .args(["--values", "2", "--duration", "20"])
+        .assert()
+        .success()
+        .stdout(contains("up    at 1: boundary-equilibrium bifurcation"))
+        .stdout(contains("down  at 1: boundary-equilibrium bifurcation"));
+    // On the boundary itself the run does not end in transitions that pile up.
+    let mut orbit = Command::new(env!("CARGO_BIN_EXE_stickslip"));
+    orbit
+        .current_dir(top.path())
+        .args(["orbit", file, "--set", "b=1"])
+        .assert()
+        .code(1)
+        .stderr(contains(
+            "comes to the equilibrium (1.000000000, 1.000000000, 1.000000000)",
+        ));
+}

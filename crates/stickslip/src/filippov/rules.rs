@@ -4,7 +4,8 @@
 //! the first Lie derivative of the boundary function along the field that does not vanish: the normal component
 //! almost everywhere, the second derivative at a tangent point (visible: the field's orbit stays on its own
 //! side; invisible: it does not), the third at a cusp. Four cases follow, one of them with no
-//! unique continuation, which is reported and never chosen silently.
+//! unique continuation, which is reported and never chosen silently. Where both fields are tangent and one
+//! of them rests, the other leading back, that side's equilibrium is rested in.
 
 use crate::dual::{Dual, Dual3};
 
@@ -244,8 +245,7 @@ pub(crate) fn departure(below: Leading, above: Leading, rests: Option<Side>) -> 
         (true, true) => Fate::Repelling,
         (true, false) => Fate::Slip(Side::Below),
         (false, true) => Fate::Slip(Side::Above),
-        (false, false) if rests.is_some() => rests.map_or(Fate::Stick, Fate::Slip),
-        (false, false) => Fate::Stick,
+        (false, false) => rests.map_or(Fate::Stick, Fate::Slip),
     };
     let orders = match fate {
         Fate::Slip(Side::Below) => [below.order, 0, 0],

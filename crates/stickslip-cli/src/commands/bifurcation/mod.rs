@@ -18,8 +18,8 @@ pub(super) use request::Bifurcation;
 /// both ways differ, there is more than one attractor. A change of the phases is located and named by the event function that vanishes there; where
 /// none does, by the multiplier on the unit circle: a fold, flip, Neimark-Sacker bifurcation or branch point. Equilibria are followed to where they lose
 /// their stability or come to the boundary. Where one orbit ends and the run comes to another one, that began elsewhere, both places are told. Writes
-/// bifurcation.csv, sticks.csv, changes.csv and bifurcation.svg. In changes.csv `before` and `after` are the phases of the orbit that is followed through the change; where it is
-/// unstable behind it, the attractor there is another one, whose phases bifurcation.csv has. Finished blocks are in sweep/: after a kill the same
+/// bifurcation.csv, sticks.csv, changes.csv and bifurcation.svg. In changes.csv `before` and `after` are the phases of the orbit that is followed
+/// through the change; where it is unstable behind it, the attractor there is another one, whose phases bifurcation.csv has. Finished blocks are in sweep/: after a kill the same
 /// command goes on from there.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {

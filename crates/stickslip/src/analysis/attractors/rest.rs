@@ -180,7 +180,13 @@ pub(super) fn rest_at<S: Switched<N, G>, const N: usize, const G: usize>(
     scale: &State<N>,
     near: &Nearness,
 ) -> Option<(Kind, State<N>)> {
-    let Rest { x, jacobian } = nearest(system, mode, at, scale, near)?;
+    let Rest { x, jacobian } = equilibrium_near(system, mode, at.t, &at.x, N)?;
+    // The orbit may turn about it some steps wide.
+    const TURN: f64 = 10.0;
+    let is_near = |i: usize| (x[i] - at.x[i]).abs() <= TURN * near.allowed(scale[i]);
+    if !(0..N).all(is_near) {
+        return None;
+    }
     let guard = least_guard(system, mode, Timed { t: at.t, x });
     let is_on_edge = guard.abs() <= ON_EDGE * x.amax();
     if guard <= 0.0 && !is_on_edge {
@@ -192,35 +198,6 @@ pub(super) fn rest_at<S: Switched<N, G>, const N: usize, const G: usize>(
     }
     let kind = kind_by(system, mode, &Timed { t: at.t, x }, &jacobian)?;
     (guard > 0.0 || kind == Kind::Equilibrium).then_some((kind, x))
-}
-
-/// The equilibrium of a mode that an orbit at `x` has come to at the edge of where that mode holds; `None` where there is none that near, or it does not
-/// attract within the mode.
-pub(super) fn rest_on_edge<S: Switched<N, G>, const N: usize, const G: usize>(
-    system: &S,
-    mode: S::Mode,
-    at: &Timed<N>,
-    scale: &State<N>,
-    near: &Nearness,
-) -> Option<State<N>> {
-    let Rest { x, jacobian } = nearest(system, mode, at, scale, near)?;
-    let kind = kind_by(system, mode, &Timed { t: at.t, x }, &jacobian);
-    matches!(kind, Some(Kind::Equilibrium)).then_some(x)
-}
-
-/// The equilibrium of a mode, if it is about where the orbit is.
-fn nearest<S: Switched<N, G>, const N: usize, const G: usize>(
-    system: &S,
-    mode: S::Mode,
-    at: &Timed<N>,
-    scale: &State<N>,
-    near: &Nearness,
-) -> Option<Rest<N>> {
-    // The orbit may turn about it some steps wide.
-    const TURN: f64 = 10.0;
-    let rest = equilibrium_near(system, mode, at.t, &at.x, N)?;
-    let is_near = |i: usize| (rest.x[i] - at.x[i]).abs() <= TURN * near.allowed(scale[i]);
-    (0..N).all(is_near).then_some(rest)
 }
 
 /// Whether a state of rest is one of a set; `None` where it does not attract.

@@ -8,7 +8,7 @@ use super::history::History;
 use super::nearness::{Extent, Nearness};
 use super::reached::{Kind, Reached, SectionPoint};
 use super::recurrence::{Pattern, Recurrence};
-use super::rest::{kind_of_rest, rest_at, rest_on_edge};
+use super::rest::{kind_of_rest, rest_at};
 use super::{RecurrenceSettings, recurrent, turning::Turning};
 use crate::error::Error;
 use crate::filippov::{
@@ -357,12 +357,9 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
                 let scale = State::from_fn(|i, _| self.ever.size(i));
                 // Of either side's equilibrium it is not said which the last phase was beside.
                 let mut modes = [integration.mode()].into_iter().chain(self.history.modes());
-                let rest = |mode| rest_on_edge(self.system, mode, &at, &scale, &self.near);
+                let rest = |mode| rest_at(self.system, mode, &at, &scale, &self.near);
                 match modes.find_map(rest) {
-                    Some(x) => {
-                        let points = vec![SectionPoint { t: at.t, x }];
-                        Stage::Done(Kind::Equilibrium, points)
-                    }
+                    Some((kind, x)) => Stage::Done(kind, vec![SectionPoint { t: at.t, x }]),
                     None => Stage::Done(Kind::Failure(error), Vec::new()),
                 }
             }

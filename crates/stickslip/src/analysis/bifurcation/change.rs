@@ -90,39 +90,38 @@ impl<const N: usize, K: Copy + PartialEq> Seen<N, K> {
             smooth: None,
             unnamed: None,
         };
-        match from.1.kind {
-            Kind::Equilibrium => seen.named = loss_of_stability(family, from, to.0),
-            Kind::Periodic { returns, period } => {
-                // The forcing's own period is known better.
-                let forced = forcing.map(|one| one * returns as f64);
-                let shooting = Shooting {
-                    family,
-                    forced,
-                    options,
-                };
-                if let Some(way) = shooting.follow(from, period, to.0) {
-                    // Next to it a graze would be named: all of the orbit comes to the boundary.
-                    seen.named = shooting.boundary_equilibrium(&way, to.0);
-                    if seen.named.is_none() {
-                        let found = shooting.change(&way);
-                        let is_named = |one: &SequenceChange<N, K>| {
-                            one.bifurcation != SequenceBifurcation::Unnamed
-                        };
-                        // Where nothing else was found either, the orbit was lost, and that is no change.
-                        let is_other = |one: &SequenceChange<N, K>| !one.after.is_empty();
-                        match found {
-                            Some(found) if is_named(&found) => {
-                                seen.named = Some(WhatChanges::Sequence(found));
-                            }
-                            found => {
-                                seen.unnamed = found.filter(is_other).map(WhatChanges::Sequence);
-                                seen.smooth = shooting.multiplier(&way);
-                            }
-                        }
-                    }
-                }
+        let (returns, period) = match from.1.kind {
+            Kind::Periodic { returns, period } => (returns, period),
+            Kind::Equilibrium => {
+                seen.named = loss_of_stability(family, from, to.0);
+                return seen;
             }
-            _ => {}
+            _ => return seen,
+        };
+        let shooting = Shooting {
+            family,
+            // The forcing's own period is known better.
+            forced: forcing.map(|one| one * returns as f64),
+            options,
+        };
+        let Some(way) = shooting.follow(from, period, to.0) else {
+            return seen;
+        };
+        // Next to it a graze would be named: all of the orbit comes to the boundary.
+        seen.named = shooting.boundary_equilibrium(&way, to.0);
+        if seen.named.is_some() {
+            return seen;
+        }
+        match shooting.change(&way) {
+            Some(found) if found.bifurcation != SequenceBifurcation::Unnamed => {
+                seen.named = Some(WhatChanges::Sequence(found));
+            }
+            found => {
+                // Where nothing else was found either, the orbit was lost, and that is no change.
+                let other = found.filter(|one| !one.after.is_empty());
+                seen.unnamed = other.map(WhatChanges::Sequence);
+                seen.smooth = shooting.multiplier(&way);
+            }
         }
         seen
     }

@@ -107,8 +107,8 @@ pub enum WhatChanges<const N: usize, K = Mode> {
 pub struct Sweep<const N: usize, K = Mode> {
     /// What was found, in the order of the parameters.
     pub points: Vec<SweepPoint<N, K>>,
-    /// Where it is not the same kind of motion, with the same phases or the same mode of rest, as at the value before: one, or where one orbit ends and another one begins that
-    /// has nothing to do with it, both.
+    /// Where it is not the same kind of motion, with the same phases or the same mode of rest, as at the value before: one, or where one orbit
+    /// ends and another one begins that has nothing to do with it, both.
     pub changes: Vec<AttractorChange<N, K>>,
 }
 

@@ -92,13 +92,14 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
         s: f64,
     ) -> Option<OnBranch<N, S::Mode>> {
         let ([one, two], part) = pair_for(good, s)?;
-        let off = |one: &OnBranch<N, S::Mode>| {
-            let on_line = line.guess(one.s);
-            // The last two of the branch are on it by themselves.
-            let is_found = one.s > 0.0;
-            is_found.then(|| one.branch.start.x - on_line.at.x)
-        };
-        let [a, b] = [one, two].map(|one| off(one).unwrap_or_else(State::zeros));
+        let [a, b] = [one, two].map(|one| {
+            if one.s > 0.0 {
+                one.branch.start.x - line.guess(one.s).at.x
+            } else {
+                // The last two of the branch are on it by themselves.
+                State::zeros()
+            }
+        });
         let guess = line.guess(s);
         let guess = Guess {
             at: guess.at.moved(guess.at.x + b + (b - a) * part),

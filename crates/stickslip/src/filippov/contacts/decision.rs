@@ -132,7 +132,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
     }
 
     /// How the motion of a contact in the mode decided begins: by the first derivative of its guard that does not vanish. Where none is left it
-    /// holds, as where there is one contact.
+    /// holds; what is known of one contact, that it may rest on one side there, is not asked.
     fn start(&self, joint: &Joint<'_, S, M>, beginning: &Beginning<M>, i: usize) -> Start {
         let Timed { t, x } = self.at;
         let derivatives = &beginning.derivatives[i];

@@ -8,6 +8,7 @@ use stickslip::analysis::{
 };
 use stickslip::{Mode, Options, Side, math, solve};
 
+use super::sweeps::kept;
 use super::systems::{AtParameter, Dragged, Grip};
 use crate::listed::Listed;
 
@@ -174,7 +175,7 @@ fn a_sweep_locates_them_however_wide_its_steps() {
             system: Grip,
             value,
         };
-        let family = |value| crate::bifurcations::sweeps::kept(family(value)).any();
+        let family = |value| kept(family(value)).any();
         let settings = SweepSettings::within(500.0);
         let found = sweep(
             family,
@@ -226,7 +227,7 @@ fn a_fold_is_told_beside_the_graze_in_which_another_orbit_begins() {
             system: Dragged,
             value,
         };
-        crate::bifurcations::sweeps::kept(system).any()
+        kept(system).any()
     };
     let settings = SweepSettings::within(4000.0).forced(period);
     let found = sweep(

@@ -166,7 +166,7 @@ impl Filippov<3> for Twisted {
     }
 }
 
-/// A system whose third state is a parameter, at one value of it.
+/// A system whose last state is a parameter, at one value of it.
 pub struct AtParameter<S> {
     pub system: S,
     pub value: f64,
@@ -379,7 +379,7 @@ impl Filippov<4> for Sheet {
     }
 }
 
-impl Filippov<3> for AtParameter<Sheet> {
+impl<S: Filippov<4>> Filippov<3> for AtParameter<S> {
     fn field<T: Scalar>(&self, side: Side, t: T, &[x, y, z]: &[T; 3]) -> [T; 3] {
         let p = T::constant(self.value);
         let [x, y, z, _] = self.system.field(side, t, &[x, y, z, p]);
@@ -533,17 +533,6 @@ impl Filippov<4> for Lags {
     }
     fn boundary<T: Scalar>(&self, _t: T, x: &[T; 4]) -> T {
         x[2] - x[3] * self.unit
-    }
-}
-
-impl Filippov<3> for AtParameter<Lags> {
-    fn field<T: Scalar>(&self, side: Side, t: T, &[x, y, z]: &[T; 3]) -> [T; 3] {
-        let threshold = T::constant(self.value);
-        let [x, y, z, _] = self.system.field(side, t, &[x, y, z, threshold]);
-        [x, y, z]
-    }
-    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 3]) -> T {
-        x[2] - self.value * self.system.unit
     }
 }
 
