@@ -300,6 +300,40 @@ fn the_edge_along_the_frequency() {
     }
 }
 
+/// Den Hartog's orbit at S = 0.2 where its stick begins at the edge: it is released at x = -A with cos(O t) = S - A, and comes to rest at x = A with
+/// cos(O t) = A - S. The multiplier is 1 there, so that next to it rounding leaves the orbits open by 1e-5, and with them the place by 1e-6.
+#[test]
+fn a_change_at_which_the_multiplier_is_one_is_located_from_afar() {
+    // By Newton's iteration with 40 digits; here the equations are checked.
+    const FRICTION: f64 = 0.2;
+    const FREQUENCY: f64 = 0.414_489_639_149_120_5;
+    const AMPLITUDE: f64 = 1.164_133_099_064_008_3;
+    let release = -math::acos(FRICTION - AMPLITUDE) / FREQUENCY;
+    let rest = -math::acos(AMPLITUDE - FRICTION) / FREQUENCY;
+    let forced = 1.0 / (1.0 - FREQUENCY * FREQUENCY);
+    let begin = -AMPLITUDE + FRICTION - forced * (FRICTION - AMPLITUDE);
+    let slope = forced * FREQUENCY * math::sin(FREQUENCY * release);
+    let (cos, sin) = (math::cos(rest - release), math::sin(rest - release));
+    let x = begin * cos + slope * sin + forced * (AMPLITUDE - FRICTION) - FRICTION;
+    let v = slope * cos - begin * sin - forced * FREQUENCY * math::sin(FREQUENCY * rest);
+    assert!((x - AMPLITUDE).abs() < 1e-14 && v.abs() < 1e-14, "{x} {v}");
+
+    for range in ["O=0.2:0.8", "O=0.4:0.8", "O=0.35:0.72"] {
+        let (json, _) = followed(&["den-hartog", "--set", "O=0.7", "--parameter", range]);
+        let all = json["special"].as_array().unwrap();
+        let switching = all.iter().filter(|at| at["what"] == "switching-sliding");
+        let [at] = switching.collect::<Vec<_>>()[..] else {
+            panic!("{range}: {all:?}");
+        };
+        let off = (at["parameter"].as_f64().unwrap() - FREQUENCY).abs();
+        let uncertainty = at["change"]["sequence"]["uncertainty"].as_f64().unwrap();
+        assert!(
+            off < 1e-9 && off <= uncertainty,
+            "{range}: {off} {uncertainty}"
+        );
+    }
+}
+
 /// Where one way on was found again that the branch had come, it went back and forth.
 #[test]
 fn a_branch_goes_back_only_where_it_folds() {

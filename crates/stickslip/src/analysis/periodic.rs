@@ -4,6 +4,7 @@ use nalgebra::{DMatrix, DVector, SMatrix};
 
 use super::anchor::Anchor;
 use super::monodromy::{Monodromy, Turn, turn};
+use super::sequence::determined::Slack;
 use crate::error::Error;
 use crate::filippov::{
     Direction, Happening, Integration, Options, Plane, Progress, Switched, Watched,
@@ -47,7 +48,7 @@ pub fn periodic_orbit_forced<S: Switched<N, G>, const N: usize, const G: usize>(
 ) -> Result<PeriodicOrbit<N>, Error> {
     let at = Timed { t, x: x.into() };
     let start = Anchor::at_start(system, &at, t + period, options)?;
-    shoot(system, &start, period, true, options)
+    Ok(shoot(system, &start, period, true, options)?.0)
 }
 
 /// The periodic orbit near `x`, with a period near `period` (less than twice that), of a system that does not depend on time, by Newton's
@@ -75,7 +76,7 @@ pub fn periodic_orbit<S: Switched<N, G>, const N: usize, const G: usize>(
         x: x.into(),
     };
     let start = Anchor::at_start(system, &at, period, options)?;
-    shoot(system, &start, period, false, options)
+    Ok(shoot(system, &start, period, false, options)?.0)
 }
 
 /// The periodic orbit that the orbit from `x0` comes to, of a system that does not depend on time; no guess is needed.
@@ -167,18 +168,18 @@ pub fn find_periodic_orbit<S: Switched<N, G>, const N: usize, const G: usize>(
     let first = returns.iter().find(|r| r.1 <= near);
     let &(period, _) = first.ok_or_else(not_found)?;
     let start = Anchor { t: 0.0, ..start };
-    shoot(system, &start, period, false, options)
+    Ok(shoot(system, &start, period, false, options)?.0)
 }
 
 /// Newton's iteration from a guess; unless the system is driven, with that period, the period is unknown too, and along the flow at the
-/// guess no correction is made. A guess in stick is kept on its boundary.
+/// guess no correction is made. A guess in stick is kept on its boundary. With it goes by how much it may be off.
 pub(super) fn shoot<S: Switched<N, G>, const N: usize, const G: usize>(
     system: &S,
     guess: &Anchor<N, S::Mode>,
     guessed: f64,
     is_forced: bool,
     options: &Options,
-) -> Result<PeriodicOrbit<N>, Error> {
+) -> Result<(PeriodicOrbit<N>, Option<Slack<N>>), Error> {
     let by_tolerance = 100.0 * options.atol.max(options.rtol);
     let (mut residual, mut wanted) = (f64::INFINITY, by_tolerance);
     let mut at = guess.begun(system, guess.t + guessed, options)?;
@@ -201,13 +202,18 @@ pub(super) fn shoot<S: Switched<N, G>, const N: usize, const G: usize>(
         }
         // The last halvings of the residual are rounding: stop at the first iterate that is no better.
         if size <= wanted && size >= 0.5 * residual || size == 0.0 {
-            return Ok(PeriodicOrbit {
+            let slack = Slack::of(
+                newton_matrix(&turn, phase.as_ref()),
+                left(size, wanted, monodromy, &at.x),
+            );
+            let cycle = PeriodicOrbit {
                 t: at.t,
                 x: at.x,
                 period,
                 monodromy: monodromy.matrix,
                 residual: size,
-            });
+            };
+            return Ok((cycle, slack));
         }
         residual = size;
         // An equilibrium repeats itself after any time; the iteration may fall into one.
@@ -238,8 +244,46 @@ pub(super) fn shoot<S: Switched<N, G>, const N: usize, const G: usize>(
 /// order 8 add up to 14), enlarged as far as the turn enlarges what is off at its start.
 pub(super) fn rounding<const N: usize>(turn: &Monodromy<N>, x: &State<N>) -> f64 {
     const ULPS: f64 = 16.0;
+    ULPS * unit(turn, x) * turn.matrix.amax().max(1.0)
+}
+
+/// A unit in the last place of the state for every step.
+fn unit<const N: usize>(turn: &Monodromy<N>, x: &State<N>) -> f64 {
     let size = x.amax().max(turn.summary.x.amax());
-    ULPS * f64::EPSILON * turn.summary.counters.steps as f64 * size * turn.matrix.amax().max(1.0)
+    f64::EPSILON * turn.summary.counters.steps as f64 * size
+}
+
+/// What may be left of an orbit's gap: where the iteration came to rounding, a few units of that or what it shows; where it did not, all that is allowed.
+pub(super) fn left<const N: usize>(
+    size: f64,
+    wanted: f64,
+    turn: &Monodromy<N>,
+    x: &State<N>,
+) -> f64 {
+    const ULPS: f64 = 4.0;
+    if size <= rounding(turn, x) {
+        size.max(ULPS * unit(turn, x))
+    } else {
+        wanted
+    }
+}
+
+/// The matrix of Newton's iteration, of state and period: that the orbit closes, and that along the flow nothing is corrected.
+fn newton_matrix<const N: usize>(turn: &Turn<N>, phase: Option<&State<N>>) -> DMatrix<f64> {
+    let unknowns = N + usize::from(phase.is_some());
+    let mut matrix = DMatrix::<f64>::zeros(unknowns, unknowns);
+    for i in 0..N {
+        for j in 0..N {
+            matrix[(i, j)] = turn.monodromy.matrix[(i, j)] - f64::from(u8::from(i == j));
+        }
+    }
+    if let Some(direction) = phase {
+        for i in 0..N {
+            matrix[(i, N)] = turn.velocity[i];
+            matrix[(N, i)] = direction[i];
+        }
+    }
+    matrix
 }
 
 /// Newton's correction of state and period.
@@ -248,20 +292,10 @@ fn correction<const N: usize>(
     gap: &State<N>,
     phase: Option<&State<N>>,
 ) -> Option<(State<N>, f64)> {
-    let unknowns = N + usize::from(phase.is_some());
-    let mut matrix = DMatrix::<f64>::zeros(unknowns, unknowns);
-    let mut right = DVector::<f64>::zeros(unknowns);
+    let matrix = newton_matrix(turn, phase);
+    let mut right = DVector::<f64>::zeros(matrix.nrows());
     for i in 0..N {
-        for j in 0..N {
-            matrix[(i, j)] = turn.monodromy.matrix[(i, j)] - f64::from(u8::from(i == j));
-        }
         right[i] = -gap[i];
-    }
-    if let Some(direction) = phase {
-        for i in 0..N {
-            matrix[(i, N)] = turn.velocity[i];
-            matrix[(N, i)] = direction[i];
-        }
     }
     let solution = newton_solution(matrix, &right)?;
     let dx = State::from_fn(|i, _| solution[i]);

@@ -204,13 +204,15 @@ impl<F> Shooting<'_, F> {
         let start = self.start(from.1)?;
         let rough = circuit_from(&(self.family)(from.0), &start, period, self.options)?;
         let first = self.orbit(from.0, &rough.anchor, rough.period)?;
-        let wanted = first.circuit.sequence();
         let mut good = vec![first];
         let behind: RefCell<Option<Known<(), N, S::Mode>>> = RefCell::new(None);
         let mut solve = |s: f64, good: &[Known<(), N, S::Mode>]| {
-            let (guess, period) = extrapolated(good, s)?;
-            let found = self.orbit(s, &guess, period);
-            let is_other = |one: &Known<(), N, S::Mode>| !is_same(&one.circuit.sequence(), &wanted);
+            let found = self.by_line(s, good);
+            let first = good.first()?;
+            let is_other = |one: &Known<(), N, S::Mode>| {
+                !is_same(&one.circuit.sequence(), &first.circuit.sequence())
+                    && first.is_as_certain(one)
+            };
             if let Some(other) = found.as_ref().filter(|one| is_other(one)) {
                 behind.replace(Some(other.clone()));
             }
@@ -224,14 +226,15 @@ impl<F> Shooting<'_, F> {
             behind.replace(None);
             let mut step = first_step;
             let stopped = loop {
-                let at = good.last()?.s;
+                let last = good.last()?;
+                let at = last.s;
                 if at == to {
                     break None;
                 }
                 let goes_on = (to - at) / step > 1.0;
                 let next = if goes_on { at + step } else { to };
                 match solve(next, &good) {
-                    Some(found) if is_same(&found.circuit.sequence(), &wanted) => good.push(found),
+                    Some(found) if last.goes_on_in(&found) => good.push(found),
                     _ => break Some(next),
                 }
                 step *= GROWTH;
@@ -268,7 +271,8 @@ impl<F> Shooting<'_, F> {
         let system = (self.family)(last.s);
         let after = way.behind.as_ref().map(|other| other.circuit.modes());
         let place = Place::in_parameter(last.s, bad);
-        let here = describe(&system, &way.good, after.unwrap_or_default(), place);
+        let solve = |s: f64, new: &[_]| self.by_line(s, &[&way.good, new].concat());
+        let here = describe(&system, &way.good, after.unwrap_or_default(), place, solve);
         // From the side with fewer phases all event functions are smooth, and a graze is no root.
         let simple = way
             .behind
@@ -354,18 +358,30 @@ impl<F> Shooting<'_, F> {
         let way = edge.s - simple.s;
         let way = way.abs().max(1e4 * resolution) * way.signum();
         [0.3 * way, -0.3 * way].into_iter().find_map(|step| {
-            let solve = |s: f64, good: &[Known<(), N, S::Mode>]| {
-                let (guess, period) = extrapolated(good, s)?;
-                self.orbit(s, &guess, period)
-            };
+            let solve = |s: f64, good: &[_]| self.by_line(s, good);
             let (good, bad) = locate::approach(simple.clone(), step, resolution, solve)?;
             let last = good.last()?;
             let place = Place::in_parameter(last.s, bad);
             let after = last.circuit.modes();
-            let mut found = describe(&(self.family)(last.s), &good, after, place)?;
+            let mut found = describe(&(self.family)(last.s), &good, after, place, |s, new| {
+                self.by_line(s, &[&good, new].concat())
+            })?;
             (found.before, found.after) = (edge.circuit.modes(), found.before);
             (found.bifurcation != SequenceBifurcation::Unnamed).then_some(found)
         })
+    }
+
+    /// The orbit at a parameter by those known.
+    fn by_line<S: Switched<N, G>, const N: usize, const G: usize>(
+        &self,
+        parameter: f64,
+        good: &[Known<(), N, S::Mode>],
+    ) -> Option<Known<(), N, S::Mode>>
+    where
+        F: Fn(f64) -> S,
+    {
+        let (guess, period) = extrapolated(good, parameter)?;
+        self.orbit(parameter, &guess, period)
     }
 
     pub(super) fn orbit<S: Switched<N, G>, const N: usize, const G: usize>(
@@ -385,12 +401,13 @@ impl<F> Shooting<'_, F> {
             t: if is_forced { guess.t } else { 0.0 },
             ..*guess
         };
-        let cycle = shoot(&system, &at, period, is_forced, self.options).ok()?;
+        let (cycle, slack) = shoot(&system, &at, period, is_forced, self.options).ok()?;
         let start = Anchor {
             t: cycle.t,
             ..guess.moved(cycle.x)
         };
         let circuit = Circuit::follow(&system, &start, cycle.period, self.options).ok()?;
+        let circuit = circuit.with_slack(&system, &start, slack, self.options);
         Some(Known {
             s: parameter,
             circuit,

@@ -3,8 +3,7 @@
 use super::corrector::{Corrector, Guess, OnBranch};
 use super::walk::RESOLUTION;
 use crate::analysis::anchor::Anchor;
-use crate::analysis::bifurcation::extrapolated;
-use crate::analysis::sequence::locate::approach;
+use crate::analysis::sequence::locate::{Known, approach};
 use crate::analysis::sequence::{Place, SequenceBifurcation, SequenceChange, describe};
 use crate::filippov::Switched;
 use crate::system::State;
@@ -77,6 +76,14 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Behind<'_, S, N, G> {
             self.good,
             after.unwrap_or_default(),
             place,
+            |s, new| {
+                let by_parameter = |one: &OnBranch<N, S::Mode>| Known {
+                    s: one.circuit.anchor.x[N - 1],
+                    ..one.clone()
+                };
+                let good: Vec<_> = self.good.iter().map(by_parameter).collect();
+                self.corrector.by_parameter(&[&good, new].concat(), s)
+            },
         )?;
         let is_apart = |one: &&OnBranch<N, S::Mode>| one.s - edge.s > RESOLVED;
         let near = self.found.iter().find(is_apart).cloned();
@@ -109,10 +116,8 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Behind<'_, S, N, G> {
         for step in [0.3 * way, -0.3 * way] {
             let mut first = simple.clone();
             first.s = here;
-            let by_parameter = |s: f64, good: &[OnBranch<N, S::Mode>]| {
-                let (at, period) = extrapolated(good, s)?;
-                self.corrector.orbit(&Guess::at_parameter(at, period, s), s)
-            };
+            let by_parameter =
+                |s: f64, good: &[OnBranch<N, S::Mode>]| self.corrector.by_parameter(good, s);
             let resolution = RESOLUTION * self.width;
             let Some((good, bad)) = approach(first, step, resolution, by_parameter) else {
                 continue;
@@ -124,7 +129,9 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Behind<'_, S, N, G> {
             }
             let place = Place::in_parameter(last.s, bad);
             let before = last.circuit.modes();
-            let mut change = describe(self.corrector.system, &good, before, place)?;
+            let mut change = describe(self.corrector.system, &good, before, place, |s, new| {
+                self.corrector.by_parameter(&[&good, new].concat(), s)
+            })?;
             if change.bifurcation == SequenceBifurcation::Unnamed {
                 continue;
             }
@@ -164,7 +171,8 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Behind<'_, S, N, G> {
         let orbit = |x: State<N>, period: f64| {
             let guess = Guess::at_parameter(at.moved(x), period, x[N - 1]);
             let found = self.corrector.orbit(&guess, x[N - 1])?;
-            (found.circuit.sequence() != old).then_some(found)
+            let is_other = found.circuit.sequence() != old && corner.is_as_certain(&found);
+            is_other.then_some(found)
         };
         for distance in DISTANCES.map(|part| part * self.width * way[N - 1].signum()) {
             for offset in [distance, -distance] {

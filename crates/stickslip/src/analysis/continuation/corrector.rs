@@ -3,10 +3,12 @@
 use nalgebra::{DMatrix, DVector, SMatrix};
 
 use crate::analysis::anchor::Anchor;
+use crate::analysis::bifurcation::extrapolated;
 use crate::analysis::critical::Critical;
 use crate::analysis::monodromy::turn;
-use crate::analysis::periodic::{newton_solution, rounding};
+use crate::analysis::periodic::{left, newton_solution, rounding};
 use crate::analysis::sequence::circuit::Circuit;
+use crate::analysis::sequence::determined::Slack;
 use crate::analysis::sequence::locate::Known;
 use crate::filippov::{
     Direction, Happening, Integration, Options, Plane, Progress, Switched, Watched,
@@ -103,6 +105,19 @@ impl<S> Corrector<'_, S> {
             ..Guess::at_parameter(start, from.circuit.period, start.x[N - 1])
         };
         self.orbit(&guess, parameter)
+    }
+
+    /// The orbit at a parameter, which is its place, by those known.
+    pub fn by_parameter<const N: usize, const G: usize>(
+        &self,
+        good: &[OnBranch<N, S::Mode>],
+        parameter: f64,
+    ) -> Option<OnBranch<N, S::Mode>>
+    where
+        S: Switched<N, G>,
+    {
+        let (at, period) = extrapolated(good, parameter)?;
+        self.orbit(&Guess::at_parameter(at, period, parameter), parameter)
     }
 
     /// The way from one orbit of a branch to the next, across the flow; with a forcing, at the second one's time.
@@ -245,6 +260,9 @@ impl<S> Corrector<'_, S> {
                 let start = at.velocity(self.system);
                 let meant = guess.at.moved(at.x);
                 let circuit = Circuit::follow(self.system, &meant, period, self.options).ok()?;
+                let matrix = self.newton(&turn.matrix, &velocity, &slope, &guess.row);
+                let slack = Slack::of(matrix, left(size, wanted, &turn, &at.x));
+                let circuit = circuit.with_slack(self.system, &meant, slack, self.options);
                 // The period of another orbit, or a point of rest.
                 let is_near = (period - guess.period).abs() <= 0.3 * guess.period;
                 let closes = self.forced.is_some()

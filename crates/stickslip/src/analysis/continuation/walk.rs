@@ -178,12 +178,11 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
             [self.before, self.last] = orbits;
         }
         let line = self.line();
-        let wanted = self.last.circuit.sequence();
         let step = self
             .step
             .min(OF_EXTENT * self.last.circuit.extent / self.size);
         match self.on(&line, step) {
-            Some(next) if next.circuit.sequence() == wanted => {
+            Some(next) if self.last.goes_on_in(&next) => {
                 if self.turns_without_fold(&next) {
                     self.step = 0.3 * step;
                     return (self.step < SHORTEST).then_some(Stop::NoConvergence);
@@ -241,9 +240,13 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
         let (mut before, mut last) = (self.before.clone(), self.last.clone());
         (before.s, last.s) = (-line.length, 0.0);
         let mut good = vec![before, last];
-        let mut behind: Vec<_> = trial.into_iter().collect();
+        let certain = trial.filter(|one| self.last.is_as_certain(one));
+        let mut behind: Vec<_> = certain.into_iter().collect();
         let bad = locate(&mut good, step, RESOLUTION, |s, good| {
             let found = self.on(line, s).or_else(|| self.on_beyond(line, good, s))?;
+            if !self.last.is_as_certain(&found) {
+                return None;
+            }
             if found.circuit.sequence() != wanted {
                 behind.push(found.clone());
             } else if self.turns_without_fold(&found) {
@@ -270,6 +273,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
             parameter: edge.circuit.anchor.x[N - 1],
             bracket: (bad - edge.s).abs(),
             scale: self.width,
+            away: self.parameter() - edge.circuit.anchor.x[N - 1],
         };
         let behind = Behind {
             corrector: &self.corrector,

@@ -53,6 +53,8 @@ pub(crate) struct Circuit<const N: usize, K> {
     pub period: f64,
     /// By how much the component that moves most does so.
     pub extent: f64,
+    /// Whether its phases are the same wherever within rounding its state is.
+    pub is_certain: bool,
 }
 
 impl<const N: usize, K: Copy + PartialEq> Circuit<N, K> {
@@ -181,6 +183,7 @@ impl<const N: usize, K: Copy + PartialEq> Circuit<N, K> {
                     key,
                     value: parts[k].duration,
                     scale: period,
+                    off: 0.0,
                     incoming: at.from,
                     contact: at.contact,
                     other: (next != at.contact).then_some(next),
@@ -198,6 +201,7 @@ impl<const N: usize, K: Copy + PartialEq> Circuit<N, K> {
             anchor,
             period,
             extent: extent(&orbit),
+            is_certain: true,
         })
     }
 

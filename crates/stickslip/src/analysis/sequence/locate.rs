@@ -13,6 +13,18 @@ pub(crate) struct Known<B, const N: usize, K> {
     pub branch: B,
 }
 
+impl<B, const N: usize, K: Copy + PartialEq> Known<B, N, K> {
+    /// Whether the other orbit's phases are as well known as this one's.
+    pub fn is_as_certain(&self, next: &Self) -> bool {
+        next.circuit.is_certain || !self.circuit.is_certain
+    }
+
+    /// Whether the branch goes on in the next orbit without a change of phases.
+    pub fn goes_on_in(&self, next: &Self) -> bool {
+        is_same(&next.circuit.sequence(), &self.circuit.sequence()) && self.is_as_certain(next)
+    }
+}
+
 /// A margin of this part of its scale is zero.
 const ZERO: f64 = 1e-9;
 
@@ -63,9 +75,8 @@ pub(crate) fn locate<B, const N: usize, K: Copy + PartialEq>(
         if s == from || s == bad {
             break;
         }
-        let wanted = last.circuit.sequence();
         match solve(s, good) {
-            Some(found) if is_same(&found.circuit.sequence(), &wanted) => good.push(found),
+            Some(found) if last.goes_on_in(&found) => good.push(found),
             _ => bad = s,
         }
     }
@@ -82,13 +93,13 @@ pub(crate) fn approach<B, const N: usize, K: Copy + PartialEq>(
 ) -> Option<(Vec<Known<B, N, K>>, f64)> {
     const STEPS: usize = 40;
     const GROWTH: f64 = 1.3;
-    let wanted = first.circuit.sequence();
     let mut good = vec![first];
     let mut step = step;
     for _ in 0..STEPS {
-        let s = good.last()?.s + step;
+        let last = good.last()?;
+        let s = last.s + step;
         match solve(s, &good) {
-            Some(found) if is_same(&found.circuit.sequence(), &wanted) => good.push(found),
+            Some(found) if last.goes_on_in(&found) => good.push(found),
             _ => {
                 let bad = locate(&mut good, s, resolution, &mut solve);
                 return Some((good, bad));

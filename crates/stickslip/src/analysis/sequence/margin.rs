@@ -38,6 +38,8 @@ pub(crate) struct Margin<const N: usize, K> {
     pub value: f64,
     /// Size that such values have on this orbit.
     pub scale: f64,
+    /// By how much it may be off because the orbit's state is.
+    pub off: f64,
     /// Mode before.
     pub incoming: K,
     pub contact: usize,
@@ -160,6 +162,7 @@ pub(super) fn landing<S: Switched<N, G>, const N: usize, const G: usize>(
         },
         value,
         scale: rates.own[0].abs() + rates.other[0].abs(),
+        off: 0.0,
         incoming: at.from,
         contact: at.contact,
         other: None,

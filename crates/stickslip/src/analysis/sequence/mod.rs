@@ -1,6 +1,8 @@
 //! Changes of the phases of a periodic orbit: where in a parameter, and at which event function.
 
 pub(super) mod circuit;
+pub(super) mod determined;
+mod extrapolation;
 pub(super) mod locate;
 mod margin;
 mod minima;
@@ -9,6 +11,7 @@ mod name;
 use crate::filippov::{Options, Switched};
 use crate::ode::Timed;
 use crate::system::{Mode, State};
+use extrapolation::zero_beyond;
 use locate::{Known, least, shortfall};
 pub use name::SequenceBifurcation;
 
@@ -54,6 +57,8 @@ pub(super) struct Place {
     pub bracket: f64,
     /// Parameter per place.
     pub scale: f64,
+    /// Sign of the way back from it along the parameter.
+    pub away: f64,
 }
 
 impl Place {
@@ -63,16 +68,18 @@ impl Place {
             parameter: last,
             bracket: (bad - last).abs(),
             scale: 1.0,
+            away: last - bad,
         }
     }
 }
 
-/// Describes the change behind the last orbit of `good`.
-pub(super) fn describe<S, B, const N: usize, const G: usize>(
+/// Describes the change behind the last orbit of `good`; `solve` finds one at a parameter, given those known with the parameter as their place.
+pub(super) fn describe<S, B: Clone, const N: usize, const G: usize>(
     system: &S,
     good: &[Known<B, N, S::Mode>],
     after: Vec<S::Mode>,
     place: Place,
+    solve: impl FnMut(f64, &[Known<B, N, S::Mode>]) -> Option<Known<B, N, S::Mode>>,
 ) -> Option<SequenceChange<N, S::Mode>>
 where
     S: Switched<N, G>,
@@ -87,16 +94,27 @@ where
     } else {
         0.0
     };
+    let (mut parameter, mut uncertainty) =
+        (place.parameter, place.scale * place.bracket.max(lacks));
+    let mut x = margin.at.x;
+    if is_named && margin.off > 0.0 {
+        let mut edge = last.clone();
+        edge.s = parameter;
+        let zero = zero_beyond(edge, margin.key, uncertainty, place.away, solve);
+        if let Some(zero) = zero.filter(|zero| zero.uncertainty < uncertainty) {
+            (parameter, uncertainty, x) = (zero.parameter, zero.uncertainty, zero.x);
+        }
+    }
     Some(SequenceChange {
-        parameter: place.parameter,
-        uncertainty: place.scale * place.bracket.max(lacks),
+        parameter,
+        uncertainty,
         bifurcation,
         contacts: if is_named {
             [margin.contact].into_iter().chain(margin.other).collect()
         } else {
             Vec::new()
         },
-        x: margin.at.x,
+        x,
         residual: margin.relative(),
         own: rates.own,
         other: rates.other,
