@@ -43,13 +43,12 @@ pub(super) fn within(value: f64, uncertainty: f64) -> String {
     format!("{value:.0$} ± {uncertainty:.0e}", decimals as usize)
 }
 
-/// The parameter of a change of phases, with no digits beyond its uncertainty.
-pub(super) fn place(value: f64, change: &Change) -> String {
-    match *change {
-        Change::Sequence { uncertainty, .. } if uncertainty > 1e-12 * value.abs() => {
-            within(value, uncertainty)
-        }
-        _ => rounded(value).to_string(),
+/// A located parameter, with no digits beyond its uncertainty.
+pub(super) fn place(value: f64, uncertainty: f64) -> String {
+    if uncertainty > 1e-12 * value.abs() {
+        within(value, uncertainty)
+    } else {
+        rounded(value).to_string()
     }
 }
 

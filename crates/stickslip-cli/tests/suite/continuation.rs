@@ -326,7 +326,7 @@ fn a_change_at_which_the_multiplier_is_one_is_located_from_afar() {
             panic!("{range}: {all:?}");
         };
         let off = (at["parameter"].as_f64().unwrap() - FREQUENCY).abs();
-        let uncertainty = at["change"]["sequence"]["uncertainty"].as_f64().unwrap();
+        let uncertainty = at["uncertainty"].as_f64().unwrap();
         assert!(
             off < 1e-9 && off <= uncertainty,
             "{range}: {off} {uncertainty}"

@@ -48,6 +48,8 @@ pub enum SpecialKind {
 pub struct SpecialThere {
     /// The parameter.
     pub parameter: f64,
+    /// By how much that may be off.
+    pub uncertainty: f64,
     /// What is special.
     pub what: SpecialKind,
     /// Behind how many orbits of the branch it lies.
@@ -86,6 +88,7 @@ impl BranchFound {
         });
         let special = branch.special.iter().map(|at| SpecialThere {
             parameter: at.parameter,
+            uncertainty: at.uncertainty,
             what: match &at.what {
                 Special::Fold => SpecialKind::Fold,
                 Special::BranchPoint => SpecialKind::BranchPoint,

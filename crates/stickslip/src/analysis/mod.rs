@@ -11,6 +11,7 @@ mod critical;
 #[cfg(feature = "data")]
 pub mod data_spectrum;
 mod destination;
+mod lagrange;
 mod lyapunov;
 mod monodromy;
 pub mod motion;

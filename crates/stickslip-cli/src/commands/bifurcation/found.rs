@@ -211,7 +211,7 @@ impl Found {
                     Some(value) => writeln!(
                         text,
                         "  {name:<4}  at {}: {}",
-                        tables::place(value, change),
+                        tables::place(value, uncertainty(change)),
                         tables::change_words(system, change)
                     ),
                     None => writeln!(
@@ -287,6 +287,14 @@ fn located(change: &Change) -> Option<f64> {
         | Change::BoundaryEquilibrium { parameter, .. }
         | Change::Multiplier { parameter, .. } => Some(parameter),
         Change::Unlocated => None,
+    }
+}
+
+/// By how much that parameter may be off, as far as it is told.
+fn uncertainty(change: &Change) -> f64 {
+    match *change {
+        Change::Sequence { uncertainty, .. } => uncertainty,
+        _ => 0.0,
     }
 }
 

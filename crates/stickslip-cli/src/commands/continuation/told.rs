@@ -194,24 +194,16 @@ impl Told<'_> {
                 SpecialKind::Sequence(change) => tables::changed_contacts(self.system, change),
                 _ => String::new(),
             });
+            row.push(match &at.what {
+                SpecialKind::NeimarkSacker { angle } => tables::exact(*angle),
+                _ => String::new(),
+            });
+            row.push(tables::exact(at.uncertainty));
             row.extend(match &at.what {
-                SpecialKind::NeimarkSacker { angle } => {
-                    let mut fields = vec![String::new(); 4];
-                    fields[0] = tables::exact(*angle);
-                    fields
+                SpecialKind::Sequence(Change::Sequence { before, after, .. }) => {
+                    [before, after].map(|modes| tables::sequence(modes))
                 }
-                SpecialKind::Sequence(Change::Sequence {
-                    uncertainty,
-                    before,
-                    after,
-                    ..
-                }) => vec![
-                    String::new(),
-                    tables::exact(*uncertainty),
-                    tables::sequence(before),
-                    tables::sequence(after),
-                ],
-                _ => vec![String::new(); 4],
+                _ => [String::new(), String::new()],
             });
             row.push(tables::exact(at.period));
             row.extend(at.x.iter().map(|&x| tables::exact(x)));
@@ -251,10 +243,7 @@ impl Told<'_> {
                 text,
                 "  at {} = {}: {}",
                 range.name,
-                match &at.what {
-                    SpecialKind::Sequence(change) => tables::place(at.parameter, change),
-                    _ => tables::rounded(at.parameter).to_string(),
-                },
+                tables::place(at.parameter, at.uncertainty),
                 self.special(at)
             );
         }
@@ -355,6 +344,7 @@ impl Told<'_> {
         };
         json!({
             "parameter": at.parameter,
+            "uncertainty": at.uncertainty,
             "what": what(&at.what),
             "behind": at.behind,
             "period": at.period,

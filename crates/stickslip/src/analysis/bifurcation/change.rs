@@ -12,7 +12,7 @@ use crate::analysis::periodic::shoot;
 use crate::analysis::sequence::circuit::Circuit;
 use crate::analysis::sequence::locate::{self, Known, VANISHING, is_same, least};
 use crate::analysis::sequence::{
-    Place, SequenceBifurcation, SequenceChange, circuit_from, describe,
+    Orbits, Place, SequenceBifurcation, SequenceChange, circuit_from, describe,
 };
 use crate::filippov::{Options, Switched};
 use crate::ode::Timed;
@@ -271,8 +271,11 @@ impl<F> Shooting<'_, F> {
         let system = (self.family)(last.s);
         let after = way.behind.as_ref().map(|other| other.circuit.modes());
         let place = Place::in_parameter(last.s, bad);
-        let solve = |s: f64, new: &[_]| self.by_line(s, &[&way.good, new].concat());
-        let here = describe(&system, &way.good, after.unwrap_or_default(), place, solve);
+        let about = About::<F, S, N, G> {
+            shooting: self,
+            good: &way.good,
+        };
+        let here = describe(&system, &way.good, after.unwrap_or_default(), place, &about);
         // From the side with fewer phases all event functions are smooth, and a graze is no root.
         let simple = way
             .behind
@@ -363,9 +366,12 @@ impl<F> Shooting<'_, F> {
             let last = good.last()?;
             let place = Place::in_parameter(last.s, bad);
             let after = last.circuit.modes();
-            let mut found = describe(&(self.family)(last.s), &good, after, place, |s, new| {
-                self.by_line(s, &[&good, new].concat())
-            })?;
+            let about = About::<F, S, N, G> {
+                shooting: self,
+                good: &good,
+            };
+            let system = (self.family)(last.s);
+            let mut found = describe(&system, &good, after, place, &about)?;
             (found.before, found.after) = (edge.circuit.modes(), found.before);
             (found.bifurcation != SequenceBifurcation::Unnamed).then_some(found)
         })
@@ -413,6 +419,32 @@ impl<F> Shooting<'_, F> {
             circuit,
             branch: (),
         })
+    }
+}
+
+/// The orbits up to a change.
+struct About<'a, F, S: Switched<N, G>, const N: usize, const G: usize> {
+    shooting: &'a Shooting<'a, F>,
+    good: &'a [Known<(), N, S::Mode>],
+}
+
+impl<F, S, const N: usize, const G: usize> Orbits<(), N, S::Mode> for About<'_, F, S, N, G>
+where
+    F: Fn(f64) -> S,
+    S: Switched<N, G>,
+{
+    fn at(&self, parameter: f64, new: &[Known<(), N, S::Mode>]) -> Option<Known<(), N, S::Mode>> {
+        self.shooting.by_line(parameter, &[self.good, new].concat())
+    }
+
+    fn finer(&self, orbit: &Known<(), N, S::Mode>) -> Option<Circuit<N, S::Mode>> {
+        let options = &self.shooting.options.finer();
+        let finer = Shooting {
+            options,
+            ..*self.shooting
+        };
+        let Circuit { anchor, period, .. } = orbit.circuit;
+        Some(finer.orbit(orbit.s, &anchor, period)?.circuit)
     }
 }
 

@@ -1,10 +1,11 @@
 //! The branch behind a change of phases, where the line through its orbits may not lead to it: it may turn back.
 
-use super::corrector::{Corrector, Guess, OnBranch};
+use super::corrector::{Corrector, Guess, OnBranch, Solved};
 use super::walk::RESOLUTION;
 use crate::analysis::anchor::Anchor;
+use crate::analysis::sequence::circuit::Circuit;
 use crate::analysis::sequence::locate::{Known, approach};
-use crate::analysis::sequence::{Place, SequenceBifurcation, SequenceChange, describe};
+use crate::analysis::sequence::{Orbits, Place, SequenceBifurcation, SequenceChange, describe};
 use crate::filippov::Switched;
 use crate::system::State;
 
@@ -76,14 +77,7 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Behind<'_, S, N, G> {
             self.good,
             after.unwrap_or_default(),
             place,
-            |s, new| {
-                let by_parameter = |one: &OnBranch<N, S::Mode>| Known {
-                    s: one.circuit.anchor.x[N - 1],
-                    ..one.clone()
-                };
-                let good: Vec<_> = self.good.iter().map(by_parameter).collect();
-                self.corrector.by_parameter(&[&good, new].concat(), s)
-            },
+            &About::of(self.corrector, self.good),
         )?;
         let is_apart = |one: &&OnBranch<N, S::Mode>| one.s - edge.s > RESOLVED;
         let near = self.found.iter().find(is_apart).cloned();
@@ -129,9 +123,8 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Behind<'_, S, N, G> {
             }
             let place = Place::in_parameter(last.s, bad);
             let before = last.circuit.modes();
-            let mut change = describe(self.corrector.system, &good, before, place, |s, new| {
-                self.corrector.by_parameter(&[&good, new].concat(), s)
-            })?;
+            let about = About::of(self.corrector, &good);
+            let mut change = describe(self.corrector.system, &good, before, place, &about)?;
             if change.bifurcation == SequenceBifurcation::Unnamed {
                 continue;
             }
@@ -239,5 +232,41 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Behind<'_, S, N, G> {
         let by_line = on / (times - 1.0);
         let of_root = 1.0 - 1.0 / (times.sqrt() + 1.0);
         (way - by_line).norm() <= (OFF + of_root) * way.norm()
+    }
+}
+
+/// The orbits up to a change, each with the parameter as its place.
+struct About<'a, S: Switched<N, G>, const N: usize, const G: usize> {
+    corrector: &'a Corrector<'a, S>,
+    good: Vec<OnBranch<N, S::Mode>>,
+}
+
+impl<'a, S: Switched<N, G>, const N: usize, const G: usize> About<'a, S, N, G> {
+    fn of(corrector: &'a Corrector<'a, S>, good: &[OnBranch<N, S::Mode>]) -> Self {
+        let by_parameter = |one: &OnBranch<N, S::Mode>| Known {
+            s: one.circuit.anchor.x[N - 1],
+            ..one.clone()
+        };
+        About {
+            corrector,
+            good: good.iter().map(by_parameter).collect(),
+        }
+    }
+}
+
+impl<S, const N: usize, const G: usize> Orbits<Solved<N, S::Mode>, N, S::Mode>
+    for About<'_, S, N, G>
+where
+    S: Switched<N, G>,
+{
+    fn at(&self, parameter: f64, new: &[OnBranch<N, S::Mode>]) -> Option<OnBranch<N, S::Mode>> {
+        self.corrector
+            .by_parameter(&[&self.good, new].concat(), parameter)
+    }
+
+    fn finer(&self, orbit: &OnBranch<N, S::Mode>) -> Option<Circuit<N, S::Mode>> {
+        let Circuit { anchor, period, .. } = orbit.circuit;
+        let guess = Guess::at_parameter(anchor, period, anchor.x[N - 1]);
+        Some(self.corrector.finer(&guess, orbit.s)?.circuit)
     }
 }

@@ -120,6 +120,19 @@ impl<S> Corrector<'_, S> {
         self.orbit(&Guess::at_parameter(at, period, parameter), parameter)
     }
 
+    /// The orbit near a guess with a tenth of the tolerances.
+    pub fn finer<const N: usize, const G: usize>(
+        &self,
+        guess: &Guess<N, S::Mode>,
+        s: f64,
+    ) -> Option<OnBranch<N, S::Mode>>
+    where
+        S: Switched<N, G>,
+    {
+        let options = &self.options.finer();
+        Corrector { options, ..*self }.orbit(guess, s)
+    }
+
     /// The way from one orbit of a branch to the next, across the flow; with a forcing, at the second one's time.
     pub fn way<const N: usize, const G: usize>(
         &self,

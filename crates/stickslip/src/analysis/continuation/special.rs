@@ -5,6 +5,8 @@ use super::line::Line;
 use super::walk::Walk;
 use super::{Special, SpecialPoint};
 use crate::analysis::critical::{Critical, zero_between};
+use crate::analysis::lagrange::weights;
+use crate::analysis::sequence::of_tolerance;
 use crate::filippov::Switched;
 use crate::system::State;
 
@@ -33,7 +35,7 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
                 |rough: f64| self.interpolated(&line, rough, |orbit| function(&of(orbit)));
             let place = zero
                 .and_then(|zero| self.next_to(&line, zero))
-                .map(|orbit| Place::of(&orbit))
+                .map(|orbit| self.with_uncertainty(&line, &orbit, |one| function(&of(one))))
                 .or_else(|| by_polynomial(-line.length * b / (b - a)));
             let Some(mut place) = place else {
                 continue;
@@ -57,6 +59,7 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
                 place.s,
                 SpecialPoint {
                     parameter: place.x[N - 1],
+                    uncertainty: place.uncertainty,
                     what,
                     behind,
                     x: place.x,
@@ -67,6 +70,54 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
         self.special
             .extend(found.into_iter().map(|(_, point)| point));
+    }
+
+    /// The place of an orbit at which a function of the multipliers is zero, with what the function lacks of it over its slope.
+    fn with_uncertainty(
+        &self,
+        line: &Line<N, S::Mode>,
+        at: &OnBranch<N, S::Mode>,
+        function: impl Fn(&OnBranch<N, S::Mode>) -> Option<f64>,
+    ) -> Place<N> {
+        const APART: f64 = 1e-4;
+        // What Newton's iteration leaves of a parameter's last places.
+        const ROUNDING: f64 = 16.0 * f64::EPSILON;
+        let way = APART * line.length;
+        let parameter = |one: &OnBranch<N, S::Mode>| one.circuit.anchor.x[N - 1];
+        let here = parameter(at);
+        let beside = |way: f64| {
+            let orbit = self.on(line, at.s + way)?;
+            Some((function(&orbit)?, parameter(&orbit)))
+        };
+        let by_slope = || {
+            let value = function(at)?;
+            let [(before, from), (behind, to)] = [beside(-way)?, beside(way)?];
+            // By the second difference, what rounding leaves; and by another run, what the tolerance does.
+            let by_tolerance = self.by_tolerance(line, at, &function);
+            let lacks = value.abs() + (behind - 2.0 * value + before).abs() + by_tolerance;
+            // At a fold the parameter changes by the square of the way only.
+            let change = (to - here).abs().max((from - here).abs());
+            Some(change * (2.0 * lacks / (behind - before)).abs())
+        };
+        // Where there is none beside it, it lies between the last two.
+        let uncertainty =
+            by_slope().unwrap_or_else(|| (parameter(&self.last) - parameter(&self.before)).abs());
+        Place {
+            uncertainty: uncertainty.max(ROUNDING * here.abs().max(self.width)),
+            ..Place::of(at)
+        }
+    }
+
+    /// By how much the tolerances may have a function of the multipliers off, at an orbit's place.
+    fn by_tolerance(
+        &self,
+        line: &Line<N, S::Mode>,
+        at: &OnBranch<N, S::Mode>,
+        function: impl Fn(&OnBranch<N, S::Mode>) -> Option<f64>,
+    ) -> f64 {
+        let finer = self.corrector.finer(&line.guess(at.s), at.s);
+        let values = finer.and_then(|finer| Some((function(at)?, function(&finer)?)));
+        values.map_or(0.0, |(value, finer)| of_tolerance(value, finer))
     }
 
     /// The orbit at a place, or, where another branch meets this one and Newton's matrix is singular, next to it.
@@ -89,46 +140,32 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
         const EACH_WAY: i32 = 4;
         const FEWEST: usize = 5;
         let wanted = self.last.circuit.sequence();
-        let mut nodes: Vec<(f64, f64, Place<N>)> = Vec::new();
+        let mut nodes: Vec<(f64, Place<N>)> = Vec::new();
+        let mut by_tolerance = 0.0_f64;
         for k in (-EACH_WAY..=EACH_WAY).filter(|k| *k != 0) {
             let s = rough + APART * line.length * f64::from(k);
             let found = self.on(line, s);
             if let Some(orbit) = found.filter(|one| one.circuit.sequence() == wanted)
                 && let Some(value) = function(&orbit)
             {
-                nodes.push((s, value, Place::of(&orbit)));
+                if k.abs() == 1 {
+                    by_tolerance = by_tolerance.max(self.by_tolerance(line, &orbit, &function));
+                }
+                nodes.push((value, Place::of(&orbit)));
             }
         }
-        let is_between = nodes.windows(2).any(|two| two[0].1 * two[1].1 < 0.0);
-        if nodes.len() < FEWEST || !is_between {
+        if nodes.len() < FEWEST {
             return None;
         }
-        // Lagrange's formula.
-        let weights = |s: f64| -> Vec<f64> {
-            let weight = |(k, node): (usize, &(f64, f64, Place<N>))| {
-                let others = nodes.iter().enumerate().filter(|(other, _)| *other != k);
-                others
-                    .map(|(_, other)| (s - other.0) / (node.0 - other.0))
-                    .product()
-            };
-            nodes.iter().enumerate().map(weight).collect()
-        };
-        let value = |s: f64| {
-            let terms = weights(s).into_iter().zip(&nodes);
-            terms.map(|(weight, node)| weight * node.1).sum::<f64>()
-        };
-        let ends = nodes.windows(2).find(|two| two[0].1 * two[1].1 < 0.0)?;
-        let [a, b] = [&ends[0], &ends[1]].map(|node| (node.0, node.1));
-        let s = zero_between(a, b, |s| Some(value(s)))?;
-        let weights = weights(s);
-        let weighted = || weights.iter().zip(&nodes);
-        let x = weighted().fold(State::<N>::zeros(), |sum, (weight, node)| {
-            sum + node.2.x * *weight
-        });
-        let period = weighted()
-            .map(|(weight, node)| weight * node.2.period)
-            .sum();
-        Some(Place { s, x, period })
+        let place = zero_of_polynomial(&nodes)?;
+        let inner = nodes.get(1..nodes.len() - 1)?;
+        let fewer = zero_of_polynomial(inner)?;
+        let (first, last) = (nodes.first()?, nodes.last()?);
+        let slope = (last.0 - first.0) / (last.1.x - first.1.x)[N - 1];
+        Some(Place {
+            uncertainty: (place.x - fewer.x)[N - 1].abs() + (by_tolerance / slope).abs(),
+            ..place
+        })
     }
 
     /// Whether the parameter turns back at a place between the last two orbits.
@@ -154,6 +191,7 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
 /// A place on the branch.
 struct Place<const N: usize> {
     s: f64,
+    uncertainty: f64,
     /// A state on the orbit there.
     x: State<N>,
     period: f64,
@@ -163,8 +201,33 @@ impl<const N: usize> Place<N> {
     fn of<K>(orbit: &OnBranch<N, K>) -> Self {
         Place {
             s: orbit.s,
+            uncertainty: 0.0,
             x: orbit.circuit.anchor.x,
             period: orbit.circuit.period,
         }
     }
+}
+
+/// Where the polynomial through values of a function is zero between two of them.
+fn zero_of_polynomial<const N: usize>(nodes: &[(f64, Place<N>)]) -> Option<Place<N>> {
+    let places: Vec<f64> = nodes.iter().map(|(_, place)| place.s).collect();
+    let value = |s: f64| -> f64 {
+        let terms = weights(&places, s).into_iter().zip(nodes);
+        terms.map(|(weight, (value, _))| weight * value).sum()
+    };
+    let mut pairs = nodes.windows(2);
+    let ends = pairs.find(|two| two[0].0 * two[1].0 < 0.0)?;
+    let [a, b] = [&ends[0], &ends[1]].map(|(value, place)| (place.s, *value));
+    let s = zero_between(a, b, |s| Some(value(s)))?;
+    let weighted = || weights(&places, s).into_iter().zip(nodes);
+    Some(Place {
+        s,
+        uncertainty: 0.0,
+        x: weighted()
+            .map(|(weight, (_, place))| place.x * weight)
+            .sum(),
+        period: weighted()
+            .map(|(weight, (_, place))| weight * place.period)
+            .sum(),
+    })
 }

@@ -319,6 +319,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
         }
         self.special.push(SpecialPoint {
             parameter: next.change.parameter,
+            uncertainty: next.change.uncertainty,
             behind: self.points.len(),
             x: next.x,
             period: next.change.period,

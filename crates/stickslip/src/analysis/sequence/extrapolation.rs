@@ -1,8 +1,10 @@
 //! Where an event function vanishes next to which rounding leaves the orbits open: by orbits further away.
 
+use super::Orbits;
 use super::determined::LEAST;
 use super::locate::Known;
 use super::margin::Key;
+use crate::analysis::lagrange::weights;
 use crate::system::State;
 
 /// The first orbits are so many times farther away as what the location lacks, each next one farther than the one before.
@@ -33,7 +35,7 @@ struct Node<const N: usize> {
 }
 
 /// Where the event function is zero beyond the last orbit before a change, whose place is the parameter; `lacks` is how far beyond about, `away` the direction in which orbits have
-/// the same phases, and `solve` finds one there.
+/// the same phases, and `orbits` are found there.
 ///
 /// The parameter as a function of the event function's value is smooth where that vanishes, also where it grows as a root. So a polynomial through some orbits leads to it, by
 /// those for which what rounding leaves and what the polynomial lacks are least together.
@@ -42,13 +44,13 @@ pub(super) fn zero_beyond<B: Clone, const N: usize, K: Copy + PartialEq>(
     key: Key,
     lacks: f64,
     away: f64,
-    mut solve: impl FnMut(f64, &[Known<B, N, K>]) -> Option<Known<B, N, K>>,
+    about: &impl Orbits<B, N, K>,
 ) -> Option<Zero<N>> {
     let origin = last.s;
     let mut orbits = vec![last];
     let mut distance = lacks;
     for _ in 0..MOST {
-        let found = solve(origin + distance * away.signum(), &orbits);
+        let found = about.at(origin + distance * away.signum(), &orbits);
         let next = found.filter(|next| orbits.last().is_some_and(|last| last.goes_on_in(next)));
         let Some(next) = next else { break };
         orbits.push(next);
@@ -86,7 +88,7 @@ fn zero<const N: usize>(nodes: &[Node<N>]) -> Option<Zero<N>> {
     let [all, fewer] = [nodes, nearer].map(at_zero);
     let (one, two) = (nodes.first()?, nodes.get(1)?);
     let slope = (two.parameter - one.parameter) / (two.value - one.value);
-    let weighted = || weights(nodes).into_iter().zip(nodes);
+    let weighted = || weights_at_zero(nodes).into_iter().zip(nodes);
     let by_rounding: f64 = weighted()
         .map(|(weight, node)| (weight * node.off).abs())
         .sum();
@@ -98,17 +100,11 @@ fn zero<const N: usize>(nodes: &[Node<N>]) -> Option<Zero<N>> {
 }
 
 fn at_zero<const N: usize>(nodes: &[Node<N>]) -> f64 {
-    let weights = weights(nodes).into_iter().zip(nodes);
+    let weights = weights_at_zero(nodes).into_iter().zip(nodes);
     weights.map(|(weight, node)| weight * node.parameter).sum()
 }
 
-/// Lagrange's, at the value zero.
-fn weights<const N: usize>(nodes: &[Node<N>]) -> Vec<f64> {
-    let weight = |(k, node): (usize, &Node<N>)| {
-        let others = nodes.iter().enumerate().filter(|(other, _)| *other != k);
-        others
-            .map(|(_, other)| other.value / (other.value - node.value))
-            .product()
-    };
-    nodes.iter().enumerate().map(weight).collect()
+fn weights_at_zero<const N: usize>(nodes: &[Node<N>]) -> Vec<f64> {
+    let values: Vec<f64> = nodes.iter().map(|node| node.value).collect();
+    weights(&values, 0.0)
 }

@@ -154,10 +154,12 @@ pub(crate) fn least<const N: usize, K: Copy + PartialEq>(
 }
 
 /// How far behind the last of the orbits a function is zero that has come near to it there, going on as before. Where orbits
-/// can be computed to the change itself that is nothing; where they cannot, it is what the location lacks.
+/// can be computed to the change itself that is nothing; where they cannot, it is what the location lacks. With it goes by how much the tolerance has the function
+/// off there.
 pub(super) fn shortfall<B, const N: usize, K: Copy + PartialEq>(
     good: &[Known<B, N, K>],
     margin: &Margin<N, K>,
+    by_tolerance: f64,
 ) -> f64 {
     let value = |one: &Known<B, N, K>| one.circuit.margin(margin.key).map(|m| m.value.abs());
     let values = good.iter().filter_map(|one| Some((one.s, value(one)?)));
@@ -171,6 +173,7 @@ pub(super) fn shortfall<B, const N: usize, K: Copy + PartialEq>(
         values.split_at(first.unwrap_or(values.len()))
     };
     let noise = rest.iter().map(|&(_, value)| value).fold(last, f64::max);
+    let noise = noise + by_tolerance + margin.off;
     // Of orbits that lie closer, rounding tells what the function does.
     let apart = |&&(_, value): &&(f64, f64)| value >= 2.0 * noise;
     match before.iter().rev().find(apart) {

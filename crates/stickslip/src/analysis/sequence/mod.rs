@@ -11,6 +11,7 @@ mod name;
 use crate::filippov::{Options, Switched};
 use crate::ode::Timed;
 use crate::system::{Mode, State};
+use circuit::Circuit;
 use extrapolation::zero_beyond;
 use locate::{Known, least, shortfall};
 pub use name::SequenceBifurcation;
@@ -21,8 +22,8 @@ pub struct SequenceChange<const N: usize, K = Mode> {
     /// The parameter.
     pub parameter: f64,
     /// Between it and the nearest parameter that was seen with other phases, or without such an orbit; or, where orbits could not be computed
-    /// that near, how far behind the last of them its event function would be zero. The error of the orbits themselves,
-    /// which may be a hundred tolerances in the event function, is not in it.
+    /// that near, how far behind the last of them its event function would be zero. What the orbits themselves are off by is in it as far as the event
+    /// function shows it: on another one with a tenth of the tolerances, and on those that rounding cannot tell from the last one.
     pub uncertainty: f64,
     /// What it is called.
     pub bifurcation: SequenceBifurcation,
@@ -73,13 +74,27 @@ impl Place {
     }
 }
 
-/// Describes the change behind the last orbit of `good`; `solve` finds one at a parameter, given those known with the parameter as their place.
+/// Periodic orbits about a change.
+pub(super) trait Orbits<B, const N: usize, K> {
+    /// The orbit at a parameter, which is its place; `new` have been found so already.
+    fn at(&self, parameter: f64, new: &[Known<B, N, K>]) -> Option<Known<B, N, K>>;
+
+    /// An orbit with a tenth of the tolerances, at the same parameter.
+    fn finer(&self, orbit: &Known<B, N, K>) -> Option<Circuit<N, K>>;
+}
+
+/// By how much a value may be off, which is another one with a tenth of the tolerances: most of it is the difference, and twice that is on the safe side.
+pub(super) fn of_tolerance(value: f64, finer: f64) -> f64 {
+    2.0 * (finer - value).abs()
+}
+
+/// Describes the change behind the last orbit of `good`.
 pub(super) fn describe<S, B: Clone, const N: usize, const G: usize>(
     system: &S,
     good: &[Known<B, N, S::Mode>],
     after: Vec<S::Mode>,
     place: Place,
-    solve: impl FnMut(f64, &[Known<B, N, S::Mode>]) -> Option<Known<B, N, S::Mode>>,
+    orbits: &impl Orbits<B, N, S::Mode>,
 ) -> Option<SequenceChange<N, S::Mode>>
 where
     S: Switched<N, G>,
@@ -90,7 +105,10 @@ where
     let is_named = bifurcation != SequenceBifurcation::Unnamed;
     // Where it has no name, no event function tells how far it is.
     let lacks = if is_named {
-        shortfall(good, margin)
+        let finer = orbits.finer(last);
+        let finer = finer.as_ref().and_then(|one| one.margin(margin.key));
+        let by_tolerance = finer.map_or(0.0, |finer| of_tolerance(margin.value, finer.value));
+        shortfall(good, margin, by_tolerance)
     } else {
         0.0
     };
@@ -100,7 +118,7 @@ where
     if is_named && margin.off > 0.0 {
         let mut edge = last.clone();
         edge.s = parameter;
-        let zero = zero_beyond(edge, margin.key, uncertainty, place.away, solve);
+        let zero = zero_beyond(edge, margin.key, uncertainty, place.away, orbits);
         if let Some(zero) = zero.filter(|zero| zero.uncertainty < uncertainty) {
             (parameter, uncertainty, x) = (zero.parameter, zero.uncertainty, zero.x);
         }
@@ -130,7 +148,7 @@ pub(super) fn circuit_from<S: Switched<N, G>, const N: usize, const G: usize>(
     start: &Timed<N>,
     period: f64,
     options: &Options,
-) -> Option<circuit::Circuit<N, S::Mode>> {
+) -> Option<Circuit<N, S::Mode>> {
     let (anchor, _) = circuit::anchor(system, start, period, options).ok()?;
-    circuit::Circuit::follow(system, &anchor, period, options).ok()
+    Circuit::follow(system, &anchor, period, options).ok()
 }

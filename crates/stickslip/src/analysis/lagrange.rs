@@ -1,0 +1,12 @@
+//! Lagrange's polynomials.
+
+/// The weights of the values at some places in the polynomial through them at another place.
+pub(super) fn weights(places: &[f64], at: f64) -> Vec<f64> {
+    let weight = |(k, place): (usize, &f64)| {
+        let others = places.iter().enumerate().filter(|(other, _)| *other != k);
+        others
+            .map(|(_, other)| (at - other) / (place - other))
+            .product()
+    };
+    places.iter().enumerate().map(weight).collect()
+}
