@@ -52,7 +52,7 @@ diagrams: ## Figures of the program stickslip: figures/{basin,basins,bifurcation
 	    $(STICKSLIP) basin basins --set vd=$$vd --grid 100x100 --until 20000 --tol 1e-8 --out $(DIAGRAMS)/basins-$$vd --json || exit 1; \
 	done > $(DIAGRAMS)/shares.json
 	$(STICKSLIP) bifurcation forced --parameter mu0=0.1285:0.1925 --start x=-0.269 --start v=-1.52 --values 129 --duration 200 --out $(DIAGRAMS)/bifurcation --json > $(DIAGRAMS)/bifurcation.json
-	$(STICKSLIP) continue forced --set mu0=0.1303 --start x=-0.269 --start v=-1.52 --periods 2 --parameter mu0=0.02:0.195 --step 0.005 --out $(DIAGRAMS)/branch --json > $(DIAGRAMS)/branch.json
+	$(STICKSLIP) continue forced --set mu0=0.1303 --start x=-0.269 --start v=-1.52 --periods 2 --parameter mu0=0.02:0.195 --step 0.002 --out $(DIAGRAMS)/branch --json > $(DIAGRAMS)/branch.json
 	$(STICKSLIP) map forced --x mu0=0.122:0.134 --y omega=3.76:3.86 --start x=-0.269 --start v=-1.52 --grid 48x36 --until 400 --duration 60 --out $(DIAGRAMS)/map --json > $(DIAGRAMS)/map.json
 	cp $(DIAGRAMS)/basin/basin.svg $(DIAGRAMS)/bifurcation/bifurcation.svg $(DIAGRAMS)/map/map.svg figures/
 	cp $(DIAGRAMS)/basins/basin.svg figures/basins.svg
