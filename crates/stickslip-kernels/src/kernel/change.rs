@@ -85,6 +85,8 @@ pub enum Change {
     Multiplier {
         /// The parameter.
         parameter: f64,
+        /// By how much that may be off.
+        uncertainty: f64,
         /// What it is called.
         name: String,
         /// A state on the orbit.
@@ -118,11 +120,13 @@ impl Change {
             },
             WhatChanges::Multiplier {
                 parameter,
+                uncertainty,
                 what,
                 x,
                 period,
             } => Change::Multiplier {
                 parameter: *parameter,
+                uncertainty: *uncertainty,
                 name: special_name(what),
                 x: x.as_slice().to_vec(),
                 period: *period,

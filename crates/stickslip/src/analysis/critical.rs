@@ -100,3 +100,20 @@ pub(super) fn zero_between(
     }
     Some(b)
 }
+
+/// A function of the multipliers at an orbit, and the parameter there.
+#[derive(Clone, Copy)]
+pub(super) struct Value {
+    pub function: f64,
+    pub parameter: f64,
+}
+
+/// By how much the parameter may be off at which a function is about zero, from its value there and next to that on either side, equally far along the branch:
+/// what the value lacks of zero, by the second difference what rounding leaves of it, and what the tolerances may have it off by, over its slope.
+pub(super) fn uncertainty_of_zero(at: Value, beside: [Value; 2], by_tolerance: f64) -> f64 {
+    let [before, behind] = beside.map(|value| value.function);
+    let lacks = at.function.abs() + (behind - 2.0 * at.function + before).abs() + by_tolerance;
+    // At a fold the parameter changes by the square of the way only.
+    let ways = beside.map(|value| (value.parameter - at.parameter).abs());
+    ways[0].max(ways[1]) * (2.0 * lacks / (behind - before)).abs()
+}

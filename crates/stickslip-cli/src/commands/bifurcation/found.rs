@@ -172,9 +172,12 @@ impl Found {
                         row.extend([before, after].map(|modes| tables::sequence(modes)));
                         &x[..]
                     }
-                    Change::Equilibrium { x, .. }
-                    | Change::BoundaryEquilibrium { x, .. }
-                    | Change::Multiplier { x, .. } => {
+                    Change::Multiplier { uncertainty, x, .. } => {
+                        row.push(tables::exact(*uncertainty));
+                        row.extend(vec![String::new(); 2]);
+                        &x[..]
+                    }
+                    Change::Equilibrium { x, .. } | Change::BoundaryEquilibrium { x, .. } => {
                         row.extend(vec![String::new(); 3]);
                         &x[..]
                     }
@@ -293,7 +296,9 @@ fn located(change: &Change) -> Option<f64> {
 /// By how much that parameter may be off, as far as it is told.
 fn uncertainty(change: &Change) -> f64 {
     match *change {
-        Change::Sequence { uncertainty, .. } => uncertainty,
+        Change::Sequence { uncertainty, .. } | Change::Multiplier { uncertainty, .. } => {
+            uncertainty
+        }
         _ => 0.0,
     }
 }

@@ -102,7 +102,7 @@ impl<const N: usize, K: Copy + PartialEq> Seen<N, K> {
             family,
             // The forcing's own period is known better.
             forced: forcing.map(|one| one * returns as f64),
-            options,
+            options: *options,
         };
         let Some(way) = shooting.follow(from, period, to.0) else {
             return seen;
@@ -177,7 +177,7 @@ pub(super) struct Shooting<'a, F> {
     pub(super) family: &'a F,
     /// The period, where it is that of the forcing.
     pub(super) forced: Option<f64>,
-    pub(super) options: &'a Options,
+    pub(super) options: Options,
 }
 
 /// An orbit followed from one value towards another, as far as its phases stay the same.
@@ -191,6 +191,14 @@ pub(super) struct Way<const N: usize, K> {
 }
 
 impl<F> Shooting<'_, F> {
+    /// The same with a tenth of the tolerances.
+    pub(super) fn finer(&self) -> Self {
+        Shooting {
+            options: self.options.finer(),
+            ..*self
+        }
+    }
+
     /// Follows the orbit on the way to another value.
     fn follow<S: Switched<N, G>, const N: usize, const G: usize>(
         &self,
@@ -202,7 +210,7 @@ impl<F> Shooting<'_, F> {
         F: Fn(f64) -> S,
     {
         let start = self.start(from.1)?;
-        let rough = circuit_from(&(self.family)(from.0), &start, period, self.options)?;
+        let rough = circuit_from(&(self.family)(from.0), &start, period, &self.options)?;
         let first = self.orbit(from.0, &rough.anchor, rough.period)?;
         let mut good = vec![first];
         let behind: RefCell<Option<Known<(), N, S::Mode>>> = RefCell::new(None);
@@ -407,13 +415,13 @@ impl<F> Shooting<'_, F> {
             t: if is_forced { guess.t } else { 0.0 },
             ..*guess
         };
-        let (cycle, slack) = shoot(&system, &at, period, is_forced, self.options).ok()?;
+        let (cycle, slack) = shoot(&system, &at, period, is_forced, &self.options).ok()?;
         let start = Anchor {
             t: cycle.t,
             ..guess.moved(cycle.x)
         };
-        let circuit = Circuit::follow(&system, &start, cycle.period, self.options).ok()?;
-        let circuit = circuit.with_slack(&system, &start, slack, self.options);
+        let circuit = Circuit::follow(&system, &start, cycle.period, &self.options).ok()?;
+        let circuit = circuit.with_slack(&system, &start, slack, &self.options);
         Some(Known {
             s: parameter,
             circuit,
@@ -438,13 +446,13 @@ where
     }
 
     fn finer(&self, orbit: &Known<(), N, S::Mode>) -> Option<Circuit<N, S::Mode>> {
-        let options = &self.shooting.options.finer();
-        let finer = Shooting {
-            options,
-            ..*self.shooting
-        };
         let Circuit { anchor, period, .. } = orbit.circuit;
-        Some(finer.orbit(orbit.s, &anchor, period)?.circuit)
+        Some(
+            self.shooting
+                .finer()
+                .orbit(orbit.s, &anchor, period)?
+                .circuit,
+        )
     }
 }
 

@@ -91,6 +91,8 @@ pub enum WhatChanges<const N: usize, K = Mode> {
     Multiplier {
         /// The parameter.
         parameter: f64,
+        /// By how much that may be off.
+        uncertainty: f64,
         /// Which: never [`Special::Sequence`].
         what: Special<N, K>,
         /// A state on the orbit.

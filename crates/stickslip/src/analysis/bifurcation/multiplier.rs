@@ -5,9 +5,10 @@ use nalgebra::{DMatrix, DVector};
 use super::WhatChanges;
 use super::change::{Shooting, Way, extrapolated};
 use crate::analysis::continuation::Special;
-use crate::analysis::critical::{Critical, zero_between};
+use crate::analysis::critical::{Critical, Value, uncertainty_of_zero, zero_between};
 use crate::analysis::monodromy::turn;
 use crate::analysis::sequence::locate::Known;
+use crate::analysis::sequence::of_tolerance;
 use crate::filippov::Switched;
 
 /// At an end of the orbit located to 1e-10 a multiplier that goes to 1 like a root is some 1e-5 from it.
@@ -49,7 +50,22 @@ impl<F> Shooting<'_, F> {
                 let Some(zero) = zero_between((one.s, a), (two.s, b), value) else {
                     continue;
                 };
-                // Where another branch meets it no orbit can be computed.
+                let by_slope = || {
+                    const APART: f64 = 1e-4;
+                    let way = APART * (two.s - one.s);
+                    let at = orbit(zero)?;
+                    let value = |s: f64| {
+                        Some(Value {
+                            function: value(s)?,
+                            parameter: s,
+                        })
+                    };
+                    let beside = [value(zero - way)?, value(zero + way)?];
+                    let by_tolerance = self.by_tolerance(&at, function)?;
+                    Some(uncertainty_of_zero(value(zero)?, beside, by_tolerance))
+                };
+                // Where another branch meets it no orbit can be computed: it lies between the two.
+                let uncertainty = by_slope().unwrap_or_else(|| (two.s - one.s).abs());
                 let at = orbit(zero).unwrap_or_else(|| two.clone());
                 let what = match kind {
                     ONE => Special::BranchPoint,
@@ -58,12 +74,51 @@ impl<F> Shooting<'_, F> {
                         angle: self.critical(&at)?.angle,
                     },
                 };
-                return Some(changes(zero, what, &at));
+                return Some(changes((zero, uncertainty), what, &at));
             }
         }
         let (last, nearest) = (way.good.last()?, critical.last()?.as_ref()?);
         let is_fold = way.bad.is_some() && nearest.gap_to_one() < NEAR_ONE;
-        is_fold.then(|| changes(last.s, Special::Fold, last))
+        is_fold.then(|| {
+            let lacks = way.bad.map_or(0.0, |bad| (bad - last.s).abs());
+            let of_tolerance = self.fold_by_tolerance(way, &critical).unwrap_or(0.0);
+            changes((last.s, lacks + of_tolerance), Special::Fold, last)
+        })
+    }
+
+    /// By how much the tolerances may have a function of the multipliers off.
+    fn by_tolerance<S: Switched<N, G>, const N: usize, const G: usize>(
+        &self,
+        orbit: &Known<(), N, S::Mode>,
+        function: impl Fn(&Critical) -> Option<f64>,
+    ) -> Option<f64>
+    where
+        F: Fn(f64) -> S,
+    {
+        let finer = self.finer();
+        let anchor = &orbit.circuit.anchor;
+        let same = finer.orbit(orbit.s, anchor, orbit.circuit.period)?;
+        let [value, other] = [self.critical(orbit)?, finer.critical(&same)?];
+        Some(of_tolerance(function(&value)?, function(&other)?))
+    }
+
+    /// By how much the tolerances may have a fold off at the end of the way: there the square of the multipliers' function goes to zero like the parameter.
+    fn fold_by_tolerance<S: Switched<N, G>, const N: usize, const G: usize>(
+        &self,
+        way: &Way<N, S::Mode>,
+        critical: &[Option<Critical>],
+    ) -> Option<f64>
+    where
+        F: Fn(f64) -> S,
+    {
+        let square = |at: &Critical| Some(at.one * at.one);
+        let last = way.good.last()?;
+        let end = square(critical.last()?.as_ref()?)?;
+        let known = way.good.iter().zip(critical).rev();
+        let mut known = known.filter_map(|(orbit, at)| Some((orbit.s, square(at.as_ref()?)?)));
+        let (s, value) = known.find(|&(_, value)| value > 2.0 * end)?;
+        let slope = (value - end) / (s - last.s);
+        Some((self.by_tolerance(last, square)? / slope).abs())
     }
 
     fn critical<S: Switched<N, G>, const N: usize, const G: usize>(
@@ -74,7 +129,7 @@ impl<F> Shooting<'_, F> {
         F: Fn(f64) -> S,
     {
         let system = (self.family)(orbit.s);
-        let (start, options) = (orbit.circuit.anchor, self.options);
+        let (start, options) = (orbit.circuit.anchor, &self.options);
         let t_end = start.t + orbit.circuit.period;
         let is_autonomous = self.forced.is_none();
         let turn = turn(&system, &start.at(), t_end, options, is_autonomous).ok()?;
@@ -87,12 +142,13 @@ impl<F> Shooting<'_, F> {
 }
 
 fn changes<const N: usize, K: Copy + PartialEq>(
-    parameter: f64,
+    (parameter, uncertainty): (f64, f64),
     what: Special<N, K>,
     orbit: &Known<(), N, K>,
 ) -> WhatChanges<N, K> {
     WhatChanges::Multiplier {
         parameter,
+        uncertainty,
         what,
         x: orbit.circuit.anchor.x,
         period: orbit.circuit.period,

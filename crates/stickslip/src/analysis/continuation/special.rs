@@ -4,7 +4,7 @@ use super::corrector::OnBranch;
 use super::line::Line;
 use super::walk::Walk;
 use super::{Special, SpecialPoint};
-use crate::analysis::critical::{Critical, zero_between};
+use crate::analysis::critical::{Critical, Value, uncertainty_of_zero, zero_between};
 use crate::analysis::lagrange::weights;
 use crate::analysis::sequence::of_tolerance;
 use crate::filippov::Switched;
@@ -85,19 +85,17 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
         let way = APART * line.length;
         let parameter = |one: &OnBranch<N, S::Mode>| one.circuit.anchor.x[N - 1];
         let here = parameter(at);
-        let beside = |way: f64| {
-            let orbit = self.on(line, at.s + way)?;
-            Some((function(&orbit)?, parameter(&orbit)))
+        let value = |orbit: &OnBranch<N, S::Mode>| {
+            Some(Value {
+                function: function(orbit)?,
+                parameter: parameter(orbit),
+            })
         };
+        let beside = |way: f64| value(&self.on(line, at.s + way)?);
         let by_slope = || {
-            let value = function(at)?;
-            let [(before, from), (behind, to)] = [beside(-way)?, beside(way)?];
-            // By the second difference, what rounding leaves; and by another run, what the tolerance does.
+            let beside = [beside(-way)?, beside(way)?];
             let by_tolerance = self.by_tolerance(line, at, &function);
-            let lacks = value.abs() + (behind - 2.0 * value + before).abs() + by_tolerance;
-            // At a fold the parameter changes by the square of the way only.
-            let change = (to - here).abs().max((from - here).abs());
-            Some(change * (2.0 * lacks / (behind - before)).abs())
+            Some(uncertainty_of_zero(value(at)?, beside, by_tolerance))
         };
         // Where there is none beside it, it lies between the last two.
         let uncertainty =

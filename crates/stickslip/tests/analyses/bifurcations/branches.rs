@@ -68,7 +68,10 @@ fn a_fold_of_cycles_and_the_focus_that_the_inner_one_shrinks_to() {
         let (fold, others) = found.special.split_first().expect("a fold");
         assert_eq!(fold.what, Special::Fold);
         let off = (fold.parameter + 1.0).abs();
-        assert!(off <= fold.uncertainty && fold.uncertainty < 1e-9, "{off:e}");
+        assert!(
+            off <= fold.uncertainty && fold.uncertainty < 1e-9,
+            "{off:e}"
+        );
         assert!((fold.x.xy().norm() - 1.0).abs() < 1e-6);
         // The boundary is left where r = 0.3, and met by nothing from there on.
         let exact = -(2.0 * 0.09 - 0.09 * 0.09);
@@ -262,7 +265,10 @@ fn a_closed_branch_is_followed_once() {
         for (fold, end) in [one, two].into_iter().zip(ends) {
             assert_eq!(fold.what, Special::Fold);
             let off = (fold.parameter - end).abs();
-            assert!(off <= fold.uncertainty && fold.uncertainty < 1e-9, "{off:e}");
+            assert!(
+                off <= fold.uncertainty && fold.uncertainty < 1e-9,
+                "{off:e}"
+            );
         }
         let (first, last) = (&found.points[0], found.points.last().unwrap());
         assert!((last.parameter - p).abs() < 1e-12 && (first.parameter - p).abs() < 1e-12);

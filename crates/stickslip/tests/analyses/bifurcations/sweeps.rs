@@ -58,15 +58,18 @@ fn check<const N: usize>(change: &SequenceChange<N>, name: SequenceBifurcation, 
     );
 }
 
-/// The only change in a sweep, which is by a multiplier.
-fn multiplier(found: &Sweep<2>) -> (f64, &Special<2>) {
+/// The only change in a sweep, which is by a multiplier: where, within what, and which.
+fn multiplier(found: &Sweep<2>) -> ([f64; 2], &Special<2>) {
     let [change] = found.changes.as_slice() else {
         panic!("{:?}", found.changes);
     };
     match &change.what {
         WhatChanges::Multiplier {
-            parameter, what, ..
-        } => (*parameter, what),
+            parameter,
+            uncertainty,
+            what,
+            ..
+        } => ([*parameter, *uncertainty], what),
         other => panic!("{other:?}"),
     }
 }
@@ -83,8 +86,11 @@ fn a_flip_a_torus_and_a_fold_of_an_attractor_are_located_and_named() {
         let settings = settings.forced(2.0 * PI);
         let family = |value| kept(system(value)).any();
         let found = sweep(family, [-0.1, 0.12], [1.01, 0.0], &settings, &options).unwrap();
-        let (parameter, what) = multiplier(&found);
-        assert!(parameter.abs() < 1e-9, "{parameter:e}");
+        let ([parameter, bound], what) = multiplier(&found);
+        assert!(
+            parameter.abs() <= bound && bound < 1e-9,
+            "{parameter:e} {bound:e}"
+        );
         match *what {
             Special::Flip => assert!(half_turn),
             Special::NeimarkSacker { angle } => {
@@ -99,8 +105,9 @@ fn a_flip_a_torus_and_a_fold_of_an_attractor_are_located_and_named() {
     };
     let family = |value| kept(system(value)).any();
     let found = sweep(family, [-0.8, -1.1], [1.3, 0.0], &settings, &options).unwrap();
-    let (parameter, what) = multiplier(&found);
-    assert!((parameter + 1.0).abs() < 1e-9, "{parameter}");
+    let ([parameter, bound], what) = multiplier(&found);
+    let off = (parameter + 1.0).abs();
+    assert!(off <= bound && bound < 1e-9, "{off:e} {bound:e}");
     assert_eq!(*what, Special::Fold);
 }
 
