@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector, SMatrix};
 
 use super::anchor::Anchor;
 use super::monodromy::{Monodromy, Turn, turn};
-use super::sequence::determined::Slack;
+use super::sequence::determined::Closing;
 use crate::error::Error;
 use crate::filippov::{
     Direction, Happening, Integration, Options, Plane, Progress, Switched, Watched,
@@ -172,14 +172,14 @@ pub fn find_periodic_orbit<S: Switched<N, G>, const N: usize, const G: usize>(
 }
 
 /// Newton's iteration from a guess; unless the system is driven, with that period, the period is unknown too, and along the flow at the
-/// guess no correction is made. A guess in stick is kept on its boundary. With it goes by how much it may be off.
+/// guess no correction is made. A guess in stick is kept on its boundary. With it goes how it closes.
 pub(super) fn shoot<S: Switched<N, G>, const N: usize, const G: usize>(
     system: &S,
     guess: &Anchor<N, S::Mode>,
     guessed: f64,
     is_forced: bool,
     options: &Options,
-) -> Result<(PeriodicOrbit<N>, Option<Slack<N>>), Error> {
+) -> Result<(PeriodicOrbit<N>, Closing<N>), Error> {
     let by_tolerance = 100.0 * options.atol.max(options.rtol);
     let (mut residual, mut wanted) = (f64::INFINITY, by_tolerance);
     let mut at = guess.begun(system, guess.t + guessed, options)?;
@@ -202,10 +202,13 @@ pub(super) fn shoot<S: Switched<N, G>, const N: usize, const G: usize>(
         }
         // The last halvings of the residual are rounding: stop at the first iterate that is no better.
         if size <= wanted && size >= 0.5 * residual || size == 0.0 {
-            let slack = Slack::of(
-                newton_matrix(&turn, phase.as_ref()),
-                left(size, wanted, monodromy, &at.x),
-            );
+            let closing = Closing {
+                states: N,
+                matrix: monodromy.matrix,
+                flow: phase.map(|_| at.velocity(system)),
+                by_rounding: left(&gap, wanted, monodromy, &at.x),
+                by_tolerance: by_tolerance_of(&at.x, options),
+            };
             let cycle = PeriodicOrbit {
                 t: at.t,
                 x: at.x,
@@ -213,7 +216,7 @@ pub(super) fn shoot<S: Switched<N, G>, const N: usize, const G: usize>(
                 monodromy: monodromy.matrix,
                 residual: size,
             };
-            return Ok((cycle, slack));
+            return Ok((cycle, closing));
         }
         residual = size;
         // An equilibrium repeats itself after any time; the iteration may fall into one.
@@ -244,46 +247,30 @@ pub(super) fn shoot<S: Switched<N, G>, const N: usize, const G: usize>(
 /// order 8 add up to 14), enlarged as far as the turn enlarges what is off at its start.
 pub(super) fn rounding<const N: usize>(turn: &Monodromy<N>, x: &State<N>) -> f64 {
     const ULPS: f64 = 16.0;
-    ULPS * unit(turn, x) * turn.matrix.amax().max(1.0)
-}
-
-/// A unit in the last place of the state for every step.
-fn unit<const N: usize>(turn: &Monodromy<N>, x: &State<N>) -> f64 {
     let size = x.amax().max(turn.summary.x.amax());
-    f64::EPSILON * turn.summary.counters.steps as f64 * size
+    ULPS * f64::EPSILON * turn.summary.counters.steps as f64 * size * turn.matrix.amax().max(1.0)
 }
 
 /// What may be left of an orbit's gap: where the iteration came to rounding, a few units of that or what it shows; where it did not, all that is allowed.
 pub(super) fn left<const N: usize>(
-    size: f64,
+    gap: &State<N>,
     wanted: f64,
     turn: &Monodromy<N>,
     x: &State<N>,
-) -> f64 {
+) -> State<N> {
     const ULPS: f64 = 4.0;
-    if size <= rounding(turn, x) {
-        size.max(ULPS * unit(turn, x))
-    } else {
-        wanted
+    if gap.amax() > rounding(turn, x) {
+        return State::repeat(wanted);
     }
+    let unit = ULPS * f64::EPSILON * turn.summary.counters.steps as f64;
+    let size = x.abs().sup(&turn.summary.x.abs());
+    gap.abs().sup(&(size * unit))
 }
 
-/// The matrix of Newton's iteration, of state and period: that the orbit closes, and that along the flow nothing is corrected.
-fn newton_matrix<const N: usize>(turn: &Turn<N>, phase: Option<&State<N>>) -> DMatrix<f64> {
-    let unknowns = N + usize::from(phase.is_some());
-    let mut matrix = DMatrix::<f64>::zeros(unknowns, unknowns);
-    for i in 0..N {
-        for j in 0..N {
-            matrix[(i, j)] = turn.monodromy.matrix[(i, j)] - f64::from(u8::from(i == j));
-        }
-    }
-    if let Some(direction) = phase {
-        for i in 0..N {
-            matrix[(i, N)] = turn.velocity[i];
-            matrix[(N, i)] = direction[i];
-        }
-    }
-    matrix
+/// What the tolerances may have the return map off by: some of what a step may err by, which its length keeps below that.
+pub(super) fn by_tolerance_of<const N: usize>(x: &State<N>, options: &Options) -> State<N> {
+    const TIMES: f64 = 10.0;
+    (x.abs() * options.rtol).add_scalar(options.atol) * TIMES
 }
 
 /// Newton's correction of state and period.
@@ -292,10 +279,20 @@ fn correction<const N: usize>(
     gap: &State<N>,
     phase: Option<&State<N>>,
 ) -> Option<(State<N>, f64)> {
-    let matrix = newton_matrix(turn, phase);
-    let mut right = DVector::<f64>::zeros(matrix.nrows());
+    let unknowns = N + usize::from(phase.is_some());
+    let mut matrix = DMatrix::<f64>::zeros(unknowns, unknowns);
+    let mut right = DVector::<f64>::zeros(unknowns);
     for i in 0..N {
+        for j in 0..N {
+            matrix[(i, j)] = turn.monodromy.matrix[(i, j)] - f64::from(u8::from(i == j));
+        }
         right[i] = -gap[i];
+    }
+    if let Some(direction) = phase {
+        for i in 0..N {
+            matrix[(i, N)] = turn.velocity[i];
+            matrix[(N, i)] = direction[i];
+        }
     }
     let solution = newton_solution(matrix, &right)?;
     let dx = State::from_fn(|i, _| solution[i]);

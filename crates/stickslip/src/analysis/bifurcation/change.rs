@@ -10,7 +10,7 @@ use crate::analysis::boundary_equilibrium::{Held, SMALL, Shrinking};
 use crate::analysis::continuation::Special;
 use crate::analysis::periodic::shoot;
 use crate::analysis::sequence::circuit::Circuit;
-use crate::analysis::sequence::locate::{self, Known, VANISHING, is_same, least};
+use crate::analysis::sequence::locate::{self, Known, is_same, least};
 use crate::analysis::sequence::{
     Orbits, Place, SequenceBifurcation, SequenceChange, circuit_from, describe,
 };
@@ -250,8 +250,7 @@ impl<F> Shooting<'_, F> {
             let Some(stopped) = stopped else { break None };
             let bad = locate::locate(&mut good, stopped, resolution, &mut solve);
             let last = good.last()?;
-            let is_change =
-                least(&last.circuit).is_some_and(|margin| margin.relative() <= VANISHING);
+            let is_change = least(&last.circuit).is_some_and(|margin| margin.vanishes());
             let advanced = (last.s - begun_at).abs();
             // Where no event function vanishes the orbit may only have been missed by too long a step.
             if is_change || advanced < STUCK * first_step.abs() || first_step.abs() < resolution {
@@ -278,7 +277,7 @@ impl<F> Shooting<'_, F> {
         let (bad, last) = (way.bad?, way.good.last()?);
         let system = (self.family)(last.s);
         let after = way.behind.as_ref().map(|other| other.circuit.modes());
-        let place = Place::in_parameter(last.s, bad);
+        let place = Place::in_parameter(&way.good, bad)?;
         let about = About::<F, S, N, G> {
             shooting: self,
             good: &way.good,
@@ -372,7 +371,7 @@ impl<F> Shooting<'_, F> {
             let solve = |s: f64, good: &[_]| self.by_line(s, good);
             let (good, bad) = locate::approach(simple.clone(), step, resolution, solve)?;
             let last = good.last()?;
-            let place = Place::in_parameter(last.s, bad);
+            let place = Place::in_parameter(&good, bad)?;
             let after = last.circuit.modes();
             let about = About::<F, S, N, G> {
                 shooting: self,
@@ -415,13 +414,13 @@ impl<F> Shooting<'_, F> {
             t: if is_forced { guess.t } else { 0.0 },
             ..*guess
         };
-        let (cycle, slack) = shoot(&system, &at, period, is_forced, &self.options).ok()?;
+        let (cycle, closing) = shoot(&system, &at, period, is_forced, &self.options).ok()?;
         let start = Anchor {
             t: cycle.t,
             ..guess.moved(cycle.x)
         };
         let circuit = Circuit::follow(&system, &start, cycle.period, &self.options).ok()?;
-        let circuit = circuit.with_slack(&system, &start, slack, &self.options);
+        let circuit = circuit.that_closes(&system, &start, &closing, &self.options);
         Some(Known {
             s: parameter,
             circuit,

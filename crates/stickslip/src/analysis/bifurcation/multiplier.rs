@@ -81,8 +81,8 @@ impl<F> Shooting<'_, F> {
         let is_fold = way.bad.is_some() && nearest.gap_to_one() < NEAR_ONE;
         is_fold.then(|| {
             let lacks = way.bad.map_or(0.0, |bad| (bad - last.s).abs());
-            let of_tolerance = self.fold_by_tolerance(way, &critical).unwrap_or(0.0);
-            changes((last.s, lacks + of_tolerance), Special::Fold, last)
+            let uncertainty = lacks + self.fold_by_tolerance(way, &critical);
+            changes((last.s, uncertainty), Special::Fold, last)
         })
     }
 
@@ -107,18 +107,29 @@ impl<F> Shooting<'_, F> {
         &self,
         way: &Way<N, S::Mode>,
         critical: &[Option<Critical>],
-    ) -> Option<f64>
+    ) -> f64
     where
         F: Fn(f64) -> S,
     {
         let square = |at: &Critical| Some(at.one * at.one);
-        let last = way.good.last()?;
-        let end = square(critical.last()?.as_ref()?)?;
-        let known = way.good.iter().zip(critical).rev();
-        let mut known = known.filter_map(|(orbit, at)| Some((orbit.s, square(at.as_ref()?)?)));
-        let (s, value) = known.find(|&(_, value)| value > 2.0 * end)?;
-        let slope = (value - end) / (s - last.s);
-        Some((self.by_tolerance(last, square)? / slope).abs())
+        let known = way.good.iter().zip(critical);
+        let known = known.filter_map(|(orbit, at)| Some((orbit, square(at.as_ref()?)?)));
+        let known: Vec<(&Known<(), N, S::Mode>, f64)> = known.collect();
+        let shift = |k: usize| {
+            let (orbit, value) = known[k];
+            let apart = known[..k]
+                .iter()
+                .rev()
+                .find(|other| other.1 >= 2.0 * value)?;
+            let slope = (apart.0.s - orbit.s) / (apart.1 - value);
+            Some((self.by_tolerance(orbit, square)? * slope).abs())
+        };
+        let shift = (0..known.len()).rev().find_map(shift);
+        // Where nothing tells, it may be as far away as the orbits known reach.
+        shift.unwrap_or_else(|| match (known.first(), known.last()) {
+            (Some((first, _)), Some((last, _))) => (last.s - first.s).abs(),
+            _ => 0.0,
+        })
     }
 
     fn critical<S: Switched<N, G>, const N: usize, const G: usize>(

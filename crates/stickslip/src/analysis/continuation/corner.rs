@@ -61,12 +61,14 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Behind<'_, S, N, G> {
             other = around.as_ref().map(|[near, _]| near.clone());
         }
         // From the side with fewer phases all event functions are smooth, and a graze is no root.
-        let simple = other
-            .as_ref()
-            .filter(|one| one.circuit.parts.len() < edge.circuit.parts.len());
-        if let Some(simple) = simple
-            && let Some(mut entered) = self.back_from(simple)
-        {
+        let is_simple =
+            |one: &&OnBranch<N, S::Mode>| one.circuit.parts.len() < edge.circuit.parts.len();
+        let simple = self.found.iter().chain(other.as_ref()).filter(is_simple);
+        let mut simple: Vec<_> = simple.collect();
+        // Those next to it may have some of the phases only, of two changes at once.
+        simple.sort_by_key(|one| one.circuit.parts.len());
+        simple.dedup_by_key(|one| one.circuit.sequence());
+        if let Some(mut entered) = simple.into_iter().find_map(|one| self.back_from(one)) {
             // Next to the corner the orbits on that side may be too near to each other.
             entered.orbits = entered.orbits.or_else(|| around.or_else(|| self.around()));
             return Some(entered);
@@ -117,11 +119,15 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Behind<'_, S, N, G> {
                 continue;
             };
             let last = good.last()?;
+            // An orbit that goes no way is not one that the branch becomes.
+            if good.len() < 2 {
+                continue;
+            }
             // Far from here it is another change.
             if (last.s - corner).abs() > NEAR * self.width {
                 continue;
             }
-            let place = Place::in_parameter(last.s, bad);
+            let place = Place::in_parameter(&good, bad)?;
             let before = last.circuit.modes();
             let about = About::of(self.corrector, &good);
             let mut change = describe(self.corrector.system, &good, before, place, &about)?;
@@ -131,14 +137,13 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Behind<'_, S, N, G> {
             (change.before, change.after) = (edge.circuit.modes(), change.before);
             // Away from it again, by an orbit that is far enough to show the way.
             let apart = good.iter().rev().find(|one| (one.s - last.s).abs() > least);
-            let same = last.circuit.sequence();
             let further = || {
                 // Next to the corner rounding may have taken one side for the other.
                 let away = DISTANCES.map(|part| -0.1 * step.signum() * part * self.width);
                 let ways = away.into_iter().chain(away.map(|way| -way));
                 ways.map(|way| last.s + way).find_map(|s| {
                     let found = self.corrector.next_at(last, s)?;
-                    (found.circuit.sequence() == same).then_some(found)
+                    last.goes_on_in(&found).then_some(found)
                 })
             };
             let far = apart.cloned().or_else(further);

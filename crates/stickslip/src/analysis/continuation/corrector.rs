@@ -6,9 +6,9 @@ use crate::analysis::anchor::Anchor;
 use crate::analysis::bifurcation::extrapolated;
 use crate::analysis::critical::Critical;
 use crate::analysis::monodromy::turn;
-use crate::analysis::periodic::{left, newton_solution, rounding};
+use crate::analysis::periodic::{by_tolerance_of, left, newton_solution, rounding};
 use crate::analysis::sequence::circuit::Circuit;
-use crate::analysis::sequence::determined::Slack;
+use crate::analysis::sequence::determined::Closing;
 use crate::analysis::sequence::locate::Known;
 use crate::filippov::{
     Direction, Happening, Integration, Options, Plane, Progress, Switched, Watched,
@@ -273,9 +273,14 @@ impl<S> Corrector<'_, S> {
                 let start = at.velocity(self.system);
                 let meant = guess.at.moved(at.x);
                 let circuit = Circuit::follow(self.system, &meant, period, self.options).ok()?;
-                let matrix = self.newton(&turn.matrix, &velocity, &slope, &guess.row);
-                let slack = Slack::of(matrix, left(size, wanted, &turn, &at.x));
-                let circuit = circuit.with_slack(self.system, &meant, slack, self.options);
+                let closing = Closing {
+                    states: N - 1,
+                    matrix: turn.matrix,
+                    flow: is_autonomous.then_some(start),
+                    by_rounding: left(&gap, wanted, &turn, &at.x),
+                    by_tolerance: by_tolerance_of(&at.x, self.options),
+                };
+                let circuit = circuit.that_closes(self.system, &meant, &closing, self.options);
                 // The period of another orbit, or a point of rest.
                 let is_near = (period - guess.period).abs() <= 0.3 * guess.period;
                 let closes = self.forced.is_some()

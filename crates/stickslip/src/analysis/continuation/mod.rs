@@ -131,7 +131,7 @@ pub struct SpecialPoint<const N: usize, K = Mode> {
     /// The parameter.
     pub parameter: f64,
     /// By how much that may be off: of a change of phases, its own; of the others, what the multipliers' function lacks of zero there and what rounding
-    /// leaves of it, over its slope along the branch. The error of the orbits themselves is not in it.
+    /// leaves of it, over its slope along the branch, and what the tolerances do, as in [`SequenceChange::uncertainty`].
     pub uncertainty: f64,
     /// What is special.
     pub what: Special<N, K>,

@@ -80,11 +80,8 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
         function: impl Fn(&OnBranch<N, S::Mode>) -> Option<f64>,
     ) -> Place<N> {
         const APART: f64 = 1e-4;
-        // What Newton's iteration leaves of a parameter's last places.
-        const ROUNDING: f64 = 16.0 * f64::EPSILON;
         let way = APART * line.length;
         let parameter = |one: &OnBranch<N, S::Mode>| one.circuit.anchor.x[N - 1];
-        let here = parameter(at);
         let value = |orbit: &OnBranch<N, S::Mode>| {
             Some(Value {
                 function: function(orbit)?,
@@ -94,28 +91,31 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
         let beside = |way: f64| value(&self.on(line, at.s + way)?);
         let by_slope = || {
             let beside = [beside(-way)?, beside(way)?];
-            let by_tolerance = self.by_tolerance(line, at, &function);
-            Some(uncertainty_of_zero(value(at)?, beside, by_tolerance))
+            let shift = self.by_tolerance(line, at, &function)?;
+            let along = uncertainty_of_zero(value(at)?, beside, shift.function);
+            let both = along + shift.parameter;
+            both.is_finite().then_some(both)
         };
-        // Where there is none beside it, it lies between the last two.
-        let uncertainty =
-            by_slope().unwrap_or_else(|| (parameter(&self.last) - parameter(&self.before)).abs());
+        let place = Place::of(at);
         Place {
-            uncertainty: uncertainty.max(ROUNDING * here.abs().max(self.width)),
-            ..Place::of(at)
+            uncertainty: self.at_least(&place.x, by_slope()),
+            ..place
         }
     }
 
-    /// By how much the tolerances may have a function of the multipliers off, at an orbit's place.
+    /// By how much the tolerances may have a function of the multipliers and the parameter off, at an orbit's place.
     fn by_tolerance(
         &self,
         line: &Line<N, S::Mode>,
         at: &OnBranch<N, S::Mode>,
         function: impl Fn(&OnBranch<N, S::Mode>) -> Option<f64>,
-    ) -> f64 {
-        let finer = self.corrector.finer(&line.guess(at.s), at.s);
-        let values = finer.and_then(|finer| Some((function(at)?, function(&finer)?)));
-        values.map_or(0.0, |(value, finer)| of_tolerance(value, finer))
+    ) -> Option<Value> {
+        let finer = self.corrector.finer(&line.guess(at.s), at.s)?;
+        let parameter = |one: &OnBranch<N, S::Mode>| one.circuit.anchor.x[N - 1];
+        Some(Value {
+            function: of_tolerance(function(at)?, function(&finer)?),
+            parameter: of_tolerance(parameter(at), parameter(&finer)),
+        })
     }
 
     /// The orbit at a place, or, where another branch meets this one and Newton's matrix is singular, next to it.
@@ -139,16 +139,14 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
         const FEWEST: usize = 5;
         let wanted = self.last.circuit.sequence();
         let mut nodes: Vec<(f64, Place<N>)> = Vec::new();
-        let mut by_tolerance = 0.0_f64;
+        let mut shift = None;
         for k in (-EACH_WAY..=EACH_WAY).filter(|k| *k != 0) {
             let s = rough + APART * line.length * f64::from(k);
             let found = self.on(line, s);
             if let Some(orbit) = found.filter(|one| one.circuit.sequence() == wanted)
                 && let Some(value) = function(&orbit)
             {
-                if k.abs() == 1 {
-                    by_tolerance = by_tolerance.max(self.by_tolerance(line, &orbit, &function));
-                }
+                shift = shift.or_else(|| self.by_tolerance(line, &orbit, &function));
                 nodes.push((value, Place::of(&orbit)));
             }
         }
@@ -156,14 +154,32 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
             return None;
         }
         let place = zero_of_polynomial(&nodes)?;
-        let inner = nodes.get(1..nodes.len() - 1)?;
-        let fewer = zero_of_polynomial(inner)?;
-        let (first, last) = (nodes.first()?, nodes.last()?);
-        let slope = (last.0 - first.0) / (last.1.x - first.1.x)[N - 1];
+        let parameter = |place: &Place<N>| place.x[N - 1];
+        let known = || {
+            let fewer = zero_of_polynomial(nodes.get(1..nodes.len() - 1)?)?;
+            let (first, last) = (nodes.first()?, nodes.last()?);
+            let slope = (last.0 - first.0) / (parameter(&last.1) - parameter(&first.1));
+            let Value {
+                function,
+                parameter: along,
+            } = shift?;
+            let lacks = (parameter(&place) - parameter(&fewer)).abs();
+            let uncertainty = lacks + (function / slope).abs() + along;
+            uncertainty.is_finite().then_some(uncertainty)
+        };
+        let uncertainty = self.at_least(&place.x, known());
         Some(Place {
-            uncertainty: (place.x - fewer.x)[N - 1].abs() + (by_tolerance / slope).abs(),
+            uncertainty,
             ..place
         })
+    }
+
+    /// An uncertainty, which is no less than what Newton's iteration leaves of a parameter's last places; where there is none, the place lies between the last two.
+    fn at_least(&self, x: &State<N>, uncertainty: Option<f64>) -> f64 {
+        const ROUNDING: f64 = 16.0 * f64::EPSILON;
+        let [before, last] = [&self.before, &self.last].map(|one| one.circuit.anchor.x[N - 1]);
+        let uncertainty = uncertainty.unwrap_or((last - before).abs());
+        uncertainty.max(ROUNDING * x[N - 1].abs().max(self.width))
     }
 
     /// Whether the parameter turns back at a place between the last two orbits.

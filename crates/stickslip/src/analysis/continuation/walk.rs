@@ -158,7 +158,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
             let circuit = &self.last.circuit;
             let guess = Guess::at_parameter(circuit.anchor, circuit.period, here + way);
             if let Some(next) = self.corrector.orbit(&guess, 0.0)
-                && next.circuit.sequence() == circuit.sequence()
+                && self.last.goes_on_in(&next)
             {
                 self.follow(next);
                 return None;
@@ -198,6 +198,16 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
             }
             other => self.get_behind(&line, step, other),
         }
+    }
+
+    /// The way back along the parameter from the last orbit before a change to one that is apart from it.
+    fn away_from(&self, good: &[OnBranch<N, S::Mode>]) -> f64 {
+        const APART: f64 = 1e-8;
+        let parameter = |one: &OnBranch<N, S::Mode>| one.circuit.anchor.x[N - 1];
+        let last = good.last().map_or(f64::NAN, parameter);
+        let ways = good.iter().rev().map(|one| parameter(one) - last);
+        let mut apart = ways.filter(|way| way.abs() > APART * self.width);
+        apart.next().unwrap_or(0.0)
     }
 
     /// The sign of the way that the last two orbits have come along the parameter; none where a fold lies between them, or a change of phases, at
@@ -273,7 +283,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
             parameter: edge.circuit.anchor.x[N - 1],
             bracket: (bad - edge.s).abs(),
             scale: self.width,
-            away: self.parameter() - edge.circuit.anchor.x[N - 1],
+            away: self.away_from(&good),
         };
         let behind = Behind {
             corrector: &self.corrector,
@@ -346,13 +356,12 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
     /// last two.
     fn round_a_bend(&self, line: &Line<N, S::Mode>, step: f64) -> Option<OnBranch<N, S::Mode>> {
         const TIMES: [f64; 3] = [1.0, 0.3, 0.1];
-        let wanted = self.last.circuit.sequence();
         if self.heading().is_some() {
             return None;
         }
         let tangent = self.tangent(line)?;
         let is_next = |next: &OnBranch<N, S::Mode>| {
-            next.circuit.sequence() == wanted && !self.turns_without_fold(next)
+            self.last.goes_on_in(next) && !self.turns_without_fold(next)
         };
         TIMES
             .into_iter()
@@ -366,12 +375,11 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
         step: f64,
     ) -> Option<OnBranch<N, S::Mode>> {
         const TIMES: [f64; 3] = [2.0, 4.0, 8.0];
-        let wanted = self.last.circuit.sequence();
         let last = self.to_fold(&self.last);
         let is_beyond = |next: &OnBranch<N, S::Mode>| {
             let way = next.circuit.anchor.x[N - 1] - self.parameter();
             let goes_on = self.heading().is_some_and(|heading| way * heading > 0.0);
-            goes_on && last * self.to_fold(next) < 0.0 && next.circuit.sequence() == wanted
+            goes_on && last * self.to_fold(next) < 0.0 && self.last.goes_on_in(next)
         };
         TIMES
             .into_iter()

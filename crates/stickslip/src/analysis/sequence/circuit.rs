@@ -53,6 +53,8 @@ pub(crate) struct Circuit<const N: usize, K> {
     pub period: f64,
     /// By how much the component that moves most does so.
     pub extent: f64,
+    /// By how much each does.
+    pub sizes: State<N>,
     /// Whether its phases are the same wherever within rounding its state is.
     pub is_certain: bool,
 }
@@ -183,6 +185,7 @@ impl<const N: usize, K: Copy + PartialEq> Circuit<N, K> {
                     key,
                     value: parts[k].duration,
                     scale: period,
+                    by_rounding: 0.0,
                     off: 0.0,
                     incoming: at.from,
                     contact: at.contact,
@@ -200,7 +203,8 @@ impl<const N: usize, K: Copy + PartialEq> Circuit<N, K> {
             margins,
             anchor,
             period,
-            extent: extent(&orbit),
+            extent: sizes(&orbit).amax(),
+            sizes: sizes(&orbit),
             is_certain: true,
         })
     }
@@ -214,6 +218,20 @@ impl<const N: usize, K: Copy + PartialEq> Circuit<N, K> {
     /// The modes gone through.
     pub fn modes(&self) -> Vec<K> {
         self.parts.iter().map(|part| part.mode).collect()
+    }
+
+    /// The margin of the same kind as one of another orbit near by, at about the same time: rounding may see one of several minima twice, or not.
+    pub fn margin_like(&self, other: &Margin<N, K>) -> Option<&Margin<N, K>> {
+        const SAME_TIME: f64 = 1e-3;
+        let kind = |key: &Key| (key.part, key.site);
+        let off = |margin: &&Margin<N, K>| {
+            let way = (margin.at.t - other.at.t) / self.period;
+            (way - way.round()).abs()
+        };
+        let alike = self.margins.iter();
+        let alike = alike.filter(|margin| kind(&margin.key) == kind(&other.key));
+        let nearest = alike.min_by(|a, b| off(a).total_cmp(&off(b)))?;
+        (off(&nearest) <= SAME_TIME).then_some(nearest)
     }
 
     /// The margin with this key.
@@ -261,7 +279,7 @@ pub(crate) fn anchor<S: Switched<N, G>, const N: usize, const G: usize>(
     })?;
     let t = phase.t_start + 0.5 * phase.duration();
     let middle = Anchor::of(&Timed { t, x: orbit.at(t)? }, phase.mode);
-    Ok((middle.settled(system), extent(&orbit)))
+    Ok((middle.settled(system), sizes(&orbit).amax()))
 }
 
 fn whole<S: Switched<N, G>, const N: usize, const G: usize>(
@@ -309,8 +327,8 @@ fn middle<const N: usize, K>(
     Ok(Timed { t, x })
 }
 
-/// How far the component goes, at the ends of steps, that goes farthest.
-fn extent<const N: usize, K>(orbit: &Orbit<N, K>) -> f64 {
+/// How far the components go, at the ends of steps.
+fn sizes<const N: usize, K>(orbit: &Orbit<N, K>) -> State<N> {
     let (mut low, mut high) = (orbit.x_start, orbit.x_start);
     for step in &orbit.steps {
         for i in 0..N {
@@ -318,5 +336,5 @@ fn extent<const N: usize, K>(orbit: &Orbit<N, K>) -> f64 {
             high[i] = high[i].max(step.x_end[i]);
         }
     }
-    (high - low).amax()
+    high - low
 }

@@ -1,9 +1,9 @@
 //! Where an event function vanishes next to which rounding leaves the orbits open: by orbits further away.
 
-use super::Orbits;
 use super::determined::LEAST;
-use super::locate::Known;
-use super::margin::Key;
+use super::locate::{Known, is_same};
+use super::margin::{Key, Margin};
+use super::{Orbits, of_tolerance};
 use crate::analysis::lagrange::weights;
 use crate::system::State;
 
@@ -14,10 +14,8 @@ const GROWTH: f64 = std::f64::consts::SQRT_2;
 const MOST: usize = 40;
 const TOGETHER: usize = 7;
 
-/// How many times as far as was expected the zero may lie.
-const FURTHEST: f64 = 10.0;
-
 /// A zero in the parameter.
+#[derive(Clone, Copy)]
 pub(super) struct Zero<const N: usize> {
     pub parameter: f64,
     pub uncertainty: f64,
@@ -35,10 +33,10 @@ struct Node<const N: usize> {
 }
 
 /// Where the event function is zero beyond the last orbit before a change, whose place is the parameter; `lacks` is how far beyond about, `away` the direction in which orbits have
-/// the same phases, and `orbits` are found there.
+/// the same phases, and `about` finds them there.
 ///
 /// The parameter as a function of the event function's value is smooth where that vanishes, also where it grows as a root. So a polynomial through some orbits leads to it, by
-/// those for which what rounding leaves and what the polynomial lacks are least together.
+/// those for which what rounding leaves and what the polynomial lacks are least together; the same orbits with a tenth of the tolerances tell what the tolerances do.
 pub(super) fn zero_beyond<B: Clone, const N: usize, K: Copy + PartialEq>(
     last: Known<B, N, K>,
     key: Key,
@@ -52,49 +50,93 @@ pub(super) fn zero_beyond<B: Clone, const N: usize, K: Copy + PartialEq>(
     for _ in 0..MOST {
         let found = about.at(origin + distance * away.signum(), &orbits);
         let next = found.filter(|next| orbits.last().is_some_and(|last| last.goes_on_in(next)));
-        let Some(next) = next else { break };
-        orbits.push(next);
         distance *= GROWTH;
+        match next {
+            Some(next) => orbits.push(next),
+            // Next to the last one none may be found yet.
+            None if orbits.len() == 1 => {}
+            None => break,
+        }
     }
-    let node = |one: &Known<B, N, K>| {
-        let margin = one.circuit.margin(key)?;
-        Some(Node {
-            parameter: one.s - origin,
-            value: margin.value,
-            // Less than that is not looked for.
-            off: margin.off.max(LEAST * margin.scale),
-            x: margin.at.x,
+    let node = |one: &Known<B, N, K>, margin: &Margin<N, K>| Node {
+        parameter: one.s - origin,
+        value: margin.value,
+        // Less than that is not looked for.
+        off: margin.by_rounding.max(LEAST * margin.scale),
+        x: margin.at.x,
+    };
+    let nodes = orbits
+        .iter()
+        .map_while(|one| Some(node(one, one.circuit.margin(key)?)));
+    let nodes: Vec<Node<N>> = nodes.collect();
+    let zeros: Vec<Option<Zero<N>>> = nodes.windows(TOGETHER).map(zero).collect();
+    // One that the next orbits lead to as well is no accident.
+    let pairs = zeros.windows(2).enumerate();
+    let agreed = pairs.filter_map(|(begin, two)| {
+        let (one, next) = (two[0]?, two[1]?);
+        let differs = (one.parameter - next.parameter).abs();
+        let uncertainty = one.uncertainty.max(differs);
+        // Not farther beyond than the orbits lie away.
+        let reach = nodes.get(begin + TOGETHER - 1)?.parameter;
+        let is_near = one.parameter.abs() <= reach.abs() && one.parameter * away <= 0.0;
+        is_near.then_some((begin, Zero { uncertainty, ..one }))
+    });
+    let mut agreed: Vec<(usize, Zero<N>)> = agreed.collect();
+    agreed.sort_by(|a, b| a.1.uncertainty.total_cmp(&b.1.uncertainty));
+    let with_tolerance = |(begin, best): (usize, Zero<N>)| {
+        let finer = orbits.get(begin..begin + TOGETHER)?.iter().map(|one| {
+            let finer = about.finer(one)?;
+            let same = is_same(&finer.sequence(), &one.circuit.sequence());
+            let margin = finer.margin(key).filter(|_| same)?;
+            Some(node(one, margin))
+        });
+        let finer: Vec<Node<N>> = finer.collect::<Option<_>>()?;
+        let by_tolerance = of_tolerance(best.parameter, at_zero(&finer));
+        Some(Zero {
+            parameter: origin + best.parameter,
+            uncertainty: best.uncertainty + by_tolerance,
+            ..best
         })
     };
-    let nodes: Vec<Node<N>> = orbits.iter().map_while(node).collect();
-    let zeros = nodes.windows(TOGETHER).filter_map(zero);
-    let best = zeros.min_by(|a, b| a.uncertainty.total_cmp(&b.uncertainty))?;
-    let is_near = best.parameter.abs() <= FURTHEST * lacks && best.parameter * away <= 0.0;
-    is_near.then_some(Zero {
-        parameter: origin + best.parameter,
-        ..best
+    agreed.into_iter().find_map(with_tolerance).or_else(|| {
+        // By the line through the first one that is told from it.
+        let one = nodes.first()?;
+        let most = one.value.abs() + orbits.first()?.circuit.margin(key)?.most_off();
+        let apart = nodes.iter().find(|other| other.value.abs() >= 2.0 * most)?;
+        let per_value = apart.parameter / (apart.value.abs() - most);
+        Some(Zero {
+            parameter: origin,
+            uncertainty: (most * per_value).abs().max(lacks),
+            x: one.x,
+        })
     })
 }
 
 /// By the polynomial through all of the nodes, of which the last one is farthest away.
 fn zero<const N: usize>(nodes: &[Node<N>]) -> Option<Zero<N>> {
-    let falls = |two: &[Node<N>]| {
+    let rises = |two: &[Node<N>]| {
         two[0].value.abs() < two[1].value.abs() && two[0].value * two[1].value > 0.0
     };
-    if !nodes.windows(2).all(falls) {
+    if !nodes.windows(2).all(rises) {
         return None;
     }
     let (_, nearer) = nodes.split_last()?;
     let [all, fewer] = [nodes, nearer].map(at_zero);
-    let (one, two) = (nodes.first()?, nodes.get(1)?);
-    let slope = (two.parameter - one.parameter) / (two.value - one.value);
     let weighted = || weights_at_zero(nodes).into_iter().zip(nodes);
-    let by_rounding: f64 = weighted()
-        .map(|(weight, node)| (weight * node.off).abs())
-        .sum();
+    let slope = |k: usize| {
+        let (one, two) = (
+            nodes.get(k.saturating_sub(1))?,
+            nodes.get(k + 1).or(nodes.get(k))?,
+        );
+        Some((two.parameter - one.parameter) / (two.value - one.value))
+    };
+    let by_rounding = weighted()
+        .enumerate()
+        .map(|(k, (weight, node))| Some((weight * node.off * slope(k)?).abs()));
+    let by_rounding: f64 = by_rounding.sum::<Option<f64>>()?;
     Some(Zero {
         parameter: all,
-        uncertainty: by_rounding * slope.abs() + (all - fewer).abs(),
+        uncertainty: by_rounding + (all - fewer).abs(),
         x: weighted().map(|(weight, node)| node.x * weight).sum(),
     })
 }

@@ -29,7 +29,7 @@ impl<B, const N: usize, K: Copy + PartialEq> Known<B, N, K> {
 const ZERO: f64 = 1e-9;
 
 /// A margin of this part of its scale is vanishing: where it grows as a root, a change located to 1e-10 leaves some 1e-6.
-pub(crate) const VANISHING: f64 = 3e-5;
+pub(super) const VANISHING: f64 = 3e-5;
 
 /// Trials allowed.
 const MOST: usize = 200;
@@ -149,17 +149,15 @@ pub(crate) fn least<const N: usize, K: Copy + PartialEq>(
     };
     let shortest = nearest(|margin| margin.key.site == Site::Duration);
     shortest
-        .filter(|margin| margin.relative() <= VANISHING)
+        .filter(|margin| margin.vanishes())
         .or_else(|| nearest(|_| true))
 }
 
 /// How far behind the last of the orbits a function is zero that has come near to it there, going on as before. Where orbits
-/// can be computed to the change itself that is nothing; where they cannot, it is what the location lacks. With it goes by how much the tolerance has the function
-/// off there.
+/// can be computed to the change itself that is nothing; where they cannot, it is what the location lacks.
 pub(super) fn shortfall<B, const N: usize, K: Copy + PartialEq>(
     good: &[Known<B, N, K>],
     margin: &Margin<N, K>,
-    by_tolerance: f64,
 ) -> f64 {
     let value = |one: &Known<B, N, K>| one.circuit.margin(margin.key).map(|m| m.value.abs());
     let values = good.iter().filter_map(|one| Some((one.s, value(one)?)));
@@ -173,7 +171,7 @@ pub(super) fn shortfall<B, const N: usize, K: Copy + PartialEq>(
         values.split_at(first.unwrap_or(values.len()))
     };
     let noise = rest.iter().map(|&(_, value)| value).fold(last, f64::max);
-    let noise = noise + by_tolerance + margin.off;
+    let noise = noise + margin.most_off();
     // Of orbits that lie closer, rounding tells what the function does.
     let apart = |&&(_, value): &&(f64, f64)| value >= 2.0 * noise;
     match before.iter().rev().find(apart) {

@@ -1,6 +1,7 @@
 //! How far the event functions of a periodic orbit are from a change of its phases.
 
 use super::circuit::is_of_contact;
+use super::locate::VANISHING;
 use crate::filippov::{Flow, Switched, Transition, TransitionKind, UseFlow};
 use crate::ode::Timed;
 use crate::system::{Mode, Side};
@@ -38,7 +39,8 @@ pub(crate) struct Margin<const N: usize, K> {
     pub value: f64,
     /// Size that such values have on this orbit.
     pub scale: f64,
-    /// By how much it may be off because the orbit's state is.
+    /// By how much it may be off because rounding leaves the orbit's state open; and with what the tolerances do.
+    pub by_rounding: f64,
     pub off: f64,
     /// Mode before.
     pub incoming: K,
@@ -53,6 +55,18 @@ impl<const N: usize, K> Margin<N, K> {
     /// Part of its scale.
     pub fn relative(&self) -> f64 {
         self.value.abs() / self.scale
+    }
+
+    /// Whether it is about to vanish, as far as orbits can be computed next to where it does.
+    pub fn vanishes(&self) -> bool {
+        self.value.abs() <= (VANISHING * self.scale).max(self.most_off())
+    }
+
+    /// By how much it may be off at most.
+    pub fn most_off(&self) -> f64 {
+        // It is told by displacements each of which is twice the one before.
+        const TIMES: f64 = 3.0;
+        TIMES * self.off
     }
 }
 
@@ -162,6 +176,7 @@ pub(super) fn landing<S: Switched<N, G>, const N: usize, const G: usize>(
         },
         value,
         scale: rates.own[0].abs() + rates.other[0].abs(),
+        by_rounding: 0.0,
         off: 0.0,
         incoming: at.from,
         contact: at.contact,

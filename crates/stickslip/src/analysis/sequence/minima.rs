@@ -70,6 +70,7 @@ pub(super) fn minima<S: Switched<N, G>, const N: usize, const G: usize>(
                 key: Key { part, site, count },
                 value,
                 scale,
+                by_rounding: 0.0,
                 off: 0.0,
                 incoming: step.mode,
                 contact,

@@ -7,14 +7,18 @@ pub(super) mod locate;
 mod margin;
 mod minima;
 mod name;
+mod tolerance;
 
 use crate::filippov::{Options, Switched};
 use crate::ode::Timed;
 use crate::system::{Mode, State};
 use circuit::Circuit;
+use determined::LEAST;
 use extrapolation::zero_beyond;
 use locate::{Known, least, shortfall};
 pub use name::SequenceBifurcation;
+use tolerance::Near;
+pub(super) use tolerance::of_tolerance;
 
 /// A change of the phases of a periodic orbit.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,8 +26,8 @@ pub struct SequenceChange<const N: usize, K = Mode> {
     /// The parameter.
     pub parameter: f64,
     /// Between it and the nearest parameter that was seen with other phases, or without such an orbit; or, where orbits could not be computed
-    /// that near, how far behind the last of them its event function would be zero. What the orbits themselves are off by is in it as far as the event
-    /// function shows it: on another one with a tenth of the tolerances, and on those that rounding cannot tell from the last one.
+    /// that near, how far behind the last of them its event function would be zero. What the tolerances have it off by is in it, as another orbit with a tenth of
+    /// them tells; of methods with fixed steps nothing does.
     pub uncertainty: f64,
     /// What it is called.
     pub bifurcation: SequenceBifurcation,
@@ -58,19 +62,21 @@ pub(super) struct Place {
     pub bracket: f64,
     /// Parameter per place.
     pub scale: f64,
-    /// Sign of the way back from it along the parameter.
+    /// The way back from it along the parameter; zero where that is not known.
     pub away: f64,
 }
 
 impl Place {
-    /// Where the parameter itself is the place.
-    pub fn in_parameter(last: f64, bad: f64) -> Self {
-        Place {
-            parameter: last,
-            bracket: (bad - last).abs(),
+    /// Behind the last of some orbits whose places are the parameter.
+    pub fn in_parameter<B, const N: usize, K>(good: &[Known<B, N, K>], bad: f64) -> Option<Self> {
+        let (first, last) = (good.first()?, good.last()?);
+        let away = first.s - last.s;
+        Some(Place {
+            parameter: last.s,
+            bracket: (bad - last.s).abs(),
             scale: 1.0,
-            away: last - bad,
-        }
+            away: if away == 0.0 { last.s - bad } else { away },
+        })
     }
 }
 
@@ -81,11 +87,6 @@ pub(super) trait Orbits<B, const N: usize, K> {
 
     /// An orbit with a tenth of the tolerances, at the same parameter.
     fn finer(&self, orbit: &Known<B, N, K>) -> Option<Circuit<N, K>>;
-}
-
-/// By how much a value may be off, which is another one with a tenth of the tolerances: most of it is the difference, and twice that is on the safe side.
-pub(super) fn of_tolerance(value: f64, finer: f64) -> f64 {
-    2.0 * (finer - value).abs()
 }
 
 /// Describes the change behind the last orbit of `good`.
@@ -103,24 +104,27 @@ where
     let margin = least(&last.circuit)?;
     let (bifurcation, rates) = name::name(system, margin);
     let is_named = bifurcation != SequenceBifurcation::Unnamed;
-    // Where it has no name, no event function tells how far it is.
-    let lacks = if is_named {
-        let finer = orbits.finer(last);
-        let finer = finer.as_ref().and_then(|one| one.margin(margin.key));
-        let by_tolerance = finer.map_or(0.0, |finer| of_tolerance(margin.value, finer.value));
-        shortfall(good, margin, by_tolerance)
-    } else {
-        0.0
-    };
-    let (mut parameter, mut uncertainty) =
-        (place.parameter, place.scale * place.bracket.max(lacks));
+    let (mut parameter, mut uncertainty) = (place.parameter, place.scale * place.bracket);
     let mut x = margin.at.x;
-    if is_named && margin.off > 0.0 {
+    // Where it has no name, no event function tells how far it is.
+    if is_named {
+        uncertainty = uncertainty.max(place.scale * shortfall(good, margin));
         let mut edge = last.clone();
         edge.s = parameter;
-        let zero = zero_beyond(edge, margin.key, uncertainty, place.away, orbits);
-        if let Some(zero) = zero.filter(|zero| zero.uncertainty < uncertainty) {
+        let is_open = margin.off > LEAST * margin.scale && place.away != 0.0;
+        let beyond = || zero_beyond(edge.clone(), margin.key, uncertainty, place.away, orbits);
+        if let Some(zero) = is_open.then(beyond).flatten() {
             (parameter, uncertainty, x) = (zero.parameter, zero.uncertainty, zero.x);
+        } else {
+            let near = Near {
+                last: &edge,
+                margin,
+                away: place.away,
+                lacks: uncertainty,
+                about: orbits,
+            };
+            parameter = near.passed().unwrap_or(parameter);
+            uncertainty += near.shift_by_tolerances();
         }
     }
     Some(SequenceChange {

@@ -2,7 +2,6 @@
 
 use std::fmt;
 
-use super::locate::VANISHING;
 use super::margin::{Margin, Rates, Site};
 use crate::filippov::Switched;
 use crate::system::Mode;
@@ -59,7 +58,7 @@ pub(super) fn name<S: Switched<N, G>, const N: usize, const G: usize>(
     system: &S,
     margin: &Margin<N, S::Mode>,
 ) -> (SequenceBifurcation, Rates) {
-    if margin.relative() > VANISHING {
+    if !margin.vanishes() {
         return (SequenceBifurcation::Unnamed, Rates::none());
     }
     if margin.other.is_some() {
