@@ -68,7 +68,9 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Behind<'_, S, N, G> {
         // Those next to it may have some of the phases only, of two changes at once.
         simple.sort_by_key(|one| one.circuit.parts.len());
         simple.dedup_by_key(|one| one.circuit.sequence());
-        if let Some(mut entered) = simple.into_iter().find_map(|one| self.back_from(one)) {
+        // An orbit that goes no way is not one that the branch becomes, unless there is no other.
+        let found = |fewest: usize| simple.iter().find_map(|one| self.back_from(one, fewest));
+        if let Some(mut entered) = found(2).or_else(|| found(1)) {
             // Next to the corner the orbits on that side may be too near to each other.
             entered.orbits = entered.orbits.or_else(|| around.or_else(|| self.around()));
             return Some(entered);
@@ -102,8 +104,12 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Behind<'_, S, N, G> {
         Some(Entered { change, orbits, x })
     }
 
-    /// Comes back to the change from an orbit with fewer phases behind it.
-    fn back_from(&self, simple: &OnBranch<N, S::Mode>) -> Option<Entered<N, S::Mode>> {
+    /// Comes back to the change from an orbit with fewer phases behind it, by so many orbits at least.
+    fn back_from(
+        &self,
+        simple: &OnBranch<N, S::Mode>,
+        fewest: usize,
+    ) -> Option<Entered<N, S::Mode>> {
         let edge = self.good.last()?;
         let corner = edge.circuit.anchor.x[N - 1];
         let here = simple.circuit.anchor.x[N - 1];
@@ -119,8 +125,7 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Behind<'_, S, N, G> {
                 continue;
             };
             let last = good.last()?;
-            // An orbit that goes no way is not one that the branch becomes.
-            if good.len() < 2 {
+            if good.len() < fewest {
                 continue;
             }
             // Far from here it is another change.

@@ -234,9 +234,11 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
 
     /// Whether a place lies behind the last orbit on the way that has come, and not before it: the orbits there were found again.
     fn is_behind(&self, parameter: f64) -> bool {
+        // A graze is noticed some tolerances behind it.
+        const NOTICED: f64 = 100.0;
         let way = parameter - self.parameter();
-        self.heading()
-            .is_some_and(|heading| way * heading < -SHORTEST * self.width)
+        let least = SHORTEST.max(NOTICED * self.corrector.options.rtol) * self.width;
+        self.heading().is_some_and(|heading| way * heading < -least)
     }
 
     /// The phases change within the step, or it is too long.
