@@ -7,6 +7,7 @@ use super::locate::is_same;
 use super::margin::Margin;
 use crate::analysis::anchor::Anchor;
 use crate::filippov::{Options, Switched, run};
+use crate::math;
 use crate::system::State;
 
 /// A state that may be off by less than this part of how far its components go is as good as known.
@@ -178,7 +179,7 @@ impl<const N: usize, K: Copy + PartialEq> Circuit<N, K> {
             let end = run(system, moved.t, moved.x, t_end, options, &mut ()).ok()?;
             closes(&(end.x - moved.x)).then_some((moved, period))
         };
-        let ways = (0..DOUBLINGS).map(|k| sign * LEAST * 2.0_f64.powi(k));
+        let ways = (0..DOUBLINGS).map(|k| sign * LEAST * math::powi(2.0, k));
         ways.map_while(displaced).last()
     }
 }

@@ -4,6 +4,7 @@ use super::Orbits;
 use super::locate::{Known, is_same};
 use super::margin::Margin;
 use crate::analysis::critical::zero_between;
+use crate::math;
 
 /// Orbits are computed so many times farther away than what is known already, each next one as much farther than the one before; and so many at most.
 const FARTHER: f64 = 10.0;
@@ -44,7 +45,8 @@ impl<B, const N: usize, K: Copy + PartialEq, O: Orbits<B, N, K>> Near<'_, B, N, 
             0.0 => [1.0, -1.0],
             away => [away.signum(), f64::NAN],
         };
-        let ways = (1..=MOST).flat_map(move |k| signs.map(|sign| sign * least * FARTHER.powi(k)));
+        let ways =
+            (1..=MOST).flat_map(move |k| signs.map(|sign| sign * least * math::powi(FARTHER, k)));
         ways.filter(|way| way.is_finite())
     }
 
