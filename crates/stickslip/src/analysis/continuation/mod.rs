@@ -137,7 +137,7 @@ pub struct SpecialPoint<const N: usize, K = Mode> {
     pub what: Special<N, K>,
     /// Behind how many points of the branch it lies.
     pub behind: usize,
-    /// A state on the orbit.
+    /// A state on the orbit, or on the nearest one that was computed.
     pub x: State<N>,
     /// Its period.
     pub period: f64,

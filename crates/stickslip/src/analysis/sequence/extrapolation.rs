@@ -150,3 +150,48 @@ fn weights_at_zero<const N: usize>(nodes: &[Node<N>]) -> Vec<f64> {
     let values: Vec<f64> = nodes.iter().map(|node| node.value).collect();
     weights(&values, 0.0)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Orbits before a change at the parameter 0, the values of which are off by so much one way and the other.
+    fn nodes(nearest: f64, parameter: impl Fn(f64) -> f64, off: f64) -> Vec<Node<1>> {
+        let node = |k: usize| {
+            let value = nearest * crate::math::powi(GROWTH, k as i32);
+            Node {
+                parameter: parameter(value),
+                value: value + if k % 2 == 0 { off } else { -off },
+                off,
+                x: State::from([1.0 + value]),
+            }
+        };
+        (0..TOGETHER).map(node).collect()
+    }
+
+    #[test]
+    fn a_zero_that_values_grow_from_linearly_or_as_a_root_is_led_to_within_the_uncertainty() {
+        let linear = |v: f64| -v * (2.0 + v) / (1.0 + v);
+        let root = |v: f64| -v * v * (3.0 - v);
+        for parameter in [&linear as &dyn Fn(f64) -> f64, &root] {
+            for nearest in [1e-4, 1e-3, 1e-2] {
+                for off in [1e-12, 1e-9, 1e-7] {
+                    let found = zero(&nodes(nearest, parameter, off)).unwrap();
+                    let error = found.parameter.abs();
+                    let bound = found.uncertainty;
+                    assert!(error <= bound, "{nearest} {off}: {error:e} {bound:e}");
+                    assert!((found.x[0] - 1.0).abs() <= 1e3 * off + 1e-9);
+                }
+            }
+            let found = zero(&nodes(1e-2, parameter, 1e-12)).unwrap();
+            assert!(found.uncertainty < 1e-9, "{:e}", found.uncertainty);
+        }
+    }
+
+    #[test]
+    fn values_that_do_not_fall_towards_the_change_lead_nowhere() {
+        let mut risen = nodes(1e-3, |v| -v, 0.0);
+        risen[0].value = 1.0;
+        assert!(zero(&risen).is_none());
+    }
+}
