@@ -161,7 +161,7 @@ mod tests {
             let value = nearest * crate::math::powi(GROWTH, k as i32);
             Node {
                 parameter: parameter(value),
-                value: value + if k % 2 == 0 { off } else { -off },
+                value: value + if k.is_multiple_of(2) { off } else { -off },
                 off,
                 x: State::from([1.0 + value]),
             }
