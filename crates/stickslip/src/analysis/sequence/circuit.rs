@@ -55,7 +55,7 @@ pub(crate) struct Circuit<const N: usize, K> {
     pub extent: f64,
     /// By how much each does.
     pub sizes: State<N>,
-    /// Whether its phases are the same wherever within rounding its state is.
+    /// Whether its phases are the same wherever its state may be, for all that rounding and the tolerances leave open.
     pub is_certain: bool,
 }
 
@@ -197,14 +197,15 @@ impl<const N: usize, K: Copy + PartialEq> Circuit<N, K> {
         }
         let middle = middle(&orbit, &turns, start, period)?;
         let mode = parts.last().map_or(S::UNDECIDED, |part| part.mode);
+        let sizes = sizes(&orbit);
         let anchor = Anchor::of(&middle, mode).settled(system);
         Ok(Circuit {
             parts,
             margins,
             anchor,
             period,
-            extent: sizes(&orbit).amax(),
-            sizes: sizes(&orbit),
+            extent: sizes.amax(),
+            sizes,
             is_certain: true,
         })
     }

@@ -130,13 +130,8 @@ impl<const N: usize, K: Copy + PartialEq> Circuit<N, K> {
                 }
                 continue;
             }
-            // What is left of the gap in this direction.
-            let levels = [
-                by_rounding,
-                by_rounding * direction.both / direction.by_rounding,
-            ];
             for sign in [1.0, -1.0] {
-                let [by_rounding, both] = levels.map(|left| {
+                let displaced = |left: f64| {
                     let closes = |gap: &State<N>| {
                         let gap = gap.component_div(&sizes);
                         gap.rows(0, closing.states).amax() <= CLOSED * left
@@ -145,7 +140,14 @@ impl<const N: usize, K: Copy + PartialEq> Circuit<N, K> {
                         self.farthest(system, start, (&direction, sign), options, closes)?;
                     let there = Circuit::follow(system, &moved, period, options);
                     Some(there.ok().filter(|one| is_same(&one.sequence(), &sequence)))
-                });
+                };
+                let by_rounding = displaced(by_rounding);
+                // Away from 1 the tolerances leave nothing open.
+                let both = if direction.both > direction.by_rounding {
+                    displaced(both)
+                } else {
+                    by_rounding.clone()
+                };
                 let Some(both) = both else { continue };
                 self.is_certain &= both.is_some();
                 let known = [by_rounding.flatten(), both];

@@ -23,9 +23,9 @@ pub(super) use tolerance::of_tolerance;
 /// A change of the phases of a periodic orbit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SequenceChange<const N: usize, K = Mode> {
-    /// The parameter.
+    /// The parameter: where the event function is zero, if that could be sought from both sides, or of the last orbit before the change.
     pub parameter: f64,
-    /// Between it and the nearest parameter that was seen with other phases, or without such an orbit; or, where orbits could not be computed
+    /// Between that orbit and the nearest parameter that was seen with other phases, or without such an orbit; or, where orbits could not be computed
     /// that near, how far behind the last of them its event function would be zero. What the tolerances have it off by is in it, as another orbit with a tenth of
     /// them tells; of methods with fixed steps nothing does.
     pub uncertainty: f64,
