@@ -62,7 +62,8 @@ impl<F> Shooting<'_, F> {
                     };
                     let beside = [value(zero - way)?, value(zero + way)?];
                     let by_tolerance = self.by_tolerance(&at, function)?;
-                    Some(uncertainty_of_zero(value(zero)?, beside, by_tolerance))
+                    let uncertainty = uncertainty_of_zero(value(zero)?, beside, by_tolerance);
+                    uncertainty.is_finite().then_some(uncertainty)
                 };
                 // Where another branch meets it no orbit can be computed: it lies between the two.
                 let uncertainty = by_slope().unwrap_or_else(|| (two.s - one.s).abs());
@@ -122,7 +123,8 @@ impl<F> Shooting<'_, F> {
                 .rev()
                 .find(|other| other.1 >= 2.0 * value)?;
             let slope = (apart.0.s - orbit.s) / (apart.1 - value);
-            Some((self.by_tolerance(orbit, square)? * slope).abs())
+            let shift = (self.by_tolerance(orbit, square)? * slope).abs();
+            shift.is_finite().then_some(shift)
         };
         let shift = (0..known.len()).rev().find_map(shift);
         // Where nothing tells, it may be as far away as the orbits known reach.
