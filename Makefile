@@ -10,19 +10,22 @@ help: ## Show the targets
 
 figures: $(FIGURES) ## Compute and draw all figures into figures/
 
-# One build for all binaries; the runs then only start them, one after the other even under make -j. FIGURES_PROFILE=dev takes the programs that the
-# tests have made: half as fast, the same bits, and nothing is compiled once more.
-FIGURES_PROFILE ?= release
+# One build for all figures, without what they do not need; the runs then only start them, one after the other even under make -j.
+# FIGURES_BUILD='--profile dev' takes the programs that the tests have made: half as fast, the same bits, and nothing is compiled once more.
+FIGURES_BUILD ?= --profile figures --no-default-features
+REPLICATION := --locked --quiet -p stickslip-replication
 build-figures:
-	$(CARGO) build --locked --profile $(FIGURES_PROFILE) -p stickslip-replication --bins
-.PHONY: build-figures
+	$(CARGO) build --locked -p stickslip-replication --bins $(FIGURES_BUILD)
+build-replication:
+	$(CARGO) build --locked -p stickslip-replication --bins --release
+.PHONY: build-figures build-replication
 .NOTPARALLEL:
 
 $(FIGURES): build-figures
-	$(CARGO) run --locked --profile $(FIGURES_PROFILE) --quiet -p stickslip-replication --bin $@ -- --out-dir figures
+	$(CARGO) run $(REPLICATION) $(FIGURES_BUILD) --bin $@ -- --out-dir figures
 
-report: build-figures ## The verdict on every claim: report/index.html, report/claims.csv, figures/{convergence,scan}.*, README
-	$(CARGO) run --locked --profile $(FIGURES_PROFILE) --quiet -p stickslip-replication --bin report
+report: build-replication ## The verdict on every claim: report/index.html, report/claims.csv, figures/{convergence,scan}.*, README
+	$(CARGO) run $(REPLICATION) --release --bin report
 
 test: ## Run all tests; the test profile is optimised, see Cargo.toml
 	$(CARGO) test --locked
@@ -32,8 +35,8 @@ golden: ## Rewrite golden/ and what repeats it (figures/, report/, README) on pu
 	INSTA_UPDATE=always $(CARGO) test --locked
 
 # A search that was stopped goes on where it was; one that is complete is never taken for a new one.
-readings: build-figures ## Search all readings of Figs. 10-12 anew into golden/, some ten minutes
-	$(CARGO) run --locked --release --quiet -p stickslip-replication --bin readings -- --out target/readings
+readings: build-replication ## Search all readings of Figs. 10-12 anew into golden/, some ten minutes
+	$(CARGO) run $(REPLICATION) --release --bin readings -- --out target/readings
 	cp target/readings/readings.csv target/readings/readings.txt golden/
 	rm -r target/readings
 
@@ -108,6 +111,7 @@ check: ## Formatting, lints and documentation, every warning an error
 	$(CARGO) fmt --all --check
 	$(CARGO) clippy --locked --workspace --all-targets -- -D warnings
 	$(CARGO) clippy --locked --workspace --all-targets --all-features -- -D warnings
+	$(CARGO) clippy --locked -p stickslip-replication --no-default-features --bins -- -D warnings
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --locked --workspace --no-deps
 
 clean: ## Remove what was built; figures/ and golden/ are part of the repository and stay

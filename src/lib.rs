@@ -2,11 +2,16 @@
 
 mod bisection;
 pub mod figures;
+#[cfg(feature = "report")]
 mod marked;
 pub mod paper;
+#[cfg(feature = "report")]
 pub mod peers;
+#[cfg(feature = "report")]
 pub mod readings;
+#[cfg(feature = "report")]
 pub mod report;
+#[cfg(feature = "report")]
 pub mod spectrum_cli;
 mod terminal;
 mod turns;

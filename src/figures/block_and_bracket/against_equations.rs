@@ -74,7 +74,7 @@ pub(super) fn worth(data: &DataSpectrum, place: usize, comparisons: &[Comparison
 #[cfg(test)]
 mod tests {
     use super::*;
-    use stickslip::analysis::data_spectrum::{DataSettings, Series, data_spectrum};
+    use stickslip::analysis::data_spectrum::{DataSettings, data_spectrum_of_rows};
     use stickslip::math;
 
     /// A circle run through at a golden number of radians per sample: one exponent, zero.
@@ -85,8 +85,7 @@ mod tests {
                 [math::cos(angle), math::sin(angle), 0.0, 0.0]
             })
             .collect();
-        let series = Series::from_rows(rows, 0.1).unwrap();
-        data_spectrum(&series, &DataSettings::sano_sawada()).unwrap()
+        data_spectrum_of_rows(&rows, 0.1, &DataSettings::sano_sawada()).unwrap()
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use super::watch::Watch;
 use super::{Set, best_common};
 use crate::figures::error::FigureError;
-use stickslip::analysis::data_spectrum::{DataSettings, DataSpectrum, Series, data_spectrum};
+use stickslip::analysis::data_spectrum::{DataSettings, DataSpectrum, data_spectrum_of_rows};
 use stickslip::analysis::motion::{Class, Criterion, Evidence, Of};
 use stickslip::analysis::{Spectrum, SpectrumOptions, lyapunov_spectrum_watched};
 use stickslip::error::Error;
@@ -81,11 +81,11 @@ pub fn compute(set: &Set) -> Result<Data, FigureError> {
     let (exact, literal) = rayon::join(|| exact(set), || literal(set));
     let (model, exact, watched) = exact.map_err(|error| failed(error.into()))?;
     let samples = watched.series.len();
-    let series = Series::from_rows(watched.series, DT).map_err(|error| failed(error.into()))?;
-    let from_data = data_spectrum(&series, &DataSettings::sano_sawada())
-        .map_err(|error| failed(error.into()))?;
-    let best_of_readings =
-        data_spectrum(&series, &best_common()).map_err(|error| failed(error.into()))?;
+    let spectrum = |settings| {
+        data_spectrum_of_rows(&watched.series, DT, &settings).map_err(|error| failed(error.into()))
+    };
+    let from_data = spectrum(DataSettings::sano_sawada())?;
+    let best_of_readings = spectrum(best_common())?;
     let section: Vec<[f64; 4]> = watched.section.iter().map(|(_, x)| *x).collect();
     let turns = section.iter().take(16).copied().collect();
     Ok(Data {

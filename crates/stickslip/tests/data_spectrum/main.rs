@@ -8,7 +8,7 @@ mod second_opinion;
 use nalgebra::{Matrix2, Vector2};
 use stickslip::analysis::data_spectrum::{
     DataError, DataSettings, DataSpectrum, Kind, MAX_COLUMNS, Neighbourhood, Series, Status,
-    data_spectrum,
+    data_spectrum, data_spectrum_of_rows,
 };
 use stickslip::math;
 use stickslip::ode::{Rk4, stages};
@@ -563,6 +563,26 @@ fn the_order_of_columns_does_not_matter() {
         assert_eq!(a.status, b.status);
         near(b.value, a.value, 1e-6 * a.value.abs().max(1.0));
     }
+}
+
+#[test]
+fn rows_have_the_bits_of_their_series_and_its_errors() {
+    let (rows, settings) = (lorenz(5000), DataSettings::default());
+    // Debug prints the shortest text that reads back as the same number, and NaN as such.
+    let text = |spectrum: &DataSpectrum| format!("{:?}", spectrum.exponents);
+    let of_rows = data_spectrum_of_rows(&rows, 0.05, &settings).unwrap();
+    assert_eq!(text(&of_rows), text(&spectrum(&rows, 0.05, &settings)));
+    let none = data_spectrum_of_rows(&[[0.0; MAX_COLUMNS + 1]; 5000], 1.0, &settings);
+    assert!(matches!(none, Err(DataError::Columns { columns, .. }) if columns > MAX_COLUMNS));
+    let bad = DataSettings {
+        step: 0,
+        ..settings
+    };
+    let refused = data_spectrum_of_rows(&rows, 0.05, &bad);
+    assert!(matches!(
+        refused,
+        Err(DataError::Setting { name: "step", .. })
+    ));
 }
 
 #[test]

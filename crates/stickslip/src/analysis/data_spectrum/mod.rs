@@ -126,7 +126,7 @@ pub use embedding::{
     NO_FALSE_NEIGHBOURS, choose_embedding, lacks_columns,
 };
 pub use error::DataError;
-pub use estimate::{data_spectrum, data_spectrum_with};
+pub use estimate::{data_spectrum, data_spectrum_of_rows, data_spectrum_with};
 pub use extrapolation::Sizes;
 pub use polynomial::Degree;
 pub use result::{Counts, DataExponent, DataSpectrum, Running, Status};

@@ -89,6 +89,7 @@ impl Divergence {
 /// # Errors
 /// [`DataError::TooFew`] for fewer than 50 points or a window that leaves no neighbours, [`DataError::Constant`],
 /// [`DataError::Overflow`], [`DataError::TooMany`].
+#[inline]
 pub fn divergence(
     series: &Series,
     theiler: Option<usize>,

@@ -124,6 +124,7 @@ pub struct EmbeddingChoice {
 /// # Errors
 /// [`DataError::Setting`] for a delay or dimension that is not allowed, [`DataError::Span`] for one that the series is too short
 /// for, [`DataError::Constant`], [`DataError::Overflow`], [`DataError::TooMany`].
+#[inline]
 pub fn choose_embedding(
     series: &Series,
     settings: &EmbeddingSettings,
@@ -190,6 +191,7 @@ pub fn choose_embedding(
 ///
 /// # Errors
 /// [`DataError::Constant`], [`DataError::Overflow`], [`DataError::TooMany`], [`DataError::Tree`].
+#[inline]
 pub fn lacks_columns(series: &Series, theiler: Option<usize>) -> Result<bool, DataError> {
     let (delay, spread) = scales(series)?;
     let alone = Embedding {
@@ -204,6 +206,7 @@ pub fn lacks_columns(series: &Series, theiler: Option<usize>) -> Result<bool, Da
 }
 
 /// Decorrelation time and spread of all columns together.
+#[inline]
 fn scales(series: &Series) -> Result<(usize, f64), DataError> {
     fn of_size<const N: usize>(series: &Series) -> Result<(usize, f64), DataError> {
         let cloud = Cloud::<N>::new(series)?;

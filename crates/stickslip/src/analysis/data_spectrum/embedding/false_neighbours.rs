@@ -31,6 +31,7 @@ pub(super) struct Level {
 ///
 /// # Errors
 /// [`DataError::Span`] if no point has a next value, [`DataError::Constant`], [`DataError::Overflow`].
+#[inline]
 pub(super) fn level(
     series: &Series,
     embedding: Embedding,
