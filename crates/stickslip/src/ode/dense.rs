@@ -11,7 +11,7 @@ use crate::taylor::MOST_ORDER;
 ///
 /// Of a Runge–Kutta step: `u(s) = c0 + s (c1 + r (c2 + s (c3 + r (c4 + s (c5 + r (c6 + s c7))))))` with `r = 1 − s` (Hairer, Nørsett &
 /// Wanner, Sect. II.6). The first four coefficients are the cubic Hermite interpolant; RK4 has only those
-/// (order 3), DOP853 all eight (order 7). Of a Taylor step: its series, as accurate inside the step as at its end.
+/// (order 3) and keeps no others, DOP853 all eight (order 7). Of a Taylor step: its series, as accurate inside the step as at its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dense<const N: usize> {
     /// Time at the start of the step.
@@ -24,6 +24,8 @@ pub struct Dense<const N: usize> {
 // Kept in place, without a box: records of steps are copied and never allocate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Polynomial<const N: usize> {
+    /// The first four terms, of a method without further stages.
+    Hermite([State<N>; 4]),
     RungeKutta([State<N>; 8]),
     /// Coefficients of the powers of `s`, up to the order given.
     Series(usize, [State<N>; MOST_ORDER + 1]),
@@ -34,7 +36,7 @@ impl<const N: usize> Dense<N> {
     #[inline(always)]
     pub fn new<M: RungeKutta>(t0: f64, x0: &State<N>, h: f64, step: &Stages<State<N>>) -> Self {
         let zero = <State<N> as Linear<f64>>::zero();
-        let mut c = [zero; 8];
+        let mut c = [zero; 4];
         let slope_at_end = &step.k[M::COEFFICIENTS.stages];
         for i in 0..N {
             let rise = step.end[i] - x0[i];
@@ -44,26 +46,27 @@ impl<const N: usize> Dense<N> {
             c[2][i] = bend;
             c[3][i] = rise - h * slope_at_end[i] - bend;
         }
-        if M::COEFFICIENTS.dense_stages > 0 {
-            for (coefficient, weights) in c[4..].iter_mut().zip(&M::COEFFICIENTS.d) {
+        let polynomial = if M::COEFFICIENTS.dense_stages > 0 {
+            let mut all = [zero; 8];
+            all[..4].copy_from_slice(&c);
+            for (coefficient, weights) in all[4..].iter_mut().zip(&M::COEFFICIENTS.d) {
                 *coefficient = zero.add_scaled(h, &weigh(&step.k, weights));
             }
-        }
-        Dense {
-            t0,
-            h,
-            polynomial: Polynomial::RungeKutta(c),
-        }
+            Polynomial::RungeKutta(all)
+        } else {
+            Polynomial::Hermite(c)
+        };
+        Dense { t0, h, polynomial }
     }
 
     /// A state that does not move, from time `t0` on.
     pub(crate) fn resting(t0: f64, x: State<N>) -> Self {
-        let mut c = [<State<N> as Linear<f64>>::zero(); 8];
+        let mut c = [<State<N> as Linear<f64>>::zero(); 4];
         c[0] = x;
         Dense {
             t0,
             h: 1.0,
-            polynomial: Polynomial::RungeKutta(c),
+            polynomial: Polynomial::Hermite(c),
         }
     }
 
@@ -80,14 +83,16 @@ impl<const N: usize> Dense<N> {
         self.polynomial = Polynomial::Series(order, *coefficients);
     }
 
-    /// Becomes a copy of another one, of which no more is copied than its method needs.
+    /// Becomes a copy of another one, of which no more is copied than its method needs: where the variants are the same, the compiler
+    /// would take an assignment of the whole for a copy of the largest.
     #[inline(always)]
     pub(crate) fn become_copy(&mut self, of: &Self) {
         (self.t0, self.h) = (of.t0, of.h);
-        self.polynomial = match &of.polynomial {
-            Polynomial::RungeKutta(c) => Polynomial::RungeKutta(*c),
-            Polynomial::Series(order, c) => Polynomial::Series(*order, *c),
-        };
+        match (&mut self.polynomial, &of.polynomial) {
+            (Polynomial::Hermite(to), Polynomial::Hermite(c)) => *to = *c,
+            (Polynomial::RungeKutta(to), Polynomial::RungeKutta(c)) => *to = *c,
+            (to, c) => *to = *c,
+        }
     }
 
     /// Whether the field was a number at every stage: the slope at the end enters the fourth coefficient, all further
@@ -95,6 +100,7 @@ impl<const N: usize> Dense<N> {
     #[inline(always)]
     pub(crate) fn is_finite(&self) -> bool {
         match &self.polynomial {
+            Polynomial::Hermite(c) => c[3].iter().all(|v| v.is_finite()),
             Polynomial::RungeKutta(c) => (0..N).all(|i| (c[3][i] + c[7][i]).is_finite()),
             Polynomial::Series(_, c) => c.iter().all(|c| c.iter().all(|v| v.is_finite())),
         }
@@ -103,52 +109,59 @@ impl<const N: usize> Dense<N> {
     /// The state at `t0 + s h`.
     #[inline(always)]
     pub fn at(&self, s: f64) -> State<N> {
-        let c = match &self.polynomial {
-            Polynomial::RungeKutta(c) => c,
-            Polynomial::Series(order, c) => return power_series(&c[..=*order], s),
-        };
-        let r = 1.0 - s;
-        let mut x = c[7];
-        for i in 0..N {
-            x[i] = c[6][i] + s * x[i];
-            x[i] = c[5][i] + r * x[i];
-            x[i] = c[4][i] + s * x[i];
-            x[i] = c[3][i] + r * x[i];
-            x[i] = c[2][i] + s * x[i];
-            x[i] = c[1][i] + r * x[i];
-            x[i] = c[0][i] + s * x[i];
+        match &self.polynomial {
+            Polynomial::Hermite(c) => nested(c, s),
+            Polynomial::RungeKutta(c) => nested(c, s),
+            Polynomial::Series(order, c) => power_series(&c[..=*order], s),
         }
-        x
     }
 
     /// A box that holds the state throughout the step: the middle of a straight way, and as radius what every other term
     /// of the polynomial can reach between 0 and 1.
     #[inline(always)]
     pub(crate) fn enclosure(&self) -> [Interval; N] {
-        /// The largest values of `s r`, `s² r`, … `s⁴ r³`, rounded up.
-        const REACH: [f64; 6] = [0.25, 0.148_149, 0.0625, 0.034_561, 0.015_626, 0.008_394];
-        let c = match &self.polynomial {
-            Polynomial::RungeKutta(c) => c,
-            Polynomial::Series(order, c) => {
-                return std::array::from_fn(|i| {
-                    let reach = c[1..=*order].iter().map(|c| c[i].abs()).sum();
-                    Interval::around(c[0][i], reach)
-                });
-            }
-        };
-        std::array::from_fn(|i| {
-            let mut radius = 0.5 * c[1][i].abs();
-            for (term, reach) in c[2..].iter().zip(REACH) {
-                radius += reach * term[i].abs();
-            }
-            Interval::around(c[0][i] + 0.5 * c[1][i], radius)
-        })
+        match &self.polynomial {
+            Polynomial::Hermite(c) => enclosure_of_nested(c),
+            Polynomial::RungeKutta(c) => enclosure_of_nested(c),
+            Polynomial::Series(order, c) => std::array::from_fn(|i| {
+                let reach = c[1..=*order].iter().map(|c| c[i].abs()).sum();
+                Interval::around(c[0][i], reach)
+            }),
+        }
     }
 
     /// The state at time `t`.
     pub fn at_time(&self, t: f64) -> State<N> {
         self.at((t - self.t0) / self.h)
     }
+}
+
+/// `c0 + s (c1 + r (c2 + s (c3 + …)))` with `r = 1 − s`.
+#[inline(always)]
+fn nested<const N: usize, const K: usize>(c: &[State<N>; K], s: f64) -> State<N> {
+    let r = 1.0 - s;
+    let mut x = c[K - 1];
+    for k in (0..K - 1).rev() {
+        let factor = if k % 2 == 0 { s } else { r };
+        for i in 0..N {
+            x[i] = c[k][i] + factor * x[i];
+        }
+    }
+    x
+}
+
+/// What [`nested`] can be between 0 and 1.
+#[inline(always)]
+fn enclosure_of_nested<const N: usize, const K: usize>(c: &[State<N>; K]) -> [Interval; N] {
+    /// The largest values of `s r`, `s² r`, … `s⁴ r³`, rounded up.
+    const REACH: [f64; 6] = [0.25, 0.148_149, 0.0625, 0.034_561, 0.015_626, 0.008_394];
+    std::array::from_fn(|i| {
+        let mut radius = 0.5 * c[1][i].abs();
+        for (term, reach) in c[2..].iter().zip(REACH) {
+            radius += reach * term[i].abs();
+        }
+        Interval::around(c[0][i] + 0.5 * c[1][i], radius)
+    })
 }
 
 /// `Σ c_k s^k`.
