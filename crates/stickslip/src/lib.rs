@@ -199,7 +199,7 @@
 //! ```
 //!
 //! # Features
-//! `data`: Lyapunov spectra from time series, `analysis::data_spectrum`. Off by default, for the search tree that it needs.
+//! `data`: Lyapunov spectra from time series, `analysis::data_spectrum`. Off by default, for the Fourier transform that it needs.
 
 pub mod analysis;
 mod dual;

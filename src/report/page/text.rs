@@ -143,7 +143,7 @@ pub(super) fn remake(origin: &Origin) -> Markup {
 }
 
 /// Libraries whose versions could matter to a number or a picture.
-const TOLD: [&str; 6] = ["kiddo", "libm", "maud", "nalgebra", "plotters", "rayon"];
+const TOLD: [&str; 5] = ["libm", "maud", "nalgebra", "plotters", "rayon"];
 
 /// Their names and versions in the lock file.
 fn libraries() -> Vec<String> {

@@ -114,12 +114,4 @@ pub enum DataError {
         /// What its crate said.
         cause: String,
     },
-    /// The search tree could not be built.
-    #[error("cannot build the search tree over {rows} points: {cause}; please report this")]
-    Tree {
-        /// Number of points.
-        rows: usize,
-        /// What its crate said.
-        cause: String,
-    },
 }

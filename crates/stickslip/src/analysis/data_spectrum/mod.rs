@@ -117,6 +117,7 @@ mod series;
 mod settings;
 mod surrogates;
 mod svd;
+mod tree;
 
 pub use balance::Balance;
 pub use directions::{Direction, Kind};

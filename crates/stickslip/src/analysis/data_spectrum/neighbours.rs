@@ -1,21 +1,13 @@
 //! Neighbours of a point.
 
-use std::num::NonZero;
-
-use kiddo::{ImmutableKdTree, SquaredEuclidean};
-
-use super::cloud::{Cloud, distance2};
+use super::cloud::Cloud;
 use super::error::DataError;
 use super::settings::Neighbourhood;
+use super::tree::Tree;
 
 /// Points nearer than this fraction of the spread are the same point met again. Their difference is rounding or the
 /// tolerance of an integrator, and tells nothing of the dynamics.
 const REPEAT: f64 = 1e-9;
-/// How many repeats a search reads over before it gives up.
-const PATIENCE: usize = 1000;
-/// Slack of the tree's own arithmetic against ours.
-const SLACK: f64 = 1.0 + 1e-9;
-
 /// A neighbour: squared distance and index.
 pub(super) type Neighbour = (f64, u32);
 
@@ -30,7 +22,7 @@ pub(super) struct Selection {
 
 /// Finds neighbours among the points that have an image.
 pub(super) struct Finder<'c, const N: usize> {
-    tree: ImmutableKdTree<f64, N>,
+    tree: Tree<N>,
     points: &'c [[f64; N]],
     theiler: usize,
     repeat2: f64,
@@ -38,7 +30,7 @@ pub(super) struct Finder<'c, const N: usize> {
 
 impl<'c, const N: usize> Finder<'c, N> {
     /// # Errors
-    /// [`DataError::TooMany`], [`DataError::Tree`].
+    /// [`DataError::TooMany`].
     pub(super) fn new(cloud: &'c Cloud<N>, step: usize, theiler: usize) -> Result<Self, DataError> {
         let rows = cloud.points.len();
         if u32::try_from(rows).is_err() {
@@ -48,14 +40,9 @@ impl<'c, const N: usize> Finder<'c, N> {
             });
         }
         let with_image = &cloud.points[..rows.saturating_sub(step)];
-        let tree =
-            ImmutableKdTree::new_from_slice(with_image).map_err(|error| DataError::Tree {
-                rows,
-                cause: format!("{error:?}"),
-            })?;
         let repeat = (REPEAT * cloud.spread).max(4.0 * cloud.rounding);
         Ok(Self {
-            tree,
+            tree: Tree::new(with_image),
             points: &cloud.points,
             theiler,
             repeat2: repeat * repeat,
@@ -102,54 +89,18 @@ impl<'c, const N: usize> Finder<'c, N> {
     }
 
     /// The `wanted` nearest admissible points within `radius`, nearest first, equally distant ones by index. Fewer if there
-    /// are no more, or if too many repeats lie in between.
-    ///
-    /// The tree proposes, distances computed here decide: the outcome then does not depend on how its crate sums squares or
-    /// breaks ties.
+    /// are no more.
     pub(super) fn nearest(&self, j: usize, wanted: usize, radius: f64, found: &mut Vec<Neighbour>) {
-        let centre = &self.points[j];
-        let radius2 = radius * radius;
-        let size = self.tree.size();
-        let window = 2 * self.theiler + 1;
-        let limit = wanted.saturating_add(window + PATIENCE).min(size);
-        let mut ask = wanted.saturating_add(2 + window.min(32)).min(size);
-        loop {
-            found.clear();
-            let Some(count) = NonZero::new(ask) else {
-                return;
-            };
-            let query = self.tree.query(centre);
-            let query = query.nearest_n::<SquaredEuclidean<f64>>(count);
-            let proposed = if radius.is_finite() {
-                query.within(radius2 * SLACK).execute()
-            } else {
-                query.execute()
-            };
-            let reach = proposed.last().map_or(0.0, |item| item.distance);
-            let all = proposed.len() < ask || ask == size;
-            found.extend(proposed.iter().filter_map(|item| {
-                let k = item.item as usize;
-                let d2 = distance2(&self.points[k], centre);
-                let admissible = k.abs_diff(j) > self.theiler && d2 > self.repeat2 && d2 <= radius2;
-                admissible.then_some((d2, item.item))
-            }));
-            found.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-            // A tie at the edge of what was proposed may hide an equally distant point of lower index.
-            let settled = wanted
-                .checked_sub(1)
-                .and_then(|last| found.get(last))
-                .is_some_and(|furthest| furthest.0 * SLACK < reach);
-            if all || settled || ask == limit {
-                found.truncate(wanted);
-                return;
-            }
-            ask = ask.saturating_mul(2).min(limit);
-        }
+        let admissible =
+            |square, k: u32| square > self.repeat2 && (k as usize).abs_diff(j) > self.theiler;
+        self.tree
+            .nearest(&self.points[j], wanted, radius * radius, admissible, found);
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::cloud::distance2;
     use super::super::series::Series;
     use super::*;
     use crate::math;
@@ -211,9 +162,16 @@ mod tests {
         agrees_with_brute_force((0..2500).map(|i| [f64::from(i % 50), f64::from(i / 50)]));
     }
 
+    /// Half of the points are repeats of the one looked at, and all others are equally distant.
+    #[test]
+    fn the_tree_finds_what_brute_force_finds_behind_repeats() {
+        agrees_with_brute_force((0..3000).map(|i| [f64::from(i % 2)]));
+    }
+
     #[test]
     fn only_repeats_end_the_search_with_nothing() {
-        let rows = (0..6000).map(|i| [f64::from(i % 2)]);
+        // The last point alone is another, and has no image.
+        let rows = (0..3000).map(|i| [f64::from(u8::from(i == 2999))]);
         let cloud = Cloud::<1>::new(&Series::from_rows(rows, 1.0).unwrap()).unwrap();
         let finder = Finder::new(&cloud, 1, 1).unwrap();
         let mut found = vec![(0.0, 0)];

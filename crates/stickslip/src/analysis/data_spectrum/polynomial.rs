@@ -6,6 +6,8 @@
 //! curvature of the attractor for what it is (Bryant, Brown and Abarbanel, Phys. Rev. Lett. 65, 1523 (1990); Brown, Bryant
 //! and Abarbanel, Phys. Rev. A 43, 2787 (1991)).
 
+use pulp::{Arch, NullaryFnOnce};
+
 use super::neighbours::Neighbour;
 use super::svd::{Square, dot, product, reflect};
 
@@ -110,7 +112,11 @@ impl Fitter {
             };
         }
         self.fill(points, j, neighbours, directions, polynomial);
-        triangle(&mut self.design, rows, unknowns);
+        Arch::new().dispatch(Triangle {
+            design: &mut self.design,
+            rows,
+            unknowns,
+        });
         self.derivative(rows, unknowns, directions, polynomial)
     }
 
@@ -217,24 +223,37 @@ impl Fitter {
 
 /// Turns the first `unknowns` columns into an upper triangle by reflections, and applies these to the others. A column that
 /// depends on those before it gets a zero corner and is passed over.
-fn triangle(design: &mut [f64], rows: usize, unknowns: usize) {
-    for i in 0..unknowns {
-        let (done, rest) = design.split_at_mut((i + 1) * rows);
-        let column = &mut done[i * rows..];
-        let whole = dot(column, column).sqrt();
-        let mirror = &mut column[i..];
-        let norm = dot(mirror, mirror).sqrt();
-        if norm <= DEPENDENT * whole {
-            mirror[0] = 0.0;
-            continue;
+struct Triangle<'a> {
+    design: &'a mut [f64],
+    rows: usize,
+    unknowns: usize,
+}
+
+/// With the machine's vectors, which change no bit: the partial sums of [`dot`] are lanes of one.
+impl NullaryFnOnce for Triangle<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let rows = self.rows;
+        for i in 0..self.unknowns {
+            let (done, rest) = self.design.split_at_mut((i + 1) * rows);
+            let column = &mut done[i * rows..];
+            let whole = dot(column, column).sqrt();
+            let mirror = &mut column[i..];
+            let norm = dot(mirror, mirror).sqrt();
+            if norm <= DEPENDENT * whole {
+                mirror[0] = 0.0;
+                continue;
+            }
+            let corner = if mirror[0] > 0.0 { -norm } else { norm };
+            mirror[0] -= corner;
+            let square = dot(mirror, mirror);
+            for column in rest.chunks_exact_mut(rows) {
+                reflect(mirror, square, &mut column[i..]);
+            }
+            mirror[0] = corner;
         }
-        let corner = if mirror[0] > 0.0 { -norm } else { norm };
-        mirror[0] -= corner;
-        let square = dot(mirror, mirror);
-        for column in rest.chunks_exact_mut(rows) {
-            reflect(mirror, square, &mut column[i..]);
-        }
-        mirror[0] = corner;
     }
 }
 

@@ -3,6 +3,8 @@
 //! Own code, because the sizes are tiny and the bits must be the same everywhere: only `+ − × ÷ √`, in a fixed order. The
 //! triangle is found from the neighbour matrix itself and never from `Σ y yᵀ`, whose condition number is the square.
 
+use pulp::{Arch, NullaryFnOnce};
+
 /// Sweeps after which Jacobi's rotations stop; ten are more than ever needed.
 const SWEEPS: usize = 40;
 /// Cosine of two columns that counts as orthogonal.
@@ -18,36 +20,54 @@ pub(super) fn triangle<const N: usize>(
     right: &mut [f64],
     rows: usize,
 ) -> (Square<N>, Square<N>) {
-    let mut r = [[0.0; N]; N];
-    let mut c = [[0.0; N]; N];
-    for i in 0..N {
-        let (done, rest) = left.split_at_mut((i + 1) * rows);
-        let mirror = &mut done[i * rows + i..];
-        let norm = dot(mirror, mirror).sqrt();
-        if norm > 0.0 {
-            let corner = if mirror[0] > 0.0 { -norm } else { norm };
-            mirror[0] -= corner;
-            let square = dot(mirror, mirror);
-            for column in rest.chunks_exact_mut(rows) {
-                reflect(mirror, square, &mut column[i..]);
-            }
-            for column in right.chunks_exact_mut(rows) {
-                reflect(mirror, square, &mut column[i..]);
-            }
-            r[i][i] = corner;
-        }
-        for (k, column) in rest.chunks_exact(rows).enumerate() {
-            r[i][i + 1 + k] = column[i];
-        }
-    }
-    for (k, column) in right.chunks_exact(rows).take(N).enumerate() {
-        for i in 0..N {
-            c[i][k] = column[i];
-        }
-    }
-    (r, c)
+    Arch::new().dispatch(Triangle { left, right, rows })
 }
 
+struct Triangle<'a, const N: usize> {
+    left: &'a mut [f64],
+    right: &'a mut [f64],
+    rows: usize,
+}
+
+/// With the machine's vectors, which change no bit: the partial sums of [`dot`] are lanes of one.
+impl<const N: usize> NullaryFnOnce for Triangle<'_, N> {
+    type Output = (Square<N>, Square<N>);
+
+    #[inline(always)]
+    fn call(self) -> Self::Output {
+        let Self { left, right, rows } = self;
+        let mut r = [[0.0; N]; N];
+        let mut c = [[0.0; N]; N];
+        for i in 0..N {
+            let (done, rest) = left.split_at_mut((i + 1) * rows);
+            let mirror = &mut done[i * rows + i..];
+            let norm = dot(mirror, mirror).sqrt();
+            if norm > 0.0 {
+                let corner = if mirror[0] > 0.0 { -norm } else { norm };
+                mirror[0] -= corner;
+                let square = dot(mirror, mirror);
+                for column in rest.chunks_exact_mut(rows) {
+                    reflect(mirror, square, &mut column[i..]);
+                }
+                for column in right.chunks_exact_mut(rows) {
+                    reflect(mirror, square, &mut column[i..]);
+                }
+                r[i][i] = corner;
+            }
+            for (k, column) in rest.chunks_exact(rows).enumerate() {
+                r[i][i + 1 + k] = column[i];
+            }
+        }
+        for (k, column) in right.chunks_exact(rows).take(N).enumerate() {
+            for i in 0..N {
+                c[i][k] = column[i];
+            }
+        }
+        (r, c)
+    }
+}
+
+#[inline(always)]
 pub(super) fn reflect(mirror: &[f64], square: f64, column: &mut [f64]) {
     let factor = 2.0 * dot(mirror, column) / square;
     for (v, m) in column.iter_mut().zip(mirror) {
@@ -56,6 +76,7 @@ pub(super) fn reflect(mirror: &[f64], square: f64, column: &mut [f64]) {
 }
 
 /// Four partial sums, in a fixed order: independent additions, so that they need not wait for one another.
+#[inline(always)]
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     let (a_fours, a_rest) = a.as_chunks::<4>();
     let (b_fours, b_rest) = b.as_chunks::<4>();

@@ -183,6 +183,42 @@ fn saturation<const N: usize>(cloud: &Cloud<N>) -> f64 {
     sum / count
 }
 
+/// A sum of logarithms as the logarithms of products: one for some ten numbers, and they are most of the time of a curve.
+struct SumOfLogarithms {
+    sum: f64,
+    product: f64,
+}
+
+impl SumOfLogarithms {
+    /// Products within this power of ten, either way, have room for another number within it.
+    const ROOM: f64 = 1e100;
+
+    const fn new() -> Self {
+        Self {
+            sum: 0.0,
+            product: 1.0,
+        }
+    }
+
+    /// Adds the logarithm of a positive number.
+    fn add(&mut self, v: f64) {
+        let within = Self::ROOM.recip()..=Self::ROOM;
+        if !within.contains(&v) {
+            self.sum += math::ln(v);
+            return;
+        }
+        self.product *= v;
+        if !within.contains(&self.product) {
+            self.sum += math::ln(self.product);
+            self.product = 1.0;
+        }
+    }
+
+    fn value(&self) -> f64 {
+        self.sum + math::ln(self.product)
+    }
+}
+
 /// How neighbours are followed.
 struct Follow<'a, const N: usize> {
     cloud: &'a Cloud<N>,
@@ -265,7 +301,7 @@ impl<const N: usize> Follow<'_, N> {
         ahead: usize,
     ) -> (f64, [f64; BLOCKS]) {
         let points = &self.cloud.points;
-        let mut sums = [(0.0, 0.0); BLOCKS];
+        let mut sums = [const { (SumOfLogarithms::new(), 0.0) }; BLOCKS];
         for (order, &i) in followed.iter().enumerate() {
             let here = &points[references[i] + ahead];
             let near = neighbours(i);
@@ -274,10 +310,12 @@ impl<const N: usize> Follow<'_, N> {
                 .map(|&(_, k)| distance2(&points[k as usize + ahead], here).sqrt());
             let mean = distances.sum::<f64>() / near.len() as f64;
             if mean > 0.0 {
-                let sum = &mut sums[order * BLOCKS / followed.len()];
-                *sum = (sum.0 + math::ln(mean), sum.1 + 1.0);
+                let (sum, count) = &mut sums[order * BLOCKS / followed.len()];
+                sum.add(mean);
+                *count += 1.0;
             }
         }
+        let sums = sums.map(|(sum, count)| (sum.value(), count));
         let (all, count) = sums
             .iter()
             .fold((0.0, 0.0), |all, sum| (all.0 + sum.0, all.1 + sum.1));

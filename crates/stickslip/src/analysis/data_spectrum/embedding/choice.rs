@@ -190,7 +190,7 @@ pub fn choose_embedding(
 /// that they are false. A quicker question than [`choose_embedding`], for several columns that may be the whole state.
 ///
 /// # Errors
-/// [`DataError::Constant`], [`DataError::Overflow`], [`DataError::TooMany`], [`DataError::Tree`].
+/// [`DataError::Constant`], [`DataError::Overflow`], [`DataError::TooMany`].
 #[inline]
 pub fn lacks_columns(series: &Series, theiler: Option<usize>) -> Result<bool, DataError> {
     let (delay, spread) = scales(series)?;
