@@ -11,8 +11,7 @@ help: ## Show the targets
 figures: $(FIGURES) ## Compute and draw all figures into figures/
 
 # One build for all figures, without what they do not need; the runs then only start them, one after the other even under make -j.
-# FIGURES_BUILD='--profile dev' takes the programs that the tests have made: half as fast, the same bits, and nothing is compiled once more.
-FIGURES_BUILD ?= --profile figures --no-default-features
+FIGURES_BUILD := --profile figures --no-default-features
 REPLICATION := --locked --quiet -p stickslip-replication
 build-figures:
 	$(CARGO) build --locked -p stickslip-replication --bins $(FIGURES_BUILD)
@@ -111,7 +110,7 @@ check: ## Formatting, lints and documentation, every warning an error
 	$(CARGO) fmt --all --check
 	$(CARGO) clippy --locked --workspace --all-targets -- -D warnings
 	$(CARGO) clippy --locked --workspace --all-targets --all-features -- -D warnings
-	$(CARGO) clippy --locked -p stickslip-replication --no-default-features --bins -- -D warnings
+	$(CARGO) clippy --locked -p stickslip-replication --no-default-features --lib --bins --tests -- -D warnings
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --locked --workspace --no-deps
 
 clean: ## Remove what was built; figures/ and golden/ are part of the repository and stay

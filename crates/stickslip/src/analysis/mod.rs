@@ -8,7 +8,7 @@ mod bifurcation;
 mod boundary_equilibrium;
 mod continuation;
 mod critical;
-#[cfg(feature = "data")]
+#[cfg(feature = "data-rows")]
 pub mod data_spectrum;
 mod destination;
 mod lagrange;

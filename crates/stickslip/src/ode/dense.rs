@@ -11,7 +11,7 @@ use crate::taylor::MOST_ORDER;
 ///
 /// Of a Runge–Kutta step: `u(s) = c0 + s (c1 + r (c2 + s (c3 + r (c4 + s (c5 + r (c6 + s c7))))))` with `r = 1 − s` (Hairer, Nørsett &
 /// Wanner, Sect. II.6). The first four coefficients are the cubic Hermite interpolant; RK4 has only those
-/// (order 3) and keeps no others, DOP853 all eight (order 7). Of a Taylor step: its series, as accurate inside the step as at its end.
+/// (order 3), DOP853 all eight (order 7). Of a Taylor step: its series, as accurate inside the step as at its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dense<const N: usize> {
     /// Time at the start of the step.
@@ -83,8 +83,8 @@ impl<const N: usize> Dense<N> {
         self.polynomial = Polynomial::Series(order, *coefficients);
     }
 
-    /// Becomes a copy of another one, of which no more is copied than its method needs: where the variants are the same, the compiler
-    /// would take an assignment of the whole for a copy of the largest.
+    /// Becomes a copy of another one. Of Runge–Kutta steps no more is copied than the method needs: an assignment of the whole is a copy of the
+    /// largest variant to the compiler, even where it knows which one it is.
     #[inline(always)]
     pub(crate) fn become_copy(&mut self, of: &Self) {
         (self.t0, self.h) = (of.t0, of.h);

@@ -569,7 +569,7 @@ fn the_order_of_columns_does_not_matter() {
 fn rows_have_the_bits_of_their_series_and_its_errors() {
     let (rows, settings) = (lorenz(5000), DataSettings::default());
     // Debug prints the shortest text that reads back as the same number, and NaN as such.
-    let text = |spectrum: &DataSpectrum| format!("{:?}", spectrum.exponents);
+    let text = |spectrum: &DataSpectrum| format!("{spectrum:?}");
     let of_rows = data_spectrum_of_rows(&rows, 0.05, &settings).unwrap();
     assert_eq!(text(&of_rows), text(&spectrum(&rows, 0.05, &settings)));
     let none = data_spectrum_of_rows(&[[0.0; MAX_COLUMNS + 1]; 5000], 1.0, &settings);

@@ -12,7 +12,9 @@ use super::extrapolation::{self, Plan};
 use super::fit::{LocalMap, Rule, Scratch};
 use super::neighbours::{Finder, Neighbour};
 use super::result::{Counts, DataSpectrum, Running};
-use super::series::{Series, for_columns};
+use super::series::Series;
+#[cfg(feature = "data")]
+use super::series::for_columns;
 use super::settings::{DataSettings, Estimator, FEWEST_REFERENCES};
 use super::svd::Square;
 
@@ -39,7 +41,7 @@ const CHUNK: usize = 2048;
 /// # Errors
 /// [`DataError::Setting`] for a setting that is not allowed, [`DataError::TooFew`], [`DataError::TooMany`],
 /// [`DataError::Constant`].
-#[inline]
+#[cfg(feature = "data")]
 pub fn data_spectrum(series: &Series, settings: &DataSettings) -> Result<DataSpectrum, DataError> {
     data_spectrum_with(series, settings, &|_, _| ())
 }
@@ -49,7 +51,7 @@ pub fn data_spectrum(series: &Series, settings: &DataSettings) -> Result<DataSpe
 ///
 /// # Errors
 /// As [`data_spectrum`].
-#[inline]
+#[cfg(feature = "data")]
 pub fn data_spectrum_with(
     series: &Series,
     settings: &DataSettings,
@@ -59,11 +61,12 @@ pub fn data_spectrum_with(
     for_columns!(series, estimate(series, settings, progress))
 }
 
-/// As [`data_spectrum`], of rows whose length is known to the compiler: code is made for this length only, a tenth of what
-/// [`data_spectrum`] takes to compile. The same bits.
+/// The spectrum of rows whose length is known to the compiler, with the bits of `data_spectrum`. Needs the feature `data-rows` only, with which no
+/// code is made for other lengths.
 ///
 /// # Errors
-/// As [`Series::new`] and [`data_spectrum`].
+/// As [`Series::new`]; [`DataError::Setting`] for a setting that is not allowed, [`DataError::TooFew`], [`DataError::TooMany`],
+/// [`DataError::Constant`].
 pub fn data_spectrum_of_rows<const N: usize>(
     rows: &[[f64; N]],
     dt: f64,

@@ -102,7 +102,9 @@ mod balance;
 mod chain;
 mod cloud;
 mod directions;
+#[cfg(feature = "data")]
 mod divergence;
+#[cfg(feature = "data")]
 mod embedding;
 mod error;
 mod estimate;
@@ -112,26 +114,34 @@ mod fit;
 mod neighbours;
 mod polynomial;
 mod result;
+#[cfg(feature = "data")]
 mod reversal;
 mod series;
 mod settings;
+#[cfg(feature = "data")]
 mod surrogates;
 mod svd;
 mod tree;
 
 pub use balance::Balance;
 pub use directions::{Direction, Kind};
+#[cfg(feature = "data")]
 pub use divergence::{Divergence, DivergenceCurve, StraightPart, divergence};
+#[cfg(feature = "data")]
 pub use embedding::{
     DelayReason, DimensionEvidence, DimensionReason, Embedding, EmbeddingChoice, EmbeddingSettings,
     NO_FALSE_NEIGHBOURS, choose_embedding, lacks_columns,
 };
 pub use error::DataError;
-pub use estimate::{data_spectrum, data_spectrum_of_rows, data_spectrum_with};
+pub use estimate::data_spectrum_of_rows;
+#[cfg(feature = "data")]
+pub use estimate::{data_spectrum, data_spectrum_with};
 pub use extrapolation::Sizes;
 pub use polynomial::Degree;
 pub use result::{Counts, DataExponent, DataSpectrum, Running, Status};
+#[cfg(feature = "data")]
 pub use reversal::{Origin, Reversal, reversal};
 pub use series::{MAX_COLUMNS, Series};
 pub use settings::{DataSettings, Estimator, FEWEST_REFERENCES, Neighbourhood};
+#[cfg(feature = "data")]
 pub use surrogates::{FEWEST_SURROGATES, Statistics, SurrogateTest, surrogate_test};

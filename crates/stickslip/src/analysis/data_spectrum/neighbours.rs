@@ -8,6 +8,7 @@ use super::tree::Tree;
 /// Points nearer than this fraction of the spread are the same point met again. Their difference is rounding or the
 /// tolerance of an integrator, and tells nothing of the dynamics.
 const REPEAT: f64 = 1e-9;
+
 /// A neighbour: squared distance and index.
 pub(super) type Neighbour = (f64, u32);
 
@@ -91,10 +92,10 @@ impl<'c, const N: usize> Finder<'c, N> {
     /// The `wanted` nearest admissible points within `radius`, nearest first, equally distant ones by index. Fewer if there
     /// are no more.
     pub(super) fn nearest(&self, j: usize, wanted: usize, radius: f64, found: &mut Vec<Neighbour>) {
-        let admissible =
-            |square, k: u32| square > self.repeat2 && (k as usize).abs_diff(j) > self.theiler;
+        let between = (self.repeat2, radius * radius);
+        let admissible = |k: u32| (k as usize).abs_diff(j) > self.theiler;
         self.tree
-            .nearest(&self.points[j], wanted, radius * radius, admissible, found);
+            .nearest(&self.points[j], wanted, between, admissible, found);
     }
 }
 
@@ -160,6 +161,15 @@ mod tests {
     #[test]
     fn the_tree_finds_what_brute_force_finds_on_a_grid() {
         agrees_with_brute_force((0..2500).map(|i| [f64::from(i % 50), f64::from(i / 50)]));
+    }
+
+    /// Nine tenths of the points are one, from which there is nothing near but repeats, and which is one far neighbour from elsewhere.
+    #[test]
+    fn the_tree_finds_what_brute_force_finds_beside_rest() {
+        agrees_with_brute_force((0..3000).map(|i| {
+            let at = f64::from(if i % 100 < 90 { 0 } else { i });
+            [math::sin(at), math::sin(2.0 * at), 0.1 * at]
+        }));
     }
 
     /// Half of the points are repeats of the one looked at, and all others are equally distant.

@@ -229,7 +229,7 @@ struct Triangle<'a> {
     unknowns: usize,
 }
 
-/// With the machine's vectors, which change no bit: the partial sums of [`dot`] are lanes of one.
+/// With the machine's vectors, which change no bit: the partial sums of [`dot`] are lanes of one vector.
 impl NullaryFnOnce for Triangle<'_> {
     type Output = ();
 

@@ -60,7 +60,6 @@ pub struct Reversal {
 ///
 /// # Errors
 /// Those of [`super::data_spectrum`].
-#[inline]
 pub fn reversal(
     embedded: &Series,
     spectrum: &DataSpectrum,

@@ -7,8 +7,8 @@ pub const MAX_COLUMNS: usize = 10;
 
 /// Calls `function::<N>(arguments)` with the number `N` of columns of a series, up to [`MAX_COLUMNS`].
 ///
-/// Functions that lead here are `#[inline]`, so that code for all these numbers is made where they are called, and not for everyone who
-/// depends on the library: it takes the compiler a minute.
+/// Code for all these numbers takes the compiler a minute: what leads here is left out without the feature `data`.
+#[cfg(feature = "data")]
 macro_rules! for_columns {
     ($series:expr, $function:ident($($argument:expr),* $(,)?)) => {
         for_columns!(@ $series, $function, ($($argument),*), 1 2 3 4 5 6 7 8 9 10)
@@ -26,6 +26,7 @@ macro_rules! for_columns {
         $function::<$n>($($argument),*)
     };
 }
+#[cfg(feature = "data")]
 pub(super) use for_columns;
 
 /// Points of a state space at equal intervals of time.

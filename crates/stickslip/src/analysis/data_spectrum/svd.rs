@@ -29,7 +29,7 @@ struct Triangle<'a, const N: usize> {
     rows: usize,
 }
 
-/// With the machine's vectors, which change no bit: the partial sums of [`dot`] are lanes of one.
+/// With the machine's vectors, which change no bit: the partial sums of [`dot`] are lanes of one vector.
 impl<const N: usize> NullaryFnOnce for Triangle<'_, N> {
     type Output = (Square<N>, Square<N>);
 
@@ -176,6 +176,7 @@ pub(super) fn product<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::statistics::SplitMix;
 
     fn multiply<const N: usize>(d: &Svd<N>) -> Square<N> {
         let mut m = [[0.0; N]; N];
@@ -220,6 +221,24 @@ mod tests {
         let (r, c) = triangle::<2>(&mut left, &mut right, 3);
         assert_eq!(r.map(|row| row.map(f64::abs)), [[2.0, 1.0], [0.0, 3.0]]);
         assert_eq!(c.map(|row| row.map(f64::abs)), [[1.0; 2]; 2]);
+    }
+
+    #[test]
+    fn the_machine_s_vectors_change_no_bit() {
+        let mut draw = SplitMix::new(14);
+        let columns: Vec<f64> = (0..8 * 37).map(|_| draw.between(-1.0, 1.0)).collect();
+        let triangle = |left, right| Triangle::<4> {
+            left,
+            right,
+            rows: 37,
+        };
+        let [mut plain, mut vectors] = [columns.clone(), columns];
+        let (left, right) = plain.split_at_mut(4 * 37);
+        let by_plain = triangle(left, right).call();
+        let (left, right) = vectors.split_at_mut(4 * 37);
+        let by_vectors = Arch::new().dispatch(triangle(left, right));
+        assert_eq!(by_plain, by_vectors);
+        assert_eq!(plain, vectors);
     }
 
     /// A map with a condition number of 1e10 is recovered to 1e-5 (rounding times condition); normal equations, whose

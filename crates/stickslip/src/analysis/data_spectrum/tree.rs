@@ -16,6 +16,8 @@ const BLOCKS: usize = 4;
 struct Bounds<const N: usize> {
     low: [f64; N],
     high: [f64; N],
+    /// The smallest index.
+    first: u32,
 }
 
 impl<const N: usize> Bounds<N> {
@@ -23,6 +25,7 @@ impl<const N: usize> Bounds<N> {
         let mut bounds = Bounds {
             low: [f64::INFINITY; N],
             high: [f64::NEG_INFINITY; N],
+            first: indices.iter().copied().min().unwrap_or(u32::MAX),
         };
         for &index in indices {
             for (c, v) in points[index as usize].iter().enumerate() {
@@ -49,6 +52,16 @@ impl<const N: usize> Bounds<N> {
         for (v, (low, high)) in centre.iter().zip(self.low.iter().zip(&self.high)) {
             let outside = (low - v).max(v - high).max(0.0);
             sum += outside * outside;
+        }
+        sum
+    }
+
+    /// A square that no point of the box is further than, in the same way.
+    fn furthest2(&self, centre: &[f64; N]) -> f64 {
+        let mut sum = 0.0;
+        for (v, (low, high)) in centre.iter().zip(self.low.iter().zip(&self.high)) {
+            let inside = (v - low).max(high - v);
+            sum += inside * inside;
         }
         sum
     }
@@ -138,14 +151,17 @@ impl<const N: usize> Tree<N> {
         }
     }
 
-    /// The `wanted` points nearest to `centre` whose square of distance is at most `radius2`, of those that are `admissible` by square and
-    /// index: nearest first, equally distant ones by index. Fewer if there are no more.
+    /// The `wanted` points nearest to `centre` whose square of distance is above `repeat2` and at most `radius2`, of those that are
+    /// `admissible` by index: nearest first, equally distant ones by index. Fewer if there are no more.
+    ///
+    /// Where a system rests or sticks, thousands of points are one: a node of repeats only is passed over, and so is one as far as the
+    /// last of those found, if all indices in it are larger.
     pub(super) fn nearest(
         &self,
         centre: &[f64; N],
         wanted: usize,
-        radius2: f64,
-        admissible: impl Fn(f64, u32) -> bool,
+        (repeat2, radius2): (f64, f64),
+        admissible: impl Fn(u32) -> bool,
         found: &mut Vec<Neighbour>,
     ) {
         found.clear();
@@ -158,7 +174,9 @@ impl<const N: usize> Tree<N> {
         let child = |node: usize| (node, self.bounds[node].distance2(centre));
         let mut open = vec![(0, 0.0)];
         while let Some((node, least)) = open.pop() {
-            if least > furthest.0 {
+            let bounds = &self.bounds[node];
+            let is_far = least > furthest.0 || least == furthest.0 && bounds.first > furthest.1;
+            if is_far || least <= repeat2 && bounds.furthest2(centre) <= repeat2 {
                 continue;
             }
             if node < self.first_leaf {
@@ -177,7 +195,7 @@ impl<const N: usize> Tree<N> {
                 for (square, &index) in squares.into_iter().zip(&block.indices) {
                     let is_near =
                         square <= furthest.0 && (square < furthest.0 || index <= furthest.1);
-                    if is_near && admissible(square, index) {
+                    if is_near && square > repeat2 && admissible(index) {
                         found.push((square, index));
                     }
                 }
@@ -196,4 +214,65 @@ impl<const N: usize> Tree<N> {
 /// By distance and then by index, as one number: the bits of positive numbers are in the order of the numbers.
 fn order(neighbour: &Neighbour) -> u128 {
     u128::from(neighbour.0.to_bits()) << u32::BITS | u128::from(neighbour.1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::cloud::distance2;
+    use super::*;
+    use crate::statistics::SplitMix;
+
+    /// Against all points one by one: from none of them to some hundred, in space, on a grid, in a few places far from the origin.
+    fn agrees_with_brute_force<const N: usize>() {
+        let mut draw = SplitMix::new(45);
+        for round in 0..200 {
+            let count = draw.between(0.0, 300.0) as usize;
+            let points: Vec<[f64; N]> = (0..count)
+                .map(|_| {
+                    std::array::from_fn(|_| match round % 3 {
+                        0 => draw.uniform(),
+                        1 => (4.0 * draw.uniform()).floor(),
+                        _ => 1e6 + (2.0 * draw.uniform()).floor() * 1e-9,
+                    })
+                })
+                .collect();
+            let tree = Tree::new(&points);
+            let centre = points.last().copied().unwrap_or([0.5; N]);
+            let admissible = |k: u32| !k.is_multiple_of(3);
+            for wanted in [0, 1, 2, 30, 500, usize::MAX] {
+                for between in [(-1.0, f64::INFINITY), (0.0, 0.0), (1e-20, 0.05), (0.0, 2.0)] {
+                    let mut found = Vec::new();
+                    tree.nearest(&centre, wanted, between, admissible, &mut found);
+                    let mut all: Vec<Neighbour> = (0..)
+                        .zip(&points)
+                        .map(|(k, point)| (distance2(point, &centre), k))
+                        .filter(|&(square, k)| {
+                            square > between.0 && square <= between.1 && admissible(k)
+                        })
+                        .collect();
+                    all.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+                    all.truncate(wanted);
+                    assert_eq!(found, all, "{N} {count} {wanted} {between:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn nearest_points_are_those_of_a_look_at_all() {
+        agrees_with_brute_force::<1>();
+        agrees_with_brute_force::<3>();
+        agrees_with_brute_force::<10>();
+    }
+
+    /// What keeps a search short where a system rests: both questions are asked of a node before its points are.
+    #[test]
+    fn a_box_of_repeats_is_no_further_than_a_repeat_and_knows_its_first() {
+        let points = [[0.5, 1.0]; 1000];
+        let root = Tree::new(&points).bounds[0];
+        assert_eq!(root.first, 0);
+        assert_eq!(root.furthest2(&[0.5, 1.0]), 0.0);
+        assert_eq!(root.furthest2(&[0.5, 3.0]), 4.0);
+        assert_eq!(root.distance2(&[0.5, 3.0]), 4.0);
+    }
 }

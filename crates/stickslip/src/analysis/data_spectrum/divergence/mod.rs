@@ -89,7 +89,6 @@ impl Divergence {
 /// # Errors
 /// [`DataError::TooFew`] for fewer than 50 points or a window that leaves no neighbours, [`DataError::Constant`],
 /// [`DataError::Overflow`], [`DataError::TooMany`].
-#[inline]
 pub fn divergence(
     series: &Series,
     theiler: Option<usize>,
@@ -183,14 +182,14 @@ fn saturation<const N: usize>(cloud: &Cloud<N>) -> f64 {
     sum / count
 }
 
-/// A sum of logarithms as the logarithms of products: one for some ten numbers, and they are most of the time of a curve.
+/// A sum of logarithms as the logarithms of products, which are fewer: they were most of the time of a curve.
 struct SumOfLogarithms {
     sum: f64,
     product: f64,
 }
 
 impl SumOfLogarithms {
-    /// Products within this power of ten, either way, have room for another number within it.
+    /// A product within this factor of one can take another such number without overflow.
     const ROOM: f64 = 1e100;
 
     const fn new() -> Self {
@@ -320,5 +319,37 @@ impl<const N: usize> Follow<'_, N> {
             .iter()
             .fold((0.0, 0.0), |all, sum| (all.0 + sum.0, all.1 + sum.1));
         (all / count, sums.map(|(sum, count)| sum / count))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sum_of_logarithms_is_that_of_each_at_any_size() {
+        let numbers = [
+            0.3,
+            1e-90,
+            1e-90,
+            7.0,
+            5e-324,
+            1e99,
+            1e99,
+            f64::MAX,
+            1e-200,
+            2.5,
+        ];
+        let mut sum = SumOfLogarithms::new();
+        for v in numbers {
+            sum.add(v);
+        }
+        let wanted: f64 = numbers.map(math::ln).iter().sum();
+        assert!(
+            (sum.value() - wanted).abs() < 1e-12,
+            "{} {wanted}",
+            sum.value()
+        );
+        assert_eq!(SumOfLogarithms::new().value(), 0.0);
     }
 }

@@ -124,7 +124,6 @@ pub struct EmbeddingChoice {
 /// # Errors
 /// [`DataError::Setting`] for a delay or dimension that is not allowed, [`DataError::Span`] for one that the series is too short
 /// for, [`DataError::Constant`], [`DataError::Overflow`], [`DataError::TooMany`].
-#[inline]
 pub fn choose_embedding(
     series: &Series,
     settings: &EmbeddingSettings,
@@ -191,7 +190,6 @@ pub fn choose_embedding(
 ///
 /// # Errors
 /// [`DataError::Constant`], [`DataError::Overflow`], [`DataError::TooMany`].
-#[inline]
 pub fn lacks_columns(series: &Series, theiler: Option<usize>) -> Result<bool, DataError> {
     let (delay, spread) = scales(series)?;
     let alone = Embedding {
@@ -206,7 +204,6 @@ pub fn lacks_columns(series: &Series, theiler: Option<usize>) -> Result<bool, Da
 }
 
 /// Decorrelation time and spread of all columns together.
-#[inline]
 fn scales(series: &Series) -> Result<(usize, f64), DataError> {
     fn of_size<const N: usize>(series: &Series) -> Result<(usize, f64), DataError> {
         let cloud = Cloud::<N>::new(series)?;

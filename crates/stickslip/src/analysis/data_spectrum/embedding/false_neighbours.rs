@@ -31,7 +31,6 @@ pub(super) struct Level {
 ///
 /// # Errors
 /// [`DataError::Span`] if no point has a next value, [`DataError::Constant`], [`DataError::Overflow`].
-#[inline]
 pub(super) fn level(
     series: &Series,
     embedding: Embedding,

@@ -63,7 +63,6 @@ impl SurrogateTest {
 ///
 /// # Errors
 /// [`DataError::Setting`] for fewer than [`FEWEST_SURROGATES`], and those of [`data_spectrum`].
-#[inline]
 pub fn surrogate_test(
     series: &Series,
     embedding: Option<Embedding>,
