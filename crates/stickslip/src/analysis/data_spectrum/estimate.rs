@@ -62,10 +62,25 @@ pub fn data_spectrum_with(
 }
 
 /// The spectrum of rows whose length is known to the compiler, with the bits of `data_spectrum`. Needs the feature `data-rows` only, with which no
-/// code is made for other lengths.
+/// code is made for other lengths. `dt` is the time between two rows, 1 for a map.
+///
+/// ```
+/// use stickslip::analysis::data_spectrum::{DataSettings, data_spectrum_of_rows};
+///
+/// let mut x = [0.1, 0.1];
+/// let henon: Vec<[f64; 2]> = std::iter::repeat_with(|| {
+///     x = [1.0 - 1.4 * x[0] * x[0] + x[1], 0.3 * x[0]];
+///     x
+/// })
+/// .take(5000)
+/// .collect();
+/// let spectrum = data_spectrum_of_rows(&henon, 1.0, &DataSettings::default())?;
+/// assert!((spectrum.exponents[0].value - 0.419).abs() < 0.02);
+/// # Ok::<(), stickslip::analysis::data_spectrum::DataError>(())
+/// ```
 ///
 /// # Errors
-/// As [`Series::new`]; [`DataError::Setting`] for a setting that is not allowed, [`DataError::TooFew`], [`DataError::TooMany`],
+/// [`DataError::Columns`] for more than [`super::MAX_COLUMNS`] columns; as [`Series::new`]; [`DataError::Setting`] for a setting that is not allowed, [`DataError::TooFew`], [`DataError::TooMany`],
 /// [`DataError::Constant`].
 pub fn data_spectrum_of_rows<const N: usize>(
     rows: &[[f64; N]],
