@@ -49,7 +49,7 @@ pub enum FigureError {
     Csv(#[from] csv::Error),
     /// `--png` was asked of a program built without it.
     #[error(
-        "this program was built without PNG output; rebuild it with `cargo build --release --features png`"
+        "this program was built without PNG output; rebuild it with `cargo build -p stickslip-replication --profile figures --no-default-features --features png`"
     )]
     PngNotBuilt,
     /// The SVG cannot be turned into a PNG.

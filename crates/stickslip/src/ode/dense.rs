@@ -189,10 +189,14 @@ mod tests {
             terms in prop::array::uniform8(-1.0..1.0),
             s in 0.0..=1.0,
         ) {
-            let dense = Dense::<1> { t0: 0.0, h: 1.0, polynomial: Polynomial::RungeKutta(terms.map(|c| State::from([c]))) };
-            let range = dense.enclosure()[0];
-            let x = dense.at(s)[0];
-            prop_assert!(range.low <= x + 1e-15 && x - 1e-15 <= range.high);
+            let terms = terms.map(|c| State::from([c]));
+            let [a, b, c, d, ..] = terms;
+            for polynomial in [Polynomial::RungeKutta(terms), Polynomial::Hermite([a, b, c, d])] {
+                let dense = Dense::<1> { t0: 0.0, h: 1.0, polynomial };
+                let range = dense.enclosure()[0];
+                let x = dense.at(s)[0];
+                prop_assert!(range.low <= x + 1e-15 && x - 1e-15 <= range.high);
+            }
         }
     }
 }

@@ -65,6 +65,13 @@ impl<const N: usize> Bounds<N> {
         }
         sum
     }
+
+    /// Whether the box, which is no nearer than `least`, holds nothing but repeats, or nothing before the `furthest` neighbour found.
+    #[inline(always)]
+    fn has_none(&self, centre: &[f64; N], least: f64, repeat2: f64, furthest: Neighbour) -> bool {
+        let is_far = least > furthest.0 || least == furthest.0 && self.first > furthest.1;
+        is_far || least <= repeat2 && self.furthest2(centre) <= repeat2
+    }
 }
 
 /// Some points of a leaf, column by column.
@@ -174,9 +181,7 @@ impl<const N: usize> Tree<N> {
         let child = |node: usize| (node, self.bounds[node].distance2(centre));
         let mut open = vec![(0, 0.0)];
         while let Some((node, least)) = open.pop() {
-            let bounds = &self.bounds[node];
-            let is_far = least > furthest.0 || least == furthest.0 && bounds.first > furthest.1;
-            if is_far || least <= repeat2 && bounds.furthest2(centre) <= repeat2 {
+            if self.bounds[node].has_none(centre, least, repeat2, furthest) {
                 continue;
             }
             if node < self.first_leaf {
@@ -265,14 +270,19 @@ mod tests {
         agrees_with_brute_force::<10>();
     }
 
-    /// What keeps a search short where a system rests: both questions are asked of a node before its points are.
+    /// What keeps a search short where a system rests.
     #[test]
-    fn a_box_of_repeats_is_no_further_than_a_repeat_and_knows_its_first() {
-        let points = [[0.5, 1.0]; 1000];
-        let root = Tree::new(&points).bounds[0];
-        assert_eq!(root.first, 0);
-        assert_eq!(root.furthest2(&[0.5, 1.0]), 0.0);
-        assert_eq!(root.furthest2(&[0.5, 3.0]), 4.0);
-        assert_eq!(root.distance2(&[0.5, 3.0]), 4.0);
+    fn a_box_of_repeats_and_one_of_later_points_as_far_are_passed_over() {
+        let (place, beside) = ([0.5, 1.0], [0.5, 3.0]);
+        let root = Tree::new(&[place; 1000]).bounds[0];
+        assert!(root.has_none(&place, 0.0, 1e-18, (f64::INFINITY, u32::MAX)));
+        assert!(!root.has_none(&place, 0.0, -1.0, (f64::INFINITY, u32::MAX)));
+        let least = root.distance2(&beside);
+        assert_eq!((least, root.furthest2(&beside)), (4.0, 4.0));
+        // Its first point is wanted if it is not behind the last that was found.
+        assert!(!root.has_none(&beside, least, 1e-18, (4.0, 0)));
+        assert!(root.has_none(&beside, least, 1e-18, (3.9, u32::MAX)));
+        let later = Bounds { first: 7, ..root };
+        assert!(later.has_none(&beside, least, 1e-18, (4.0, 6)));
     }
 }
