@@ -55,12 +55,72 @@ pub(crate) fn is_positive(c: &[f64]) -> bool {
     least > 0.0
 }
 
+/// Degree to which a polynomial's higher powers are taken down.
+const FOLDED: usize = 8;
+
+/// Bernstein coefficients of the powers up to that degree, but the first, which is the value at 0: `C(i, k)/C(FOLDED, k)` for `s^k`.
+const BERNSTEIN: [[f64; FOLDED]; FOLDED + 1] = {
+    let mut table = [[0.0; FOLDED]; FOLDED + 1];
+    let mut i = 1;
+    while i <= FOLDED {
+        let mut k = 0;
+        while k <= i {
+            table[k][i - 1] = INVERSE_BINOMIAL[FOLDED][k] / INVERSE_BINOMIAL[i][k];
+            k += 1;
+        }
+        i += 1;
+    }
+    table
+};
+
+/// Whether `Σ c_k s^k` is positive throughout by the Bernstein coefficients of what it is not below: no power exceeds the lower ones.
+#[inline(always)]
+fn is_positive_folded(c: &[f64; ROOM]) -> bool {
+    let mut beyond = [0.0; FOLDED];
+    const { assert!((ROOM - FOLDED - 1).is_multiple_of(FOLDED)) };
+    for c in c[FOLDED + 1..].chunks_exact(FOLDED) {
+        for (beyond, c) in beyond.iter_mut().zip(c) {
+            *beyond += if *c < 0.0 { *c } else { 0.0 };
+        }
+    }
+    let mut b = [0.0; FOLDED];
+    for (k, column) in BERNSTEIN.iter().enumerate() {
+        let c = if k < FOLDED {
+            c[k]
+        } else {
+            c[k] + beyond.iter().sum::<f64>()
+        };
+        for (b, part) in b.iter_mut().zip(column) {
+            *b += c * part;
+        }
+    }
+    let mut is_positive = c[0] > 0.0;
+    for b in b {
+        is_positive &= b > 0.0;
+    }
+    is_positive
+}
+
 #[cold]
 #[inline(never)]
 fn search(c: &[f64]) -> Option<f64> {
     // Where the function is not defined there is no zero of it.
     if !c.iter().all(|c| c.is_finite()) {
         return None;
+    }
+    let mut all = [0.0; ROOM];
+    all[..c.len()].copy_from_slice(c);
+    if is_positive_folded(&all) {
+        return None;
+    }
+    let mut fall = [0.0; ROOM];
+    for k in 1..ROOM {
+        fall[k - 1] = -(k as f64) * all[k];
+    }
+    if is_positive_folded(&fall) {
+        let (at_a, at_b) = (c[0], value_and_slope(c, 1.0).0);
+        let (a, b) = (0.0, 1.0);
+        return (at_b <= 0.0).then(|| newton(c, Bracket { a, b, at_a, at_b }));
     }
     let n = c.len() - 1;
     let mut b = [0.0; ROOM];
@@ -116,15 +176,19 @@ fn isolate(b: &[f64], lo: f64, hi: f64) -> Option<Bracket> {
     isolate(&left[..=n], lo, middle).or_else(|| isolate(&right[..=n], middle, hi))
 }
 
-/// Value and slope at `s`.
+/// Value and slope at `s`, from the even and the odd powers apart: neither waits for the other.
 #[inline(always)]
 pub(crate) fn value_and_slope(c: &[f64], s: f64) -> (f64, f64) {
-    let (mut value, mut slope) = (0.0, 0.0);
-    for &c in c.iter().rev() {
-        slope = slope * s + value;
-        value = value * s + c;
+    let square = s * s;
+    let (mut even, mut odd) = ((0.0, 0.0), (0.0, 0.0));
+    for pair in c.chunks(2).rev() {
+        even.1 = even.1 * square + even.0;
+        odd.1 = odd.1 * square + odd.0;
+        even.0 = even.0 * square + pair[0];
+        odd.0 = odd.0 * square + pair.get(1).copied().unwrap_or(0.0);
     }
-    (value, slope)
+    let slope = odd.0 + 2.0 * s * (even.1 + s * odd.1);
+    (even.0 + s * odd.0, slope)
 }
 
 /// Slope and curvature at `s`.
@@ -137,6 +201,9 @@ pub(crate) fn slope_and_bend(c: &[f64], s: f64) -> (f64, f64) {
     }
     (slope, 2.0 * half_bend)
 }
+
+/// A step of Newton's iteration, in parts of where it is, behind which the next one would be lost in rounding.
+const CLOSE: f64 = 1e-9;
 
 /// The zero in a bracket by Newton's iteration, kept inside by regula falsi and bisection.
 fn newton(c: &[f64], bracket: Bracket) -> f64 {
@@ -164,7 +231,7 @@ fn newton(c: &[f64], bracket: Bracket) -> f64 {
             b = s;
         }
         let next = s - value / slope;
-        if (next - s).abs() <= f64::EPSILON * s {
+        if (next - s).abs() <= CLOSE * s {
             return next.clamp(bracket.a, bracket.b);
         }
         s = next;
@@ -175,6 +242,8 @@ fn newton(c: &[f64], bracket: Bracket) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math;
+    use crate::statistics::SplitMix;
 
     /// Coefficients of `scale Π (s − root)`, and as many zeros as fill up the degree.
     fn polynomial(roots: &[f64], scale: f64) -> Vec<f64> {
@@ -237,5 +306,41 @@ mod tests {
     fn a_bernstein_coefficient_of_zero_between_positive_ones_is_two_changes_of_sign_and_no_zero() {
         // (1 - s)² + s², with the coefficients 1, 0, 1.
         assert_eq!(first_zero(&[1.0, -2.0, 2.0]), None);
+    }
+
+    #[test]
+    fn what_is_said_by_lower_powers_alone_holds_for_all() {
+        let mut draw = SplitMix::new(1912);
+        let (mut positive, mut not) = (0, 0);
+        for _ in 0..20_000 {
+            let falls = draw.between(0.3, 2.0);
+            let mut c = [0.0; ROOM];
+            for (k, c) in c.iter_mut().enumerate() {
+                *c = draw.between(-1.0, 1.0) * math::powi(falls, k as i32);
+            }
+            c[0] = draw.between(0.0, 3.0);
+            let least = (0..=1000)
+                .map(|i| value_and_slope(&c, f64::from(i) / 1000.0).0)
+                .fold(f64::INFINITY, f64::min);
+            if is_positive_folded(&c) {
+                assert!(least > 0.0, "{least}: {c:?}");
+                positive += 1;
+            } else {
+                not += 1;
+            }
+            // With a sign change between the places looked at, the search finds a zero, and before that there is none.
+            let found = first_zero(&c);
+            assert!(found.is_some() || least > -1e-13, "{least}: {c:?}");
+            if let Some(s) = found {
+                let size: f64 = c.iter().map(|c| c.abs()).sum();
+                let before = (0..1000).map(|i| value_and_slope(&c, s * f64::from(i) / 1000.0).0);
+                assert!(
+                    before.fold(f64::INFINITY, f64::min) > -1e-15 * size,
+                    "{s}: {c:?}"
+                );
+                assert!(value_and_slope(&c, s).0.abs() < 1e-14 * size, "{s}: {c:?}");
+            }
+        }
+        assert!(positive > 1000 && not > 1000, "{positive} {not}");
     }
 }

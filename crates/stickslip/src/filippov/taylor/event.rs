@@ -25,6 +25,10 @@ pub(super) struct Found<const N: usize> {
 /// Where it is looked at whether a guard is defined.
 const SAMPLES: [f64; 8] = [0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0];
 
+/// How far, in parts of the step, a zero of its series may be from the guard's own, and steps of Newton's iteration from one to the other.
+const NEAR: f64 = 1e-6;
+const NEWTON_STEPS: usize = 3;
+
 /// A series holds a little beyond its step.
 const BEYOND: f64 = 1.05;
 
@@ -298,12 +302,22 @@ fn locate<F: Flow<N>, const N: usize, const G: usize>(
             }
         }
         // The series knows the guard to the rounding of its largest term, the guard itself may be known far better.
-        let change = -zero.guard / zero.rate;
-        let (mut at, rest) = if change.abs() <= 1e-6 && s + change >= 0.0 {
-            piece.at(s + change)
-        } else {
-            (zero.at, piece.at(s).1)
-        };
+        let (mut at, mut rest) = (zero.at, piece.at(s).1);
+        let (mut s_at, mut value, mut rate) = (s, zero.guard, zero.rate);
+        for _ in 0..NEWTON_STEPS {
+            let change = -value / rate;
+            if !(change.abs() <= NEAR && s_at + change >= 0.0) {
+                break;
+            }
+            s_at += change;
+            (at, rest) = piece.at(s_at);
+            // What a step of Newton's iteration leaves is of second order.
+            if (zero.bend * change * change).abs() <= f64::EPSILON * rate.abs() {
+                break;
+            }
+            value = flow.guard_at(i, at.t, &at.x);
+            rate += zero.bend * change;
+        }
         at.x = flow.land(i, at.t, at.x);
         let left: f64 = flow.guard_at(i, at.t, &at.x);
         let event = Event {
