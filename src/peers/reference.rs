@@ -96,7 +96,7 @@ mod tests {
         // In units in the last place of each event's own time: one where both roundings, the reference's and ours, are all
         // that is left. The first event of `decay`, at 0.24, is a sum whose terms have a larger unit than it has.
         let measured = [
-            ("belt_sensitive", 136.0),
+            ("belt_sensitive", 17.0),
             ("belt_periodic", 1.0),
             ("belt_grazing", 1.0),
             ("decay", 2.0),
