@@ -152,9 +152,13 @@ fn estimate<const N: usize>(
                 let j = i * settings.stride;
                 let selection = finder.select(j, &settings.neighbours, times, cloud.spread, found);
                 let neighbours = &found[..selection.count];
-                let wide =
-                    sensitivity.then(|| scratch.decompose(&cloud, j, found, &rule).map(N, &rule));
-                let decomposed = scratch.decompose(&cloud, j, neighbours, &rule);
+                let (wide, decomposed) = if sensitivity {
+                    let both = [found.as_slice(), neighbours];
+                    let [wide, decomposed] = scratch.decompose_all(&cloud, j, both, &rule);
+                    (Some(wide.map(N, &rule)), decomposed)
+                } else {
+                    (None, scratch.decompose(&cloud, j, neighbours, &rule))
+                };
                 let full = decomposed.map(N, &rule);
                 Local {
                     wide: wide.unwrap_or(full),

@@ -2,7 +2,7 @@
 
 use super::cloud::Cloud;
 use super::neighbours::Neighbour;
-use super::svd::{Square, Svd, product, svd, triangle};
+use super::svd::{Square, Svd, product, svd, svds, triangle};
 
 /// How far above the rounding of the data a singular value must be, for one neighbour.
 const ABOVE_ROUNDING: f64 = 4.0;
@@ -30,18 +30,25 @@ pub(super) struct LocalMap<const N: usize> {
 }
 
 /// Neighbour matrix of a point after reduction to its triangle.
-pub(super) struct Decomposed<const N: usize> {
-    svd: Svd<N>,
+#[derive(Clone, Copy)]
+struct Reduced<const N: usize> {
+    triangle: Square<N>,
     /// `Qᵀ Y'`, upper rows.
     images: Square<N>,
-    /// Singular values up to here are zero.
-    zero: f64,
     /// Size of the rounding in the neighbour matrix.
     rounding: f64,
     /// Sum of squares of what no linear map of the neighbours makes of the images.
     outside: f64,
     /// Independent rows: the neighbours, less one where their mean is taken out.
     independent: usize,
+}
+
+/// The same with its singular values.
+pub(super) struct Decomposed<const N: usize> {
+    of: Reduced<N>,
+    svd: Svd<N>,
+    /// Singular values up to here are zero.
+    zero: f64,
 }
 
 /// Memory for neighbour matrices, used again for every point.
@@ -60,20 +67,44 @@ impl Scratch {
         neighbours: &[Neighbour],
         rule: &Rule,
     ) -> Decomposed<N> {
+        let [decomposed] = self.decompose_all(cloud, j, [neighbours], rule);
+        decomposed
+    }
+
+    /// The same of several neighbourhoods of `j`, which takes hardly longer than of one.
+    pub(super) fn decompose_all<const N: usize, const L: usize>(
+        &mut self,
+        cloud: &Cloud<N>,
+        j: usize,
+        neighbourhoods: [&[Neighbour]; L],
+        rule: &Rule,
+    ) -> [Decomposed<N>; L] {
+        let reduced = neighbourhoods.map(|neighbours| self.reduce(cloud, j, neighbours, rule));
+        let decomposed: [Svd<N>; L] = svds(std::array::from_fn(|l| &reduced[l].triangle));
+        std::array::from_fn(|l| {
+            let (of, svd) = (reduced[l], decomposed[l]);
+            let zero = of.rounding.max(rule.rank_tolerance * svd.s[0]);
+            Decomposed { of, svd, zero }
+        })
+    }
+
+    fn reduce<const N: usize>(
+        &mut self,
+        cloud: &Cloud<N>,
+        j: usize,
+        neighbours: &[Neighbour],
+        rule: &Rule,
+    ) -> Reduced<N> {
         let rows = self.fill(&cloud.points, j, neighbours, Some(rule.step), rule.affine);
-        let (r, images) = triangle::<N>(&mut self.left, &mut self.right, rows);
-        let svd = svd(&r);
-        let rounding = ABOVE_ROUNDING * cloud.rounding * (rows as f64).sqrt();
-        let zero = rounding.max(rule.rank_tolerance * svd.s[0]);
+        let (triangle, images) = triangle::<N>(&mut self.left, &mut self.right, rows);
         let rest = self
             .right
             .chunks_exact(rows)
             .flat_map(|column| &column[N..]);
-        Decomposed {
-            svd,
+        Reduced {
+            triangle,
             images,
-            zero,
-            rounding,
+            rounding: ABOVE_ROUNDING * cloud.rounding * (rows as f64).sqrt(),
             outside: rest.map(|v| v * v).sum(),
             independent: neighbours.len().saturating_sub(usize::from(rule.affine)),
         }
@@ -160,20 +191,23 @@ impl<const N: usize> Decomposed<N> {
     /// images have nothing to do with the points. NaN if there are no degrees of freedom to tell from.
     pub(super) fn residual_ratio(&self) -> f64 {
         let rank = self.rank();
-        if self.independent <= rank {
+        if self.of.independent <= rank {
             return f64::NAN;
         }
-        let within: f64 = self.images.iter().map(|row| product(row, row)).sum();
+        let within: f64 = self.of.images.iter().map(|row| product(row, row)).sum();
         let explained: f64 = (0..rank)
             .flat_map(|i| (0..N).map(move |out| self.image(i, out)))
             .map(|image| image * image)
             .sum();
-        let total = self.outside + within;
+        let total = self.of.outside + within;
         if total == 0.0 {
             return 0.0;
         }
-        let unexplained = self.outside + (within - explained).max(0.0);
-        let (count, free) = (self.independent as f64, (self.independent - rank) as f64);
+        let unexplained = self.of.outside + (within - explained).max(0.0);
+        let (count, free) = (
+            self.of.independent as f64,
+            (self.of.independent - rank) as f64,
+        );
         ((unexplained / free) / (total / count)).sqrt()
     }
 
@@ -184,7 +218,7 @@ impl<const N: usize> Decomposed<N> {
     /// Component `out` of the images along the `i`-th left singular vector.
     fn image(&self, i: usize, out: usize) -> f64 {
         let mut image = 0.0;
-        for (images, u) in self.images.iter().zip(&self.svd.u[i]) {
+        for (images, u) in self.of.images.iter().zip(&self.svd.u[i]) {
             image += images[out] * u;
         }
         image
@@ -215,7 +249,7 @@ impl<const N: usize> Decomposed<N> {
             .sum::<f64>()
             .sqrt();
         let uncertainty = match rank.checked_sub(1) {
-            Some(last) => self.rounding / s[last],
+            Some(last) => self.of.rounding / s[last],
             None => 0.0,
         };
         LocalMap {

@@ -91,6 +91,7 @@ pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// `m = u diag(s) vᵀ`, singular values in descending order.
+#[derive(Clone, Copy)]
 pub(super) struct Svd<const N: usize> {
     /// Left singular vectors, `u[i]` the `i`th; zero where the singular value is.
     pub(super) u: Square<N>,
@@ -103,35 +104,53 @@ pub(super) struct Svd<const N: usize> {
 /// Singular value decomposition by rotations of the columns (Hestenes), which finds small singular values to high relative
 /// accuracy.
 pub(super) fn svd<const N: usize>(m: &Square<N>) -> Svd<N> {
+    let [svd] = svds([m]);
+    svd
+}
+
+/// One number of each of `L` matrices.
+type Lanes<const L: usize> = [f64; L];
+
+/// A square matrix of each of them.
+type Squares<const N: usize, const L: usize> = [[Lanes<L>; N]; N];
+
+#[inline(always)]
+fn lanes<const L: usize>(f: impl FnMut(usize) -> f64) -> Lanes<L> {
+    std::array::from_fn(f)
+}
+
+/// [`svd`] of several matrices at once: every rotation waits for roots and quotients, which a vector of them takes no longer for. Each has the
+/// bits that it has alone.
+pub(super) fn svds<const N: usize, const L: usize>(m: [&Square<N>; L]) -> [Svd<N>; L] {
     // Columns as rows: w[i] becomes u_i s_i.
-    let mut w = [[0.0; N]; N];
-    let mut v = [[0.0; N]; N];
+    let mut w: Squares<N, L> = [[[0.0; L]; N]; N];
+    let mut v = w;
     for i in 0..N {
         for k in 0..N {
-            w[i][k] = m[k][i];
+            w[i][k] = lanes(|l| m[l][k][i]);
         }
-        v[i][i] = 1.0;
+        v[i][i] = [1.0; L];
     }
     // Squares of the columns' lengths and their roots change by rotations only.
-    let mut squares = w.map(|column| product(&column, &column));
-    let mut norms = squares.map(f64::sqrt);
+    let mut squares = w.map(|column| products(&column, &column));
+    let mut norms = squares.map(|square| square.map(f64::sqrt));
     for _ in 0..SWEEPS {
         let mut rotated = false;
         for p in 0..N {
             for q in p + 1..N {
-                let pq = product(&w[p], &w[q]);
-                if pq == 0.0 || pq.abs() <= ORTHOGONAL * norms[p] * norms[q] {
+                let pq = products(&w[p], &w[q]);
+                let turns: [bool; L] = std::array::from_fn(|l| {
+                    let is_right = pq[l].abs() <= ORTHOGONAL * norms[p][l] * norms[q][l];
+                    !(pq[l] == 0.0 || is_right)
+                });
+                if turns == [false; L] {
                     continue;
                 }
-                rotate(
-                    &mut w,
-                    &mut v,
-                    (p, q),
-                    (squares[q] - squares[p]) / (2.0 * pq),
-                );
+                let zeta = lanes(|l| (squares[q][l] - squares[p][l]) / (2.0 * pq[l]));
+                rotate([&mut w, &mut v], (p, q), turns, zeta);
                 for column in [p, q] {
-                    squares[column] = product(&w[column], &w[column]);
-                    norms[column] = squares[column].sqrt();
+                    squares[column] = products(&w[column], &w[column]);
+                    norms[column] = squares[column].map(f64::sqrt);
                 }
                 rotated = true;
             }
@@ -140,28 +159,55 @@ pub(super) fn svd<const N: usize>(m: &Square<N>) -> Svd<N> {
             break;
         }
     }
-    let mut order: [usize; N] = std::array::from_fn(|i| i);
-    order.sort_by(|&a, &b| norms[b].total_cmp(&norms[a]));
-    Svd {
-        u: order.map(|i| w[i].map(|x| if norms[i] > 0.0 { x / norms[i] } else { 0.0 })),
-        s: order.map(|i| norms[i]),
-        v: order.map(|i| v[i]),
-    }
+    std::array::from_fn(|l| {
+        let norm = |i: usize| norms[i][l];
+        let mut order: [usize; N] = std::array::from_fn(|i| i);
+        order.sort_by(|&a, &b| norm(b).total_cmp(&norm(a)));
+        let unit = |i: usize, x: f64| if norm(i) > 0.0 { x / norm(i) } else { 0.0 };
+        Svd {
+            u: order.map(|i| w[i].map(|x| unit(i, x[l]))),
+            s: order.map(norm),
+            v: order.map(|i| v[i].map(|x| x[l])),
+        }
+    })
 }
 
-/// Makes columns `p` and `q` orthogonal by a rotation whose double angle has the cotangent `zeta`.
-fn rotate<const N: usize>(w: &mut Square<N>, v: &mut Square<N>, (p, q): (usize, usize), zeta: f64) {
-    let t = zeta.signum() / (zeta.abs() + (1.0 + zeta * zeta).sqrt());
-    let cosine = 1.0 / (1.0 + t * t).sqrt();
-    let sine = cosine * t;
-    for matrix in [w, v] {
+/// Makes columns `p` and `q` orthogonal where they turn, by a rotation whose double angle has the cotangent `zeta`.
+#[inline(always)]
+fn rotate<const N: usize, const L: usize>(
+    matrices: [&mut Squares<N, L>; 2],
+    (p, q): (usize, usize),
+    turns: [bool; L],
+    zeta: Lanes<L>,
+) {
+    let t: Lanes<L> =
+        lanes(|l| zeta[l].signum() / (zeta[l].abs() + (1.0 + zeta[l] * zeta[l]).sqrt()));
+    let cosine: Lanes<L> = lanes(|l| 1.0 / (1.0 + t[l] * t[l]).sqrt());
+    let sine: Lanes<L> = lanes(|l| cosine[l] * t[l]);
+    for matrix in matrices {
         let (upper, lower) = matrix.split_at_mut(q);
         for (a, b) in upper[p].iter_mut().zip(&mut lower[0]) {
             let (x, y) = (*a, *b);
-            *a = cosine * x - sine * y;
-            *b = sine * x + cosine * y;
+            for l in 0..L {
+                if turns[l] {
+                    a[l] = cosine[l] * x[l] - sine[l] * y[l];
+                    b[l] = sine[l] * x[l] + cosine[l] * y[l];
+                }
+            }
         }
     }
+}
+
+/// Scalar products.
+#[inline(always)]
+fn products<const N: usize, const L: usize>(a: &[Lanes<L>; N], b: &[Lanes<L>; N]) -> Lanes<L> {
+    let mut sum = [0.0; L];
+    for i in 0..N {
+        for l in 0..L {
+            sum[l] += a[i][l] * b[i][l];
+        }
+    }
+    sum
 }
 
 /// Scalar product.
@@ -188,6 +234,28 @@ mod tests {
             }
         }
         m
+    }
+
+    #[test]
+    fn several_at_once_have_the_bits_that_each_has_alone() {
+        let mut draw = SplitMix::new(1958);
+        for case in 0..200 {
+            // One needs many rotations, another none, a third has no rank.
+            let random: Square<4> =
+                std::array::from_fn(|_| std::array::from_fn(|_| draw.between(-1.0, 1.0)));
+            let mut diagonal = [[0.0; 4]; 4];
+            for (i, row) in diagonal.iter_mut().enumerate() {
+                row[i] = draw.between(-1.0, 1.0);
+            }
+            let mut narrow = random;
+            narrow[3] = random[case % 3];
+            let all = [&random, &diagonal, &narrow, &[[0.0; 4]; 4]];
+            for (together, one) in svds(all).iter().zip(all) {
+                let bits =
+                    |d: &Svd<4>| [d.u, [d.s; 4], d.v].map(|m| m.map(|row| row.map(f64::to_bits)));
+                assert_eq!(bits(together), bits(&svd(one)));
+            }
+        }
     }
 
     #[test]
