@@ -202,7 +202,7 @@ pub(crate) fn slope_and_bend(c: &[f64], s: f64) -> (f64, f64) {
     (slope, 2.0 * half_bend)
 }
 
-/// A step of Newton's iteration, in parts of where it is, behind which the next one would be lost in rounding.
+/// A step of Newton's iteration inside the bracket, in parts of where it is, behind which the next one would be lost in rounding.
 const CLOSE: f64 = 1e-9;
 
 /// The zero in a bracket by Newton's iteration, kept inside by regula falsi and bisection.
@@ -216,7 +216,8 @@ fn newton(c: &[f64], bracket: Bracket) -> f64 {
     if at_a <= 0.0 {
         return a;
     }
-    let mut s = a + (b - a) * (at_a / (at_a - at_b));
+    // Off the end: that may be another zero to rounding.
+    let mut s = a + (b - a) * (at_a / (at_a - at_b)).min(0.99);
     for _ in 0..100 {
         if !(s > a && s < b) {
             s = 0.5 * (a + b);
@@ -231,8 +232,9 @@ fn newton(c: &[f64], bracket: Bracket) -> f64 {
             b = s;
         }
         let next = s - value / slope;
-        if (next - s).abs() <= CLOSE * s {
-            return next.clamp(bracket.a, bracket.b);
+        // Where it rises, the zero that it is near is another one, behind the bracket.
+        if slope < 0.0 && (next - s).abs() <= CLOSE * s {
+            return next.clamp(a, b);
         }
         s = next;
     }
@@ -279,6 +281,26 @@ mod tests {
                 (found - first).abs() < 1e-14 * first.max(0.1),
                 "{roots:?}: {found}"
             );
+        }
+    }
+
+    #[test]
+    fn another_zero_at_or_behind_the_end_of_a_bracket_is_not_taken_for_the_first() {
+        let mut draw = SplitMix::new(1913);
+        for end in [1.0, 0.5, 0.25] {
+            for behind in [
+                0.0, 1e-16, 3e-16, 1e-15, 1e-13, 1e-11, 9e-10, -1e-16, -1e-11,
+            ] {
+                for _ in 0..500 {
+                    let first = draw.between(0.01, 0.9) * end;
+                    let c = polynomial(&[first, end + behind], draw.between(0.1, 3.0));
+                    let found = first_zero(&c).expect("has a zero");
+                    assert!(
+                        (found - first).abs() < 1e-13,
+                        "{first} {end} {behind:e}: {found}"
+                    );
+                }
+            }
         }
     }
 

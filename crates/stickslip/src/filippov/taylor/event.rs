@@ -303,20 +303,28 @@ fn locate<F: Flow<N>, const N: usize, const G: usize>(
         }
         // The series knows the guard to the rounding of its largest term, the guard itself may be known far better.
         let (mut at, mut rest) = (zero.at, piece.at(s).1);
-        let (mut s_at, mut value, mut rate) = (s, zero.guard, zero.rate);
+        let (from, mut s, mut value, mut rate) = (s, s, zero.guard, zero.rate);
         for _ in 0..NEWTON_STEPS {
             let change = -value / rate;
-            if !(change.abs() <= NEAR && s_at + change >= 0.0) {
+            let next = s + change;
+            if !((next - from).abs() <= NEAR && next >= 0.0) {
                 break;
             }
-            s_at += change;
-            (at, rest) = piece.at(s_at);
+            let there = piece.at(next);
             // What a step of Newton's iteration leaves is of second order.
-            if (zero.bend * change * change).abs() <= f64::EPSILON * rate.abs() {
+            let is_last = (zero.bend * change * change).abs() <= f64::EPSILON * rate.abs();
+            if !is_last {
+                let value_there: f64 = flow.guard_at(i, there.0.t, &there.0.x);
+                if value_there.is_nan() || value_there.abs() >= value.abs() {
+                    break;
+                }
+                value = value_there;
+                rate += zero.bend * change;
+            }
+            (s, at, rest) = (next, there.0, there.1);
+            if is_last {
                 break;
             }
-            value = flow.guard_at(i, at.t, &at.x);
-            rate += zero.bend * change;
         }
         at.x = flow.land(i, at.t, at.x);
         let left: f64 = flow.guard_at(i, at.t, &at.x);

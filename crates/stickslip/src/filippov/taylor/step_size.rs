@@ -19,7 +19,7 @@ const FARTHEST: f64 = 0.7;
 /// What the exponent in a number's bits is more than its own.
 const BIAS: f64 = 1023.0;
 
-/// Logarithm to base 2 of a positive number, up to 0.09 too small: good enough for a root of high order.
+/// Logarithm to base 2 of a normal positive number, up to 0.09 too small: good enough for a root of high order.
 #[inline(always)]
 fn rough_log2(x: f64) -> f64 {
     const MANTISSA: f64 = (1u64 << 52) as f64;
