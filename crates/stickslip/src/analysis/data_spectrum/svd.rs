@@ -5,6 +5,8 @@
 
 use pulp::{Arch, NullaryFnOnce};
 
+use crate::taylor::row::{Lanes, lanes};
+
 /// Sweeps after which Jacobi's rotations stop; ten are more than ever needed.
 const SWEEPS: usize = 40;
 /// Cosine of two columns that counts as orthogonal.
@@ -108,16 +110,8 @@ pub(super) fn svd<const N: usize>(m: &Square<N>) -> Svd<N> {
     svd
 }
 
-/// One number of each of `L` matrices.
-type Lanes<const L: usize> = [f64; L];
-
-/// A square matrix of each of them.
+/// A square matrix in each lane.
 type Squares<const N: usize, const L: usize> = [[Lanes<L>; N]; N];
-
-#[inline(always)]
-fn lanes<const L: usize>(f: impl FnMut(usize) -> f64) -> Lanes<L> {
-    std::array::from_fn(f)
-}
 
 /// [`svd`] of several matrices at once: every rotation waits for roots and quotients, which a vector of them takes no longer for. Each has the
 /// bits that it has alone.

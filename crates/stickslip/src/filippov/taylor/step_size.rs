@@ -71,9 +71,11 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             // What a guard's series leaves out, against how far the guard moves in the step: by any of its first three terms, unless it is
             // flatter than that.
             let g = |k: usize| self.series.at(function.row, k).abs();
-            let moves = (0..3).any(|k| g(k) > 0.0);
+            if (0..3).all(|k| g(k) == 0.0) {
+                continue;
+            }
             for k in p - 1..=p {
-                if g(k) > 0.0 && moves {
+                if g(k) > 0.0 {
                     let against = |j| (tolerance + rough_log2(g(j) / g(k))) / (k - j) as f64;
                     log = log.min(f64::max(against(0), against(1)).max(against(2)));
                 }
