@@ -4,19 +4,52 @@
 //! standard library's `sin`, `exp`, … call whatever C library the platform has. Everything in this
 //! project that needs one calls it here; the lint `disallowed-methods` bans the others.
 
+use std::cell::Cell;
+
+/// An argument with its sine and cosine.
+#[derive(Clone, Copy)]
+struct Angle {
+    x: f64,
+    sine: f64,
+    cosine: f64,
+}
+
+thread_local! {
+    // A forcing or a moving boundary is asked for many times in a row at one time: at an event ten times.
+    static LAST: Cell<Angle> = const {
+        Cell::new(Angle {
+            x: 0.0,
+            sine: 0.0,
+            cosine: 1.0,
+        })
+    };
+}
+
+/// The last argument of [`sin_cos`], if it is this one; zero, of which there are two, is left out.
+#[inline]
+fn last(x: f64) -> Option<Angle> {
+    let last = LAST.get();
+    (last.x == x && x != 0.0).then_some(last)
+}
+
 /// Sine of `x` in radians.
 pub fn sin(x: f64) -> f64 {
-    libm::sin(x)
+    last(x).map_or_else(|| libm::sin(x), |last| last.sine)
 }
 
 /// Cosine of `x` in radians.
 pub fn cos(x: f64) -> f64 {
-    libm::cos(x)
+    last(x).map_or_else(|| libm::cos(x), |last| last.cosine)
 }
 
-/// Sine and cosine of `x` in radians, the same as each alone, for little more than one of them.
+/// Sine and cosine of `x` in radians, the same as each alone, for little more than one of them. The last ones are remembered.
 pub fn sin_cos(x: f64) -> (f64, f64) {
-    libm::sincos(x)
+    if let Some(last) = last(x) {
+        return (last.sine, last.cosine);
+    }
+    let (sine, cosine) = libm::sincos(x);
+    LAST.set(Angle { x, sine, cosine });
+    (sine, cosine)
 }
 
 /// Tangent of `x` in radians.

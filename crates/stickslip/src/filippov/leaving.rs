@@ -6,7 +6,7 @@ use super::uncertainty::uncertainty;
 use crate::ode::Timed;
 
 /// Where in a step it is looked at whether a guard has risen out of rounding.
-pub(crate) const RISES: [f64; 3] = [0.25, 0.5, 1.0];
+pub(crate) const RISES: [f64; 3] = [1.0, 0.5, 0.25];
 
 /// A guard that is zero at the start of the step, where it has just been left. Its zero there is divided out:
 /// `(g − g₀ − …)/s^order` has the guard's other zeros and none at the start.

@@ -140,35 +140,56 @@ impl LieDerivatives {
     }
 }
 
-/// The first Lie derivative and the size below which it is rounding, both as [`LieDerivatives`] has them, at a small part of the
-/// cost.
-fn first_derivative<S: Filippov<N>, const N: usize>(
+/// The first Lie derivative along `side`'s field at `(t, x)`, and the field there.
+#[inline(always)]
+fn first_derivative<S: Filippov<N>, T: Scalar, const N: usize>(
     system: &S,
     side: Side,
+    t: T,
+    x: &[T; N],
+) -> (T, [T; N]) {
+    let f = system.field(side, t, x);
+    (normal_component(system, t, x, &f), f)
+}
+
+/// The second one, which is the change of the first along the field.
+#[inline(always)]
+fn second_derivative<S: Filippov<N>, T: Scalar, const N: usize>(
+    system: &S,
+    side: Side,
+    t: T,
+    x: &[T; N],
+) -> (T, [T; N]) {
+    let f = system.field(side, t, x);
+    let flowing = std::array::from_fn(|i| Dual::new(x[i], f[i]));
+    let rate = first_derivative(system, side, Dual::new(t, T::one()), &flowing).0;
+    (rate.eps, f)
+}
+
+/// A Lie derivative and the size below which it is rounding, both as [`LieDerivatives`] has them, at a small part of the cost: `along` gives
+/// the derivative and the field.
+#[inline(always)]
+fn one_derivative<const N: usize>(
     t: f64,
     x: &State<N>,
     slack: f64,
+    along: impl Fn(Dual<f64>, &[Dual<f64>; N]) -> (Dual<f64>, [Dual<f64>; N]),
 ) -> (f64, f64) {
-    // The derivative's value, and its change in a direction.
-    let along = |t: Dual<f64>, x: &[_; N]| {
-        let f = system.field(side, t, x);
-        (normal_component(system, t, x, &f), f)
-    };
-    let (mut spread, mut shift) = (0.0, 0.0);
+    let (derivative, f) = along(Dual::new(t, 1.0), &components(x).map(|x| Dual::new(x, 0.0)));
+    let (mut spread, mut shift) = (derivative.eps.abs() * t.abs(), 0.0);
+    // Its change along the field is the next derivative.
+    let mut next = derivative.eps;
     for direction in 0..N {
         let seed = |at: usize| f64::from(u8::from(at == direction));
         let seeded = std::array::from_fn(|i| Dual::new(x[i], seed(i)));
-        let change = along(Dual::new(t, 0.0), &seeded).0.eps.abs();
-        spread += change * x[direction].abs();
-        shift += change * slack;
+        let change = along(Dual::new(t, 0.0), &seeded).0.eps;
+        spread += change.abs() * x[direction].abs();
+        shift += change.abs() * slack;
+        next += change * f[direction].re;
     }
-    let (rate, f) = along(Dual::new(t, 1.0), &components(x).map(|x| Dual::new(x, 0.0)));
-    spread += rate.eps.abs() * t.abs();
-    // Its change along the field itself is the second derivative.
-    let flowing = std::array::from_fn(|i| Dual::new(x[i], f[i].re));
-    let drift = along(Dual::new(t, 1.0), &flowing).0.eps.abs() * t.abs();
-    let floor = ULPS * f64::EPSILON * (spread + rate.re.abs() + drift) + shift;
-    (rate.re, floor)
+    let size = spread + derivative.re.abs() + next.abs() * t.abs();
+    let floor = ULPS * f64::EPSILON * size + shift;
+    (derivative.re, floor)
 }
 
 /// Index and sign of the first Lie derivative (from the first on) along one field that does not vanish; index 4 where none is left.
@@ -191,18 +212,21 @@ impl Leading {
         slack: f64,
         tangent: bool,
     ) -> Self {
+        // One of them mostly decides.
         let n = N as u64;
-        let mut calls = 0;
-        if !tangent {
-            let (rate, floor) = first_derivative(system, side, t, x, slack);
-            calls = n + 2;
-            if rate.abs() > floor {
-                return Leading {
-                    order: 1,
-                    sign: rate.signum(),
-                    calls,
-                };
-            }
+        let (first, (value, floor), calls) = if tangent {
+            let along = |t, x: &_| second_derivative(system, side, t, x);
+            (2, one_derivative(t, x, slack, along), 2 * (n + 1))
+        } else {
+            let along = |t, x: &_| first_derivative(system, side, t, x);
+            (1, one_derivative(t, x, slack, along), n + 1)
+        };
+        if value.abs() > floor {
+            return Leading {
+                order: first,
+                sign: value.signum(),
+                calls,
+            };
         }
         let (order, sign) = LieDerivatives::new(system, side, t, x, slack).leading(tangent);
         Leading {

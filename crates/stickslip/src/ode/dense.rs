@@ -164,16 +164,40 @@ fn enclosure_of_nested<const N: usize, const K: usize>(c: &[State<N>; K]) -> [In
     })
 }
 
-/// `Σ c_k s^k`.
+/// `Σ c_k s^k`, from the even and the odd powers apart: neither waits for the other.
 #[inline(always)]
 pub(crate) fn power_series<const N: usize>(c: &[State<N>], s: f64) -> State<N> {
-    let mut x = <State<N> as Linear<f64>>::zero();
-    for c in c.iter().rev() {
+    let square = s * s;
+    let (pairs, last) = c.as_chunks::<2>();
+    let zero = <State<N> as Linear<f64>>::zero();
+    let (mut even, mut odd) = (last.first().copied().unwrap_or(zero), zero);
+    for pair in pairs.iter().rev() {
         for i in 0..N {
-            x[i] = c[i] + s * x[i];
+            even[i] = even[i] * square + pair[0][i];
+            odd[i] = odd[i] * square + pair[1][i];
         }
     }
-    x
+    even.add_scaled(s, &odd)
+}
+
+/// `Σ k c_k s^(k − 1)`, in the same way.
+#[inline(always)]
+pub(crate) fn power_series_slope<const N: usize>(c: &[State<N>], s: f64) -> State<N> {
+    let square = s * s;
+    let (pairs, last) = c.as_chunks::<2>();
+    let zero = <State<N> as Linear<f64>>::zero();
+    let (mut even, mut odd) = (last.first().copied().unwrap_or(zero), zero);
+    let (mut even_slope, mut odd_slope) = (zero, zero);
+    for pair in pairs.iter().rev() {
+        for i in 0..N {
+            even_slope[i] = even_slope[i] * square + even[i];
+            odd_slope[i] = odd_slope[i] * square + odd[i];
+            even[i] = even[i] * square + pair[0][i];
+            odd[i] = odd[i] * square + pair[1][i];
+        }
+    }
+    let in_square = even_slope.add_scaled(s, &odd_slope);
+    odd.add_scaled(2.0 * s, &in_square)
 }
 
 #[cfg(test)]

@@ -110,17 +110,22 @@ fn search(c: &[f64]) -> Option<f64> {
     }
     let mut all = [0.0; ROOM];
     all[..c.len()].copy_from_slice(c);
-    if is_positive_folded(&all) {
-        return None;
-    }
+    // Nearly always there is a zero where this is called, and the polynomial falls to it.
     let mut fall = [0.0; ROOM];
     for k in 1..ROOM {
         fall[k - 1] = -(k as f64) * all[k];
     }
     if is_positive_folded(&fall) {
-        let (at_a, at_b) = (c[0], value_and_slope(c, 1.0).0);
-        let (a, b) = (0.0, 1.0);
-        return (at_b <= 0.0).then(|| newton(c, Bracket { a, b, at_a, at_b }));
+        let (at_b, slope_at_b) = value_and_slope(c, 1.0);
+        if at_b > 0.0 {
+            return None;
+        }
+        let (a, b, at_a) = (0.0, 1.0, c[0]);
+        let guess = inverse_cubic([at_a, at_b], [-fall[0], slope_at_b]);
+        return Some(newton(c, Bracket { a, b, at_a, at_b }, guess));
+    }
+    if is_positive_folded(&all) {
+        return None;
     }
     let n = c.len() - 1;
     let mut b = [0.0; ROOM];
@@ -137,7 +142,20 @@ fn search(c: &[f64]) -> Option<f64> {
         }
     }
     let bracket = isolate(&b[..=n], 0.0, 1.0)?;
-    Some(newton(c, bracket))
+    let Bracket { a, b, at_a, at_b } = bracket;
+    let guess = a + (b - a) * (at_a / (at_a - at_b));
+    Some(newton(c, bracket, guess))
+}
+
+/// About where in the unit interval a function that falls has its zero, of which the values and the slopes at its ends are known: by Hermite's
+/// cubic through its inverse.
+fn inverse_cubic([at_a, at_b]: [f64; 2], [slope_at_a, slope_at_b]: [f64; 2]) -> f64 {
+    let rise = at_b - at_a;
+    let t = -at_a / rise;
+    // Steeper ones would lead it out of the interval.
+    let [in_a, in_b] = [slope_at_a, slope_at_b].map(|slope| (rise / slope).min(3.0));
+    let rest = 1.0 - t;
+    t * (t * (3.0 - 2.0 * t) + rest * (rest * in_a - t * in_b))
 }
 
 /// The first bracket in `[lo, hi]`, where the polynomial has the Bernstein coefficients `b`.
@@ -180,12 +198,13 @@ fn isolate(b: &[f64], lo: f64, hi: f64) -> Option<Bracket> {
 #[inline(always)]
 pub(crate) fn value_and_slope(c: &[f64], s: f64) -> (f64, f64) {
     let square = s * s;
-    let (mut even, mut odd) = ((0.0, 0.0), (0.0, 0.0));
-    for pair in c.chunks(2).rev() {
+    let (pairs, last) = c.as_chunks::<2>();
+    let (mut even, mut odd) = ((last.first().copied().unwrap_or(0.0), 0.0), (0.0, 0.0));
+    for pair in pairs.iter().rev() {
         even.1 = even.1 * square + even.0;
         odd.1 = odd.1 * square + odd.0;
         even.0 = even.0 * square + pair[0];
-        odd.0 = odd.0 * square + pair.get(1).copied().unwrap_or(0.0);
+        odd.0 = odd.0 * square + pair[1];
     }
     let slope = odd.0 + 2.0 * s * (even.1 + s * odd.1);
     (even.0 + s * odd.0, slope)
@@ -205,19 +224,16 @@ pub(crate) fn slope_and_bend(c: &[f64], s: f64) -> (f64, f64) {
 /// A step of Newton's iteration inside the bracket, in parts of where it is, behind which the next one would be lost in rounding.
 const CLOSE: f64 = 1e-9;
 
-/// The zero in a bracket by Newton's iteration, kept inside by regula falsi and bisection.
-fn newton(c: &[f64], bracket: Bracket) -> f64 {
+/// The zero in a bracket by Newton's iteration from a guess, kept inside by bisection.
+fn newton(c: &[f64], bracket: Bracket, guess: f64) -> f64 {
     let Bracket {
-        mut a,
-        mut b,
-        at_a,
-        at_b,
+        mut a, mut b, at_a, ..
     } = bracket;
     if at_a <= 0.0 {
         return a;
     }
     // Off the end: that may be another zero to rounding.
-    let mut s = a + (b - a) * (at_a / (at_a - at_b)).min(0.99);
+    let mut s = guess.min(a + 0.99 * (b - a));
     for _ in 0..100 {
         if !(s > a && s < b) {
             s = 0.5 * (a + b);

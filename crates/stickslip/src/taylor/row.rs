@@ -72,7 +72,7 @@ impl<const L: usize> Row<L> {
 
     /// Coefficient `k` in one lane.
     #[inline(always)]
-    pub(super) fn lane(&self, lane: usize, k: usize) -> f64 {
+    pub(crate) fn lane(&self, lane: usize, k: usize) -> f64 {
         self.0[k][lane].get()
     }
 

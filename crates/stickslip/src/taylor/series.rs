@@ -165,10 +165,16 @@ pub(crate) fn in_rows<F: Functions<N, W>, const L: usize, const N: usize, const 
 }
 
 impl Series<1> {
+    /// A row.
+    #[inline(always)]
+    pub(crate) fn row(&self, row: usize) -> &Row<1> {
+        &self.rows[row]
+    }
+
     /// Coefficient `k` of a row.
     #[inline(always)]
     pub(crate) fn at(&self, row: usize, k: usize) -> f64 {
-        self.rows[row].lane(0, k)
+        self.row(row).lane(0, k)
     }
 
     /// Takes one lane of what an expansion has come to: the first `N` rows, what was watched, and the choices.

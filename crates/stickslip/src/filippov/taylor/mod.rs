@@ -139,10 +139,11 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
     fn piece(&self, t: f64, rest: Timed<N>, h: f64, scaled_with: f64) -> Piece<N> {
         let ratio = h / scaled_with;
         let mut x = [State::from([0.0; N]); MOST_ORDER + 1];
+        let rows: [&Row<1>; N] = std::array::from_fn(|i| self.series.row(i));
         let mut power = 1.0;
         for (k, x) in x.iter_mut().enumerate().take(self.order + 1) {
-            for i in 0..N {
-                x[i] = self.series.at(i, k) * power;
+            for (x, row) in x.iter_mut().zip(rows) {
+                *x = row.lane(0, k) * power;
             }
             power *= ratio;
         }

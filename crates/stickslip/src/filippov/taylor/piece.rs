@@ -2,7 +2,7 @@
 
 use crate::filippov::flow::Flow;
 use crate::filippov::options::Options;
-use crate::ode::{Linear, Timed, power_series};
+use crate::ode::{Linear, Timed, power_series, power_series_slope};
 use crate::system::State;
 use crate::taylor::MOST_ORDER;
 use crate::taylor::series::Series;
@@ -57,17 +57,13 @@ impl<const N: usize> Piece<N> {
         options: &Options,
     ) -> bool {
         let field = flow.velocity(at.t, &at.x);
+        let slope = power_series_slope(&self.x[..=self.order], s);
         (0..N).all(|i| {
-            let (mut value, mut slope) = (0.0, 0.0);
-            for x in self.x[..=self.order].iter().rev() {
-                slope = slope * s + value;
-                value = value * s + x[i];
-            }
             let rise = self.h * field[i];
             let size = f64::max(at.x[i].abs(), rise.abs());
             // The slope's own error is the order times the error of the step.
             let allowed = DEFECT * (options.atol + options.rtol * size);
-            at.x[i].is_finite() && (rise - slope).abs() <= allowed
+            at.x[i].is_finite() && (rise - slope[i]).abs() <= allowed
         })
     }
 
@@ -75,9 +71,10 @@ impl<const N: usize> Piece<N> {
     #[inline(always)]
     pub(super) fn polynomial(&self, series: &Series<1>, row: usize) -> [f64; MOST_ORDER + 1] {
         let mut c = [0.0; MOST_ORDER + 1];
+        let row = series.row(row);
         let mut power = 1.0;
         for (k, c) in c.iter_mut().enumerate().take(self.order + 1) {
-            *c = series.at(row, k) * power;
+            *c = row.lane(0, k) * power;
             power *= self.ratio;
         }
         c

@@ -3,6 +3,7 @@
 use super::TaylorStepper;
 use crate::filippov::options::Options;
 use crate::system::State;
+use crate::taylor::MOST_ORDER;
 
 /// Part of the tolerance that the last coefficients are held to: the steps are long and few, and all of the next ones enlarge
 /// what one leaves out.
@@ -17,6 +18,17 @@ const GROW_MOST: f64 = 64.0;
 /// however small its terms.
 const FARTHEST: f64 = 0.7;
 
+/// One over each order.
+const INVERSE: [f64; MOST_ORDER + 1] = {
+    let mut table = [0.0; MOST_ORDER + 1];
+    let mut k = 1;
+    while k <= MOST_ORDER {
+        table[k] = 1.0 / k as f64;
+        k += 1;
+    }
+    table
+};
+
 /// What the exponent in a number's bits is more than its own.
 const BIAS: f64 = 1023.0;
 
@@ -24,7 +36,8 @@ const BIAS: f64 = 1023.0;
 #[inline(always)]
 fn rough_log2(x: f64) -> f64 {
     const MANTISSA: f64 = (1u64 << 52) as f64;
-    x.to_bits() as f64 / MANTISSA - BIAS
+    // With a sign, which is cheaper to convert.
+    x.to_bits() as i64 as f64 / MANTISSA - BIAS
 }
 
 /// `2^x` to three parts in a thousand: a step that is longer by that has an error larger by a twelfth. The inverse of [`rough_log2`] would make
@@ -32,9 +45,9 @@ fn rough_log2(x: f64) -> f64 {
 #[inline(always)]
 fn rough_exp2(x: f64) -> f64 {
     let shifted = (x + BIAS).max(0.0);
-    let power = shifted as u64;
+    let power = shifted as i64;
     let rest = shifted - power as f64;
-    f64::from_bits(power << 52) * (1.0 + rest * (0.66 + 0.34 * rest))
+    f64::from_bits((power << 52) as u64) * (1.0 + rest * (0.66 + 0.34 * rest))
 }
 
 impl<const N: usize, const G: usize> TaylorStepper<N, G> {
@@ -44,23 +57,26 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         let p = self.order;
         let relative = options.rtol.max(options.atol);
         let tolerance = rough_log2(SAFETY * relative);
-        let wanted = tolerance / p as f64;
+        let wanted = tolerance * INVERSE[p];
         let farthest = rough_log2(FARTHEST);
         let mut log = rough_log2(GROW_MOST);
         for i in 0..N {
-            let at = |k| self.series.at(i, k).abs();
+            let row = self.series.row(i);
+            let at = |k: usize| row.lane(0, k).abs();
             let scale = rough_log2((options.atol + options.rtol * x[i].abs()) / relative);
             // Even or odd series have every other coefficient zero.
             let (mut early, mut late) = (0.0, 0.0);
             for k in p - 3..=p {
+                let newest = at(k);
                 early = f64::max(early, at(k - p / 2));
-                late = f64::max(late, at(k));
-                if at(k) > 0.0 {
-                    log = log.min((scale - rough_log2(at(k))) / k as f64 + wanted);
+                late = f64::max(late, newest);
+                if newest > 0.0 {
+                    log = log.min((scale - rough_log2(newest)) * INVERSE[k] + wanted);
                 }
             }
             if early > 0.0 && late > 0.0 {
-                log = log.min((rough_log2(early) - rough_log2(late)) / (p / 2) as f64 + farthest);
+                let ratio = rough_log2(early) - rough_log2(late);
+                log = log.min(ratio * INVERSE[p / 2] + farthest);
             }
         }
         for function in self.expansion.watched.iter().flatten() {
@@ -70,13 +86,14 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             }
             // What a guard's series leaves out, against how far the guard moves in the step: by any of its first three terms, unless it is
             // flatter than that.
-            let g = |k: usize| self.series.at(function.row, k).abs();
+            let row = self.series.row(function.row);
+            let g = |k: usize| row.lane(0, k).abs();
             if (0..3).all(|k| g(k) == 0.0) {
                 continue;
             }
             for k in p - 1..=p {
                 if g(k) > 0.0 {
-                    let against = |j| (tolerance + rough_log2(g(j) / g(k))) / (k - j) as f64;
+                    let against = |j| (tolerance + rough_log2(g(j) / g(k))) * INVERSE[k - j];
                     log = log.min(f64::max(against(0), against(1)).max(against(2)));
                 }
             }
