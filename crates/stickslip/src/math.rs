@@ -157,9 +157,18 @@ mod tests {
             }
         }
         for x in values {
-            let (sine, cosine) = super::sin_cos(x);
-            assert_eq!(sine.to_bits(), super::sin(x).to_bits(), "sine of {x:e}");
-            assert_eq!(cosine.to_bits(), super::cos(x).to_bits(), "cosine of {x:e}");
+            let alone = [libm::sin(x), libm::cos(x)].map(f64::to_bits);
+            // Computed, and then remembered.
+            for _ in 0..2 {
+                let (sine, cosine) = super::sin_cos(x);
+                assert_eq!([sine, cosine].map(f64::to_bits), alone, "{x:e}");
+                let [sine, cosine] = [super::sin(x), super::cos(x)];
+                assert_eq!([sine, cosine].map(f64::to_bits), alone, "{x:e}");
+            }
+            // Of another one nothing is remembered.
+            let other = [super::sin(x + 1.0), super::cos(x + 1.0)];
+            let alone = [libm::sin(x + 1.0), libm::cos(x + 1.0)];
+            assert_eq!(other.map(f64::to_bits), alone.map(f64::to_bits), "{x:e}");
         }
     }
 }

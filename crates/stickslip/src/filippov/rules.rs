@@ -317,3 +317,35 @@ fn fate_by<S: Filippov<N>, const N: usize>(system: &S, t: f64, x: &State<N>) -> 
     let rests = resting(system, t, x, [&below, &above]);
     departure(below, above, rests).fate
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::models::ForcedOscillator;
+    use crate::statistics::SplitMix;
+
+    #[test]
+    fn one_derivative_alone_is_that_of_all_with_its_floor() {
+        let system = ForcedOscillator::default();
+        let mut draw = SplitMix::new(1988);
+        for _ in 0..200 {
+            let t = draw.between(0.0, 50.0);
+            let x = State::from([draw.between(-2.0, 2.0), draw.between(-2.0, 2.0)]);
+            let slack = draw.between(0.0, 1e-12);
+            for side in [Side::Below, Side::Above] {
+                let all = LieDerivatives::new(&system, side, t, &x, slack);
+                let first = one_derivative(t, &x, slack, |t, x| {
+                    first_derivative(&system, side, t, x)
+                });
+                let second = one_derivative(t, &x, slack, |t, x| {
+                    second_derivative(&system, side, t, x)
+                });
+                for (k, (value, floor)) in [(1, first), (2, second)] {
+                    let size = all.floors[k] / (ULPS * f64::EPSILON);
+                    assert!((value - all.values[k]).abs() < 1e-14 * size, "{k}: {value}");
+                    assert!((floor / all.floors[k] - 1.0).abs() < 1e-9, "{k}: {floor}");
+                }
+            }
+        }
+    }
+}
