@@ -2,15 +2,18 @@
 
 use rayon::prelude::*;
 
+#[cfg(feature = "data")]
+use super::averages::Average;
 use super::averages::{average, volume};
 use super::chain::{Stretch, advance};
 use super::cloud::Cloud;
 use super::directions::{self, Kind, upper_median};
 use super::error::DataError;
 use super::evidence::Evidence;
-use super::extrapolation::{self, Plan};
+use super::extrapolation::{Chains, Maps, Plan};
 use super::fit::{LocalMap, Rule, Scratch};
-use super::neighbours::{Finder, Neighbour};
+use super::neighbours::{Finder, Neighbour, Selection};
+use super::polynomial::{Fitter, Images};
 use super::result::{Counts, DataSpectrum, Running};
 use super::series::Series;
 #[cfg(feature = "data")]
@@ -46,8 +49,7 @@ pub fn data_spectrum(series: &Series, settings: &DataSettings) -> Result<DataSpe
     data_spectrum_with(series, settings, &|_, _| ())
 }
 
-/// As [`data_spectrum`], calling `progress(done, total)` in between, with numbers of reference points, each counted as often as maps are
-/// fitted around it.
+/// As [`data_spectrum`], calling `progress(done, total)` in between, with numbers of reference points.
 ///
 /// # Errors
 /// As [`data_spectrum`].
@@ -92,6 +94,55 @@ pub fn data_spectrum_of_rows<const N: usize>(
     estimate::<N>(&series, settings, &|_, _| ())
 }
 
+/// Neighbours that were found, and of which point.
+#[derive(Default)]
+struct Found {
+    neighbours: Vec<Neighbour>,
+    /// None where they are not the nearest at any distance.
+    of: Option<usize>,
+}
+
+/// Looks for what the maps around a point are fitted to.
+struct Search<'a, const N: usize> {
+    finder: &'a Finder<'a, N>,
+    settings: &'a DataSettings,
+    spread: f64,
+    times: usize,
+    /// Neighbours of the largest neighbourhood that is extrapolated from.
+    furthest: Option<usize>,
+}
+
+impl<const N: usize> Search<'_, N> {
+    /// The neighbourhood of Eq. (25), among others of the nearest where these are looked for anyway.
+    fn around(&self, j: usize, found: &mut Found) -> Selection {
+        let neighbours = &self.settings.neighbours;
+        match self.furthest {
+            Some(wanted) if neighbours.most() <= wanted => {
+                self.finder
+                    .follow(found.of, j, wanted, &mut found.neighbours);
+                found.of = Some(j);
+                Selection::of(&found.neighbours, neighbours, self.spread)
+            }
+            _ => {
+                found.of = None;
+                let (times, spread) = (self.times, self.spread);
+                self.finder
+                    .select(j, neighbours, times, spread, &mut found.neighbours)
+            }
+        }
+    }
+
+    /// The nearest points, after [`Search::around`].
+    fn furthest<'f>(&self, j: usize, found: &'f mut Found) -> &'f [Neighbour] {
+        if found.of != Some(j) {
+            let wanted = self.furthest.unwrap_or(0);
+            self.finder
+                .nearest(j, wanted, f64::INFINITY, &mut found.neighbours);
+        }
+        &found.neighbours
+    }
+}
+
 /// What is kept of a reference point.
 struct Local<const N: usize> {
     full: LocalMap<N>,
@@ -116,12 +167,7 @@ fn estimate<const N: usize>(
     let theiler = settings.theiler.unwrap_or_else(|| cloud.decorrelation());
     enough(series.len(), settings, theiler)?;
     let finder = Finder::new(&cloud, step, theiler)?;
-    let rule = Rule {
-        step,
-        affine: settings.affine,
-        rank_tolerance: settings.rank_tolerance,
-        ridge: settings.ridge,
-    };
+    let rule = Rule::of(settings);
     let directions = directions::measure(&cloud, &finder, &rule, SMALLEST_LEVEL.max(2 * N));
     let dimension = directions
         .iter()
@@ -132,45 +178,67 @@ fn estimate<const N: usize>(
     // The other estimator has two sizes of its own.
     let sensitivity = settings.sensitivity && settings.estimator == Estimator::SanoSawada;
     let times = if sensitivity { 2 } else { 1 };
-    let references = (series.len() - step).div_ceil(settings.stride);
-    let references = settings
-        .references
-        .map_or(references, |r| r.min(references));
-    let passes = if settings.estimator == Estimator::SanoSawada {
-        1
-    } else {
-        2
+    let references = references(series.len(), settings);
+    let plan = match settings.estimator {
+        Estimator::Extrapolated { degree } if dimension > 0 => {
+            Some(Plan::new(&cloud, settings, degree, dimension))
+        }
+        Estimator::Extrapolated { .. } | Estimator::SanoSawada => None,
     };
-    let total = passes * references;
+    let search = Search {
+        finder: &finder,
+        settings,
+        spread: cloud.spread,
+        times,
+        furthest: plan.as_ref().map(Plan::furthest),
+    };
+    let chains = step / settings.stride;
+    let images = Images::of(&cloud.points, step);
+    let mut extrapolated = plan.as_ref().map(|plan| (plan, Chains::new(plan, chains)));
     let mut locals: Vec<Local<N>> = Vec::with_capacity(references);
     while locals.len() < references {
-        progress(locals.len(), total);
-        let until = (locals.len() + CHUNK).min(references);
-        locals.par_extend((locals.len()..until).into_par_iter().map_init(
-            || (Scratch::default(), Vec::<Neighbour>::new()),
-            |(scratch, found), i| {
-                let j = i * settings.stride;
-                let selection = finder.select(j, &settings.neighbours, times, cloud.spread, found);
-                let neighbours = &found[..selection.count];
-                let (wide, decomposed) = if sensitivity {
-                    let both = [found.as_slice(), neighbours];
-                    let [wide, decomposed] = scratch.decompose_all(&cloud, j, both, &rule);
-                    (Some(wide.map(N, &rule)), decomposed)
-                } else {
-                    (None, scratch.decompose(&cloud, j, neighbours, &rule))
-                };
-                let full = decomposed.map(N, &rule);
-                Local {
-                    wide: wide.unwrap_or(full),
-                    full,
-                    fixed: decomposed.map(fixed_rank, &rule),
-                    neighbours: selection.count,
-                    radius: neighbours.last().map_or(0.0, |furthest| furthest.0.sqrt()),
-                    residual_ratio: decomposed.residual_ratio(),
-                    starved: selection.starved,
-                }
-            },
-        ));
+        progress(locals.len(), references);
+        let from = locals.len();
+        let until = (from + CHUNK).min(references);
+        let maps: Vec<(Local<N>, Option<Maps<N>>)> = (from..until)
+            .into_par_iter()
+            .map_init(
+                || (Scratch::default(), Fitter::new(images), Found::default()),
+                |(scratch, fitter, found), i| {
+                    let j = i * settings.stride;
+                    let selection = search.around(j, found);
+                    let neighbours = &found.neighbours[..selection.count];
+                    let (wide, decomposed) = if sensitivity {
+                        let both = [found.neighbours.as_slice(), neighbours];
+                        let [wide, decomposed] = scratch.decompose_all(&cloud, j, both, &rule);
+                        (Some(wide.map(N, &rule)), decomposed)
+                    } else {
+                        (None, scratch.decompose(&cloud, j, neighbours, &rule))
+                    };
+                    let full = decomposed.map(N, &rule);
+                    let local = Local {
+                        wide: wide.unwrap_or(full),
+                        full,
+                        fixed: decomposed.map(fixed_rank, &rule),
+                        neighbours: selection.count,
+                        radius: neighbours.last().map_or(0.0, |furthest| furthest.0.sqrt()),
+                        residual_ratio: decomposed.residual_ratio(),
+                        starved: selection.starved,
+                    };
+                    let maps = plan.as_ref().map(|plan| {
+                        let nearest = search.furthest(j, found);
+                        plan.fit(fitter, &cloud.points, j, nearest, &full.domain)
+                    });
+                    (local, maps)
+                },
+            )
+            .collect();
+        for (local, maps) in maps {
+            if let (Some((_, chains)), Some(maps)) = (&mut extrapolated, &maps) {
+                chains.push(maps, &local.full.domain);
+            }
+            locals.push(local);
+        }
     }
 
     // Where a chain begins: the directions of the neighbourhood, so that undetermined ones come last.
@@ -183,7 +251,6 @@ fn estimate<const N: usize>(
         }
         *scratch.decompose(&cloud, j, &found, &rule).directions()
     };
-    let chains = step / settings.stride;
     let once = |i: usize| begin(i, false);
     let tau = step as f64 * series.dt();
     let full: Vec<Stretch<N>> = chain(&locals, chains, N, &once, |local| &local.full);
@@ -196,23 +263,12 @@ fn estimate<const N: usize>(
     let (averages, mut running) = average(&full, tau);
     let (fixed, _) = average(&fixed, tau);
     let mut sum = volume(&full, dimension, tau);
-    let corrected = match settings.estimator {
-        Estimator::Extrapolated { degree } if dimension > 0 => {
-            let plan = Plan::new(&cloud, settings, degree, dimension);
-            let directions = |i: usize| locals[i].full.domain;
-            let reference = extrapolation::References {
-                count: references,
-                directions: &directions,
-                progress: &|done| progress(references + done, total),
-            };
-            let stretches = extrapolation::run(&cloud, &finder, &plan, settings, &reference);
-            let (corrected, towards) = stretches.corrected(&plan, tau, cloud.unit);
-            (sum, running) = (corrected.sum, towards);
-            Some(corrected)
-        }
-        Estimator::Extrapolated { .. } | Estimator::SanoSawada => None,
-    };
-    progress(total, total);
+    let corrected = extrapolated.map(|(plan, chains)| {
+        let (corrected, towards) = chains.corrected(plan, tau, cloud.unit);
+        (sum, running) = (corrected.sum, towards);
+        corrected
+    });
+    progress(references, references);
 
     let starved = locals.iter().filter(|local| local.starved).count();
     let residual_ratio = upper_median(locals.iter().map(|local| local.residual_ratio));
@@ -266,6 +322,80 @@ fn estimate<const N: usize>(
     })
 }
 
+/// What the fit of fixed rank says by itself.
+#[cfg(feature = "data")]
+pub(super) struct FixedRank {
+    /// Exponents with their standard errors.
+    pub(super) exponents: Vec<(f64, f64)>,
+    /// As [`DataSpectrum::residual_ratio`].
+    pub(super) residual_ratio: f64,
+}
+
+/// The fit of fixed rank of [`data_spectrum`] alone. Stride and references may be others than those of the settings' spectrum.
+///
+/// # Errors
+/// As [`data_spectrum`].
+#[cfg(feature = "data")]
+pub(super) fn fixed_rank<const N: usize>(
+    series: &Series,
+    settings: &DataSettings,
+    rank: usize,
+    progress: &dyn Fn(usize, usize),
+) -> Result<FixedRank, DataError> {
+    let cloud = Cloud::<N>::new(series)?;
+    let theiler = settings.theiler.unwrap_or_else(|| cloud.decorrelation());
+    enough(series.len(), settings, theiler)?;
+    let finder = Finder::new(&cloud, settings.step, theiler)?;
+    let rule = Rule::of(settings);
+    let search = Search {
+        finder: &finder,
+        settings,
+        spread: cloud.spread,
+        times: 1,
+        furthest: Some(settings.neighbours.most()),
+    };
+    let references = references(series.len(), settings);
+    let mut maps: Vec<(LocalMap<N>, f64)> = Vec::with_capacity(references);
+    while maps.len() < references {
+        progress(maps.len(), references);
+        let until = (maps.len() + CHUNK).min(references);
+        maps.par_extend((maps.len()..until).into_par_iter().map_init(
+            || (Scratch::default(), Found::default()),
+            |(scratch, found), i| {
+                let j = i * settings.stride;
+                let selection = search.around(j, found);
+                let neighbours = &found.neighbours[..selection.count];
+                let decomposed = scratch.decompose(&cloud, j, neighbours, &rule);
+                (decomposed.map(rank, &rule), decomposed.residual_ratio())
+            },
+        ));
+    }
+    progress(references, references);
+    // The directions of a neighbourhood are those of its map.
+    let begin = |i: usize| maps[i].0.domain;
+    let chains = settings.step / settings.stride;
+    let stretches = chain(&maps, chains, rank, &begin, |(map, _)| map);
+    let (averages, _) = average(&stretches, settings.step as f64 * series.dt());
+    let known = averages.iter().take(rank);
+    let finite = |average: &Average| {
+        if average.collapses > 0 {
+            (f64::NEG_INFINITY, f64::NAN)
+        } else {
+            (average.mean, average.stderr)
+        }
+    };
+    Ok(FixedRank {
+        exponents: known.map(finite).collect(),
+        residual_ratio: upper_median(maps.iter().map(|(_, ratio)| *ratio)),
+    })
+}
+
+/// Reference points of so many rows.
+fn references(rows: usize, settings: &DataSettings) -> usize {
+    let all = (rows - settings.step).div_ceil(settings.stride);
+    settings.references.map_or(all, |asked| asked.min(all))
+}
+
 /// The smallest neighbourhood in which directions are measured has so many points, or twice as many as there are columns.
 const SMALLEST_LEVEL: usize = 20;
 
@@ -291,12 +421,12 @@ fn enough(rows: usize, settings: &DataSettings, theiler: usize) -> Result<(), Da
 }
 
 /// Runs through the interleaved chains; the outcome is in the order of time.
-fn chain<const N: usize>(
-    locals: &[Local<N>],
+fn chain<const N: usize, L>(
+    locals: &[L],
     chains: usize,
     width: usize,
     begin: &dyn Fn(usize) -> Square<N>,
-    map: impl Fn(&Local<N>) -> &LocalMap<N>,
+    map: impl Fn(&L) -> &LocalMap<N>,
 ) -> Vec<Stretch<N>> {
     let mut bases: Vec<Square<N>> = (0..chains.min(locals.len())).map(begin).collect();
     locals

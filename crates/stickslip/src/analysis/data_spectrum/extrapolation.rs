@@ -10,20 +10,16 @@
 //! size, for what fits the folds badly does so at any size. Quadratic maps are fitted beside them where the points suffice, and the distance
 //! between the two is counted as an error, too.
 
-use rayon::prelude::*;
-
 use super::averages::{Average, average, volume};
 use super::chain::{Stretch, carry};
 use super::cloud::Cloud;
 use super::directions::upper_median;
-use super::neighbours::{Finder, Neighbour};
+use super::neighbours::Neighbour;
 use super::polynomial::{Degree, Derivative, Fitter, Polynomial};
 use super::settings::DataSettings;
 use super::svd::Square;
 use crate::math;
 
-/// Reference points whose maps are held at a time.
-const CHUNK: usize = 2048;
 /// Neighbours of the smaller size for each unknown.
 const PER_UNKNOWN: usize = 3;
 /// The larger size holds no more than this part of the points.
@@ -88,22 +84,64 @@ impl Plan {
         }
     }
 
-    /// The largest neighbourhood.
-    fn furthest(&self) -> usize {
+    /// Neighbours of the largest neighbourhood.
+    pub(super) fn furthest(&self) -> usize {
         let judge = self.judge.map_or(0, |(_, neighbours)| neighbours);
         self.neighbours[1].max(judge)
     }
+
+    /// The maps around point `j` from its nearest neighbours; `directions` are those of the neighbourhood, the widest first.
+    pub(super) fn fit<const N: usize>(
+        &self,
+        fitter: &mut Fitter<N>,
+        points: &[[f64; N]],
+        j: usize,
+        found: &[Neighbour],
+        directions: &Square<N>,
+    ) -> Maps<N> {
+        let (small, further) = found.split_at(self.neighbours[0].min(found.len()));
+        let further = &further[..further.len().min(self.neighbours[1] - self.neighbours[0])];
+        let distance = |near: &[Neighbour]| near.last().map(|far| far.0.sqrt());
+        let radius = distance(small).unwrap_or(0.0);
+        Maps {
+            sizes: [
+                (
+                    fitter.fit(points, j, small, directions, &self.polynomial),
+                    radius,
+                ),
+                (
+                    fitter.extend(points, j, further, directions, &self.polynomial),
+                    distance(further).unwrap_or(radius),
+                ),
+            ],
+            judge: self.judge.as_ref().map(|(polynomial, count)| {
+                let near = &found[..found.len().min(*count)];
+                fitter.fit(points, j, near, directions, polynomial)
+            }),
+        }
+    }
 }
 
-/// What the chains at both sizes give.
+/// The maps around a point.
+pub(super) struct Maps<const N: usize> {
+    /// Of both sizes, with their radii.
+    sizes: [(Derivative<N>, f64); 2],
+    judge: Option<Derivative<N>>,
+}
+
+/// The chains at both sizes, and that of the maps that judge.
 pub(super) struct Chains<const N: usize> {
+    /// Interleaved chains of each of them.
+    count: usize,
+    bases: [Vec<Square<N>>; 2],
+    judging: Vec<Square<N>>,
     stretches: [Vec<Stretch<N>>; 2],
     /// By the maps that judge; none without them.
     judged: Vec<Stretch<N>>,
-    /// Mean radius, in the unit of the cloud.
+    /// Sum of the radii, in the unit of the cloud.
     radius: [f64; 2],
     /// Part of the neighbours' variance in each direction that is noise, at the smaller size.
-    noise: [f64; N],
+    noises: Vec<[f64; N]>,
     /// Tangent directions.
     dimension: usize,
 }
@@ -153,94 +191,40 @@ fn with_bias(zero: Average, range: f64, gap: f64) -> Average {
     }
 }
 
-/// The reference points.
-pub(super) struct References<'a, const N: usize> {
-    pub(super) count: usize,
-    /// Directions of the neighbourhood of each, the widest first.
-    pub(super) directions: &'a (dyn Fn(usize) -> Square<N> + Sync),
-    /// Called with the number of those that are done.
-    pub(super) progress: &'a dyn Fn(usize),
-}
-
-/// The maps around a point.
-struct Local<const N: usize> {
-    /// Of both sizes, with their radii.
-    sizes: [(Derivative<N>, f64); 2],
-    judge: Option<Derivative<N>>,
-}
-
-/// Runs the chains at both sizes, and that of the maps that judge.
-pub(super) fn run<const N: usize>(
-    cloud: &Cloud<N>,
-    finder: &Finder<'_, N>,
-    plan: &Plan,
-    settings: &DataSettings,
-    reference: &References<'_, N>,
-) -> Chains<N> {
-    let (references, directions) = (reference.count, reference.directions);
-    let chains = settings.step / settings.stride;
-    let mut bases: [Vec<Square<N>>; 2] =
-        [0, 1].map(|_| (0..chains.min(references)).map(directions).collect());
-    let mut stretches = [0, 1].map(|_| Vec::with_capacity(references));
-    let mut judging: Vec<Square<N>> = bases[0].clone();
-    let mut judged = Vec::new();
-    let mut radius = [0.0; 2];
-    let mut noises = Vec::with_capacity(references);
-    let mut from = 0;
-    while from < references {
-        (reference.progress)(from);
-        let until = (from + CHUNK).min(references);
-        let maps: Vec<Local<N>> = (from..until)
-            .into_par_iter()
-            .map_init(
-                || (Fitter::default(), Vec::<Neighbour>::new()),
-                |(fitter, found), i| {
-                    let j = i * settings.stride;
-                    finder.nearest(j, plan.furthest(), f64::INFINITY, found);
-                    let near = |count: usize| &found[..count.min(found.len())];
-                    let mut fit = |near: &[Neighbour], polynomial: &Polynomial| {
-                        fitter.fit(&cloud.points, j, near, &directions(i), polynomial)
-                    };
-                    Local {
-                        sizes: plan.neighbours.map(|count| {
-                            let near = near(count);
-                            let distance = near.last().map_or(0.0, |far| far.0.sqrt());
-                            (fit(near, &plan.polynomial), distance)
-                        }),
-                        judge: plan
-                            .judge
-                            .as_ref()
-                            .map(|(polynomial, count)| fit(near(*count), polynomial)),
-                    }
-                },
-            )
-            .collect();
-        let through = |map: &Derivative<N>, basis: &mut Square<N>| {
-            carry(&map.matrix, map.nothing, map.rank, basis, N)
-        };
-        for (i, local) in (from..until).zip(maps) {
-            let chain = i % chains;
-            noises.push(local.sizes[0].0.noise);
-            for (size, (map, distance)) in local.sizes.iter().enumerate() {
-                radius[size] += distance;
-                stretches[size].push(through(map, &mut bases[size][chain]));
-            }
-            if let Some(map) = &local.judge {
-                judged.push(through(map, &mut judging[chain]));
-            }
-        }
-        from = until;
-    }
-    Chains {
-        stretches,
-        judged,
-        noise: std::array::from_fn(|i| upper_median(noises.iter().map(|noise| noise[i]))),
-        dimension: plan.polynomial.tangent,
-        radius: radius.map(|sum| sum / references as f64),
-    }
-}
-
 impl<const N: usize> Chains<N> {
+    /// So many interleaved chains, of which nothing is known yet.
+    pub(super) fn new(plan: &Plan, count: usize) -> Self {
+        Self {
+            count,
+            bases: [Vec::new(), Vec::new()],
+            judging: Vec::new(),
+            stretches: [Vec::new(), Vec::new()],
+            judged: Vec::new(),
+            radius: [0.0; 2],
+            noises: Vec::new(),
+            dimension: plan.polynomial.tangent,
+        }
+    }
+
+    /// Takes them through the maps of the next reference point. A chain begins with the directions of the neighbourhood.
+    pub(super) fn push(&mut self, maps: &Maps<N>, directions: &Square<N>) {
+        let i = self.noises.len();
+        let chain = i % self.count;
+        let through = |map: &Derivative<N>, bases: &mut Vec<Square<N>>| {
+            if i < self.count {
+                bases.push(*directions);
+            }
+            carry(&map.matrix, map.nothing, map.rank, &mut bases[chain], N)
+        };
+        for (size, (map, distance)) in maps.sizes.iter().enumerate() {
+            self.radius[size] += distance;
+            self.stretches[size].push(through(map, &mut self.bases[size]));
+        }
+        if let Some(map) = &maps.judge {
+            self.judged.push(through(map, &mut self.judging));
+        }
+        self.noises.push(maps.sizes[0].0.noise);
+    }
     /// The averages, and the running means at size zero; `unit` is that of the cloud.
     pub(super) fn corrected(
         &self,
@@ -259,21 +243,26 @@ impl<const N: usize> Chains<N> {
             sizes: Sizes {
                 degree: plan.degree,
                 neighbours: plan.neighbours,
-                radius: self.radius.map(|radius| unit * radius),
+                radius: self.radius().map(|radius| unit * radius),
             },
             small: average(small, tau).0,
             large: average(large, tau).0,
             zero,
-            noise: self.noise,
+            noise: std::array::from_fn(|i| upper_median(self.noises.iter().map(|noise| noise[i]))),
             judged: judged.map(|judged| average(judged, tau).0),
             sum: with_bias(sum, range, gap(&sum, judged_sum.as_ref())),
         };
         (corrected, running)
     }
 
+    /// Mean radii, in the unit of the cloud.
+    fn radius(&self) -> [f64; 2] {
+        self.radius.map(|sum| sum / self.noises.len() as f64)
+    }
+
     /// The stretchings at size zero.
     fn at_zero(&self) -> Vec<Stretch<N>> {
-        let [small, large] = self.radius;
+        let [small, large] = self.radius();
         let rise = large * large - small * small;
         // Neighbourhoods of the same radius, as of points in few places, tell nothing of another.
         let weight = if rise > 0.0 {

@@ -2,6 +2,7 @@
 
 use super::cloud::Cloud;
 use super::neighbours::Neighbour;
+use super::settings::DataSettings;
 use super::svd::{Square, Svd, product, svd, svds, triangle};
 
 /// How far above the rounding of the data a singular value must be, for one neighbour.
@@ -14,6 +15,17 @@ pub(super) struct Rule {
     pub(super) affine: bool,
     pub(super) rank_tolerance: f64,
     pub(super) ridge: f64,
+}
+
+impl Rule {
+    pub(super) fn of(settings: &DataSettings) -> Self {
+        Self {
+            step: settings.step,
+            affine: settings.affine,
+            rank_tolerance: settings.rank_tolerance,
+            ridge: settings.ridge,
+        }
+    }
 }
 
 /// A linear map fitted to a neighbourhood.

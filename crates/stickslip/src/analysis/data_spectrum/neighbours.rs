@@ -1,6 +1,6 @@
 //! Neighbours of a point.
 
-use super::cloud::Cloud;
+use super::cloud::{Cloud, distance2};
 use super::error::DataError;
 use super::settings::Neighbourhood;
 use super::tree::Tree;
@@ -21,10 +21,32 @@ pub(super) struct Selection {
     pub(super) starved: bool,
 }
 
+impl Selection {
+    /// Of the nearest points, at least as many as the neighbourhood may have.
+    pub(super) fn of(found: &[Neighbour], neighbours: &Neighbourhood, spread: f64) -> Self {
+        match *neighbours {
+            Neighbourhood::Nearest(k) => Selection {
+                count: found.len().min(k),
+                starved: found.len() < k,
+            },
+            Neighbourhood::Ball { eps, min, max } => {
+                let radius = eps * spread;
+                let inside = found.partition_point(|n| n.0 <= radius * radius).min(max);
+                Selection {
+                    count: inside.max(min).min(found.len()),
+                    starved: inside < min,
+                }
+            }
+        }
+    }
+}
+
 /// Finds neighbours among the points that have an image.
 pub(super) struct Finder<'c, const N: usize> {
     tree: Tree<N>,
     points: &'c [[f64; N]],
+    /// So many of them, from the first on, have an image.
+    candidates: usize,
     theiler: usize,
     repeat2: f64,
 }
@@ -45,6 +67,7 @@ impl<'c, const N: usize> Finder<'c, N> {
         Ok(Self {
             tree: Tree::new(with_image),
             points: &cloud.points,
+            candidates: with_image.len(),
             theiler,
             repeat2: repeat * repeat,
         })
@@ -63,10 +86,6 @@ impl<'c, const N: usize> Finder<'c, N> {
         match *neighbours {
             Neighbourhood::Nearest(k) => {
                 self.nearest(j, k.saturating_mul(times), f64::INFINITY, found);
-                Selection {
-                    count: found.len().min(k),
-                    starved: found.len() < k,
-                }
             }
             Neighbourhood::Ball { eps, min, max } => {
                 let least = min.saturating_mul(times);
@@ -79,20 +98,52 @@ impl<'c, const N: usize> Finder<'c, N> {
                 if found.len() < least {
                     self.nearest(j, least, f64::INFINITY, found);
                 }
-                let radius = eps * spread;
-                let inside = found.partition_point(|n| n.0 <= radius * radius).min(max);
-                Selection {
-                    count: inside.max(min).min(found.len()),
-                    starved: inside < min,
-                }
             }
         }
+        Selection::of(found, neighbours, spread)
+    }
+
+    /// As [`Finder::nearest`] at any distance, where `found` are those of the point `before`: where they have gone is no nearer than the
+    /// ones that are looked for, which is a short search in a flow.
+    pub(super) fn follow(
+        &self,
+        before: Option<usize>,
+        j: usize,
+        wanted: usize,
+        found: &mut Vec<Neighbour>,
+    ) {
+        let reach2 = match (before, found.get(..wanted)) {
+            (Some(before), Some(found)) if before < j => self.reach2(j, j - before, found),
+            _ => f64::INFINITY,
+        };
+        self.within(j, wanted, reach2, found);
+    }
+
+    /// Square of the largest distance from point `j` of where neighbours are so much later; infinite if one of them is none then.
+    fn reach2(&self, j: usize, later: usize, found: &[Neighbour]) -> f64 {
+        let candidates = &self.points[..self.candidates];
+        found.iter().fold(0.0, |reach: f64, &(_, k)| {
+            let square = match candidates.get(k as usize + later) {
+                Some(point) => distance2(point, &self.points[j]),
+                None => f64::INFINITY,
+            };
+            let square = if square > self.repeat2 {
+                square
+            } else {
+                f64::INFINITY
+            };
+            reach.max(square)
+        })
     }
 
     /// The `wanted` nearest admissible points within `radius`, nearest first, equally distant ones by index. Fewer if there
     /// are no more.
     pub(super) fn nearest(&self, j: usize, wanted: usize, radius: f64, found: &mut Vec<Neighbour>) {
-        let between = (self.repeat2, radius * radius);
+        self.within(j, wanted, radius * radius, found);
+    }
+
+    fn within(&self, j: usize, wanted: usize, radius2: f64, found: &mut Vec<Neighbour>) {
+        let between = (self.repeat2, radius2);
         let admissible = |k: u32| (k as usize).abs_diff(j) > self.theiler;
         self.tree
             .nearest(&self.points[j], wanted, between, admissible, found);
@@ -137,6 +188,15 @@ mod tests {
                     finder.nearest(j, wanted, radius, &mut found);
                     let expected = brute(&cloud, &finder, step, j, wanted, radius);
                     assert_eq!(found, expected, "{j} {wanted} {radius}");
+                }
+            }
+            let mut before = None;
+            for j in (0..cloud.points.len()).step_by(3) {
+                finder.follow(before, j, 30, &mut found);
+                before = Some(j);
+                if j % 17 == 0 {
+                    let expected = brute(&cloud, &finder, step, j, 30, f64::INFINITY);
+                    assert_eq!(found, expected, "{j}");
                 }
             }
         }

@@ -9,7 +9,7 @@
 use pulp::{Arch, NullaryFnOnce};
 
 use super::neighbours::Neighbour;
-use super::svd::{Square, dot, product, reflect};
+use super::svd::{Square, dot, reflect_below};
 
 /// A column of which less than this part is left by those before it is a combination of them.
 const DEPENDENT: f64 = 1e-10;
@@ -85,16 +85,65 @@ pub(super) struct Derivative<const N: usize> {
     pub(super) noise: [f64; N],
 }
 
-/// Memory for the matrices of a fit, used again for every point.
-#[derive(Default)]
-pub(super) struct Fitter {
-    along: Vec<f64>,
-    design: Vec<f64>,
+/// Where the components of images come from: of delayed values, a delay ahead, all but the last are values of the point itself, and only the
+/// last is to be fitted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Images<const N: usize> {
+    /// The column that holds a component already.
+    known: [Option<usize>; N],
 }
 
-impl Fitter {
+impl<const N: usize> Images<N> {
+    /// Of points whose images come `step` later. A component is known if its column is another one so much earlier, at all points.
+    pub(super) fn of(points: &[[f64; N]], step: usize) -> Self {
+        let later = points.get(step..).unwrap_or_default();
+        let is_column = |component: usize, column: usize| {
+            let pairs = points.iter().zip(later);
+            column != component && pairs.fold(true, |all, (a, b)| all & (a[column] == b[component]))
+        };
+        let known =
+            std::array::from_fn(|component| (0..N).find(|&column| is_column(component, column)));
+        Self { known }
+    }
+
+    /// Components that are to be fitted.
+    fn fitted(&self) -> impl Iterator<Item = usize> {
+        let of = self.known.iter().enumerate();
+        of.filter(|(_, known)| known.is_none())
+            .map(|(component, _)| component)
+    }
+}
+
+/// Memory for a fit, used again for every point.
+pub(super) struct Fitter<const N: usize> {
+    images: Images<N>,
+    /// Of the neighbours so far, row after row: constant, forms, coordinates along the directions, images. The linear ones come after the
+    /// forms, so that the corner of the triangle that belongs to them holds what is theirs alone.
+    triangle: Vec<f64>,
+    /// Of the neighbours that are added, column after column.
+    rows: Vec<f64>,
+    /// Neighbours so far.
+    count: usize,
+    /// Sum of squares of what the polynomial leaves of their images.
+    left: f64,
+}
+
+/// Rows are filled up with zeros, which change no sum, so that no vector is broken.
+const VECTOR: usize = 4;
+
+impl<const N: usize> Fitter<N> {
+    pub(super) fn new(images: Images<N>) -> Self {
+        Self {
+            images,
+            triangle: Vec::new(),
+            rows: Vec::new(),
+            count: 0,
+            left: 0.0,
+        }
+    }
+
     /// Fits the polynomial to the neighbours of point `j`; `directions` are those of the neighbourhood, the widest first.
-    pub(super) fn fit<const N: usize>(
+    pub(super) fn fit(
         &mut self,
         points: &[[f64; N]],
         j: usize,
@@ -102,8 +151,37 @@ impl Fitter {
         directions: &Square<N>,
         polynomial: &Polynomial,
     ) -> Derivative<N> {
-        let (rows, unknowns) = (neighbours.len(), polynomial.unknowns(N));
-        if rows < unknowns {
+        let columns = polynomial.unknowns(N) + self.images.fitted().count();
+        self.triangle.clear();
+        self.triangle.resize(polynomial.unknowns(N) * columns, 0.0);
+        (self.count, self.left) = (0, 0.0);
+        self.extend(points, j, neighbours, directions, polynomial)
+    }
+
+    /// Fits it to further neighbours beside those of the last call, of which the triangle holds all that is needed.
+    pub(super) fn extend(
+        &mut self,
+        points: &[[f64; N]],
+        j: usize,
+        further: &[Neighbour],
+        directions: &Square<N>,
+        polynomial: &Polynomial,
+    ) -> Derivative<N> {
+        self.count += further.len();
+        if !further.is_empty() {
+            self.left += Arch::new().dispatch(Absorb {
+                images: &self.images,
+                triangle: &mut self.triangle,
+                rows: &mut self.rows,
+                points,
+                j,
+                further,
+                directions,
+                polynomial,
+            });
+        }
+        let unknowns = polynomial.unknowns(N);
+        if self.count < unknowns {
             return Derivative {
                 matrix: [[0.0; N]; N],
                 rank: 0,
@@ -111,65 +189,16 @@ impl Fitter {
                 noise: [f64::NAN; N],
             };
         }
-        self.fill(points, j, neighbours, directions, polynomial);
-        Arch::new().dispatch(Triangle {
-            design: &mut self.design,
-            rows,
-            unknowns,
-        });
-        self.derivative(rows, unknowns, directions, polynomial)
-    }
-
-    /// Writes the columns: constant, forms, coordinates along the directions, images. The linear ones come after the forms, so
-    /// that the corner of the triangle that belongs to them holds what is theirs alone.
-    fn fill<const N: usize>(
-        &mut self,
-        points: &[[f64; N]],
-        j: usize,
-        neighbours: &[Neighbour],
-        directions: &Square<N>,
-        polynomial: &Polynomial,
-    ) {
-        let rows = neighbours.len();
-        let Self { along, design } = self;
-        along.clear();
-        for direction in directions {
-            along.extend(neighbours.iter().map(|&(_, k)| {
-                let difference = std::array::from_fn(|c| points[k as usize][c] - points[j][c]);
-                product(direction, &difference)
-            }));
-        }
-        design.clear();
-        if polynomial.affine {
-            design.resize(rows, 1.0);
-        }
-        for a in 0..polynomial.forms {
-            for b in a..polynomial.forms {
-                let pairs = along[a * rows..][..rows].iter().zip(&along[b * rows..]);
-                design.extend(pairs.map(|(a, b)| a * b));
-            }
-        }
-        design.extend_from_slice(along);
-        for (c, origin) in points[j + polynomial.step].iter().enumerate() {
-            let images = neighbours
-                .iter()
-                .map(|&(_, k)| points[k as usize + polynomial.step][c] - origin);
-            design.extend(images);
-        }
+        self.derivative(self.count, unknowns, directions, polynomial)
     }
 
     /// Variance that the polynomial leaves of a component of the images; NaN where there are no degrees of freedom to tell from.
     fn unpredicted(&self, rows: usize, unknowns: usize) -> f64 {
-        let images = self.design[unknowns * rows..].chunks_exact(rows);
-        let components = images.len();
-        let left: f64 = images
-            .map(|image| dot(&image[unknowns..], &image[unknowns..]))
-            .sum();
-        left / ((rows - unknowns) * components) as f64
+        self.left / ((rows - unknowns) * N) as f64
     }
 
     /// The linear part by back substitution in the last N rows of the triangle.
-    fn derivative<const N: usize>(
+    fn derivative(
         &self,
         rows: usize,
         unknowns: usize,
@@ -177,7 +206,22 @@ impl Fitter {
         polynomial: &Polynomial,
     ) -> Derivative<N> {
         let first = unknowns - N;
-        let at = |column: usize, row: usize| self.design[column * rows + first + row];
+        let columns = self.triangle.len() / unknowns;
+        let at = |column: usize, row: usize| self.triangle[(first + row) * columns + column];
+        // What belongs to a component in a row: of a known one it is that of its column, along all directions.
+        let mut images = [[0.0; N]; N];
+        for (component, images) in images.iter_mut().enumerate() {
+            if let Some(column) = self.images.known[component] {
+                for (i, image) in images.iter_mut().enumerate() {
+                    *image = (i..N)
+                        .map(|k| at(first + k, i) * directions[k][column])
+                        .sum();
+                }
+            }
+        }
+        for (fitted, component) in self.images.fitted().enumerate() {
+            images[component] = std::array::from_fn(|i| at(unknowns + fitted, i));
+        }
         let rounding = ABOVE_ROUNDING * polynomial.rounding * (rows as f64).sqrt();
         let mut derivative = Derivative {
             matrix: [[0.0; N]; N],
@@ -204,7 +248,7 @@ impl Fitter {
             derivative.nothing = derivative.nothing.max(rounding / corner.abs());
             for (out, slopes) in slopes.iter_mut().enumerate() {
                 let others: f64 = (i + 1..N).map(|k| at(first + k, i) * slopes[k]).sum();
-                slopes[i] = (at(unknowns + out, i) - others) / corner;
+                slopes[i] = (images[out][i] - others) / corner;
             }
         }
         let carried: f64 = slopes.iter().map(|slopes| dot(slopes, slopes)).sum();
@@ -221,39 +265,103 @@ impl Fitter {
     }
 }
 
-/// Turns the first `unknowns` columns into an upper triangle by reflections, and applies these to the others. A column that
-/// depends on those before it gets a zero corner and is passed over.
-struct Triangle<'a> {
-    design: &'a mut [f64],
-    rows: usize,
-    unknowns: usize,
+/// Adds neighbours to a triangle, by reflections that take their rows to zero, and returns the sum of squares of what is left of their images.
+/// A column that depends on those before it gets a zero corner and is passed over.
+struct Absorb<'a, const N: usize> {
+    images: &'a Images<N>,
+    triangle: &'a mut [f64],
+    rows: &'a mut Vec<f64>,
+    points: &'a [[f64; N]],
+    j: usize,
+    further: &'a [Neighbour],
+    directions: &'a Square<N>,
+    polynomial: &'a Polynomial,
+}
+
+impl<const N: usize> Absorb<'_, N> {
+    /// Writes the columns, each of `long` rows.
+    #[inline(always)]
+    fn fill(&mut self, long: usize) {
+        let (forms, affine) = (self.polynomial.forms, self.polynomial.affine);
+        let unknowns = self.polynomial.unknowns(N);
+        let fitted = self.images.fitted().count();
+        self.rows.clear();
+        // Differences to the point come last, for a while.
+        self.rows.resize((unknowns + fitted + N) * long, 0.0);
+        let (columns, differences) = self.rows.split_at_mut((unknowns + fitted) * long);
+        let (known, images) = columns.split_at_mut(unknowns * long);
+        let (before, along) = known.split_at_mut((unknowns - N) * long);
+        let origin = &self.points[self.j];
+        let image = &self.points[self.j + self.polynomial.step];
+        for (row, &(_, k)) in self.further.iter().enumerate() {
+            let point = &self.points[k as usize];
+            for c in 0..N {
+                differences[c * long + row] = point[c] - origin[c];
+            }
+            let ahead = &self.points[k as usize + self.polynomial.step];
+            for (i, c) in self.images.fitted().enumerate() {
+                images[i * long + row] = ahead[c] - image[c];
+            }
+        }
+        for (along, direction) in along.chunks_exact_mut(long).zip(self.directions) {
+            for (difference, d) in differences.chunks_exact(long).zip(direction) {
+                for (sum, v) in along.iter_mut().zip(difference) {
+                    *sum += d * v;
+                }
+            }
+        }
+        let mut columns = before.chunks_exact_mut(long);
+        if affine && let Some(ones) = columns.next() {
+            ones[..self.further.len()].fill(1.0);
+        }
+        let pairs = (0..forms).flat_map(|a| (a..forms).map(move |b| (a, b)));
+        for (column, (a, b)) in columns.zip(pairs) {
+            let factors = along[a * long..][..long].iter().zip(&along[b * long..]);
+            for (product, (a, b)) in column.iter_mut().zip(factors) {
+                *product = a * b;
+            }
+        }
+    }
 }
 
 /// With the machine's vectors, which change no bit: the partial sums of [`dot`] are lanes of one vector.
-impl NullaryFnOnce for Triangle<'_> {
-    type Output = ();
+impl<const N: usize> NullaryFnOnce for Absorb<'_, N> {
+    type Output = f64;
 
     #[inline(always)]
-    fn call(self) {
-        let rows = self.rows;
-        for i in 0..self.unknowns {
-            let (done, rest) = self.design.split_at_mut((i + 1) * rows);
-            let column = &mut done[i * rows..];
-            let whole = dot(column, column).sqrt();
-            let mirror = &mut column[i..];
-            let norm = dot(mirror, mirror).sqrt();
-            if norm <= DEPENDENT * whole {
-                mirror[0] = 0.0;
+    fn call(mut self) -> f64 {
+        let long = self.further.len().next_multiple_of(VECTOR);
+        self.fill(long);
+        let unknowns = self.polynomial.unknowns(N);
+        let columns = self.triangle.len() / unknowns;
+        let rows = &mut self.rows[..columns * long];
+        for i in 0..unknowns {
+            let above: f64 = (0..i)
+                .map(|row| self.triangle[row * columns + i])
+                .map(|v| v * v)
+                .sum();
+            let row = &mut self.triangle[i * columns..][..columns];
+            let (done, rest) = rows.split_at_mut((i + 1) * long);
+            let mirror = &done[i * long..];
+            let below = dot(mirror, mirror);
+            let square = row[i] * row[i] + below;
+            let norm = square.sqrt();
+            if norm <= DEPENDENT * (above + square).sqrt() {
+                row[i] = 0.0;
                 continue;
             }
-            let corner = if mirror[0] > 0.0 { -norm } else { norm };
-            mirror[0] -= corner;
-            let square = dot(mirror, mirror);
-            for column in rest.chunks_exact_mut(rows) {
-                reflect(mirror, square, &mut column[i..]);
-            }
-            mirror[0] = corner;
+            let corner = if row[i] > 0.0 { -norm } else { norm };
+            let first = row[i] - corner;
+            row[i] = corner;
+            reflect_below(
+                mirror,
+                (first, first * first + below),
+                &mut row[i + 1..],
+                rest,
+            );
         }
+        let images = &rows[unknowns * long..];
+        dot(images, images)
     }
 }
 
@@ -291,7 +399,13 @@ mod tests {
             rounding: f64::EPSILON,
         };
         let fit = |polynomial: &Polynomial| {
-            Fitter::default().fit(&points, 0, &neighbours, &directions, polynomial)
+            Fitter::new(Images::of(&points, 1)).fit(
+                &points,
+                0,
+                &neighbours,
+                &directions,
+                polynomial,
+            )
         };
         let found = fit(&polynomial);
         assert_eq!(found.rank, 2);
@@ -335,7 +449,13 @@ mod tests {
                 step: 1,
                 rounding: f64::EPSILON,
             };
-            let found = Fitter::default().fit(&points, 0, &neighbours, &directions, &linear);
+            let found = Fitter::new(Images::of(&points, 1)).fit(
+                &points,
+                0,
+                &neighbours,
+                &directions,
+                &linear,
+            );
             let slope = 0.5 * (found.matrix[0][1] - found.matrix[1][0]);
             let flattened = 1.0 - slope / stretch;
             let wanted = 0.04 / 1.04;
@@ -373,7 +493,7 @@ mod tests {
         // All on a straight line.
         let points: Vec<[f64; 2]> = (0..40).map(|i| [0.1 * f64::from(i), 0.0]).collect();
         let neighbours: Vec<Neighbour> = (1..30).map(|k| (0.01 * f64::from(k * k), k)).collect();
-        let mut fitter = Fitter::default();
+        let mut fitter = Fitter::new(Images::of(&points, 1));
         let mut rank = |neighbours: &[Neighbour]| {
             fitter
                 .fit(&points, 0, neighbours, &directions, &polynomial)

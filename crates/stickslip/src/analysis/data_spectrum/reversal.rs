@@ -9,15 +9,17 @@
 //! exponents none of the system's; then it finds not even the first exponent again, and is not asked.
 
 use super::error::DataError;
-use super::estimate::data_spectrum_with;
+use super::estimate::fixed_rank;
 use super::result::DataSpectrum;
-use super::series::Series;
-use super::settings::{DataSettings, Estimator};
+use super::series::{Series, for_columns};
+use super::settings::DataSettings;
 
 /// Two values are the same if they are apart by less than so many of their standard errors,
 const STANDARD_ERRORS: f64 = 4.0;
 /// or by less than this part of the larger one, or of the first exponent: neighbourhoods are finite, and bias is not in the errors.
 const PART: f64 = 0.25;
+/// Reference points of the reversed series, where the step allows for fewer than all: it is asked whether exponents are near, and no more.
+const REFERENCES: usize = 1000;
 /// With a larger residual ratio a series is not predictable enough, in either direction of time, for its exponents to be compared.
 const UNPREDICTABLE: f64 = 0.5;
 
@@ -72,18 +74,23 @@ pub fn reversal(
             is_conclusive: false,
         });
     }
-    // Only its fit of fixed rank is asked for, which is not extrapolated.
+    let own = spectrum.settings.stride;
+    let covered = spectrum.references.saturating_mul(own);
+    let stride = stride(&spectrum.settings, covered);
     let settings = DataSettings {
-        estimator: Estimator::SanoSawada,
-        sensitivity: false,
+        stride,
+        references: Some(covered.div_ceil(stride)),
         ..spectrum.settings.clone()
     };
-    let backward = data_spectrum_with(&reversed(embedded)?, &settings, progress)?;
-    let fixed = |spectrum: &DataSpectrum| -> Vec<(f64, f64)> {
-        let all = spectrum.exponents.iter();
-        all.filter_map(|exponent| exponent.fixed_rank).collect()
-    };
-    let (forward, reversed) = (fixed(spectrum), fixed(&backward));
+    let turned_series = reversed(embedded)?;
+    let rank = spectrum.fixed_rank;
+    let backward = for_columns!(
+        turned_series,
+        fixed_rank(&turned_series, &settings, rank, progress)
+    )?;
+    let all = spectrum.exponents.iter();
+    let forward: Vec<(f64, f64)> = all.filter_map(|exponent| exponent.fixed_rank).collect();
+    let reversed = backward.exponents;
     let turned: Vec<(f64, f64)> = reversed
         .iter()
         .map(|&(value, stderr)| (-value, stderr))
@@ -128,6 +135,15 @@ pub fn reversal(
         reversed,
         is_conclusive,
     })
+}
+
+/// The longest stride that leaves reference points enough of so many rows.
+fn stride(settings: &DataSettings, rows: usize) -> usize {
+    let (step, own) = (settings.step, settings.stride);
+    let suits = |stride: &usize| {
+        step.is_multiple_of(*stride) && stride.is_multiple_of(own) && rows / stride >= REFERENCES
+    };
+    (own..=step).rev().find(suits).unwrap_or(own)
 }
 
 /// The series, last point first.
@@ -175,6 +191,24 @@ fn matched(all: &[(f64, f64)], known: &[(f64, f64)], scale: f64, determined: usi
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_stride_divides_the_step_and_leaves_enough_points() {
+        let with = |step, stride, rows| {
+            let settings = DataSettings {
+                step,
+                stride,
+                ..DataSettings::default()
+            };
+            super::stride(&settings, rows)
+        };
+        assert_eq!(with(12, 1, 5000), 4);
+        assert_eq!(with(12, 2, 5000), 4);
+        assert_eq!(with(12, 3, 5000), 3);
+        assert_eq!(with(12, 1, 50_000), 12);
+        assert_eq!(with(1, 1, 50_000), 1);
+        assert_eq!(with(12, 4, 500), 4);
+    }
 
     #[test]
     fn one_known_value_is_one_of_the_others_only() {

@@ -28,6 +28,14 @@ impl Neighbourhood {
             Neighbourhood::Nearest(k) => k,
         }
     }
+
+    /// Most neighbours that are taken.
+    pub(super) fn most(&self) -> usize {
+        match *self {
+            Neighbourhood::Ball { max, .. } => max,
+            Neighbourhood::Nearest(k) => k,
+        }
+    }
 }
 
 /// What is made of the local maps.

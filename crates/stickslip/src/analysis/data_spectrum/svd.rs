@@ -48,12 +48,8 @@ impl<const N: usize> NullaryFnOnce for Triangle<'_, N> {
                 let corner = if mirror[0] > 0.0 { -norm } else { norm };
                 mirror[0] -= corner;
                 let square = dot(mirror, mirror);
-                for column in rest.chunks_exact_mut(rows) {
-                    reflect(mirror, square, &mut column[i..]);
-                }
-                for column in right.chunks_exact_mut(rows) {
-                    reflect(mirror, square, &mut column[i..]);
-                }
+                reflect_all(mirror, square, rest, (rows, i));
+                reflect_all(mirror, square, right, (rows, i));
                 r[i][i] = corner;
             }
             for (k, column) in rest.chunks_exact(rows).enumerate() {
@@ -69,12 +65,103 @@ impl<const N: usize> NullaryFnOnce for Triangle<'_, N> {
     }
 }
 
+/// Columns that are reflected together: their sums do not wait for one another.
+const TOGETHER: usize = 4;
+
+/// Reflects columns of so many rows, each from row `first` on, at the plane across `mirror`, whose square of length is `square`.
 #[inline(always)]
-pub(super) fn reflect(mirror: &[f64], square: f64, column: &mut [f64]) {
-    let factor = 2.0 * dot(mirror, column) / square;
-    for (v, m) in column.iter_mut().zip(mirror) {
-        *v -= factor * m;
+pub(super) fn reflect_all(
+    mirror: &[f64],
+    square: f64,
+    columns: &mut [f64],
+    (rows, first): (usize, usize),
+) {
+    let mut groups = columns.chunks_exact_mut(TOGETHER * rows);
+    for group in &mut groups {
+        let (a, group) = group.split_at_mut(rows);
+        let (b, group) = group.split_at_mut(rows);
+        let (c, d) = group.split_at_mut(rows);
+        let group = [a, b, c, d].map(|column| &mut column[first..]);
+        reflect(mirror, square, group);
     }
+    let mut rest = groups.into_remainder().chunks_exact_mut(rows);
+    let mut next = || -> Option<&mut [f64]> { rest.next().map(|column| &mut column[first..]) };
+    match [next(), next(), next()] {
+        [Some(a), Some(b), Some(c)] => reflect(mirror, square, [a, b, c]),
+        [Some(a), Some(b), None] => reflect(mirror, square, [a, b]),
+        [Some(a), ..] => reflect(mirror, square, [a]),
+        _ => {}
+    }
+}
+
+/// Reflects each column, with the bits that it has alone.
+#[inline(always)]
+fn reflect<const C: usize>(mirror: &[f64], square: f64, mut columns: [&mut [f64]; C]) {
+    let sums = dots(mirror, columns.each_ref().map(|column| &**column));
+    for (column, sum) in columns.iter_mut().zip(sums) {
+        let factor = 2.0 * sum / square;
+        for (v, m) in column.iter_mut().zip(mirror) {
+            *v -= factor * m;
+        }
+    }
+}
+
+/// Reflects a row and the columns below it, each with as many rows as `mirror`, at the plane across `first` and, below, `mirror`, whose square of
+/// length together is `square`.
+#[inline(always)]
+pub(super) fn reflect_below(
+    mirror: &[f64],
+    (first, square): (f64, f64),
+    row: &mut [f64],
+    columns: &mut [f64],
+) {
+    let long = mirror.len();
+    let scale = 2.0 / square;
+    let mut groups = columns.chunks_exact_mut(TOGETHER * long);
+    let mut heads = row.chunks_exact_mut(TOGETHER);
+    for (group, head) in (&mut groups).zip(&mut heads) {
+        let (a, group) = group.split_at_mut(long);
+        let (b, group) = group.split_at_mut(long);
+        let (c, d) = group.split_at_mut(long);
+        let columns = [a, b, c, d];
+        let sums = dots(mirror, columns.each_ref().map(|column| &**column));
+        for ((column, head), sum) in columns.into_iter().zip(head).zip(sums) {
+            let factor = scale * (sum + first * *head);
+            *head -= factor * first;
+            for (v, m) in column.iter_mut().zip(mirror) {
+                *v -= factor * m;
+            }
+        }
+    }
+    let rest = groups.into_remainder().chunks_exact_mut(long);
+    for (column, head) in rest.zip(heads.into_remainder()) {
+        let factor = scale * (dot(mirror, column) + first * *head);
+        *head -= factor * first;
+        for (v, m) in column.iter_mut().zip(mirror) {
+            *v -= factor * m;
+        }
+    }
+}
+
+/// Scalar products with several columns as long, each with the bits of [`dot`].
+#[inline(always)]
+fn dots<const C: usize>(a: &[f64], columns: [&[f64]; C]) -> [f64; C] {
+    let (a_fours, a_rest) = a.as_chunks::<4>();
+    let columns = columns.map(|column| column[..a.len()].as_chunks::<4>());
+    let mut sums = [[0.0; 4]; C];
+    for (k, x) in a_fours.iter().enumerate() {
+        for (sums, (fours, _)) in sums.iter_mut().zip(&columns) {
+            let y = &fours[k];
+            for i in 0..4 {
+                sums[i] += x[i] * y[i];
+            }
+        }
+    }
+    std::array::from_fn(|c| {
+        let [first, second, third, fourth] = sums[c];
+        let rest: f64 = a_rest.iter().zip(columns[c].1).map(|(x, y)| x * y).sum();
+        ((first + second) + (third + fourth)) + rest
+    })
 }
 
 /// Four partial sums, in a fixed order: independent additions, so that they need not wait for one another.

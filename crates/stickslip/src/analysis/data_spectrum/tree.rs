@@ -4,6 +4,8 @@
 //! and equally distant ones are told apart by index. Said inside the search, this costs nothing; from outside of it more points had to be
 //! asked for, often several times, and half of the time of a spectrum went there.
 
+use pulp::{Arch, NullaryFnOnce};
+
 use super::neighbours::Neighbour;
 
 /// Points whose distances are computed together.
@@ -167,7 +169,7 @@ impl<const N: usize> Tree<N> {
         &self,
         centre: &[f64; N],
         wanted: usize,
-        (repeat2, radius2): (f64, f64),
+        between: (f64, f64),
         admissible: impl Fn(u32) -> bool,
         found: &mut Vec<Neighbour>,
     ) {
@@ -175,16 +177,53 @@ impl<const N: usize> Tree<N> {
         if wanted == 0 {
             return;
         }
+        Arch::new().dispatch(Search {
+            tree: self,
+            centre,
+            wanted,
+            between,
+            admissible,
+            found,
+        });
+        sort(found);
+        found.truncate(wanted);
+    }
+}
+
+/// A search of [`Tree::nearest`], which leaves those found unsorted, and some beyond the wanted ones.
+struct Search<'a, const N: usize, A> {
+    tree: &'a Tree<N>,
+    centre: &'a [f64; N],
+    wanted: usize,
+    between: (f64, f64),
+    admissible: A,
+    found: &'a mut Vec<Neighbour>,
+}
+
+/// With the machine's vectors, which change no bit: a distance is a lane.
+impl<const N: usize, A: Fn(u32) -> bool> NullaryFnOnce for Search<'_, N, A> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self {
+            tree,
+            centre,
+            wanted,
+            between: (repeat2, radius2),
+            admissible,
+            found,
+        } = self;
         let mut furthest = (radius2, u32::MAX);
         // Candidates are collected until they are twice as many, and those that are too far then go together.
         let mut full = wanted;
-        let child = |node: usize| (node, self.bounds[node].distance2(centre));
+        let child = |node: usize| (node, tree.bounds[node].distance2(centre));
         let mut open = vec![(0, 0.0)];
         while let Some((node, least)) = open.pop() {
-            if self.bounds[node].has_none(centre, least, repeat2, furthest) {
+            if tree.bounds[node].has_none(centre, least, repeat2, furthest) {
                 continue;
             }
-            if node < self.first_leaf {
+            if node < tree.first_leaf {
                 let (left, right) = (child(2 * node + 1), child(2 * node + 2));
                 // The nearer one is looked at first.
                 open.extend(if left.1 <= right.1 {
@@ -194,13 +233,20 @@ impl<const N: usize> Tree<N> {
                 });
                 continue;
             }
-            let leaf = (node - self.first_leaf) * BLOCKS;
-            for block in &self.blocks[leaf..leaf + BLOCKS] {
+            let leaf = (node - tree.first_leaf) * BLOCKS;
+            for block in &tree.blocks[leaf..leaf + BLOCKS] {
                 let squares = block.distances2(centre);
-                for (square, &index) in squares.into_iter().zip(&block.indices) {
-                    let is_near =
-                        square <= furthest.0 && (square < furthest.0 || index <= furthest.1);
-                    if is_near && square > repeat2 && admissible(index) {
+                // Most points of most blocks are too far: these are passed over together.
+                let mut near = 0_u32;
+                for (lane, square) in squares.iter().enumerate() {
+                    near |= u32::from(*square <= furthest.0 && *square > repeat2) << lane;
+                }
+                while near != 0 {
+                    let lane = near.trailing_zeros() as usize;
+                    near &= near - 1;
+                    let (square, index) = (squares[lane], block.indices[lane]);
+                    let is_near = square < furthest.0 || index <= furthest.1;
+                    if is_near && admissible(index) {
                         found.push((square, index));
                     }
                 }
@@ -211,8 +257,16 @@ impl<const N: usize> Tree<N> {
                 full = wanted.saturating_mul(2);
             }
         }
-        found.sort_unstable_by_key(order);
-        found.truncate(wanted);
+    }
+}
+
+/// Sorts by [`order`]. Numbers of half the length are compared in half of the time, and few distances are equal.
+fn sort(found: &mut [Neighbour]) {
+    found.sort_unstable_by_key(|neighbour| neighbour.0.to_bits());
+    for equal in found.chunk_by_mut(|a, b| a.0 == b.0) {
+        if equal.len() > 1 {
+            equal.sort_unstable_by_key(|neighbour| neighbour.1);
+        }
     }
 }
 

@@ -7,6 +7,7 @@
 
 mod straight;
 
+use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
 use super::cloud::{Cloud, distance2};
@@ -126,12 +127,6 @@ fn of_size<const N: usize>(
         return Err(too_few(theiler));
     }
     let finder = Finder::new(&cloud, longest, theiler)?;
-    let follow = Follow {
-        cloud: &cloud,
-        longest,
-        dt: series.dt(),
-        saturation: saturation(&cloud),
-    };
     let total = 1 + KANTZ.len();
     progress(0, total);
     let points = rows - longest;
@@ -145,23 +140,40 @@ fn of_size<const N: usize>(
             found
         })
         .collect();
-    let nearest = |i: usize| &found[i][..found[i].len().min(1)];
-    let rosenstein = follow.curve(&references, None, &nearest);
-    let mut kantz = Vec::with_capacity(KANTZ.len());
-    for (done, count) in KANTZ.into_iter().enumerate() {
-        progress(1 + done, total);
+    progress(1, total);
+    let nearest: Vec<usize> = found.iter().map(|found| found.len().min(1)).collect();
+    let balls = KANTZ.map(|count| {
         let reach = found.iter().filter_map(|found| found.get(count - 1));
         let radius2 = upper_median(reach.map(|neighbour| neighbour.0));
-        let within = |i: usize| {
-            let count = found[i].partition_point(|neighbour| neighbour.0 <= radius2);
-            &found[i][..count]
-        };
-        kantz.push(follow.curve(&references, Some(radius2.sqrt()), &within));
-    }
+        let within = found
+            .iter()
+            .map(|found| found.partition_point(|neighbour| neighbour.0 <= radius2));
+        Course::new(Some(radius2.sqrt()), within.collect())
+    });
+    let mut courses = vec![Course::new(None, nearest)];
+    courses.extend(balls);
+    let column = |c: usize| -> Vec<f64> {
+        let values = cloud.points.iter().map(|point| point[c]);
+        values.chain([0.0; LANES]).collect()
+    };
+    let follow: Follow<'_, N> = Follow {
+        columns: std::array::from_fn(column),
+        references: &references,
+        found: &found,
+        longest,
+        saturation: saturation(&cloud),
+    };
+    follow.run(&mut courses);
     progress(total, total);
+    let mut curves = courses
+        .iter()
+        .map(|course| course.curve(&follow, cloud.unit, series.dt()));
+    let Some(rosenstein) = curves.next() else {
+        return Err(too_few(theiler));
+    };
     Ok(Divergence {
         rosenstein,
-        kantz,
+        kantz: curves.collect(),
         saturation: follow.saturation + math::ln(cloud.unit),
     })
 }
@@ -182,99 +194,187 @@ fn saturation<const N: usize>(cloud: &Cloud<N>) -> f64 {
     sum / count
 }
 
-/// A sum of logarithms as the logarithms of products, which are fewer: they were most of the time of a curve.
-struct SumOfLogarithms {
-    sum: f64,
-    product: f64,
+/// Points of time that are followed together, each in a lane.
+const LANES: usize = 8;
+
+/// Sums of logarithms, one in each lane, as the logarithms of products, which are fewer: they were most of the time of a curve.
+#[derive(Clone, Copy)]
+struct SumsOfLogarithms {
+    sums: [f64; LANES],
+    products: [f64; LANES],
+    counts: [f64; LANES],
 }
 
-impl SumOfLogarithms {
+impl SumsOfLogarithms {
     /// A product within this factor of one can take another such number without overflow.
     const ROOM: f64 = 1e100;
 
     const fn new() -> Self {
         Self {
-            sum: 0.0,
-            product: 1.0,
+            sums: [0.0; LANES],
+            products: [1.0; LANES],
+            counts: [0.0; LANES],
         }
     }
 
-    /// Adds the logarithm of a positive number.
-    fn add(&mut self, v: f64) {
-        let within = Self::ROOM.recip()..=Self::ROOM;
-        if !within.contains(&v) {
-            self.sum += math::ln(v);
+    /// Adds the logarithm of a number to each lane, where it is positive.
+    #[inline(always)]
+    fn add(&mut self, numbers: &[f64; LANES]) {
+        let are_within = |numbers: &[f64; LANES]| {
+            let is_within = |v: &f64| (*v >= Self::ROOM.recip()) & (*v <= Self::ROOM);
+            numbers.iter().fold(true, |all, v| all & is_within(v))
+        };
+        if !are_within(numbers) {
+            for (lane, number) in numbers.iter().enumerate() {
+                self.add_one(lane, *number);
+            }
             return;
         }
-        self.product *= v;
-        if !within.contains(&self.product) {
-            self.sum += math::ln(self.product);
-            self.product = 1.0;
+        for (lane, number) in numbers.iter().enumerate() {
+            self.products[lane] *= number;
+            self.counts[lane] += 1.0;
+        }
+        if !are_within(&self.products) {
+            (0..LANES).for_each(|lane| self.keep_within(lane));
         }
     }
 
-    fn value(&self) -> f64 {
-        self.sum + math::ln(self.product)
+    fn add_one(&mut self, lane: usize, number: f64) {
+        if number <= 0.0 {
+            return;
+        }
+        self.counts[lane] += 1.0;
+        if (Self::ROOM.recip()..=Self::ROOM).contains(&number) {
+            self.products[lane] *= number;
+            self.keep_within(lane);
+        } else {
+            self.sums[lane] += math::ln(number);
+        }
+    }
+
+    fn keep_within(&mut self, lane: usize) {
+        if !(Self::ROOM.recip()..=Self::ROOM).contains(&self.products[lane]) {
+            self.sums[lane] += math::ln(self.products[lane]);
+            self.products[lane] = 1.0;
+        }
+    }
+
+    fn value(&self, lane: usize) -> f64 {
+        self.sums[lane] + math::ln(self.products[lane])
+    }
+}
+
+/// A curve in the making.
+struct Course {
+    radius: Option<f64>,
+    /// How many neighbours of each reference point are followed, the nearest.
+    counts: Vec<usize>,
+    /// Reference points that have any.
+    followed: usize,
+    curve: Vec<f64>,
+    blocks: Vec<[f64; BLOCKS]>,
+    /// Where the curve levels off, once it has.
+    level: Option<f64>,
+}
+
+impl Course {
+    fn new(radius: Option<f64>, counts: Vec<usize>) -> Self {
+        Self {
+            radius,
+            followed: counts.iter().filter(|count| **count > 0).count(),
+            counts,
+            curve: Vec::new(),
+            blocks: Vec::new(),
+            level: None,
+        }
+    }
+
+    /// The next point of time: mean logarithms of the blocks and their numbers.
+    fn push(&mut self, sums: &[SumsOfLogarithms; BLOCKS], lane: usize) {
+        let sums = sums.map(|sum| (sum.value(lane), sum.counts[lane]));
+        let (all, count) = sums
+            .iter()
+            .fold((0.0, 0.0), |all, sum| (all.0 + sum.0, all.1 + sum.1));
+        self.curve.push(all / count);
+        self.blocks.push(sums.map(|(sum, count)| sum / count));
+    }
+
+    fn curve<const N: usize>(&self, follow: &Follow<'_, N>, unit: f64, dt: f64) -> DivergenceCurve {
+        let level = self.level.unwrap_or(follow.saturation);
+        let points = self.curve.iter().enumerate();
+        DivergenceCurve {
+            radius: self.radius.map(|radius| unit * radius),
+            references: self.followed,
+            straight: straight_part(&self.curve, &self.blocks, level, dt),
+            points: points
+                .map(|(k, mean)| (k as f64 * dt, mean + math::ln(unit)))
+                .collect(),
+        }
     }
 }
 
 /// How neighbours are followed.
 struct Follow<'a, const N: usize> {
-    cloud: &'a Cloud<N>,
+    /// The points, column by column: what a neighbour does lies together. Zeros follow, so that there are always as many as lanes.
+    columns: [Vec<f64>; N],
+    references: &'a [usize],
+    /// Their neighbours, the nearest first.
+    found: &'a [Vec<Neighbour>],
     longest: usize,
-    dt: f64,
     saturation: f64,
 }
 
+/// A point of time after another, until the distances are those of any two points: so many between two looks.
+const TOGETHER: usize = 2 * LANES;
+
 impl<const N: usize> Follow<'_, N> {
-    /// The curve of these points with their neighbours.
-    fn curve<'n>(
-        &self,
-        references: &[usize],
-        radius: Option<f64>,
-        neighbours: &(dyn Fn(usize) -> &'n [Neighbour] + Sync),
-    ) -> DivergenceCurve {
-        let followed: Vec<usize> = (0..references.len())
-            .filter(|&i| !neighbours(i).is_empty())
-            .collect();
-        // A point of time after another, until the distances are those of any two points.
-        const TOGETHER: usize = 16;
-        let mut means: Vec<[f64; BLOCKS]> = Vec::new();
-        let mut curve: Vec<f64> = Vec::new();
-        // Neighbours that keep in phase, as Rössler's do, never come to be as far apart as any two points.
-        let mut level = self.saturation;
-        while !followed.is_empty() && curve.len() < self.longest {
-            let from = curve.len();
-            let until = (from + TOGETHER).min(self.longest);
-            let rows: Vec<(f64, [f64; BLOCKS])> = (from..until)
-                .into_par_iter()
-                .map(|ahead| self.mean(references, &followed, neighbours, ahead))
+    /// All curves at once: the neighbours of one are among those of the next.
+    fn run(&self, courses: &mut [Course]) {
+        let mut from = 0;
+        while from < self.longest {
+            let mut open: Vec<&mut Course> = courses
+                .iter_mut()
+                .filter(|course| course.followed > 0 && course.level.is_none())
                 .collect();
-            for (mean, blocks) in rows {
-                curve.push(mean);
-                means.push(blocks);
+            if open.is_empty() {
+                return;
             }
-            let is_saturated = curve
-                .last()
-                .is_some_and(|last| *last > self.saturation - SATURATED);
-            if is_saturated {
-                break;
+            let until = (from + TOGETHER).min(self.longest);
+            let counts: Vec<(&[usize], usize)> = open
+                .iter()
+                .map(|course| (course.counts.as_slice(), course.followed))
+                .collect();
+            let sums: Vec<Vec<[SumsOfLogarithms; BLOCKS]>> = (from..until)
+                .into_par_iter()
+                .step_by(LANES)
+                .map(|ahead| {
+                    Arch::new().dispatch(Lanes {
+                        follow: self,
+                        counts: &counts,
+                        ahead,
+                    })
+                })
+                .collect();
+            for (course, open) in open.iter_mut().enumerate() {
+                for ahead in from..until {
+                    let (part, lane) = ((ahead - from) / LANES, (ahead - from) % LANES);
+                    open.push(&sums[part][course], lane);
+                }
+                open.level = self.level(&open.curve);
             }
-            if self.is_flat(&curve) {
-                level = curve.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-                break;
-            }
+            from = until;
         }
-        let unit = math::ln(self.cloud.unit);
-        let points = curve.iter().enumerate();
-        DivergenceCurve {
-            radius: radius.map(|radius| self.cloud.unit * radius),
-            references: followed.len(),
-            straight: straight_part(&curve, &means, level, self.dt),
-            points: points
-                .map(|(k, mean)| (k as f64 * self.dt, mean + unit))
-                .collect(),
+    }
+
+    /// Where a curve levels off, if it does.
+    fn level(&self, curve: &[f64]) -> Option<f64> {
+        let last = curve.last()?;
+        if *last > self.saturation - SATURATED {
+            return Some(self.saturation);
         }
+        // Neighbours that keep in phase, as Rössler's do, never come to be as far apart as any two points.
+        let highest = || curve.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        self.is_flat(curve).then(highest)
     }
 
     /// Whether the curve, going on as over its last half, would not rise any more by half a factor of e.
@@ -290,35 +390,71 @@ impl<const N: usize> Follow<'_, N> {
         (later - before) / quarter as f64 * left < 0.5
     }
 
-    /// Mean over the points of the logarithm of the mean distance of their neighbours after `ahead` points, and the same over
-    /// blocks of them. Distances of zero are passed over.
-    fn mean<'n>(
-        &self,
-        references: &[usize],
-        followed: &[usize],
-        neighbours: &(dyn Fn(usize) -> &'n [Neighbour] + Sync),
-        ahead: usize,
-    ) -> (f64, [f64; BLOCKS]) {
-        let points = &self.cloud.points;
-        let mut sums = [const { (SumOfLogarithms::new(), 0.0) }; BLOCKS];
-        for (order, &i) in followed.iter().enumerate() {
-            let here = &points[references[i] + ahead];
-            let near = neighbours(i);
-            let distances = near
-                .iter()
-                .map(|&(_, k)| distance2(&points[k as usize + ahead], here).sqrt());
-            let mean = distances.sum::<f64>() / near.len() as f64;
-            if mean > 0.0 {
-                let (sum, count) = &mut sums[order * BLOCKS / followed.len()];
-                sum.add(mean);
-                *count += 1.0;
+    /// Distances of a reference point and its neighbour from so many points ahead on. Beyond the end of the series, which no curve
+    /// reaches, they mean nothing.
+    #[inline(always)]
+    fn distances(&self, j: usize, k: usize, ahead: usize) -> [f64; LANES] {
+        let mut squares = [0.0; LANES];
+        for column in &self.columns {
+            let at = |i: usize| column[i + ahead..].first_chunk::<LANES>();
+            if let (Some(a), Some(b)) = (at(j), at(k)) {
+                for lane in 0..LANES {
+                    squares[lane] += (a[lane] - b[lane]) * (a[lane] - b[lane]);
+                }
             }
         }
-        let sums = sums.map(|(sum, count)| (sum.value(), count));
-        let (all, count) = sums
-            .iter()
-            .fold((0.0, 0.0), |all, sum| (all.0 + sum.0, all.1 + sum.1));
-        (all / count, sums.map(|(sum, count)| sum / count))
+        squares.map(f64::sqrt)
+    }
+}
+
+/// Some points of time that are followed together: the logarithms of the mean distances of the neighbours, for each curve and block of
+/// reference points. Distances of zero are passed over.
+struct Lanes<'a, const N: usize> {
+    follow: &'a Follow<'a, N>,
+    /// For each curve how many neighbours are followed, and how many reference points have any.
+    counts: &'a [(&'a [usize], usize)],
+    ahead: usize,
+}
+
+/// With the machine's vectors, which change no bit: every point of time is a lane.
+impl<const N: usize> NullaryFnOnce for Lanes<'_, N> {
+    type Output = Vec<[SumsOfLogarithms; BLOCKS]>;
+
+    #[inline(always)]
+    fn call(self) -> Self::Output {
+        let Self {
+            follow,
+            counts,
+            ahead,
+        } = self;
+        let mut sums = vec![[SumsOfLogarithms::new(); BLOCKS]; counts.len()];
+        let mut orders = vec![0; counts.len()];
+        for (i, &j) in follow.references.iter().enumerate() {
+            let mut total = [0.0; LANES];
+            let mut done = 0;
+            // Each curve's neighbours are the nearest so many, and each curve has more than the one before.
+            for (course, (counts, followed)) in counts.iter().enumerate() {
+                let count = counts[i];
+                if count == 0 {
+                    continue;
+                }
+                if count < done {
+                    (total, done) = ([0.0; LANES], 0);
+                }
+                for &(_, k) in &follow.found[i][done..count] {
+                    let distances = follow.distances(j, k as usize, ahead);
+                    for (total, distance) in total.iter_mut().zip(distances) {
+                        *total += distance;
+                    }
+                }
+                done = count;
+                let mean = total.map(|total| total / count as f64);
+                let block = orders[course] * BLOCKS / followed;
+                orders[course] += 1;
+                sums[course][block].add(&mean);
+            }
+        }
+        sums
     }
 }
 
@@ -327,7 +463,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_sum_of_logarithms_is_that_of_each_at_any_size() {
+    fn sums_of_logarithms_are_those_of_each_at_any_size() {
         let numbers = [
             0.3,
             1e-90,
@@ -340,16 +476,18 @@ mod tests {
             1e-200,
             2.5,
         ];
-        let mut sum = SumOfLogarithms::new();
+        let mut sums = SumsOfLogarithms::new();
         for v in numbers {
-            sum.add(v);
+            // One lane has other numbers, and one nothing but zeros.
+            sums.add(&[v, v, 2.0, v, 0.0, v, v, v]);
         }
         let wanted: f64 = numbers.map(math::ln).iter().sum();
-        assert!(
-            (sum.value() - wanted).abs() < 1e-12,
-            "{} {wanted}",
-            sum.value()
-        );
-        assert_eq!(SumOfLogarithms::new().value(), 0.0);
+        for lane in [0, 1, 3, 5, 6, 7] {
+            let value = sums.value(lane);
+            assert!((value - wanted).abs() < 1e-12, "{value} {wanted}");
+            assert_eq!(sums.counts[lane], 10.0);
+        }
+        assert!((sums.value(2) - 10.0 * math::ln(2.0)).abs() < 1e-13);
+        assert_eq!((sums.value(4), sums.counts[4]), (0.0, 0.0));
     }
 }

@@ -19,6 +19,8 @@ const SHOWN: usize = 3;
 pub const NO_FALSE_NEIGHBOURS: f64 = 0.01;
 /// With a larger part of them columns are missing: whole states have up to 3 % where they stick, and Lorenz' x and z at 3000 points 5 %.
 const MANY_FALSE_NEIGHBOURS: f64 = 0.05;
+/// Dimensions that are looked at beyond a given one, at least.
+const BEYOND: usize = 2;
 /// Cao's E1 has stopped changing where it is above,
 const CAO_SETTLED: f64 = 0.9;
 /// and differs from the one of a dimension more by less.
@@ -111,7 +113,7 @@ pub struct EmbeddingChoice {
     pub dimension_reason: DimensionReason,
     /// Mutual information in nats over the lag in points, averaged over the columns.
     pub information: Vec<(usize, f64)>,
-    /// False neighbours and Cao's averages, dimension after dimension.
+    /// False neighbours and Cao's averages, dimension after dimension, until both methods have theirs.
     pub dimensions: Vec<DimensionEvidence>,
     /// The dimension by Cao's method: the first from which E1 does not change; `None` if it does at all, and for noise.
     pub cao: Option<usize>,
@@ -147,6 +149,8 @@ pub fn choose_embedding(
     );
 
     let mut levels: Vec<Level> = Vec::new();
+    let mut dimensions: Vec<DimensionEvidence> = Vec::new();
+    let shown = settings.dimension.unwrap_or(0).saturating_add(BEYOND);
     for dimension in 1..=most {
         progress(dimension, most + 1);
         match level(series, Embedding { delay, dimension }, theiler, spread) {
@@ -155,24 +159,17 @@ pub fn choose_embedding(
             Ok(None) | Err(DataError::Span { .. }) => break,
             Err(error) => return Err(error),
         }
+        dimensions = evidence(&levels);
+        if dimension >= shown && is_settled(&dimensions) {
+            break;
+        }
     }
     progress(most + 1, most + 1);
-    let dimensions: Vec<DimensionEvidence> = levels
-        .iter()
-        .enumerate()
-        .map(|(i, level)| DimensionEvidence {
-            dimension: i + 1,
-            false_neighbours: level.false_part,
-            e1: ratio(&levels, i, |level| level.stretching),
-            e2: ratio(&levels, i, |level| level.next_difference),
-        })
-        .collect();
     let (dimension, dimension_reason) = match settings.dimension {
         Some(dimension) => (dimension, DimensionReason::Given),
         None => without_false_neighbours(&dimensions),
     };
-    let known = || dimensions.iter().filter(|one| !one.e2.is_nan());
-    let is_noise = known().count() > 1 && known().all(|one| (one.e2 - 1.0).abs() < CAO_NOISE);
+    let is_noise = is_noise(&dimensions);
     Ok(EmbeddingChoice {
         embedding: Embedding { delay, dimension },
         delay_reason,
@@ -248,6 +245,32 @@ fn delay(
     }
     let (delay, reason) = found.unwrap_or((longest, DelayReason::NoMinimum));
     (delay, reason, curve)
+}
+
+fn evidence(levels: &[Level]) -> Vec<DimensionEvidence> {
+    (1..)
+        .zip(levels)
+        .enumerate()
+        .map(|(i, (dimension, level))| DimensionEvidence {
+            dimension,
+            false_neighbours: level.false_part,
+            e1: ratio(levels, i, |level| level.stretching),
+            e2: ratio(levels, i, |level| level.next_difference),
+        })
+        .collect()
+}
+
+/// Whether Cao's E2 is 1 at all dimensions.
+fn is_noise(dimensions: &[DimensionEvidence]) -> bool {
+    let known = || dimensions.iter().filter(|one| !one.e2.is_nan());
+    known().count() > 1 && known().all(|one| (one.e2 - 1.0).abs() < CAO_NOISE)
+}
+
+/// Whether both methods have their dimension, and more delayed values would say nothing else.
+fn is_settled(dimensions: &[DimensionEvidence]) -> bool {
+    let (_, reason) = without_false_neighbours(dimensions);
+    let is_enough = reason == DimensionReason::FalseNeighbours;
+    is_enough && cao(dimensions).is_some() && !is_noise(dimensions)
 }
 
 fn without_false_neighbours(dimensions: &[DimensionEvidence]) -> (usize, DimensionReason) {
