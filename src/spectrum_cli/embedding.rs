@@ -70,7 +70,10 @@ pub(super) fn settings(
         settings.neighbours = asked;
     }
     if let Some(step) = arguments.step {
-        settings.step = step;
+        (settings.step, settings.stride) = (step, 1);
+    }
+    if let Some(stride) = arguments.stride {
+        settings.stride = stride;
     }
     settings
 }

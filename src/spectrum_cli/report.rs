@@ -19,6 +19,10 @@ use stickslip::error::readable;
 const STARVED: f64 = 0.1;
 /// Values that are drawn from an attractor nearly all differ; with fewer different ones than this part they lie on a grid.
 const DIFFERENT: f64 = 0.5;
+/// What is called ok was held against the truth on series of so many points and more,
+const COUNTED_POINTS: usize = 5000;
+/// of which delayed values and the step take away some at the end.
+const MOST_WITHOUT_IMAGE: usize = 500;
 /// The two fits disagree where they differ by more than so many standard errors of the difference.
 const COMBINED_ERRORS: f64 = 4.0;
 
@@ -61,8 +65,8 @@ pub fn table(findings: &Findings, source: &Table) -> String {
             text,
             "{:>5}  {:>12}  {:>10}  {:>15}  {:<13} {:>15}  {:<10} {:>5}",
             i + 1,
-            value(exponent, findings.is_spurious(i)),
-            short(exponent.stderr),
+            value(findings, i),
+            short(findings.exponent(i).1),
             short(exponent.eps_sensitivity),
             findings.status(i),
             exponent
@@ -93,6 +97,12 @@ pub fn table(findings: &Findings, source: &Table) -> String {
     if let Some(divergence) = &findings.divergence {
         text += &opinion::divergence_text(divergence);
     }
+    if let Some((i, _)) = findings.combined() {
+        text += &opinion::combined_text(i, &spectrum.exponents[i]);
+    }
+    if let Some(note) = short_of_points(findings) {
+        let _ = writeln!(text, "{note}");
+    }
     if let Some(test) = &findings.surrogates {
         text += &opinion::surrogates_text(test);
     }
@@ -116,6 +126,19 @@ pub fn table(findings: &Findings, source: &Table) -> String {
         if settings.affine { "affine" } else { "linear" },
     );
     text
+}
+
+/// That nobody counted what "ok" is worth of so few points.
+fn short_of_points(findings: &Findings) -> Option<String> {
+    let spectrum = &findings.spectrum;
+    let is_ok = (0..spectrum.exponents.len()).any(|i| findings.status(i) == Status::Ok.word());
+    let few = spectrum.references < COUNTED_POINTS - MOST_WITHOUT_IMAGE;
+    (is_ok && few && spectrum.sizes.is_some()).then(|| {
+        format!(
+            "What ok is worth was counted on series of {COUNTED_POINTS} points and more; here are {} reference points.",
+            spectrum.references
+        )
+    })
 }
 
 /// Which estimator it is, and what its error holds.
@@ -310,15 +333,16 @@ fn neighbourhood(neighbours: &Neighbourhood) -> String {
     }
 }
 
-fn value(exponent: &DataExponent, is_spurious: bool) -> String {
+fn value(findings: &Findings, i: usize) -> String {
+    let exponent = &findings.spectrum.exponents[i];
     match exponent.status {
-        _ if is_spurious => format!("({})", short(exponent.value)),
+        _ if findings.is_spurious(i) => format!("({})", short(exponent.value)),
         Status::Ok
         | Status::Unstable
         | Status::Starved
         | Status::Undetermined
         | Status::Noisy
-        | Status::Unpredictable => short(exponent.value),
+        | Status::Unpredictable => short(findings.exponent(i).0),
         Status::Annihilated => "-inf".into(),
         Status::Unidentified if exponent.value.is_nan() => "–".into(),
         Status::Unidentified => format!("({})", short(exponent.value)),
@@ -354,11 +378,11 @@ pub fn csv(findings: &Findings) -> Result<String, SpectrumError> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     let header = ["index", "exponent", "stderr", "status"];
     writer.write_record(header).map_err(FigureError::from)?;
-    for (i, exponent) in spectrum.exponents.iter().enumerate() {
+    for i in 0..spectrum.exponents.len() {
         let record = [
             (i + 1).to_string(),
-            number(exponent.value),
-            number(exponent.stderr),
+            number(findings.exponent(i).0),
+            number(findings.exponent(i).1),
             findings.status(i).to_owned(),
         ];
         writer.write_record(record).map_err(FigureError::from)?;
@@ -383,8 +407,10 @@ pub fn json(findings: &Findings, source: &Table) -> Result<String, SpectrumError
         .map(|(i, exponent)| {
             json!({
                 "index": i + 1,
-                "exponent": exponent.value,
-                "stderr": exponent.stderr,
+                "exponent": findings.exponent(i).0,
+                "stderr": findings.exponent(i).1,
+                "by_maps": exponent.value,
+                "by_maps_stderr": exponent.stderr,
                 "eps_sensitivity": exponent.eps_sensitivity,
                 "status": findings.status(i),
                 "fixed_rank": exponent.fixed_rank.map(|(value, _)| value),

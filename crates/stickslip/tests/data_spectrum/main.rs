@@ -720,7 +720,7 @@ fn bad_series_and_settings_are_refused_with_their_numbers() {
         (
             DataSettings {
                 step: 4,
-                stride: 3,
+                stride: 5,
                 ..settings()
             },
             "stride",

@@ -119,11 +119,15 @@ fn vote<const N: usize>(
         sizes: [[0.0; N]; LEVELS],
         slopes: [0.0; N],
     };
-    let mut zero = [0.0; LEVELS];
+    let mut neighbourhoods: [&[Neighbour]; LEVELS] = [&[]; LEVELS];
     for (level, &count) in counts.iter().enumerate() {
-        let neighbours = found.get(..count)?;
-        vote.radius[level] = neighbours.last()?.0.sqrt();
-        (vote.sizes[level], zero[level]) = scratch.singular_values(cloud, j, neighbours, rule);
+        neighbourhoods[level] = found.get(..count)?;
+        vote.radius[level] = neighbourhoods[level].last()?.0.sqrt();
+    }
+    let mut zero = [0.0; LEVELS];
+    let sizes = scratch.singular_values(cloud, j, neighbourhoods, rule);
+    for (level, found) in sizes.into_iter().enumerate() {
+        (vote.sizes[level], zero[level]) = found;
     }
     if vote.radius[LEVELS - 1] < SMALLEST_SPAN * vote.radius[0] {
         return None;

@@ -21,8 +21,8 @@ use super::series::for_columns;
 use super::settings::{DataSettings, Estimator, FEWEST_REFERENCES};
 use super::svd::Square;
 
-/// Reference points between two reports of progress.
-const CHUNK: usize = 2048;
+/// Reference points between two reports of progress. Few enough that their maps stay near the processor.
+const CHUNK: usize = 512;
 
 /// The spectrum of a series.
 ///
@@ -192,7 +192,7 @@ fn estimate<const N: usize>(
         times,
         furthest: plan.as_ref().map(Plan::furthest),
     };
-    let chains = step / settings.stride;
+    let chains = settings.chains();
     let images = Images::of(&cloud.points, step);
     let mut extrapolated = plan.as_ref().map(|plan| (plan, Chains::new(plan, chains)));
     let mut locals: Vec<Local<N>> = Vec::with_capacity(references);
@@ -205,7 +205,7 @@ fn estimate<const N: usize>(
             .map_init(
                 || (Scratch::default(), Fitter::new(images), Found::default()),
                 |(scratch, fitter, found), i| {
-                    let j = i * settings.stride;
+                    let j = settings.reference(i);
                     let selection = search.around(j, found);
                     let neighbours = &found.neighbours[..selection.count];
                     let (wide, decomposed) = if sensitivity {
@@ -244,7 +244,7 @@ fn estimate<const N: usize>(
     // Where a chain begins: the directions of the neighbourhood, so that undetermined ones come last.
     let begin = |i: usize, twice: bool| -> Square<N> {
         let (mut scratch, mut found) = (Scratch::default(), Vec::new());
-        let j = i * settings.stride;
+        let j = settings.reference(i);
         let selection = finder.select(j, &settings.neighbours, times, cloud.spread, &mut found);
         if !twice {
             found.truncate(selection.count);
@@ -290,7 +290,7 @@ fn estimate<const N: usize>(
             )
         })
         .collect();
-    let time = |count: usize| (count * settings.stride) as f64 * series.dt();
+    let time = |count: usize| settings.reference(count) as f64 * series.dt();
     let distances: f64 = locals.iter().map(|local| local.radius).sum();
     Ok(DataSpectrum {
         exponents,
@@ -362,7 +362,7 @@ pub(super) fn fixed_rank<const N: usize>(
         maps.par_extend((maps.len()..until).into_par_iter().map_init(
             || (Scratch::default(), Found::default()),
             |(scratch, found), i| {
-                let j = i * settings.stride;
+                let j = settings.reference(i);
                 let selection = search.around(j, found);
                 let neighbours = &found.neighbours[..selection.count];
                 let decomposed = scratch.decompose(&cloud, j, neighbours, &rule);
@@ -373,7 +373,7 @@ pub(super) fn fixed_rank<const N: usize>(
     progress(references, references);
     // The directions of a neighbourhood are those of its map.
     let begin = |i: usize| maps[i].0.domain;
-    let chains = settings.step / settings.stride;
+    let chains = settings.chains();
     let stretches = chain(&maps, chains, rank, &begin, |(map, _)| map);
     let (averages, _) = average(&stretches, settings.step as f64 * series.dt());
     let known = averages.iter().take(rank);
@@ -392,7 +392,7 @@ pub(super) fn fixed_rank<const N: usize>(
 
 /// Reference points of so many rows.
 fn references(rows: usize, settings: &DataSettings) -> usize {
-    let all = (rows - settings.step).div_ceil(settings.stride);
+    let all = settings.references_before(rows - settings.step);
     settings.references.map_or(all, |asked| asked.min(all))
 }
 
@@ -406,7 +406,7 @@ fn enough(rows: usize, settings: &DataSettings, theiler: usize) -> Result<(), Da
     let searched = [theiler.saturating_mul(2), 1, settings.step]
         .into_iter()
         .fold(neighbours, usize::saturating_add);
-    let references = (FEWEST_REFERENCES - 1).saturating_mul(settings.stride);
+    let references = settings.reference(FEWEST_REFERENCES - 1);
     let needed = searched.max(references.saturating_add(1).saturating_add(settings.step));
     if rows < needed {
         return Err(DataError::TooFew {

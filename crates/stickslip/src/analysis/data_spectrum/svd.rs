@@ -96,10 +96,15 @@ pub(super) fn reflect_all(
 
 /// Reflects each column, with the bits that it has alone.
 #[inline(always)]
-fn reflect<const C: usize>(mirror: &[f64], square: f64, mut columns: [&mut [f64]; C]) {
+fn reflect<const C: usize>(mirror: &[f64], square: f64, columns: [&mut [f64]; C]) {
     let sums = dots(mirror, columns.each_ref().map(|column| &**column));
-    for (column, sum) in columns.iter_mut().zip(sums) {
-        let factor = 2.0 * sum / square;
+    subtract(mirror, sums.map(|sum| 2.0 * sum / square), columns);
+}
+
+/// Subtracts multiples of the mirror from columns as long.
+#[inline(always)]
+fn subtract<const C: usize>(mirror: &[f64], factors: [f64; C], columns: [&mut [f64]; C]) {
+    for (column, factor) in columns.into_iter().zip(factors) {
         for (v, m) in column.iter_mut().zip(mirror) {
             *v -= factor * m;
         }
@@ -125,21 +130,17 @@ pub(super) fn reflect_below(
         let (c, d) = group.split_at_mut(long);
         let columns = [a, b, c, d];
         let sums = dots(mirror, columns.each_ref().map(|column| &**column));
-        for ((column, head), sum) in columns.into_iter().zip(head).zip(sums) {
-            let factor = scale * (sum + first * *head);
+        let factors: [f64; TOGETHER] = std::array::from_fn(|c| scale * (sums[c] + first * head[c]));
+        for (head, factor) in head.iter_mut().zip(factors) {
             *head -= factor * first;
-            for (v, m) in column.iter_mut().zip(mirror) {
-                *v -= factor * m;
-            }
         }
+        subtract(mirror, factors, columns);
     }
     let rest = groups.into_remainder().chunks_exact_mut(long);
     for (column, head) in rest.zip(heads.into_remainder()) {
         let factor = scale * (dot(mirror, column) + first * *head);
         *head -= factor * first;
-        for (v, m) in column.iter_mut().zip(mirror) {
-            *v -= factor * m;
-        }
+        subtract(mirror, [factor], [column]);
     }
 }
 
@@ -148,12 +149,15 @@ pub(super) fn reflect_below(
 fn dots<const C: usize>(a: &[f64], columns: [&[f64]; C]) -> [f64; C] {
     let (a_fours, a_rest) = a.as_chunks::<4>();
     let columns = columns.map(|column| column[..a.len()].as_chunks::<4>());
+    let fours = columns.map(|(fours, _)| &fours[..a_fours.len()]);
     let mut sums = [[0.0; 4]; C];
-    for (k, x) in a_fours.iter().enumerate() {
-        for (sums, (fours, _)) in sums.iter_mut().zip(&columns) {
-            let y = &fours[k];
+    // By index: iterators over so few columns are not unrolled.
+    for k in 0..a_fours.len() {
+        let x = a_fours[k];
+        for c in 0..C {
+            let y = fours[c][k];
             for i in 0..4 {
-                sums[i] += x[i] * y[i];
+                sums[c][i] += x[i] * y[i];
             }
         }
     }

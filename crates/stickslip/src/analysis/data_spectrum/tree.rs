@@ -51,8 +51,10 @@ impl<const N: usize> Bounds<N> {
     #[inline(always)]
     fn distance2(&self, centre: &[f64; N]) -> f64 {
         let mut sum = 0.0;
-        for (v, (low, high)) in centre.iter().zip(self.low.iter().zip(&self.high)) {
-            let outside = (low - v).max(v - high).max(0.0);
+        for c in 0..N {
+            let outside = (self.low[c] - centre[c])
+                .max(centre[c] - self.high[c])
+                .max(0.0);
             sum += outside * outside;
         }
         sum
@@ -103,9 +105,10 @@ impl<const N: usize> Block<N> {
     #[inline(always)]
     fn distances2(&self, centre: &[f64; N]) -> [f64; LANES] {
         let mut sums = [0.0; LANES];
-        for (column, centre) in self.columns.iter().zip(centre) {
-            for (sum, v) in sums.iter_mut().zip(column) {
-                *sum += (v - centre) * (v - centre);
+        for c in 0..N {
+            for lane in 0..LANES {
+                let difference = self.columns[c][lane] - centre[c];
+                sums[lane] += difference * difference;
             }
         }
         sums
@@ -215,8 +218,13 @@ impl<const N: usize, A: Fn(u32) -> bool> NullaryFnOnce for Search<'_, N, A> {
             found,
         } = self;
         let mut furthest = (radius2, u32::MAX);
-        // Candidates are collected until they are twice as many, and those that are too far then go together.
-        let mut full = wanted;
+        // Candidates are collected until they are twice as many, and those that are too far then go together; the first time as soon as they
+        // tell a distance, where none is known.
+        let mut full = if radius2.is_finite() {
+            wanted.saturating_mul(2)
+        } else {
+            wanted
+        };
         let child = |node: usize| (node, tree.bounds[node].distance2(centre));
         let mut open = vec![(0, 0.0)];
         while let Some((node, least)) = open.pop() {
@@ -236,7 +244,13 @@ impl<const N: usize, A: Fn(u32) -> bool> NullaryFnOnce for Search<'_, N, A> {
             let leaf = (node - tree.first_leaf) * BLOCKS;
             for block in &tree.blocks[leaf..leaf + BLOCKS] {
                 let squares = block.distances2(centre);
-                // Most points of most blocks are too far: these are passed over together.
+                // Most blocks hold none that is near enough: these are passed over.
+                let is_any = squares
+                    .iter()
+                    .fold(false, |any, square| any | (*square <= furthest.0));
+                if !is_any {
+                    continue;
+                }
                 let mut near = 0_u32;
                 for (lane, square) in squares.iter().enumerate() {
                     near |= u32::from(*square <= furthest.0 && *square > repeat2) << lane;
