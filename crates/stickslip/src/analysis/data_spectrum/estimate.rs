@@ -98,7 +98,7 @@ pub fn data_spectrum_of_rows<const N: usize>(
 #[derive(Default)]
 struct Found {
     neighbours: Vec<Neighbour>,
-    /// None where they are not the nearest at any distance.
+    /// None where nothing can be told from them.
     of: Option<usize>,
 }
 
@@ -116,20 +116,30 @@ impl<const N: usize> Search<'_, N> {
     /// The neighbourhood of Eq. (25), among others of the nearest where these are looked for anyway.
     fn around(&self, j: usize, found: &mut Found) -> Selection {
         let neighbours = &self.settings.neighbours;
+        let from = (found.of, j);
         match self.furthest {
             Some(wanted) if neighbours.most() <= wanted => {
                 self.finder
-                    .follow(found.of, j, wanted, &mut found.neighbours);
+                    .follow(from, wanted, f64::INFINITY, &mut found.neighbours);
                 found.of = Some(j);
                 Selection::of(&found.neighbours, neighbours, self.spread)
             }
-            _ => {
+            Some(_) => {
+                // Other points are looked for in between.
                 found.of = None;
-                let (times, spread) = (self.times, self.spread);
-                self.finder
-                    .select(j, neighbours, times, spread, &mut found.neighbours)
+                self.select((None, j), found)
+            }
+            None => {
+                found.of = Some(j);
+                self.select(from, found)
             }
         }
+    }
+
+    fn select(&self, from: (Option<usize>, usize), found: &mut Found) -> Selection {
+        let (neighbours, times) = (&self.settings.neighbours, self.times);
+        self.finder
+            .select(from, neighbours, times, self.spread, &mut found.neighbours)
     }
 
     /// The nearest points, after [`Search::around`].
@@ -245,7 +255,8 @@ fn estimate<const N: usize>(
     let begin = |i: usize, twice: bool| -> Square<N> {
         let (mut scratch, mut found) = (Scratch::default(), Vec::new());
         let j = settings.reference(i);
-        let selection = finder.select(j, &settings.neighbours, times, cloud.spread, &mut found);
+        let neighbours = &settings.neighbours;
+        let selection = finder.select((None, j), neighbours, times, cloud.spread, &mut found);
         if !twice {
             found.truncate(selection.count);
         }

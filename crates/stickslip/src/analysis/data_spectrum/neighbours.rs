@@ -74,10 +74,10 @@ impl<'c, const N: usize> Finder<'c, N> {
     }
 
     /// The neighbours of point `j` in a neighbourhood `times` the size, nearest first, and how many of them are the
-    /// neighbourhood itself.
+    /// neighbourhood itself. `found` are those of the point `before`, if there is one.
     pub(super) fn select(
         &self,
-        j: usize,
+        (before, j): (Option<usize>, usize),
         neighbours: &Neighbourhood,
         times: usize,
         spread: f64,
@@ -85,16 +85,12 @@ impl<'c, const N: usize> Finder<'c, N> {
     ) -> Selection {
         match *neighbours {
             Neighbourhood::Nearest(k) => {
-                self.nearest(j, k.saturating_mul(times), f64::INFINITY, found);
+                let wanted = k.saturating_mul(times);
+                self.follow((before, j), wanted, f64::INFINITY, found);
             }
             Neighbourhood::Ball { eps, min, max } => {
-                let least = min.saturating_mul(times);
-                self.nearest(
-                    j,
-                    max.saturating_mul(times),
-                    times as f64 * eps * spread,
-                    found,
-                );
+                let (least, most) = (min.saturating_mul(times), max.saturating_mul(times));
+                self.follow((before, j), most, times as f64 * eps * spread, found);
                 if found.len() < least {
                     self.nearest(j, least, f64::INFINITY, found);
                 }
@@ -103,20 +99,20 @@ impl<'c, const N: usize> Finder<'c, N> {
         Selection::of(found, neighbours, spread)
     }
 
-    /// As [`Finder::nearest`] at any distance, where `found` are those of the point `before`: where they have gone is no nearer than the
-    /// ones that are looked for, which is a short search in a flow.
+    /// As [`Finder::nearest`], where `found` are those of the point `before`: where they have gone is no nearer than the ones that are looked
+    /// for, which makes for a short search in a flow.
     pub(super) fn follow(
         &self,
-        before: Option<usize>,
-        j: usize,
+        (before, j): (Option<usize>, usize),
         wanted: usize,
+        radius: f64,
         found: &mut Vec<Neighbour>,
     ) {
         let reach2 = match (before, found.get(..wanted)) {
             (Some(before), Some(found)) if before < j => self.reach2(j, j - before, found),
             _ => f64::INFINITY,
         };
-        self.within(j, wanted, reach2, found);
+        self.within(j, wanted, reach2.min(radius * radius), found);
     }
 
     /// Square of the largest distance from point `j` of where neighbours are so much later; infinite if one of them is none then.
@@ -192,7 +188,7 @@ mod tests {
             }
             let mut before = None;
             for j in (0..cloud.points.len()).step_by(3) {
-                finder.follow(before, j, 30, &mut found);
+                finder.follow((before, j), 30, f64::INFINITY, &mut found);
                 before = Some(j);
                 if j % 17 == 0 {
                     let expected = brute(&cloud, &finder, step, j, 30, f64::INFINITY);
