@@ -388,6 +388,7 @@ impl<const N: usize> NullaryFnOnce for Absorb<'_, N> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::svd::product;
     use super::*;
     use crate::statistics::SplitMix;
 
