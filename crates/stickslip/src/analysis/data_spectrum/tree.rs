@@ -51,10 +51,8 @@ impl<const N: usize> Bounds<N> {
     #[inline(always)]
     fn distance2(&self, centre: &[f64; N]) -> f64 {
         let mut sum = 0.0;
-        for c in 0..N {
-            let outside = (self.low[c] - centre[c])
-                .max(centre[c] - self.high[c])
-                .max(0.0);
+        for (c, v) in centre.iter().enumerate() {
+            let outside = (self.low[c] - v).max(v - self.high[c]).max(0.0);
             sum += outside * outside;
         }
         sum
@@ -105,10 +103,9 @@ impl<const N: usize> Block<N> {
     #[inline(always)]
     fn distances2(&self, centre: &[f64; N]) -> [f64; LANES] {
         let mut sums = [0.0; LANES];
-        for c in 0..N {
-            for lane in 0..LANES {
-                let difference = self.columns[c][lane] - centre[c];
-                sums[lane] += difference * difference;
+        for (column, centre) in self.columns.iter().zip(centre) {
+            for (sum, v) in sums.iter_mut().zip(column) {
+                *sum += (v - centre) * (v - centre);
             }
         }
         sums
