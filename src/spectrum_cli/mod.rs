@@ -185,7 +185,7 @@ pub struct Arguments {
     #[arg(long, value_name = "RANK", allow_hyphen_values = true)]
     pub rank: Option<usize>,
 
-    /// Use every so many points of a step as reference points [default: 1; for delayed values the largest that leaves 1500]
+    /// Use every so many points of a step as reference points [default: 1; for delayed values the largest that leaves a third of all, and 1500]
     #[arg(long, value_name = "POINTS", allow_hyphen_values = true)]
     pub stride: Option<usize>,
 

@@ -19,10 +19,8 @@ use stickslip::error::readable;
 const STARVED: f64 = 0.1;
 /// Values that are drawn from an attractor nearly all differ; with fewer different ones than this part they lie on a grid.
 const DIFFERENT: f64 = 0.5;
-/// What is called ok was held against the truth on series of so many points and more,
+/// What is called ok was held against the truth on series of so many points and more.
 const COUNTED_POINTS: usize = 5000;
-/// of which delayed values and the step take away some at the end.
-const MOST_WITHOUT_IMAGE: usize = 500;
 /// The two fits disagree where they differ by more than so many standard errors of the difference.
 const COMBINED_ERRORS: f64 = 4.0;
 
@@ -35,7 +33,7 @@ pub fn table(findings: &Findings, source: &Table) -> String {
         text,
         "{}: {} points of ({}), dt = {}{}",
         source.input,
-        source.values.len() / source.names.len().max(1),
+        rows(source),
         source.names.join(", "),
         readable(source.dt),
         source
@@ -100,7 +98,7 @@ pub fn table(findings: &Findings, source: &Table) -> String {
     if let Some((i, _)) = findings.combined() {
         text += &opinion::combined_text(i, &spectrum.exponents[i]);
     }
-    if let Some(note) = short_of_points(findings) {
+    if let Some(note) = short_of_points(findings, rows(source)) {
         let _ = writeln!(text, "{note}");
     }
     if let Some(test) = &findings.surrogates {
@@ -129,16 +127,17 @@ pub fn table(findings: &Findings, source: &Table) -> String {
 }
 
 /// That nobody counted what "ok" is worth of so few points.
-fn short_of_points(findings: &Findings) -> Option<String> {
+fn short_of_points(findings: &Findings, rows: usize) -> Option<String> {
     let spectrum = &findings.spectrum;
     let is_ok = (0..spectrum.exponents.len()).any(|i| findings.status(i) == Status::Ok.word());
-    let few = spectrum.references < COUNTED_POINTS - MOST_WITHOUT_IMAGE;
-    (is_ok && few && spectrum.sizes.is_some()).then(|| {
-        format!(
-            "What ok is worth was counted on series of {COUNTED_POINTS} points and more; here are {} reference points.",
-            spectrum.references
-        )
+    (is_ok && rows < COUNTED_POINTS && spectrum.sizes.is_some()).then(|| {
+        format!("What ok is worth was counted on series of {COUNTED_POINTS} points and more, and not on {rows}.")
     })
+}
+
+/// Rows of a table.
+fn rows(table: &Table) -> usize {
+    table.values.len() / table.names.len().max(1)
 }
 
 /// Which estimator it is, and what its error holds.
