@@ -334,12 +334,10 @@ mod tests {
             let slack = draw.between(0.0, 1e-12);
             for side in [Side::Below, Side::Above] {
                 let all = LieDerivatives::new(&system, side, t, &x, slack);
-                let first = one_derivative(t, &x, slack, |t, x| {
-                    first_derivative(&system, side, t, x)
-                });
-                let second = one_derivative(t, &x, slack, |t, x| {
-                    second_derivative(&system, side, t, x)
-                });
+                let first =
+                    one_derivative(t, &x, slack, |t, x| first_derivative(&system, side, t, x));
+                let second =
+                    one_derivative(t, &x, slack, |t, x| second_derivative(&system, side, t, x));
                 for (k, (value, floor)) in [(1, first), (2, second)] {
                     let size = all.floors[k] / (ULPS * f64::EPSILON);
                     assert!((value - all.values[k]).abs() < 1e-14 * size, "{k}: {value}");
