@@ -21,26 +21,6 @@ pub struct Findings {
 }
 
 impl Findings {
-    /// Value and standard error of an exponent: those of the spectrum, or, of the system's largest where it is starved, those of maps and
-    /// diverging neighbours together.
-    pub fn exponent(&self, i: usize) -> (f64, f64) {
-        let exponent = &self.spectrum.exponents[i];
-        match self.combined() {
-            Some((of, combined)) if of == i => combined,
-            _ => (exponent.value, exponent.stderr),
-        }
-    }
-
-    /// The system's largest exponent by maps and diverging neighbours together, and its index; nothing where the maps suffice or
-    /// neighbours do not part.
-    pub fn combined(&self) -> Option<(usize, (f64, f64))> {
-        let all = 0..self.spectrum.exponents.len();
-        let largest = all.into_iter().find(|&i| !self.is_spurious(i))?;
-        let divergence = self.divergence.as_ref()?;
-        let combined = self.spectrum.with_divergence(largest, divergence)?;
-        Some((largest, combined))
-    }
-
     /// The status of an exponent in a word: that of the estimator, but for exponents of the embedding's own, which no
     /// other status would make one of the system's.
     pub fn status(&self, i: usize) -> &'static str {

@@ -77,8 +77,7 @@ The residual ratio is what the maps leave unexplained of the neighbours' motion:
 Beside the spectrum stands the largest exponent by how neighbours part, without maps: by the nearest neighbour (Rosenstein) and within
 three radii (Kantz; the median, with half the range if it is more than the error). The straight part of a curve is the one with the smallest
 scatter about its line against its rise, of all that have 5 points, rise by a factor of e and by half of the whole, and end a factor of e below where
-the distances level off. Of the system's largest exponent where it is starved, exponent and stderr are the mean of that by maps and Rosenstein's,
-weighted by the inverse squares of their errors, a fifth of the slope counted into its own; --json has the maps' own as by_maps. --surrogates N compares the series with N series of the same spectrum and the same values, amplitude-adjusted by iterated
+the distances level off. --surrogates N compares the series with N series of the same spectrum and the same values, amplitude-adjusted by iterated
 phase randomisation (IAAFT): the series is told from linear noise if the maps predict it better than all of them (5 % for 19).
 
 Exit codes: 0 done (warnings go to standard error), 1 a bad file or a failure, 2 a wrong command line.
@@ -88,9 +87,8 @@ Output for machines:
   --json  an object with settings and exponents, a list of {index, exponent, stderr, status, …}, and warnings; null for -inf and where
           there is no value. Of an exponent also: eps_sensitivity; fixed_rank and fixed_rank_stderr, the second fit; collapses,
           the number of reference points at which its direction is annihilated; undetermined, of those whose neighbours do not
-          determine it; by_maps and by_maps_stderr, what exponent and stderr are without diverging neighbours; sano_sawada and
-          sano_sawada_stderr, Eqs. (25) and (26) without correction. Of the spectrum also: sum, of the exponents of the tangent
-          directions, and its sum_stderr; balance, what --divergence says of it
+          determine it; sano_sawada and sano_sawada_stderr, Eqs. (25) and (26) without correction. Of the spectrum also: sum, of the
+          exponents of the tangent directions, and its sum_stderr; balance, what --divergence says of it
 
 A column named t or time is no coordinate: it gives the time step, or is held against --dt. Without names a first column that goes on
 evenly is the time, too; of others that do a warning tells. A comma is a decimal comma where something else separates the columns and
@@ -185,7 +183,7 @@ pub struct Arguments {
     #[arg(long, value_name = "RANK", allow_hyphen_values = true)]
     pub rank: Option<usize>,
 
-    /// Use every so many points of a step as reference points [default: 1; for delayed values the largest that leaves a third of all, and 1500]
+    /// Use every so many points of a step as reference points [default: 1; for delayed values over one delay the largest that leaves a third of all, and 1500]
     #[arg(long, value_name = "POINTS", allow_hyphen_values = true)]
     pub stride: Option<usize>,
 

@@ -5,9 +5,7 @@ use std::fmt::Write;
 use serde_json::{Value, json};
 
 use super::report::short;
-use stickslip::analysis::data_spectrum::{
-    DataExponent, Divergence, DivergenceCurve, Statistics, SurrogateTest,
-};
+use stickslip::analysis::data_spectrum::{Divergence, DivergenceCurve, Statistics, SurrogateTest};
 
 /// The first random number of the surrogates, so that two runs find the same.
 pub(super) const SEED: u64 = 19_920_901;
@@ -36,17 +34,6 @@ pub(super) fn divergence_text(divergence: &Divergence) -> String {
     );
     let _ = writeln!(text, "  Kantz       {}", opinion(divergence.by_kantz()));
     text
-}
-
-/// Where the value of a starved exponent comes from.
-pub(super) fn combined_text(i: usize, by_maps: &DataExponent) -> String {
-    format!(
-        "Exponent {} is starved, and by maps {} ± {}: it is the mean of that and Rosenstein's, weighted by their errors, that of a slope being a \
-         fifth of it at least.\n",
-        i + 1,
-        short(by_maps.value),
-        short(by_maps.stderr)
-    )
 }
 
 /// The outcome of the test for the terminal.

@@ -63,8 +63,8 @@ pub fn table(findings: &Findings, source: &Table) -> String {
             text,
             "{:>5}  {:>12}  {:>10}  {:>15}  {:<13} {:>15}  {:<10} {:>5}",
             i + 1,
-            value(findings, i),
-            short(findings.exponent(i).1),
+            value(exponent, findings.is_spurious(i)),
+            short(exponent.stderr),
             short(exponent.eps_sensitivity),
             findings.status(i),
             exponent
@@ -94,9 +94,6 @@ pub fn table(findings: &Findings, source: &Table) -> String {
     }
     if let Some(divergence) = &findings.divergence {
         text += &opinion::divergence_text(divergence);
-    }
-    if let Some((i, _)) = findings.combined() {
-        text += &opinion::combined_text(i, &spectrum.exponents[i]);
     }
     if let Some(note) = short_of_points(findings, rows(source)) {
         let _ = writeln!(text, "{note}");
@@ -332,16 +329,15 @@ fn neighbourhood(neighbours: &Neighbourhood) -> String {
     }
 }
 
-fn value(findings: &Findings, i: usize) -> String {
-    let exponent = &findings.spectrum.exponents[i];
+fn value(exponent: &DataExponent, is_spurious: bool) -> String {
     match exponent.status {
-        _ if findings.is_spurious(i) => format!("({})", short(exponent.value)),
+        _ if is_spurious => format!("({})", short(exponent.value)),
         Status::Ok
         | Status::Unstable
         | Status::Starved
         | Status::Undetermined
         | Status::Noisy
-        | Status::Unpredictable => short(findings.exponent(i).0),
+        | Status::Unpredictable => short(exponent.value),
         Status::Annihilated => "-inf".into(),
         Status::Unidentified if exponent.value.is_nan() => "–".into(),
         Status::Unidentified => format!("({})", short(exponent.value)),
@@ -377,11 +373,11 @@ pub fn csv(findings: &Findings) -> Result<String, SpectrumError> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     let header = ["index", "exponent", "stderr", "status"];
     writer.write_record(header).map_err(FigureError::from)?;
-    for i in 0..spectrum.exponents.len() {
+    for (i, exponent) in spectrum.exponents.iter().enumerate() {
         let record = [
             (i + 1).to_string(),
-            number(findings.exponent(i).0),
-            number(findings.exponent(i).1),
+            number(exponent.value),
+            number(exponent.stderr),
             findings.status(i).to_owned(),
         ];
         writer.write_record(record).map_err(FigureError::from)?;
@@ -406,10 +402,8 @@ pub fn json(findings: &Findings, source: &Table) -> Result<String, SpectrumError
         .map(|(i, exponent)| {
             json!({
                 "index": i + 1,
-                "exponent": findings.exponent(i).0,
-                "stderr": findings.exponent(i).1,
-                "by_maps": exponent.value,
-                "by_maps_stderr": exponent.stderr,
+                "exponent": exponent.value,
+                "stderr": exponent.stderr,
                 "eps_sensitivity": exponent.eps_sensitivity,
                 "status": findings.status(i),
                 "fixed_rank": exponent.fixed_rank.map(|(value, _)| value),

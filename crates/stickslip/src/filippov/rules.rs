@@ -324,26 +324,65 @@ mod tests {
     use crate::models::ForcedOscillator;
     use crate::statistics::SplitMix;
 
-    #[test]
-    fn one_derivative_alone_is_that_of_all_with_its_floor() {
-        let system = ForcedOscillator::default();
+    /// A boundary that moves, and a field that is tangent to it at times.
+    struct Moving;
+
+    impl Filippov<1> for Moving {
+        fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; 1]) -> [T; 1] {
+            [(t * 0.5).cos() * x[0] - side.sign()]
+        }
+        fn boundary<T: Scalar>(&self, t: T, x: &[T; 1]) -> T {
+            x[0] - t.sin()
+        }
+    }
+
+    fn compare<S: Filippov<N>, const N: usize>(system: &S) {
         let mut draw = SplitMix::new(1988);
         for _ in 0..200 {
             let t = draw.between(0.0, 50.0);
-            let x = State::from([draw.between(-2.0, 2.0), draw.between(-2.0, 2.0)]);
+            let x = State::from([(); N].map(|()| draw.between(-2.0, 2.0)));
             let slack = draw.between(0.0, 1e-12);
             for side in [Side::Below, Side::Above] {
-                let all = LieDerivatives::new(&system, side, t, &x, slack);
+                let all = LieDerivatives::new(system, side, t, &x, slack);
                 let first =
-                    one_derivative(t, &x, slack, |t, x| first_derivative(&system, side, t, x));
+                    one_derivative(t, &x, slack, |t, x| first_derivative(system, side, t, x));
                 let second =
-                    one_derivative(t, &x, slack, |t, x| second_derivative(&system, side, t, x));
+                    one_derivative(t, &x, slack, |t, x| second_derivative(system, side, t, x));
                 for (k, (value, floor)) in [(1, first), (2, second)] {
                     let size = all.floors[k] / (ULPS * f64::EPSILON);
                     assert!((value - all.values[k]).abs() < 1e-14 * size, "{k}: {value}");
                     assert!((floor / all.floors[k] - 1.0).abs() < 1e-9, "{k}: {floor}");
                 }
             }
+        }
+    }
+
+    #[test]
+    fn one_derivative_alone_is_that_of_all_with_its_floor() {
+        compare(&ForcedOscillator::default());
+        compare(&Moving);
+    }
+
+    #[test]
+    fn where_the_first_that_may_decide_vanishes_the_next_ones_do() {
+        /// Three integrators in a row: all derivatives are those of the state.
+        struct Row;
+        impl Filippov<3> for Row {
+            fn field<T: Scalar>(&self, _side: Side, _t: T, x: &[T; 3]) -> [T; 3] {
+                [x[1], x[2], T::constant(-2.0)]
+            }
+            fn boundary<T: Scalar>(&self, _t: T, x: &[T; 3]) -> T {
+                x[0]
+            }
+        }
+        for (x, tangent, order, sign, calls) in [
+            ([0.0, 1.0, -1.0], false, 1, 1.0, 4),
+            ([0.0, 0.0, -1.0], false, 2, -1.0, 4 + 12),
+            ([0.0, 1.0, -1.0], true, 2, -1.0, 8),
+            ([0.0, 1.0, 0.0], true, 3, -1.0, 8 + 12),
+        ] {
+            let found = Leading::new(&Row, Side::Above, 1.0, &State::from(x), 0.0, tangent);
+            assert_eq!((found.order, found.sign, found.calls), (order, sign, calls));
         }
     }
 }

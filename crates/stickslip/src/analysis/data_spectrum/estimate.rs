@@ -353,6 +353,7 @@ pub(super) fn fixed_rank<const N: usize>(
     rank: usize,
     progress: &dyn Fn(usize, usize),
 ) -> Result<FixedRank, DataError> {
+    settings.check(N)?;
     let cloud = Cloud::<N>::new(series)?;
     let theiler = settings.theiler.unwrap_or_else(|| cloud.decorrelation());
     enough(series.len(), settings, theiler)?;
@@ -363,7 +364,7 @@ pub(super) fn fixed_rank<const N: usize>(
         settings,
         spread: cloud.spread,
         times: 1,
-        furthest: Some(settings.neighbours.most()),
+        furthest: None,
     };
     let references = references(series.len(), settings);
     let mut maps: Vec<(LocalMap<N>, f64)> = Vec::with_capacity(references);

@@ -68,7 +68,7 @@
 //!
 //! # Second opinions
 //! [`divergence`] finds the largest exponent without maps, from how neighbours part (Rosenstein, Kantz), and finds the straight part of the
-//! curves by a rule. Where the first exponent is starved, [`DataSpectrum::with_divergence`] puts both opinions together. [`surrogate_test`] says whether a series is told from linear noise of the same spectrum and the same values.
+//! curves by a rule. [`surrogate_test`] says whether a series is told from linear noise of the same spectrum and the same values.
 //!
 //! # Noise
 //! Noise of the points that a map is fitted to flattens it: a slope is too small by the part of their variance that is noise. What the maps
@@ -101,8 +101,6 @@ mod averages;
 mod balance;
 mod chain;
 mod cloud;
-#[cfg(feature = "data")]
-mod combination;
 mod directions;
 #[cfg(feature = "data")]
 mod divergence;

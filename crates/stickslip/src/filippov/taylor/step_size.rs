@@ -36,8 +36,8 @@ const BIAS: f64 = 1023.0;
 #[inline(always)]
 fn rough_log2(x: f64) -> f64 {
     const MANTISSA: f64 = (1u64 << 52) as f64;
-    // With a sign, which is cheaper to convert.
-    x.to_bits() as i64 as f64 / MANTISSA - BIAS
+    // As a number with a sign, which is cheaper to convert; that of what is no number is the machine's.
+    x.abs().to_bits() as i64 as f64 / MANTISSA - BIAS
 }
 
 /// `2^x` to three parts in a thousand: a step that is longer by that has an error larger by a twelfth. The inverse of [`rough_log2`] would make
