@@ -159,7 +159,8 @@ fn processes(rows: &[Row], names: &[&str], problems: &[Problem]) -> Panel {
             "time to start, compile and run once, s",
             range(times.iter().flatten().map(|(_, time)| *time)),
         ),
-        Axis::new("solver", 0.0, names.len() as f64 + 1.0).ticks(&lines),
+        // The names say what they are; a label would lie over the longest.
+        Axis::new("", 0.0, names.len() as f64 + 1.0).ticks(&lines),
     )
     .title(&title);
     for (i, times) in times.iter().enumerate() {
