@@ -18,16 +18,20 @@ const GROW_MOST: f64 = 64.0;
 /// however small its terms.
 const FARTHEST: f64 = 0.7;
 
-/// One over each order.
-const INVERSE: [f64; MOST_ORDER + 1] = {
-    let mut table = [0.0; MOST_ORDER + 1];
-    let mut k = 1;
-    while k <= MOST_ORDER {
-        table[k] = 1.0 / k as f64;
-        k += 1;
-    }
-    table
-};
+/// One over an order.
+#[inline(always)]
+fn inverse(k: usize) -> f64 {
+    const ALL: [f64; MOST_ORDER + 1] = {
+        let mut all = [0.0; MOST_ORDER + 1];
+        let mut k = 1;
+        while k <= MOST_ORDER {
+            all[k] = 1.0 / k as f64;
+            k += 1;
+        }
+        all
+    };
+    ALL[k]
+}
 
 /// What the exponent in a number's bits is more than its own.
 const BIAS: f64 = 1023.0;
@@ -57,7 +61,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         let p = self.order;
         let relative = options.rtol.max(options.atol);
         let tolerance = rough_log2(SAFETY * relative);
-        let wanted = tolerance * INVERSE[p];
+        let wanted = tolerance * inverse(p);
         let farthest = rough_log2(FARTHEST);
         let mut log = rough_log2(GROW_MOST);
         for i in 0..N {
@@ -71,12 +75,12 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
                 early = f64::max(early, at(k - p / 2));
                 late = f64::max(late, newest);
                 if newest > 0.0 {
-                    log = log.min((scale - rough_log2(newest)) * INVERSE[k] + wanted);
+                    log = log.min((scale - rough_log2(newest)) * inverse(k) + wanted);
                 }
             }
             if early > 0.0 && late > 0.0 {
                 let ratio = rough_log2(early) - rough_log2(late);
-                log = log.min(ratio * INVERSE[p / 2] + farthest);
+                log = log.min(ratio * inverse(p / 2) + farthest);
             }
         }
         for function in self.expansion.watched.iter().flatten() {
@@ -93,7 +97,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             }
             for k in p - 1..=p {
                 if g(k) > 0.0 {
-                    let against = |j| (tolerance + rough_log2(g(j) / g(k))) * INVERSE[k - j];
+                    let against = |j| (tolerance + rough_log2(g(j) / g(k))) * inverse(k - j);
                     log = log.min(f64::max(against(0), against(1)).max(against(2)));
                 }
             }
