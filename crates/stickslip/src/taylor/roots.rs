@@ -110,22 +110,28 @@ fn search(c: &[f64]) -> Option<f64> {
     }
     let mut all = [0.0; ROOM];
     all[..c.len()].copy_from_slice(c);
-    // Nearly always there is a zero where this is called, and the polynomial falls to it.
-    let mut fall = [0.0; ROOM];
-    for k in 1..ROOM {
-        fall[k - 1] = -(k as f64) * all[k];
+    let (at_b, slope_at_b) = value_and_slope(c, 1.0);
+    if at_b > 0.0 && is_positive_folded(&all) {
+        return None;
     }
-    if is_positive_folded(&fall) {
-        let (at_b, slope_at_b) = value_and_slope(c, 1.0);
-        if at_b > 0.0 {
+    // From above zero to below, what falls or bends one way throughout has one zero; between two values above, what falls or bends
+    // down has none.
+    let (at_a, slope_at_a) = (all[0], all[1]);
+    let bend = slope_at_b - slope_at_a;
+    let falls = slope_at_a < 0.0 && slope_at_b < 0.0 && is_positive_folded(&slope(&all, -1.0));
+    let is_one_way = || is_positive_folded(&slope(&slope(&all, 1.0), bend.signum()));
+    if at_b > 0.0 {
+        if falls || (bend < 0.0 && is_one_way()) {
             return None;
         }
-        let (a, b, at_a) = (0.0, 1.0, c[0]);
-        let guess = inverse_cubic([at_a, at_b], [-fall[0], slope_at_b]);
+    } else if falls || is_one_way() {
+        let guess = if falls {
+            inverse_cubic([at_a, at_b], [slope_at_a, slope_at_b])
+        } else {
+            parabola(at_a, slope_at_a, at_b)
+        };
+        let (a, b) = (0.0, 1.0);
         return Some(newton(c, Bracket { a, b, at_a, at_b }, guess));
-    }
-    if is_positive_folded(&all) {
-        return None;
     }
     let n = c.len() - 1;
     let mut b = [0.0; ROOM];
@@ -145,6 +151,24 @@ fn search(c: &[f64]) -> Option<f64> {
     let Bracket { a, b, at_a, at_b } = bracket;
     let guess = a + (b - a) * (at_a / (at_a - at_b));
     Some(newton(c, bracket, guess))
+}
+
+/// Coefficients of the slope, by a factor.
+#[inline(always)]
+fn slope(c: &[f64; ROOM], factor: f64) -> [f64; ROOM] {
+    let mut slope = [0.0; ROOM];
+    for k in 1..ROOM {
+        slope[k - 1] = factor * k as f64 * c[k];
+    }
+    slope
+}
+
+/// Where in the unit interval the parabola has its zero of which the value and the slope at the start and the value at the end, on the
+/// other side of zero, are known.
+fn parabola(at_a: f64, slope_at_a: f64, at_b: f64) -> f64 {
+    let bend = at_b - at_a - slope_at_a;
+    let root = (slope_at_a * slope_at_a - 4.0 * bend * at_a).sqrt();
+    2.0 * at_a / (root - slope_at_a)
 }
 
 /// About where in the unit interval a function that falls has its zero, of which the values and the slopes at its ends are known: by Hermite's
