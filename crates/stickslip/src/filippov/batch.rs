@@ -13,7 +13,7 @@ use super::options::Options;
 use super::solve::{Failure, Summary, tell};
 use super::stepper::Stepper;
 use super::switched::{Switched, UseFlow};
-use super::taylor::OfFlow;
+use super::taylor::{OfFlow, powers, step_ratio};
 use crate::error::Error;
 use crate::ode::Timed;
 use crate::orbit::Ending;
@@ -125,9 +125,11 @@ struct Lanewise<'a, F, const N: usize> {
     x: [Lanes<LANES>; N],
     h: Lanes<LANES>,
     order: usize,
+    options: &'a Options,
 }
 
-/// An expansion of several orbits in one mode, in the widest vectors that the machine has; their width changes no bit.
+/// An expansion of several orbits in one mode, and how far each reaches, in the widest vectors that the machine has; their width changes no
+/// bit.
 ///
 /// Two references, which is what makes the first rows an argument: see [`Rows`].
 struct Together<'a, F, const N: usize, const G: usize> {
@@ -136,7 +138,7 @@ struct Together<'a, F, const N: usize, const G: usize> {
 }
 
 impl<F: Flow<N>, const N: usize, const G: usize> NullaryFnOnce for Together<'_, F, N, G> {
-    type Output = Result<Expansion<G>, usize>;
+    type Output = Result<(Expansion<G>, Lanes<LANES>), usize>;
 
     #[inline(always)]
     fn call(self) -> Self::Output {
@@ -147,12 +149,16 @@ impl<F: Flow<N>, const N: usize, const G: usize> NullaryFnOnce for Together<'_, 
             x,
             h,
             order,
+            options,
         } = *self.of;
         let rows = Rows {
             first: self.first,
             all,
         };
-        in_rows(rows, (t, h), &x, order, &OfFlow(flow), &mut Repeated::new())
+        let flow = OfFlow(flow);
+        let expansion = in_rows(rows, (t, h), &x, order, &flow, &mut Repeated::new())?;
+        let ratios = step_ratio(all, &expansion, order, options, &x);
+        Ok((expansion, ratios))
     }
 }
 
@@ -220,7 +226,8 @@ impl<'a, S: Switched<N, G>, O: Observer<N, S::Mode>, const N: usize, const G: us
             }
         }
         let arch = Arch::new();
-        let expansion = self.series.expand_by(|rows| {
+        let options = &self.members[group[0]].integration.run.options;
+        let (expansion, mut ratios) = self.series.expand_by(|rows| {
             let of = &Lanewise {
                 flow,
                 rows: rows.all,
@@ -228,6 +235,7 @@ impl<'a, S: Switched<N, G>, O: Observer<N, S::Mode>, const N: usize, const G: us
                 x,
                 h,
                 order,
+                options,
             };
             let first = rows.first;
             arch.dispatch(Together { first, of })
@@ -236,10 +244,16 @@ impl<'a, S: Switched<N, G>, O: Observer<N, S::Mode>, const N: usize, const G: us
             return;
         }
         for (lane, &number) in group.iter().enumerate() {
-            let integration = &mut self.members[number].integration;
-            if let Some(stepper) = integration.stepper.series_mut() {
-                let run = &mut integration.run;
-                stepper.take_lane::<F, LANES>(run, flow, &self.series, &expansion, lane);
+            let Integration { stepper, run, .. } = &mut self.members[number].integration;
+            if let Some(stepper) = stepper.series_mut() {
+                ratios[lane] = stepper.plan(run, ratios[lane]);
+            }
+        }
+        let powers = powers(ratios);
+        for (lane, &number) in group.iter().enumerate() {
+            let Integration { stepper, run, .. } = &mut self.members[number].integration;
+            if let Some(stepper) = stepper.series_mut() {
+                stepper.take(run, flow, (&self.series, &expansion), &powers, lane);
             }
         }
     }
@@ -293,7 +307,7 @@ where
     let mut batch = Batch {
         members: Vec::with_capacity(UNDER_WAY),
         waiting: Vec::new(),
-        series: Series::new(),
+        series: Series::default(),
     };
     while batch.members.len() < UNDER_WAY
         && let Some(member) = next(&mut outcomes, None)

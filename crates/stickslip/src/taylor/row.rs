@@ -65,8 +65,9 @@ impl<const L: usize> Row<L> {
         }
     }
 
+    /// Coefficient `k` in every lane.
     #[inline(always)]
-    pub(super) fn at(&self, k: usize) -> Lanes<L> {
+    pub(crate) fn at(&self, k: usize) -> Lanes<L> {
         lanes(|l| self.0[k][l].get())
     }
 

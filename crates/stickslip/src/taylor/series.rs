@@ -8,7 +8,7 @@ use crate::scalar::Scalar;
 
 /// Coefficients of everything that a field and the functions watched with it compute, each scaled by the power of a step length,
 /// so that none overflows. The state's components are the first rows.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct Series<const L: usize> {
     rows: Vec<Row<L>>,
 }
@@ -55,12 +55,6 @@ impl<const W: usize> Default for Expansion<W> {
 }
 
 impl<const L: usize> Series<L> {
-    pub(crate) fn new() -> Self {
-        Series {
-            rows: vec![Row::new(); AT_ONCE],
-        }
-    }
-
     #[cold]
     #[inline(never)]
     fn make_room(&mut self, rows: usize) {
@@ -69,10 +63,10 @@ impl<const L: usize> Series<L> {
 
     /// Expands by a function that does so in rows, or says how many it needs.
     #[inline(always)]
-    pub(crate) fn expand_by<const W: usize>(
+    pub(crate) fn expand_by<R>(
         &mut self,
-        mut expand: impl FnMut(Rows<'_, L>) -> Result<Expansion<W>, usize>,
-    ) -> Expansion<W> {
+        mut expand: impl FnMut(Rows<'_, L>) -> Result<R, usize>,
+    ) -> R {
         loop {
             let all = self.rows.as_slice();
             let expanded = match all.first_chunk() {
@@ -80,7 +74,7 @@ impl<const L: usize> Series<L> {
                 None => Err(AT_ONCE),
             };
             match expanded {
-                Ok(expansion) => return expansion,
+                Ok(expanded) => return expanded,
                 Err(needed) => self.make_room(needed),
             }
         }
@@ -164,52 +158,16 @@ pub(crate) fn in_rows<F: Functions<N, W>, const L: usize, const N: usize, const 
     }
 }
 
-impl Series<1> {
-    /// A row.
-    #[inline(always)]
-    pub(crate) fn row(&self, row: usize) -> &Row<1> {
-        &self.rows[row]
-    }
-
-    /// Coefficient `k` of a row.
-    #[inline(always)]
-    pub(crate) fn at(&self, row: usize, k: usize) -> f64 {
-        self.row(row).lane(0, k)
-    }
-
-    /// Takes one lane of what an expansion has come to: the first `N` rows, what was watched, and the choices.
-    pub(crate) fn take_lane<const N: usize, const L: usize, const W: usize>(
-        &mut self,
-        of: &Series<L>,
-        expansion: &Expansion<W>,
-        lane: usize,
-        order: usize,
-    ) {
-        if self.rows.len() < of.rows.len() {
-            self.rows.resize(of.rows.len(), Row::new());
-        }
-        let watched = expansion
-            .watched
-            .iter()
-            .flatten()
-            .map(|watched| watched.row);
-        let kept = (0..N).chain(watched).map(|row| (row, row));
-        for (row, from) in kept.chain(self.choices(expansion).zip(of.choices(expansion))) {
-            let (row, from) = (&self.rows[row], &of.rows[from]);
-            for k in 0..=order {
-                row.set(k, [from.lane(lane, k)]);
-            }
-        }
-    }
-}
-
 impl<const L: usize> Series<L> {
+    /// All rows.
+    #[inline(always)]
+    pub(crate) fn rows(&self) -> &[Row<L>] {
+        &self.rows
+    }
+
     /// The rows that hold by how much what was chosen is ahead of what was not.
     #[inline(always)]
-    pub(crate) fn choices<const W: usize>(
-        &self,
-        expansion: &Expansion<W>,
-    ) -> std::ops::Range<usize> {
-        self.rows.len() - expansion.choices..self.rows.len()
+    pub(crate) fn choices<const W: usize>(&self, expansion: &Expansion<W>) -> &[Row<L>] {
+        &self.rows[self.rows.len() - expansion.choices..]
     }
 }

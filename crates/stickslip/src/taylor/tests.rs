@@ -6,7 +6,7 @@ use pulp::{Arch, NullaryFnOnce};
 
 use super::MOST_ORDER;
 use super::repeated::Repeated;
-use super::row::Lanes;
+use super::row::{Lanes, Row};
 use super::series::{Expansion, Functions, Series, Watched, in_rows};
 use crate::dual::Dual;
 use crate::scalar::Scalar;
@@ -42,14 +42,16 @@ fn coefficients<const N: usize, const W: usize>(
     let read = |series: &Series<1>, expansion: Expansion<W>| {
         expansion.watched.map(|watched| {
             let row = watched.expect("not constant").row;
-            (0..=MOST_ORDER).map(|k| series.at(row, k)).collect()
+            (0..=MOST_ORDER)
+                .map(|k| series.rows()[row].lane(0, k))
+                .collect()
         })
     };
     let linear = |of: &Expansion<W>| of.watched.map(|watched| watched.map(|row| row.is_linear));
     // One call serves series at other times and states, and of other lengths.
     let (interpreted, mut repeated) = (Interpreted(functions, Cell::new(0)), Repeated::new());
     let mut found = [const { Vec::new() }; W];
-    let mut series = Series::<1>::new();
+    let mut series = Series::<1>::default();
     expand(
         &mut series,
         ([0.0], [h]),
@@ -64,7 +66,7 @@ fn coefficients<const N: usize, const W: usize>(
         (0.0, 0.0, h),
     ] {
         let (time, x) = (([t], [length]), x.map(|x| [x + shift]));
-        let mut by_calls = Series::<1>::new();
+        let mut by_calls = Series::<1>::default();
         let wanted = expand(&mut by_calls, time, x, MOST_ORDER, functions);
         let again = series
             .expand_by(|rows| in_rows(rows, time, &x, MOST_ORDER, &interpreted, &mut repeated));
@@ -257,7 +259,7 @@ fn lanes_and_widths_change_no_bit(functions: &impl Functions<2, 3>) {
     let h = t.map(|t| 0.3 + 0.2 * t);
     let x = [t.map(|t| 0.3 + t), t.map(|t| 0.7 - t)];
     for arch in [Arch::Scalar, Arch::new()] {
-        let mut wide = Series::<LANES>::new();
+        let mut wide = Series::<LANES>::default();
         let together = arch.dispatch(Widest {
             functions,
             series: &mut wide,
@@ -266,7 +268,7 @@ fn lanes_and_widths_change_no_bit(functions: &impl Functions<2, 3>) {
         });
         assert!(!together.divided && !together.value_read);
         for l in 0..LANES {
-            let (mut alone, mut taken) = (Series::<1>::new(), Series::<1>::new());
+            let mut alone = Series::<1>::default();
             let expansion = expand(
                 &mut alone,
                 ([t[l]], [h[l]]),
@@ -274,16 +276,20 @@ fn lanes_and_widths_change_no_bit(functions: &impl Functions<2, 3>) {
                 MOST_ORDER,
                 functions,
             );
-            taken.take_lane::<2, LANES, 3>(&wide, &together, l, MOST_ORDER);
-            let rows = expansion
-                .watched
-                .iter()
-                .flatten()
-                .map(|watched| watched.row);
             assert_eq!(expansion.choices, 1);
-            for row in (0..2).chain(rows).chain(alone.choices(&expansion)) {
+            let rows = |watched: &[Option<Watched>]| -> Vec<usize> {
+                let watched = watched.iter().flatten().map(|watched| watched.row);
+                (0..2).chain(watched).collect()
+            };
+            assert_eq!(rows(&expansion.watched), rows(&together.watched));
+            let rows = rows(&expansion.watched);
+            let choices = alone.choices(&expansion).iter();
+            let rows_alone = rows.iter().map(|&row| &alone.rows()[row]).chain(choices);
+            let choices = wide.choices(&together).iter();
+            let in_lane = rows.iter().map(|&row| &wide.rows()[row]).chain(choices);
+            for (row, (alone, wide)) in rows_alone.zip(in_lane).enumerate() {
                 for k in 0..=MOST_ORDER {
-                    let bits = [&alone, &taken].map(|series| series.at(row, k).to_bits());
+                    let bits = [alone.lane(0, k), wide.lane(l, k)].map(f64::to_bits);
                     assert_eq!(bits[0], bits[1], "lane {l}, row {row}, order {k}");
                 }
             }
@@ -296,7 +302,7 @@ fn lanes_that_compare_differently_are_not_expanded_together() {
     let expand = |x: [f64; 2]| {
         let x = [x, [0.1, 0.1]];
         expand(
-            &mut Series::<2>::new(),
+            &mut Series::<2>::default(),
             ([0.0; 2], [0.1; 2]),
             x,
             8,
@@ -310,7 +316,7 @@ fn lanes_that_compare_differently_are_not_expanded_together() {
 #[test]
 fn functions_are_called_again_where_a_comparison_comes_out_otherwise() {
     let (interpreted, mut repeated) = (Interpreted(&Chosen, Cell::new(0)), Repeated::new());
-    let mut series = Series::<1>::new();
+    let mut series = Series::<1>::default();
     for (x, calls) in [(-0.25, 1), (-0.2, 1), (0.25, 2), (0.2, 2), (-0.6, 3)] {
         let expansion = series.expand_by(|rows| {
             in_rows(
@@ -323,23 +329,17 @@ fn functions_are_called_again_where_a_comparison_comes_out_otherwise() {
             )
         });
         assert_eq!(interpreted.1.get(), calls, "at {x}");
-        let mut wanted = Series::<1>::new();
+        let mut wanted = Series::<1>::default();
         let of_calls = expand(&mut wanted, ([0.0], [0.125]), [[x]], 8, &Chosen);
         assert_eq!(expansion.choices, of_calls.choices);
         let row = |watched: Option<Watched>| watched.expect("not constant").row;
-        let watched = expansion
-            .watched
-            .map(row)
-            .into_iter()
-            .zip(of_calls.watched.map(row));
-        let choices = series.choices(&expansion).zip(wanted.choices(&of_calls));
-        for (found, wanted_row) in watched.chain(choices) {
+        let watched = expansion.watched.map(|of| &series.rows()[row(of)]);
+        let found = watched.into_iter().chain(series.choices(&expansion));
+        let watched = of_calls.watched.map(|of| &wanted.rows()[row(of)]);
+        let wanted = watched.into_iter().chain(wanted.choices(&of_calls));
+        for (found, wanted) in found.zip(wanted) {
             for k in 0..=8 {
-                assert_eq!(
-                    series.at(found, k),
-                    wanted.at(wanted_row, k),
-                    "at {x}, order {k}"
-                );
+                assert_eq!(found.at(k), wanted.at(k), "at {x}, order {k}");
             }
         }
     }
@@ -357,13 +357,13 @@ impl Functions<1, 3> for Chosen {
 
 #[test]
 fn a_comparison_is_remembered_by_how_much_it_is_decided() {
-    let mut series = Series::<1>::new();
+    let mut series = Series::<1>::default();
     let expansion = expand(&mut series, ([0.0], [0.125]), [[-0.25]], 8, &Chosen);
     let watched = expansion
         .watched
-        .map(|watched| watched.expect("not constant").row);
-    let choices = series.choices(&expansion).rev();
-    let line = |row| [series.at(row, 0), series.at(row, 1)];
+        .map(|watched| &series.rows()[watched.expect("not constant").row]);
+    let choices = series.choices(&expansion).iter().rev();
+    let line = |row: &Row<1>| [row.lane(0, 0), row.lane(0, 1)];
     assert_eq!(
         watched.map(line),
         [[0.25, -0.125], [-0.25, 0.125], [-0.5, 0.125]]
@@ -387,7 +387,7 @@ impl Functions<2, 2> for Cancelling {
 
 #[test]
 fn derivatives_that_are_zero_or_one_leave_nothing_behind_and_what_is_shared_cancels() {
-    let mut series = Series::<1>::new();
+    let mut series = Series::<1>::default();
     let x = [[0.3], [0.7]];
     let [rate, none] = expand(&mut series, ([0.0], [0.5]), x, 8, &Cancelling).watched;
     assert_eq!(rate.expect("not constant").row, 2, "the field's own row");
@@ -422,9 +422,9 @@ fn values_of_a_series_are_those_of_the_numbers() {
             ([t], [(x[0] - 0.5).divided_or(x[0] - 0.5, 7.0) + t])
         }
     }
-    let mut series = Series::<1>::new();
+    let mut series = Series::<1>::default();
     let expansion = expand(&mut series, ([3.0], [0.1]), [[0.5]], 8, &Reading);
     assert!(expansion.value_read);
-    let row = expansion.watched[0].expect("not constant").row;
-    assert_eq!((series.at(row, 0), series.at(row, 1)), (10.0, 0.1));
+    let row = &series.rows()[expansion.watched[0].expect("not constant").row];
+    assert_eq!((row.at(0), row.at(1)), ([10.0], [0.1]));
 }

@@ -145,8 +145,8 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         &self,
         run: &mut Run<N, G>,
         flow: &F,
-        piece: &Piece<N>,
     ) -> Result<Option<Found<N>>, Undefined> {
+        let piece = &self.piece;
         let mut first: Option<Found<N>> = None;
         let at_end = OnceCell::new();
         for &guard in F::GUARDS {
@@ -157,9 +157,8 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             let found = if self.expansion.value_read {
                 sampled_failure(run, flow, guard, piece, order)?
             } else {
-                let c = piece.polynomial(&self.series, function.row);
-                let c = &c[..=self.order];
-                if c[self.order].is_finite() {
+                let c = &self.guards[guard][..=piece.order];
+                if c[piece.order].is_finite() {
                     let found = first_failure(run, flow, guard, piece, c, order);
                     // A series may go on where its function ends, or has ended and begun again.
                     if found.is_none() && !function.is_linear {

@@ -1,17 +1,16 @@
 //! Comparisons that a series relies on, and where they come out otherwise.
 
 use super::TaylorStepper;
-use super::piece::Piece;
 use crate::taylor::roots::{first_zero, value_and_slope};
 
 impl<const N: usize, const G: usize> TaylorStepper<N, G> {
     /// Where in the step, before the part `before`, a comparison that the series relies on first comes out otherwise: a little
     /// behind the place where the two are equal, so that the next series sees it.
-    pub(super) fn first_kink(&self, piece: &Piece<N>, before: f64) -> Option<f64> {
+    pub(super) fn first_kink(&self, before: f64) -> Option<f64> {
+        let piece = &self.piece;
         let mut first: Option<f64> = None;
-        for row in self.series.choices(&self.expansion) {
-            let c = piece.polynomial(&self.series, row);
-            let c = &c[..=self.order];
+        for c in &self.choices {
+            let c = &c[..=piece.order];
             // Two that are equal throughout come out the same throughout.
             let Some(start) = c.iter().position(|&c| c != 0.0) else {
                 continue;

@@ -5,7 +5,9 @@ mod kink;
 mod piece;
 mod step_size;
 
-use piece::{Piece, nowhere};
+pub(super) use piece::powers;
+use piece::{POWERS, Piece, Polynomial, nowhere};
+pub(super) use step_size::step_ratio;
 
 use super::flow::Flow;
 use super::options::Options;
@@ -29,12 +31,18 @@ const SHRINK: f64 = 1e-2;
 
 /// The Taylor stepper: a series, and room for it.
 pub(crate) struct TaylorStepper<const N: usize, const G: usize> {
-    order: usize,
     series: Series<1>,
-    expansion: Expansion<G>,
     /// What the phase's functions did, where they are interpreted.
     repeated: Repeated<1, N, G>,
-    /// Whether the series is that of the next step already.
+    /// What the next series is expanded to come to.
+    expansion: Expansion<G>,
+    /// The next step, if its series is expanded already; else the last one.
+    piece: Piece<N>,
+    /// Series over it: of the guards that are not constant, and of what the comparisons in it rely on.
+    guards: [Polynomial; G],
+    choices: Vec<Polynomial>,
+    /// Whether it ends at the end time.
+    is_last: bool,
     is_expanded: bool,
     /// Whether the phase, or the rest of one, has yet to begin.
     is_new: bool,
@@ -79,10 +87,19 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         // Jorba & Zou, Eq. (11), and a few orders more: the time per order falls as the overhead of a step is spread.
         let order = (0.5 * -math::ln(tolerance) + 8.0) as usize;
         TaylorStepper {
-            order: order.clamp(LEAST_ORDER, MOST_ORDER),
-            series: Series::new(),
-            expansion: Expansion::default(),
+            series: Series::default(),
             repeated: Repeated::new(),
+            expansion: Expansion::default(),
+            piece: Piece {
+                t: 0.0,
+                h: 0.0,
+                order: order.clamp(LEAST_ORDER, MOST_ORDER),
+                x: [State::from([0.0; N]); MOST_ORDER + 1],
+                rest: nowhere(),
+            },
+            guards: [[0.0; MOST_ORDER + 1]; G],
+            choices: Vec::new(),
+            is_last: false,
             is_expanded: false,
             is_new: true,
             end: nowhere(),
@@ -101,60 +118,72 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
     fn expand<F: Flow<N>>(&mut self, run: &mut Run<N, G>, flow: &F) {
         let Timed { t, x } = run.at;
         let x = std::array::from_fn(|i| [x[i]]);
-        let (scale, order) = (self.scale, self.order);
+        let (scale, order) = (self.scale, self.piece.order);
+        let mut series = std::mem::take(&mut self.series);
         let repeated = &mut self.repeated;
-        let alone = |rows: Rows<'_, 1>| {
+        let expansion = series.expand_by(|Rows { first, all }| {
             let time = ([t], [scale]);
-            expand_alone(rows.first, rows.all, time, &x, order, flow, repeated)
-        };
-        self.expansion = self.series.expand_by(alone);
-        self.count(run, flow);
-    }
-
-    fn count<F: Flow<N>>(&self, run: &mut Run<N, G>, flow: &F) {
-        run.counters.field_calls += flow.field_calls() * (self.order as u64 + 1);
+            expand_alone(first, all, time, &x, order, flow, repeated)
+        });
+        let [ratio] = step_ratio(series.rows(), &expansion, order, &run.options, &x);
+        let powers = powers([self.plan(run, ratio)]);
+        self.take(run, flow, (&series, &expansion), &powers, 0);
+        self.series = series;
     }
 
     /// The order of the series, and the step that the next one is scaled with.
     pub(super) fn order_and_scale(&self) -> (usize, f64) {
-        (self.order, self.scale)
+        (self.piece.order, self.scale)
     }
 
-    /// Takes what a step needs of an expansion in which this orbit was the lane `lane`.
-    pub(super) fn take_lane<F: Flow<N>, const L: usize>(
+    /// Plans the next step, as the series allows; its length over that which the series is scaled with.
+    pub(super) fn plan(&mut self, run: &mut Run<N, G>, ratio: f64) -> f64 {
+        // After a rejection the step does not grow at once.
+        run.h = self.scale * if self.rejected { ratio.min(1.0) } else { ratio };
+        let (h, is_last) = run.next_step();
+        let h = if is_last { h - self.rest.t } else { h };
+        (self.piece.h, self.is_last) = (h, is_last);
+        h / self.scale
+    }
+
+    /// Takes what the step needs of an expansion in which this orbit was the lane `lane`, in parts of the step.
+    #[inline(always)]
+    pub(super) fn take<F: Flow<N>, const L: usize>(
         &mut self,
         run: &mut Run<N, G>,
         flow: &F,
-        series: &Series<L>,
-        expansion: &Expansion<G>,
+        (series, expansion): (&Series<L>, &Expansion<G>),
+        powers: &[Lanes<L>; POWERS],
         lane: usize,
     ) {
-        self.series
-            .take_lane::<N, L, _>(series, expansion, lane, self.order);
+        let order = self.piece.order;
+        let of_row = |row: &Row<L>, k: usize| row.lane(lane, k) * powers[k][lane];
+        let rows: [&Row<L>; N] = std::array::from_fn(|i| &series.rows()[i]);
+        for (k, x) in self.piece.x.iter_mut().enumerate().take(order + 1) {
+            for (x, row) in x.iter_mut().zip(rows) {
+                *x = of_row(row, k);
+            }
+        }
+        let polynomial = |row: &Row<L>, c: &mut Polynomial| {
+            for (k, c) in c.iter_mut().enumerate().take(order + 1) {
+                *c = of_row(row, k);
+            }
+        };
+        for (c, watched) in self.guards.iter_mut().zip(&expansion.watched) {
+            if let Some(watched) = watched {
+                polynomial(&series.rows()[watched.row], c);
+            }
+        }
+        self.choices.clear();
+        for row in series.choices(expansion) {
+            let mut c = [0.0; MOST_ORDER + 1];
+            polynomial(row, &mut c);
+            self.choices.push(c);
+        }
+        (self.piece.t, self.piece.rest) = (run.at.t, self.rest);
         self.expansion = *expansion;
         self.is_expanded = true;
-        self.count(run, flow);
-    }
-
-    fn piece(&self, t: f64, rest: Timed<N>, h: f64, scaled_with: f64) -> Piece<N> {
-        let ratio = h / scaled_with;
-        let mut x = [State::from([0.0; N]); MOST_ORDER + 1];
-        let rows: [&Row<1>; N] = std::array::from_fn(|i| self.series.row(i));
-        let mut power = 1.0;
-        for (k, x) in x.iter_mut().enumerate().take(self.order + 1) {
-            for (x, row) in x.iter_mut().zip(rows) {
-                *x = row.lane(0, k) * power;
-            }
-            power *= ratio;
-        }
-        Piece {
-            t,
-            h,
-            order: self.order,
-            x,
-            rest,
-            ratio,
-        }
+        run.counters.field_calls += flow.field_calls() * (order as u64 + 1);
     }
 }
 
@@ -205,40 +234,32 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         if !self.is_expanded {
             self.expand(run, flow);
         }
-        let Timed { t, x } = run.at;
-        let (rest, scale) = (self.rest, self.scale);
-        let last = self.order;
-        if !(0..N).all(|i| (self.series.at(i, last) + self.series.at(i, last - 1)).is_finite()) {
-            run.reject_undefined(SHRINK * scale)?;
+        let piece = &self.piece;
+        let (Timed { t, x }, h, is_last) = (run.at, piece.h, self.is_last);
+        let last = piece.order;
+        if !(0..N).all(|i| (piece.x[last][i] + piece.x[last - 1][i]).is_finite()) {
+            run.reject_undefined(SHRINK * self.scale)?;
             if run.is_too_short(run.h, false) {
                 return Err(run.collapsed(&flow.velocity(t, &x), run.h));
             }
             return Ok(Trial::NoStep);
         }
-        let ratio = self.step_ratio(&run.options, &x);
-        // After a rejection the step does not grow at once.
-        run.h = scale * if self.rejected { ratio.min(1.0) } else { ratio };
-        let (mut h, is_last) = run.next_step();
-        if is_last {
-            h -= rest.t;
-        }
         if run.is_too_short(h, is_last) {
             return Err(run.collapsed(&flow.velocity(t, &x), h));
         }
-        let piece = self.piece(t, rest, h, scale);
         let (mut at, mut rest_there) = piece.at(1.0);
         if is_last {
             (at.t, rest_there.t) = (run.t_end, 0.0);
         }
         let mut part = 1.0;
-        let Ok(event) = self.first_event(run, flow, &piece) else {
+        let Ok(event) = self.first_event(run, flow) else {
             self.rejected = true;
             run.reject_undefined(h)?;
             return Ok(Trial::NoStep);
         };
         let mut event = event.filter(|event| !is_last || event.event.at.t < at.t);
         let before = event.as_ref().map_or(1.0, |event| event.s);
-        if let Some(kink) = self.first_kink(&piece, before) {
+        if let Some(kink) = self.first_kink(before) {
             event = None;
             part = kink;
             (at, rest_there) = piece.at(kink);
@@ -255,7 +276,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         }
         (self.end, self.rest) = (at, rest_there);
         run.counters.steps += 1;
-        run.dense.become_series(t, h, self.order, &piece.x);
+        run.dense.become_series(t, h, piece.order, &piece.x);
         Ok(run.accept(at, event.map(|found| found.event)))
     }
 }

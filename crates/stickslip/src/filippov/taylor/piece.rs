@@ -5,7 +5,7 @@ use crate::filippov::options::Options;
 use crate::ode::{Linear, Timed, power_series, power_series_slope};
 use crate::system::State;
 use crate::taylor::MOST_ORDER;
-use crate::taylor::series::Series;
+use crate::taylor::row::{Lanes, lanes};
 
 /// Tolerances by which the slope of a series, times the step, may be off the field.
 const DEFECT: f64 = 30.0;
@@ -22,6 +22,29 @@ fn two_sum(a: f64, b: f64) -> (f64, f64) {
     (sum, (a - (sum - of_b)) + (b - of_b))
 }
 
+/// Coefficients of the powers of the part of a step.
+pub(super) type Polynomial = [f64; MOST_ORDER + 1];
+
+/// Room for as many powers as a series has coefficients, four at a time.
+pub(in crate::filippov) const POWERS: usize = (MOST_ORDER + 1).next_multiple_of(4);
+
+/// The powers of a ratio, four at a time: none waits for many others.
+#[inline(always)]
+pub(in crate::filippov) fn powers<const L: usize>(ratio: Lanes<L>) -> [Lanes<L>; POWERS] {
+    let by = |a: Lanes<L>, b: Lanes<L>| lanes(|l| a[l] * b[l]);
+    let square = by(ratio, ratio);
+    let fourth = by(square, square);
+    let mut four = [[1.0; L], ratio, square, by(square, ratio)];
+    let mut powers = [[0.0; L]; POWERS];
+    for powers in powers.as_chunks_mut::<4>().0 {
+        *powers = four;
+        for power in &mut four {
+            *power = by(*power, fourth);
+        }
+    }
+    powers
+}
+
 /// One step's series, in parts of the step.
 pub(super) struct Piece<const N: usize> {
     pub(super) t: f64,
@@ -29,8 +52,6 @@ pub(super) struct Piece<const N: usize> {
     pub(super) order: usize,
     pub(super) x: [State<N>; MOST_ORDER + 1],
     pub(super) rest: Timed<N>,
-    /// Step length over the one that the series is scaled with.
-    pub(super) ratio: f64,
 }
 
 impl<const N: usize> Piece<N> {
@@ -65,19 +86,6 @@ impl<const N: usize> Piece<N> {
             let allowed = DEFECT * (options.atol + options.rtol * size);
             at.x[i].is_finite() && (rise - slope[i]).abs() <= allowed
         })
-    }
-
-    /// The series of the number in a row.
-    #[inline(always)]
-    pub(super) fn polynomial(&self, series: &Series<1>, row: usize) -> [f64; MOST_ORDER + 1] {
-        let mut c = [0.0; MOST_ORDER + 1];
-        let row = series.row(row);
-        let mut power = 1.0;
-        for (k, c) in c.iter_mut().enumerate().take(self.order + 1) {
-            *c = row.lane(0, k) * power;
-            power *= self.ratio;
-        }
-        c
     }
 }
 

@@ -1,9 +1,9 @@
 //! How far a series reaches within the tolerance.
 
-use super::TaylorStepper;
 use crate::filippov::options::Options;
-use crate::system::State;
 use crate::taylor::MOST_ORDER;
+use crate::taylor::row::{Lanes, Row, lanes_of};
+use crate::taylor::series::Expansion;
 
 /// Part of the tolerance that the last coefficients are held to: the steps are long and few, and all of the next ones enlarge
 /// what one leaves out.
@@ -39,9 +39,10 @@ const BIAS: f64 = 1023.0;
 /// Logarithm to base 2 of a normal positive number, up to 0.09 too small: good enough for a root of high order.
 #[inline(always)]
 fn rough_log2(x: f64) -> f64 {
-    const MANTISSA: f64 = (1u64 << 52) as f64;
-    // As a number with a sign, which is cheaper to convert; that of what is no number is the machine's.
-    x.abs().to_bits() as i64 as f64 / MANTISSA - BIAS
+    /// Half a number's bits hold its exponent, and as much of the rest as this; no more is converted.
+    const MANTISSA: f64 = (1u64 << 20) as f64;
+    // As a number with a sign, which is cheaper to convert.
+    f64::from((x.abs().to_bits() >> 32) as i32) / MANTISSA - BIAS
 }
 
 /// `2^x` to three parts in a thousand: a step that is longer by that has an error larger by a twelfth. The inverse of [`rough_log2`] would make
@@ -49,61 +50,72 @@ fn rough_log2(x: f64) -> f64 {
 #[inline(always)]
 fn rough_exp2(x: f64) -> f64 {
     let shifted = (x + BIAS).max(0.0);
-    let power = shifted as i64;
-    let rest = shifted - power as f64;
-    f64::from_bits((power << 52) as u64) * (1.0 + rest * (0.66 + 0.34 * rest))
+    let power = shifted as i32;
+    let rest = shifted - f64::from(power);
+    f64::from_bits((power as u64) << 52) * (1.0 + rest * (0.66 + 0.34 * rest))
 }
 
-impl<const N: usize, const G: usize> TaylorStepper<N, G> {
-    /// Step length within the tolerance, over that which the series is scaled with: where the last coefficients, extrapolated
-    /// by the radius of convergence that they tell, have fallen to the tolerance (Jorba & Zou 2005, Sect. 3.2).
-    pub(super) fn step_ratio(&self, options: &Options, x: &State<N>) -> f64 {
-        let p = self.order;
-        let relative = options.rtol.max(options.atol);
-        let tolerance = rough_log2(SAFETY * relative);
-        let wanted = tolerance * inverse(p);
-        let farthest = rough_log2(FARTHEST);
-        let mut log = rough_log2(GROW_MOST);
-        for i in 0..N {
-            let row = self.series.row(i);
-            let at = |k: usize| row.lane(0, k).abs();
-            let scale = rough_log2((options.atol + options.rtol * x[i].abs()) / relative);
-            // Even or odd series have every other coefficient zero.
-            let (mut early, mut late) = (0.0, 0.0);
-            for k in p - 3..=p {
-                let newest = at(k);
-                early = f64::max(early, at(k - p / 2));
-                late = f64::max(late, newest);
-                if newest > 0.0 {
-                    log = log.min((scale - rough_log2(newest)) * inverse(k) + wanted);
-                }
-            }
-            if early > 0.0 && late > 0.0 {
-                let ratio = rough_log2(early) - rough_log2(late);
-                log = log.min(ratio * inverse(p / 2) + farthest);
-            }
-        }
-        for function in self.expansion.watched.iter().flatten() {
-            // What is linear in the state is as good as that.
-            if function.is_linear {
-                continue;
-            }
-            // What a guard's series leaves out, against how far the guard moves in the step: by any of its first three terms, unless it is
-            // flatter than that.
-            let row = self.series.row(function.row);
-            let g = |k: usize| row.lane(0, k).abs();
-            if (0..3).all(|k| g(k) == 0.0) {
-                continue;
-            }
-            for k in p - 1..=p {
-                if g(k) > 0.0 {
-                    let against = |j| (tolerance + rough_log2(g(j) / g(k))) * inverse(k - j);
-                    log = log.min(f64::max(against(0), against(1)).max(against(2)));
-                }
+/// Step length within the tolerance, over that which the series is scaled with: where the last coefficients, extrapolated
+/// by the radius of convergence that they tell, have fallen to the tolerance (Jorba & Zou 2005, Sect. 3.2). That of a coefficient
+/// of zero is longer than any that is taken.
+#[inline(always)]
+pub(in crate::filippov) fn step_ratio<const L: usize, const N: usize, const G: usize>(
+    rows: &[Row<L>],
+    expansion: &Expansion<G>,
+    p: usize,
+    options: &Options,
+    x: &[Lanes<L>; N],
+) -> Lanes<L> {
+    let relative = options.rtol.max(options.atol);
+    let tolerance = rough_log2(SAFETY * relative);
+    let wanted = tolerance * inverse(p);
+    let farthest = rough_log2(FARTHEST);
+    let size = |row: usize, k: usize| lanes_of(rows[row].at(k), f64::abs);
+    let mut log = [rough_log2(GROW_MOST); L];
+    for (i, x) in x.iter().enumerate() {
+        let scale = |x: f64| rough_log2((options.atol + options.rtol * x.abs()) / relative);
+        let scale = lanes_of(*x, scale);
+        // Even or odd series have every other coefficient zero.
+        let (mut early, mut late) = ([0.0; L], [0.0; L]);
+        for k in p - 3..=p {
+            let (newest, before) = (size(i, k), size(i, k - p / 2));
+            for l in 0..L {
+                early[l] = f64::max(early[l], before[l]);
+                late[l] = f64::max(late[l], newest[l]);
+                let longest = (scale[l] - rough_log2(newest[l])) * inverse(k) + wanted;
+                log[l] = log[l].min(longest);
             }
         }
-        rough_exp2(log)
+        for l in 0..L {
+            let ratio = rough_log2(early[l]) - rough_log2(late[l]);
+            let longest = ratio * inverse(p / 2) + farthest;
+            log[l] = if early[l] > 0.0 {
+                log[l].min(longest)
+            } else {
+                log[l]
+            };
+        }
     }
+    for function in expansion.watched.iter().flatten() {
+        // What is linear in the state is as good as that.
+        if function.is_linear {
+            continue;
+        }
+        // What a guard's series leaves out, against how far the guard moves in the step: by any of its first three terms, unless it is
+        // flatter than that.
+        let sizes = [0, 1, 2].map(|k| size(function.row, k));
+        let first = sizes.map(|size| lanes_of(size, |size| tolerance + rough_log2(size)));
+        for k in p - 1..=p {
+            let newest = lanes_of(size(function.row, k), rough_log2);
+            for l in 0..L {
+                let against = |j: usize| (first[j][l] - newest[l]) * inverse(k - j);
+                let longest = f64::max(against(0), against(1)).max(against(2));
+                let moves = sizes[0][l] + sizes[1][l] + sizes[2][l] > 0.0;
+                log[l] = if moves { log[l].min(longest) } else { log[l] };
+            }
+        }
+    }
+    lanes_of(log, rough_exp2)
 }
 
 #[cfg(test)]
