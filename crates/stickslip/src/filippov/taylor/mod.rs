@@ -156,16 +156,16 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         powers: &[Lanes<L>; POWERS],
         lane: usize,
     ) {
-        let order = self.piece.order;
         let of_row = |row: &Row<L>, k: usize| row.lane(lane, k) * powers[k][lane];
         let rows: [&Row<L>; N] = std::array::from_fn(|i| &series.rows()[i]);
-        for (k, x) in self.piece.x.iter_mut().enumerate().take(order + 1) {
+        // Of those above the order, too, which are zero: so many that the compiler knows their number.
+        for (k, x) in self.piece.x.iter_mut().enumerate() {
             for (x, row) in x.iter_mut().zip(rows) {
                 *x = of_row(row, k);
             }
         }
         let polynomial = |row: &Row<L>, c: &mut Polynomial| {
-            for (k, c) in c.iter_mut().enumerate().take(order + 1) {
+            for (k, c) in c.iter_mut().enumerate() {
                 *c = of_row(row, k);
             }
         };
@@ -183,7 +183,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         (self.piece.t, self.piece.rest) = (run.at.t, self.rest);
         self.expansion = *expansion;
         self.is_expanded = true;
-        run.counters.field_calls += flow.field_calls() * (order as u64 + 1);
+        run.counters.field_calls += flow.field_calls() * (self.piece.order as u64 + 1);
     }
 }
 
