@@ -12,8 +12,9 @@ use super::error::DataError;
 use super::evidence::Evidence;
 use super::extrapolation::{Chains, Maps, Plan};
 use super::fit::{LocalMap, Rule, Scratch};
+use super::images::Images;
 use super::neighbours::{Finder, Neighbour, Selection};
-use super::polynomial::{Fitter, Images};
+use super::polynomial::Fitter;
 use super::result::{Counts, DataSpectrum, Running};
 use super::series::Series;
 #[cfg(feature = "data")]

@@ -32,7 +32,8 @@
 //! The true exponent is within two standard errors in nine of ten cases or more. That was counted on 200 series of eight systems of
 //! known spectrum, 5000 to 100000 points without noise, with lengths and starts that no constant was chosen on, on these with noise of a
 //! thousandth of their spread, and on their first columns alone, embedded, of both of which fewer exponents are called so: the tables are in
-//! `examples/spectrum_coverage/README.md`. It is no promise for data with noise of another kind, for series that do not go through the
+//! `examples/spectrum_coverage/README.md`. Of whole states it is as much from 30 reference points ([`DataSettings::references`]) that reach over two
+//! Theiler windows or more, and less from a shorter piece of an orbit. It is no promise for data with noise of another kind, for series that do not go through the
 //! attractor many times, and for systems with corners at points that few orbits visit.
 //!
 //! # The divergence
@@ -57,18 +58,8 @@
 //! its bends; where the orbit has corners, as on Fig. 11's torus with stick, it is off by many standard errors, and on a fractal it
 //! counts what it cuts off as loss.
 //!
-//! # Fewer columns than the system has
-//! One measured column is no state. [`choose_embedding`] makes one of delayed values: the delay is the first minimum of the average mutual
-//! information, the number of values the first at which false nearest neighbours are gone, with Cao's averages beside it;
-//! [`Embedding::of`] is the series of these vectors. Maps of such vectors know all but the last values already, and each brings its noise:
-//! affine maps over a delay from some 40 neighbours suit them. More values than the attractor has dimensions give exponents that are the
-//! embedding's and not the system's, often the first of all by linear maps; [`reversal`] tells them. Quadratic maps, extrapolated, mostly
-//! have none: of five values of Hénon's x the first two exponents are 0.4192 and −1.6231, by linear maps 0.87 and 0.59. [`lacks_columns`] says whether
-//! several columns are fewer than a state.
-//!
-//! # Second opinions
-//! [`divergence`] finds the largest exponent without maps, from how neighbours part (Rosenstein, Kantz), and finds the straight part of the
-//! curves by a rule. [`surrogate_test`] says whether a series is told from linear noise of the same spectrum and the same values.
+// What is there with the feature alone.
+#![cfg_attr(feature = "data", doc = include_str!("one_column.md"))]
 //!
 //! # Noise
 //! Noise of the points that a map is fitted to flattens it: a slope is too small by the part of their variance that is noise. What the maps
@@ -97,6 +88,7 @@
 //! Maps are computed in parallel, each on its own; everything that adds up over points is sequential. Distances are compared
 //! with ties broken by index. The result does not depend on the number of threads or on the machine.
 
+mod absorb;
 mod averages;
 mod balance;
 mod chain;
@@ -111,6 +103,7 @@ mod estimate;
 mod evidence;
 mod extrapolation;
 mod fit;
+mod images;
 mod neighbours;
 mod polynomial;
 mod result;

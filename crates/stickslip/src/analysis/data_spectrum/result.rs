@@ -111,7 +111,7 @@ pub struct Running {
     pub exponents: Vec<f64>,
 }
 
-/// What [`super::data_spectrum`] finds.
+/// What [`super::data_spectrum_of_rows`], or `data_spectrum` of any number of columns, finds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DataSpectrum {
     /// The exponents, in the order the chain finds them: descending, but for differences within the error.
