@@ -186,13 +186,16 @@ mod tests {
                     assert_eq!(found, expected, "{j} {wanted} {radius}");
                 }
             }
-            let mut before = None;
-            for j in (0..cloud.points.len()).step_by(3) {
-                finder.follow((before, j), 30, f64::INFINITY, &mut found);
-                before = Some(j);
-                if j % 17 == 0 {
-                    let expected = brute(&cloud, &finder, step, j, 30, f64::INFINITY);
-                    assert_eq!(found, expected, "{j}");
+            // A chain for each radius: what is followed was found within it, and is fewer than wanted where the ball holds fewer.
+            for (wanted, radius) in [(30, f64::INFINITY), (30, 0.05), (30, 0.3), (3, 1.5)] {
+                let mut before = None;
+                for j in (0..cloud.points.len()).step_by(3) {
+                    finder.follow((before, j), wanted, radius, &mut found);
+                    before = Some(j);
+                    if j % 17 == 0 {
+                        let expected = brute(&cloud, &finder, step, j, wanted, radius);
+                        assert_eq!(found, expected, "{j} {wanted} {radius}");
+                    }
                 }
             }
         }
