@@ -135,3 +135,41 @@ fn few_references_hold_what_ok_promises() {
     assert!(10 * holds >= 9 * ok, "{holds} of {ok}");
     assert!(10 * narrow < 9 * ok, "{narrow} of {ok}");
 }
+
+/// Of whole states `ok` is worth as much from 30 reference points, though they lie on one short piece of an orbit; where that is shorter than two Theiler
+/// windows, as 20 of the pendulum are, it is not, which the program `spectrum` says.
+#[test]
+fn a_short_piece_holds_what_ok_promises_from_two_theiler_windows_on() {
+    let held = |references: usize, case: &systems::Case, seeds: std::ops::Range<u64>| {
+        let settings = DataSettings {
+            references: Some(references),
+            ..DataSettings::default()
+        };
+        let (mut ok, mut holds) = (0, 0);
+        for seed in seeds {
+            let series = Series::new((case.series)(seed, 5000), case.columns, case.dt).unwrap();
+            let found = data_spectrum(&series, &settings).unwrap();
+            let reach = found
+                .settings
+                .theiler
+                .map(|theiler| 2 * theiler <= references);
+            for (exponent, known) in found.exponents.iter().zip(case.known) {
+                // Only pieces of the length asked for count.
+                if exponent.status == Status::Ok && reach == Some(references > 20) {
+                    ok += 1;
+                    holds += usize::from((exponent.value - known).abs() <= 2.0 * exponent.stderr);
+                }
+            }
+        }
+        (ok, holds)
+    };
+    let add = |(ok, holds): (usize, usize), (more, hold)| (ok + more, holds + hold);
+    let cases = systems::cases();
+    let all = cases.iter().map(|case| held(30, case, 201..221));
+    let (ok, holds) = all.fold((0, 0), add);
+    assert!(ok > 200, "{ok}");
+    assert!(10 * holds >= 9 * ok, "{holds} of {ok}");
+    let pendulum = cases.iter().find(|case| case.name == "driven pendulum");
+    let (ok, holds) = held(20, pendulum.unwrap(), 201..241);
+    assert!(ok > 20 && 10 * holds < 9 * ok, "{holds} of {ok}");
+}

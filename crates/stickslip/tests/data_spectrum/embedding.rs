@@ -103,6 +103,59 @@ fn delays_are_those_of_the_literature() {
     }
 }
 
+/// Of a sine without noise the classes' borders alone make minima, for these periods at 2 to 4 points. The autocorrelation, cos(2π lag / period), is negative
+/// behind a quarter of a period.
+#[test]
+fn a_clean_sine_has_the_delay_of_its_autocorrelation() {
+    for (period, points) in [
+        (20.0 * std::f64::consts::PI, 5000),
+        (57.3, 5000),
+        (100.0, 5000),
+        (57.3, 20_000),
+        (199.9, 20_000),
+        // Lags of half a period and more are not looked at.
+        (900.0, 5000),
+    ] {
+        let angle = |i: usize| std::f64::consts::TAU * i as f64 / period;
+        let rows = (0..points).map(|i| [math::sin(angle(i))]);
+        let found = choice(&Series::from_rows(rows, 1.0).unwrap());
+        assert_eq!(found.delay_reason, DelayReason::OnCurve, "{period}");
+        let part = found.embedding.delay as f64 / period;
+        assert!(
+            (part - 0.25).abs() < 0.01 + 1.0 / period,
+            "{period}: {part}"
+        );
+        assert_eq!(found.embedding.dimension, 2, "{period}");
+    }
+}
+
+/// Sampled so densely that at first neighbours in time are as good as on a curve, a series has the minimum that it has at other steps.
+#[test]
+fn a_dense_series_keeps_its_minimum() {
+    let mut at = [1.0, 1.0, 20.0];
+    let field = |[x, y, z]: [f64; 3]| [10.0 * (y - x), x * (28.0 - z) - y, x * y - 8.0 / 3.0 * z];
+    let rows: Vec<[f64; 1]> = (0..40_000)
+        .map(|_| {
+            // Heun's steps of 0.001.
+            let k = field(at);
+            let l = field([
+                at[0] + 1e-3 * k[0],
+                at[1] + 1e-3 * k[1],
+                at[2] + 1e-3 * k[2],
+            ]);
+            at = std::array::from_fn(|i| at[i] + 5e-4 * (k[i] + l[i]));
+            [at[0]]
+        })
+        .collect();
+    let found = choice(&column(&rows[5000..], 0, 0.001));
+    assert_eq!(found.delay_reason, DelayReason::FirstMinimum);
+    assert!(
+        (150..=185).contains(&found.embedding.delay),
+        "{:?}",
+        found.embedding
+    );
+}
+
 /// A Gaussian autoregression with φ = 0.9 loses its information without a minimum.
 #[test]
 fn a_correlation_that_only_decays_ends_at_independence() {

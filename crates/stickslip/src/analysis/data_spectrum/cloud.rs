@@ -70,10 +70,15 @@ impl<const N: usize> Cloud<N> {
 
     /// The first lag at which the autocorrelation of the series, all columns together, is below 1/e.
     pub(super) fn decorrelation(&self) -> usize {
+        self.correlated_until(math::exp(-1.0))
+    }
+
+    /// The first lag at which the autocorrelation of the series, all columns together, is below the threshold; the longest that is looked at if it
+    /// is at none.
+    pub(super) fn correlated_until(&self, threshold: f64) -> usize {
         let points = &self.points;
         let longest = (points.len() / LONGEST_WINDOW).max(1);
         let mean = mean(points);
-        let threshold = math::exp(-1.0);
         let thin = points.len().div_ceil(TERMS);
         let correlation = |lag: usize| -> (f64, f64) {
             let pairs = points.iter().zip(&points[lag..]).step_by(thin);

@@ -13,6 +13,11 @@ const LONGEST_PART: usize = 10;
 const MOST_LAGS: usize = 2000;
 /// A minimum is one if the information rises behind it by this part of what it is at the first lag.
 const RISE: f64 = 0.01;
+/// At a minimum at which more than this part of the information at lag 0 is left, a value tells all but two or three classes of the other, as on
+/// a closed curve, of which the information has no minimum: where it is less, and it rises, only the borders of the classes decide.
+const ON_CURVE: f64 = 0.5;
+/// On a curve nothing else is to be expected after so many decorrelation times, a period or more: of a sine a period has 5.3.
+const PERIOD: usize = 6;
 /// The curve is given up to so many times the delay.
 const SHOWN: usize = 3;
 /// With a smaller part of false neighbours there are none: Kennel's 1 %.
@@ -48,6 +53,9 @@ pub enum DelayReason {
     Uncorrelated,
     /// The first minimum of the mutual information.
     FirstMinimum,
+    /// The values lie on a curve, as of a periodic motion without noise, and the minima of the mutual information are those of the classes' borders: the
+    /// first zero of the autocorrelation, of a sine a quarter of its period.
+    OnCurve,
     /// The mutual information falls to what independent values show, without a minimum before.
     Independent,
     /// Neither a minimum nor independence at any lag looked at: the longest.
@@ -61,6 +69,7 @@ impl DelayReason {
             DelayReason::Given => "given",
             DelayReason::Uncorrelated => "uncorrelated after one point, as a map",
             DelayReason::FirstMinimum => "first minimum of the mutual information",
+            DelayReason::OnCurve => "values on a curve, first zero of the autocorrelation",
             DelayReason::Independent => "mutual information falls to zero",
             DelayReason::NoMinimum => "no minimum of the mutual information, longest lag",
         }
@@ -141,12 +150,17 @@ pub fn choose_embedding(
     let (decorrelation, spread) = scales(series)?;
     let theiler = settings.theiler.unwrap_or(decorrelation);
     progress(0, most + 1);
-    let (delay, delay_reason, information) = delay(
+    let Delay {
+        points: delay,
+        reason: delay_reason,
+        information,
+    } = delay(
         &Classes::new(series),
         series.len(),
         decorrelation,
         settings.delay,
-    );
+        || first_zero(series),
+    )?;
 
     let mut levels: Vec<Level> = Vec::new();
     let mut dimensions: Vec<DimensionEvidence> = Vec::new();
@@ -209,13 +223,29 @@ fn scales(series: &Series) -> Result<(usize, f64), DataError> {
     for_columns!(series, of_size(series))
 }
 
-/// The delay, why, and the information at all lags that were looked at.
+/// The first zero of the autocorrelation.
+fn first_zero(series: &Series) -> Result<usize, DataError> {
+    fn of_size<const N: usize>(series: &Series) -> Result<usize, DataError> {
+        Ok(Cloud::<N>::new(series)?.correlated_until(0.0))
+    }
+    for_columns!(series, of_size(series))
+}
+
+/// A delay and why it is this one.
+struct Delay {
+    points: usize,
+    reason: DelayReason,
+    /// At all lags that were looked at.
+    information: Vec<(usize, f64)>,
+}
+
 fn delay(
     classes: &Classes,
     rows: usize,
     decorrelation: usize,
     given: Option<usize>,
-) -> (usize, DelayReason, Vec<(usize, f64)>) {
+    zero: impl Fn() -> Result<usize, DataError>,
+) -> Result<Delay, DataError> {
     let longest = (rows / LONGEST_PART).clamp(1, MOST_LAGS);
     let mut curve: Vec<(usize, f64)> = Vec::new();
     let mut found = given.map(|delay| (delay, DelayReason::Given));
@@ -223,6 +253,7 @@ fn delay(
         found = Some((1, DelayReason::Uncorrelated));
     }
     let mut least = (1, f64::INFINITY);
+    let mut has_risen = false;
     for lag in 0..=longest {
         let shown = found.map(|(delay, _)| delay.saturating_mul(SHOWN).max(10));
         if shown.is_some_and(|shown| lag > shown) {
@@ -237,14 +268,24 @@ fn delay(
             least = (lag, information);
         }
         let rise = (RISE * curve[1].1).max(classes.chance(lag));
+        let rises = information > least.1 + rise;
+        has_risen |= rises;
+        let on_curve = least.1 > ON_CURVE * curve[0].1;
         if information < classes.chance(lag) {
             found = Some((lag, DelayReason::Independent));
-        } else if information > least.1 + rise {
+        } else if rises && !on_curve {
             found = Some((least.0, DelayReason::FirstMinimum));
+        } else if on_curve && has_risen && lag >= longest.min(PERIOD.saturating_mul(decorrelation))
+        {
+            found = Some((zero()?.min(longest), DelayReason::OnCurve));
         }
     }
-    let (delay, reason) = found.unwrap_or((longest, DelayReason::NoMinimum));
-    (delay, reason, curve)
+    let (points, reason) = found.unwrap_or((longest, DelayReason::NoMinimum));
+    Ok(Delay {
+        points,
+        reason,
+        information: curve,
+    })
 }
 
 fn evidence(levels: &[Level]) -> Vec<DimensionEvidence> {
