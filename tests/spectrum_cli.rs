@@ -15,9 +15,14 @@ fn program() -> Command {
 
 /// Hénon's map, with names or without.
 fn henon(names: bool) -> String {
-    let mut text = String::from(if names { "x,y\n" } else { "" });
+    let names = if names { "x,y\n" } else { "" };
+    names.to_owned() + &henon_of(3000)
+}
+
+fn henon_of(points: usize) -> String {
+    let mut text = String::new();
     let mut x = [0.1, 0.1];
-    for i in 0..3100 {
+    for i in 0..points + 100 {
         x = [1.0 - 1.4 * x[0] * x[0] + x[1], 0.3 * x[0]];
         if i >= 100 {
             writeln!(text, "{},{}", x[0], x[1]).unwrap();
@@ -77,6 +82,20 @@ fn csv_and_json_hold_the_same_numbers() {
         assert_eq!(record[2].parse::<f64>().ok(), exponent["stderr"].as_f64());
         assert_eq!(Some(&record[3]), exponent["status"].as_str());
     }
+    // What the table says at its end; of 5000 points and more there is nothing to say.
+    let note = "What ok is worth was counted on series of 5000 points and more, and not on 3000.";
+    assert_eq!(document["notes"], serde_json::json!([note]));
+    let table = succeed(program().arg(&path).args(["--dt", "1"]));
+    assert!(table.contains(note), "{table}");
+    let long = program()
+        .args(["-", "--dt", "1", "--json"])
+        .write_stdin(henon_of(5000))
+        .assert()
+        .success()
+        .get_output()
+        .clone();
+    let long: serde_json::Value = serde_json::from_slice(&long.stdout).unwrap();
+    assert_eq!(long["notes"], serde_json::json!([]));
     assert_eq!(document["settings"]["dt"], 1.0);
     assert_eq!(document["settings"]["eps"], 0.1);
     assert_eq!(document["settings"]["theiler"], 1);
@@ -328,7 +347,14 @@ fn doubtful_spectra_come_with_a_warning() {
         ),
         (
             henon(false),
-            vec!["--eps", "1e-9", "--neighbours", "12-30"],
+            vec![
+                "--eps",
+                "1e-9",
+                "--neighbours",
+                "12-30",
+                "--estimator",
+                "sano-sawada",
+            ],
             "starved",
             "give a larger --eps",
         ),
@@ -419,6 +445,63 @@ fn doubtful_spectra_come_with_a_warning() {
     }
 }
 
+/// Thirty points of a torus, whose Theiler window is 6, are enough; of a slower one they are a piece that says little.
+#[test]
+fn a_short_piece_of_an_orbit_and_a_series_that_repeats_itself_get_a_warning() {
+    let torus = |by: f64| -> String {
+        (0..3000)
+            .map(|i| {
+                let (a, b) = (by * f64::from(i), 1.618_033_988_749_895 * by * f64::from(i));
+                let of = |angle: f64| (stickslip::math::cos(angle), stickslip::math::sin(angle));
+                let ((c, s), (d, t)) = (of(a), of(b));
+                format!("{c} {s} {d} {t}\n")
+            })
+            .collect()
+    };
+    let warnings = |text: String, arguments: &[&str]| {
+        let output = program()
+            .args(["-", "--dt", "1"])
+            .args(arguments)
+            .write_stdin(text)
+            .assert()
+            .success()
+            .get_output()
+            .clone();
+        String::from_utf8(output.stderr).unwrap()
+    };
+    let short = "less than 2 Theiler windows";
+    let thirty = ["--references", "30"];
+    assert!(!warnings(torus(0.2), &thirty).contains(short));
+    assert!(!warnings(torus(0.02), &[]).contains(short));
+    let told = warnings(torus(0.02), &thirty);
+    assert!(
+        told.contains("the 30 reference points reach over 30 points, ") && told.contains(short),
+        "{told}"
+    );
+    // As many as it asks for are enough.
+    let wanted = told
+        .split("give ")
+        .last()
+        .unwrap()
+        .split(' ')
+        .next()
+        .unwrap();
+    assert!(
+        !warnings(torus(0.02), &["--references", wanted]).contains(short),
+        "{wanted}"
+    );
+
+    let sine: String = (0..2000)
+        .map(|i| {
+            format!(
+                "{}\n",
+                stickslip::math::sin(std::f64::consts::TAU * f64::from(i) / 100.0)
+            )
+        })
+        .collect();
+    assert!(warnings(sine, &[]).contains("every row comes again 100 rows later"));
+}
+
 #[test]
 fn files_as_they_come() {
     let run = |text: String| {
@@ -501,15 +584,80 @@ fn what_is_left_out_or_has_no_effect_is_said() {
         .success()
         .stdout(plain.clone())
         .stderr("warning: column z is 4 in every row and is left out\n");
-    program()
-        .args(["-", "--dt", "1", "--csv", "--eps", "5"])
-        .write_stdin(henon(true))
-        .assert()
-        .success()
-        .stdout(plain)
-        .stderr(
-            starts_with("warning: --eps changes no neighbour").and(contains("--neighbours 12-24")),
+    let sano_sawada = ["--estimator", "sano-sawada"];
+    let linear = succeed(
+        program()
+            .args(["-", "--dt", "1", "--csv"])
+            .args(sano_sawada)
+            .write_stdin(henon(true)),
+    );
+    for (arguments, same, says) in [
+        (
+            vec!["--eps", "5"],
+            &plain,
+            "--eps changes no extrapolated exponent, which comes from nearest points, however far; it only says which points are called starved: \
+             give other --neighbours than 12, or --estimator sano-sawada with a range such as --neighbours 12-24",
+        ),
+        (
+            vec!["--ridge", "0.1"],
+            &plain,
+            "--ridge changes no extrapolated exponent",
+        ),
+        (
+            vec!["--delay", "2"],
+            &plain,
+            "--delay 2 changes nothing, as less than 1 %",
+        ),
+        (
+            vec!["--references", "3000"],
+            &plain,
+            "--references 3000 changes nothing: there are 2999, and all are used",
+        ),
+        (
+            [&["--eps", "5"], &sano_sawada[..]].concat(),
+            &linear,
+            "--eps changes no neighbour where the fewest and the most are both 12",
+        ),
+        (
+            [&["--degree", "linear"], &sano_sawada[..]].concat(),
+            &linear,
+            "--degree changes nothing where nothing is extrapolated",
+        ),
+    ] {
+        program()
+            .args(["-", "--dt", "1", "--csv"])
+            .args(arguments)
+            .write_stdin(henon(true))
+            .assert()
+            .success()
+            .stdout(same.clone())
+            .stderr(starts_with(format!("warning: {says}")));
+    }
+    // What has an effect is not called without.
+    for arguments in [
+        [&["--ridge", "0.1"], &sano_sawada[..]].concat(),
+        [
+            &["--eps", "0.02", "--neighbours", "12-24"],
+            &sano_sawada[..],
+        ]
+        .concat(),
+        vec!["--references", "2998"],
+    ] {
+        let output = program()
+            .args(["-", "--dt", "1", "--csv"])
+            .args(&arguments)
+            .write_stdin(henon(true))
+            .assert()
+            .success()
+            .get_output()
+            .clone();
+        assert!(
+            !String::from_utf8_lossy(&output.stderr).contains(" changes no"),
+            "{arguments:?}"
         );
+        let text = String::from_utf8(output.stdout).unwrap();
+        assert!(text != plain && text != linear, "{arguments:?}");
+    }
 }
 
 #[test]

@@ -75,6 +75,16 @@ pub enum SpectrumError {
         /// Path, or `standard input`.
         input: String,
     },
+    /// All numbers in one line.
+    #[error(
+        "{input} has one row of {columns} numbers, and a row is a state: write each state in a line of its own, of a single column each number"
+    )]
+    OneRow {
+        /// Path, or `standard input`.
+        input: String,
+        /// Numbers in the row.
+        columns: usize,
+    },
     /// A column that does not exist.
     #[error("--columns: '{wanted}' is no column of {input}; it has {available}")]
     Column {

@@ -2,12 +2,14 @@
 
 mod balance;
 mod draw;
+mod effects;
 mod embedding;
 mod error;
 mod findings;
 mod opinion;
 mod read;
 mod report;
+mod warnings;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -27,7 +29,8 @@ pub use embedding::Embedded;
 pub use error::SpectrumError;
 pub use findings::Findings;
 pub use read::{Table, parse, read};
-pub use report::{csv, json, table, warnings};
+pub use report::{csv, json, table};
+pub use warnings::warnings;
 
 const ABOUT: &str = "Lyapunov exponents of a time series of states, by Sano and Sawada's method: local linear maps fitted to \
     neighbours, chained along the series. Tells which of the exponents the data determine.";
@@ -39,7 +42,7 @@ Status of an exponent:
                 ones were asked for, it is another by more than 2 statistical errors and 5 % (sano-sawada: with neighbourhoods of
                 twice the size, by more than 4 stderr and 5 %)
   starved       most balls held too few neighbours, so that the nearest were taken at any distance: give more points or fewer
-                --neighbours; a larger --eps helps only if the maximum of --neighbours is above the minimum
+                --neighbours; a larger --eps helps only with --estimator sano-sawada and a maximum of --neighbours above the minimum
   undetermined  at more than 1 % of the points the neighbours do not determine the maps that are extrapolated, as where values lie on a
                 grid: give values with more digits, more points, or more --neighbours
   noisy         noise of the points may flatten the maps by more than 2 stderr: give more --neighbours, values with less noise, or a
@@ -51,8 +54,8 @@ Status of an exponent:
   spurious      the embedding's own, and none of the system's (only of delayed values)
 
 One column is no state: it is embedded, which is to say that x(t), x(t + delay), x(t + 2 delay), … are the state. The delay is the first
-minimum of the average mutual information (1 for a series that is uncorrelated after one point, as of a map), the number of
-values the first with less than 1 % false nearest neighbours (Kennel), beside which Cao's method is shown. --delay and --dimension
+minimum of the average mutual information (1 for a series that is uncorrelated after one point, as of a map; the first zero of
+the autocorrelation where the values lie on a curve, as of a sine, and there is no such minimum), the number of values the first with less than 1 % false nearest neighbours (Kennel), beside which Cao's method is shown. --delay and --dimension
 override them. Several columns are taken as they are; they are embedded, each in as many values, if an option asks for it, or if more than
 5 % of their nearest neighbours are false and delayed values cure that. --dimension 1 turns it off. More values than the system has
 dimensions make exponents of the embedding's own, of linear maps more than of the quadratic ones. They are told by the fit of rank r, which has no room for them, and by the
@@ -60,8 +63,8 @@ series with the time reversed, in which only the system's change sign. With dela
 
 stderr holds the scatter over time and the whole way of the extrapolation to neighbourhoods of size zero; over 200 series of known
 spectrum, over one column of each, and over these states with noise of a thousandth of their spread, the true value was within two of it
-at least nine times in ten where the status is ok. These were 5000 points or more, with the default settings; of few --references it was
-counted for maps only. With --estimator sano-sawada, the estimator of Eqs. (25) and (26) without correction, it is statistical only and
+at least nine times in ten where the status is ok. These were 5000 points or more, with the default settings; of their states it was as often
+with 30 --references, if these reach over two Theiler windows, and a warning tells if not. With --estimator sano-sawada, the estimator of Eqs. (25) and (26) without correction, it is statistical only and
 knows nothing of bias.
 eps_sensitivity (table and --json) is by how much the exponent changes with neighbourhoods of twice the size, a measure of the bias.
 Columns are used as they are, not standardised: bring them to comparable units first. Flows that are sampled densely gain from --step 5 --affine.
@@ -84,7 +87,7 @@ Exit codes: 0 done (warnings go to standard error), 1 a bad file or a failure, 2
 
 Output for machines:
   --csv   index,exponent,stderr,status; -inf if annihilated, an empty cell where there is no value
-  --json  an object with settings and exponents, a list of {index, exponent, stderr, status, …}, and warnings; null for -inf and where
+  --json  an object with settings and exponents, a list of {index, exponent, stderr, status, …}, warnings, and notes on what ok is worth; null for -inf and where
           there is no value. Of an exponent also: eps_sensitivity; fixed_rank and fixed_rank_stderr, the second fit; collapses,
           the number of reference points at which its direction is annihilated; undetermined, of those whose neighbours do not
           determine it; sano_sawada and sano_sawada_stderr, Eqs. (25) and (26) without correction. Of the spectrum also: sum, of the
@@ -92,7 +95,7 @@ Output for machines:
 
 A column named t or time is no coordinate: it gives the time step, or is held against --dt. Without names a first column that goes on
 evenly is the time, too; of others that do a warning tells. A comma is a decimal comma where something else separates the columns and
-no number has a point. Lines that start with # or % are skipped; the last one above the numbers may hold the names.
+no number has a point, or where it is the only one in each line and what it parts cannot be whole numbers, such as -0 and 05. Lines that start with # or % are skipped; the last one above the numbers may hold the names.
 A column that never changes is left out.
 
 Examples:
@@ -136,7 +139,7 @@ pub struct Arguments {
     #[arg(long, value_name = "VALUES", allow_hyphen_values = true)]
     pub dimension: Option<usize>,
 
-    /// Points between delayed values [default: first minimum of the mutual information; 1 for a map]
+    /// Points between delayed values [default: first minimum of the mutual information; 1 for a map, a quarter of a period for a clean periodic motion]
     #[arg(long, value_name = "POINTS", allow_hyphen_values = true)]
     pub delay: Option<usize>,
 
@@ -293,39 +296,6 @@ impl Arguments {
         }
         Ok(settings)
     }
-
-    /// What was set and changes nothing.
-    fn without_effect(&self, settings: &DataSettings) -> Vec<String> {
-        let mut notes = Vec::new();
-        if let Neighbourhood::Ball { min, max, .. } = settings.neighbours
-            && min == max
-            && self.eps.is_some()
-        {
-            notes.push(format!(
-                "--eps changes no neighbour where the fewest and the most are both {min}; it only says which points are called starved: \
-                 give a range such as --neighbours {min}-{}",
-                max.saturating_mul(2)
-            ));
-        }
-        if self.degree.is_some() && settings.estimator == Estimator::SanoSawada {
-            notes.push(
-                "--degree changes nothing with --estimator sano-sawada, whose maps are linear"
-                    .to_owned(),
-            );
-        }
-        notes
-    }
-}
-
-impl Arguments {
-    /// A delay that nothing is delayed by.
-    fn delay_without_effect(&self) -> Option<String> {
-        let delay = self.delay.filter(|_| self.dimension == Some(1))?;
-        Some(format!(
-            "--delay {delay} changes nothing with --dimension 1, which takes the columns as they are: give --dimension 2 or more, or \
-             leave it out"
-        ))
-    }
 }
 
 /// Before anything is computed.
@@ -376,18 +346,11 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, SpectrumError> {
     check_dt(arguments.dt)?;
     check_surrogates(arguments.surrogates)?;
     let mut source = read(&arguments.file, &arguments.columns, arguments.dt)?;
-    source.notes.extend(arguments.without_effect(&settings));
-    source.notes.extend(arguments.delay_without_effect());
     let series = Series::new(source.values.clone(), source.names.len(), source.dt)?;
     let findings = find(&series, settings, arguments)?;
-    if arguments.affine && findings.embedded.is_some() {
-        let note = "--affine changes nothing with delayed values, whose maps are affine anyway";
-        source.notes.push(note.into());
-    }
-    if arguments.divergence.is_some() && findings.embedded.is_some() {
-        let note = "--divergence changes nothing with delayed values, some of whose exponents may be none of the system's";
-        source.notes.push(note.into());
-    }
+    source
+        .notes
+        .extend(effects::without_effect(arguments, &findings));
     let mut written = String::new();
     if let Some(folder) = &arguments.out {
         let picture = Artifact::text("spectrum.svg", draw(&findings, &source.input)?);

@@ -9,20 +9,15 @@ use super::error::SpectrumError;
 use super::findings::Findings;
 use super::opinion;
 use super::read::Table;
+use super::warnings::warnings;
 use crate::figures::FigureError;
 use stickslip::analysis::data_spectrum::{
     DataExponent, DataSpectrum, Estimator, Neighbourhood, Status,
 };
 use stickslip::error::readable;
 
-/// With a larger part of the reference points starved there is a warning.
-const STARVED: f64 = 0.1;
-/// Values that are drawn from an attractor nearly all differ; with fewer different ones than this part they lie on a grid.
-const DIFFERENT: f64 = 0.5;
 /// What is called ok was held against the truth on series of so many points and more.
 const COUNTED_POINTS: usize = 5000;
-/// The two fits disagree where they differ by more than so many standard errors of the difference.
-const COMBINED_ERRORS: f64 = 4.0;
 
 /// The spectrum and its evidence, for the terminal.
 pub fn table(findings: &Findings, source: &Table) -> String {
@@ -165,161 +160,6 @@ fn estimator(spectrum: &DataSpectrum) -> String {
     )
 }
 
-/// What makes the spectrum doubtful, each with its remedy.
-pub fn warnings(findings: &Findings, source: &Table) -> Vec<String> {
-    let spectrum = &findings.spectrum;
-    let mut warnings = counting(source);
-    let part = spectrum.starved as f64 / spectrum.references as f64;
-    if part > STARVED {
-        let remedy = match spectrum.settings.neighbours {
-            Neighbourhood::Ball { min, max, .. } => format!(
-                "the ball held fewer than {min} neighbours and the nearest {min} were taken; mean eps is {} of the spread: give {}",
-                short(spectrum.mean_eps / spectrum.spread),
-                if max > min {
-                    "a larger --eps, fewer --neighbours, or more points"
-                } else {
-                    "more points or fewer --neighbours (a larger --eps would take the same neighbours and only remove this warning)"
-                }
-            ),
-            Neighbourhood::Nearest(k) => {
-                format!(
-                    "there are no {k} neighbours: give fewer --neighbours, a smaller --theiler, or more points"
-                )
-            }
-        };
-        warnings.push(format!(
-            "{} of {} reference points are starved: {remedy}",
-            spectrum.starved, spectrum.references
-        ));
-    }
-    let indices = |status: Status| -> Option<String> {
-        let with_status = (1..).zip(&spectrum.exponents);
-        let found: Vec<String> = with_status
-            .filter(|(_, exponent)| exponent.status == status)
-            .map(|(i, _): (usize, _)| i.to_string())
-            .collect();
-        (!found.is_empty()).then(|| found.join(", "))
-    };
-    if let Some(which) = indices(Status::Unpredictable) {
-        warnings.push(format!(
-            "the maps do not predict the next state (residual ratio {}, 1 is noise), so that exponent {which} is none of a deterministic \
-             system: give all columns of the state, or for noisy data more --neighbours",
-            short(spectrum.residual_ratio)
-        ));
-    }
-    if let Some(which) = indices(Status::Noisy) {
-        warnings.push(format!(
-            "exponent {which} is noisy: noise of the size of what the maps leave unpredicted may flatten them by more than two errors: give more \
-             --neighbours, values with less noise, or a longer --step"
-        ));
-    }
-    if let Some(which) = indices(Status::Undetermined) {
-        warnings.push(format!(
-            "exponent {which} is undetermined: at more than 1 % of the reference points the neighbours do not determine the maps that are \
-             extrapolated, as where values lie on a grid: give values with more digits, more points, or more --neighbours"
-        ));
-    }
-    if let Some(which) = indices(Status::Annihilated) {
-        warnings.extend(on_a_grid(source).map(|(name, different)| {
-            format!(
-                "exponent {which} is minus infinity, and column {name} has only {different} different values: neighbours that fall on one \
-                 value of a grid look annihilated; give values with more digits"
-            )
-        }));
-    }
-    if let Some(which) = indices(Status::Unstable) {
-        warnings.push(match spectrum.settings.estimator {
-            Estimator::SanoSawada => format!(
-                "exponent {which} changes with the size of the neighbourhoods by more than four standard errors and 5 %, which is bias: \
-                 try a smaller --step, fewer --neighbours, --affine, or more points"
-            ),
-            Estimator::Extrapolated { .. } => format!(
-                "exponent {which} changes with the size of the neighbourhoods, or from linear maps to quadratic ones, by more than two \
-                 statistical errors and 5 %, which is bias: try a smaller --step, fewer --neighbours, --affine, more points, or \
-                 --degree quadratic if linear maps were asked for"
-            ),
-        });
-    }
-    warnings.extend(disagreements(findings));
-    let balance = findings.balance.as_ref();
-    warnings.extend(
-        balance.and_then(|(divergence, balance)| balance::warning(spectrum, *divergence, balance)),
-    );
-    warnings.extend(
-        findings
-            .embedded
-            .iter()
-            .flat_map(|embedded| embedded.warnings()),
-    );
-    warnings.extend(source.notes.iter().cloned());
-    warnings
-}
-
-/// The first column whose values lie on a grid, and how many different ones it has.
-fn on_a_grid(source: &Table) -> Option<(&str, usize)> {
-    let columns = source.names.len();
-    let rows = source.values.len() / columns.max(1);
-    source.names.iter().enumerate().find_map(|(column, name)| {
-        let mut values: Vec<f64> = source
-            .values
-            .iter()
-            .skip(column)
-            .step_by(columns)
-            .copied()
-            .collect();
-        values.sort_by(f64::total_cmp);
-        values.dedup();
-        ((values.len() as f64) < DIFFERENT * rows as f64).then_some((name.as_str(), values.len()))
-    })
-}
-
-/// A time or an index makes every point its own: it is no coordinate of a state.
-fn counting(source: &Table) -> Vec<String> {
-    let warn = |(column, step): (usize, f64)| {
-        let others = source.names.iter().enumerate();
-        let others: Vec<&str> = others
-            .filter(|(other, _)| *other != column)
-            .map(|(_, name)| name.as_str())
-            .collect();
-        let remedy = if others.is_empty() {
-            "give the columns of the state with --columns".to_owned()
-        } else {
-            format!("leave it out with --columns {}", others.join(","))
-        };
-        format!(
-            "column {} goes on evenly by {} from row to row, as a time or an index does, and is used as part of the state: {remedy}",
-            source.names[column],
-            short(step)
-        )
-    };
-    source.even_columns().map(warn).collect()
-}
-
-/// Exponents that nothing else speaks against, but on which the two linear fits differ. One that is extrapolated is neither of them, and
-/// its error is its own.
-fn disagreements(findings: &Findings) -> Vec<String> {
-    let spectrum = &findings.spectrum;
-    if spectrum.sizes.is_some() {
-        return Vec::new();
-    }
-    let warn = |(i, exponent): (usize, &DataExponent)| {
-        let (value, stderr) = exponent.fixed_rank?;
-        let difference = value - exponent.value;
-        let variance = stderr * stderr + exponent.stderr * exponent.stderr;
-        let far = difference * difference > COMBINED_ERRORS * COMBINED_ERRORS * variance;
-        (findings.status(i - 1) == Status::Ok.word() && far).then(|| {
-            format!(
-                "exponent {i}: the fit of rank {} gives {} instead of {}; the two disagree: treat both as uncertain by their \
-                 difference",
-                spectrum.fixed_rank,
-                short(value),
-                short(exponent.value)
-            )
-        })
-    };
-    (1..).zip(&spectrum.exponents).filter_map(warn).collect()
-}
-
 fn neighbourhood(neighbours: &Neighbourhood) -> String {
     match neighbours {
         Neighbourhood::Ball { eps, min, max } => {
@@ -389,7 +229,7 @@ pub fn csv(findings: &Findings) -> Result<String, SpectrumError> {
 }
 
 /// An object with `settings`, `exponents` (a list of `index`, `exponent`, `stderr`, `status` and more), `directions`,
-/// `neighbourhoods`, `residual_ratio` and `warnings`. Infinity and what has no value are `null`, as JSON has no word for them; `status` tells which.
+/// `neighbourhoods`, `residual_ratio`, `warnings` and `notes`, which the table has at its end. Infinity and what has no value are `null`, as JSON has no word for them; `status` tells which.
 ///
 /// # Errors
 /// [`SpectrumError::Json`].
@@ -466,6 +306,7 @@ pub fn json(findings: &Findings, source: &Table) -> Result<String, SpectrumError
         "diverging_neighbours": findings.divergence.as_ref().map(opinion::divergence_json),
         "surrogates": findings.surrogates.as_ref().map(opinion::surrogates_json),
         "warnings": warnings(findings, source),
+        "notes": short_of_points(findings, rows(source)).into_iter().collect::<Vec<_>>(),
     });
     Ok(format!("{}\n", serde_json::to_string_pretty(&document)?))
 }

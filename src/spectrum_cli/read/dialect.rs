@@ -16,6 +16,8 @@ enum Separator {
 pub(super) struct Dialect {
     separator: Separator,
     has_decimal_comma: bool,
+    /// Nothing but the commas' own digits says that they are decimal ones.
+    by_digits: bool,
 }
 
 impl Dialect {
@@ -28,9 +30,18 @@ impl Dialect {
             sample.remove(0);
         }
         let separator = separator(&sample);
+        if separator == Separator::Char(',') && are_parts(&sample) {
+            let alone = sample.iter().all(|line| line.matches(',').count() == 1);
+            return Dialect {
+                separator: if alone { Separator::Spaces } else { separator },
+                has_decimal_comma: alone,
+                by_digits: true,
+            };
+        }
         let mut dialect = Dialect {
             separator,
             has_decimal_comma: false,
+            by_digits: false,
         };
         // Between columns that something else separates, a comma can only be a decimal one. Where points are found too, none is taken as one.
         let cells = || sample.iter().flat_map(|line| dialect.cells(line));
@@ -38,6 +49,20 @@ impl Dialect {
         let points = cells().any(|cell| cell.contains('.') && parse(&cell).is_some());
         dialect.has_decimal_comma = separator != Separator::Char(',') && commas && !points;
         dialect
+    }
+
+    /// That commas are decimal ones by their digits alone: what is to be said of it, or why the columns cannot be told.
+    pub(super) fn doubt(&self) -> Result<Option<&'static str>, &'static str> {
+        match (self.by_digits, self.has_decimal_comma) {
+            (false, _) => Ok(None),
+            (true, true) => Ok(Some(
+                "the commas are read as decimal commas, as no whole numbers begin with -0 or 0; if they separate columns, write semicolons",
+            )),
+            (true, false) => Err(
+                "commas separate the columns and are decimal commas, too, as no whole numbers begin with -0 or 0: write decimal points, or \
+                 separate the columns by semicolons",
+            ),
+        }
     }
 
     /// The cells of a line, without spaces around them and without quotes.
@@ -125,6 +150,25 @@ fn separator(sample: &[&str]) -> Separator {
     } else {
         Separator::Char(',')
     }
+}
+
+/// Whether what commas part are the two parts of numbers: digits throughout, and some that no whole number has, -0 before a comma or 05 behind it.
+fn are_parts(sample: &[&str]) -> bool {
+    let digits = |part: &str| !part.is_empty() && part.bytes().all(|b| b.is_ascii_digit());
+    let mut is_told = false;
+    for line in sample {
+        let cells: Vec<&str> = line.split(',').map(str::trim).collect();
+        if !cells.len().is_multiple_of(2) {
+            return false;
+        }
+        for pair in cells.chunks_exact(2) {
+            if !digits(pair[0].trim_start_matches(['+', '-'])) || !digits(pair[1]) {
+                return false;
+            }
+            is_told |= pair[0] == "-0" || (pair[1].len() > 1 && pair[1].starts_with('0'));
+        }
+    }
+    is_told
 }
 
 /// A number as people and Fortran write it.

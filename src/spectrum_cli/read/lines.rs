@@ -54,6 +54,12 @@ pub(super) struct Lines<'i, R> {
     source: R,
     number: u64,
     bytes: Vec<u8>,
+    /// Whether a line with content came.
+    has_begun: bool,
+    /// A blank line behind it.
+    blank: Option<u64>,
+    /// The first blank line with content before and behind it.
+    gap: Option<u64>,
 }
 
 impl<'i, R: BufRead> Lines<'i, R> {
@@ -97,6 +103,9 @@ impl<'i, R: BufRead> Lines<'i, R> {
             source,
             number: 0,
             bytes: Vec::new(),
+            has_begun: false,
+            blank: None,
+            gap: None,
         })
     }
 
@@ -121,6 +130,9 @@ impl<'i, R: BufRead> Lines<'i, R> {
             if !self.bytes.trim_ascii().is_empty() {
                 break;
             }
+            if self.has_begun {
+                self.blank.get_or_insert(self.number);
+            }
         }
         if let [b'#' | b'%', comment @ ..] = self.bytes.trim_ascii() {
             // In whatever encoding.
@@ -133,11 +145,18 @@ impl<'i, R: BufRead> Lines<'i, R> {
             return Err(self
                 .text("the text is not UTF-8; save the file as UTF-8 or plain ASCII".to_owned()));
         }
+        self.has_begun = true;
+        self.gap = self.gap.or(self.blank);
         let text = std::str::from_utf8(&self.bytes).unwrap_or_default();
         Ok(Some(Line::Content(
             number,
             text.trim_end_matches(['\r', '\n']),
         )))
+    }
+
+    /// The first blank line between lines with content, if there is one.
+    pub(super) fn gap(&self) -> Option<u64> {
+        self.gap
     }
 
     fn text(&self, cause: String) -> SpectrumError {

@@ -4,12 +4,14 @@ mod dialect;
 mod layout;
 mod lines;
 mod npy;
+mod period;
 mod time;
 
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 
 use super::error::SpectrumError;
+use stickslip::analysis::data_spectrum::MAX_COLUMNS;
 use stickslip::error::readable;
 
 use dialect::Dialect;
@@ -17,8 +19,10 @@ use layout::{Layout, Row};
 use lines::{Line, Lines};
 use time::Clock;
 
-/// Lines from which the separator is sensed.
+/// Lines from which the separator is sensed,
 const SAMPLE: usize = 64;
+/// as long as they have fewer bytes.
+const SAMPLE_BYTES: usize = 1 << 24;
 /// Most numbers that are read: 1 GiB of them.
 const MOST: usize = 1 << 27;
 
@@ -81,9 +85,13 @@ pub fn parse(
     }
     let mut lines = Lines::new(&input, source)?;
     let (mut sample, mut comment) = (Vec::new(), None);
-    while sample.len() < SAMPLE {
+    let mut bytes = 0;
+    while sample.len() < SAMPLE && bytes < SAMPLE_BYTES {
         match lines.next()? {
-            Some(Line::Content(number, text)) => sample.push((number, text.to_owned())),
+            Some(Line::Content(number, text)) => {
+                bytes += text.len();
+                sample.push((number, text.to_owned()));
+            }
             // The last one above the numbers.
             Some(Line::Comment(text)) if sample.is_empty() => comment = Some(text),
             Some(Line::Comment(_)) => {}
@@ -91,9 +99,14 @@ pub fn parse(
         }
     }
     let dialect = Dialect::sense(sample.iter().map(|(_, text)| text.as_str()));
-    let Some((_, first)) = sample.first() else {
+    let Some((line, first)) = sample.first() else {
         return Err(SpectrumError::Empty { input });
     };
+    let decimal = dialect.doubt().map_err(|cause| SpectrumError::Text {
+        input: input.clone(),
+        line: *line,
+        cause: cause.to_owned(),
+    })?;
     let cells = dialect.cells(first);
     // A header is a first line in which nothing is a number.
     let is_header = cells.iter().all(|cell| dialect.number(cell).is_none());
@@ -114,7 +127,14 @@ pub fn parse(
             table.push(number, &dialect.cells(text), &dialect)?;
         }
     }
-    table.finish(dt)
+    let mut table = table.finish(dt)?;
+    table.notes.extend(decimal.map(str::to_owned));
+    table.notes.extend(lines.gap().map(|line| {
+        format!(
+            "line {line} is blank, and the numbers behind it are read as the same series: cut the file there if they are another one"
+        )
+    }));
+    Ok(table)
 }
 
 /// The rows read so far.
@@ -174,6 +194,11 @@ impl<'a> Rows<'a> {
                 input: layout.input.to_owned(),
                 column: layout.name(layout.time.unwrap_or(0)),
             });
+        }
+        let columns = layout.columns.len();
+        if values.len() == columns && columns > MAX_COLUMNS {
+            let input = layout.input.to_owned();
+            return Err(SpectrumError::OneRow { input, columns });
         }
         let mut table = Table {
             input: layout.input.to_owned(),

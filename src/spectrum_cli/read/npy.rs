@@ -80,12 +80,23 @@ fn numbers_of<R: std::io::Read>(file: NpyFile<R>) -> Result<Vec<f64>, String> {
         return Err("it is a structured array; give one of real numbers".to_owned());
     };
     let unknown = format!("its numbers are {}; save it as float64", dtype.descr());
-    let read = |error: std::io::Error| error.to_string();
+    let read = |error: std::io::Error| match error.kind() {
+        std::io::ErrorKind::UnexpectedEof => {
+            "it ends before its last number; save or copy it once more".to_owned()
+        }
+        _ => error.to_string(),
+    };
     let widened = match (kind.type_char(), kind.size_field()) {
         (TypeChar::Float, 8) => file.into_vec::<f64>().map_err(read)?,
         (TypeChar::Float, 4) => widen(file.into_vec::<f32>().map_err(read)?),
+        // The default of numpy for whole numbers; what is above 2⁵³ is rounded.
+        (TypeChar::Int, 8) => {
+            let numbers = file.into_vec::<i64>().map_err(read)?;
+            numbers.into_iter().map(|number| number as f64).collect()
+        }
         (TypeChar::Int, 4) => widen(file.into_vec::<i32>().map_err(read)?),
         (TypeChar::Int, 2) => widen(file.into_vec::<i16>().map_err(read)?),
+        (TypeChar::Uint, 4) => widen(file.into_vec::<u32>().map_err(read)?),
         (TypeChar::Uint, 2) => widen(file.into_vec::<u16>().map_err(read)?),
         (TypeChar::Uint, 1) => widen(file.into_vec::<u8>().map_err(read)?),
         _ => return Err(unknown),

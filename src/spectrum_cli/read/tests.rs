@@ -44,7 +44,7 @@ fn separators_are_sensed() {
         table("# two columns here\n1 2\n3 4\n", &[]).unwrap().names,
         ["1", "2"]
     );
-    // A comma alone separates.
+    // A comma alone separates, but where the digits beside it are those of no whole numbers.
     assert_eq!(table("1,5\n2,5\n4,9\n", &[]).unwrap().names.len(), 2);
     // One column needs no separator.
     assert_eq!(
@@ -151,6 +151,77 @@ fn a_constant_column_is_left_out_with_a_word() {
     assert_eq!(table("1,2\n1,2\n", &[]).unwrap().names.len(), 2);
 }
 
+/// -0 and 05 are no whole numbers, so that the comma beside them is a decimal one; of two in a line nobody can tell the separator.
+#[test]
+fn a_decimal_comma_without_another_separator_is_told_by_its_digits() {
+    let read = table("0,25\n-0,5\n1,05\n", &[]).unwrap();
+    assert_eq!(read.values, [0.25, -0.5, 1.05]);
+    assert!(read.notes[0].contains("decimal commas") && read.notes[0].contains("semicolons"));
+    let read = table("0,25,1,5\n-0,5,2,5\n", &[]).unwrap_err();
+    assert!(
+        read.contains("line 1: commas separate the columns and are decimal commas"),
+        "{read}"
+    );
+    // Whole numbers, an odd number of columns, points: columns.
+    for (text, columns) in [
+        ("0,25\n-3,50\n1,0\n", 2),
+        ("0,05,1\n2,07,1\n", 3),
+        ("-0,1.5\n1,2.5\n", 2),
+    ] {
+        let read = table(text, &[]).unwrap();
+        let columns_read = read.values.len() / text.lines().count();
+        let left_out = read
+            .notes
+            .iter()
+            .filter(|note| note.contains("left out"))
+            .count();
+        assert_eq!(columns_read + left_out, columns, "{text:?}");
+        assert!(
+            !read.notes.iter().any(|note| note.contains("decimal")),
+            "{text:?}"
+        );
+    }
+}
+
+#[test]
+fn a_blank_line_between_numbers_is_told_and_one_around_them_is_not() {
+    let notes = |text: &str| table(text, &[]).unwrap().notes;
+    let told = notes("1 2\n3 4\n\n\n5 6\n7 9\n\n8 9\n");
+    assert!(
+        told.len() == 1 && told[0].starts_with("line 3 is blank"),
+        "{told:?}"
+    );
+    assert_eq!(notes("\n# two\n\n1 2\n3 4\n5 7\n\n\n"), [""; 0]);
+}
+
+#[test]
+fn a_table_that_repeats_itself_has_a_period() {
+    let sine = |rows: usize, period: f64| -> String {
+        (0..rows)
+            .map(|i| {
+                format!(
+                    "{}\n",
+                    stickslip::math::sin(std::f64::consts::TAU * i as f64 / period)
+                )
+            })
+            .collect()
+    };
+    let period = |text: &str| table(text, &[]).unwrap().period();
+    assert_eq!(period(&sine(1000, 100.0)), Some(100));
+    // 63 rows are five periods and a half.
+    assert_eq!(period(&sine(1000, 126.0 / 11.0)), Some(126));
+    // Not twice.
+    assert_eq!(period(&sine(199, 100.0)), None);
+    assert_eq!(period(&sine(1000, 100.0 / std::f64::consts::SQRT_2)), None);
+    // One number of many is another.
+    assert_eq!(
+        period(&(sine(700, 100.0) + "0.5\n" + &sine(300, 100.0))),
+        None
+    );
+    // A rest in the first half agrees with itself.
+    assert_eq!(period(&("0.5\n".repeat(500) + &sine(500, 70.7))), None);
+}
+
 #[test]
 fn columns_that_count_are_found() {
     let even = |text| -> Vec<(usize, f64)> { table(text, &[]).unwrap().even_columns().collect() };
@@ -194,11 +265,17 @@ fn arrays_of_numpy() {
         read(small, &[1, 9, 3, 4]).unwrap().values,
         [1.0, 9.0, 3.0, 4.0]
     );
+    let whole: Vec<u8> = [1_i64, -2, 3, 7]
+        .iter()
+        .flat_map(|v| v.to_le_bytes())
+        .collect();
+    let default = "{'descr': '<i8', 'fortran_order': False, 'shape': (2, 2), }";
+    assert_eq!(read(default, &whole).unwrap().values, [1.0, -2.0, 3.0, 7.0]);
     for (header, numbers, says) in [
         (
             header("False", "(3, 2)"),
             &doubles[..40],
-            "f is a .npy array, but ",
+            "f is a .npy array, but it ends before its last number",
         ),
         (
             header("False", "(3, 2, 1)"),
@@ -289,6 +366,14 @@ fn bad_files_are_named_by_line_and_column() {
             "f, line 2, column 1: '1,5' may have a decimal comma",
         ),
         (b"1;1,2,3\n1;2,5\n", "f, line 1, column 2: '1,2,3' may have"),
+        (
+            b"1 2 3 4 5 6 7 8 9 10 12\n",
+            "f has one row of 11 numbers, and a row is a state: write each state in a line",
+        ),
+        (
+            b"0,5,-0,25\n1,5,2,5\n",
+            "f, line 1: commas separate the columns and are decimal commas, too",
+        ),
         (b"1,2\n3,\xff\n", "f, line 2: the text is not UTF-8"),
         (b"a\xff,b\n3,4\n", "f, line 1: the text is not UTF-8"),
         (b"\xff\xfe1\0,\x002\0\n\0", "f is UTF-16"),
