@@ -94,9 +94,11 @@ mod tests {
     #[test]
     fn series_meet_every_reference_to_the_last_digits() {
         // In units in the last place of each event's own time: one where both roundings, the reference's and ours, are all
-        // that is left. The first event of `decay`, at 0.24, is a sum whose terms have a larger unit than it has.
+        // that is left. The first event of `decay`, at 0.24, is a sum whose terms have a larger unit than it has. The first problem
+        // enlarges roundings to what is chance: from the starts one unit away it was 1, 19 or 96 by one order of additions,
+        // 49, 69 or 101 by another. So the worst of all these starts is what is held here.
         let measured = [
-            ("belt_sensitive", 17.0),
+            ("belt_sensitive", 101.0),
             ("belt_periodic", 1.0),
             ("belt_grazing", 1.0),
             ("decay", 2.0),
@@ -104,20 +106,46 @@ mod tests {
             ("moving", 1.0),
             ("bracket", 1.0),
         ];
-        let solved = solved(&Options::tol(1e-15).method(Method::Taylor));
-        assert_eq!(solved.len(), measured.len());
-        for ((problem, events, reference), (name, measured)) in solved.iter().zip(measured) {
+        let options = Options::tol(1e-15).method(Method::Taylor);
+        let problems = problems().unwrap();
+        assert_eq!(problems.len(), measured.len());
+        for (problem, (name, measured)) in problems.into_iter().zip(measured) {
             assert_eq!(problem.name, name);
-            // That they are the same events.
-            error(events, reference).unwrap();
-            let units = events.iter().zip(reference).map(|(one, other)| {
-                let unit = other.t.next_up() - other.t;
-                (one.t - other.t).abs() / unit
+            let reference = reference(&problem).unwrap();
+            let worst = nearby(&problem).iter().map(|problem| {
+                let mut events = Vec::new();
+                problem.solve(&options, &mut events).unwrap();
+                // That they are the same events.
+                error(&events, &reference).unwrap();
+                let units = events.iter().zip(&reference).map(|(one, other)| {
+                    let unit = other.t.next_up() - other.t;
+                    (one.t - other.t).abs() / unit
+                });
+                units.fold(0.0, f64::max)
             });
-            let worst = units.fold(0.0, f64::max);
+            let worst = worst.fold(0.0, f64::max);
             assert!(worst <= 2.0 * measured, "{name}: {worst} units");
             assert!(worst >= 0.5 * measured, "{name}: only {worst} units");
         }
+    }
+
+    /// The problem, and if it is model 1 those whose starts are one unit in the last place away.
+    fn nearby(problem: &Problem) -> Vec<Problem> {
+        let System::Belt(system, [x, v]) = problem.system else {
+            return vec![*problem];
+        };
+        let starts = [
+            [x, v],
+            [x.next_up(), v],
+            [x.next_down(), v],
+            [x, v.next_up()],
+            [x, v.next_down()],
+        ];
+        let from = |start| Problem {
+            system: System::Belt(system, start),
+            ..*problem
+        };
+        starts.into_iter().map(from).collect()
     }
 
     /// Fields of a model by their names.

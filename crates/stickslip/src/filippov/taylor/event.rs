@@ -137,7 +137,7 @@ fn on_piece<F: Flow<N>, const N: usize>(
 }
 
 impl<const N: usize, const G: usize> TaylorStepper<N, G> {
-    /// The first guard that fails in the step, and where.
+    /// The first guard that fails in the step, and where. The series leads to `end`.
     ///
     /// # Errors
     /// A guard is not defined throughout the step.
@@ -145,6 +145,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         &self,
         run: &mut Run<N, G>,
         flow: &F,
+        end: &Timed<N>,
     ) -> Result<Option<Found<N>>, Undefined> {
         let piece = &self.piece;
         let mut first: Option<Found<N>> = None;
@@ -163,10 +164,8 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
                     // A series may go on where its function ends, or has ended and begun again.
                     if found.is_none() && !function.is_linear {
                         let value = if F::TOGETHER {
-                            let all = |end: Timed<N>| flow.guards_at::<G>(end.t, &end.x);
-                            at_end.get_or_init(|| all(piece.at(1.0).0))[guard]
+                            at_end.get_or_init(|| flow.guards_at::<G>(end.t, &end.x))[guard]
                         } else {
-                            let end = piece.at(1.0).0;
                             flow.guard_at(guard, end.t, &end.x)
                         };
                         if !value.is_finite() {

@@ -252,7 +252,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             (at.t, rest_there.t) = (run.t_end, 0.0);
         }
         let mut part = 1.0;
-        let Ok(event) = self.first_event(run, flow) else {
+        let Ok(event) = self.first_event(run, flow, &at) else {
             self.rejected = true;
             run.reject_undefined(h)?;
             return Ok(Trial::NoStep);
