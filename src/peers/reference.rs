@@ -112,7 +112,7 @@ mod tests {
         for (problem, (name, measured)) in problems.into_iter().zip(measured) {
             assert_eq!(problem.name, name);
             let reference = reference(&problem).unwrap();
-            let worst = nearby(&problem).iter().map(|problem| {
+            let worst = nearby(&problem).into_iter().map(|problem| {
                 let mut events = Vec::new();
                 problem.solve(&options, &mut events).unwrap();
                 // That they are the same events.
