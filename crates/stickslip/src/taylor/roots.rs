@@ -114,12 +114,12 @@ fn search(c: &[f64]) -> Option<f64> {
     if at_b > 0.0 && is_positive_folded(&all) {
         return None;
     }
-    // From above zero to below, what falls or bends one way throughout has one zero; between two values above, what falls or bends
-    // down has none.
+    // From above zero to below, what falls or bends one way throughout has one zero before the end; between two values above, what
+    // falls or bends down has none.
     let (at_a, slope_at_a) = (all[0], all[1]);
     let bend = slope_at_b - slope_at_a;
     let falls = slope_at_a < 0.0 && slope_at_b < 0.0 && is_positive_folded(&slope(&all, -1.0));
-    let is_one_way = || is_positive_folded(&slope(&slope(&all, 1.0), bend.signum()));
+    let is_one_way = || at_a > 0.0 && is_positive_folded(&slope(&slope(&all, 1.0), bend.signum()));
     if at_b > 0.0 {
         if falls || (bend < 0.0 && is_one_way()) {
             return None;
@@ -168,7 +168,12 @@ fn slope(c: &[f64; ROOM], factor: f64) -> [f64; ROOM] {
 fn parabola(at_a: f64, slope_at_a: f64, at_b: f64) -> f64 {
     let bend = at_b - at_a - slope_at_a;
     let root = (slope_at_a * slope_at_a - 4.0 * bend * at_a).sqrt();
-    2.0 * at_a / (root - slope_at_a)
+    // The same number twice, each where nothing cancels.
+    if slope_at_a > 0.0 {
+        (slope_at_a + root) / (-2.0 * bend)
+    } else {
+        2.0 * at_a / (root - slope_at_a)
+    }
 }
 
 /// About where in the unit interval a function that falls has its zero, of which the values and the slopes at its ends are known: by Hermite's

@@ -54,12 +54,12 @@ type Cells<const L: usize> = [Cell<f64>; L];
 pub(crate) struct Row<const L: usize>([Cells<L>; ROOM]);
 
 impl<const L: usize> Row<L> {
-    pub(super) fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Row([const { [const { Cell::new(0.0) }; L] }; ROOM])
     }
 
     #[inline(always)]
-    pub(super) fn set(&self, k: usize, value: Lanes<L>) {
+    pub(crate) fn set(&self, k: usize, value: Lanes<L>) {
         for (cell, value) in self.0[k].iter().zip(value) {
             cell.set(value);
         }

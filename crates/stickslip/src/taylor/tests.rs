@@ -276,7 +276,7 @@ fn lanes_and_widths_change_no_bit(functions: &impl Functions<2, 3>) {
                 MOST_ORDER,
                 functions,
             );
-            assert_eq!(expansion.choices, 1);
+            assert_eq!((expansion.choices, together.choices), (1, 1));
             let rows = |watched: &[Option<Watched>]| -> Vec<usize> {
                 let watched = watched.iter().flatten().map(|watched| watched.row);
                 (0..2).chain(watched).collect()

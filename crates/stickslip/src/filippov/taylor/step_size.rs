@@ -56,8 +56,7 @@ fn rough_exp2(x: f64) -> f64 {
 }
 
 /// Step length within the tolerance, over that which the series is scaled with: where the last coefficients, extrapolated
-/// by the radius of convergence that they tell, have fallen to the tolerance (Jorba & Zou 2005, Sect. 3.2). That of a coefficient
-/// of zero is longer than any that is taken.
+/// by the radius of convergence that they tell, have fallen to the tolerance (Jorba & Zou 2005, Sect. 3.2).
 #[inline(always)]
 pub(in crate::filippov) fn step_ratio<const L: usize, const N: usize, const G: usize>(
     rows: &[Row<L>],
@@ -71,6 +70,8 @@ pub(in crate::filippov) fn step_ratio<const L: usize, const N: usize, const G: u
     let wanted = tolerance * inverse(p);
     let farthest = rough_log2(FARTHEST);
     let size = |row: usize, k: usize| lanes_of(rows[row].at(k), f64::abs);
+    // A coefficient of zero bounds nothing.
+    let bounded = |log: f64, by: f64, longest: f64| if by > 0.0 { log.min(longest) } else { log };
     let mut log = [rough_log2(GROW_MOST); L];
     for (i, x) in x.iter().enumerate() {
         let scale = |x: f64| rough_log2((options.atol + options.rtol * x.abs()) / relative);
@@ -83,7 +84,7 @@ pub(in crate::filippov) fn step_ratio<const L: usize, const N: usize, const G: u
                 early[l] = f64::max(early[l], before[l]);
                 late[l] = f64::max(late[l], newest[l]);
                 let longest = (scale[l] - rough_log2(newest[l])) * inverse(k) + wanted;
-                log[l] = log[l].min(longest);
+                log[l] = bounded(log[l], newest[l], longest);
             }
         }
         for l in 0..L {
@@ -106,12 +107,13 @@ pub(in crate::filippov) fn step_ratio<const L: usize, const N: usize, const G: u
         let sizes = [0, 1, 2].map(|k| size(function.row, k));
         let first = sizes.map(|size| lanes_of(size, |size| tolerance + rough_log2(size)));
         for k in p - 1..=p {
-            let newest = lanes_of(size(function.row, k), rough_log2);
+            let newest = size(function.row, k);
             for l in 0..L {
-                let against = |j: usize| (first[j][l] - newest[l]) * inverse(k - j);
+                let left_out = rough_log2(newest[l]);
+                let against = |j: usize| (first[j][l] - left_out) * inverse(k - j);
                 let longest = f64::max(against(0), against(1)).max(against(2));
-                let moves = sizes[0][l] + sizes[1][l] + sizes[2][l] > 0.0;
-                log[l] = if moves { log[l].min(longest) } else { log[l] };
+                let moves = sizes[0][l] + sizes[1][l] + sizes[2][l];
+                log[l] = bounded(log[l], moves.min(newest[l]), longest);
             }
         }
     }
@@ -120,8 +122,34 @@ pub(in crate::filippov) fn step_ratio<const L: usize, const N: usize, const G: u
 
 #[cfg(test)]
 mod tests {
-    use super::{rough_exp2, rough_log2};
+    use super::{GROW_MOST, rough_exp2, rough_log2, step_ratio};
+    use crate::filippov::options::Options;
     use crate::math;
+    use crate::taylor::row::Row;
+    use crate::taylor::series::{Expansion, Watched};
+
+    #[test]
+    fn coefficients_of_zero_bound_no_step() {
+        // A state at rest, near zero or at it, and a guard that is its square: as small as a number can be.
+        for x in [0.0, 1e-150, 1e-161, 1.0] {
+            let rows = [Row::new(), Row::new()];
+            rows[0].set(0, [x]);
+            rows[1].set(0, [x * x]);
+            let (row, is_linear) = (1, false);
+            let expansion = Expansion {
+                watched: [Some(Watched { row, is_linear })],
+                ..Expansion::default()
+            };
+            for tol in [1e-15, 1e-12, 0.1] {
+                let options = Options::tol(tol);
+                let [ratio] = step_ratio(&rows, &expansion, 20, &options, &[[x]]);
+                assert!(
+                    (ratio / GROW_MOST - 1.0).abs() < 3e-3,
+                    "{x:e}, {tol:e}: {ratio}"
+                );
+            }
+        }
+    }
 
     #[test]
     fn rough_powers_and_logarithms_are_as_good_as_said() {
