@@ -370,7 +370,7 @@ fn doubtful_spectra_come_with_a_warning() {
                 .enumerate()
                 .map(|(i, line)| format!("{},{line}\n", 0.25 * i as f64))
                 .collect(),
-            vec![],
+            vec!["--columns", "1,2,3"],
             "starved",
             "column 1 goes on evenly by 0.25000 from row to row, as a time or an index does, and is used as part of the state: \
              leave it out with --columns 2,3",

@@ -183,7 +183,7 @@ fn dimensions(embedded: &Embedded) -> Panel {
         .fold(1.0, f64::max);
     let mut panel = Panel::new(
         Axis::new("delayed values of a column", 0.5, last + 0.5).step(1.0),
-        Axis::new("part; ratio", 0.0, (1.08 * e2).max(1.2)),
+        Axis::new("part that is false; Cao's ratio", 0.0, (1.08 * e2).max(1.2)),
     )
     .title("choice of the dimension")
     .legend(Legend::Below);

@@ -162,11 +162,6 @@ impl Embedded {
                 choice.dimensions.len()
             ));
         }
-        if choice.is_noise {
-            warnings.push(
-                "Cao's E2 is 1 with any number of delayed values: the next value does not depend on those before, as in noise".into(),
-            );
-        }
         if self.is_spurious(0) {
             warnings.push(format!(
                 "exponent 1 is the embedding's own and none of the system's: try --dimension {}",

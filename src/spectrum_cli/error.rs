@@ -106,6 +106,23 @@ pub enum SpectrumError {
         /// Name of the column.
         column: String,
     },
+    /// A first column without a name that may be a time, but not that of these rows.
+    #[error(
+        "{input}: column {column} goes on by {} from row to row, as a time does, {but}: rows must be --dt apart and without gaps; cut the file \
+         there or give the right --dt, or --columns {all} if it is part of the state", readable(*step)
+    )]
+    LikeATime {
+        /// Path, or `standard input`.
+        input: String,
+        /// Name of the column.
+        column: String,
+        /// Its step.
+        step: f64,
+        /// What speaks against it.
+        but: String,
+        /// All columns, as an option takes them.
+        all: String,
+    },
     /// A name that several columns have.
     #[error(
         "--columns: '{wanted}' is ambiguous, columns {numbers} of {input} are called so; give the number instead"

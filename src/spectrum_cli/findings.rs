@@ -32,6 +32,12 @@ impl Findings {
         }
     }
 
+    /// Whether the next delayed value does not depend on those before.
+    pub fn is_noise(&self) -> bool {
+        let of_embedding = |embedded: &Embedded| embedded.choice.is_noise;
+        self.embedded.as_ref().is_some_and(of_embedding)
+    }
+
     /// Whether an exponent that the data determine is the embedding's own.
     pub fn is_spurious(&self, i: usize) -> bool {
         let determined = !matches!(

@@ -64,7 +64,7 @@ series with the time reversed, in which only the system's change sign. With dela
 stderr holds the scatter over time and the whole way of the extrapolation to neighbourhoods of size zero; over 200 series of known
 spectrum, over one column of each, and over these states with noise of a thousandth of their spread, the true value was within two of it
 at least nine times in ten where the status is ok. These were 5000 points or more, with the default settings; of their states it was as often
-with 30 --references, if these reach over two Theiler windows, and a warning tells if not. With --estimator sano-sawada, the estimator of Eqs. (25) and (26) without correction, it is statistical only and
+with 30 --references, if these reach over two Theiler windows, and a warning tells if not. With --estimator sano-sawada, the estimator of Eqs. (25) and (26) of Olejnik and Awrejcewicz (2013) without correction, it is statistical only and
 knows nothing of bias.
 eps_sensitivity (table and --json) is by how much the exponent changes with neighbourhoods of twice the size, a measure of the bias.
 Columns are used as they are, not standardised: bring them to comparable units first. Flows that are sampled densely gain from --step 5 --affine.
@@ -94,7 +94,7 @@ Output for machines:
           exponents of the tangent directions, and its sum_stderr; balance, what --divergence says of it
 
 A column named t or time is no coordinate: it gives the time step, or is held against --dt. Without names a first column that goes on
-evenly is the time, too; of others that do a warning tells. A comma is a decimal comma where something else separates the columns and
+evenly is the time, too, and an error if it goes by another step than --dt or has a few gaps; --columns takes it as part of the state. Of others that do a warning tells. A comma is a decimal comma where something else separates the columns and
 no number has a point, or where it is the only one in each line and what it parts cannot be whole numbers, such as -0 and 05. Lines that start with # or % are skipped; the last one above the numbers may hold the names.
 A column that never changes is left out.
 

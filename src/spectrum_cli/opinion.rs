@@ -24,7 +24,9 @@ pub(super) fn divergence_text(divergence: &Divergence) -> String {
         ),
         None => String::new(),
     };
-    let mut text = String::from("Largest exponent by diverging neighbours, fitting no maps:\n");
+    let mut text = String::from(
+        "Largest exponent by diverging neighbours, fitting no maps (± is of the line's fit alone, not of which part of the curve is straight):\n",
+    );
     // Writing to a string cannot fail.
     let _ = writeln!(
         text,

@@ -75,10 +75,15 @@ pub fn table(findings: &Findings, source: &Table) -> String {
     }
     let _ = writeln!(
         text,
-        "\n{} tangent direction{}: the data determine as many exponents; a value in brackets is none of the system's.\n\
+        "\n{} tangent direction{}: {}; a value in brackets is none of the system's.\n\
          {}; eps_sensitivity is the change with neighbourhoods of twice the size, a measure of bias.",
         spectrum.dimension,
         if spectrum.dimension == 1 { "" } else { "s" },
+        if findings.is_noise() {
+            "noise has as many as are looked at, and no exponent"
+        } else {
+            "the data determine as many exponents"
+        },
         estimator(spectrum)
     );
     if let Some(embedded) = &findings.embedded {
@@ -115,6 +120,9 @@ pub fn table(findings: &Findings, source: &Table) -> String {
         settings.step,
         if settings.affine { "affine" } else { "linear" },
     );
+    if (0..spectrum.exponents.len()).any(|i| findings.status(i) != Status::Ok.word()) {
+        text += "What the statuses mean: --help\n";
+    }
     text
 }
 

@@ -5,7 +5,7 @@ use super::findings::Findings;
 use super::read::Table;
 use super::report::short;
 use stickslip::analysis::data_spectrum::{
-    DataExponent, DataSpectrum, Estimator, Neighbourhood, Status,
+    DataExponent, DataSpectrum, Degree, Estimator, Neighbourhood, Sizes, Status,
 };
 
 /// With a larger part of the reference points starved there is a warning.
@@ -21,6 +21,12 @@ const COMBINED_ERRORS: f64 = 4.0;
 pub fn warnings(findings: &Findings, source: &Table) -> Vec<String> {
     let spectrum = &findings.spectrum;
     let mut warnings = counting(source);
+    // Whatever else there is to say follows from it.
+    if findings.is_noise() {
+        warnings.push(
+            "Cao's E2 is 1 with any number of delayed values: the next value does not depend on those before, as in noise".into(),
+        );
+    }
     let part = spectrum.starved as f64 / spectrum.references as f64;
     if part > STARVED {
         let remedy = match spectrum.settings.neighbours {
@@ -44,53 +50,68 @@ pub fn warnings(findings: &Findings, source: &Table) -> Vec<String> {
             spectrum.starved, spectrum.references
         ));
     }
-    let indices = |status: Status| -> Option<String> {
+    let indices = |status: Status| -> Option<(String, &str)> {
         let with_status = (1..).zip(&spectrum.exponents);
         let found: Vec<String> = with_status
             .filter(|(_, exponent)| exponent.status == status)
             .map(|(i, _): (usize, _)| i.to_string())
             .collect();
-        (!found.is_empty()).then(|| found.join(", "))
+        match &found[..] {
+            [] => None,
+            [one] => Some((format!("exponent {one}"), "is")),
+            more => Some((format!("exponents {}", more.join(", ")), "are")),
+        }
     };
-    if let Some(which) = indices(Status::Unpredictable) {
+    if let Some((which, are)) = indices(Status::Unpredictable) {
         warnings.push(format!(
-            "the maps do not predict the next state (residual ratio {}, 1 is noise), so that exponent {which} is none of a deterministic \
+            "the maps do not predict the next state (residual ratio {}, 1 is noise), so that {which} {are} none of a deterministic \
              system: give all columns of the state, or for noisy data more --neighbours",
             short(spectrum.residual_ratio)
         ));
     }
-    if let Some(which) = indices(Status::Noisy) {
+    if let Some((which, are)) = indices(Status::Noisy) {
         warnings.push(format!(
-            "exponent {which} is noisy: noise of the size of what the maps leave unpredicted may flatten them by more than two errors: give more \
+            "{which} {are} noisy: noise of the size of what the maps leave unpredicted may flatten them by more than two errors: give more \
              --neighbours, values with less noise, or a longer --step"
         ));
     }
-    if let Some(which) = indices(Status::Undetermined) {
+    if let Some((which, are)) = indices(Status::Undetermined) {
         warnings.push(format!(
-            "exponent {which} is undetermined: at more than 1 % of the reference points the neighbours do not determine the maps that are \
+            "{which} {are} undetermined: at more than 1 % of the reference points the neighbours do not determine the maps that are \
              extrapolated, as where values lie on a grid: give values with more digits, more points, or more --neighbours"
         ));
     }
-    if let Some(which) = indices(Status::Annihilated) {
+    if let Some((which, are)) = indices(Status::Annihilated) {
         warnings.extend(on_a_grid(source).map(|(name, different)| {
             format!(
-                "exponent {which} is minus infinity, and column {name} has only {different} different values: neighbours that fall on one \
+                "{which} {are} minus infinity, and column {name} has only {different} different values: neighbours that fall on one \
                  value of a grid look annihilated; give values with more digits"
             )
         }));
     }
-    if let Some(which) = indices(Status::Unstable) {
-        warnings.push(match spectrum.settings.estimator {
-            Estimator::SanoSawada => format!(
-                "exponent {which} changes with the size of the neighbourhoods by more than four standard errors and 5 %, which is bias: \
-                 try a smaller --step, fewer --neighbours, --affine, or more points"
-            ),
-            Estimator::Extrapolated { .. } => format!(
-                "exponent {which} changes with the size of the neighbourhoods, or from linear maps to quadratic ones, by more than two \
-                 statistical errors and 5 %, which is bias: try a smaller --step, fewer --neighbours, --affine, more points, or \
-                 --degree quadratic if linear maps were asked for"
-            ),
-        });
+    if let Some((which, are)) = indices(Status::Unstable) {
+        let by = match spectrum.settings.estimator {
+            Estimator::SanoSawada => "by more than four standard errors",
+            Estimator::Extrapolated { .. } => {
+                "or from linear maps to quadratic ones, by more than two statistical errors"
+            }
+        };
+        // What is in use already is no remedy.
+        let affine = if spectrum.settings.affine {
+            ""
+        } else {
+            "--affine, "
+        };
+        let is_linear = |sizes: &Sizes| sizes.degree == Degree::Linear;
+        let quadratic = if spectrum.sizes.as_ref().is_some_and(is_linear) {
+            "--degree quadratic, "
+        } else {
+            ""
+        };
+        warnings.push(format!(
+            "{which} {are} unstable, which is said of the estimate: it changes with the size of the neighbourhoods, {by} and 5 %, which is bias: try a \
+             smaller --step, fewer --neighbours, {affine}{quadratic}or more points"
+        ));
     }
     warnings.extend(disagreements(findings));
     let balance = findings.balance.as_ref();

@@ -49,7 +49,8 @@ pub struct Table {
 /// Columns are separated by commas, semicolons, tabs or spaces, whichever the first lines use; a comma between digits is a decimal comma where
 /// something else separates. Lines that start with `#` or `%` are skipped; the first line, or a comment right above the numbers, may hold names. An array of
 /// numpy (`.npy`) has no names. A column named `t` or `time` is no coordinate: without `dt` it says what the time between two rows is, and
-/// else is held against it. Without names a first column that goes on evenly is the time, too. A column that is constant is left out.
+/// else is held against it. Without names a first column that goes on evenly is the time, too, and an
+/// error if it has gaps. A column that is constant is left out.
 ///
 /// # Errors
 /// Everything that is not a complete table of finite numbers, with line and column; a time between rows that is neither given nor found.
@@ -257,7 +258,10 @@ impl Table {
     ) -> Result<f64, SpectrumError> {
         let may_be = !layout.has_names() && layout.are_all && self.names.len() > 1;
         let step = may_be.then(|| time::even_step(self.column(0))).flatten();
-        let found = step.filter(|&step| step > 0.0 && given.is_none_or(|dt| time::agree(step, dt)));
+        let found = step.filter(|&step| step > 0.0);
+        if may_be {
+            self.unlike_a_time(found, given)?;
+        }
         match (found, given) {
             (Some(step), given) => {
                 let dt = given.unwrap_or(step);
@@ -275,6 +279,36 @@ impl Table {
             (None, None) => Err(SpectrumError::NoTime {
                 input: self.input.clone(),
             }),
+        }
+    }
+
+    /// What speaks against a first column that looks like a time: another step than the one given, or gaps.
+    fn unlike_a_time(&self, even: Option<f64>, given: Option<f64>) -> Result<(), SpectrumError> {
+        let all: Vec<&str> = self.names.iter().map(String::as_str).collect();
+        let error = |step: f64, but: String| {
+            Err(SpectrumError::LikeATime {
+                input: self.input.clone(),
+                column: self.names[0].clone(),
+                step,
+                but,
+                all: all.join(","),
+            })
+        };
+        if let (Some(step), Some(dt)) = (even, given) {
+            return if time::agree(step, dt) {
+                Ok(())
+            } else {
+                error(step, format!("while --dt is {}", readable(dt)))
+            };
+        }
+        match time::first_gap(self.column(0)) {
+            Some((step, row)) => {
+                let mut values = self.column(0).skip(row - 1).map(readable);
+                let [from, to] = [values.next(), values.next()].map(Option::unwrap_or_default);
+                let but = format!("but from {from} to {to} at row {}", row + 1);
+                error(step, but)
+            }
+            None => Ok(()),
         }
     }
 

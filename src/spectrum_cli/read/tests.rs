@@ -134,8 +134,32 @@ fn a_time_column_says_what_the_step_is() {
     let unknown = without("0 5\n0.25 7\n0.5 2\n", &["1", "2"]).unwrap_err();
     assert!(unknown.starts_with("--dt is missing"), "{unknown}");
     assert!(without("5 0\n7 3\n2 1\n", &[]).is_err());
-    // One that is not the step given is used, and warned of elsewhere.
-    assert_eq!(table("0 5\n0.25 7\n0.5 2\n", &[]).unwrap().names.len(), 2);
+    // One that is not the step given, or that has a few gaps, is used if it is asked for, and warned of elsewhere.
+    let other = table("0 5\n0.25 7\n0.5 2\n", &[]).unwrap_err();
+    let says = "f: column 1 goes on by 0.25 from row to row, as a time does, while --dt is 0.5";
+    assert!(
+        other.starts_with(says) && other.contains("--columns 1,2"),
+        "{other}"
+    );
+    let asked = table("0 5\n0.25 7\n0.5 2\n", &["1", "2"]).unwrap();
+    assert_eq!(asked.names.len(), 2);
+    let with_jumps = |every: usize| -> String {
+        let row = |i: usize| format!("{} {}\n", 0.5 * (i + i / every) as f64, i * i % 7);
+        (0..2000).map(row).collect()
+    };
+    for every in [1999, 600] {
+        let gap = table(&with_jumps(every), &[]).unwrap_err();
+        let says = format!(
+            "but from {} to {} at row {}",
+            0.5 * (every - 1) as f64,
+            0.5 * (every + 1) as f64,
+            every + 1
+        );
+        assert!(gap.contains(&says), "{gap}");
+        assert_eq!(without(&with_jumps(every), &[]).unwrap_err(), gap);
+    }
+    // A phase that begins anew many times is a coordinate.
+    assert_eq!(table(&with_jumps(150), &[]).unwrap().names.len(), 2);
     assert_eq!(table("0 5\n0.5 7\n1 2\n", &[]).unwrap().names.len(), 1);
 }
 

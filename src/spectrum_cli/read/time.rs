@@ -73,6 +73,20 @@ pub(super) fn even_step(values: impl DoubleEndedIterator<Item = f64> + Clone) ->
     is_even.then(|| rounded(mean))
 }
 
+/// At most so many steps, and one in a hundred, that are not as all others are gaps of a time.
+const GAPS: usize = 10;
+
+/// Of values that rise evenly but for a few steps their step, and the number of the first value behind one of these, counted from 0.
+pub(super) fn first_gap(values: impl Iterator<Item = f64> + Clone) -> Option<(f64, usize)> {
+    let pairs = values.clone().zip(values.skip(1));
+    let all: Vec<f64> = pairs.map(|(one, next)| next - one).collect();
+    let [step, _] = middle_two(all.iter().copied()).filter(|[step, _]| *step > 0.0)?;
+    let mut gaps = (1..).zip(&all).filter(|(_, one)| !agree(**one, step));
+    let (first, _) = gaps.next()?;
+    let gaps = 1 + gaps.count();
+    (gaps <= GAPS && 100 * gaps <= all.len()).then(|| (rounded(step), first))
+}
+
 /// Whether two steps are the same.
 pub(super) fn agree(step: f64, dt: f64) -> bool {
     (step - dt).abs() <= UNEVEN * dt.abs()

@@ -329,10 +329,17 @@ fn what_is_given_is_kept_and_what_cannot_be_is_refused() {
         (Some(0), None, "delay"),
         (None, Some(0), "dimension"),
         (None, Some(11), "dimension"),
+        // A tenth of the points, without a dimension.
+        (Some(201), None, "delay"),
+        (Some(usize::MAX), None, "delay"),
     ] {
         let error = with(delay, dimension).unwrap_err();
         let says = matches!(error, DataError::Setting { name: found, .. } if found == name);
         assert!(says, "{error}");
+    }
+    for delay in [200, 201] {
+        let given = with(Some(delay), (delay > 200).then_some(2)).unwrap();
+        assert_eq!(given.embedding.delay, delay);
     }
     let error = with(Some(usize::MAX), Some(2)).unwrap_err();
     assert!(

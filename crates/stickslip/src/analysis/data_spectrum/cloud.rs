@@ -73,9 +73,14 @@ impl<const N: usize> Cloud<N> {
         self.correlated_until(math::exp(-1.0))
     }
 
-    /// The first lag at which the autocorrelation of the series, all columns together, is below the threshold; the longest that is looked at if it
-    /// is at none.
+    /// [`Cloud::uncorrelated_at`], or the longest lag that is looked at.
     pub(super) fn correlated_until(&self, threshold: f64) -> usize {
+        let longest = (self.points.len() / LONGEST_WINDOW).max(1);
+        self.uncorrelated_at(threshold).unwrap_or(longest)
+    }
+
+    /// The first lag at which the autocorrelation of the series, all columns together, is below the threshold, if one that is looked at is.
+    pub(super) fn uncorrelated_at(&self, threshold: f64) -> Option<usize> {
         let points = &self.points;
         let longest = (points.len() / LONGEST_WINDOW).max(1);
         let mean = mean(points);
@@ -91,12 +96,10 @@ impl<const N: usize> Cloud<N> {
                 sums
             })
         };
-        (1..longest)
-            .find(|&lag| {
-                let (product, square) = correlation(lag);
-                product < threshold * square
-            })
-            .unwrap_or(longest)
+        (1..longest).find(|&lag| {
+            let (product, square) = correlation(lag);
+            product < threshold * square
+        })
     }
 }
 

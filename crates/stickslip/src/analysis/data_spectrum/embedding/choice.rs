@@ -147,6 +147,16 @@ pub fn choose_embedding(
         dimension: settings.dimension.unwrap_or(1),
     }
     .of(series)?;
+    let longest = longest_delay(series.len());
+    if let (Some(delay), None) = (settings.delay, settings.dimension)
+        && delay > longest
+    {
+        return Err(DataError::Setting {
+            name: "delay",
+            value: delay as f64,
+            bound: format!("at most {longest}, a tenth of the points, where no dimension is given"),
+        });
+    }
     let (decorrelation, spread) = scales(series)?;
     let theiler = settings.theiler.unwrap_or(decorrelation);
     progress(0, most + 1);
@@ -223,10 +233,15 @@ fn scales(series: &Series) -> Result<(usize, f64), DataError> {
     for_columns!(series, of_size(series))
 }
 
-/// The first zero of the autocorrelation.
-fn first_zero(series: &Series) -> Result<usize, DataError> {
-    fn of_size<const N: usize>(series: &Series) -> Result<usize, DataError> {
-        Ok(Cloud::<N>::new(series)?.correlated_until(0.0))
+/// The longest delay that leaves something to choose a dimension by.
+fn longest_delay(rows: usize) -> usize {
+    (rows / LONGEST_PART).max(1)
+}
+
+/// The first zero of the autocorrelation, if there is one within a tenth of the series.
+fn first_zero(series: &Series) -> Result<Option<usize>, DataError> {
+    fn of_size<const N: usize>(series: &Series) -> Result<Option<usize>, DataError> {
+        Ok(Cloud::<N>::new(series)?.uncorrelated_at(0.0))
     }
     for_columns!(series, of_size(series))
 }
@@ -244,9 +259,9 @@ fn delay(
     rows: usize,
     decorrelation: usize,
     given: Option<usize>,
-    zero: impl Fn() -> Result<usize, DataError>,
+    zero: impl Fn() -> Result<Option<usize>, DataError>,
 ) -> Result<Delay, DataError> {
-    let longest = (rows / LONGEST_PART).clamp(1, MOST_LAGS);
+    let longest = longest_delay(rows).min(MOST_LAGS);
     let mut curve: Vec<(usize, f64)> = Vec::new();
     let mut found = given.map(|delay| (delay, DelayReason::Given));
     if found.is_none() && decorrelation <= 1 {
@@ -277,7 +292,11 @@ fn delay(
             found = Some((least.0, DelayReason::FirstMinimum));
         } else if on_curve && has_risen && lag >= longest.min(PERIOD.saturating_mul(decorrelation))
         {
-            found = Some((zero()?.min(longest), DelayReason::OnCurve));
+            let zero = zero()?.filter(|&lag| lag <= longest);
+            found = Some(match zero {
+                Some(lag) => (lag, DelayReason::OnCurve),
+                None => (longest, DelayReason::NoMinimum),
+            });
         }
     }
     let (points, reason) = found.unwrap_or((longest, DelayReason::NoMinimum));
