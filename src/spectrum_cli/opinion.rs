@@ -18,15 +18,13 @@ pub(super) fn divergence_text(divergence: &Divergence) -> String {
     };
     let part = |curve: &DivergenceCurve| match &curve.straight {
         Some(straight) => format!(
-            " (straight from t = {} to {})",
+            " (of the line's fit alone; straight from t = {} to {})",
             short(curve.points[straight.from].0),
             short(curve.points[straight.to].0)
         ),
         None => String::new(),
     };
-    let mut text = String::from(
-        "Largest exponent by diverging neighbours, fitting no maps (± is of the line's fit alone, not of which part of the curve is straight):\n",
-    );
+    let mut text = String::from("Largest exponent by diverging neighbours, fitting no maps:\n");
     // Writing to a string cannot fail.
     let _ = writeln!(
         text,
