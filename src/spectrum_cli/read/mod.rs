@@ -264,6 +264,7 @@ impl Table {
         if may_be && self.column(0).count() >= TELLING {
             self.unlike_a_time(found, given)?;
         }
+        let found = found.filter(|&step| given.is_none_or(|dt| time::agree(step, dt)));
         match (found, given) {
             (Some(step), given) => {
                 let dt = given.unwrap_or(step);
