@@ -108,8 +108,8 @@ pub enum SpectrumError {
     },
     /// A first column without a name that may be a time, but not that of these rows.
     #[error(
-        "{input}: column {column} goes on by {} from row to row, as a time does, {but}: rows must be --dt apart and without gaps; cut the file \
-         there or give the right --dt, or --columns {all} if it is part of the state", readable(*step)
+        "{input}: column {column} goes on by {} from row to row, as a time does, {but}, or --columns {all} if it is part of the state",
+        readable(*step)
     )]
     LikeATime {
         /// Path, or `standard input`.
@@ -118,7 +118,7 @@ pub enum SpectrumError {
         column: String,
         /// Its step.
         step: f64,
-        /// What speaks against it.
+        /// What speaks against it, and what to do.
         but: String,
         /// All columns, as an option takes them.
         all: String,

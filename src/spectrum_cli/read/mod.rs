@@ -301,14 +301,18 @@ impl Table {
             return if time::agree(step, dt) {
                 Ok(())
             } else {
-                error(step, format!("while --dt is {}", readable(dt)))
+                let [dt, right] = [dt, step].map(readable);
+                error(step, format!("while --dt is {dt}: give --dt {right}"))
             };
         }
         match time::first_gap(self.column(0)) {
             Some((step, row)) => {
                 let mut values = self.column(0).skip(row - 1).map(readable);
                 let [from, to] = [values.next(), values.next()].map(Option::unwrap_or_default);
-                let but = format!("but from {from} to {to} at row {}", row + 1);
+                let but = format!(
+                    "but from {from} to {to} at row {}: cut the file there, as a series must have no gaps",
+                    row + 1
+                );
                 error(step, but)
             }
             None => Ok(()),
