@@ -68,21 +68,21 @@ impl<const N: usize> Cloud<N> {
         })
     }
 
-    /// The first lag at which the autocorrelation of the series, all columns together, is below 1/e.
+    /// The first lag at which the autocorrelation of the series, all columns together, is below 1/e, or the longest that is looked
+    /// at.
     pub(super) fn decorrelation(&self) -> usize {
-        self.correlated_until(math::exp(-1.0))
+        let at = self.uncorrelated_at(math::exp(-1.0));
+        at.unwrap_or(self.longest_lag())
     }
 
-    /// [`Cloud::uncorrelated_at`], or the longest lag that is looked at.
-    pub(super) fn correlated_until(&self, threshold: f64) -> usize {
-        let longest = (self.points.len() / LONGEST_WINDOW).max(1);
-        self.uncorrelated_at(threshold).unwrap_or(longest)
+    /// The longest lag that is looked at.
+    fn longest_lag(&self) -> usize {
+        (self.points.len() / LONGEST_WINDOW).max(1)
     }
 
     /// The first lag at which the autocorrelation of the series, all columns together, is below the threshold, if one that is looked at is.
     pub(super) fn uncorrelated_at(&self, threshold: f64) -> Option<usize> {
         let points = &self.points;
-        let longest = (points.len() / LONGEST_WINDOW).max(1);
         let mean = mean(points);
         let thin = points.len().div_ceil(TERMS);
         let correlation = |lag: usize| -> (f64, f64) {
@@ -96,7 +96,7 @@ impl<const N: usize> Cloud<N> {
                 sums
             })
         };
-        (1..longest).find(|&lag| {
+        (1..self.longest_lag()).find(|&lag| {
             let (product, square) = correlation(lag);
             product < threshold * square
         })

@@ -372,9 +372,12 @@ mod tests {
                 .collect();
             let mut expected = found.clone();
             expected.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+            let mut all = found.clone();
+            sort(&mut all, count);
+            assert_eq!(all, expected, "{count}");
             expected.truncate(40);
             sort(&mut found, 40);
-            assert_eq!(found, expected, "{count}");
+            assert_eq!(found, expected, "40 of {count}");
         }
     }
 
