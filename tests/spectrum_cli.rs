@@ -101,6 +101,32 @@ fn csv_and_json_hold_the_same_numbers() {
     assert_eq!(document["settings"]["theiler"], 1);
 }
 
+/// A rotation has the exponent zero; Hénon's map has none near it (see above).
+#[test]
+fn an_exponent_that_is_ok_and_may_be_zero_is_told() {
+    let angle = |i: u32| f64::from(i) * 2.0_f64.sqrt();
+    let text: String = (0..2000)
+        .map(|i| format!("{:?},{:?}\n", angle(i).cos(), angle(i).sin()))
+        .collect();
+    let run = |format: &[&str]| {
+        let mut program = program();
+        succeed(
+            program
+                .args(["-", "--dt", "1"])
+                .args(format)
+                .write_stdin(text.clone()),
+        )
+    };
+    let document: serde_json::Value = serde_json::from_str(&run(&["--json"])).unwrap();
+    let first = &document["exponents"][0];
+    let number = |name: &str| first[name].as_f64().unwrap();
+    assert_eq!(first["status"], "ok");
+    assert!(number("exponent").abs() < 2.0 * number("stderr"), "{first}");
+    let note = "Zero is within two stderr of exponent 1: that it is ok says nothing of its sign.";
+    assert_eq!(document["notes"][0], note);
+    assert!(run(&[]).contains(note));
+}
+
 /// The sum of Hénon's exponents is ln 0.3 at every point, and a divergence that is another is told.
 #[test]
 fn a_known_divergence_is_held_against_the_sum() {
@@ -318,6 +344,14 @@ fn wrong_command_lines_end_with_two() {
         (
             vec!["-", "--dt", "1", "--surrogates", "18"],
             "--surrogates = 18 is not allowed: it must be at least 19",
+        ),
+        (
+            vec!["-", "--dt", "abc"],
+            "'abc' for '--dt <TIME>': this is not a number; write it as 0.02",
+        ),
+        (
+            vec!["-", "--dt", "1", "--eps", "0,2"],
+            "'0,2' for '--eps <FRACTION>': a number has a decimal point here: write 0.2",
         ),
         (vec!["-", "--dt", "1", "--json", "--csv"], "--csv"),
         (vec!["-", "--dt", "1", "--no-such-flag"], "--no-such-flag"),

@@ -118,7 +118,7 @@ pub struct Arguments {
     pub file: PathBuf,
 
     /// Time between two lines; 1 for a map [default: from a column named t or time]
-    #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
+    #[arg(long, value_parser = number, value_name = "TIME", allow_hyphen_values = true)]
     pub dt: Option<f64>,
 
     /// Columns to use, by number (from 1) or name [default: all]
@@ -126,7 +126,7 @@ pub struct Arguments {
     pub columns: Vec<String>,
 
     /// Radius of the neighbourhoods, as a fraction of the signal's spread √Σvar [default: 0.1]
-    #[arg(long, value_name = "FRACTION", allow_hyphen_values = true)]
+    #[arg(long, value_parser = number, value_name = "FRACTION", allow_hyphen_values = true)]
     pub eps: Option<f64>,
 
     /// Fewest and most neighbours taken from the ball, as MIN-MAX, or the number of nearest neighbours
@@ -156,7 +156,7 @@ pub struct Arguments {
     pub affine: bool,
 
     /// Singular values below this fraction of the largest are zero
-    #[arg(long, value_name = "FRACTION", default_value_t = DataSettings::default().rank_tolerance, allow_hyphen_values = true)]
+    #[arg(long, value_parser = number, value_name = "FRACTION", default_value_t = DataSettings::default().rank_tolerance, allow_hyphen_values = true)]
     pub rank_tolerance: f64,
 
     /// What is made of the local maps
@@ -170,11 +170,12 @@ pub struct Arguments {
 
     /// Mean divergence of the system per unit of time (trace of the Jacobian; of a map ln |det J|), which the exponents must add up to;
     /// only where the columns are its state
-    #[arg(long, value_name = "VALUE", allow_hyphen_values = true)]
+    #[arg(long, value_parser = number, value_name = "VALUE", allow_hyphen_values = true)]
     pub divergence: Option<f64>,
 
     /// Tikhonov regularisation, as a fraction of the largest singular value
     #[arg(
+        value_parser = number,
         long,
         value_name = "FRACTION",
         default_value_t = 0.0,
@@ -251,6 +252,18 @@ impl FromStr for Count {
             Some((min, max)) => Ok(Self::Range(number(min)?, number(max)?)),
             None => Ok(Self::Nearest(number(text)?)),
         }
+    }
+}
+
+/// A number of the command line.
+fn number(text: &str) -> Result<f64, String> {
+    let pointed = text.replace(',', ".");
+    match text.parse() {
+        Ok(value) => Ok(value),
+        Err(_) if pointed.parse::<f64>().is_ok() => Err(format!(
+            "a number has a decimal point here: write {pointed}"
+        )),
+        Err(_) => Err("this is not a number; write it as 0.02 or 2e-2".into()),
     }
 }
 

@@ -19,6 +19,9 @@ use stickslip::error::readable;
 /// What is called ok was held against the truth on series of so many points and more.
 const COUNTED_POINTS: usize = 5000;
 
+/// An exponent that is called ok is within so many standard errors of the truth nine times in ten.
+const STANDARD_ERRORS: f64 = 2.0;
+
 /// The spectrum and its evidence, for the terminal.
 pub fn table(findings: &Findings, source: &Table) -> String {
     let spectrum = &findings.spectrum;
@@ -95,7 +98,7 @@ pub fn table(findings: &Findings, source: &Table) -> String {
     if let Some(divergence) = &findings.divergence {
         text += &opinion::divergence_text(divergence);
     }
-    if let Some(note) = short_of_points(findings, rows(source)) {
+    for note in notes(findings, source) {
         let _ = writeln!(text, "{note}");
     }
     if let Some(test) = &findings.surrogates {
@@ -124,6 +127,31 @@ pub fn table(findings: &Findings, source: &Table) -> String {
         text += "What the statuses mean: --help\n";
     }
     text
+}
+
+/// What is to be known of the exponents that are ok.
+fn notes(findings: &Findings, source: &Table) -> Vec<String> {
+    let notes = [near_zero(findings), short_of_points(findings, rows(source))];
+    notes.into_iter().flatten().collect()
+}
+
+/// Which exponents are ok and have no sign for certain.
+fn near_zero(findings: &Findings) -> Option<String> {
+    let exponents = (1..).zip(&findings.spectrum.exponents);
+    let near: Vec<String> = exponents
+        .filter(|(i, exponent)| {
+            findings.status(i - 1) == Status::Ok.word()
+                && exponent.value.abs() <= STANDARD_ERRORS * exponent.stderr
+        })
+        .map(|(i, _)| i.to_string())
+        .collect();
+    let plural = if near.len() > 1 { "s" } else { "" };
+    (!near.is_empty()).then(|| {
+        format!(
+            "Zero is within two stderr of exponent{plural} {}: that it is ok says nothing of its sign.",
+            near.join(", ")
+        )
+    })
 }
 
 /// That nobody counted what "ok" is worth of so few points.
@@ -314,7 +342,7 @@ pub fn json(findings: &Findings, source: &Table) -> Result<String, SpectrumError
         "diverging_neighbours": findings.divergence.as_ref().map(opinion::divergence_json),
         "surrogates": findings.surrogates.as_ref().map(opinion::surrogates_json),
         "warnings": warnings(findings, source),
-        "notes": short_of_points(findings, rows(source)).into_iter().collect::<Vec<_>>(),
+        "notes": notes(findings, source),
     });
     Ok(format!("{}\n", serde_json::to_string_pretty(&document)?))
 }

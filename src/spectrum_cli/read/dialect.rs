@@ -77,8 +77,14 @@ impl Dialect {
         }
     }
 
-    /// The names in a comment, if there are `count` and none is a number.
+    /// The names in a comment, if there are `count` and none is a number. A word with a colon and what it is of the file, as Octave
+    /// writes them (`# columns: 1`), are none.
     pub(super) fn header<'t>(&self, comment: &'t str, count: usize) -> Option<Vec<Cow<'t, str>>> {
+        let mut words = comment.split_whitespace();
+        let tells = words.next().is_some_and(|word| word.ends_with(':')) && words.next().is_some();
+        if tells {
+            return None;
+        }
         let separated = self.cells(comment);
         let by_spaces = || comment.split_whitespace().map(unquoted).collect();
         let names: Vec<Cow<str>> = if separated.len() == count {

@@ -44,6 +44,19 @@ fn separators_are_sensed() {
         table("# two columns here\n1 2\n3 4\n", &[]).unwrap().names,
         ["1", "2"]
     );
+    // Nor is what Octave tells of the file, with as many words as there are columns.
+    for (comments, rows, names) in [
+        (
+            "# name: x\n# type: matrix\n# rows: 3\n# columns: 1\n",
+            "1\n2\n4\n",
+            vec!["1"],
+        ),
+        ("% name: x\n", "1 2\n3 4\n", vec!["1", "2"]),
+        ("# x:\n", "1\n2\n4\n", vec!["x:"]),
+    ] {
+        let table = table(&format!("{comments}{rows}"), &[]).unwrap();
+        assert_eq!(table.names, names, "{comments:?}");
+    }
     // A comma alone separates, but where the digits beside it are those of no whole numbers.
     assert_eq!(table("1,5\n2,5\n4,9\n", &[]).unwrap().names.len(), 2);
     // One column needs no separator.
