@@ -405,3 +405,34 @@ fn a_step_into_where_the_boundary_is_not_defined_hides_no_event() {
         assert!((times[0] - 0.75).abs() < 1e-12, "{times:?}");
     }
 }
+
+/// A body in uniform motion, and a boundary that dents in a power of the time and is nowhere met: its series converges up to 1.
+pub struct Dent {
+    power: i32,
+}
+
+impl Filippov<1> for Dent {
+    fn field<T: Scalar>(&self, _side: Side, _t: T, _x: &[T; 1]) -> [T; 1] {
+        [T::constant(0.2)]
+    }
+
+    fn boundary<T: Scalar>(&self, t: T, x: &[T; 1]) -> T {
+        x[0] + (t.powi(self.power) + 1.0).recip() * 1.2 - 1.0
+    }
+}
+
+#[test]
+fn a_series_with_gaps_is_not_taken_for_one_that_ends() {
+    for power in 2..=7 {
+        for digits in 2..=15 {
+            let options = taylor(math::powi(10.0, -digits));
+            let orbit = solve(&Dent { power }, 0.0, State::from([1.0]), 10.0, &options);
+            let orbit = orbit.expect("runs");
+            assert_eq!(orbit.transitions, [], "{power}, {digits} digits");
+            assert!(
+                (orbit.x_end[0] - 3.0).abs() < 1e-14,
+                "{power}, {digits} digits"
+            );
+        }
+    }
+}

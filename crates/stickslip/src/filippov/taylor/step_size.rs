@@ -2,7 +2,7 @@
 
 use crate::filippov::options::Options;
 use crate::taylor::MOST_ORDER;
-use crate::taylor::row::{Lanes, Row, lanes_of};
+use crate::taylor::row::{Lanes, Row, lanes, lanes_of};
 use crate::taylor::series::Expansion;
 
 /// Part of the tolerance that the last coefficients are held to: the steps are long and few, and all of the next ones enlarge
@@ -55,6 +55,34 @@ fn rough_exp2(x: f64) -> f64 {
     f64::from_bits((power as u64) << 52) * (1.0 + rest * (0.66 + 0.34 * rest))
 }
 
+/// Gives the coefficients of a series by which it is told how far it reaches: the last `COUNT`. Of a series in a power of the time
+/// these may all be zero; then it is told by those of the upper half, lane by lane. Zero is given in place of what does not count.
+/// Returns the largest of the last.
+#[inline(always)]
+fn newest<const L: usize, const COUNT: usize>(
+    row: &Row<L>,
+    p: usize,
+    mut each: impl FnMut(usize, Lanes<L>),
+) -> Lanes<L> {
+    let size = |k: usize| lanes_of(row.at(k), f64::abs);
+    let mut largest = [0.0; L];
+    for k in p + 1 - COUNT..=p {
+        let here = size(k);
+        largest = lanes(|l| f64::max(largest[l], here[l]));
+        each(k, here);
+    }
+    if largest.contains(&0.0) {
+        for k in p / 2 + 1..p + 1 - COUNT {
+            let here = size(k);
+            // Of a polynomial's series all are zero.
+            if here != [0.0; L] {
+                each(k, lanes(|l| if largest[l] == 0.0 { here[l] } else { 0.0 }));
+            }
+        }
+    }
+    largest
+}
+
 /// Step length within the tolerance, over that which the series is scaled with: where the last coefficients, extrapolated
 /// by the radius of convergence that they tell, have fallen to the tolerance (Jorba & Zou 2005, Sect. 3.2).
 #[inline(always)]
@@ -76,25 +104,22 @@ pub(in crate::filippov) fn step_ratio<const L: usize, const N: usize, const G: u
     for (i, x) in x.iter().enumerate() {
         let scale = |x: f64| rough_log2((options.atol + options.rtol * x.abs()) / relative);
         let scale = lanes_of(*x, scale);
-        // Even or odd series have every other coefficient zero.
-        let (mut early, mut late) = ([0.0; L], [0.0; L]);
-        for k in p - 3..=p {
-            let (newest, before) = (size(i, k), size(i, k - p / 2));
+        let late = newest::<L, 4>(&rows[i], p, |k, newest| {
             for l in 0..L {
-                early[l] = f64::max(early[l], before[l]);
-                late[l] = f64::max(late[l], newest[l]);
                 let longest = (scale[l] - rough_log2(newest[l])) * inverse(k) + wanted;
                 log[l] = bounded(log[l], newest[l], longest);
             }
-        }
+        });
+        // Even or odd series have every other coefficient zero.
+        let before = p - p / 2;
+        let early = (before - 3..=before).fold([0.0; L], |largest, k| {
+            let here = size(i, k);
+            lanes(|l| f64::max(largest[l], here[l]))
+        });
         for l in 0..L {
             let ratio = rough_log2(early[l]) - rough_log2(late[l]);
             let longest = ratio * inverse(p / 2) + farthest;
-            log[l] = if early[l] > 0.0 {
-                log[l].min(longest)
-            } else {
-                log[l]
-            };
+            log[l] = bounded(log[l], early[l].min(late[l]), longest);
         }
     }
     for function in expansion.watched.iter().flatten() {
@@ -106,8 +131,7 @@ pub(in crate::filippov) fn step_ratio<const L: usize, const N: usize, const G: u
         // flatter than that.
         let sizes = [0, 1, 2].map(|k| size(function.row, k));
         let first = sizes.map(|size| lanes_of(size, |size| tolerance + rough_log2(size)));
-        for k in p - 1..=p {
-            let newest = size(function.row, k);
+        newest::<L, 2>(&rows[function.row], p, |k, newest| {
             for l in 0..L {
                 let left_out = rough_log2(newest[l]);
                 let against = |j: usize| (first[j][l] - left_out) * inverse(k - j);
@@ -115,7 +139,7 @@ pub(in crate::filippov) fn step_ratio<const L: usize, const N: usize, const G: u
                 let moves = sizes[0][l] + sizes[1][l] + sizes[2][l];
                 log[l] = bounded(log[l], moves.min(newest[l]), longest);
             }
-        }
+        });
     }
     lanes_of(log, rough_exp2)
 }
@@ -147,6 +171,66 @@ mod tests {
                     (ratio / GROW_MOST - 1.0).abs() < 3e-3,
                     "{x:e}, {tol:e}: {ratio}"
                 );
+            }
+        }
+    }
+
+    #[test]
+    fn what_was_and_is_no_more_bounds_no_step() {
+        // Of a polynomial whose highest power is as small as a number can be.
+        for least in [5e-324, 1e-300, 1.0] {
+            let row = Row::new();
+            row.set(0, [1.0]);
+            row.set(8, [least]);
+            let options = Options::tol(1e-12);
+            let expansion = Expansion::<0>::default();
+            let [ratio] = step_ratio(&[row], &expansion, 20, &options, &[[1.0]]);
+            assert!((ratio / GROW_MOST - 1.0).abs() < 3e-3, "{least:e}: {ratio}");
+        }
+    }
+
+    /// Coefficients of `1/(1 + t^m)`, lane by lane with `m`.
+    fn in_powers<const L: usize>(m: [usize; L], p: usize) -> Row<L> {
+        let row = Row::new();
+        for k in 0..=p {
+            let sign = |m: usize| if (k / m).is_multiple_of(2) { 1.0 } else { -1.0 };
+            row.set(
+                k,
+                m.map(|m| if k.is_multiple_of(m) { sign(m) } else { 0.0 }),
+            );
+        }
+        row
+    }
+
+    /// The same of a state with that series, or of one at rest and a guard with it.
+    fn ratio_in_powers<const L: usize>(m: [usize; L], p: usize, of_guard: bool) -> [f64; L] {
+        let at_rest = Row::new();
+        at_rest.set(0, [1.0; L]);
+        let rows = if of_guard {
+            [at_rest, in_powers(m, p)]
+        } else {
+            [in_powers(m, p), at_rest]
+        };
+        let (row, is_linear) = (1, !of_guard);
+        let expansion = Expansion {
+            watched: [Some(Watched { row, is_linear })],
+            ..Expansion::default()
+        };
+        step_ratio(&rows, &expansion, p, &Options::tol(1e-8), &[[1.0; L]])
+    }
+
+    #[test]
+    fn a_series_in_a_power_of_the_time_reaches_no_farther_than_it_converges() {
+        for of_guard in [false, true] {
+            for p in 12..=24 {
+                let ratios = [1, 2, 3, 4, 5, 6].map(|m| ratio_in_powers([m], p, of_guard)[0]);
+                assert!(
+                    ratios.iter().all(|&r| r < 1.0),
+                    "{p} {of_guard}: {ratios:?}"
+                );
+                // What is beside it in another lane changes nothing.
+                let together = ratio_in_powers([1, 2, 3, 4, 5, 6], p, of_guard);
+                assert_eq!(together, ratios, "{p} {of_guard}");
             }
         }
     }
