@@ -718,6 +718,36 @@ fn an_unwritable_folder_is_named() {
     );
 }
 
+/// Two columns without any rule have two tangent directions, and no exponent.
+#[test]
+fn of_noise_no_exponent_is_called_determined() {
+    let mut random = SplitMix::new(3);
+    let noise: String = (0..1000)
+        .map(|_| format!("{} {}\n", random.uniform(), random.uniform()))
+        .collect();
+    for (text, says) in [
+        (
+            noise,
+            "the maps do not predict the next state, and the data determine no exponent;",
+        ),
+        (henon(false), "the data determine as many exponents;"),
+    ] {
+        program()
+            .args(["-", "--dt", "1"])
+            .write_stdin(text)
+            .assert()
+            .success()
+            .stdout(contains(format!("2 tangent directions: {says}")));
+    }
+}
+
+#[test]
+fn short_help_has_a_line_for_each_option() {
+    let help = succeed(program().arg("-h"));
+    assert!(help.lines().count() < 40, "{help}");
+    assert!(help.contains("--surrogates") && help.contains("more examples: --help"));
+}
+
 #[test]
 fn help_has_examples_and_explains_the_status() {
     let help = succeed(program().arg("--help"));

@@ -146,7 +146,7 @@ fn the_whole_state_is_not_embedded() {
         .stderr(contains("--affine changes nothing with delayed values"));
     program(&["--delay", "3000", "--dimension", "2"], &one)
         .assert()
-        .code(1)
+        .code(2)
         .stdout("")
         .stderr(contains(
             "3000 points are too few for 2 values with a delay of 3000",
@@ -193,6 +193,30 @@ fn the_picture_shows_the_choice_and_the_straight_parts() {
             "{word}: {description}"
         );
     }
+}
+
+/// The series lies in a plane, and the third exponent is one of its rounding.
+#[test]
+fn an_exponent_that_the_axis_leaves_out_is_said_to_be_outside() {
+    let text = henon(3001);
+    let x: Vec<f64> = text
+        .lines()
+        .skip(1)
+        .map(|line| line.parse().unwrap())
+        .collect();
+    let three: String = x
+        .windows(2)
+        .map(|pair| format!("{:.6} {:.6} {:.6}\n", pair[1], pair[0], pair[1] + pair[0]))
+        .collect();
+    let folder = tempfile::tempdir().unwrap();
+    program(&["--out"], &three)
+        .arg(folder.path())
+        .assert()
+        .success()
+        .stdout(contains("unidentified"));
+    let picture = std::fs::read_to_string(folder.path().join("spectrum.svg")).unwrap();
+    assert_eq!(picture.matches("unidentified, outside the axis").count(), 1);
+    assert_eq!(picture.matches("outside the axis").count(), 1);
 }
 
 /// Neighbours that fall on one value of the grid look annihilated, and are told apart by a warning; whole numbers from 0 to 2 without any

@@ -6,7 +6,8 @@ use super::report::short;
 use crate::figures::FigureError;
 use plot::*;
 use stickslip::analysis::data_spectrum::{
-    DataSpectrum, DimensionEvidence, Direction, Divergence, Statistics, Status, SurrogateTest,
+    DataSpectrum, DimensionEvidence, Direction, Divergence, Running, Statistics, Status,
+    SurrogateTest,
 };
 use stickslip::math;
 
@@ -261,12 +262,18 @@ fn convergence(findings: &Findings) -> Panel {
             ),
             Status::Annihilated => (Dash::Dotted, "−∞ annihilated".into()),
         };
-        let points = spectrum.convergence.iter().filter(|_| shown(i));
+        let points = || spectrum.convergence.iter().filter(|_| shown(i));
+        let is_seen = |row: &Running| (low..=high).contains(&row.exponents[i]);
+        let outside = if exponent.value.is_finite() && !points().any(is_seen) {
+            ", outside the axis"
+        } else {
+            ""
+        };
         panel.add(
-            Curve::new(points.map(|row| (row.t, row.exponents[i])))
+            Curve::new(points().map(|row| (row.t, row.exponents[i])))
                 .color(COLOURS[i % COLOURS.len()])
                 .dash(dash)
-                .legend(&format!("*λ*_{{{}}} = {text}", i + 1)),
+                .legend(&format!("*λ*_{{{}}} = {text}{outside}", i + 1)),
         );
     }
     panel

@@ -189,6 +189,8 @@ impl ProgramError for SpectrumError {
                 | Self::EpsWithCount { .. }
                 | Self::NoTime { .. }
                 | Self::Option { .. }
+                // The defaults never reach over the end of a series.
+                | Self::Data(DataError::Span { .. })
         )
     }
 }

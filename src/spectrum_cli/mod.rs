@@ -94,7 +94,8 @@ Output for machines:
           exponents of the tangent directions, and its sum_stderr; balance, what --divergence says of it
 
 A column named t or time is no coordinate: it gives the time step, or is held against --dt. Without names a first column that goes on
-evenly is the time, too, and an error if it goes by another step than --dt or has a few gaps; --columns takes it as part of the state. Of others that do a warning tells. A comma is a decimal comma where something else separates the columns and
+evenly is the time, too, and of ten rows or more an error if it goes by another step than --dt, or has one to ten gaps in a hundred
+times as many rows; --columns takes it as part of the state. Of others that do a warning tells. A comma is a decimal comma where something else separates the columns and
 no number has a point, or where it is the only one in each line and what it parts cannot be whole numbers, such as -0 and 05. Lines that start with # or % are skipped; the last one above the numbers may hold the names.
 A column that never changes is left out.
 
@@ -109,9 +110,15 @@ Examples:
   spectrum heart.txt --dt 1 --surrogates 39
   generate | spectrum - --dt 0.01 --csv";
 
+/// With `-h`, which has a line for each option.
+const AFTER_SHORT: &str = "\
+One column is embedded; several are the state as they are. A column named t or time gives --dt.
+Example: spectrum lorenz.dat --dt 0.02 --columns 1
+What the statuses of exponents and the columns of the table mean, which files are read, more examples: --help";
+
 /// Arguments of the program.
 #[derive(Debug, Parser)]
-#[command(name = "spectrum", version, about = ABOUT, after_help = AFTER)]
+#[command(name = "spectrum", version, about = ABOUT, after_help = AFTER_SHORT, after_long_help = AFTER)]
 pub struct Arguments {
     /// Text with one state per line, separated by commas, semicolons, tabs or spaces, with or without names in the first line; or a
     /// .npy array; - for standard input

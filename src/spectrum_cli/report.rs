@@ -82,11 +82,7 @@ pub fn table(findings: &Findings, source: &Table) -> String {
          {}; eps_sensitivity is the change with neighbourhoods of twice the size, a measure of bias.",
         spectrum.dimension,
         if spectrum.dimension == 1 { "" } else { "s" },
-        if findings.is_noise() {
-            "noise has as many as are looked at, and no exponent"
-        } else {
-            "the data determine as many exponents"
-        },
+        determined(findings),
         estimator(spectrum)
     );
     if let Some(embedded) = &findings.embedded {
@@ -127,6 +123,18 @@ pub fn table(findings: &Findings, source: &Table) -> String {
         text += "What the statuses mean: --help\n";
     }
     text
+}
+
+/// Whether the tangent directions have exponents.
+fn determined(findings: &Findings) -> &'static str {
+    let mut exponents = findings.spectrum.exponents.iter();
+    if findings.is_noise() {
+        "noise has as many as are looked at, and no exponent"
+    } else if exponents.any(|exponent| exponent.status == Status::Unpredictable) {
+        "the maps do not predict the next state, and the data determine no exponent"
+    } else {
+        "the data determine as many exponents"
+    }
 }
 
 /// What is to be known of the exponents that are ok.

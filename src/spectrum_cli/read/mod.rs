@@ -7,10 +7,12 @@ mod npy;
 mod period;
 mod time;
 
-use std::io::{BufRead, BufReader};
+use std::fs::File;
+use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
 use super::error::SpectrumError;
+use crate::terminal::patiently;
 use stickslip::analysis::data_spectrum::MAX_COLUMNS;
 use stickslip::error::readable;
 
@@ -25,6 +27,8 @@ const SAMPLE: usize = 64;
 const SAMPLE_BYTES: usize = 1 << 24;
 /// Fewer values than this go on evenly by chance.
 const TELLING: usize = 10;
+/// Bytes that are read at a time.
+const BUFFER: usize = 1 << 16;
 /// Most numbers that are read: 1 GiB of them.
 const MOST: usize = 1 << 27;
 
@@ -66,11 +70,38 @@ pub fn read(path: &Path, wanted: &[String], dt: Option<f64>) -> Result<Table, Sp
     if stdin {
         return parse(input, std::io::stdin().lock(), wanted, dt);
     }
-    let file = std::fs::File::open(path).map_err(|source| SpectrumError::Read {
+    let file = File::open(path).map_err(|source| SpectrumError::Read {
         input: input.clone(),
         source,
     })?;
-    parse(input, BufReader::new(file), wanted, dt)
+    let total = file.metadata().map_or(0, |metadata| metadata.len());
+    patiently(" MiB read, {eta} left", |report| {
+        let counted = Counted {
+            file,
+            done: 0,
+            total,
+            report,
+        };
+        parse(input, BufReader::with_capacity(BUFFER, counted), wanted, dt)
+    })
+}
+
+/// A file that tells how much of it was read.
+struct Counted<'a> {
+    file: File,
+    done: u64,
+    total: u64,
+    /// Takes both in MiB.
+    report: &'a dyn Fn(usize, usize),
+}
+
+impl Read for Counted<'_> {
+    fn read(&mut self, into: &mut [u8]) -> std::io::Result<usize> {
+        let count = self.file.read(into)?;
+        self.done += count as u64;
+        (self.report)((self.done >> 20) as usize, (self.total >> 20) as usize);
+        Ok(count)
+    }
 }
 
 /// As [`read`], from the content of a file.

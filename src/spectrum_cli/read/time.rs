@@ -53,7 +53,7 @@ impl Clock {
             return Ok(1.0);
         };
         // Times that descend or stand still are told at the first row that does.
-        self.holds(middle.abs().max(f64::MIN_POSITIVE))?;
+        self.holds(rounded(middle.abs()).max(f64::MIN_POSITIVE))?;
         let (first, last) = (self.0[0].1, self.0[steps.len()].1);
         Ok(rounded((last - first) / steps.len() as f64))
     }
