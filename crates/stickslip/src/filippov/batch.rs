@@ -214,8 +214,8 @@ impl<'a, S: Switched<N, G>, O: Observer<N, S::Mode>, const N: usize, const G: us
         for lane in 0..LANES {
             // Lanes without an orbit do the first one's work again.
             let number = group.get(lane).unwrap_or(&group[0]);
-            let integration = &self.members[*number].integration;
-            let Some(stepper) = integration.stepper.series() else {
+            let integration = &mut self.members[*number].integration;
+            let Some(stepper) = integration.stepper.series_mut() else {
                 return;
             };
             (order, h[lane]) = stepper.order_and_scale();

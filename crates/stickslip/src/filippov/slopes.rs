@@ -104,6 +104,7 @@ impl<const N: usize> Slopes<N> {
             x,
             slope,
             h,
+            to_end: (run.t_end - t) / h,
             field_calls: Cell::new(0),
         };
         let found = run.first_event::<M, F>(&origin, &dense);
@@ -112,12 +113,21 @@ impl<const N: usize> Slopes<N> {
             run.reject_undefined(h)?;
             return Ok(Trial::NoStep);
         };
-        let event = event.filter(|event| !is_last || event.at.t < t_next);
-        let (at, next_slope) = match &event {
-            Some(event) => (event.at, None),
-            None => {
+        let latest = if is_last {
+            t_next
+        } else {
+            t + origin.to_end * h
+        };
+        let (at, next_slope, event) = match event {
+            Some(event) if event.at.t < latest => (event.at, None, Some(event)),
+            // A touch turns back at the end time or behind it, and the step's end is below zero.
+            Some(Event { at, .. }) if !is_last => {
+                let (t, x) = (run.t_end, at.x);
+                (Timed { t, x }, None, None)
+            }
+            _ => {
                 let (t, x) = (t_next, step.end);
-                (Timed { t, x }, Some(slope_at_end))
+                (Timed { t, x }, Some(slope_at_end), None)
             }
         };
         run.counters.steps += 1;

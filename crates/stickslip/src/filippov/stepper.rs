@@ -54,14 +54,6 @@ impl<const N: usize, const G: usize> Stepper<N, G> {
     }
 
     /// The Taylor stepper, if it is one.
-    pub(crate) fn series(&self) -> Option<&TaylorStepper<N, G>> {
-        match self {
-            Stepper::Taylor(series) => Some(series),
-            Stepper::Dop853(_) | Stepper::Rk4(_) => None,
-        }
-    }
-
-    /// As [`Stepper::series`], to change it.
     pub(crate) fn series_mut(&mut self) -> Option<&mut TaylorStepper<N, G>> {
         match self {
             Stepper::Taylor(series) => Some(series),

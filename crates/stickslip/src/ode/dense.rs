@@ -112,7 +112,7 @@ impl<const N: usize> Dense<N> {
         match &self.polynomial {
             Polynomial::Hermite(c) => nested(c, s),
             Polynomial::RungeKutta(c) => nested(c, s),
-            Polynomial::Series(order, c) => power_series(&c[..=*order], s),
+            Polynomial::Series(order, c) => power_series(&c[..=*order], s).0,
         }
     }
 
@@ -164,40 +164,25 @@ fn enclosure_of_nested<const N: usize, const K: usize>(c: &[State<N>; K]) -> [In
     })
 }
 
-/// `Σ c_k s^k`, from the even and the odd powers apart: neither waits for the other.
+/// `Σ c_k s^k` and its slope, from the even and the odd powers apart: neither waits for the other.
 #[inline(always)]
-pub(crate) fn power_series<const N: usize>(c: &[State<N>], s: f64) -> State<N> {
+pub(crate) fn power_series<V: Linear<f64>>(c: &[V], s: f64) -> (V, V) {
     let square = s * s;
     let (pairs, last) = c.as_chunks::<2>();
-    let zero = <State<N> as Linear<f64>>::zero();
-    let (mut even, mut odd) = (last.first().copied().unwrap_or(zero), zero);
-    for pair in pairs.iter().rev() {
-        for i in 0..N {
-            even[i] = even[i] * square + pair[0][i];
-            odd[i] = odd[i] * square + pair[1][i];
-        }
-    }
-    even.add_scaled(s, &odd)
-}
-
-/// `Σ k c_k s^(k − 1)`, in the same way.
-#[inline(always)]
-pub(crate) fn power_series_slope<const N: usize>(c: &[State<N>], s: f64) -> State<N> {
-    let square = s * s;
-    let (pairs, last) = c.as_chunks::<2>();
-    let zero = <State<N> as Linear<f64>>::zero();
+    let zero = V::zero();
     let (mut even, mut odd) = (last.first().copied().unwrap_or(zero), zero);
     let (mut even_slope, mut odd_slope) = (zero, zero);
-    for pair in pairs.iter().rev() {
-        for i in 0..N {
-            even_slope[i] = even_slope[i] * square + even[i];
-            odd_slope[i] = odd_slope[i] * square + odd[i];
-            even[i] = even[i] * square + pair[0][i];
-            odd[i] = odd[i] * square + pair[1][i];
-        }
+    for [even_next, odd_next] in pairs.iter().rev() {
+        even_slope = even.add_scaled(square, &even_slope);
+        odd_slope = odd.add_scaled(square, &odd_slope);
+        even = even_next.add_scaled(square, &even);
+        odd = odd_next.add_scaled(square, &odd);
     }
     let in_square = even_slope.add_scaled(s, &odd_slope);
-    odd.add_scaled(2.0 * s, &in_square)
+    (
+        even.add_scaled(s, &odd),
+        odd.add_scaled(2.0 * s, &in_square),
+    )
 }
 
 #[cfg(test)]

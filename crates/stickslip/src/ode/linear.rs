@@ -25,6 +25,17 @@ impl<T: Scalar, const N: usize> Linear<T> for [T; N] {
     }
 }
 
+impl Linear<f64> for f64 {
+    #[inline(always)]
+    fn zero() -> Self {
+        0.0
+    }
+    #[inline(always)]
+    fn add_scaled(self, factor: f64, other: &Self) -> Self {
+        self + factor * other
+    }
+}
+
 impl<const N: usize> Linear<f64> for State<N> {
     #[inline(always)]
     fn zero() -> Self {

@@ -12,7 +12,7 @@ mod tableau;
 
 pub use control::Tolerance;
 pub use dense::Dense;
-pub(crate) use dense::{power_series, power_series_slope};
+pub(crate) use dense::power_series;
 pub use dop853::Dop853;
 pub use henon::henon_step;
 pub use linear::{Linear, Timed};

@@ -301,6 +301,9 @@ impl<'a, const L: usize> Jet<'a, L> {
     pub(super) fn choose(self, other: Self, exceeds: bool) {
         if let Some(pass) = self.pass().or(other.pass()) {
             let (a, b) = (self.newest(pass.order), other.newest(pass.order));
+            if !(self.is_linear() && other.is_linear()) {
+                pass.choices_bend.set(true);
+            }
             pass.choose(lanes(|l| if exceeds { a[l] - b[l] } else { b[l] - a[l] }));
         }
     }

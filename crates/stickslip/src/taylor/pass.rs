@@ -32,6 +32,8 @@ pub(crate) struct Pass<'a, const L: usize> {
     pub(super) order: usize,
     pub(super) taken: Cell<usize>,
     pub(super) choices: Cell<usize>,
+    /// Whether one of these is between what is not linear in state and time.
+    pub(super) choices_bend: Cell<bool>,
     /// Whether a value was read, so that the series may hold only where it was made.
     pub(super) value_read: Cell<bool>,
     /// Whether lanes compare differently, so that they must be expanded one by one.
@@ -49,6 +51,7 @@ impl<'a, const L: usize> Pass<'a, L> {
             order,
             taken: Cell::new(0),
             choices: Cell::new(0),
+            choices_bend: Cell::new(false),
             value_read: Cell::new(false),
             divided: Cell::new(false),
             recording: None,

@@ -6,6 +6,7 @@
 //! *J. Comput. Appl. Math.* 162 (2004) 33). So no pair of zeros is missed, however close, down to rounding.
 
 use super::MOST_ORDER;
+use crate::ode::power_series;
 
 const ROOM: usize = MOST_ORDER + 1;
 
@@ -110,7 +111,7 @@ fn search(c: &[f64]) -> Option<f64> {
     }
     let mut all = [0.0; ROOM];
     all[..c.len()].copy_from_slice(c);
-    let (at_b, slope_at_b) = value_and_slope(c, 1.0);
+    let (at_b, slope_at_b) = power_series(c, 1.0);
     if at_b > 0.0 && is_positive_folded(&all) {
         return None;
     }
@@ -223,22 +224,6 @@ fn isolate(b: &[f64], lo: f64, hi: f64) -> Option<Bracket> {
     isolate(&left[..=n], lo, middle).or_else(|| isolate(&right[..=n], middle, hi))
 }
 
-/// Value and slope at `s`, from the even and the odd powers apart: neither waits for the other.
-#[inline(always)]
-pub(crate) fn value_and_slope(c: &[f64], s: f64) -> (f64, f64) {
-    let square = s * s;
-    let (pairs, last) = c.as_chunks::<2>();
-    let (mut even, mut odd) = ((last.first().copied().unwrap_or(0.0), 0.0), (0.0, 0.0));
-    for pair in pairs.iter().rev() {
-        even.1 = even.1 * square + even.0;
-        odd.1 = odd.1 * square + odd.0;
-        even.0 = even.0 * square + pair[0];
-        odd.0 = odd.0 * square + pair[1];
-    }
-    let slope = odd.0 + 2.0 * s * (even.1 + s * odd.1);
-    (even.0 + s * odd.0, slope)
-}
-
 /// Slope and curvature at `s`.
 pub(crate) fn slope_and_bend(c: &[f64], s: f64) -> (f64, f64) {
     let (mut value, mut slope, mut half_bend) = (0.0, 0.0, 0.0);
@@ -270,7 +255,7 @@ fn newton(c: &[f64], bracket: Bracket, guess: f64) -> f64 {
                 return b;
             }
         }
-        let (value, slope) = value_and_slope(c, s);
+        let (value, slope) = power_series(c, s);
         if value > 0.0 {
             a = s;
         } else {
@@ -387,7 +372,7 @@ mod tests {
             }
             c[0] = draw.between(0.0, 3.0);
             let least = (0..=1000)
-                .map(|i| value_and_slope(&c, f64::from(i) / 1000.0).0)
+                .map(|i| power_series(&c, f64::from(i) / 1000.0).0)
                 .fold(f64::INFINITY, f64::min);
             if is_positive_folded(&c) {
                 assert!(least > 0.0, "{least}: {c:?}");
@@ -400,12 +385,12 @@ mod tests {
             assert!(found.is_some() || least > -1e-13, "{least}: {c:?}");
             if let Some(s) = found {
                 let size: f64 = c.iter().map(|c| c.abs()).sum();
-                let before = (0..1000).map(|i| value_and_slope(&c, s * f64::from(i) / 1000.0).0);
+                let before = (0..1000).map(|i| power_series(&c, s * f64::from(i) / 1000.0).0);
                 assert!(
                     before.fold(f64::INFINITY, f64::min) > -1e-15 * size,
                     "{s}: {c:?}"
                 );
-                assert!(value_and_slope(&c, s).0.abs() < 1e-14 * size, "{s}: {c:?}");
+                assert!(power_series(&c, s).0.abs() < 1e-14 * size, "{s}: {c:?}");
             }
         }
         assert!(positive > 1000 && not > 1000, "{positive} {not}");

@@ -37,6 +37,8 @@ pub(crate) struct Expansion<const W: usize> {
     pub watched: [Option<Watched>; W],
     /// How many comparisons it relies on.
     pub choices: usize,
+    /// Whether one of these is between what is not linear in state and time.
+    pub choices_bend: bool,
     /// Whether values were read, so that it may hold only where it was made.
     pub value_read: bool,
     /// Whether the lanes cannot be expanded together.
@@ -48,6 +50,7 @@ impl<const W: usize> Default for Expansion<W> {
         Expansion {
             watched: [None; W],
             choices: 0,
+            choices_bend: false,
             value_read: false,
             divided: false,
         }
@@ -117,6 +120,7 @@ pub(super) fn outcome<const L: usize, const W: usize>(
     Ok(Expansion {
         watched,
         choices,
+        choices_bend: pass.choices_bend.get(),
         value_read: pass.value_read.get(),
         divided: pass.divided.get(),
     })

@@ -421,6 +421,27 @@ impl Filippov<1> for Dent {
     }
 }
 
+/// To any order that it has the series of a high power is a constant: what the boundary is at a step's end tells.
+#[test]
+fn a_boundary_flatter_than_its_series_is_met() {
+    for power in 8..=60 {
+        for digits in 4..=15 {
+            let tolerance = math::powi(10.0, -digits);
+            let options = taylor(tolerance);
+            let orbit = solve(&Dent { power }, 0.0, [0.5], 5.0, &options).expect("runs");
+            let times: Vec<f64> = orbit.transitions.iter().map(|at| at.t).collect();
+            assert_eq!(times.len(), 2, "{power}, {digits} digits: {times:?}");
+            for t in times {
+                let distance = 0.2 * t - 0.5 + 1.2 / (math::powi(t, power) + 1.0);
+                assert!(
+                    distance.abs() < (10.0 * tolerance).max(1e-12),
+                    "{power}, {digits} digits: {distance:e} at {t}"
+                );
+            }
+        }
+    }
+}
+
 #[test]
 fn a_series_with_gaps_is_not_taken_for_one_that_ends() {
     for power in 2..=7 {
@@ -434,5 +455,74 @@ fn a_series_with_gaps_is_not_taken_for_one_that_ends() {
                 "{power}, {digits} digits"
             );
         }
+    }
+}
+
+/// At rest but for a push between 1 - 1/30 and 1 + 1/30, by as much as `1/(1 + 100 (t - 1)²)` is above 0.9; Σ is far away.
+pub struct Push;
+
+impl Filippov<1> for Push {
+    fn field<T: Scalar>(&self, _side: Side, t: T, _x: &[T; 1]) -> [T; 1] {
+        let push = ((t - 1.0).powi(2) * 100.0 + 1.0).recip() - 0.9;
+        [push.max(T::zero())]
+    }
+
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 1]) -> T {
+        x[0] - 100.0
+    }
+}
+
+#[test]
+fn a_comparison_that_changes_there_and_back_within_a_step_is_not_passed_over() {
+    let rise = 0.2 * math::atan(1.0 / 3.0) - 0.06;
+    for tenth in 0..=9 {
+        let start = 0.1 * f64::from(tenth) + 0.004;
+        for tolerance in [1e-8, 1e-10, 1e-12] {
+            let orbit = solve(&Push, start, [0.0], 5.0, &taylor(tolerance)).expect("runs");
+            let error = (orbit.x_end[0] - rise).abs();
+            assert!(error < tolerance, "{start}, {tolerance:e}: {error:e}");
+        }
+    }
+}
+
+/// A body at rest, and a boundary that comes by at 1.03 and goes no deeper than 0.0009 beyond it.
+pub struct Cup;
+
+impl Filippov<1> for Cup {
+    fn field<T: Scalar>(&self, _side: Side, _t: T, _x: &[T; 1]) -> [T; 1] {
+        [T::zero()]
+    }
+
+    fn boundary<T: Scalar>(&self, t: T, x: &[T; 1]) -> T {
+        x[0] + (t - 1.03).powi(2) - 9e-4
+    }
+}
+
+/// The step before the last may end between the two zeros, with the end time before the turn.
+#[test]
+fn a_run_ends_at_its_end_time_while_a_touch_lasts() {
+    for method in [Method::Taylor, Method::Dop853] {
+        let mut touches = 0;
+        for thousandth in 0..50 {
+            let t_end = 0.99 + 0.001 * f64::from(thousandth);
+            for parts in 2..400 {
+                let options = Options {
+                    first_step: Some(t_end / f64::from(parts)),
+                    ..Options::tol(1e-3).method(method)
+                };
+                let orbit = solve(&Cup, 0.0, [0.0], t_end, &options).expect("runs");
+                assert_eq!((orbit.t_end, orbit.x_end), (t_end, State::from([0.0])));
+                touches += orbit.transitions.len();
+                assert!(
+                    orbit
+                        .transitions
+                        .iter()
+                        .all(|touch| touch.kind == TransitionKind::Touch && touch.t <= t_end),
+                    "{method:?} {t_end} {parts}: {:?}",
+                    orbit.transitions
+                );
+            }
+        }
+        assert!(touches > 1000, "{method:?}: {touches}");
     }
 }

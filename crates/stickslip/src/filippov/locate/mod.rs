@@ -24,6 +24,8 @@ pub(crate) struct Origin<'a, F, const N: usize> {
     pub x: State<N>,
     pub slope: State<N>,
     pub h: f64,
+    /// The part of the step at which the run's end time is, 1 or more.
+    pub to_end: f64,
     /// Calls of the user's field by location.
     pub field_calls: Cell<u64>,
 }
@@ -58,7 +60,7 @@ pub(crate) struct OnDense<'a, M, F, const N: usize> {
 
 impl<M: RungeKutta, F: Flow<N>, const N: usize> StepGuard<N> for OnDense<'_, M, F, N> {
     fn beyond(&self) -> f64 {
-        1.5
+        self.origin.to_end.min(1.5)
     }
 
     fn length(&self) -> f64 {

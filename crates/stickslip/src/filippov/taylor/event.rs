@@ -11,15 +11,17 @@ use crate::filippov::leaving::{Leaving, RISES, leaving};
 use crate::filippov::run::Run;
 use crate::filippov::scan::Bracket;
 use crate::filippov::slopes::Undefined;
-use crate::filippov::uncertainty::uncertainty;
-use crate::ode::Timed;
-use crate::taylor::roots::{first_zero, is_positive, slope_and_bend, value_and_slope};
+use crate::filippov::uncertainty::{Uncertainty, uncertainty};
+use crate::ode::{Timed, power_series};
+use crate::taylor::roots::{first_zero, is_positive, slope_and_bend};
 
 /// An event with its part of the step, and what rounding took from its state.
 pub(super) struct Found<const N: usize> {
     pub(super) event: Event<N>,
     pub(super) s: f64,
     pub(super) rest: Timed<N>,
+    /// How far the guard was from its zero where it was said to be.
+    off: f64,
 }
 
 /// Where it is looked at whether a guard is defined.
@@ -28,6 +30,9 @@ const SAMPLES: [f64; 8] = [0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0];
 /// How far, in parts of the step, a zero of its series may be from the guard's own, and steps of Newton's iteration from one to the other.
 const NEAR: f64 = 1e-6;
 const NEWTON_STEPS: usize = 3;
+
+/// A guard that is off its series by so many tolerances has another one: the step is too long.
+const STRAYS: f64 = 1e3;
 
 /// A series holds a little beyond its step.
 const BEYOND: f64 = 1.05;
@@ -47,7 +52,7 @@ struct OfSeries<'a, F, const N: usize> {
 
 impl<F: Flow<N>, const N: usize> StepGuard<N> for OfSeries<'_, F, N> {
     fn beyond(&self) -> f64 {
-        BEYOND
+        self.piece.to_end.min(BEYOND)
     }
 
     fn length(&self) -> f64 {
@@ -55,7 +60,7 @@ impl<F: Flow<N>, const N: usize> StepGuard<N> for OfSeries<'_, F, N> {
     }
 
     fn value(&self, s: f64) -> f64 {
-        value_and_slope(&self.c[self.order..], s).0
+        power_series(&self.c[self.order..], s).0
     }
 
     fn first_zero(&self, _from: f64) -> Option<Bracket> {
@@ -95,7 +100,7 @@ impl<F: Flow<N>, const N: usize> Sampled<'_, F, N> {
 
 impl<F: Flow<N>, const N: usize> StepGuard<N> for Sampled<'_, F, N> {
     fn beyond(&self) -> f64 {
-        BEYOND
+        self.piece.to_end.min(BEYOND)
     }
 
     fn length(&self) -> f64 {
@@ -136,6 +141,18 @@ fn on_piece<F: Flow<N>, const N: usize>(
     }
 }
 
+/// Whether a guard is `off` its series by no more than the tolerance allows.
+#[inline(always)]
+fn is_near(c: &[f64], off: f64, rtol: f64, blur: impl Fn() -> Uncertainty) -> bool {
+    let size = |c: &[f64]| c.iter().map(|c| c.abs()).sum::<f64>();
+    // Nearly always its first terms show that it is.
+    off <= STRAYS * rtol * size(&c[..2]) || off <= STRAYS * rtol * size(c) || {
+        // Of a sum in which large terms cancel rounding leaves more.
+        let blur = blur();
+        off <= STRAYS * blur.by_tolerance + blur.by_rounding
+    }
+}
+
 impl<const N: usize, const G: usize> TaylorStepper<N, G> {
     /// The first guard that fails in the step, and where. The series leads to `end`.
     ///
@@ -155,27 +172,31 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
                 continue;
             };
             let order = run.orders[guard];
-            let found = if self.expansion.value_read {
+            let c = &self.guards[guard][..=piece.order];
+            let found = if self.expansion.value_read || !c[piece.order].is_finite() {
                 sampled_failure(run, flow, guard, piece, order)?
             } else {
-                let c = &self.guards[guard][..=piece.order];
-                if c[piece.order].is_finite() {
-                    let found = first_failure(run, flow, guard, piece, c, order);
-                    // A series may go on where its function ends, or has ended and begun again.
-                    if found.is_none() && !function.is_linear {
-                        let value = if F::TOGETHER {
-                            at_end.get_or_init(|| flow.guards_at::<G>(end.t, &end.x))[guard]
+                let found = first_failure(run, flow, guard, piece, c, order);
+                // A series may go on where its function ends or has ended and begun again, or beyond where it converges.
+                if !function.is_linear {
+                    let at_end = || {
+                        if F::TOGETHER {
+                            let all = || flow.guards_at::<G>(end.t, &end.x);
+                            at_end.get_or_init(all)[guard]
                         } else {
                             flow.guard_at(guard, end.t, &end.x)
-                        };
-                        if !value.is_finite() {
-                            return Err(Undefined);
                         }
+                    };
+                    let off = match &found {
+                        Some(found) => found.off,
+                        None => at_end() - power_series(c, 1.0).0,
+                    };
+                    let blur = || uncertainty(flow, guard, end, &run.options.tolerance());
+                    if !is_near(c, off.abs(), run.options.rtol, blur) {
+                        return Err(Undefined);
                     }
-                    found
-                } else {
-                    sampled_failure(run, flow, guard, piece, order)?
                 }
+                found
             };
             if let Some(found) = found
                 && first.as_ref().is_none_or(|first| found.s < first.s)
@@ -211,7 +232,7 @@ fn first_failure<F: Flow<N>, const N: usize, const G: usize>(
         // A step over which the guard does not rise out of rounding cannot hold an event that means anything.
         let risen = |s: f64| {
             let power = (0..order).fold(1.0, |power, _| power * s);
-            (value_and_slope(&c[order..], s).0 * power).abs()
+            (power_series(&c[order..], s).0 * power).abs()
         };
         if !RISES.iter().any(|&s| risen(s) > floor) {
             return None;
@@ -296,6 +317,7 @@ fn locate<F: Flow<N>, const N: usize, const G: usize>(
                     event: turn.event(i, true),
                     s: turn.s,
                     rest: piece.at(turn.s).1,
+                    off: zero.guard,
                 });
             }
         }
@@ -332,6 +354,11 @@ fn locate<F: Flow<N>, const N: usize, const G: usize>(
             is_touch: false,
             residual: left.abs(),
         };
-        Some(Found { event, s, rest })
+        Some(Found {
+            event,
+            s,
+            rest,
+            off: zero.guard,
+        })
     })
 }

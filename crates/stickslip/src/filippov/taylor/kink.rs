@@ -1,7 +1,8 @@
 //! Comparisons that a series relies on, and where they come out otherwise.
 
 use super::TaylorStepper;
-use crate::taylor::roots::{first_zero, value_and_slope};
+use crate::ode::power_series;
+use crate::taylor::roots::first_zero;
 
 impl<const N: usize, const G: usize> TaylorStepper<N, G> {
     /// Where in the step, before the part `before`, a comparison that the series relies on first comes out otherwise: a little
@@ -28,7 +29,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             let mut behind = s;
             // At least something, where the step begins at time zero.
             let mut more = 4.0 * f64::EPSILON * (s + (piece.t / piece.h).abs()).max(1.0);
-            while behind < 1.0 && value_and_slope(c, behind).0 > -8.0 * f64::EPSILON * size {
+            while behind < 1.0 && power_series(c, behind).0 > -8.0 * f64::EPSILON * size {
                 behind = s + more;
                 more *= 2.0;
             }

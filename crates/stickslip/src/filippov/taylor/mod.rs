@@ -26,7 +26,7 @@ use crate::taylor::series::{Expansion, Functions, Series, in_rows};
 /// Least order: looser tolerances would ask for less.
 const LEAST_ORDER: usize = 8;
 
-/// What a series that is not finite does to the step that it is scaled with.
+/// What a series that is not finite does to the step that it is scaled with, before that is rejected and shrinks tenfold.
 const SHRINK: f64 = 1e-2;
 
 /// The Taylor stepper: a series, and room for it.
@@ -93,6 +93,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             piece: Piece {
                 t: 0.0,
                 h: 0.0,
+                to_end: 0.0,
                 order: order.clamp(LEAST_ORDER, MOST_ORDER),
                 x: [State::from([0.0; N]); MOST_ORDER + 1],
                 rest: nowhere(),
@@ -109,7 +110,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         }
     }
 
-    /// Keeps its room and nothing else, for another orbit.
+    /// Forgets where it ended, for another orbit; whatever else it keeps is made anew before it is used.
     pub(super) fn forget(&mut self) {
         (self.end, self.rest) = (nowhere(), nowhere());
     }
@@ -143,6 +144,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         let (h, is_last) = run.next_step();
         let h = if is_last { h - self.rest.t } else { h };
         (self.piece.h, self.is_last) = (h, is_last);
+        self.piece.to_end = (run.t_end - run.at.t) / h;
         h / self.scale
     }
 
@@ -197,7 +199,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
     /// Begins a phase, or the rest of one.
     fn enter<F: Flow<N>>(&mut self, run: &mut Run<N, G>, flow: &F) {
         let Timed { t, x } = run.at;
-        // What rounding took belongs to the state that it was taken from.
+        // What rounding took belongs to the state that it was taken from; what landing on Σ has moved by a few units in the last place keeps it.
         if t != self.end.t {
             self.rest.t = 0.0;
         }
@@ -258,7 +260,14 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             return Ok(Trial::NoStep);
         };
         let mut event = event.filter(|event| !is_last || event.event.at.t < at.t);
-        let before = event.as_ref().map_or(1.0, |event| event.s);
+        // A touch turns back at the end time or behind it, and the step's end is below zero.
+        let touch = event.take_if(|touch| !is_last && touch.s >= piece.to_end);
+        if let Some(touch) = touch {
+            part = touch.s;
+            (at, rest_there) = (touch.event.at, touch.rest);
+            (at.t, rest_there.t) = (run.t_end, 0.0);
+        }
+        let before = event.as_ref().map_or(part, |event| event.s);
         if let Some(kink) = self.first_kink(before) {
             event = None;
             part = kink;

@@ -2,7 +2,7 @@
 
 use crate::filippov::flow::Flow;
 use crate::filippov::options::Options;
-use crate::ode::{Linear, Timed, power_series, power_series_slope};
+use crate::ode::{Linear, Timed, power_series};
 use crate::system::State;
 use crate::taylor::MOST_ORDER;
 use crate::taylor::row::{Lanes, lanes};
@@ -49,6 +49,8 @@ pub(in crate::filippov) fn powers<const L: usize>(ratio: Lanes<L>) -> [Lanes<L>;
 pub(super) struct Piece<const N: usize> {
     pub(super) t: f64,
     pub(super) h: f64,
+    /// The part of the step at which the run's end time is, 1 or more.
+    pub(super) to_end: f64,
     pub(super) order: usize,
     pub(super) x: [State<N>; MOST_ORDER + 1],
     pub(super) rest: Timed<N>,
@@ -58,7 +60,7 @@ impl<const N: usize> Piece<N> {
     /// Time and state at the part `s` of the step, and what rounding takes from them.
     #[inline(always)]
     pub(super) fn at(&self, s: f64) -> (Timed<N>, Timed<N>) {
-        let rise = power_series(&self.x[1..=self.order], s);
+        let (rise, _) = power_series(&self.x[1..=self.order], s);
         let (mut at, mut rest) = (nowhere(), nowhere());
         (at.t, rest.t) = two_sum(self.t, self.rest.t + s * self.h);
         for i in 0..N {
@@ -78,7 +80,7 @@ impl<const N: usize> Piece<N> {
         options: &Options,
     ) -> bool {
         let field = flow.velocity(at.t, &at.x);
-        let slope = power_series_slope(&self.x[..=self.order], s);
+        let (_, slope) = power_series(&self.x[..=self.order], s);
         (0..N).all(|i| {
             let rise = self.h * field[i];
             let size = f64::max(at.x[i].abs(), rise.abs());

@@ -122,16 +122,20 @@ pub(in crate::filippov) fn step_ratio<const L: usize, const N: usize, const G: u
             log[l] = bounded(log[l], early[l].min(late[l]), longest);
         }
     }
-    for function in expansion.watched.iter().flatten() {
-        // What is linear in the state is as good as that.
-        if function.is_linear {
-            continue;
-        }
-        // What a guard's series leaves out, against how far the guard moves in the step: by any of its first three terms, unless it is
-        // flatter than that.
-        let sizes = [0, 1, 2].map(|k| size(function.row, k));
+    // What a guard's series leaves out, or that of a comparison, against how far it moves in the step: by any of its first three terms,
+    // unless it is flatter than that. What is linear in the state is as good as that.
+    let guards = expansion.watched.iter().flatten();
+    let guards = guards.filter(|function| !function.is_linear);
+    let choices = if expansion.choices_bend {
+        expansion.choices
+    } else {
+        0
+    };
+    let choices = &rows[rows.len() - choices..];
+    for row in guards.map(|function| &rows[function.row]).chain(choices) {
+        let sizes = [0, 1, 2].map(|k| lanes_of(row.at(k), f64::abs));
         let first = sizes.map(|size| lanes_of(size, |size| tolerance + rough_log2(size)));
-        newest::<L, 2>(&rows[function.row], p, |k, newest| {
+        newest::<L, 2>(row, p, |k, newest| {
             for l in 0..L {
                 let left_out = rough_log2(newest[l]);
                 let against = |j: usize| (first[j][l] - left_out) * inverse(k - j);
