@@ -25,28 +25,32 @@ thread_local! {
     };
 }
 
-/// The last argument of [`sin_cos`], if it is this one; zero, of which there are two, is left out.
-#[inline]
-fn last(x: f64) -> Option<Angle> {
-    let last = LAST.get();
-    (last.x == x && x != 0.0).then_some(last)
-}
-
 /// Sine of `x` in radians.
+#[inline]
 pub fn sin(x: f64) -> f64 {
-    last(x).map_or_else(|| libm::sin(x), |last| last.sine)
+    sin_cos(x).0
 }
 
 /// Cosine of `x` in radians.
+#[inline]
 pub fn cos(x: f64) -> f64 {
-    last(x).map_or_else(|| libm::cos(x), |last| last.cosine)
+    sin_cos(x).1
 }
 
-/// Sine and cosine of `x` in radians, the same as each alone, for little more than one of them. The last ones are remembered.
+/// Sine and cosine of `x` in radians, for little more than one of them. The last ones are remembered.
+#[inline]
 pub fn sin_cos(x: f64) -> (f64, f64) {
-    if let Some(last) = last(x) {
-        return (last.sine, last.cosine);
+    let last = LAST.get();
+    // Of zero there are two.
+    if last.x == x && x != 0.0 {
+        (last.sine, last.cosine)
+    } else {
+        another(x)
     }
+}
+
+#[inline(never)]
+fn another(x: f64) -> (f64, f64) {
     let (sine, cosine) = libm::sincos(x);
     LAST.set(Angle { x, sine, cosine });
     (sine, cosine)
