@@ -7,6 +7,7 @@ use assert_cmd::Command;
 use assert_cmd::cargo::cargo_bin_cmd;
 use predicates::prelude::*;
 use predicates::str::{contains, starts_with};
+use stickslip::math;
 use stickslip::statistics::SplitMix;
 
 fn program() -> Command {
@@ -146,6 +147,8 @@ fn a_known_divergence_is_held_against_the_sum() {
     assert_eq!(warnings, "");
     let [table, warnings] = run("-1.3");
     assert!(table.contains("unlike the divergence"));
+    // Given in four digits.
+    assert!(run("-1.204")[0].contains("as does the divergence"));
     assert!(warnings.contains("from the divergence -1.30000"));
 }
 
@@ -344,7 +347,7 @@ fn wrong_command_lines_end_with_two() {
         (vec!["-", "--dt", "1", "--dimension", "-3"], "'-3'"),
         (
             vec!["-", "--dt", "1", "--surrogates", "18"],
-            "--surrogates = 18 is not allowed: it must be at least 19",
+            "--surrogates = 18 is not allowed: it must be 19 to 10000",
         ),
         (
             vec!["-", "--dt", "abc"],
@@ -379,7 +382,14 @@ fn doubtful_spectra_come_with_a_warning() {
             henon(false),
             vec!["--eps", "1e-9"],
             "starved",
-            "give more points or fewer --neighbours",
+            "give more points (a larger --eps would",
+        ),
+        (
+            // More than the quadratic maps need: fewer would do.
+            henon(false),
+            vec!["--eps", "1e-9", "--neighbours", "60-60"],
+            "starved",
+            "give more points or fewer --neighbours (a larger --eps would",
         ),
         (
             henon(false),
@@ -720,17 +730,14 @@ fn an_unwritable_folder_is_named() {
 
 /// Two columns without any rule have two tangent directions, and no exponent.
 #[test]
-fn of_noise_no_exponent_is_called_determined() {
+fn of_noise_no_exponent_is_ok() {
     let mut random = SplitMix::new(3);
     let noise: String = (0..1000)
         .map(|_| format!("{} {}\n", random.uniform(), random.uniform()))
         .collect();
     for (text, says) in [
-        (
-            noise,
-            "the maps do not predict the next state, and the data determine no exponent;",
-        ),
-        (henon(false), "the data determine as many exponents;"),
+        (noise, "no exponent is ok;"),
+        (henon(false), "2 exponents are ok;"),
     ] {
         program()
             .args(["-", "--dt", "1"])
@@ -786,6 +793,35 @@ fn help_has_examples_and_explains_the_status() {
 #[test]
 fn huge_settings_are_refused() {
     let huge = usize::MAX.to_string();
+    for (option, value, says) in [
+        ("--surrogates", huge.as_str(), "must be 19 to 10000"),
+        ("--surrogates", "10001", "must be 19 to 10000"),
+        ("--surrogates", "18", "must be 19 to 10000"),
+        (
+            "--divergence",
+            "inf",
+            "--divergence = inf is not allowed: it must be finite",
+        ),
+        ("--divergence", "nan", "must be finite"),
+        ("--dt", "1e-300", "must be 1e-100 to 1e100"),
+        ("--dt", "1e300", "must be 1e-100 to 1e100"),
+        ("--delay", "-3", "a whole number from 0"),
+        ("--theiler", "1.5", "a whole number from 0"),
+    ] {
+        let dt = if option == "--dt" {
+            vec![]
+        } else {
+            vec!["--dt", "1"]
+        };
+        program()
+            .args(["-", option, value])
+            .args(dt)
+            .write_stdin(henon(false))
+            .assert()
+            .code(2)
+            .stdout("")
+            .stderr(contains(says));
+    }
     for option in ["--theiler", "--neighbours", "--step"] {
         program()
             .args(["-", "--dt", "1", option, &huge])
@@ -808,8 +844,62 @@ fn huge_settings_are_refused() {
 fn tiny_steps_are_readable() {
     let table = succeed(
         program()
-            .args(["-", "--dt", "1e-300"])
+            .args(["-", "--dt", "1e-100"])
             .write_stdin(henon(false)),
     );
-    assert!(table.contains("dt = 1e-300\n"), "{table}");
+    assert!(table.contains("dt = 1e-100\n"), "{table}");
+}
+
+/// A time that is uneven is an error unless columns and the time step are both given.
+#[test]
+fn an_uneven_time_is_no_matter_where_columns_and_step_are_given() {
+    let text: String = std::iter::once("t x y\n".to_owned())
+        .chain(henon(false).lines().enumerate().map(|(i, line)| {
+            let t = f64::from(i as u32) + if i == 700 { 0.4 } else { 0.0 };
+            format!("{t:.3} {}\n", line.replace(',', " "))
+        }))
+        .collect();
+    let run = |arguments: &[&str]| {
+        let mut program = program();
+        program.arg("-").args(arguments).write_stdin(text.clone());
+        program.assert()
+    };
+    let both = run(&["--columns", "x,y", "--dt", "1"]).success();
+    both.stderr(contains("warning: --dt is used, although").and(contains("699 to 700.4")));
+    for arguments in [&["--columns", "x,y"][..], &["--dt", "1"]] {
+        run(arguments)
+            .code(1)
+            .stderr(contains("699 to 700.4").and(contains("give --columns and --dt")));
+    }
+}
+
+/// Angles that are taken back by a turn, in both units; one that never turns over is none of them.
+#[test]
+fn an_angle_that_wraps_is_warned_of() {
+    let standard_map = |turn: f64, most: f64| -> String {
+        let tau = 2.0 * std::f64::consts::PI;
+        let (mut angle, mut momentum) = (0.3, 0.2);
+        (0..2000)
+            .map(|_| {
+                momentum = (momentum + 8.0 * math::sin(angle)).rem_euclid(tau);
+                angle = (angle + momentum).rem_euclid(tau);
+                let [a, p] = [angle, momentum].map(|v| v / tau * turn * most);
+                format!("{a} {p}\n")
+            })
+            .collect()
+    };
+    let tau = 2.0 * std::f64::consts::PI;
+    for (turn, most, warns) in [(tau, 1.0, true), (360.0, 1.0, true), (360.0, 0.9, false)] {
+        let says = contains("column 1 fills a whole turn of");
+        let outcome = program()
+            .args(["-", "--dt", "1"])
+            .write_stdin(standard_map(turn, most))
+            .assert()
+            .success();
+        if warns {
+            outcome.stderr(says);
+        } else {
+            outcome.stderr(says.not());
+        }
+    }
 }

@@ -24,11 +24,13 @@ fn radius(arguments: &Arguments, findings: &Findings) -> Option<String> {
     let spectrum = &findings.spectrum;
     match (spectrum.settings.neighbours, &spectrum.sizes) {
         (Neighbourhood::Nearest(_), _) => None,
-        (Neighbourhood::Ball { min, .. }, Some(_)) => Some(format!(
-            "--eps changes no extrapolated exponent, which comes from nearest points, however far; it only says which points are called starved: \
-             give other --neighbours than {min}, or --estimator sano-sawada with a range such as --neighbours {min}-{}",
-            min.saturating_mul(2)
-        )),
+        (Neighbourhood::Ball { min, max, .. }, Some(_)) => (min == max).then(|| {
+            format!(
+                "--eps changes no extrapolated exponent, which comes from nearest points, however far; it only says which points are called starved: \
+                 give other --neighbours than {min}, or --estimator sano-sawada with a range such as --neighbours {min}-{}",
+                max.saturating_mul(2)
+            )
+        }),
         (Neighbourhood::Ball { min, max, .. }, None) => (min == max).then(|| {
             format!(
                 "--eps changes no neighbour where the fewest and the most are both {min}; it only says which points are called starved: \

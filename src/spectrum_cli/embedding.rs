@@ -9,11 +9,8 @@ use super::error::SpectrumError;
 use super::read::Table;
 use stickslip::analysis::data_spectrum::{
     DataSettings, DataSpectrum, DimensionReason, EmbeddingChoice, EmbeddingSettings, Origin,
-    Reversal, Series, choose_embedding, lacks_columns,
+    Reversal, Series, needed_embedding,
 };
-
-/// With fewer points nothing is embedded unasked.
-const FEWEST_POINTS: usize = 50;
 
 /// An embedding and what became of it.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,24 +23,14 @@ pub struct Embedded {
 
 /// The embedding that the options ask for or the data need; `None` if the columns are the state as they are.
 ///
-/// One column is embedded in as many delayed values as it needs. Several are embedded only if an option says so, or if more than
-/// 5 % of their nearest neighbours are false and delayed values cure it. Fewer than 50 points are too few to tell.
-///
 /// # Errors
-/// Those of [`choose_embedding`].
+/// Those of [`needed_embedding`].
 pub(super) fn choose(
     series: &Series,
     arguments: &Arguments,
     progress: &dyn Fn(usize, usize),
 ) -> Result<Option<EmbeddingChoice>, SpectrumError> {
-    let asked = arguments.delay.is_some() || arguments.dimension.is_some();
     if arguments.dimension == Some(1) && arguments.delay != Some(0) {
-        return Ok(None);
-    }
-    if !asked && series.len() < FEWEST_POINTS {
-        return Ok(None);
-    }
-    if !asked && series.columns() > 1 && !lacks_columns(series, arguments.theiler)? {
         return Ok(None);
     }
     let settings = EmbeddingSettings {
@@ -51,10 +38,7 @@ pub(super) fn choose(
         dimension: arguments.dimension,
         theiler: arguments.theiler,
     };
-    let choice = choose_embedding(series, &settings, progress)?;
-    let cures = choice.dimension_reason != DimensionReason::FewestFalse;
-    let wanted = asked || series.columns() == 1 || cures;
-    Ok((wanted && choice.embedding.dimension > 1).then_some(choice))
+    Ok(needed_embedding(series, &settings, progress)?)
 }
 
 /// What delayed values need beyond states, but for what the options ask for.

@@ -51,7 +51,7 @@ pub enum SpectrumError {
     },
     /// Nothing says how far apart the rows are in time.
     #[error(
-        "--dt is missing, and {input} has no column named t or time: give the time between two lines, 1 for a map"
+        "--dt is missing, and {input} has no column named t or time beside those used: give the time between two lines, 1 for a map"
     )]
     NoTime {
         /// Path, or `standard input`.

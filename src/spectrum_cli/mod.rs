@@ -20,7 +20,7 @@ use clap::{Parser, ValueEnum};
 use crate::figures::output::{self, Artifact};
 use crate::terminal;
 use stickslip::analysis::data_spectrum::{
-    DataError, DataSettings, Degree, Estimator, FEWEST_SURROGATES, Neighbourhood, Series,
+    DataError, DataSettings, Degree, Estimator, Neighbourhood, Series, check_surrogates,
     data_spectrum_with, divergence, reversal, surrogate_test,
 };
 
@@ -32,8 +32,9 @@ pub use read::{Table, parse, read};
 pub use report::{csv, json, table};
 pub use warnings::warnings;
 
-const ABOUT: &str = "Lyapunov exponents of a time series of states, by Sano and Sawada's method: local linear maps fitted to \
-    neighbours, chained along the series. Tells which of the exponents the data determine.";
+const ABOUT: &str = "Lyapunov exponents of a time series: maps fitted to neighbours of each point at two sizes, chained along the series and \
+    extrapolated to size zero. Tells which of the exponents the data determine. --estimator sano-sawada is the method of Sano and Sawada, \
+    linear maps of one size.";
 
 const AFTER: &str = "\
 Status of an exponent:
@@ -41,8 +42,9 @@ Status of an exponent:
   unstable      what the neighbourhoods' curvature does to it is not small: extrapolated to zero size, or by quadratic maps where linear
                 ones were asked for, it is another by more than 2 statistical errors and 5 % (sano-sawada: with neighbourhoods of
                 twice the size, by more than 4 stderr and 5 %)
-  starved       most balls held too few neighbours, so that the nearest were taken at any distance: give more points or fewer
-                --neighbours; a larger --eps helps only with --estimator sano-sawada and a maximum of --neighbours above the minimum
+  starved       at most points the smaller neighbourhood reaches farther than 1.5 --eps, and is none (sano-sawada: most balls held too few
+                neighbours, so that the nearest were taken at any distance): give more points. A larger --eps makes exponents ok whose
+                bias nobody counted
   undetermined  at more than 1 % of the points the neighbours do not determine the maps that are extrapolated, as where values lie on a
                 grid: give values with more digits, more points, or more --neighbours
   noisy         noise of the points may flatten the maps by more than 2 stderr: give more --neighbours, values with less noise, or a
@@ -54,7 +56,7 @@ Status of an exponent:
   spurious      the embedding's own, and none of the system's (only of delayed values)
 
 One column is no state: it is embedded, which is to say that x(t), x(t + delay), x(t + 2 delay), … are the state. The delay is the first
-minimum of the average mutual information (1 for a series that is uncorrelated after one point, as of a map; the first zero of
+minimum of the average mutual information behind which it rises by 1 % of its value at lag 1 (1 for a series that is uncorrelated after one point, as of a map; the first zero of
 the autocorrelation where the values lie on a curve, as of a sine, and there is no such minimum), the number of values the first with less than 1 % false nearest neighbours (Kennel), beside which Cao's method is shown. --delay and --dimension
 override them. Several columns are taken as they are; they are embedded, each in as many values, if an option asks for it, or if more than
 5 % of their nearest neighbours are false and delayed values cure that. --dimension 1 turns it off. More values than the system has
@@ -63,7 +65,8 @@ series with the time reversed, in which only the system's change sign. With dela
 
 stderr holds the scatter over time and the whole way of the extrapolation to neighbourhoods of size zero; over 200 series of known
 spectrum, over one column of each, and over these states with noise of a thousandth of their spread, the true value was within two of it
-at least nine times in ten where the status is ok. These were 5000 points or more, with the default settings; of their states it was as often
+at least nine times in ten where the status is ok. None of these jumps: of values that wrap around, as angles or numbers modulo 1, neighbours
+are torn apart, and ok is worth nothing; give their sine and cosine. These were 5000 points or more, with the default settings; of their states it was as often
 with 30 --references, if these reach over two Theiler windows, and a warning tells if not. With --estimator sano-sawada, the estimator of Eqs. (25) and (26) of Olejnik and Awrejcewicz (2013) without correction, it is statistical only and
 knows nothing of bias.
 eps_sensitivity (table and --json) is by how much the exponent changes with neighbourhoods of twice the size, a measure of the bias.
@@ -81,7 +84,8 @@ Beside the spectrum stands the largest exponent by how neighbours part, without 
 three radii (Kantz; the median, with half the range if it is more than the error). The straight part of a curve is the one with the smallest
 scatter about its line against its rise, of all that have 5 points, rise by a factor of e and by half of the whole, and end a factor of e below where
 the distances level off. --surrogates N compares the series with N series of the same spectrum and the same values, amplitude-adjusted by iterated
-phase randomisation (IAAFT): the series is told from linear noise if the maps predict it better than all of them (5 % for 19).
+phase randomisation (IAAFT): the series is told from linear noise if the maps predict it better
+than at least 95 % of all, itself among them (than all of 19); the exponents are shown beside. A clean periodic motion is told from noise, too.
 
 Exit codes: 0 done (warnings go to standard error), 1 a bad file or a failure, 2 a wrong command line.
 
@@ -112,7 +116,7 @@ Examples:
 
 /// With `-h`, which has a line for each option.
 const AFTER_SHORT: &str = "\
-One column is embedded; several are the state as they are. A column named t or time gives --dt.
+One column is embedded; several are the state as they are, unless they lack one. A column named t or time gives --dt.
 Example: spectrum lorenz.dat --dt 0.02 --columns 1
 What the statuses of exponents and the columns of the table mean, which files are read, more examples: --help";
 
@@ -143,19 +147,19 @@ pub struct Arguments {
 
     /// Delayed values of each column that make a state, 1 for the columns as they are [default: for one column the first number
     /// with less than 1 % false neighbours]
-    #[arg(long, value_name = "VALUES", allow_hyphen_values = true)]
+    #[arg(long, value_parser = count, value_name = "VALUES", allow_hyphen_values = true)]
     pub dimension: Option<usize>,
 
     /// Points between delayed values [default: first minimum of the mutual information; 1 for a map, a quarter of a period for a clean periodic motion]
-    #[arg(long, value_name = "POINTS", allow_hyphen_values = true)]
+    #[arg(long, value_parser = count, value_name = "POINTS", allow_hyphen_values = true)]
     pub delay: Option<usize>,
 
     /// Points that a map goes ahead [default: 1, the delay for delayed values]
-    #[arg(long, value_name = "D", allow_hyphen_values = true)]
+    #[arg(long, value_parser = count, value_name = "D", allow_hyphen_values = true)]
     pub step: Option<usize>,
 
     /// Points that follow one another so closely are no neighbours [default: time in which the autocorrelation falls to 1/e]
-    #[arg(long, value_name = "POINTS", allow_hyphen_values = true)]
+    #[arg(long, value_parser = count, value_name = "POINTS", allow_hyphen_values = true)]
     pub theiler: Option<usize>,
 
     /// Fit a constant beside the linear map, which is Eq. (25) as it stands
@@ -191,19 +195,19 @@ pub struct Arguments {
     pub ridge: f64,
 
     /// Rank of the second fit [default: number of tangent directions]
-    #[arg(long, value_name = "RANK", allow_hyphen_values = true)]
+    #[arg(long, value_parser = count, value_name = "RANK", allow_hyphen_values = true)]
     pub rank: Option<usize>,
 
     /// Use every so many points of a step as reference points [default: 1; for delayed values over one delay the largest that leaves a third of all, and 1500]
-    #[arg(long, value_name = "POINTS", allow_hyphen_values = true)]
+    #[arg(long, value_parser = count, value_name = "POINTS", allow_hyphen_values = true)]
     pub stride: Option<usize>,
 
     /// Use only the first so many reference points, at least 20 [default: all]
-    #[arg(long, value_name = "COUNT", allow_hyphen_values = true)]
+    #[arg(long, value_parser = count, value_name = "COUNT", allow_hyphen_values = true)]
     pub references: Option<usize>,
 
     /// Test against so many surrogates, at least 19, whether the series is told from linear noise; takes as many estimates
-    #[arg(long, value_name = "COUNT", allow_hyphen_values = true)]
+    #[arg(long, value_parser = count, value_name = "COUNT", allow_hyphen_values = true)]
     pub surrogates: Option<usize>,
 
     /// Print JSON
@@ -274,6 +278,12 @@ fn number(text: &str) -> Result<f64, String> {
     }
 }
 
+/// A whole number of the command line.
+fn count(text: &str) -> Result<usize, String> {
+    text.parse()
+        .map_err(|_| format!("a whole number from 0 to {} is needed", usize::MAX))
+}
+
 impl Arguments {
     /// The estimator's settings.
     ///
@@ -319,12 +329,12 @@ impl Arguments {
 }
 
 /// Before anything is computed.
-fn check_surrogates(count: Option<usize>) -> Result<(), SpectrumError> {
-    match count {
-        Some(count) if count < FEWEST_SURROGATES => Err(SpectrumError::Option {
-            flag: "--surrogates",
-            value: count as f64,
-            bound: format!("at least {FEWEST_SURROGATES}, as fewer give no level of 5 %"),
+fn check_divergence(divergence: Option<f64>) -> Result<(), SpectrumError> {
+    match divergence {
+        Some(value) if !value.is_finite() => Err(SpectrumError::Option {
+            flag: "--divergence",
+            value,
+            bound: "finite".into(),
         }),
         _ => Ok(()),
     }
@@ -364,7 +374,8 @@ pub struct Outcome {
 pub fn run(arguments: &Arguments) -> Result<Outcome, SpectrumError> {
     let settings = arguments.settings()?;
     check_dt(arguments.dt)?;
-    check_surrogates(arguments.surrogates)?;
+    arguments.surrogates.map_or(Ok(()), check_surrogates)?;
+    check_divergence(arguments.divergence)?;
     let mut source = read(&arguments.file, &arguments.columns, arguments.dt)?;
     let series = Series::new(source.values.clone(), source.names.len(), source.dt)?;
     let findings = find(&series, settings, arguments)?;

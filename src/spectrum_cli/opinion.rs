@@ -18,7 +18,7 @@ pub(super) fn divergence_text(divergence: &Divergence) -> String {
     };
     let part = |curve: &DivergenceCurve| match &curve.straight {
         Some(straight) => format!(
-            " (of the line's fit alone; straight from t = {} to {})",
+            " (scatter over blocks of points alone; straight from t = {} to {})",
             short(curve.points[straight.from].0),
             short(curve.points[straight.to].0)
         ),

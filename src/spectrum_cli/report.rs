@@ -125,15 +125,19 @@ pub fn table(findings: &Findings, source: &Table) -> String {
     text
 }
 
-/// Whether the tangent directions have exponents.
-fn determined(findings: &Findings) -> &'static str {
-    let mut exponents = findings.spectrum.exponents.iter();
+/// How many of the tangent directions have an exponent to be trusted.
+fn determined(findings: &Findings) -> String {
+    let ok = (0..findings.spectrum.dimension)
+        .filter(|&i| findings.status(i) == Status::Ok.word())
+        .count();
     if findings.is_noise() {
-        "noise has as many as are looked at, and no exponent"
-    } else if exponents.any(|exponent| exponent.status == Status::Unpredictable) {
-        "the maps do not predict the next state, and the data determine no exponent"
+        "noise has as many as are looked at, and no exponent".to_owned()
     } else {
-        "the data determine as many exponents"
+        match ok {
+            0 => "no exponent is ok".to_owned(),
+            1 => "1 exponent is ok".to_owned(),
+            _ => format!("{ok} exponents are ok"),
+        }
     }
 }
 

@@ -1,5 +1,7 @@
 //! What makes a spectrum doubtful.
 
+use std::f64::consts::PI;
+
 use super::balance;
 use super::findings::Findings;
 use super::read::Table;
@@ -14,6 +16,10 @@ const STARVED: f64 = 0.1;
 const DIFFERENT: f64 = 0.5;
 /// Reference points that reach over fewer Theiler windows are one short piece of an orbit, of which `ok` was found to be worth less.
 const WINDOWS: usize = 2;
+/// Times the mean distance of two values that fill a turn evenly, by which the turn's ends may be missed,
+const NEAR_ENDS: f64 = 20.0;
+/// but by no more than this part of the turn.
+const FARTHEST_END: f64 = 0.01;
 /// The two fits disagree where they differ by more than so many standard errors of the difference.
 const COMBINED_ERRORS: f64 = 4.0;
 
@@ -29,17 +35,30 @@ pub fn warnings(findings: &Findings, source: &Table) -> Vec<String> {
     }
     let part = spectrum.starved as f64 / spectrum.references as f64;
     if part > STARVED {
-        let remedy = match spectrum.settings.neighbours {
-            Neighbourhood::Ball { min, max, .. } => format!(
+        let remedy = match (spectrum.settings.neighbours, &spectrum.sizes) {
+            (Neighbourhood::Ball { min, .. }, Some(sizes)) => {
+                let [few, _] = sizes.neighbours;
+                format!(
+                    "there the {few} nearest points, the smaller neighbourhood, reach farther than 1.5 --eps, on average to {} of the spread: give more \
+                     points{} (a larger --eps would take the same ones and only remove this warning)",
+                    short(sizes.radius[0] / spectrum.spread),
+                    if few == min {
+                        " or fewer --neighbours"
+                    } else {
+                        ""
+                    }
+                )
+            }
+            (Neighbourhood::Ball { min, max, .. }, None) => format!(
                 "the ball held fewer than {min} neighbours and the nearest {min} were taken; mean eps is {} of the spread: give {}",
                 short(spectrum.mean_eps / spectrum.spread),
-                if max > min && spectrum.sizes.is_none() {
+                if max > min {
                     "a larger --eps, fewer --neighbours, or more points"
                 } else {
                     "more points or fewer --neighbours (a larger --eps would take the same neighbours and only remove this warning)"
                 }
             ),
-            Neighbourhood::Nearest(k) => {
+            (Neighbourhood::Nearest(k), _) => {
                 format!(
                     "there are no {k} neighbours: give fewer --neighbours, a smaller --theiler, or more points"
                 )
@@ -126,6 +145,7 @@ pub fn warnings(findings: &Findings, source: &Table) -> Vec<String> {
     );
     warnings.extend(short_of_references(spectrum));
     warnings.extend(repeated(source));
+    warnings.extend(wrapped(source));
     warnings.extend(source.notes.iter().cloned());
     warnings
 }
@@ -221,5 +241,25 @@ fn repeated(source: &Table) -> Option<String> {
             "every row comes again {period} rows later: the series holds {period} different states, between which it tells nothing, however \
              long it is; of a periodic motion take a time step that does not go into the period, of a map this is its cycle"
         )
+    })
+}
+
+/// Columns whose values fill a whole turn: an angle that is taken back by a turn tears neighbours apart.
+fn wrapped(source: &Table) -> Option<String> {
+    const TURNS: [(f64, &str); 2] = [(2.0 * PI, "2π"), (360.0, "360")];
+    let rows = source.values.len() / source.names.len().max(1);
+    source.names.iter().enumerate().find_map(|(column, name)| {
+        let values = || source.values.iter().skip(column).step_by(source.names.len());
+        let low = values().copied().fold(f64::INFINITY, f64::min);
+        let high = values().copied().fold(f64::NEG_INFINITY, f64::max);
+        // Of so many values the least and the largest are about so near the ends of the turn.
+        let gap = (NEAR_ENDS / rows as f64).min(FARTHEST_END);
+        let (_, turn) = TURNS
+            .iter()
+            .find(|(turn, _)| (1.0 - gap..=1.0).contains(&((high - low) / turn)))?;
+        Some(format!(
+            "column {name} fills a whole turn of {turn}, as an angle does that is taken back by a turn: neighbours on either side of the jump are torn \
+             apart, and ok is worth nothing: give the angle's sine and cosine instead"
+        ))
     })
 }

@@ -85,12 +85,16 @@ impl Dialect {
         if tells {
             return None;
         }
-        let separated = self.cells(comment);
-        let by_spaces = || comment.split_whitespace().map(unquoted).collect();
+        let words = comment.split_whitespace();
+        let by_spaces = words.map(|word| unquoted(word.trim_end_matches([',', ';'])));
+        let separated = match self.separator {
+            Separator::Spaces => Vec::new(),
+            Separator::Char(_) => self.cells(comment),
+        };
         let names: Vec<Cow<str>> = if separated.len() == count {
             separated
         } else {
-            by_spaces()
+            by_spaces.collect()
         };
         let are_names = names.len() == count
             && names

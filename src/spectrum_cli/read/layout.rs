@@ -175,14 +175,14 @@ impl<'a> Layout<'a> {
         let Gap { line, from, to, dt } = gap;
         let cause = if to > from {
             format!(
-                "the time goes from {from} to {to}, not on by dt = {}; cut the file at the gap, correct --dt if it was given, or choose \
-                 columns with --columns if this is not the time",
+                "the time goes from {from} to {to}, not on by dt = {}; cut the file at the gap, correct --dt if it was given, or give \
+                 --columns and --dt if this is not the time",
                 readable(dt)
             )
         } else {
             format!(
-                "the time goes from {from} to {to}, not forward; reverse the order of the rows or cut the file there, or choose columns \
-                 with --columns if this is not the time"
+                "the time goes from {from} to {to}, not forward; reverse the order of the rows or cut the file there, or give --columns \
+                 and --dt if this is not the time"
             )
         };
         self.cell(line, self.time.unwrap_or(0), cause)

@@ -244,7 +244,12 @@ impl<'a> Rows<'a> {
         };
         table.dt = match (layout.time, dt) {
             (Some(_), Some(dt)) => {
-                clock.holds(dt).map_err(|gap| layout.gap(gap))?;
+                match clock.holds(dt).map_err(|gap| layout.gap(gap)) {
+                    Err(error) if layout.are_all => return Err(error),
+                    // Both were chosen.
+                    Err(error) => table.notes.push(format!("--dt is used, although {error}")),
+                    Ok(()) => {}
+                }
                 dt
             }
             (Some(column), None) => {

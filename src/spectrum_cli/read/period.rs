@@ -4,8 +4,6 @@ use super::Table;
 
 /// Values are the same again where they differ by no more than this part of their column's range: the rounding of a function of the time.
 const REPEAT: f64 = 1e-9;
-/// Rows that are looked at before all of them are.
-const PROBES: usize = 16;
 
 impl Table {
     /// The smallest number of rows after which all of them come again, twice at least.
@@ -22,17 +20,22 @@ impl Table {
             })
             .collect();
         let state = |row: usize| &self.values[row * columns..][..columns];
-        let agree = |row: usize, period: usize| {
-            let pairs = state(row).iter().zip(state(row + period));
+        let agree = |row: usize, other: usize| {
+            let pairs = state(row).iter().zip(state(other));
             pairs
                 .zip(&allowed)
                 .all(|((a, b), allowed)| (a - b).abs() <= *allowed)
         };
-        (1..=rows / 2).find(|&period| {
-            let last = rows - period;
-            // A series at rest for a while agrees there with itself at many periods.
-            let mut probes = (0..last).step_by(last.div_ceil(PROBES));
-            probes.all(|row| agree(row, period)) && (0..last).all(|row| agree(row, period))
-        })
+        // The longest end that is a beginning, too, of all rows up to each one (Knuth, Morris and Pratt, SIAM J. Comput. 6, 323, 1977).
+        let mut borders = vec![0; rows];
+        for row in 1..rows {
+            let mut border = borders[row - 1];
+            while border > 0 && !agree(border, row) {
+                border = borders[border - 1];
+            }
+            borders[row] = border + usize::from(agree(border, row));
+        }
+        let period = rows - borders.last()?;
+        (2 * period <= rows).then_some(period)
     }
 }

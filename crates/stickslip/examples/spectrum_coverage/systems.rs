@@ -184,6 +184,8 @@ pub struct Case {
     pub dt: f64,
     /// Columns of the series.
     pub columns: usize,
+    /// The first so many are seen alone, too; those behind are the pendulum's drive and see nothing of the system.
+    pub alone: usize,
     /// Its exponents, descending: the means of two runs of [`Case::exponents`] over 10⁷ points, with 0 for a flow's second. Sprott (Chaos and
     /// Time-Series Analysis, 2003) gives the same for Hénon and Lorenz, and for Rössler's first 0.0714.
     pub known: &'static [f64],
@@ -216,6 +218,7 @@ fn case<S: System<N>, const N: usize>(
         name,
         dt: S::DT,
         columns,
+        alone: N,
         known,
         series: series::<S, N>,
         exponents: exponents::<S, N>,

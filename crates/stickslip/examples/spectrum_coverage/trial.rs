@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use stickslip::analysis::data_spectrum::{
     DataError, DataExponent, DataSettings, Embedding, EmbeddingSettings, Origin, Series, Status,
-    choose_embedding, data_spectrum, reversal,
+    data_spectrum, needed_embedding, reversal,
 };
 
 use stickslip::math;
@@ -22,7 +22,7 @@ pub enum Observed {
     States,
     /// All of them, with noise of [`NOISE`].
     Noisy,
-    /// Their first value, which is embedded as the program `spectrum` embeds a column.
+    /// One of their values, each in turn from seed to seed.
     Column,
 }
 
@@ -35,7 +35,7 @@ impl Observed {
         match self {
             Observed::States => "states",
             Observed::Noisy => "noisy states",
-            Observed::Column => "first column",
+            Observed::Column => "one column",
         }
     }
 }
@@ -96,22 +96,19 @@ pub fn trial(
     seed: u64,
 ) -> Result<Vec<Row>, DataError> {
     let values = (case.series)(seed, points);
-    let [found, sano_sawada] = match observed {
-        Observed::States => {
-            let series = Series::new(values, case.columns, case.dt)?;
-            settings().map(|settings| of_states(&series, &settings))
-        }
-        Observed::Noisy => {
-            let series = Series::new(noisy(values, case.columns, seed), case.columns, case.dt)?;
-            settings().map(|settings| of_states(&series, &settings))
-        }
+    let (values, columns) = match observed {
+        Observed::States => (values, case.columns),
+        Observed::Noisy => (noisy(values, case.columns, seed), case.columns),
         Observed::Column => {
-            let column = values.into_iter().step_by(case.columns).collect();
-            let column = Series::new(column, 1, case.dt)?;
-            let chosen = choose_embedding(&column, &EmbeddingSettings::default(), &|_, _| ())?;
-            settings().map(|settings| of_column(&column, chosen.embedding, settings))
+            let column = seed as usize % case.alone;
+            let alone = values.into_iter().skip(column).step_by(case.columns);
+            (alone.collect(), 1)
         }
     };
+    let series = Series::new(values, columns, case.dt)?;
+    let needed = needed_embedding(&series, &EmbeddingSettings::default(), &|_, _| ())?;
+    let embedding = needed.map(|choice| choice.embedding);
+    let [found, sano_sawada] = settings().map(|settings| verdicts(&series, embedding, settings));
     let (mut found, mut sano_sawada) = (found?.into_iter(), sano_sawada?.into_iter());
     let exponents = found.len().max(sano_sawada.len()).max(case.known.len());
     Ok((0..exponents)
@@ -150,21 +147,17 @@ fn settings() -> [DataSettings; 2] {
     [DataSettings::default(), DataSettings::sano_sawada()]
 }
 
-fn of_states(series: &Series, settings: &DataSettings) -> Result<Vec<Verdict>, DataError> {
-    let spectrum = data_spectrum(series, settings)?;
-    Ok(spectrum.exponents.iter().map(Verdict::new).collect())
-}
-
-/// Those that are not told to be the embedding's own.
-fn of_column(
-    column: &Series,
-    embedding: Embedding,
+/// As the program `spectrum` has them, without those that are told to be an embedding's own.
+fn verdicts(
+    series: &Series,
+    embedding: Option<Embedding>,
     settings: DataSettings,
 ) -> Result<Vec<Verdict>, DataError> {
-    if embedding.dimension == 1 {
-        return of_states(column, &settings);
-    }
-    let vectors = embedding.of(column)?;
+    let Some(embedding) = embedding else {
+        let spectrum = data_spectrum(series, &settings)?;
+        return Ok(spectrum.exponents.iter().map(Verdict::new).collect());
+    };
+    let vectors = embedding.of(series)?;
     let spectrum = data_spectrum(&vectors, &settings.delayed(embedding.delay, &vectors))?;
     let origins = reversal(&vectors, &spectrum, &|_, _| ())?.origins;
     let told = spectrum.exponents.iter().zip(origins);

@@ -291,6 +291,22 @@ fn a_noisy_sine_by_one_column_has_no_positive_exponent() {
     assert_ne!(first.status, Status::Ok);
 }
 
+/// All exponents of two frequencies are 0: what the fits differ by is not a matter of whose they are. Of eight pairs the program called one or both of
+/// the system's the embedding's.
+#[test]
+fn both_exponents_of_two_frequencies_are_the_system_s() {
+    for ratio in [2.0, 3.0, 5.0, 7.0] {
+        let value = |i: i32| {
+            let t = 0.21 * f64::from(i);
+            [math::sin(t) + 0.7 * math::sin(t * f64::sqrt(ratio))]
+        };
+        let series = Series::from_rows((0..10_000).map(value), 1.0).unwrap();
+        let (spectrum, reversal) = embedded(&series, choice(&series).embedding);
+        assert_eq!(spectrum.dimension, 2);
+        assert_eq!(reversal.origins[..2], [Origin::System; 2], "{ratio}");
+    }
+}
+
 /// The whole state has no false neighbours; Lorenz' x and y alone have, and so have Rössler's x and z.
 #[test]
 fn missing_columns_are_noticed() {

@@ -217,7 +217,7 @@ fn surrogates_are_the_same_with_any_number_of_threads_and_too_few_are_refused() 
     );
     let error = few.unwrap_err().to_string();
     assert!(
-        error.contains("surrogates = 18") && error.contains("at least 19"),
+        error.contains("surrogates = 18") && error.contains("19 to 10000"),
         "{error}"
     );
 }

@@ -4,8 +4,8 @@ use super::result::DataSpectrum;
 
 /// The sums differ if they are apart by more than so many standard errors,
 const STANDARD_ERRORS: f64 = 2.0;
-/// and by more than this part of the divergence.
-const ROUNDING: f64 = 1e-9;
+/// and by more than this part of the divergence: it is given in a few digits.
+const ROUNDING: f64 = 5e-4;
 
 /// What a known divergence says of a spectrum.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -19,11 +19,16 @@ use super::result::{Counts, DataSpectrum, Running};
 use super::series::Series;
 #[cfg(feature = "data")]
 use super::series::for_columns;
-use super::settings::{DataSettings, Estimator, FEWEST_REFERENCES};
+use super::settings::{DataSettings, Estimator, FEWEST_REFERENCES, Neighbourhood};
 use super::svd::Square;
 
 /// Reference points between two reports of progress. Few enough that their maps stay near the processor.
 const CHUNK: usize = 512;
+
+/// What is extrapolated comes from neighbourhoods if the smaller ones are within so many times the radius given. On starts that the table of
+/// `spectrum_coverage` is not of (the seeds 1007 to 1009, up to 50000 points) the true value is within two errors of 99 % of those exponents
+/// of one column that are called ok with 1, of 96 % with 1.5, 92 % with 2 and 87 % with any; of whole states it is of 98 % with each.
+const LARGE: f64 = 1.5;
 
 /// The spectrum of a series.
 ///
@@ -236,11 +241,18 @@ fn estimate<const N: usize>(
                         residual_ratio: decomposed.residual_ratio(),
                         starved: selection.starved,
                     };
-                    let maps = plan.as_ref().map(|plan| {
-                        let nearest = search.furthest(j, found);
-                        plan.fit(fitter, &cloud.points, j, nearest, &full.domain)
-                    });
-                    (local, maps)
+                    let Some(plan) = &plan else {
+                        return (local, None);
+                    };
+                    let nearest = search.furthest(j, found);
+                    let maps = plan.fit(fitter, &cloud.points, j, nearest, &full.domain);
+                    // Judged by what the exponents come from.
+                    let is_large = |eps: f64| maps.radius() > LARGE * eps * cloud.spread;
+                    let starved = match settings.neighbours {
+                        Neighbourhood::Ball { eps, .. } => is_large(eps),
+                        Neighbourhood::Nearest(_) => local.starved,
+                    };
+                    (Local { starved, ..local }, Some(maps))
                 },
             )
             .collect();

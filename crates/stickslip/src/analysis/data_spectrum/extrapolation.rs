@@ -22,6 +22,8 @@ use crate::math;
 
 /// Neighbours of the smaller size for each unknown.
 const PER_UNKNOWN: usize = 3;
+/// This part of a chain is left out: its vectors begin with the directions of a neighbourhood and have to turn to those that they keep.
+const SETTLING: usize = 20;
 /// The larger size holds no more than this part of the points.
 const LARGEST_PART: usize = 20;
 
@@ -129,6 +131,13 @@ pub(super) struct Maps<const N: usize> {
     judge: Option<Derivative<N>>,
 }
 
+impl<const N: usize> Maps<N> {
+    /// Radius of the smaller size, in the unit of the cloud.
+    pub(super) fn radius(&self) -> f64 {
+        self.sizes[0].1
+    }
+}
+
 /// The chains at both sizes, and that of the maps that judge.
 pub(super) struct Chains<const N: usize> {
     /// Interleaved chains of each of them.
@@ -232,12 +241,20 @@ impl<const N: usize> Chains<N> {
         tau: f64,
         unit: f64,
     ) -> (Corrected<N>, Vec<(usize, [f64; N])>) {
-        let [small, large] = &self.stretches;
+        let settled = self.noises.len() / self.count / SETTLING * self.count;
         let stretches = self.at_zero();
-        let (zero, running) = average(&stretches, tau);
-        let sum = volume(&stretches, self.dimension, tau);
+        let stretches = &stretches[settled..];
+        let [small, large] = [0, 1].map(|size| &self.stretches[size][settled..]);
+        let (zero, mut running) = average(stretches, tau);
+        for (count, _) in &mut running {
+            *count += settled;
+        }
+        let sum = volume(stretches, self.dimension, tau);
         let range = sum.mean - volume(large, self.dimension, tau).mean;
-        let judged = (!self.judged.is_empty()).then_some(&self.judged);
+        let judged = self
+            .judged
+            .get(settled..)
+            .filter(|judged| !judged.is_empty());
         let judged_sum = judged.map(|judged| volume(judged, self.dimension, tau));
         let corrected = Corrected {
             sizes: Sizes {

@@ -123,7 +123,7 @@ pub use divergence::{Divergence, DivergenceCurve, StraightPart, divergence};
 #[cfg(feature = "data")]
 pub use embedding::{
     DelayReason, DimensionEvidence, DimensionReason, Embedding, EmbeddingChoice, EmbeddingSettings,
-    NO_FALSE_NEIGHBOURS, choose_embedding, lacks_columns,
+    NO_FALSE_NEIGHBOURS, choose_embedding, lacks_columns, needed_embedding,
 };
 pub use error::DataError;
 pub use estimate::data_spectrum_of_rows;
@@ -137,4 +137,6 @@ pub use reversal::{Origin, Reversal, reversal};
 pub use series::{MAX_COLUMNS, Series};
 pub use settings::{DataSettings, Estimator, FEWEST_REFERENCES, Neighbourhood};
 #[cfg(feature = "data")]
-pub use surrogates::{FEWEST_SURROGATES, Statistics, SurrogateTest, surrogate_test};
+pub use surrogates::{
+    FEWEST_SURROGATES, MOST_SURROGATES, Statistics, SurrogateTest, check_surrogates, surrogate_test,
+};

@@ -133,7 +133,8 @@ pub struct DataSpectrum {
     pub neighbours: Counts,
     /// Reference points.
     pub references: usize,
-    /// Reference points whose ball held fewer neighbours than asked for.
+    /// Reference points whose ball held fewer neighbours than asked for; where exponents are extrapolated, those at which the smaller
+    /// of the two neighbourhoods reaches farther than one and a half radii of the ball.
     pub starved: usize,
     /// Median over reference points of the part of the images' deviations that the local map does not predict (root mean square
     /// per degree of freedom): near 0 for states of a smooth deterministic system, near 1 for noise, and for a

@@ -18,6 +18,8 @@ use super::settings::{DataSettings, longest_stride};
 const STANDARD_ERRORS: f64 = 4.0;
 /// or by less than this part of the larger one, or of the first exponent: neighbourhoods are finite, and bias is not in the errors.
 const PART: f64 = 0.25;
+/// or if they stretch by parts of each map that are so near: the exponents of a regular motion are all about 0, and a fit is no better.
+const FIT: f64 = 0.01;
 /// Reference points of the reversed series, where the step allows for fewer than all: it is asked whether exponents are near, and no more.
 const REFERENCES: usize = 1000;
 /// With a larger residual ratio a series is not predictable enough, in either direction of time, for its exponents to be compared.
@@ -95,7 +97,9 @@ pub fn reversal(
         .iter()
         .map(|&(value, stderr)| (-value, stderr))
         .collect();
-    let scale = forward.first().map_or(0.0, |first| first.0.abs());
+    let of_a_map = FIT / (step as f64 * embedded.dt());
+    let first = forward.first().map_or(0.0, |first| first.0.abs());
+    let scale = first.max(of_a_map / PART);
     let is_conclusive = backward.residual_ratio < UNPREDICTABLE
         && forward.first().is_some_and(|first| {
             turned

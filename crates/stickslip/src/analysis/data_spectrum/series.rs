@@ -1,9 +1,12 @@
 //! The series a spectrum is estimated from.
 
 use super::error::DataError;
+use crate::error::readable;
 
 /// Most columns the estimator is built for.
 pub const MAX_COLUMNS: usize = 10;
+/// Shortest time between two rows; one over it is the longest.
+const SHORTEST: f64 = 1e-100;
 
 /// Calls `function::<N>(arguments)` with the number `N` of columns of a series, up to [`MAX_COLUMNS`].
 ///
@@ -50,11 +53,14 @@ impl Series {
                 max: MAX_COLUMNS,
             });
         }
-        if !(dt > 0.0 && dt.is_finite()) {
+        if !(SHORTEST..=1.0 / SHORTEST).contains(&dt) {
+            let (low, high) = (readable(SHORTEST), readable(1.0 / SHORTEST));
             return Err(DataError::Setting {
                 name: "dt",
                 value: dt,
-                bound: "finite and > 0".into(),
+                bound: format!(
+                    "{low} to {high}, so that exponents, which are over it, are numbers"
+                ),
             });
         }
         if !values.len().is_multiple_of(columns) {

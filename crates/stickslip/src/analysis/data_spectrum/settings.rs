@@ -11,7 +11,8 @@ pub enum Neighbourhood {
     Ball {
         /// Radius, as a fraction of the signal's spread `√Σ var`.
         eps: f64,
-        /// With fewer than so many in the ball the reference point counts as starved, and the nearest so many are taken.
+        /// With fewer than so many in the ball the nearest so many are taken, and the reference point counts as starved. Where exponents are
+        /// extrapolated it does if the smaller of the two neighbourhoods reaches farther than one and a half times the radius.
         min: usize,
         /// With more than so many in the ball the nearest so many are taken.
         max: usize,

@@ -130,6 +130,32 @@ pub struct EmbeddingChoice {
     pub is_noise: bool,
 }
 
+/// With fewer points nothing is embedded unasked.
+const FEWEST_POINTS: usize = 50;
+
+/// The embedding that the settings ask for or the data need; `None` if the columns are the state as they are.
+///
+/// One column is embedded in as many delayed values as it needs. Several are embedded only if a delay or a dimension is given, or if they
+/// [lack columns](lacks_columns) and delayed values cure it. Fewer than 50 points are too few to tell. `progress(done, total)` is called in between.
+///
+/// # Errors
+/// Those of [`choose_embedding`].
+pub fn needed_embedding(
+    series: &Series,
+    settings: &EmbeddingSettings,
+    progress: &dyn Fn(usize, usize),
+) -> Result<Option<EmbeddingChoice>, DataError> {
+    let asked = settings.delay.is_some() || settings.dimension.is_some();
+    let is_short = series.len() < FEWEST_POINTS;
+    if !asked && (is_short || series.columns() > 1 && !lacks_columns(series, settings.theiler)?) {
+        return Ok(None);
+    }
+    let choice = choose_embedding(series, settings, progress)?;
+    let cures = choice.dimension_reason != DimensionReason::FewestFalse;
+    let wanted = asked || series.columns() == 1 || cures;
+    Ok((wanted && choice.embedding.dimension > 1).then_some(choice))
+}
+
 /// Chooses an embedding, or gives the evidence for a given one. `progress(done, total)` is called in between.
 ///
 /// # Errors

@@ -7,6 +7,6 @@ mod information;
 
 pub use choice::{
     DelayReason, DimensionEvidence, DimensionReason, EmbeddingChoice, EmbeddingSettings,
-    NO_FALSE_NEIGHBOURS, choose_embedding, lacks_columns,
+    NO_FALSE_NEIGHBOURS, choose_embedding, lacks_columns, needed_embedding,
 };
 pub use delay::Embedding;

@@ -20,6 +20,25 @@ use iaaft::Randomiser;
 
 /// Fewest surrogates: fewer give no level of 5 %.
 pub const FEWEST_SURROGATES: usize = 19;
+/// Most surrogates: more tell no more, and each takes an estimate.
+pub const MOST_SURROGATES: usize = 10_000;
+
+/// Whether a test can be made with so many surrogates.
+///
+/// # Errors
+/// [`DataError::Setting`] for fewer than [`FEWEST_SURROGATES`] or more than [`MOST_SURROGATES`].
+pub fn check_surrogates(count: usize) -> Result<(), DataError> {
+    if (FEWEST_SURROGATES..=MOST_SURROGATES).contains(&count) {
+        return Ok(());
+    }
+    Err(DataError::Setting {
+        name: "surrogates",
+        value: count as f64,
+        bound: format!(
+            "{FEWEST_SURROGATES} to {MOST_SURROGATES}: fewer give no level of 5 %, and more tell no more"
+        ),
+    })
+}
 /// The level of the test.
 const LEVEL: f64 = 0.05;
 /// Reference points of each estimate, at most.
@@ -62,7 +81,7 @@ impl SurrogateTest {
 /// series whose ends fit together, as the transform takes it for periodic.
 ///
 /// # Errors
-/// [`DataError::Setting`] for fewer than [`FEWEST_SURROGATES`], and those of [`data_spectrum`].
+/// Those of [`check_surrogates`] and of [`data_spectrum`].
 pub fn surrogate_test(
     series: &Series,
     embedding: Option<Embedding>,
@@ -71,13 +90,7 @@ pub fn surrogate_test(
     seed: u64,
     progress: &dyn Fn(usize, usize),
 ) -> Result<SurrogateTest, DataError> {
-    if count < FEWEST_SURROGATES {
-        return Err(DataError::Setting {
-            name: "surrogates",
-            value: count as f64,
-            bound: format!("at least {FEWEST_SURROGATES}, as fewer give no level of 5 %"),
-        });
-    }
+    check_surrogates(count)?;
     let settings = DataSettings {
         sensitivity: false,
         references: Some(
