@@ -498,6 +498,32 @@ impl Filippov<1> for Cup {
     }
 }
 
+/// A body in uniform motion, and a boundary whose kink at `t = 1` is far from where it is met.
+pub struct Knee;
+
+impl Filippov<1> for Knee {
+    fn field<T: Scalar>(&self, _side: Side, _t: T, _x: &[T; 1]) -> [T; 1] {
+        [T::constant(1.0)]
+    }
+
+    fn boundary<T: Scalar>(&self, t: T, x: &[T; 1]) -> T {
+        x[0] * x[0] - 100.0 + (t - 1.0).max(T::zero())
+    }
+}
+
+/// What the series of the boundary is behind the kink is not held against the boundary there.
+#[test]
+fn a_kink_of_the_boundary_rejects_no_step() {
+    for tolerance in [1e-4, 1e-8, 1e-12] {
+        let orbit = solve(&Knee, 0.0, [0.0], 20.0, &taylor(tolerance)).expect("runs");
+        // t² + t = 101.
+        let met = 0.5 * (f64::sqrt(405.0) - 1.0);
+        assert!((orbit.transitions[0].t - met).abs() < 1e-13);
+        assert_eq!(orbit.transitions.len(), 1);
+        assert_eq!(orbit.counters.rejected, 0);
+    }
+}
+
 /// The step before the last may end between the two zeros, with the end time before the turn.
 #[test]
 fn a_run_ends_at_its_end_time_while_a_touch_lasts() {

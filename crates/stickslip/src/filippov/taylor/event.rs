@@ -20,7 +20,7 @@ pub(super) struct Found<const N: usize> {
     pub(super) event: Event<N>,
     pub(super) s: f64,
     pub(super) rest: Timed<N>,
-    /// How far the guard was from its zero where it was said to be.
+    /// How far the guard was from its zero where the series has one; at the step's start none is asked.
     off: f64,
 }
 
@@ -187,12 +187,14 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
                             flow.guard_at(guard, end.t, &end.x)
                         }
                     };
-                    let off = match &found {
-                        Some(found) => found.off,
-                        None => at_end() - power_series(c, 1.0).0,
+                    let (s, off) = match &found {
+                        Some(found) => (found.s, found.off),
+                        None => (1.0, at_end() - power_series(c, 1.0).0),
                     };
                     let blur = || uncertainty(flow, guard, end, &run.options.tolerance());
-                    if !is_near(c, off.abs(), run.options.rtol, blur) {
+                    let strays = !is_near(c, off.abs(), run.options.rtol, blur);
+                    // Behind where a comparison comes out otherwise the series is not the guard's anyway.
+                    if strays && (!off.is_finite() || self.first_kink(s).is_none()) {
                         return Err(Undefined);
                     }
                 }
@@ -358,7 +360,7 @@ fn locate<F: Flow<N>, const N: usize, const G: usize>(
             event,
             s,
             rest,
-            off: zero.guard,
+            off: if zero.s > 0.0 { zero.guard } else { 0.0 },
         })
     })
 }
