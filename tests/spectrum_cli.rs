@@ -889,11 +889,20 @@ fn an_angle_that_wraps_is_warned_of() {
             .collect()
     };
     let tau = 2.0 * std::f64::consts::PI;
-    for (turn, most, warns) in [(tau, 1.0, true), (360.0, 1.0, true), (360.0, 0.9, false)] {
+    // As far as a turn, without a jump.
+    let sine: String = (0..2000)
+        .map(|i| format!("{0} {0}\n", 3.135 * math::sin(0.1 * f64::from(i))))
+        .collect();
+    for (text, warns) in [
+        (standard_map(tau, 1.0), true),
+        (standard_map(360.0, 1.0), true),
+        (standard_map(360.0, 0.9), false),
+        (sine, false),
+    ] {
         let says = contains("column 1 fills a whole turn of");
         let outcome = program()
             .args(["-", "--dt", "1"])
-            .write_stdin(standard_map(turn, most))
+            .write_stdin(text)
             .assert()
             .success();
         if warns {

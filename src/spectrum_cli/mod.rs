@@ -65,8 +65,8 @@ series with the time reversed, in which only the system's change sign. With dela
 
 stderr holds the scatter over time and the whole way of the extrapolation to neighbourhoods of size zero; over 200 series of known
 spectrum, over one column of each, and over these states with noise of a thousandth of their spread, the true value was within two of it
-at least nine times in ten where the status is ok. None of these jumps: of values that wrap around, as angles or numbers modulo 1, neighbours
-are torn apart, and ok is worth nothing; give their sine and cosine. These were 5000 points or more, with the default settings; of their states it was as often
+in total at least nine times in ten where the status is ok. None of these jumps: of values that wrap around, as angles or numbers modulo 1, neighbours
+are torn apart, and ok is worth nothing; give their sine and cosine (a warning tells of angles in radians and degrees only). These were 5000 points or more, with the default settings; of their states it was as often
 with 30 --references, if these reach over two Theiler windows, and a warning tells if not. With --estimator sano-sawada, the estimator of Eqs. (25) and (26) of Olejnik and Awrejcewicz (2013) without correction, it is statistical only and
 knows nothing of bias.
 eps_sensitivity (table and --json) is by how much the exponent changes with neighbourhoods of twice the size, a measure of the bias.
@@ -328,7 +328,7 @@ impl Arguments {
     }
 }
 
-/// Before anything is computed.
+/// A number that sums can be held against.
 fn check_divergence(divergence: Option<f64>) -> Result<(), SpectrumError> {
     match divergence {
         Some(value) if !value.is_finite() => Err(SpectrumError::Option {

@@ -244,7 +244,7 @@ fn repeated(source: &Table) -> Option<String> {
     })
 }
 
-/// Columns whose values fill a whole turn: an angle that is taken back by a turn tears neighbours apart.
+/// Columns whose values fill a whole turn and jump by more than half of it: an angle that is taken back by a turn tears neighbours apart.
 fn wrapped(source: &Table) -> Option<String> {
     const TURNS: [(f64, &str); 2] = [(2.0 * PI, "2π"), (360.0, "360")];
     let rows = source.values.len() / source.names.len().max(1);
@@ -257,6 +257,8 @@ fn wrapped(source: &Table) -> Option<String> {
         let (_, turn) = TURNS
             .iter()
             .find(|(turn, _)| (1.0 - gap..=1.0).contains(&((high - low) / turn)))?;
+        let mut pairs = values().zip(values().skip(1));
+        pairs.find(|(one, next)| (*one - *next).abs() > 0.5 * (high - low))?;
         Some(format!(
             "column {name} fills a whole turn of {turn}, as an angle does that is taken back by a turn: neighbours on either side of the jump are torn \
              apart, and ok is worth nothing: give the angle's sine and cosine instead"

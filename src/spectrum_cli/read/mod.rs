@@ -99,7 +99,10 @@ impl Read for Counted<'_> {
     fn read(&mut self, into: &mut [u8]) -> std::io::Result<usize> {
         let count = self.file.read(into)?;
         self.done += count as u64;
-        (self.report)((self.done >> 20) as usize, (self.total >> 20) as usize);
+        // A pipe does not say how long it is.
+        if self.total > 0 {
+            (self.report)((self.done >> 20) as usize, (self.total >> 20) as usize);
+        }
         Ok(count)
     }
 }

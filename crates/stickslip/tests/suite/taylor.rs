@@ -425,7 +425,7 @@ impl Filippov<1> for Dent {
 #[test]
 fn a_boundary_flatter_than_its_series_is_met() {
     for power in 8..=60 {
-        for digits in 4..=15 {
+        for digits in 3..=15 {
             let tolerance = math::powi(10.0, -digits);
             let options = taylor(tolerance);
             let orbit = solve(&Dent { power }, 0.0, [0.5], 5.0, &options).expect("runs");
@@ -521,6 +521,38 @@ fn a_kink_of_the_boundary_rejects_no_step() {
         assert!((orbit.transitions[0].t - met).abs() < 1e-13);
         assert_eq!(orbit.transitions.len(), 1);
         assert_eq!(orbit.counters.rejected, 0);
+    }
+}
+
+/// A rotation, and a boundary that is nowhere met: it jumps, or is a small difference of large numbers.
+pub struct Turn {
+    jumps: bool,
+}
+
+impl Filippov<2> for Turn {
+    fn field<T: Scalar>(&self, _side: Side, _t: T, x: &[T; 2]) -> [T; 2] {
+        [-x[1], x[0]]
+    }
+
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
+        if self.jumps {
+            (x[1] / x[0]).atan() + 2.0
+        } else {
+            (x[0] * x[0] + 1e12).sqrt() - (1e6 - 1.0)
+        }
+    }
+}
+
+#[test]
+fn a_boundary_that_is_off_its_series_in_short_steps_too_holds_nothing_up() {
+    for jumps in [false, true] {
+        for digits in 3..=15 {
+            let options = taylor(math::powi(10.0, -digits));
+            let orbit = solve(&Turn { jumps }, 0.0, [1.0, 0.1], 20.0, &options);
+            let orbit = orbit.expect("runs");
+            assert_eq!(orbit.transitions, [], "{jumps}, {digits} digits");
+            assert!(orbit.counters.steps < 5000, "{:?}", orbit.counters);
+        }
     }
 }
 

@@ -249,7 +249,9 @@ fn estimate<const N: usize>(
                     // Judged by what the exponents come from.
                     let is_large = |eps: f64| maps.radius() > LARGE * eps * cloud.spread;
                     let starved = match settings.neighbours {
-                        Neighbourhood::Ball { eps, .. } => is_large(eps),
+                        Neighbourhood::Ball { eps, .. } => {
+                            is_large(eps) || nearest.len() < plan.neighbours[0]
+                        }
                         Neighbourhood::Nearest(_) => local.starved,
                     };
                     (Local { starved, ..local }, Some(maps))

@@ -99,7 +99,11 @@ pub fn reversal(
         .collect();
     let of_a_map = FIT / (step as f64 * embedded.dt());
     let first = forward.first().map_or(0.0, |first| first.0.abs());
-    let scale = first.max(of_a_map / PART);
+    let scale = if first < of_a_map {
+        of_a_map / PART
+    } else {
+        first
+    };
     let is_conclusive = backward.residual_ratio < UNPREDICTABLE
         && forward.first().is_some_and(|first| {
             turned

@@ -31,8 +31,12 @@ const SAMPLES: [f64; 8] = [0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0];
 const NEAR: f64 = 1e-6;
 const NEWTON_STEPS: usize = 3;
 
-/// A guard that is off its series by so many tolerances has another one: the step is too long.
+/// A guard that is off its series by so many tolerances has another one: the step is too long,
 const STRAYS: f64 = 1e3;
+/// and it has if it is off by this part of itself,
+const STRAYS_PART: f64 = 0.1;
+/// unless so many steps were rejected in a row: a guard that jumps, or whose large terms cancel, is off in shorter ones, too. It is sampled then.
+const SHORT_ENOUGH: u32 = 3;
 
 /// A series holds a little beyond its step.
 const BEYOND: f64 = 1.05;
@@ -145,9 +149,10 @@ fn on_piece<F: Flow<N>, const N: usize>(
 #[inline(always)]
 fn is_near(c: &[f64], off: f64, rtol: f64, blur: impl Fn() -> Uncertainty) -> bool {
     let size = |c: &[f64]| c.iter().map(|c| c.abs()).sum::<f64>();
+    let part = (STRAYS * rtol).min(STRAYS_PART);
     // Nearly always its first terms show that it is.
-    off <= STRAYS * rtol * size(&c[..2]) || off <= STRAYS * rtol * size(c) || {
-        // Of a sum in which large terms cancel rounding leaves more.
+    off <= part * size(&c[..2]) || off <= part * size(c) || {
+        // What the state is known to may blur more than the guard moves.
         let blur = blur();
         off <= STRAYS * blur.by_tolerance + blur.by_rounding
     }
@@ -195,10 +200,16 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
                     let strays = !is_near(c, off.abs(), run.options.rtol, blur);
                     // Behind where a comparison comes out otherwise the series is not the guard's anyway.
                     if strays && (!off.is_finite() || self.first_kink(s).is_none()) {
-                        return Err(Undefined);
+                        if self.rejections < SHORT_ENOUGH || !off.is_finite() {
+                            return Err(Undefined);
+                        }
+                        sampled_failure(run, flow, guard, piece, order)?
+                    } else {
+                        found
                     }
+                } else {
+                    found
                 }
-                found
             };
             if let Some(found) = found
                 && first.as_ref().is_none_or(|first| found.s < first.s)

@@ -49,8 +49,8 @@ pub(crate) struct TaylorStepper<const N: usize, const G: usize> {
     /// Where the last step ended, and what rounding took from that.
     end: Timed<N>,
     rest: Timed<N>,
-    /// Whether the last step was rejected.
-    rejected: bool,
+    /// How many steps were rejected since the last that was made.
+    rejections: u32,
     /// The step that the next series is scaled with.
     scale: f64,
 }
@@ -105,7 +105,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             is_new: true,
             end: nowhere(),
             rest: nowhere(),
-            rejected: false,
+            rejections: 0,
             scale: 0.0,
         }
     }
@@ -140,7 +140,12 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
     /// Plans the next step, as the series allows; its length over that which the series is scaled with.
     pub(super) fn plan(&mut self, run: &mut Run<N, G>, ratio: f64) -> f64 {
         // After a rejection the step does not grow at once.
-        run.h = self.scale * if self.rejected { ratio.min(1.0) } else { ratio };
+        run.h = self.scale
+            * if self.rejections > 0 {
+                ratio.min(1.0)
+            } else {
+                ratio
+            };
         let (h, is_last) = run.next_step();
         let h = if is_last { h - self.rest.t } else { h };
         (self.piece.h, self.is_last) = (h, is_last);
@@ -209,7 +214,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             }
         }
         self.is_new = false;
-        self.rejected = false;
+        self.rejections = 0;
         if run.h == 0.0 {
             let field = &mut |t: f64, x: &State<N>| flow.velocity(t, x);
             let slope = field(t, &x);
@@ -255,7 +260,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         }
         let mut part = 1.0;
         let Ok(event) = self.first_event(run, flow, &at) else {
-            self.rejected = true;
+            self.rejections += 1;
             run.reject_undefined(h)?;
             return Ok(Trial::NoStep);
         };
@@ -278,11 +283,12 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             None => at.x = flow.settle(at.t, at.x),
         }
         let part = event.as_ref().map_or(part, |event| event.s);
-        self.rejected = !piece.agrees(flow, part, &at, &run.options);
-        if self.rejected {
+        if !piece.agrees(flow, part, &at, &run.options) {
+            self.rejections += 1;
             run.reject_undefined(h)?;
             return Ok(Trial::NoStep);
         }
+        self.rejections = 0;
         (self.end, self.rest) = (at, rest_there);
         run.counters.steps += 1;
         run.dense.become_series(t, h, piece.order, &piece.x);
