@@ -197,7 +197,10 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
                         None => (1.0, at_end() - power_series(c, 1.0).0),
                     };
                     let blur = || uncertainty(flow, guard, end, &run.options.tolerance());
-                    let strays = !is_near(c, off.abs(), run.options.rtol, blur);
+                    // Other series say themselves how far they reach.
+                    let may_have_ended = c[piece.order] == 0.0 && c[piece.order - 1] == 0.0;
+                    let strays = !off.is_finite()
+                        || may_have_ended && !is_near(c, off.abs(), run.options.rtol, blur);
                     // Behind where a comparison comes out otherwise the series is not the guard's anyway.
                     if strays && (!off.is_finite() || self.first_kink(s).is_none()) {
                         if self.rejections < SHORT_ENOUGH || !off.is_finite() {
