@@ -19,12 +19,12 @@ use crate::solver::systems::{
     BlowUp, Breathing, Ceiling, Dip, Floor, Ledge, MovingLine, Parabola, Rest, Reversed, Spiral,
     StaticFriction, TurningLine, TwiceRound, TwoFold, Wall, Window, Zeno,
 };
-use crate::taylor::{Brink, Cup, Dent, Gate, Kink, Knee, Nowhere, Pit, Push, Ramp, Turn};
+use crate::taylor::{Brink, Cup, Dent, Gate, Kink, Nowhere, Pit, Push, Ramp};
 use crate::two_folds::{Folds, Random};
 
 systems!(
     Any1, 1:
-    BlowUp(BlowUp), Breathing(Breathing), Brink(Brink), Cup(Cup), Dent(Dent), Fork(Fork), Knee(Knee), Line(Line), MovingLine(MovingLine),
+    BlowUp(BlowUp), Breathing(Breathing), Brink(Brink), Cup(Cup), Dent(Dent), Fork(Fork), Line(Line), MovingLine(MovingLine),
     Nowhere(Nowhere), Push(Push), Rest(Rest), Rider(Rider), TurningLine(TurningLine), Wall(Wall), Window(Window),
 );
 
@@ -33,7 +33,7 @@ systems!(
     Belt(BeltOscillator), Ceiling(Ceiling), DenHartog(DenHartog), Dip(Dip), Floor(Floor), Forced(ForcedOscillator), FromSupport(FromSupport),
     Gate(Gate), Kink(Kink), Ledge(Ledge), Linear(Smooth<Linear<2>>), Parabola(Parabola), Pit(Pit), Ramp(Ramp),
     Refracting(Refracting), ReversedBelt(Reversed<BeltOscillator>), ReversedForced(Reversed<ForcedOscillator>),
-    Shaken(grazes::Shaken), SpiralAtRest(grazes::AtRest), Spiral(Spiral), StaticFriction(StaticFriction), Turn(Turn), TwoFold(TwoFold), Zeno(Zeno),
+    Shaken(grazes::Shaken), SpiralAtRest(grazes::AtRest), Spiral(Spiral), StaticFriction(StaticFriction), TwoFold(TwoFold), Zeno(Zeno),
 );
 
 systems!(

@@ -11,7 +11,7 @@ use crate::filippov::leaving::{Leaving, RISES, leaving};
 use crate::filippov::run::Run;
 use crate::filippov::scan::Bracket;
 use crate::filippov::slopes::Undefined;
-use crate::filippov::uncertainty::{Uncertainty, uncertainty};
+use crate::filippov::uncertainty::uncertainty;
 use crate::ode::{Timed, power_series};
 use crate::taylor::roots::{first_zero, is_positive, slope_and_bend};
 
@@ -20,8 +20,6 @@ pub(super) struct Found<const N: usize> {
     pub(super) event: Event<N>,
     pub(super) s: f64,
     pub(super) rest: Timed<N>,
-    /// How far the guard was from its zero where the series has one; at the step's start none is asked.
-    off: f64,
 }
 
 /// Where it is looked at whether a guard is defined.
@@ -30,13 +28,6 @@ const SAMPLES: [f64; 8] = [0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0];
 /// How far, in parts of the step, a zero of its series may be from the guard's own, and steps of Newton's iteration from one to the other.
 const NEAR: f64 = 1e-6;
 const NEWTON_STEPS: usize = 3;
-
-/// A guard that is off its series by so many tolerances has another one: the step is too long,
-const STRAYS: f64 = 1e3;
-/// and it has if it is off by this part of itself,
-const STRAYS_PART: f64 = 0.1;
-/// unless so many steps were rejected in a row: a guard that jumps, or whose large terms cancel, is off in shorter ones, too. It is sampled then.
-const SHORT_ENOUGH: u32 = 3;
 
 /// A series holds a little beyond its step.
 const BEYOND: f64 = 1.05;
@@ -145,19 +136,6 @@ fn on_piece<F: Flow<N>, const N: usize>(
     }
 }
 
-/// Whether a guard is `off` its series by no more than the tolerance allows.
-#[inline(always)]
-fn is_near(c: &[f64], off: f64, rtol: f64, blur: impl Fn() -> Uncertainty) -> bool {
-    let size = |c: &[f64]| c.iter().map(|c| c.abs()).sum::<f64>();
-    let part = (STRAYS * rtol).min(STRAYS_PART);
-    // Nearly always its first terms show that it is.
-    off <= part * size(&c[..2]) || off <= part * size(c) || {
-        // What the state is known to may blur more than the guard moves.
-        let blur = blur();
-        off <= STRAYS * blur.by_tolerance + blur.by_rounding
-    }
-}
-
 impl<const N: usize, const G: usize> TaylorStepper<N, G> {
     /// The first guard that fails in the step, and where. The series leads to `end`.
     ///
@@ -182,37 +160,18 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
                 sampled_failure(run, flow, guard, piece, order)?
             } else {
                 let found = first_failure(run, flow, guard, piece, c, order);
-                // A series may go on where its function ends or has ended and begun again, or beyond where it converges.
-                if !function.is_linear {
-                    let at_end = || {
-                        if F::TOGETHER {
-                            let all = || flow.guards_at::<G>(end.t, &end.x);
-                            at_end.get_or_init(all)[guard]
-                        } else {
-                            flow.guard_at(guard, end.t, &end.x)
-                        }
-                    };
-                    let (s, off) = match &found {
-                        Some(found) => (found.s, found.off),
-                        None => (1.0, at_end() - power_series(c, 1.0).0),
-                    };
-                    let blur = || uncertainty(flow, guard, end, &run.options.tolerance());
-                    // Other series say themselves how far they reach.
-                    let may_have_ended = c[piece.order] == 0.0 && c[piece.order - 1] == 0.0;
-                    let strays = !off.is_finite()
-                        || may_have_ended && !is_near(c, off.abs(), run.options.rtol, blur);
-                    // Behind where a comparison comes out otherwise the series is not the guard's anyway.
-                    if strays && (!off.is_finite() || self.first_kink(s).is_none()) {
-                        if self.rejections < SHORT_ENOUGH || !off.is_finite() {
-                            return Err(Undefined);
-                        }
-                        sampled_failure(run, flow, guard, piece, order)?
+                // A series may go on where its function ends, or has ended and begun again.
+                if found.is_none() && !function.is_linear {
+                    let value = if F::TOGETHER {
+                        at_end.get_or_init(|| flow.guards_at::<G>(end.t, &end.x))[guard]
                     } else {
-                        found
+                        flow.guard_at(guard, end.t, &end.x)
+                    };
+                    if !value.is_finite() {
+                        return Err(Undefined);
                     }
-                } else {
-                    found
                 }
+                found
             };
             if let Some(found) = found
                 && first.as_ref().is_none_or(|first| found.s < first.s)
@@ -333,7 +292,6 @@ fn locate<F: Flow<N>, const N: usize, const G: usize>(
                     event: turn.event(i, true),
                     s: turn.s,
                     rest: piece.at(turn.s).1,
-                    off: zero.guard,
                 });
             }
         }
@@ -370,11 +328,6 @@ fn locate<F: Flow<N>, const N: usize, const G: usize>(
             is_touch: false,
             residual: left.abs(),
         };
-        Some(Found {
-            event,
-            s,
-            rest,
-            off: if zero.s > 0.0 { zero.guard } else { 0.0 },
-        })
+        Some(Found { event, s, rest })
     })
 }

@@ -49,8 +49,8 @@ pub(crate) struct TaylorStepper<const N: usize, const G: usize> {
     /// Where the last step ended, and what rounding took from that.
     end: Timed<N>,
     rest: Timed<N>,
-    /// How many steps were rejected since the last that was made.
-    rejections: u32,
+    /// Whether the last step was rejected.
+    rejected: bool,
     /// The step that the next series is scaled with.
     scale: f64,
 }
@@ -105,7 +105,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             is_new: true,
             end: nowhere(),
             rest: nowhere(),
-            rejections: 0,
+            rejected: false,
             scale: 0.0,
         }
     }
@@ -140,12 +140,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
     /// Plans the next step, as the series allows; its length over that which the series is scaled with.
     pub(super) fn plan(&mut self, run: &mut Run<N, G>, ratio: f64) -> f64 {
         // After a rejection the step does not grow at once.
-        run.h = self.scale
-            * if self.rejections > 0 {
-                ratio.min(1.0)
-            } else {
-                ratio
-            };
+        run.h = self.scale * if self.rejected { ratio.min(1.0) } else { ratio };
         let (h, is_last) = run.next_step();
         let h = if is_last { h - self.rest.t } else { h };
         (self.piece.h, self.is_last) = (h, is_last);
@@ -214,7 +209,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             }
         }
         self.is_new = false;
-        self.rejections = 0;
+        self.rejected = false;
         if run.h == 0.0 {
             let field = &mut |t: f64, x: &State<N>| flow.velocity(t, x);
             let slope = field(t, &x);
@@ -260,7 +255,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         }
         let mut part = 1.0;
         let Ok(event) = self.first_event(run, flow, &at) else {
-            self.rejections += 1;
+            self.rejected = true;
             run.reject_undefined(h)?;
             return Ok(Trial::NoStep);
         };
@@ -283,12 +278,11 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             None => at.x = flow.settle(at.t, at.x),
         }
         let part = event.as_ref().map_or(part, |event| event.s);
-        if !piece.agrees(flow, part, &at, &run.options) {
-            self.rejections += 1;
+        self.rejected = !piece.agrees(flow, part, &at, &run.options);
+        if self.rejected {
             run.reject_undefined(h)?;
             return Ok(Trial::NoStep);
         }
-        self.rejections = 0;
         (self.end, self.rest) = (at, rest_there);
         run.counters.steps += 1;
         run.dense.become_series(t, h, piece.order, &piece.x);
