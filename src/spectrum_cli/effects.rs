@@ -22,23 +22,24 @@ pub(super) fn without_effect(arguments: &Arguments, findings: &Findings) -> Vec<
 fn radius(arguments: &Arguments, findings: &Findings) -> Option<String> {
     arguments.eps?;
     let spectrum = &findings.spectrum;
-    match (spectrum.settings.neighbours, &spectrum.sizes) {
-        (Neighbourhood::Nearest(_), _) => None,
-        (Neighbourhood::Ball { min, max, .. }, Some(_)) => (min == max).then(|| {
-            format!(
-                "--eps changes no extrapolated exponent, which comes from nearest points, however far; it only says which points are called starved: \
-                 give other --neighbours than {min}, or --estimator sano-sawada with a range such as --neighbours {min}-{}",
-                max.saturating_mul(2)
-            )
-        }),
-        (Neighbourhood::Ball { min, max, .. }, None) => (min == max).then(|| {
-            format!(
-                "--eps changes no neighbour where the fewest and the most are both {min}; it only says which points are called starved: \
-                 give a range such as --neighbours {min}-{}",
-                max.saturating_mul(2)
-            )
-        }),
-    }
+    let Neighbourhood::Ball { min, max, .. } = spectrum.settings.neighbours else {
+        return None;
+    };
+    let range = format!(
+        "a range such as --neighbours {min}-{}",
+        max.saturating_mul(2)
+    );
+    // With a range it decides how many of them there are, and where chains begin.
+    (min == max).then(|| match spectrum.sizes {
+        Some(_) => format!(
+            "--eps changes no extrapolated exponent, which comes from nearest points, however far; it only says which points are called starved: \
+             give other --neighbours than {min}, or --estimator sano-sawada with {range}"
+        ),
+        None => format!(
+            "--eps changes no neighbour where the fewest and the most are both {min}; it only says which points are called starved: \
+             give {range}"
+        ),
+    })
 }
 
 fn degree(arguments: &Arguments, findings: &Findings) -> Option<String> {

@@ -57,6 +57,14 @@ impl<const W: usize> Default for Expansion<W> {
     }
 }
 
+impl<const W: usize> Expansion<W> {
+    /// As [`Series::choices`], among all rows.
+    #[inline(always)]
+    pub(crate) fn choices_among<'r, const L: usize>(&self, rows: &'r [Row<L>]) -> &'r [Row<L>] {
+        &rows[rows.len() - self.choices..]
+    }
+}
+
 impl<const L: usize> Series<L> {
     #[cold]
     #[inline(never)]
@@ -172,6 +180,6 @@ impl<const L: usize> Series<L> {
     /// The rows that hold by how much what was chosen is ahead of what was not.
     #[inline(always)]
     pub(crate) fn choices<const W: usize>(&self, expansion: &Expansion<W>) -> &[Row<L>] {
-        &self.rows[self.rows.len() - expansion.choices..]
+        expansion.choices_among(&self.rows)
     }
 }

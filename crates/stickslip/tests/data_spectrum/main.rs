@@ -7,8 +7,8 @@ mod second_opinion;
 
 use nalgebra::{Matrix2, Vector2};
 use stickslip::analysis::data_spectrum::{
-    DataError, DataSettings, DataSpectrum, Kind, MAX_COLUMNS, Neighbourhood, Series, Status,
-    data_spectrum, data_spectrum_of_rows,
+    DataError, DataSettings, DataSpectrum, Estimator, Kind, MAX_COLUMNS, Neighbourhood, Series,
+    Status, data_spectrum, data_spectrum_of_rows,
 };
 use stickslip::math;
 use stickslip::ode::{Rk4, stages};
@@ -44,6 +44,30 @@ fn henon(points: usize) -> Vec<[f64; 2]> {
     };
     let all = std::iter::repeat_with(|| step(&mut x));
     all.skip(100).take(points).collect()
+}
+
+/// Quadratic maps are fitted to 27 points and 54 whether 12 neighbours are asked for or 8: as many points are starved. The ball of Eq. (25) holds 8 sooner.
+#[test]
+fn fewer_neighbours_than_the_maps_need_starve_no_fewer_points() {
+    let of = |min: usize, estimator: Estimator| {
+        let settings = DataSettings {
+            estimator,
+            neighbours: Neighbourhood::Ball {
+                eps: 0.01,
+                min,
+                max: min,
+            },
+            ..DataSettings::default()
+        };
+        spectrum(&henon(5000), 1.0, &settings)
+    };
+    let extrapolated = DataSettings::default().estimator;
+    let [twelve, eight] = [12, 8].map(|min| of(min, extrapolated));
+    assert_eq!(twelve.starved, eight.starved);
+    assert_eq!(twelve.sizes, eight.sizes);
+    assert!((100..4900).contains(&twelve.starved), "{}", twelve.starved);
+    let [twelve, eight] = [12, 8].map(|min| of(min, Estimator::SanoSawada));
+    assert!(eight.starved < twelve.starved);
 }
 
 /// Chains begin with the directions of a neighbourhood. Those of a large ball are others than those of a small one, and what the chains then take to turn is

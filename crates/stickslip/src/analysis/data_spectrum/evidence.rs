@@ -90,7 +90,7 @@ impl Evidence {
         // Two errors are to hold the true value.
         let flattened = corrected.noise[i] / self.tau > 2.0 * best.stderr;
         let tolerance = (RANGE * corrected.zero[i].scatter).max(PART * best.mean.abs());
-        if best.undetermined as f64 > UNDETERMINED * self.references as f64 {
+        if best.undetermined as f64 > UNDETERMINED * corrected.counted as f64 {
             Status::Undetermined
         } else if flattened {
             Status::Noisy
@@ -163,6 +163,7 @@ mod tests {
                 large: [from_few_blocks(0.1 + way)],
                 zero: [full],
                 noise: [0.0],
+                counted: 1000,
                 judged: None,
                 sum: full,
             };

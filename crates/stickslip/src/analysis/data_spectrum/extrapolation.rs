@@ -164,6 +164,8 @@ pub(super) struct Corrected<const N: usize> {
     pub(super) zero: [Average; N],
     /// Part of the neighbours' variance in each direction that is noise, by which the maps are flattened.
     pub(super) noise: [f64; N],
+    /// Reference points that the averages are over.
+    pub(super) counted: usize,
     /// By the maps that judge linear ones.
     pub(super) judged: Option<[Average; N]>,
     /// Sum of the exponents of the tangent directions, with its whole error.
@@ -266,6 +268,7 @@ impl<const N: usize> Chains<N> {
             large: average(large, tau).0,
             zero,
             noise: std::array::from_fn(|i| upper_median(self.noises.iter().map(|noise| noise[i]))),
+            counted: stretches.len(),
             judged: judged.map(|judged| average(judged, tau).0),
             sum: with_bias(sum, range, gap(&sum, judged_sum.as_ref())),
         };

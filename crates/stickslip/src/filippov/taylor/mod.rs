@@ -144,7 +144,8 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         let (h, is_last) = run.next_step();
         let h = if is_last { h - self.rest.t } else { h };
         (self.piece.h, self.is_last) = (h, is_last);
-        self.piece.to_end = (run.t_end - run.at.t) / h;
+        // A last step is shorter by what rounding took from the time.
+        self.piece.to_end = ((run.t_end - run.at.t) / h).max(1.0);
         h / self.scale
     }
 

@@ -127,11 +127,10 @@ pub(in crate::filippov) fn step_ratio<const L: usize, const N: usize, const G: u
     let guards = expansion.watched.iter().flatten();
     let guards = guards.filter(|function| !function.is_linear);
     let choices = if expansion.choices_bend {
-        expansion.choices
+        expansion.choices_among(rows)
     } else {
-        0
+        &[]
     };
-    let choices = &rows[rows.len() - choices..];
     for row in guards.map(|function| &rows[function.row]).chain(choices) {
         let sizes = [0, 1, 2].map(|k| lanes_of(row.at(k), f64::abs));
         let first = sizes.map(|size| lanes_of(size, |size| tolerance + rough_log2(size)));

@@ -23,22 +23,6 @@ pub const FEWEST_SURROGATES: usize = 19;
 /// Most surrogates: more tell no more, and each takes an estimate.
 pub const MOST_SURROGATES: usize = 10_000;
 
-/// Whether a test can be made with so many surrogates.
-///
-/// # Errors
-/// [`DataError::Setting`] for fewer than [`FEWEST_SURROGATES`] or more than [`MOST_SURROGATES`].
-pub fn check_surrogates(count: usize) -> Result<(), DataError> {
-    if (FEWEST_SURROGATES..=MOST_SURROGATES).contains(&count) {
-        return Ok(());
-    }
-    Err(DataError::Setting {
-        name: "surrogates",
-        value: count as f64,
-        bound: format!(
-            "{FEWEST_SURROGATES} to {MOST_SURROGATES}: fewer give no level of 5 %, and more tell no more"
-        ),
-    })
-}
 /// The level of the test.
 const LEVEL: f64 = 0.05;
 /// Reference points of each estimate, at most.
@@ -71,6 +55,23 @@ impl SurrogateTest {
     pub fn is_significant(&self) -> bool {
         self.p <= LEVEL
     }
+}
+
+/// Whether a test can be made with so many surrogates.
+///
+/// # Errors
+/// [`DataError::Setting`] for fewer than [`FEWEST_SURROGATES`] or more than [`MOST_SURROGATES`].
+pub fn check_surrogates(count: usize) -> Result<(), DataError> {
+    if (FEWEST_SURROGATES..=MOST_SURROGATES).contains(&count) {
+        return Ok(());
+    }
+    Err(DataError::Setting {
+        name: "surrogates",
+        value: count as f64,
+        bound: format!(
+            "{FEWEST_SURROGATES} to {MOST_SURROGATES}: fewer give no level of 5 %, and more tell no more"
+        ),
+    })
 }
 
 /// Compares a series with `count` surrogates, made from random numbers of `seed`. Series and surrogates are embedded alike, if at all, and
