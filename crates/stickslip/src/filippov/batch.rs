@@ -13,7 +13,7 @@ use super::options::Options;
 use super::solve::{Failure, Summary, tell};
 use super::stepper::Stepper;
 use super::switched::{Switched, UseFlow};
-use super::taylor::{OfFlow, powers, step_ratio};
+use super::taylor::{Ends, OfFlow, step_ratio};
 use crate::error::Error;
 use crate::ode::Timed;
 use crate::orbit::Ending;
@@ -118,7 +118,7 @@ struct Queue<K, B> {
 }
 
 /// What orbits that are expanded together have in common, and each its own lane.
-struct Lanewise<'a, F, const N: usize> {
+struct Lanewise<'a, F, P, const N: usize> {
     flow: &'a F,
     rows: &'a [Row<LANES>],
     t: Lanes<LANES>,
@@ -126,39 +126,53 @@ struct Lanewise<'a, F, const N: usize> {
     h: Lanes<LANES>,
     order: usize,
     options: &'a Options,
+    /// Plans the steps by how far the series reach.
+    plan: &'a mut P,
 }
 
-/// An expansion of several orbits in one mode, and how far each reaches, in the widest vectors that the machine has; their width changes no
-/// bit.
+/// What came of the expansion of several orbits: their steps' lengths, over those that the series are scaled with, and ends.
+struct Planned<const N: usize, const G: usize> {
+    expansion: Expansion<G>,
+    ratios: Lanes<LANES>,
+    ends: Ends<LANES, N>,
+}
+
+/// An expansion of several orbits in one mode, in the widest vectors that the machine has; their width changes no bit. It may have no
+/// outcome: then they are expanded one by one.
 ///
 /// Two references, which is what makes the first rows an argument: see [`Rows`].
-struct Together<'a, F, const N: usize, const G: usize> {
+struct Together<'a, 'b, F, P, const N: usize, const G: usize> {
     first: &'a [Row<LANES>; AT_ONCE],
-    of: &'a Lanewise<'a, F, N>,
+    of: &'a mut Lanewise<'b, F, P, N>,
 }
 
-impl<F: Flow<N>, const N: usize, const G: usize> NullaryFnOnce for Together<'_, F, N, G> {
-    type Output = Result<(Expansion<G>, Lanes<LANES>), usize>;
+impl<F, P, const N: usize, const G: usize> NullaryFnOnce for Together<'_, '_, F, P, N, G>
+where
+    F: Flow<N>,
+    P: FnMut(Lanes<LANES>) -> Lanes<LANES>,
+{
+    type Output = Result<Option<Planned<N, G>>, usize>;
 
     #[inline(always)]
     fn call(self) -> Self::Output {
-        let Lanewise {
-            flow,
-            rows: all,
-            t,
-            x,
-            h,
-            order,
-            options,
-        } = *self.of;
+        let of = self.of;
+        let (order, all) = (of.order, of.rows);
         let rows = Rows {
             first: self.first,
             all,
         };
-        let flow = OfFlow(flow);
-        let expansion = in_rows(rows, (t, h), &x, order, &flow, &mut Repeated::new())?;
-        let ratios = step_ratio(all, &expansion, order, options, &x);
-        Ok((expansion, ratios))
+        let (flow, time) = (OfFlow(of.flow), (of.t, of.h));
+        let expansion = in_rows(rows, time, &of.x, order, &flow, &mut Repeated::new())?;
+        if expansion.divided || expansion.value_read {
+            return Ok(None);
+        }
+        let ratios = (of.plan)(step_ratio(all, &expansion, order, of.options, &of.x));
+        let ends = Ends::of(all, &expansion, order, ratios);
+        Ok(Some(Planned {
+            expansion,
+            ratios,
+            ends,
+        }))
     }
 }
 
@@ -167,6 +181,7 @@ struct Batch<'a, S: Switched<N, G>, O, const N: usize, const G: usize> {
     members: Vec<Member<'a, S, O, N, G>>,
     waiting: Vec<Queue<S::Mode, S::Branch>>,
     series: Series<LANES>,
+    options: &'a Options,
 }
 
 impl<'a, S: Switched<N, G>, O: Observer<N, S::Mode>, const N: usize, const G: usize>
@@ -225,10 +240,19 @@ impl<'a, S: Switched<N, G>, O: Observer<N, S::Mode>, const N: usize, const G: us
                 x[lane] = *at;
             }
         }
-        let arch = Arch::new();
-        let options = &self.members[group[0]].integration.run.options;
-        let (expansion, mut ratios) = self.series.expand_by(|rows| {
-            let of = &Lanewise {
+        let (arch, options, members) = (Arch::new(), self.options, &mut self.members);
+        let mut plan = |mut ratios: Lanes<LANES>| {
+            for (ratio, &number) in ratios.iter_mut().zip(group) {
+                let Integration { stepper, run, .. } = &mut members[number].integration;
+                if let Some(stepper) = stepper.series_mut() {
+                    *ratio = stepper.plan(run, *ratio);
+                }
+            }
+            ratios
+        };
+        let planned = self.series.expand_by(|rows| {
+            let (first, plan) = (rows.first, &mut plan);
+            let of = &mut Lanewise {
                 flow,
                 rows: rows.all,
                 t,
@@ -236,24 +260,27 @@ impl<'a, S: Switched<N, G>, O: Observer<N, S::Mode>, const N: usize, const G: us
                 h,
                 order,
                 options,
+                plan,
             };
-            let first = rows.first;
             arch.dispatch(Together { first, of })
         });
-        if expansion.divided || expansion.value_read {
+        let Some(Planned {
+            expansion,
+            ratios,
+            ends,
+        }) = planned
+        else {
             return;
-        }
+        };
         for (lane, &number) in group.iter().enumerate() {
-            let Integration { stepper, run, .. } = &mut self.members[number].integration;
+            let member = &mut self.members[number];
+            let wants_dense = member.observer.watches_steps();
+            let Integration { stepper, run, .. } = &mut member.integration;
+            let is_bare = !wants_dense && run.orders == [0; G];
+            let end = is_bare.then(|| ends.clear(lane)).flatten();
             if let Some(stepper) = stepper.series_mut() {
-                ratios[lane] = stepper.plan(run, ratios[lane]);
-            }
-        }
-        let powers = powers(ratios);
-        for (lane, &number) in group.iter().enumerate() {
-            let Integration { stepper, run, .. } = &mut self.members[number].integration;
-            if let Some(stepper) = stepper.series_mut() {
-                stepper.take(run, flow, (&self.series, &expansion), &powers, lane);
+                let lane = (lane, ratios[lane]);
+                stepper.take(run, flow, (&self.series, &expansion), lane, end);
             }
         }
     }
@@ -308,6 +335,7 @@ where
         members: Vec::with_capacity(UNDER_WAY),
         waiting: Vec::new(),
         series: Series::default(),
+        options,
     };
     while batch.members.len() < UNDER_WAY
         && let Some(member) = next(&mut outcomes, None)

@@ -156,10 +156,16 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             };
             let order = run.orders[guard];
             let c = &self.guards[guard][..=piece.order];
-            let found = if self.expansion.value_read || !c[piece.order].is_finite() {
+            let is_clear = self.is_clear;
+            let has_series = is_clear || (!self.expansion.value_read && c[piece.order].is_finite());
+            let found = if !has_series {
                 sampled_failure(run, flow, guard, piece, order)?
             } else {
-                let found = first_failure(run, flow, guard, piece, c, order);
+                let found = if is_clear {
+                    None
+                } else {
+                    first_failure(run, flow, guard, piece, c, order)
+                };
                 // A series may go on where its function ends, or has ended and begun again.
                 if found.is_none() && !function.is_linear {
                     let value = if F::TOGETHER {

@@ -1,12 +1,14 @@
 //! Taylor steps, and the first zero of the guards' series in each.
 
+mod end;
 mod event;
 mod kink;
 mod piece;
 mod step_size;
 
-pub(super) use piece::powers;
-use piece::{POWERS, Piece, Polynomial, nowhere};
+pub(super) use end::Ends;
+use end::{End, sums};
+use piece::{Piece, Polynomial, nowhere, powers};
 pub(super) use step_size::step_ratio;
 
 use super::flow::Flow;
@@ -41,6 +43,9 @@ pub(crate) struct TaylorStepper<const N: usize, const G: usize> {
     /// Series over it: of the guards that are not constant, and of what the comparisons in it rely on.
     guards: [Polynomial; G],
     choices: Vec<Polynomial>,
+    /// What it comes to at its end, and whether it is sure to come there: then no coefficients were taken.
+    end_of_step: End<N>,
+    is_clear: bool,
     /// Whether it ends at the end time.
     is_last: bool,
     is_expanded: bool,
@@ -100,6 +105,11 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             },
             guards: [[0.0; MOST_ORDER + 1]; G],
             choices: Vec::new(),
+            end_of_step: End {
+                rise: nowhere().x,
+                slope: nowhere().x,
+            },
+            is_clear: false,
             is_last: false,
             is_expanded: false,
             is_new: true,
@@ -127,8 +137,8 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             expand_alone(first, all, time, &x, order, flow, repeated)
         });
         let [ratio] = step_ratio(series.rows(), &expansion, order, &run.options, &x);
-        let powers = powers([self.plan(run, ratio)]);
-        self.take(run, flow, (&series, &expansion), &powers, 0);
+        let ratio = self.plan(run, ratio);
+        self.take(run, flow, (&series, &expansion), (0, ratio), None);
         self.series = series;
     }
 
@@ -149,17 +159,30 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         h / self.scale
     }
 
-    /// Takes what the step needs of an expansion in which this orbit was the lane `lane`, in parts of the step.
+    /// Takes what the step needs of an expansion in which this orbit was the lane `lane`: the coefficients, in parts of the step, unless
+    /// the step's end is all that is wanted of it, which then is given.
     #[inline(always)]
     pub(super) fn take<F: Flow<N>, const L: usize>(
         &mut self,
         run: &mut Run<N, G>,
         flow: &F,
         (series, expansion): (&Series<L>, &Expansion<G>),
-        powers: &[Lanes<L>; POWERS],
-        lane: usize,
+        (lane, ratio): (usize, f64),
+        end: Option<End<N>>,
     ) {
-        let of_row = |row: &Row<L>, k: usize| row.lane(lane, k) * powers[k][lane];
+        let order = self.piece.order;
+        (self.piece.t, self.piece.rest, self.piece.x[0]) = (run.at.t, self.rest, run.at.x);
+        self.expansion = *expansion;
+        self.is_expanded = true;
+        run.counters.field_calls += flow.field_calls() * (order as u64 + 1);
+        self.choices.clear();
+        self.is_clear = end.is_some();
+        if let Some(end) = end {
+            self.end_of_step = end;
+            return;
+        }
+        let powers = powers([ratio]);
+        let of_row = |row: &Row<L>, k: usize| row.lane(lane, k) * powers[k][0];
         let rows: [&Row<L>; N] = std::array::from_fn(|i| &series.rows()[i]);
         // Of those above the order, too, which are zero: so many that the compiler knows their number.
         for (k, x) in self.piece.x.iter_mut().enumerate() {
@@ -167,6 +190,8 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
                 *x = of_row(row, k);
             }
         }
+        let (rise, slope) = sums(order, |k| self.piece.x[k]);
+        self.end_of_step = End { rise, slope };
         let polynomial = |row: &Row<L>, c: &mut Polynomial| {
             for (k, c) in c.iter_mut().enumerate() {
                 *c = of_row(row, k);
@@ -177,16 +202,11 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
                 polynomial(&series.rows()[watched.row], c);
             }
         }
-        self.choices.clear();
         for row in series.choices(expansion) {
             let mut c = [0.0; MOST_ORDER + 1];
             polynomial(row, &mut c);
             self.choices.push(c);
         }
-        (self.piece.t, self.piece.rest) = (run.at.t, self.rest);
-        self.expansion = *expansion;
-        self.is_expanded = true;
-        run.counters.field_calls += flow.field_calls() * (self.piece.order as u64 + 1);
     }
 }
 
@@ -237,10 +257,11 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         if !self.is_expanded {
             self.expand(run, flow);
         }
-        let piece = &self.piece;
+        let (piece, end) = (&self.piece, &self.end_of_step);
         let (Timed { t, x }, h, is_last) = (run.at, piece.h, self.is_last);
         let last = piece.order;
-        if !(0..N).all(|i| (piece.x[last][i] + piece.x[last - 1][i]).is_finite()) {
+        let is_finite = |i: usize| (piece.x[last][i] + piece.x[last - 1][i]).is_finite();
+        if !self.is_clear && !(0..N).all(is_finite) {
             run.reject_undefined(SHRINK * self.scale)?;
             if run.is_too_short(run.h, false) {
                 return Err(run.collapsed(&flow.velocity(t, &x), run.h));
@@ -250,7 +271,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         if run.is_too_short(h, is_last) {
             return Err(run.collapsed(&flow.velocity(t, &x), h));
         }
-        let (mut at, mut rest_there) = piece.at(1.0);
+        let (mut at, mut rest_there) = piece.moved(1.0, &end.rise);
         if is_last {
             (at.t, rest_there.t) = (run.t_end, 0.0);
         }
@@ -279,14 +300,21 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             None => at.x = flow.settle(at.t, at.x),
         }
         let part = event.as_ref().map_or(part, |event| event.s);
-        self.rejected = !piece.agrees(flow, part, &at, &run.options);
+        let slope = if part == 1.0 {
+            end.slope
+        } else {
+            piece.slope(part)
+        };
+        self.rejected = !piece.agrees(flow, &slope, &at, &run.options);
         if self.rejected {
             run.reject_undefined(h)?;
             return Ok(Trial::NoStep);
         }
         (self.end, self.rest) = (at, rest_there);
         run.counters.steps += 1;
-        run.dense.become_series(t, h, piece.order, &piece.x);
+        if !self.is_clear {
+            run.dense.become_series(t, h, piece.order, &piece.x);
+        }
         Ok(run.accept(at, event.map(|found| found.event)))
     }
 }

@@ -26,11 +26,11 @@ fn two_sum(a: f64, b: f64) -> (f64, f64) {
 pub(super) type Polynomial = [f64; MOST_ORDER + 1];
 
 /// Room for as many powers as a series has coefficients, four at a time.
-pub(in crate::filippov) const POWERS: usize = (MOST_ORDER + 1).next_multiple_of(4);
+pub(super) const POWERS: usize = (MOST_ORDER + 1).next_multiple_of(4);
 
 /// The powers of a ratio, four at a time: none waits for many others.
 #[inline(always)]
-pub(in crate::filippov) fn powers<const L: usize>(ratio: Lanes<L>) -> [Lanes<L>; POWERS] {
+pub(super) fn powers<const L: usize>(ratio: Lanes<L>) -> [Lanes<L>; POWERS] {
     let by = |a: Lanes<L>, b: Lanes<L>| lanes(|l| a[l] * b[l]);
     let square = by(ratio, ratio);
     let fourth = by(square, square);
@@ -61,6 +61,12 @@ impl<const N: usize> Piece<N> {
     #[inline(always)]
     pub(super) fn at(&self, s: f64) -> (Timed<N>, Timed<N>) {
         let (rise, _) = power_series(&self.x[1..=self.order], s);
+        self.moved(s, &rise)
+    }
+
+    /// The same from what the series above the first coefficient, over `s`, come to there.
+    #[inline(always)]
+    pub(super) fn moved(&self, s: f64, rise: &State<N>) -> (Timed<N>, Timed<N>) {
         let (mut at, mut rest) = (nowhere(), nowhere());
         (at.t, rest.t) = two_sum(self.t, self.rest.t + s * self.h);
         for i in 0..N {
@@ -69,18 +75,23 @@ impl<const N: usize> Piece<N> {
         (at, rest)
     }
 
-    /// Whether the series still solves the equation at the part `s` of the step, where it leads to `at`: its slope is the
-    /// field there. It is not beyond where the field is defined, or where it branches otherwise than the series.
+    /// The slope of the series at the part `s` of the step.
+    #[inline(always)]
+    pub(super) fn slope(&self, s: f64) -> State<N> {
+        power_series(&self.x[..=self.order], s).1
+    }
+
+    /// Whether the series still solves the equation where it leads to `at` with this slope, the field there. It does not beyond where the
+    /// field is defined, or where it branches otherwise than the series.
     #[inline(always)]
     pub(super) fn agrees<F: Flow<N>>(
         &self,
         flow: &F,
-        s: f64,
+        slope: &State<N>,
         at: &Timed<N>,
         options: &Options,
     ) -> bool {
         let field = flow.velocity(at.t, &at.x);
-        let (_, slope) = power_series(&self.x[..=self.order], s);
         (0..N).all(|i| {
             let rise = self.h * field[i];
             let size = f64::max(at.x[i].abs(), rise.abs());

@@ -55,28 +55,46 @@ fn rough_exp2(x: f64) -> f64 {
     f64::from_bits((power as u64) << 52) * (1.0 + rest * (0.66 + 0.34 * rest))
 }
 
-/// Gives the coefficients of a series by which it is told how far it reaches: the last `COUNT`. Of a series in a power of the time
-/// these may all be zero; then it is told by those of the upper half, lane by lane. Zero is given in place of what does not count.
-/// Returns the largest of the last.
+/// Bounds a step, lane by lane, by a coefficient of power `k`: by `longest` of `k`, the lane and the coefficient's logarithm. One of zero
+/// bounds nothing.
 #[inline(always)]
-fn newest<const L: usize, const COUNT: usize>(
-    row: &Row<L>,
-    p: usize,
-    mut each: impl FnMut(usize, Lanes<L>),
+fn bound<const L: usize>(
+    log: &mut Lanes<L>,
+    (k, size): (usize, Lanes<L>),
+    longest: &impl Fn(usize, usize, f64) -> f64,
+) {
+    *log = lanes(|l| {
+        let longest = longest(k, l, rough_log2(size[l]));
+        if size[l] > 0.0 {
+            log[l].min(longest)
+        } else {
+            log[l]
+        }
+    });
+}
+
+/// Bounds a step by the coefficients by which it is told how far a series reaches: the last `COUNT`. Of a series in a power of the time
+/// these may all be zero; then it is told by those of the upper half, lane by lane. Returns the largest of the last.
+#[inline(always)]
+fn bound_by_last<const L: usize, const COUNT: usize>(
+    log: &mut Lanes<L>,
+    (row, p): (&Row<L>, usize),
+    longest: impl Fn(usize, usize, f64) -> f64,
 ) -> Lanes<L> {
     let size = |k: usize| lanes_of(row.at(k), f64::abs);
     let mut largest = [0.0; L];
     for k in p + 1 - COUNT..=p {
         let here = size(k);
         largest = lanes(|l| f64::max(largest[l], here[l]));
-        each(k, here);
+        bound(log, (k, here), &longest);
     }
     if largest.contains(&0.0) {
         for k in p / 2 + 1..p + 1 - COUNT {
             let here = size(k);
             // Of a polynomial's series all are zero.
             if here != [0.0; L] {
-                each(k, lanes(|l| if largest[l] == 0.0 { here[l] } else { 0.0 }));
+                let counted = lanes(|l| if largest[l] == 0.0 { here[l] } else { 0.0 });
+                bound(log, (k, counted), &longest);
             }
         }
     }
@@ -98,29 +116,24 @@ pub(in crate::filippov) fn step_ratio<const L: usize, const N: usize, const G: u
     let wanted = tolerance * inverse(p);
     let farthest = rough_log2(FARTHEST);
     let size = |row: usize, k: usize| lanes_of(rows[row].at(k), f64::abs);
-    // A coefficient of zero bounds nothing.
-    let bounded = |log: f64, by: f64, longest: f64| if by > 0.0 { log.min(longest) } else { log };
     let mut log = [rough_log2(GROW_MOST); L];
     for (i, x) in x.iter().enumerate() {
         let scale = |x: f64| rough_log2((options.atol + options.rtol * x.abs()) / relative);
         let scale = lanes_of(*x, scale);
-        let late = newest::<L, 4>(&rows[i], p, |k, newest| {
-            for l in 0..L {
-                let longest = (scale[l] - rough_log2(newest[l])) * inverse(k) + wanted;
-                log[l] = bounded(log[l], newest[l], longest);
-            }
+        let late = bound_by_last::<L, 4>(&mut log, (&rows[i], p), |k, l, newest| {
+            (scale[l] - newest) * inverse(k) + wanted
         });
         // Even or odd series have every other coefficient zero.
         let before = p - p / 2;
-        let early = (before - 3..=before).fold([0.0; L], |largest, k| {
+        let mut early = [0.0; L];
+        for k in before - 3..=before {
             let here = size(i, k);
-            lanes(|l| f64::max(largest[l], here[l]))
-        });
-        for l in 0..L {
-            let ratio = rough_log2(early[l]) - rough_log2(late[l]);
-            let longest = ratio * inverse(p / 2) + farthest;
-            log[l] = bounded(log[l], early[l].min(late[l]), longest);
+            early = lanes(|l| f64::max(early[l], here[l]));
         }
+        let both: Lanes<L> = lanes(|l| early[l].min(late[l]));
+        bound(&mut log, (p / 2, both), &|k, l, _| {
+            (rough_log2(early[l]) - rough_log2(late[l])) * inverse(k) + farthest
+        });
     }
     // What a guard's series leaves out, or that of a comparison, against how far it moves in the step: by any of its first three terms,
     // unless it is flatter than that. What is linear in the state is as good as that.
@@ -134,13 +147,14 @@ pub(in crate::filippov) fn step_ratio<const L: usize, const N: usize, const G: u
     for row in guards.map(|function| &rows[function.row]).chain(choices) {
         let sizes = [0, 1, 2].map(|k| lanes_of(row.at(k), f64::abs));
         let first = sizes.map(|size| lanes_of(size, |size| tolerance + rough_log2(size)));
-        newest::<L, 2>(row, p, |k, newest| {
-            for l in 0..L {
-                let left_out = rough_log2(newest[l]);
-                let against = |j: usize| (first[j][l] - left_out) * inverse(k - j);
-                let longest = f64::max(against(0), against(1)).max(against(2));
-                let moves = sizes[0][l] + sizes[1][l] + sizes[2][l];
-                log[l] = bounded(log[l], moves.min(newest[l]), longest);
+        let moves: Lanes<L> = lanes(|l| sizes[0][l] + sizes[1][l] + sizes[2][l]);
+        bound_by_last::<L, 2>(&mut log, (row, p), |k, l, newest| {
+            let against = |j: usize| (first[j][l] - newest) * inverse(k - j);
+            // One that does not move has nothing left out.
+            if moves[l] > 0.0 {
+                f64::max(against(0), against(1)).max(against(2))
+            } else {
+                f64::INFINITY
             }
         });
     }
