@@ -102,9 +102,10 @@ fn is_positive_folded(c: &[f64; ROOM]) -> bool {
     is_positive
 }
 
+/// As [`first_zero`], of what [`is_positive`] says nothing of.
 #[cold]
 #[inline(never)]
-fn search(c: &[f64]) -> Option<f64> {
+pub(crate) fn search(c: &[f64]) -> Option<f64> {
     // Where the function is not defined there is no zero of it.
     if !c.iter().all(|c| c.is_finite()) {
         return None;

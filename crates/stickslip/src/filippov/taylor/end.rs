@@ -42,7 +42,9 @@ impl<const L: usize, const N: usize> Ends<L, N> {
             are_clear: [!expansion.value_read; L],
         };
         for (i, row) in rows.iter().enumerate().take(N) {
-            (ends.rise[i], ends.slope[i]) = sums(order, |k| term(row, k));
+            let pairs =
+                (0..order.div_ceil(2)).map(|j| [term(row, 2 * j + 1), term(row, 2 * j + 2)]);
+            (ends.rise[i], ends.slope[i]) = sums(pairs);
             for l in 0..L {
                 ends.are_clear[l] &= ends.rise[i][l].is_finite();
             }
@@ -73,17 +75,18 @@ impl<const L: usize, const N: usize> Ends<L, N> {
     }
 }
 
-/// The sum of the terms from the first power on, and that of each times its power.
+/// The sum of terms from that with the first power on, and that of each times its power; by pairs of an odd power and the next.
 #[inline(always)]
-pub(super) fn sums<V: Linear<f64>>(order: usize, term: impl Fn(usize) -> V) -> (V, V) {
-    // Odd and even powers apart, neither waits for the other, and from the highest on; above an odd order there is a zero.
-    let [mut odd, mut even, mut odd_slope, mut even_slope] = [V::zero(); 4];
-    for k in (0..order.div_ceil(2)).rev().map(|j| 2 * j + 1) {
-        let (a, b) = (term(k), term(k + 1));
-        (odd, even) = (a.add_scaled(1.0, &odd), b.add_scaled(1.0, &even));
-        odd_slope = odd_slope.add_scaled(k as f64, &a);
-        even_slope = even_slope.add_scaled((k + 1) as f64, &b);
+pub(super) fn sums<V: Linear<f64>>(pairs: impl DoubleEndedIterator<Item = [V; 2]>) -> (V, V) {
+    // Odd and even powers apart, neither waits for the other, and from the highest on. Half the sum of the powers' multiples is the sum of
+    // the sums so far.
+    let add = |a: V, b: V| a.add_scaled(1.0, &b);
+    let [mut odd, mut even, mut odd_sums, mut even_sums] = [V::zero(); 4];
+    for [odd_term, even_term] in pairs.rev() {
+        odd_sums = add(odd_sums, odd);
+        (odd, even) = (add(odd_term, odd), add(even_term, even));
+        even_sums = add(even_sums, even);
     }
-    let sum = odd.add_scaled(1.0, &even);
-    (sum, odd_slope.add_scaled(1.0, &even_slope))
+    let sums = add(odd_sums, even_sums);
+    (add(odd, even), odd.add_scaled(2.0, &sums))
 }

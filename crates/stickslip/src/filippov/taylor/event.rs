@@ -13,7 +13,7 @@ use crate::filippov::scan::Bracket;
 use crate::filippov::slopes::Undefined;
 use crate::filippov::uncertainty::uncertainty;
 use crate::ode::{Timed, power_series};
-use crate::taylor::roots::{first_zero, is_positive, slope_and_bend};
+use crate::taylor::roots::{is_positive, search, slope_and_bend};
 
 /// An event with its part of the step, and what rounding took from its state.
 pub(super) struct Found<const N: usize> {
@@ -62,7 +62,8 @@ impl<F: Flow<N>, const N: usize> StepGuard<N> for OfSeries<'_, F, N> {
         let s = if self.fails_at_once {
             0.0
         } else {
-            first_zero(&self.c[self.order..])?
+            // That it is not positive throughout by the size of its coefficients is known.
+            search(&self.c[self.order..])?
         };
         Some(Bracket { a: s, b: s })
     }

@@ -190,7 +190,11 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
                 *x = of_row(row, k);
             }
         }
-        let (rise, slope) = sums(order, |k| self.piece.x[k]);
+        // Above an odd order there is a zero.
+        let pairs = self.piece.x[1..=order.next_multiple_of(2)]
+            .as_chunks::<2>()
+            .0;
+        let (rise, slope) = sums(pairs.iter().copied());
         self.end_of_step = End { rise, slope };
         let polynomial = |row: &Row<L>, c: &mut Polynomial| {
             for (k, c) in c.iter_mut().enumerate() {
