@@ -24,18 +24,26 @@ impl<const N: usize> Stages<State<N>> {
     /// for what lies between them and for what they are off.
     #[inline(always)]
     pub(crate) fn reach<M: RungeKutta>(&self, x: &State<N>, h: f64) -> [Interval; N] {
-        std::array::from_fn(|i| {
-            let rise = self.end[i] - x[i];
-            let (mut bend, mut sum) = (0.0, 0.0);
-            for slope in &self.k[..=M::COEFFICIENTS.stages] {
-                let off = (h * slope[i] - rise).abs();
-                bend = if off > bend { off } else { bend };
+        let (mut bend, mut sum) = ([0.0; N], [0.0; N]);
+        for slope in &self.k[..=M::COEFFICIENTS.stages] {
+            for i in 0..N {
+                let off = (h * slope[i] - (self.end[i] - x[i])).abs();
+                bend[i] = if off > bend[i] { off } else { bend[i] };
                 // Comparisons pass over what is not a number; a sum does not.
-                sum += off;
+                sum[i] += off;
             }
-            let radius = if sum.is_finite() { bend } else { f64::NAN };
-            Interval::around(x[i] + 0.5 * rise, 0.5 * rise.abs() + radius)
-        })
+        }
+        let mut reach = [Interval::new(0.0, 0.0); N];
+        for (i, reach) in reach.iter_mut().enumerate() {
+            let rise = self.end[i] - x[i];
+            let radius = if sum[i].is_finite() {
+                bend[i]
+            } else {
+                f64::NAN
+            };
+            *reach = Interval::around(x[i] + 0.5 * rise, 0.5 * rise.abs() + radius);
+        }
+        reach
     }
 }
 
