@@ -130,6 +130,21 @@ pub enum Error {
         /// State reached.
         x: Point,
     },
+    /// A field that branches by comparisons ([`crate::Scalar::exceeds`], `max`, `min`, `abs`) holds the orbit where they change, as a
+    /// discontinuity boundary does.
+    #[error(
+        "the field branched {count} times within {span:e} before t = {t}, x = {x}: its comparisons hold the orbit where they come out otherwise; write the difference of what they compare as the boundary function, with a side for each branch"
+    )]
+    BranchPileUp {
+        /// Steps that ended where a comparison comes out otherwise.
+        count: usize,
+        /// Time within which they ended.
+        span: f64,
+        /// Time reached.
+        t: f64,
+        /// State reached.
+        x: Point,
+    },
     /// A component of the state passed the bound set in the options.
     #[error(
         "the orbit escaped: |x| > {bound} at t = {t}, x = {x}; raise the escape bound to follow it further"

@@ -81,7 +81,7 @@ impl<const N: usize, const G: usize> Run<N, G> {
     /// The first step to try from `(t, x)`.
     pub(crate) fn choose_first_step(
         &self,
-        field: &mut impl FnMut(f64, &State<N>) -> State<N>,
+        field: &mut dyn FnMut(f64, &State<N>) -> State<N>,
         t: f64,
         x: &State<N>,
         slope: &State<N>,

@@ -49,13 +49,9 @@ impl<const N: usize> Slopes<N> {
             return;
         };
         let field = &mut |t: f64, x: &State<N>| flow.velocity(t, x);
-        let (Timed { t, x }, to) = run.last;
-        let mut step = stages::<M, f64, _>(field, t, &x, slope, h);
-        step.end = to.x;
-        dense_slopes::<M, f64, _>(field, t, &x, h, &mut step);
+        run.dense = dense_again::<M, N>(field, run.last, slope, h);
         run.counters.field_calls +=
             flow.field_calls() * (M::COEFFICIENTS.stages + M::COEFFICIENTS.dense_stages) as u64;
-        run.dense = Dense::new::<M>(t, &x, h, &step);
     }
 
     /// Tries a step.
@@ -139,6 +135,21 @@ impl<const N: usize> Slopes<N> {
         (self.slope, self.bare) = (next_slope, None);
         Ok(run.accept(at, event))
     }
+}
+
+/// The dense output of a step from the one state to the other, which is taken again; not compiled anew for every field.
+#[inline(never)]
+fn dense_again<M: RungeKutta, const N: usize>(
+    field: &mut dyn FnMut(f64, &State<N>) -> State<N>,
+    (Timed { t, x }, to): (Timed<N>, Timed<N>),
+    slope: State<N>,
+    h: f64,
+) -> Dense<N> {
+    let field = &mut |t: f64, x: &State<N>| field(t, x);
+    let mut step = stages::<M, f64, _>(field, t, &x, slope, h);
+    step.end = to.x;
+    dense_slopes::<M, f64, _>(field, t, &x, h, &mut step);
+    Dense::new::<M>(t, &x, h, &step)
 }
 
 impl<const N: usize, const G: usize> Run<N, G> {

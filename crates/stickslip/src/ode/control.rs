@@ -87,7 +87,7 @@ pub(crate) fn step_factor(squared_error: f64) -> f64 {
 /// A first step such that an explicit Euler step and the change of slope over it stay near 1 % (Hairer,
 /// Nørsett & Wanner, Sect. II.4). Calls `f` once.
 pub(crate) fn first_step<const N: usize>(
-    f: &mut impl FnMut(f64, &State<N>) -> State<N>,
+    f: &mut dyn FnMut(f64, &State<N>) -> State<N>,
     t: f64,
     x: &State<N>,
     slope: &State<N>,

@@ -3,7 +3,7 @@
 //! M. Hénon, *On the numerical computation of Poincaré maps*, Physica D 5 (1982) 412; Eq. (14) of the paper.
 
 use super::linear::Timed;
-use super::step::stages;
+use super::step::step_end;
 use super::tableau::RungeKutta;
 
 /// One step of method `M` with the value η of a function `η(t, x)` as the independent variable, over `change`
@@ -19,5 +19,5 @@ pub fn henon_step<M: RungeKutta, const N: usize>(
 ) -> Timed<N> {
     let first = slope(from);
     let autonomous = &mut |_: f64, at: &Timed<N>| slope(at);
-    stages::<M, f64, Timed<N>>(autonomous, 0.0, from, first, change).end
+    step_end::<M, Timed<N>>(autonomous, 0.0, from, first, change)
 }

@@ -17,6 +17,6 @@ pub use dop853::Dop853;
 pub use henon::henon_step;
 pub use linear::{Linear, Timed};
 pub use rk4::Rk4;
-pub(crate) use step::further_slopes;
 pub use step::{Stages, dense_slopes, stages};
+pub(crate) use step::{further_slopes, step_end};
 pub use tableau::{Coefficients, Embedded, MAX_STAGES, RungeKutta};

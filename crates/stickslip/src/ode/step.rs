@@ -99,6 +99,18 @@ pub fn stages<M: RungeKutta, T: Scalar, V: Linear<T>>(
     }
 }
 
+/// The end of such a step, for steps that are taken rarely: it calls the field and is not compiled anew for every one.
+#[inline(never)]
+pub(crate) fn step_end<M: RungeKutta, V: Linear<f64>>(
+    f: &mut dyn FnMut(f64, &V) -> V,
+    t: f64,
+    x: &V,
+    k0: V,
+    h: f64,
+) -> V {
+    stages::<M, f64, V>(&mut |t, x| f(t, x), t, x, k0, h).end
+}
+
 /// Fills in the slope at the end of the step and the further slopes that the dense output needs.
 #[inline(always)]
 pub fn dense_slopes<M: RungeKutta, T: Scalar, V: Linear<T>>(

@@ -13,8 +13,10 @@ pub(crate) type Lanes<const L: usize> = [f64; L];
 #[inline(always)]
 pub(crate) fn lanes<const L: usize>(mut f: impl FnMut(usize) -> f64) -> Lanes<L> {
     let mut out = [0.0; L];
-    for (l, out) in out.iter_mut().enumerate() {
-        *out = f(l);
+    let mut l = 0;
+    while l < L {
+        out[l] = f(l);
+        l += 1;
     }
     out
 }

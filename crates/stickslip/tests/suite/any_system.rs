@@ -19,13 +19,13 @@ use crate::solver::systems::{
     BlowUp, Breathing, Ceiling, Dip, Floor, Ledge, MovingLine, Parabola, Rest, Reversed, Spiral,
     StaticFriction, TurningLine, TwiceRound, TwoFold, Wall, Window, Zeno,
 };
-use crate::taylor::{Brink, Cup, Dent, Gate, Kink, Nowhere, Pit, Push, Ramp};
+use crate::taylor::{Brink, Cup, Dent, Gate, Kink, Nowhere, Pit, Push, Ramp, Valley};
 use crate::two_folds::{Folds, Random};
 
 systems!(
     Any1, 1:
     BlowUp(BlowUp), Breathing(Breathing), Brink(Brink), Cup(Cup), Dent(Dent), Fork(Fork), Line(Line), MovingLine(MovingLine),
-    Nowhere(Nowhere), Push(Push), Rest(Rest), Rider(Rider), TurningLine(TurningLine), Wall(Wall), Window(Window),
+    Nowhere(Nowhere), Push(Push), Rest(Rest), Rider(Rider), TurningLine(TurningLine), Valley(Valley), Wall(Wall), Window(Window),
 );
 
 systems!(

@@ -464,6 +464,38 @@ fn a_comparison_that_changes_there_and_back_within_a_step_is_not_passed_over() {
     }
 }
 
+/// Falls to zero from both sides, at the speed of one, by a comparison; Σ is far away.
+pub struct Valley;
+
+impl Filippov<1> for Valley {
+    fn field<T: Scalar>(&self, _side: Side, _t: T, x: &[T; 1]) -> [T; 1] {
+        let is_above = x[0].exceeds(T::zero());
+        [T::constant(if is_above { -1.0 } else { 1.0 })]
+    }
+
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 1]) -> T {
+        x[0] - 100.0
+    }
+}
+
+#[test]
+fn a_boundary_that_the_field_hides_and_that_holds_the_orbit_is_told() {
+    for start in [0.5, -0.25, 0.0, 3.0] {
+        let failure = solve(&Valley, 1.0, [start], 10.0, &taylor(1e-10)).expect_err("slides");
+        let Error::BranchPileUp {
+            count, t, ref x, ..
+        } = failure.error
+        else {
+            panic!("{start}: {}", failure.error);
+        };
+        let arrival = 1.0 + f64::abs(start);
+        assert!((t - arrival).abs() < 1e-12, "{start}: {t}");
+        assert!(x.0[0].abs() < 1e-12 && count == 100, "{start}: {x} {count}");
+        let message = failure.error.to_string();
+        assert!(message.contains("write the difference"), "{message}");
+    }
+}
+
 /// A body at rest, and a boundary that comes by at 1.03 and goes no deeper than 0.0009 beyond it.
 pub struct Cup;
 

@@ -13,7 +13,7 @@ use super::guard::{Probe, StepGuard, turning_point, turns_back};
 use super::leaving::Leaving;
 use super::options::Locator;
 use super::scan::Bracket;
-use crate::ode::{Dense, RungeKutta, Timed, stages};
+use crate::ode::{Dense, RungeKutta, Timed, step_end};
 use crate::system::State;
 use root_search::Search;
 
@@ -92,7 +92,7 @@ impl<M: RungeKutta, F: Flow<N>, const N: usize> OnDense<'_, M, F, N> {
         let field = &mut |t: f64, x: &State<N>| origin.flow.velocity(t, x);
         let part = s * origin.h;
         origin.count(M::COEFFICIENTS.stages as u64 - 1);
-        let x = stages::<M, f64, _>(field, origin.t, &origin.x, origin.slope, part).end;
+        let x = step_end::<M, _>(field, origin.t, &origin.x, origin.slope, part);
         let t = origin.t + part;
         Timed {
             t,

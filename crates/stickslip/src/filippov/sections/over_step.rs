@@ -7,7 +7,7 @@ use crate::filippov::observer::StepRecord;
 use crate::filippov::options::Method;
 use crate::filippov::switched::{Switched, UseFlow, Velocity, gradient};
 use crate::filippov::uncertainty::ULPS;
-use crate::ode::{Dop853, Rk4, RungeKutta, Timed, stages};
+use crate::ode::{Dop853, Rk4, RungeKutta, Timed, step_end};
 use crate::system::{State, components};
 
 /// An event function over a step; `s` is the part of the step, 0 at its start and 1 at its end.
@@ -92,7 +92,7 @@ impl<K, const N: usize> Reach<'_, K, N> {
         let (t, x) = (self.step.t_start, self.step.x_start);
         let field = &mut |t: f64, x: &State<N>| flow.velocity(t, x);
         let slope = field(t, &x);
-        stages::<M, f64, _>(field, t, &x, slope, length).end
+        step_end::<M, _>(field, t, &x, slope, length)
     }
 }
 

@@ -1,7 +1,10 @@
 //! Comparisons that a series relies on, and where they come out otherwise.
 
 use super::TaylorStepper;
-use crate::ode::power_series;
+use crate::error::{Error, Point};
+use crate::filippov::options::Options;
+use crate::filippov::pile_up::Burst;
+use crate::ode::{Timed, power_series};
 use crate::taylor::roots::first_zero;
 
 impl<const N: usize, const G: usize> TaylorStepper<N, G> {
@@ -39,4 +42,23 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         }
         first
     }
+}
+
+/// Counts a step that has ended at `at` for that; too many within no time are a boundary that the field hides.
+#[cold]
+pub(super) fn note_branching<const N: usize>(
+    branchings: &mut Burst,
+    at: &Timed<N>,
+    options: &Options,
+) -> Result<(), Error> {
+    let (count, span) = branchings.note(at.t, options);
+    if count < options.pile_up_count {
+        return Ok(());
+    }
+    Err(Error::BranchPileUp {
+        count,
+        span,
+        t: at.t,
+        x: Point::from(&at.x),
+    })
 }

@@ -8,11 +8,13 @@ mod step_size;
 
 pub(super) use end::Ends;
 use end::{End, sums};
+use kink::note_branching;
 use piece::{Piece, Polynomial, nowhere, powers};
 pub(super) use step_size::step_ratio;
 
 use super::flow::Flow;
 use super::options::Options;
+use super::pile_up::Burst;
 use super::run::{Run, Trial};
 use crate::error::Error;
 use crate::math;
@@ -58,6 +60,8 @@ pub(crate) struct TaylorStepper<const N: usize, const G: usize> {
     rejected: bool,
     /// The step that the next series is scaled with.
     scale: f64,
+    /// Steps that ended where a comparison comes out otherwise.
+    branchings: Burst,
 }
 
 /// The field of a flow, and its guards.
@@ -117,12 +121,14 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             rest: nowhere(),
             rejected: false,
             scale: 0.0,
+            branchings: Burst::new(),
         }
     }
 
     /// Forgets where it ended, for another orbit; whatever else it keeps is made anew before it is used.
     pub(super) fn forget(&mut self) {
         (self.end, self.rest) = (nowhere(), nowhere());
+        self.branchings = Burst::new();
     }
 
     /// Expands the series at the end of the last step.
@@ -294,7 +300,8 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             (at.t, rest_there.t) = (run.t_end, 0.0);
         }
         let before = event.as_ref().map_or(part, |event| event.s);
-        if let Some(kink) = self.first_kink(before) {
+        let kink = self.first_kink(before);
+        if let Some(kink) = kink {
             event = None;
             part = kink;
             (at, rest_there) = piece.at(kink);
@@ -315,6 +322,9 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             return Ok(Trial::NoStep);
         }
         (self.end, self.rest) = (at, rest_there);
+        if kink.is_some() {
+            note_branching(&mut self.branchings, &at, &run.options)?;
+        }
         run.counters.steps += 1;
         if !self.is_clear {
             run.dense.become_series(t, h, piece.order, &piece.x);
