@@ -1,13 +1,12 @@
 //! Runge–Kutta steps, and the search of each for the first event.
 
 use std::cell::{Cell, OnceCell};
-use std::marker::PhantomData;
 
 use super::event::Event;
 use super::flow::Flow;
 use super::guard::first_event;
 use super::leaving::leaving;
-use super::locate::{Limits, OnDense, Origin};
+use super::locate::{Again, Limits, OnDense, Origin};
 use super::options::Locator;
 use super::run::{Run, Trial};
 use super::scan::{NODES, UNIT, far_from_zero, is_clear, is_defined};
@@ -101,9 +100,10 @@ impl<const N: usize> Slopes<N> {
             slope,
             h,
             to_end: (run.t_end - t) / h,
+            again: Again::by::<M>(),
             field_calls: Cell::new(0),
         };
-        let found = run.first_event::<M, F>(&origin, &dense);
+        let found = run.first_event(&origin, &dense);
         run.counters.field_calls += origin.field_calls.get();
         let Ok(event) = found else {
             run.reject_undefined(h)?;
@@ -215,7 +215,7 @@ impl<const N: usize, const G: usize> Run<N, G> {
     /// # Errors
     /// No guard fails, but one is not a number somewhere in the step: a shorter step may not come to where it ends.
     #[inline(always)]
-    fn first_event<M: RungeKutta, F: Flow<N>>(
+    fn first_event<F: Flow<N>>(
         &mut self,
         origin: &Origin<'_, F, N>,
         dense: &Dense<N>,
@@ -227,7 +227,7 @@ impl<const N: usize, const G: usize> Run<N, G> {
         // The first are written out rather than looped over, so that each guard's code is the guard's own.
         macro_rules! consider {
             ($guard:expr) => {
-                match self.first_failure::<M, F>(
+                match self.first_failure(
                     $guard,
                     origin,
                     dense,
@@ -260,7 +260,7 @@ impl<const N: usize, const G: usize> Run<N, G> {
     }
 
     #[inline(always)]
-    fn first_failure<M: RungeKutta, F: Flow<N>>(
+    fn first_failure<F: Flow<N>>(
         &mut self,
         i: usize,
         origin: &Origin<'_, F, N>,
@@ -305,7 +305,6 @@ impl<const N: usize, const G: usize> Run<N, G> {
                 dense,
                 guard: i,
                 start,
-                method: PhantomData::<M>,
             })
         } else {
             None
@@ -332,10 +331,7 @@ impl<const N: usize, const G: usize> Run<N, G> {
     /// The first event of a guard that is worth a closer look.
     #[cold]
     #[inline(never)]
-    fn near_failure<M: RungeKutta, F: Flow<N>>(
-        &mut self,
-        guard: &OnDense<'_, M, F, N>,
-    ) -> Option<Event<N>> {
+    fn near_failure<F: Flow<N>>(&mut self, guard: &OnDense<'_, F, N>) -> Option<Event<N>> {
         first_event(guard, |bracket, estimate, is_rest| {
             self.counters.locations += 1;
             let near = Timed {

@@ -3,7 +3,7 @@
 //! M. Hénon, *On the numerical computation of Poincaré maps*, Physica D 5 (1982) 412; Eq. (14) of the paper.
 
 use super::linear::Timed;
-use super::step::step_end;
+use super::step::stages;
 use super::tableau::RungeKutta;
 
 /// One step of method `M` with the value η of a function `η(t, x)` as the independent variable, over `change`
@@ -11,13 +11,13 @@ use super::tableau::RungeKutta;
 ///
 /// `slope` gives `(dt/dη, dx/dη) = (1, f)/η̇`, where `η̇ = ∂η/∂t + ∇η·f` is the rate of η along the field. The step has
 /// the order of `M`; where η is a coordinate of the state, its value is met to rounding.
-#[inline]
+#[inline(never)]
 pub fn henon_step<M: RungeKutta, const N: usize>(
-    slope: &mut impl FnMut(&Timed<N>) -> Timed<N>,
+    slope: &mut dyn FnMut(&Timed<N>) -> Timed<N>,
     from: &Timed<N>,
     change: f64,
 ) -> Timed<N> {
     let first = slope(from);
     let autonomous = &mut |_: f64, at: &Timed<N>| slope(at);
-    step_end::<M, Timed<N>>(autonomous, 0.0, from, first, change)
+    stages::<M, f64, Timed<N>>(autonomous, 0.0, from, first, change).end
 }

@@ -1,19 +1,19 @@
 //! Landing on Σ by Hénon steps: the guard takes the place of time as the independent variable.
 
-use super::{Limits, OnDense};
+use super::{Again, Limits, OnDense};
 use crate::filippov::flow::Flow;
 use crate::filippov::guard::Probe;
-use crate::ode::{Rk4, RungeKutta, Timed, henon_step};
+use crate::ode::{Rk4, Timed};
 
 /// A rest of no more than this part of the step is short: its fifth power, which a step of order 4 is off by, is next to nothing
 /// beside the tolerance of a step of order 8.
 const SHORT: f64 = 1e-3;
 
-impl<M: RungeKutta, F: Flow<N>, const N: usize> OnDense<'_, M, F, N> {
-    fn henon<R: RungeKutta>(&self, from: &Timed<N>, change: f64) -> Timed<N> {
-        self.origin.count(R::COEFFICIENTS.stages as u64);
+impl<F: Flow<N>, const N: usize> OnDense<'_, F, N> {
+    fn henon(&self, again: Again<N>, from: &Timed<N>, change: f64) -> Timed<N> {
+        self.origin.count(again.calls);
         let flow = self.origin.flow;
-        henon_step::<R, N>(&mut |at| flow.swapped(self.guard, at), from, change)
+        (again.henon_step)(&mut |at| flow.swapped(self.guard, at), from, change)
     }
 
     /// From a state hardly off the zero, one Hénon step onto it (again where the guard is curved and the first has left
@@ -29,11 +29,12 @@ impl<M: RungeKutta, F: Flow<N>, const N: usize> OnDense<'_, M, F, N> {
                 return None;
             }
             let is_short = best.guard.abs() <= SHORT * self.origin.h * best.rate.abs();
-            let to = if is_short {
-                self.henon::<Rk4>(&best.at, -best.guard)
+            let again = if is_short {
+                Again::by::<Rk4>()
             } else {
-                self.henon::<M>(&best.at, -best.guard)
+                self.origin.again
             };
+            let to = self.henon(again, &best.at, -best.guard);
             let to = self.look(Timed {
                 t: to.t,
                 x: self.origin.flow.settle(to.t, to.x),
@@ -54,7 +55,7 @@ impl<M: RungeKutta, F: Flow<N>, const N: usize> OnDense<'_, M, F, N> {
         if start.rate >= 0.0 || start.guard <= 0.0 {
             return None;
         }
-        let to = self.henon::<M>(&start.at, -start.guard);
+        let to = self.henon(self.origin.again, &start.at, -start.guard);
         let within = to.t >= self.origin.t && to.t <= self.origin.t + 1.5 * self.origin.h;
         if !within || to.x.iter().any(|v| !v.is_finite()) {
             return None;

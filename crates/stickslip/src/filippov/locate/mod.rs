@@ -5,7 +5,6 @@ mod henon;
 mod root_search;
 
 use std::cell::Cell;
-use std::marker::PhantomData;
 
 use super::event::Event;
 use super::flow::Flow;
@@ -13,9 +12,35 @@ use super::guard::{Probe, StepGuard, turning_point, turns_back};
 use super::leaving::Leaving;
 use super::options::Locator;
 use super::scan::Bracket;
-use crate::ode::{Dense, RungeKutta, Timed, step_end};
+use crate::ode::{Dense, RungeKutta, Timed, henon_step, step_end};
 use crate::system::State;
 use root_search::Search;
+
+/// A method as location uses it: rarely, so that it is not compiled into each field.
+#[derive(Clone, Copy)]
+pub(crate) struct Again<const N: usize> {
+    /// Calls of the field that a step takes.
+    calls: u64,
+    /// The end of a step from a time and a state, with the slope there, over a length.
+    step_end: StepEnd<N>,
+    /// A Hénon step from a state, over a change of the guard.
+    henon_step: HenonStep<N>,
+}
+
+type StepEnd<const N: usize> =
+    fn(&mut dyn FnMut(f64, &State<N>) -> State<N>, f64, &State<N>, State<N>, f64) -> State<N>;
+type HenonStep<const N: usize> =
+    fn(&mut dyn FnMut(&Timed<N>) -> Timed<N>, &Timed<N>, f64) -> Timed<N>;
+
+impl<const N: usize> Again<N> {
+    pub(crate) fn by<M: RungeKutta>() -> Self {
+        Again {
+            calls: M::COEFFICIENTS.stages as u64,
+            step_end: step_end::<M, State<N>>,
+            henon_step: henon_step::<M, N>,
+        }
+    }
+}
 
 /// Start of an accepted step: what re-integration from there needs.
 pub(crate) struct Origin<'a, F, const N: usize> {
@@ -26,6 +51,7 @@ pub(crate) struct Origin<'a, F, const N: usize> {
     pub h: f64,
     /// The part of the step at which the run's end time is, 1 or more.
     pub to_end: f64,
+    pub again: Again<N>,
     /// Calls of the user's field by location.
     pub field_calls: Cell<u64>,
 }
@@ -49,16 +75,15 @@ pub(crate) struct Limits {
 }
 
 /// A guard over a Runge–Kutta step: its values on the dense output, its probes on steps made again.
-pub(crate) struct OnDense<'a, M, F, const N: usize> {
+pub(crate) struct OnDense<'a, F, const N: usize> {
     pub origin: &'a Origin<'a, F, N>,
     pub dense: &'a Dense<N>,
     pub guard: usize,
     /// Its zero at the start, if it has one there.
     pub start: Option<Leaving>,
-    pub method: PhantomData<M>,
 }
 
-impl<M: RungeKutta, F: Flow<N>, const N: usize> StepGuard<N> for OnDense<'_, M, F, N> {
+impl<F: Flow<N>, const N: usize> StepGuard<N> for OnDense<'_, F, N> {
     fn beyond(&self) -> f64 {
         self.origin.to_end.min(1.5)
     }
@@ -85,14 +110,14 @@ impl<M: RungeKutta, F: Flow<N>, const N: usize> StepGuard<N> for OnDense<'_, M, 
     }
 }
 
-impl<M: RungeKutta, F: Flow<N>, const N: usize> OnDense<'_, M, F, N> {
+impl<F: Flow<N>, const N: usize> OnDense<'_, F, N> {
     /// Time and state at the part `s` of the step, by a step of that length.
     fn reach(&self, s: f64) -> Timed<N> {
         let origin = self.origin;
         let field = &mut |t: f64, x: &State<N>| origin.flow.velocity(t, x);
         let part = s * origin.h;
-        origin.count(M::COEFFICIENTS.stages as u64 - 1);
-        let x = step_end::<M, _>(field, origin.t, &origin.x, origin.slope, part);
+        origin.count(origin.again.calls - 1);
+        let x = (origin.again.step_end)(field, origin.t, &origin.x, origin.slope, part);
         let t = origin.t + part;
         Timed {
             t,

@@ -4,7 +4,6 @@ use super::OnDense;
 use crate::filippov::flow::Flow;
 use crate::filippov::guard::{Probe, StepGuard, turning_point};
 use crate::filippov::scan::Bracket;
-use crate::ode::RungeKutta;
 
 /// What the search has found.
 pub(super) enum Search<const N: usize> {
@@ -12,7 +11,7 @@ pub(super) enum Search<const N: usize> {
     Turn(Probe<N>),
 }
 
-impl<M: RungeKutta, F: Flow<N>, const N: usize> OnDense<'_, M, F, N> {
+impl<F: Flow<N>, const N: usize> OnDense<'_, F, N> {
     /// Newton's iteration on re-integrated steps, held in a bracket by bisection.
     pub(super) fn search(&self, bracket: Bracket, estimate: f64) -> Search<N> {
         let (mut a, mut b) = (bracket.a, bracket.b);
