@@ -26,11 +26,13 @@ impl Burst {
     }
 
     /// Whether `t` is within the span of a pile-up from when it began.
+    #[inline]
     fn lasts(&self, t: f64, options: &Options) -> bool {
         t - self.since <= options.pile_up_span * t.abs().max(1.0)
     }
 
     /// Counts one more, at time `t`; how many there are, and within what time.
+    #[inline]
     pub(crate) fn note(&mut self, t: f64, options: &Options) -> (usize, f64) {
         if !self.lasts(t, options) {
             (self.since, self.count) = (t, 0);

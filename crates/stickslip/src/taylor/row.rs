@@ -9,14 +9,13 @@ pub(super) const ROOM: usize = MOST_ORDER + 1;
 /// One coefficient in each of `L` lanes.
 pub(crate) type Lanes<const L: usize> = [f64; L];
 
-/// One coefficient, lane by lane. A plain loop: the library's own way to fill an array is not inlined for many lanes.
+/// One coefficient, lane by lane. A loop over the array: the library's own way to fill one is not inlined for many lanes, and an index
+/// that is counted by hand is not seen through for one (two fifths more time on the forced oscillator).
 #[inline(always)]
 pub(crate) fn lanes<const L: usize>(mut f: impl FnMut(usize) -> f64) -> Lanes<L> {
     let mut out = [0.0; L];
-    let mut l = 0;
-    while l < L {
-        out[l] = f(l);
-        l += 1;
+    for (l, out) in out.iter_mut().enumerate() {
+        *out = f(l);
     }
     out
 }

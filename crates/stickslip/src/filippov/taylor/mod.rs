@@ -300,11 +300,11 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             (at.t, rest_there.t) = (run.t_end, 0.0);
         }
         let before = event.as_ref().map_or(part, |event| event.s);
-        let kink = self.first_kink(before);
-        if let Some(kink) = kink {
+        if let Some(kink) = self.first_kink(before) {
             event = None;
             part = kink;
             (at, rest_there) = piece.at(kink);
+            note_branching(&mut self.branchings, &at, &run.options)?;
         }
         match &event {
             Some(found) => (at, rest_there) = (found.event.at, found.rest),
@@ -322,9 +322,6 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             return Ok(Trial::NoStep);
         }
         (self.end, self.rest) = (at, rest_there);
-        if kink.is_some() {
-            note_branching(&mut self.branchings, &at, &run.options)?;
-        }
         run.counters.steps += 1;
         if !self.is_clear {
             run.dense.become_series(t, h, piece.order, &piece.x);
