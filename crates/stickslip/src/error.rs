@@ -130,13 +130,13 @@ pub enum Error {
         /// State reached.
         x: Point,
     },
-    /// A field that branches by comparisons ([`crate::Scalar::exceeds`], `max`, `min`, `abs`) holds the orbit where they change, as a
-    /// discontinuity boundary does.
+    /// A field that branches by comparisons ([`crate::Scalar::exceeds`] and what is made of it) turns round where they change and holds the orbit
+    /// there, as a discontinuity boundary does.
     #[error(
-        "the field branched {count} times within {span:e} before t = {t}, x = {x}: its comparisons hold the orbit where they come out otherwise; write the difference of what they compare as the boundary function, with a side for each branch"
+        "the field turned round {count} times within {span:e} before t = {t}, x = {x}: comparisons in it hold the orbit where they come out otherwise; write the difference of what they compare as the boundary function, with a side for each branch"
     )]
     BranchPileUp {
-        /// Steps that ended where a comparison comes out otherwise.
+        /// Steps in a row that ended where a comparison turns the field round.
         count: usize,
         /// Time within which they ended.
         span: f64,

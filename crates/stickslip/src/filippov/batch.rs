@@ -1,7 +1,7 @@
 //! A batch of orbits by Taylor series: those of one system that are in the same mode are expanded together, one orbit to a lane.
 //!
-//! A coefficient then is a vector, one number of each orbit in it. What follows an expansion is each orbit's own, as it is
-//! alone, and every lane has the bits that it would have alone.
+//! A coefficient then is a vector, one number of each orbit in it. How far the series reach and where the steps lead is found for all of them, too;
+//! what follows is each orbit's own, as it is alone. Every lane has the bits that it would have alone.
 
 use pulp::{Arch, NullaryFnOnce};
 
@@ -41,6 +41,8 @@ struct Member<'a, S: Switched<N, G>, O, const N: usize, const G: usize> {
     class: usize,
     integration: Integration<'a, S, N, G>,
     observer: &'a mut O,
+    /// Whether it is told of the next step.
+    is_watched: bool,
     is_stopping: bool,
 }
 
@@ -65,6 +67,7 @@ impl<'a, S: Switched<N, G>, O: Observer<N, S::Mode>, const N: usize, const G: us
             class,
             integration: begun.map_err(|error| Err(Failure::new(error, Summary::of_none(t, x))))?,
             observer,
+            is_watched: true,
             is_stopping: false,
         };
         match member.prepare() {
@@ -92,7 +95,8 @@ impl<'a, S: Switched<N, G>, O: Observer<N, S::Mode>, const N: usize, const G: us
     fn step(&mut self) -> Option<Outcome<N>> {
         let outcome = match self.integration.advance() {
             Ok(false) => None,
-            Ok(true) => self.tell(Ok(Progress::Step)),
+            Ok(true) if self.is_watched => self.tell(Ok(Progress::Step)),
+            Ok(true) => None,
             Err(error) => self.tell(Err(error)),
         };
         outcome.or_else(|| self.prepare())
@@ -215,6 +219,10 @@ impl<'a, S: Switched<N, G>, O: Observer<N, S::Mode>, const N: usize, const G: us
 
     /// Expands the members' series side by side. Where that cannot be, or is not worth it, their steps do it one by one.
     fn expand(&mut self, group: &[usize]) {
+        for &number in group {
+            let member = &mut self.members[number];
+            member.is_watched = member.observer.watches_steps();
+        }
         if group.len() < WORTH_IT {
             return;
         }
@@ -274,9 +282,8 @@ impl<'a, S: Switched<N, G>, O: Observer<N, S::Mode>, const N: usize, const G: us
         };
         for (lane, &number) in group.iter().enumerate() {
             let member = &mut self.members[number];
-            let wants_dense = member.observer.watches_steps();
             let Integration { stepper, run, .. } = &mut member.integration;
-            let is_bare = !wants_dense && run.orders == [0; G];
+            let is_bare = !member.is_watched && run.orders == [0; G];
             let end = is_bare.then(|| ends.clear(lane)).flatten();
             if let Some(stepper) = stepper.series_mut() {
                 let lane = (lane, ratios[lane]);

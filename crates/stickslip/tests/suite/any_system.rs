@@ -19,13 +19,15 @@ use crate::solver::systems::{
     BlowUp, Breathing, Ceiling, Dip, Floor, Ledge, MovingLine, Parabola, Rest, Reversed, Spiral,
     StaticFriction, TurningLine, TwiceRound, TwoFold, Wall, Window, Zeno,
 };
-use crate::taylor::{Brink, Cup, Dent, Gate, Kink, Nowhere, Pit, Push, Ramp, Valley};
+use crate::taylor::{
+    Brink, Cup, Dent, Gate, Kink, Nowhere, Pit, Push, Ramp, Rectified, SoftStop, Valley,
+};
 use crate::two_folds::{Folds, Random};
 
 systems!(
     Any1, 1:
     BlowUp(BlowUp), Breathing(Breathing), Brink(Brink), Cup(Cup), Dent(Dent), Fork(Fork), Line(Line), MovingLine(MovingLine),
-    Nowhere(Nowhere), Push(Push), Rest(Rest), Rider(Rider), TurningLine(TurningLine), Valley(Valley), Wall(Wall), Window(Window),
+    Nowhere(Nowhere), Push(Push), Rectified(Rectified), Rest(Rest), Rider(Rider), TurningLine(TurningLine), Valley(Valley), Wall(Wall), Window(Window),
 );
 
 systems!(
@@ -33,7 +35,7 @@ systems!(
     Belt(BeltOscillator), Ceiling(Ceiling), DenHartog(DenHartog), Dip(Dip), Floor(Floor), Forced(ForcedOscillator), FromSupport(FromSupport),
     Gate(Gate), Kink(Kink), Ledge(Ledge), Linear(Smooth<Linear<2>>), Parabola(Parabola), Pit(Pit), Ramp(Ramp),
     Refracting(Refracting), ReversedBelt(Reversed<BeltOscillator>), ReversedForced(Reversed<ForcedOscillator>),
-    Shaken(grazes::Shaken), SpiralAtRest(grazes::AtRest), Spiral(Spiral), StaticFriction(StaticFriction), TwoFold(TwoFold), Zeno(Zeno),
+    Shaken(grazes::Shaken), SoftStop(SoftStop), SpiralAtRest(grazes::AtRest), Spiral(Spiral), StaticFriction(StaticFriction), TwoFold(TwoFold), Zeno(Zeno),
 );
 
 systems!(

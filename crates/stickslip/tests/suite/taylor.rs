@@ -496,6 +496,56 @@ fn a_boundary_that_the_field_hides_and_that_holds_the_orbit_is_told() {
     }
 }
 
+/// A body that flies against a soft stop at `gap`, whose force goes on from zero: nothing holds it there.
+pub struct SoftStop {
+    pub gap: f64,
+}
+
+impl Filippov<2> for SoftStop {
+    fn field<T: Scalar>(&self, _side: Side, _t: T, x: &[T; 2]) -> [T; 2] {
+        let press = (x[0] - self.gap).max(T::zero());
+        [x[1], press * -10.0]
+    }
+
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
+        x[0] + 1e9
+    }
+}
+
+/// Follows `|sin ωt|`, which has a kink every half period.
+pub struct Rectified {
+    pub omega: f64,
+}
+
+impl Filippov<1> for Rectified {
+    fn field<T: Scalar>(&self, _side: Side, t: T, x: &[T; 1]) -> [T; 1] {
+        [((t * self.omega).sin().abs() - x[0]) * (0.1 * self.omega)]
+    }
+
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 1]) -> T {
+        x[0] + 1e9
+    }
+}
+
+/// Where the state is rounded more coarsely than it passes the kink, or where kinks follow one another fast.
+#[test]
+fn kinks_of_a_field_that_goes_on_hold_no_orbit() {
+    for (gap, speed) in [(5000.0, 1.0), (1e5, 1.0), (1.0, 3e-5), (1.0, 1e-6)] {
+        let start = [gap - speed, speed];
+        let end = solve(&SoftStop { gap }, 0.0, start, 5.0, &taylor(1e-12)).expect("passes");
+        // In contact for half a period of the spring, and back at the same speed.
+        assert!(
+            (end.x_end[1] / speed + 1.0).abs() < 1e-6,
+            "{gap} {speed}: {}",
+            end.x_end
+        );
+    }
+    for (omega, start, t_end) in [(2e9 * PI, 0.0, 1e-7), (2e3 * PI, 1e6, 1e6 + 0.2)] {
+        let options = taylor(1e-10);
+        solve(&Rectified { omega }, start, [0.0], t_end, &options).expect("follows");
+    }
+}
+
 /// A body at rest, and a boundary that comes by at 1.03 and goes no deeper than 0.0009 beyond it.
 pub struct Cup;
 

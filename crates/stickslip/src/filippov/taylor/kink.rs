@@ -3,9 +3,15 @@
 use super::TaylorStepper;
 use crate::error::{Error, Point};
 use crate::filippov::options::Options;
-use crate::filippov::pile_up::Burst;
 use crate::ode::{Timed, power_series};
+use crate::system::State;
 use crate::taylor::roots::first_zero;
+
+/// A step that is no longer than this part of the time and of the step planned gets away from nothing.
+const NO_TIME: f64 = 1e-12;
+
+/// By how much of its size a field jumps at least that turns round: what is continuous and zero to rounding does not.
+const TURN: f64 = 1e-3;
 
 impl<const N: usize, const G: usize> TaylorStepper<N, G> {
     /// Where in the step, before the part `before`, a comparison that the series relies on first comes out otherwise: a little
@@ -44,21 +50,44 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
     }
 }
 
-/// Counts a step that has ended at `at` for that; too many within no time are a boundary that the field hides.
-#[cold]
-pub(super) fn note_branching<const N: usize>(
-    branchings: &mut Burst,
-    at: &Timed<N>,
-    options: &Options,
-) -> Result<(), Error> {
-    let (count, span) = branchings.note(at.t, options);
-    if count < options.pile_up_count {
-        return Ok(());
+/// Steps in a row that ended where a comparison turns the field round, without getting away from there.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Held {
+    count: usize,
+    since: f64,
+}
+
+impl Held {
+    /// Counts a step over `h` to `at`, where the field before and behind, each by that, is this. So many in a row are a boundary that the field
+    /// hides.
+    #[cold]
+    pub(super) fn note<const N: usize>(
+        &mut self,
+        from: f64,
+        (at, h): (&Timed<N>, f64),
+        [before, behind]: [&State<N>; 2],
+        options: &Options,
+    ) -> Result<(), Error> {
+        let is_short = at.t - from <= NO_TIME * (at.t.abs() + h);
+        let size = f64::max(before.amax(), behind.amax());
+        let turns =
+            |i: usize| before[i] * behind[i] < 0.0 && (before[i] - behind[i]).abs() > TURN * size;
+        if !is_short || !(0..N).any(turns) {
+            *self = Held::default();
+            return Ok(());
+        }
+        if self.count == 0 {
+            self.since = from;
+        }
+        self.count += 1;
+        if self.count < options.pile_up_count {
+            return Ok(());
+        }
+        Err(Error::BranchPileUp {
+            count: self.count,
+            span: at.t - self.since,
+            t: at.t,
+            x: Point::from(&at.x),
+        })
     }
-    Err(Error::BranchPileUp {
-        count,
-        span,
-        t: at.t,
-        x: Point::from(&at.x),
-    })
 }

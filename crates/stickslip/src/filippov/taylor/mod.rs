@@ -8,13 +8,12 @@ mod step_size;
 
 pub(super) use end::Ends;
 use end::{End, sums};
-use kink::note_branching;
+use kink::Held;
 use piece::{Piece, Polynomial, nowhere, powers};
 pub(super) use step_size::step_ratio;
 
 use super::flow::Flow;
 use super::options::Options;
-use super::pile_up::Burst;
 use super::run::{Run, Trial};
 use crate::error::Error;
 use crate::math;
@@ -60,8 +59,8 @@ pub(crate) struct TaylorStepper<const N: usize, const G: usize> {
     rejected: bool,
     /// The step that the next series is scaled with.
     scale: f64,
-    /// Steps that ended where a comparison comes out otherwise.
-    branchings: Burst,
+    /// Whether a boundary that the field hides holds the orbit.
+    held: Held,
 }
 
 /// The field of a flow, and its guards.
@@ -121,14 +120,14 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             rest: nowhere(),
             rejected: false,
             scale: 0.0,
-            branchings: Burst::new(),
+            held: Held::default(),
         }
     }
 
     /// Forgets where it ended, for another orbit; whatever else it keeps is made anew before it is used.
     pub(super) fn forget(&mut self) {
         (self.end, self.rest) = (nowhere(), nowhere());
-        self.branchings = Burst::new();
+        self.held = Held::default();
     }
 
     /// Expands the series at the end of the last step.
@@ -300,11 +299,11 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             (at.t, rest_there.t) = (run.t_end, 0.0);
         }
         let before = event.as_ref().map_or(part, |event| event.s);
-        if let Some(kink) = self.first_kink(before) {
+        let kink = self.first_kink(before);
+        if let Some(kink) = kink {
             event = None;
             part = kink;
             (at, rest_there) = piece.at(kink);
-            note_branching(&mut self.branchings, &at, &run.options)?;
         }
         match &event {
             Some(found) => (at, rest_there) = (found.event.at, found.rest),
@@ -320,6 +319,13 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         if self.rejected {
             run.reject_undefined(h)?;
             return Ok(Trial::NoStep);
+        }
+        if kink.is_some() {
+            let field = flow.velocity(at.t, &at.x) * h;
+            self.held
+                .note(t, (&at, h), [&slope, &field], &run.options)?;
+        } else {
+            self.held = Held::default();
         }
         (self.end, self.rest) = (at, rest_there);
         run.counters.steps += 1;

@@ -55,17 +55,17 @@ fn rough_exp2(x: f64) -> f64 {
     f64::from_bits((power as u64) << 52) * (1.0 + rest * (0.66 + 0.34 * rest))
 }
 
-/// Bounds a step, lane by lane, by a coefficient of power `k`: by `longest` of `k`, the lane and the coefficient's logarithm. One of zero
-/// bounds nothing.
+/// Bounds a step, lane by lane, by a coefficient of power `k` if it counts: by `longest` of `k`, the lane and the coefficient's logarithm.
 #[inline(always)]
 fn bound<const L: usize>(
     log: &mut Lanes<L>,
     (k, size): (usize, Lanes<L>),
+    counts: impl Fn(f64) -> bool,
     longest: &impl Fn(usize, usize, f64) -> f64,
 ) {
     *log = lanes(|l| {
         let longest = longest(k, l, rough_log2(size[l]));
-        if size[l] > 0.0 {
+        if counts(size[l]) {
             log[l].min(longest)
         } else {
             log[l]
@@ -79,6 +79,7 @@ fn bound<const L: usize>(
 fn bound_by_last<const L: usize, const COUNT: usize>(
     log: &mut Lanes<L>,
     (row, p): (&Row<L>, usize),
+    counts: impl Fn(f64) -> bool + Copy,
     longest: impl Fn(usize, usize, f64) -> f64,
 ) -> Lanes<L> {
     let size = |k: usize| lanes_of(row.at(k), f64::abs);
@@ -86,7 +87,7 @@ fn bound_by_last<const L: usize, const COUNT: usize>(
     for k in p + 1 - COUNT..=p {
         let here = size(k);
         largest = lanes(|l| f64::max(largest[l], here[l]));
-        bound(log, (k, here), &longest);
+        bound(log, (k, here), counts, &longest);
     }
     if largest.contains(&0.0) {
         for k in p / 2 + 1..p + 1 - COUNT {
@@ -94,7 +95,7 @@ fn bound_by_last<const L: usize, const COUNT: usize>(
             // Of a polynomial's series all are zero.
             if here != [0.0; L] {
                 let counted = lanes(|l| if largest[l] == 0.0 { here[l] } else { 0.0 });
-                bound(log, (k, counted), &longest);
+                bound(log, (k, counted), counts, &longest);
             }
         }
     }
@@ -116,11 +117,12 @@ pub(in crate::filippov) fn step_ratio<const L: usize, const N: usize, const G: u
     let wanted = tolerance * inverse(p);
     let farthest = rough_log2(FARTHEST);
     let size = |row: usize, k: usize| lanes_of(rows[row].at(k), f64::abs);
+    let is_positive = |size: f64| size > 0.0;
     let mut log = [rough_log2(GROW_MOST); L];
     for (i, x) in x.iter().enumerate() {
         let scale = |x: f64| rough_log2((options.atol + options.rtol * x.abs()) / relative);
         let scale = lanes_of(*x, scale);
-        let late = bound_by_last::<L, 4>(&mut log, (&rows[i], p), |k, l, newest| {
+        let late = bound_by_last::<L, 4>(&mut log, (&rows[i], p), is_positive, |k, l, newest| {
             (scale[l] - newest) * inverse(k) + wanted
         });
         // Even or odd series have every other coefficient zero.
@@ -131,7 +133,7 @@ pub(in crate::filippov) fn step_ratio<const L: usize, const N: usize, const G: u
             early = lanes(|l| f64::max(early[l], here[l]));
         }
         let both: Lanes<L> = lanes(|l| early[l].min(late[l]));
-        bound(&mut log, (p / 2, both), &|k, l, _| {
+        bound(&mut log, (p / 2, both), is_positive, &|k, l, _| {
             (rough_log2(early[l]) - rough_log2(late[l])) * inverse(k) + farthest
         });
     }
@@ -148,15 +150,21 @@ pub(in crate::filippov) fn step_ratio<const L: usize, const N: usize, const G: u
         let sizes = [0, 1, 2].map(|k| lanes_of(row.at(k), f64::abs));
         let first = sizes.map(|size| lanes_of(size, |size| tolerance + rough_log2(size)));
         let moves: Lanes<L> = lanes(|l| sizes[0][l] + sizes[1][l] + sizes[2][l]);
-        bound_by_last::<L, 2>(&mut log, (row, p), |k, l, newest| {
-            let against = |j: usize| (first[j][l] - newest) * inverse(k - j);
-            // One that does not move has nothing left out.
-            if moves[l] > 0.0 {
-                f64::max(against(0), against(1)).max(against(2))
-            } else {
-                f64::INFINITY
-            }
-        });
+        // One that is no number is as far off as can be.
+        bound_by_last::<L, 2>(
+            &mut log,
+            (row, p),
+            |size| size != 0.0,
+            |k, l, newest| {
+                let against = |j: usize| (first[j][l] - newest) * inverse(k - j);
+                // One that does not move has nothing left out.
+                if moves[l] != 0.0 {
+                    f64::max(against(0), against(1)).max(against(2))
+                } else {
+                    f64::INFINITY
+                }
+            },
+        );
     }
     lanes_of(log, rough_exp2)
 }
