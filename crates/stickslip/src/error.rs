@@ -136,7 +136,7 @@ pub enum Error {
         "the field turned round {count} times within {span:e} before t = {t}, x = {x}: comparisons in it hold the orbit where they come out otherwise; write the difference of what they compare as the boundary function, with a side for each branch"
     )]
     BranchPileUp {
-        /// Steps in a row that ended where a comparison turns the field round.
+        /// Steps of no length that ended where a comparison turns the field round; no other was longer than the span of a pile-up.
         count: usize,
         /// Time within which they ended.
         span: f64,

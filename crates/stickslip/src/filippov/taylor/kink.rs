@@ -50,7 +50,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
     }
 }
 
-/// Steps in a row that ended where a comparison turns the field round, without getting away from there.
+/// Steps that ended where a comparison turns the field round, since the last one that got away from anywhere.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Held {
     count: usize,
@@ -58,7 +58,7 @@ pub(super) struct Held {
 }
 
 impl Held {
-    /// Counts a step over `h` to `at`, where the field before and behind, each by that, is this. So many in a row are a boundary that the field
+    /// Counts a step over `h` to `at`, where the field before and behind, each by that, is this. So many are a boundary that the field
     /// hides.
     #[cold]
     pub(super) fn note<const N: usize>(
@@ -73,7 +73,6 @@ impl Held {
         let turns =
             |i: usize| before[i] * behind[i] < 0.0 && (before[i] - behind[i]).abs() > TURN * size;
         if !is_short || !(0..N).any(turns) {
-            *self = Held::default();
             return Ok(());
         }
         if self.count == 0 {

@@ -320,12 +320,12 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             run.reject_undefined(h)?;
             return Ok(Trial::NoStep);
         }
-        if kink.is_some() {
+        if at.t - t > run.options.pile_up_span * at.t.abs().max(1.0) {
+            self.held = Held::default();
+        } else if kink.is_some() {
             let field = flow.velocity(at.t, &at.x) * h;
             self.held
                 .note(t, (&at, h), [&slope, &field], &run.options)?;
-        } else {
-            self.held = Held::default();
         }
         (self.end, self.rest) = (at, rest_there);
         run.counters.steps += 1;
