@@ -133,10 +133,10 @@ pub enum Error {
     /// A field that branches by comparisons ([`crate::Scalar::exceeds`] and what is made of it) turns round where they change and holds the orbit
     /// there, as a discontinuity boundary does.
     #[error(
-        "the field turned round {count} times within {span:e} before t = {t}, x = {x}: comparisons in it hold the orbit where they come out otherwise; write the difference of what they compare as the boundary function, with a side for each branch"
+        "the field turned round {count} times within {span:e} before t = {t}, x = {x}: comparisons in it hold the orbit where they come out otherwise; write the difference of what they compare as the boundary function, with a side for each branch; or raise pile_up_count, if it only turns so often"
     )]
     BranchPileUp {
-        /// Steps of no length that ended where a comparison turns the field round; no other was longer than the span of a pile-up.
+        /// Steps that ended where a comparison turns the field round.
         count: usize,
         /// Time within which they ended.
         span: f64,

@@ -91,7 +91,7 @@ pub struct Options {
     /// solution itself is known no better. Default 10.
     pub touch: f64,
     /// So many consecutive transitions are a pile-up when they happen within `pile_up_span · max(1, |t|)`, or when no component
-    /// moves by more than 100 tolerances between any of them; default 100.
+    /// moves by more than 100 tolerances between any of them; by [`Method::Taylor`] where a comparison in the field turns it round, too. Default 100.
     pub pile_up_count: usize,
     /// See `pile_up_count`; default 1e-7.
     pub pile_up_span: f64,

@@ -7,9 +7,6 @@ use crate::ode::{Timed, power_series};
 use crate::system::State;
 use crate::taylor::roots::first_zero;
 
-/// A step that is no longer than this part of the time and of the step planned gets away from nothing.
-const NO_TIME: f64 = 1e-12;
-
 /// By how much of its size a field jumps at least that turns round: what is continuous and zero to rounding does not.
 const TURN: f64 = 1e-3;
 
@@ -50,33 +47,36 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
     }
 }
 
-/// Steps that ended where a comparison turns the field round, since the last one that got away from anywhere.
-#[derive(Clone, Copy, Default)]
+/// Steps that ended where a comparison turns the field round: transitions at a boundary that the solver is not told of, which pile up as others do.
 pub(super) struct Held {
     count: usize,
     since: f64,
 }
 
 impl Held {
-    /// Counts a step over `h` to `at`, where the field before and behind, each by that, is this. So many are a boundary that the field
-    /// hides.
+    pub(super) fn new() -> Self {
+        Held {
+            count: 0,
+            since: f64::NEG_INFINITY,
+        }
+    }
+
+    /// Counts a step to `at`, where the field by a length of time is the first on this side and the second behind.
     #[cold]
     pub(super) fn note<const N: usize>(
         &mut self,
-        from: f64,
-        (at, h): (&Timed<N>, f64),
+        at: &Timed<N>,
         [before, behind]: [&State<N>; 2],
         options: &Options,
     ) -> Result<(), Error> {
-        let is_short = at.t - from <= NO_TIME * (at.t.abs() + h);
         let size = f64::max(before.amax(), behind.amax());
         let turns =
             |i: usize| before[i] * behind[i] < 0.0 && (before[i] - behind[i]).abs() > TURN * size;
-        if !is_short || !(0..N).any(turns) {
+        if !(0..N).any(turns) {
             return Ok(());
         }
-        if self.count == 0 {
-            self.since = from;
+        if at.t - self.since > options.pile_up_span * at.t.abs().max(1.0) {
+            (self.since, self.count) = (at.t, 0);
         }
         self.count += 1;
         if self.count < options.pile_up_count {

@@ -120,14 +120,14 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             rest: nowhere(),
             rejected: false,
             scale: 0.0,
-            held: Held::default(),
+            held: Held::new(),
         }
     }
 
     /// Forgets where it ended, for another orbit; whatever else it keeps is made anew before it is used.
     pub(super) fn forget(&mut self) {
         (self.end, self.rest) = (nowhere(), nowhere());
-        self.held = Held::default();
+        self.held = Held::new();
     }
 
     /// Expands the series at the end of the last step.
@@ -320,12 +320,9 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             run.reject_undefined(h)?;
             return Ok(Trial::NoStep);
         }
-        if at.t - t > run.options.pile_up_span * at.t.abs().max(1.0) {
-            self.held = Held::default();
-        } else if kink.is_some() {
+        if kink.is_some() {
             let field = flow.velocity(at.t, &at.x) * h;
-            self.held
-                .note(t, (&at, h), [&slope, &field], &run.options)?;
+            self.held.note(&at, [&slope, &field], &run.options)?;
         }
         (self.end, self.rest) = (at, rest_there);
         run.counters.steps += 1;
