@@ -1,4 +1,4 @@
-//! Notices when transitions pile up (Zeno).
+//! Notices when transitions pile up (Zeno), or the branchings of a field.
 
 use super::options::Options;
 use crate::error::{Error, Point};
@@ -11,11 +11,41 @@ const UNRESOLVED: f64 = 100.0;
 /// So many transitions within the span of a pile-up, and then a step too short for the time, are one as well.
 const FEWEST: usize = 10;
 
+/// How many times something has happened within no time.
+pub struct Burst {
+    since: f64,
+    count: usize,
+}
+
+impl Burst {
+    pub(crate) fn new() -> Self {
+        Burst {
+            since: f64::NEG_INFINITY,
+            count: 0,
+        }
+    }
+
+    /// Whether `t` is within the span of a pile-up from when it began.
+    #[inline]
+    fn lasts(&self, t: f64, options: &Options) -> bool {
+        t - self.since <= options.pile_up_span * t.abs().max(1.0)
+    }
+
+    /// Counts one more, at time `t`; how many there are, and within what time.
+    #[inline]
+    pub(crate) fn note(&mut self, t: f64, options: &Options) -> (usize, f64) {
+        if !self.lasts(t, options) {
+            (self.since, self.count) = (t, 0);
+        }
+        self.count += 1;
+        (self.count, t - self.since)
+    }
+}
+
 /// Transitions pile up when many of them happen within no time, or when many phases in a row are too short for error control
 /// to tell their ends apart: then a loose tolerance has stopped the orbit short of the accumulation point.
 pub struct PileUp<const N: usize> {
-    since: f64,
-    count: usize,
+    burst: Burst,
     last: Option<Timed<N>>,
     unresolved: usize,
 }
@@ -23,8 +53,7 @@ pub struct PileUp<const N: usize> {
 impl<const N: usize> PileUp<N> {
     pub(crate) fn new() -> Self {
         PileUp {
-            since: f64::NEG_INFINITY,
-            count: 0,
+            burst: Burst::new(),
             last: None,
             unresolved: 0,
         }
@@ -37,10 +66,7 @@ impl<const N: usize> PileUp<N> {
         velocity: &State<N>,
         options: &Options,
     ) -> Result<(), Error> {
-        if at.t - self.since > options.pile_up_span * at.t.abs().max(1.0) {
-            (self.since, self.count) = (at.t, 0);
-        }
-        self.count += 1;
+        let (count, span) = self.burst.note(at.t, options);
         let resolved = self.last.is_none_or(|last| {
             let time = at.t - last.t;
             // A body on a floor stands still at either end of a slip: what it has moved by tells, not how fast it is.
@@ -52,12 +78,12 @@ impl<const N: usize> PileUp<N> {
         self.unresolved = if resolved { 0 } else { self.unresolved + 1 };
         self.last = Some(*at);
         let most = options.pile_up_count;
-        if self.count < most && self.unresolved < most {
+        if count < most && self.unresolved < most {
             return Ok(());
         }
         Err(Error::EventPileUp {
-            count: self.count.max(self.unresolved),
-            span: at.t - self.since,
+            count: count.max(self.unresolved),
+            span,
             t: at.t,
             x: Point::from(&at.x),
         })
@@ -65,11 +91,10 @@ impl<const N: usize> PileUp<N> {
 
     /// The pile-up that a run is in whose steps have become too short.
     pub(crate) fn under_way(&self, t: f64, x: &State<N>, options: &Options) -> Option<Error> {
-        let span = t - self.since;
-        let near = span <= options.pile_up_span * t.abs().max(1.0);
-        (near && self.count >= FEWEST).then(|| Error::EventPileUp {
-            count: self.count,
-            span,
+        let Burst { since, count } = self.burst;
+        (count >= FEWEST && self.burst.lasts(t, options)).then(|| Error::EventPileUp {
+            count,
+            span: t - since,
             t,
             x: Point::from(x),
         })

@@ -11,6 +11,8 @@ use super::tableau::RungeKutta;
 ///
 /// `slope` gives `(dt/dη, dx/dη) = (1, f)/η̇`, where `η̇ = ∂η/∂t + ∇η·f` is the rate of η along the field. The step has
 /// the order of `M`; where η is a coordinate of the state, its value is met to rounding.
+///
+/// It calls `slope` and is compiled once for every number of states: such steps are taken rarely.
 #[inline(never)]
 pub fn henon_step<M: RungeKutta, const N: usize>(
     slope: &mut dyn FnMut(&Timed<N>) -> Timed<N>,

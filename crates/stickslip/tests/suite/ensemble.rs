@@ -134,9 +134,13 @@ struct Everything {
     bits: Vec<u64>,
     transitions: usize,
     last: usize,
+    ignores_steps: bool,
 }
 
 impl<const N: usize> Observer<N> for Everything {
+    fn watches_steps(&self) -> bool {
+        !self.ignores_steps
+    }
     fn step(&mut self, step: &StepRecord<N>) -> ControlFlow<()> {
         let middle = step.dense.at(0.5);
         let numbers = [step.t_end].into_iter();
@@ -156,25 +160,41 @@ impl<const N: usize> Observer<N> for Everything {
     }
 }
 
-/// Every orbit has the steps, the transitions and the end that it has alone; every seventh is stopped on the way.
+/// Every orbit has the steps, the transitions and the end that it has alone, watched or not; every seventh is stopped on the way.
 fn assert_as_alone<S: Filippov<N> + PartialEq + Send + Sync, const N: usize>(
     start: impl Fn(usize) -> Start<S, N>,
     number: usize,
     t_end: f64,
     options: &Options,
 ) {
+    for ignores_steps in [false, true] {
+        assert_as_alone_if(ignores_steps, &start, number, t_end, options);
+    }
+}
+
+fn assert_as_alone_if<S: Filippov<N> + PartialEq + Send + Sync, const N: usize>(
+    ignores_steps: bool,
+    start: &impl Fn(usize) -> Start<S, N>,
+    number: usize,
+    t_end: f64,
+    options: &Options,
+) {
     let observer = |k: usize| Everything {
         last: if k % 7 == 3 { 2 } else { 0 },
+        ignores_steps,
         ..Everything::default()
     };
     let outcome = |outcome: Result<Summary<N>, Failure<Summary<N>>>| {
         outcome
-            .map(|end| (end.ending, end.t.to_bits(), end.counters))
+            .map(|end| {
+                let x: Vec<u64> = end.x.iter().map(|x| x.to_bits()).collect();
+                (end.ending, end.t.to_bits(), x, end.counters)
+            })
             .map_err(|failure| (failure.to_string(), failure.reached.t.to_bits()))
     };
     let (mut told, mut events) = (0, 0);
     ensemble(
-        (0..number).map(&start),
+        (0..number).map(start),
         t_end,
         options,
         observer,
@@ -211,7 +231,8 @@ fn orbits_side_by_side_branch_stop_and_fail_each_on_its_own() {
     assert_same_orbits(bracket, 300, 20.0, &options);
 }
 
-/// Oscillators with a kink in the spring, whose fields end at an edge in several ways, or branch by a value they read.
+/// Oscillators with a kink in the spring, whose fields end at an edge in several ways, or branch by a value they read; with a straight boundary, and a bent one
+/// that ends at the edge, too.
 #[derive(Clone, Copy, PartialEq)]
 struct Edge {
     edge: f64,
@@ -233,7 +254,10 @@ impl Filippov<2> for Edge {
         [x[1], -x[0] * side.sign() * 0.5 - x[0] + push * 0.1]
     }
     fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
-        x[0] - 0.1
+        if self.kind < 6 {
+            return x[0] - 0.1;
+        }
+        x[0] * x[0] + x[1] - 0.2 + (-x[0] + self.edge).sqrt() * 1e-3
     }
 }
 
@@ -242,8 +266,8 @@ fn fields_that_end_or_read_values_have_the_bits_of_one_alone_too() {
     let options = Options::tol(1e-7).method(Method::Taylor);
     let start = |k: usize| Start {
         system: Edge {
-            edge: 0.4 + 0.05 * (k / 60 * 2 + k % 2) as f64,
-            kind: k / 10 % 6,
+            edge: 0.4 + 0.05 * (k / 70 * 2 + k % 2) as f64,
+            kind: k / 10 % 7,
         },
         t: 0.0,
         x: State::from([0.2, 0.004 * k as f64]),

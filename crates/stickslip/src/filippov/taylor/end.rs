@@ -39,9 +39,10 @@ impl<const L: usize, const N: usize> Ends<L, N> {
         let mut ends = Ends {
             rise: [[0.0; L]; N],
             slope: [[0.0; L]; N],
-            are_clear: [!expansion.value_read; L],
+            are_clear: [true; L],
         };
         for (i, row) in rows.iter().enumerate().take(N) {
+            // Above an odd order there is a zero.
             let pairs =
                 (0..order.div_ceil(2)).map(|j| [term(row, 2 * j + 1), term(row, 2 * j + 2)]);
             (ends.rise[i], ends.slope[i]) = sums(pairs);

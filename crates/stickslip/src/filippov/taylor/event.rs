@@ -157,29 +157,24 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             };
             let order = run.orders[guard];
             let c = &self.guards[guard][..=piece.order];
-            let is_clear = self.is_clear;
-            let has_series = is_clear || (!self.expansion.value_read && c[piece.order].is_finite());
-            let found = if !has_series {
+            let found = if self.is_clear {
+                None
+            } else if self.expansion.value_read || !c[piece.order].is_finite() {
                 sampled_failure(run, flow, guard, piece, order)?
             } else {
-                let found = if is_clear {
-                    None
-                } else {
-                    first_failure(run, flow, guard, piece, c, order)
-                };
-                // A series may go on where its function ends, or has ended and begun again.
-                if found.is_none() && !function.is_linear {
-                    let value = if F::TOGETHER {
-                        at_end.get_or_init(|| flow.guards_at::<G>(end.t, &end.x))[guard]
-                    } else {
-                        flow.guard_at(guard, end.t, &end.x)
-                    };
-                    if !value.is_finite() {
-                        return Err(Undefined);
-                    }
-                }
-                found
+                first_failure(run, flow, guard, piece, c, order)
             };
+            // A series may go on where its function ends, or has ended and begun again.
+            if found.is_none() && !function.is_linear {
+                let value = if F::TOGETHER {
+                    at_end.get_or_init(|| flow.guards_at::<G>(end.t, &end.x))[guard]
+                } else {
+                    flow.guard_at(guard, end.t, &end.x)
+                };
+                if !value.is_finite() {
+                    return Err(Undefined);
+                }
+            }
             if let Some(found) = found
                 && first.as_ref().is_none_or(|first| found.s < first.s)
             {

@@ -3,6 +3,7 @@
 use super::TaylorStepper;
 use crate::error::{Error, Point};
 use crate::filippov::options::Options;
+use crate::filippov::pile_up::Burst;
 use crate::ode::{Timed, power_series};
 use crate::system::State;
 use crate::taylor::roots::first_zero;
@@ -47,46 +48,29 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
     }
 }
 
-/// Steps that ended where a comparison turns the field round: transitions at a boundary that the solver is not told of, which pile up as others do.
-pub(super) struct Held {
-    count: usize,
-    since: f64,
-}
-
-impl Held {
-    pub(super) fn new() -> Self {
-        Held {
-            count: 0,
-            since: f64::NEG_INFINITY,
-        }
+/// Counts a step to `at` that has ended where a comparison comes out otherwise, if the field turns round there: the series' slope there
+/// and the one behind tell. It is a transition at a boundary that the solver is not told of, and piles up as others do.
+#[cold]
+pub(super) fn note_turn<const N: usize>(
+    turns: &mut Burst,
+    at: &Timed<N>,
+    [before, behind]: [&State<N>; 2],
+    options: &Options,
+) -> Result<(), Error> {
+    let size = f64::max(before.amax(), behind.amax());
+    let turns_round =
+        |i: usize| before[i] * behind[i] < 0.0 && (before[i] - behind[i]).abs() > TURN * size;
+    if !(0..N).any(turns_round) {
+        return Ok(());
     }
-
-    /// Counts a step to `at`, where the field by a length of time is the first on this side and the second behind.
-    #[cold]
-    pub(super) fn note<const N: usize>(
-        &mut self,
-        at: &Timed<N>,
-        [before, behind]: [&State<N>; 2],
-        options: &Options,
-    ) -> Result<(), Error> {
-        let size = f64::max(before.amax(), behind.amax());
-        let turns =
-            |i: usize| before[i] * behind[i] < 0.0 && (before[i] - behind[i]).abs() > TURN * size;
-        if !(0..N).any(turns) {
-            return Ok(());
-        }
-        if at.t - self.since > options.pile_up_span * at.t.abs().max(1.0) {
-            (self.since, self.count) = (at.t, 0);
-        }
-        self.count += 1;
-        if self.count < options.pile_up_count {
-            return Ok(());
-        }
-        Err(Error::BranchPileUp {
-            count: self.count,
-            span: at.t - self.since,
-            t: at.t,
-            x: Point::from(&at.x),
-        })
+    let (count, span) = turns.note(at.t, options);
+    if count < options.pile_up_count {
+        return Ok(());
     }
+    Err(Error::BranchPileUp {
+        count,
+        span,
+        t: at.t,
+        x: Point::from(&at.x),
+    })
 }

@@ -8,12 +8,13 @@ mod step_size;
 
 pub(super) use end::Ends;
 use end::{End, sums};
-use kink::Held;
+use kink::note_turn;
 use piece::{Piece, Polynomial, nowhere, powers};
 pub(super) use step_size::step_ratio;
 
 use super::flow::Flow;
 use super::options::Options;
+use super::pile_up::Burst;
 use super::run::{Run, Trial};
 use crate::error::Error;
 use crate::math;
@@ -59,8 +60,8 @@ pub(crate) struct TaylorStepper<const N: usize, const G: usize> {
     rejected: bool,
     /// The step that the next series is scaled with.
     scale: f64,
-    /// Whether a boundary that the field hides holds the orbit.
-    held: Held,
+    /// Ends of steps where a comparison turns the field round.
+    turns: Burst,
 }
 
 /// The field of a flow, and its guards.
@@ -120,14 +121,14 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             rest: nowhere(),
             rejected: false,
             scale: 0.0,
-            held: Held::new(),
+            turns: Burst::new(),
         }
     }
 
     /// Forgets where it ended, for another orbit; whatever else it keeps is made anew before it is used.
     pub(super) fn forget(&mut self) {
         (self.end, self.rest) = (nowhere(), nowhere());
-        self.held = Held::new();
+        self.turns = Burst::new();
     }
 
     /// Expands the series at the end of the last step.
@@ -322,7 +323,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         }
         if kink.is_some() {
             let field = flow.velocity(at.t, &at.x) * h;
-            self.held.note(&at, [&slope, &field], &run.options)?;
+            note_turn(&mut self.turns, &at, [&slope, &field], &run.options)?;
         }
         (self.end, self.rest) = (at, rest_there);
         run.counters.steps += 1;

@@ -214,6 +214,25 @@ mod tests {
         }
     }
 
+    #[test]
+    fn a_guard_whose_newest_coefficient_is_no_number_allows_next_to_no_step() {
+        let rows = [Row::new(), Row::new()];
+        rows[0].set(0, [1.0]);
+        for k in 0..=19 {
+            rows[1].set(k, [math::powi(0.5, k as i32)]);
+        }
+        let (row, is_linear) = (1, false);
+        let expansion = Expansion {
+            watched: [Some(Watched { row, is_linear })],
+            ..Expansion::default()
+        };
+        let ratio = || step_ratio(&rows, &expansion, 20, &Options::tol(1e-10), &[[1.0]])[0];
+        rows[1].set(20, [math::powi(0.5, 20)]);
+        assert!((0.1..2.0).contains(&ratio()), "{}", ratio());
+        rows[1].set(20, [f64::NAN]);
+        assert!(ratio() < 1e-10, "{}", ratio());
+    }
+
     /// Coefficients of `1/(1 + t^m)`, lane by lane with `m`.
     fn in_powers<const L: usize>(m: [usize; L], p: usize) -> Row<L> {
         let row = Row::new();
