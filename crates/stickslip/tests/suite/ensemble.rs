@@ -30,10 +30,13 @@ fn start(k: usize) -> Start<BeltOscillator, 2> {
     }
 }
 
-/// Counts transitions.
+/// Counts transitions, and is not told of steps.
 #[derive(Clone, Copy, Default, PartialEq, Debug)]
 struct Count(usize);
 impl Observer<2> for Count {
+    fn watches_steps(&self) -> bool {
+        false
+    }
     fn transition(&mut self, _: &Transition<2>) -> ControlFlow<()> {
         self.0 += 1;
         ControlFlow::Continue(())
@@ -231,8 +234,8 @@ fn orbits_side_by_side_branch_stop_and_fail_each_on_its_own() {
     assert_same_orbits(bracket, 300, 20.0, &options);
 }
 
-/// Oscillators with a kink in the spring, whose fields end at an edge in several ways, or branch by a value they read; with a straight boundary, and a bent one
-/// that ends at the edge, too.
+/// Oscillators with a kink in the spring, whose fields end at an edge in several ways, or branch by comparisons or by a value they read; and one with a bent
+/// boundary that ends at the edge.
 #[derive(Clone, Copy, PartialEq)]
 struct Edge {
     edge: f64,
@@ -248,13 +251,15 @@ impl Filippov<2> for Edge {
             2 => T::constant(0.01) / room,
             3 => (x[0] * x[0] + x[1] * x[1]).sqrt(),
             4 => (x[0] * 1e3 * self.edge).exp() * 1e-30,
+            6 => (x[1] * 30.0).min(x[0] * x[0]).abs(),
+            7 => room * 0.1,
             _ if x[1].value() < 0.3 => T::constant(0.0),
             _ => T::constant(0.1),
         };
         [x[1], -x[0] * side.sign() * 0.5 - x[0] + push * 0.1]
     }
     fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
-        if self.kind < 6 {
+        if self.kind < 7 {
             return x[0] - 0.1;
         }
         x[0] * x[0] + x[1] - 0.2 + (-x[0] + self.edge).sqrt() * 1e-3
@@ -266,8 +271,8 @@ fn fields_that_end_or_read_values_have_the_bits_of_one_alone_too() {
     let options = Options::tol(1e-7).method(Method::Taylor);
     let start = |k: usize| Start {
         system: Edge {
-            edge: 0.4 + 0.05 * (k / 70 * 2 + k % 2) as f64,
-            kind: k / 10 % 7,
+            edge: 0.4 + 0.05 * (k / 80 * 2 + k % 2) as f64,
+            kind: k / 10 % 8,
         },
         t: 0.0,
         x: State::from([0.2, 0.004 * k as f64]),
