@@ -20,14 +20,15 @@ use crate::solver::systems::{
     StaticFriction, TurningLine, TwiceRound, TwoFold, Wall, Window, Zeno,
 };
 use crate::taylor::{
-    Brink, Cup, Dent, Gate, Kink, Nowhere, Pit, Push, Ramp, Rectified, SoftStop, Valley,
+    Brink, Cup, Dent, Gate, Kink, Nowhere, Pit, Push, Ramp, Rectified, SoftStop, Steep, Steepening,
+    Valley,
 };
 use crate::two_folds::{Folds, Random};
 
 systems!(
     Any1, 1:
     BlowUp(BlowUp), Breathing(Breathing), Brink(Brink), Cup(Cup), Dent(Dent), Fork(Fork), Line(Line), MovingLine(MovingLine),
-    Nowhere(Nowhere), Push(Push), Rectified(Rectified), Rest(Rest), Rider(Rider), TurningLine(TurningLine), Valley(Valley), Wall(Wall), Window(Window),
+    Nowhere(Nowhere), Push(Push), Rectified(Rectified), Rest(Rest), Rider(Rider), Steep(Steep), Steepening(Steepening), TurningLine(TurningLine), Valley(Valley), Wall(Wall), Window(Window),
 );
 
 systems!(

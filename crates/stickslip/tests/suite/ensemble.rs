@@ -282,6 +282,36 @@ fn fields_that_end_or_read_values_have_the_bits_of_one_alone_too() {
     assert_same_orbits(start, 300, 15.0, &options);
 }
 
+/// To and fro through a boundary that bends too sharply for a series of it to tell from far away.
+#[derive(Clone, Copy, PartialEq)]
+struct Steep {
+    steepness: f64,
+}
+
+impl Filippov<1> for Steep {
+    fn field<T: Scalar>(&self, _side: Side, t: T, _x: &[T; 1]) -> [T; 1] {
+        [t.cos()]
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 1]) -> T {
+        (x[0] * self.steepness).tanh() + 0.5
+    }
+}
+
+#[test]
+fn steps_whose_ends_show_what_series_do_not_have_the_bits_of_one_alone_too() {
+    let options = Options::tol(1e-7).method(Method::Taylor);
+    let start = |k: usize| Start {
+        system: Steep {
+            steepness: [20.0, 200.0, 2000.0][k / 40 % 3],
+        },
+        t: 0.0,
+        x: State::from([0.6 - 0.01 * k as f64]),
+    };
+    assert_as_alone(start, 120, 15.0, &options);
+    assert_as_alone(interpreted(start), 120, 15.0, &options);
+    assert_same_orbits(start, 120, 15.0, &options);
+}
+
 /// A system that says that its functions are interpreted.
 #[derive(Clone, Copy, PartialEq)]
 struct Interpreted<S>(S);

@@ -437,6 +437,115 @@ fn a_series_with_gaps_is_not_taken_for_one_that_ends() {
     }
 }
 
+/// Moves at the speed of one, through a boundary that bends too sharply for a series of it to tell from far away.
+pub struct Steep {
+    kind: usize,
+    steepness: f64,
+}
+
+impl Steep {
+    /// Where the boundary is.
+    fn places(&self) -> Vec<f64> {
+        match self.kind {
+            0 => vec![math::ln(1.5) / self.steepness],
+            1 => vec![0.5 * math::ln(3.0) / self.steepness],
+            3 => vec![],
+            _ => {
+                let place = (0.25 - 1.0 / self.steepness).sqrt();
+                vec![-place, place]
+            }
+        }
+    }
+}
+
+impl Filippov<1> for Steep {
+    fn field<T: Scalar>(&self, _side: Side, _t: T, _x: &[T; 1]) -> [T; 1] {
+        [T::one()]
+    }
+
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 1]) -> T {
+        match self.kind {
+            0 => (x[0] * self.steepness).exp() - 1.5,
+            1 => (x[0] * self.steepness).tanh() - 0.5,
+            3 => (x[0] * x[0] + 1.0 / self.steepness).sqrt() + 0.1,
+            _ => (x[0] * x[0] + 1.0 / self.steepness).sqrt() - 0.5,
+        }
+    }
+}
+
+#[test]
+fn a_boundary_that_bends_too_sharply_for_its_series_is_met_where_it_is() {
+    let steep = [0, 1].map(|kind| (kind, [10.0, 30.0, 100.0, 300.0, 1000.0]));
+    let rounded = [2, 3].map(|kind| (kind, [1e2, 1e6, 1e10, 1e20, 1e200]));
+    for (kind, steepnesses) in steep.into_iter().chain(rounded) {
+        for steepness in steepnesses {
+            let system = Steep { kind, steepness };
+            for (digits, start) in (3..=15).flat_map(|digits| [(digits, -0.9), (digits, -0.67)]) {
+                let tolerance = math::powi(10.0, -digits);
+                // Else all of the bend is within what the tolerance blurs, and a touch.
+                if kind < 2 && steepness * tolerance > 0.01 {
+                    continue;
+                }
+                let orbit = solve(&system, 0.0, [start], 0.65 - start, &taylor(tolerance));
+                let found = orbit.expect("runs").transitions;
+                let places: Vec<f64> = found.iter().map(|at| at.t + start).collect();
+                let wanted = system.places();
+                let what = format!("{kind}, {steepness:e}, {digits} digits from {start}");
+                assert_eq!(places.len(), wanted.len(), "{what}: {places:?}");
+                for (place, wanted) in places.iter().zip(&wanted) {
+                    assert!(
+                        (place - wanted).abs() < 1e-2 * tolerance + 1e-15,
+                        "{what}: {place}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// Swings to a boundary that grows steeply there, just beyond it and back.
+pub struct Steepening {
+    steepness: f64,
+}
+
+impl Filippov<1> for Steepening {
+    fn field<T: Scalar>(&self, _side: Side, t: T, _x: &[T; 1]) -> [T; 1] {
+        [t.cos()]
+    }
+
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 1]) -> T {
+        (x[0] * self.steepness).exp() - 1.5
+    }
+}
+
+#[test]
+fn a_boundary_that_grows_steeply_within_a_step_is_met_there_and_back() {
+    // Steeper ones are zero at the start, as numbers go.
+    for steepness in [30.0, 100.0, 300.0, 600.0] {
+        let beyond = 1.0 - 1.0 / steepness;
+        let place = beyond + math::ln(1.5) / steepness;
+        let there = math::atan(place / (1.0 - place * place).sqrt());
+        for digits in 5..=15 {
+            let options = taylor(math::powi(10.0, -digits));
+            let orbit = solve(&Steepening { steepness }, 0.0, [-beyond], 5.0, &options);
+            let times: Vec<f64> = orbit
+                .expect("runs")
+                .transitions
+                .iter()
+                .map(|at| at.t)
+                .collect();
+            let what = format!("{steepness}, {digits} digits: {times:?}");
+            assert_eq!(times.len(), 2, "{what}");
+            for (time, wanted) in times.iter().zip([there, PI - there]) {
+                assert!(
+                    (time - wanted).abs() < options.rtol + 1e-13,
+                    "{what}: {wanted}"
+                );
+            }
+        }
+    }
+}
+
 /// At rest but for a push between 1 - 1/30 and 1 + 1/30, by as much as `1/(1 + 100 (t - 1)²)` is above 0.9; Σ is far away.
 pub struct Push;
 

@@ -22,12 +22,20 @@ pub(super) struct Found<const N: usize> {
     pub(super) rest: Timed<N>,
 }
 
+/// The guard is so far from zero where its series has one that the series is not the guard's.
+struct Strays;
+
 /// Where it is looked at whether a guard is defined.
 const SAMPLES: [f64; 8] = [0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0];
 
 /// How far, in parts of the step, a zero of its series may be from the guard's own, and steps of Newton's iteration from one to the other.
 const NEAR: f64 = 1e-6;
 const NEWTON_STEPS: usize = 3;
+
+/// A series whose zero is so many tolerances from one of the guard is not the guard's; nearly always it is within this part of the step,
+/// which is asked first.
+const STRAYS: f64 = 30.0;
+const OF_SLOPE: f64 = 1e-10;
 
 /// A series holds a little beyond its step.
 const BEYOND: f64 = 1.05;
@@ -157,24 +165,22 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             };
             let order = run.orders[guard];
             let c = &self.guards[guard][..=piece.order];
-            let found = if self.is_clear {
-                None
-            } else if self.expansion.value_read || !c[piece.order].is_finite() {
-                sampled_failure(run, flow, guard, piece, order)?
-            } else {
-                first_failure(run, flow, guard, piece, c, order)
-            };
-            // A series may go on where its function ends, or has ended and begun again.
-            if found.is_none() && !function.is_linear {
-                let value = if F::TOGETHER {
-                    at_end.get_or_init(|| flow.guards_at::<G>(end.t, &end.x))[guard]
-                } else {
-                    flow.guard_at(guard, end.t, &end.x)
-                };
-                if !value.is_finite() {
-                    return Err(Undefined);
+            let found = if self.expansion.value_read || !c[piece.order].is_finite() {
+                let found = sampled_failure(run, flow, guard, piece, order)?;
+                if found.is_none() && !function.is_linear {
+                    has_failed(run, flow, guard, end, &at_end)?;
                 }
-            }
+                found
+            } else {
+                let may_stray = !function.is_linear;
+                match first_failure(run, flow, guard, piece, c, (order, may_stray)) {
+                    Ok(None) if may_stray && has_failed(run, flow, guard, end, &at_end)? => {
+                        sampled_failure(run, flow, guard, piece, order)?
+                    }
+                    Ok(found) => found,
+                    Err(Strays) => sampled_failure(run, flow, guard, piece, order)?,
+                }
+            };
             if let Some(found) = found
                 && first.as_ref().is_none_or(|first| found.s < first.s)
             {
@@ -183,9 +189,48 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         }
         Ok(first)
     }
+
+    /// Whether all guards are above zero at the end of a step over which all their series are.
+    pub(super) fn holds_at_end<F: Flow<N>>(&self, run: &Run<N, G>, flow: &F) -> bool {
+        let (end, _) = self.end(run);
+        let at_end = OnceCell::new();
+        F::GUARDS.iter().all(|&guard| {
+            let function = self.expansion.watched[guard];
+            function.is_none_or(|function| function.is_linear)
+                || has_failed(run, flow, guard, &end, &at_end).is_ok_and(|failed| !failed)
+        })
+    }
+}
+
+/// Whether a guard is below zero at the end of a step over which its series is not: a series may go on where its function bends too sharply
+/// for it to tell, ends, or has ended and begun again.
+///
+/// # Errors
+/// The guard is not defined there.
+#[inline(always)]
+fn has_failed<F: Flow<N>, const N: usize, const G: usize>(
+    run: &Run<N, G>,
+    flow: &F,
+    guard: usize,
+    end: &Timed<N>,
+    at_end: &OnceCell<[f64; G]>,
+) -> Result<bool, Undefined> {
+    let value = if F::TOGETHER {
+        at_end.get_or_init(|| flow.guards_at(end.t, &end.x))[guard]
+    } else {
+        flow.guard_at(guard, end.t, &end.x)
+    };
+    if !value.is_finite() {
+        return Err(Undefined);
+    }
+    let blur = || uncertainty(flow, guard, end, &run.options.tolerance());
+    Ok(value < 0.0 && -value > blur().zero())
 }
 
 /// The first event of the guard with series `c`, of which `order` coefficients vanish at the start.
+///
+/// # Errors
+/// The guard is not what its series says.
 #[inline(always)]
 fn first_failure<F: Flow<N>, const N: usize, const G: usize>(
     run: &mut Run<N, G>,
@@ -193,8 +238,8 @@ fn first_failure<F: Flow<N>, const N: usize, const G: usize>(
     guard: usize,
     piece: &Piece<N>,
     c: &[f64],
-    order: usize,
-) -> Option<Found<N>> {
+    (order, may_stray): (usize, bool),
+) -> Result<Option<Found<N>>, Strays> {
     let (t, x) = (piece.t, piece.x[0]);
     let blur = || uncertainty(flow, guard, &Timed { t, x }, &run.options.tolerance());
     let mut order = order.min(3);
@@ -212,28 +257,23 @@ fn first_failure<F: Flow<N>, const N: usize, const G: usize>(
             (power_series(&c[order..], s).0 * power).abs()
         };
         if !RISES.iter().any(|&s| risen(s) > floor) {
-            return None;
+            return Ok(None);
         }
         fails_at_once = c[order] <= 0.0;
     }
     // Nearly every step ends here.
     if !fails_at_once && is_positive(&c[order..]) {
-        return None;
+        return Ok(None);
     }
-    locate(
-        run,
+    let series = OfSeries {
         flow,
-        piece,
         guard,
-        &OfSeries {
-            flow,
-            guard,
-            piece,
-            c,
-            order,
-            fails_at_once,
-        },
-    )
+        piece,
+        c,
+        order,
+        fails_at_once,
+    };
+    locate(run, flow, piece, (guard, may_stray), &series)
 }
 
 /// The first event of a guard whose series says nothing of the step, because it is not finite (a root at zero, as a distance has
@@ -268,21 +308,25 @@ fn sampled_failure<F: Flow<N>, const N: usize, const G: usize>(
         }
         sampled.start = start;
     }
-    Ok(locate(run, flow, piece, guard, &sampled))
+    // Its zeros are those of the guard itself.
+    Ok(locate(run, flow, piece, (guard, false), &sampled).unwrap_or(None))
 }
 
 /// The first event of a guard over the step: an exit, where the state is made to land on Σ, or a touch where the guard turns
 /// back within the touch tolerance.
+///
+/// # Errors
+/// If the guard `may_stray` from its series, it does.
 #[cold]
 #[inline(never)]
 fn locate<F: Flow<N>, const N: usize, const G: usize>(
     run: &mut Run<N, G>,
     flow: &F,
     piece: &Piece<N>,
-    i: usize,
+    (i, may_stray): (usize, bool),
     guard: &dyn StepGuard<N>,
-) -> Option<Found<N>> {
-    first_event(guard, |_, s, _| {
+) -> Result<Option<Found<N>>, Strays> {
+    let found = first_event(guard, |_, s, _| {
         run.counters.locations += 1;
         let zero = guard.probe(s);
         if zero.bend > 0.0 && s > 0.0 {
@@ -290,11 +334,11 @@ fn locate<F: Flow<N>, const N: usize, const G: usize>(
             let touch = (run.options.touch * blur.by_tolerance).max(blur.by_rounding);
             if turns_back(&zero, touch) {
                 let turn = turning_point(guard, s);
-                return Some(Found {
+                return Some(Ok(Found {
                     event: turn.event(i, true),
                     s: turn.s,
                     rest: piece.at(turn.s).1,
-                });
+                }));
             }
         }
         // The series knows the guard to the rounding of its largest term, the guard itself may be known far better.
@@ -322,6 +366,12 @@ fn locate<F: Flow<N>, const N: usize, const G: usize>(
                 break;
             }
         }
+        if may_stray && s > 0.0 && value.abs() > OF_SLOPE * zero.rate.abs() {
+            let blur = uncertainty(flow, i, &at, &run.options.tolerance());
+            if value.abs() > STRAYS * blur.by_tolerance + blur.by_rounding {
+                return Some(Err(Strays));
+            }
+        }
         at.x = flow.land(i, at.t, at.x);
         let left: f64 = flow.guard_at(i, at.t, &at.x);
         let event = Event {
@@ -330,6 +380,7 @@ fn locate<F: Flow<N>, const N: usize, const G: usize>(
             is_touch: false,
             residual: left.abs(),
         };
-        Some(Found { event, s, rest })
-    })
+        Some(Ok(Found { event, s, rest }))
+    });
+    found.transpose()
 }

@@ -144,7 +144,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         });
         let [ratio] = step_ratio(series.rows(), &expansion, order, &run.options, &x);
         let ratio = self.plan(run, ratio);
-        self.take(run, flow, (&series, &expansion), (0, ratio), None);
+        self.take(run, (&series, &expansion), (0, ratio), None);
         self.series = series;
     }
 
@@ -168,10 +168,9 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
     /// Takes what the step needs of an expansion in which this orbit was the lane `lane`: the coefficients, in parts of the step, unless
     /// the step's end is all that is wanted of it, which then is given.
     #[inline(always)]
-    pub(super) fn take<F: Flow<N>, const L: usize>(
+    pub(super) fn take<const L: usize>(
         &mut self,
-        run: &mut Run<N, G>,
-        flow: &F,
+        run: &Run<N, G>,
         (series, expansion): (&Series<L>, &Expansion<G>),
         (lane, ratio): (usize, f64),
         end: Option<End<N>>,
@@ -180,7 +179,6 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         (self.piece.t, self.piece.rest, self.piece.x[0]) = (run.at.t, self.rest, run.at.x);
         self.expansion = *expansion;
         self.is_expanded = true;
-        run.counters.field_calls += flow.field_calls() * (order as u64 + 1);
         self.choices.clear();
         self.is_clear = end.is_some();
         if let Some(end) = end {
@@ -256,6 +254,17 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         }
         self.scale = run.h.min(run.options.longest_step);
         self.is_expanded = false;
+        run.counters.field_calls += flow.field_calls() * (self.piece.order as u64 + 1);
+    }
+
+    /// Time and state at the end of the step, and what rounding takes from them.
+    #[inline(always)]
+    fn end(&self, run: &Run<N, G>) -> (Timed<N>, Timed<N>) {
+        let (mut at, mut rest) = self.piece.moved(1.0, &self.end_of_step.rise);
+        if self.is_last {
+            (at.t, rest.t) = (run.t_end, 0.0);
+        }
+        (at, rest)
     }
 
     /// Tries a step on the series that was expanded.
@@ -264,7 +273,8 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         run: &mut Run<N, G>,
         flow: &F,
     ) -> Result<Trial, Error> {
-        if !self.is_expanded {
+        // Where the step's end shows that its series are not the guards', their coefficients are wanted, too.
+        if !self.is_expanded || self.is_clear && !self.holds_at_end(run, flow) {
             self.expand(run, flow);
         }
         let (piece, end) = (&self.piece, &self.end_of_step);
@@ -281,12 +291,14 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         if run.is_too_short(h, is_last) {
             return Err(run.collapsed(&flow.velocity(t, &x), h));
         }
-        let (mut at, mut rest_there) = piece.moved(1.0, &end.rise);
-        if is_last {
-            (at.t, rest_there.t) = (run.t_end, 0.0);
-        }
+        let (mut at, mut rest_there) = self.end(run);
         let mut part = 1.0;
-        let Ok(event) = self.first_event(run, flow, &at) else {
+        let event = if self.is_clear {
+            Ok(None)
+        } else {
+            self.first_event(run, flow, &at)
+        };
+        let Ok(event) = event else {
             self.rejected = true;
             run.reject_undefined(h)?;
             return Ok(Trial::NoStep);

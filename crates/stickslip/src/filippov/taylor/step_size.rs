@@ -116,26 +116,29 @@ pub(in crate::filippov) fn step_ratio<const L: usize, const N: usize, const G: u
     let tolerance = rough_log2(SAFETY * relative);
     let wanted = tolerance * inverse(p);
     let farthest = rough_log2(FARTHEST);
-    let size = |row: usize, k: usize| lanes_of(rows[row].at(k), f64::abs);
     let is_positive = |size: f64| size > 0.0;
     let mut log = [rough_log2(GROW_MOST); L];
-    for (i, x) in x.iter().enumerate() {
-        let scale = |x: f64| rough_log2((options.atol + options.rtol * x.abs()) / relative);
-        let scale = lanes_of(*x, scale);
-        let late = bound_by_last::<L, 4>(&mut log, (&rows[i], p), is_positive, |k, l, newest| {
-            (scale[l] - newest) * inverse(k) + wanted
-        });
+    // Beyond the radius of convergence, as the terms' own ratio tells it.
+    let converges = |log: &mut Lanes<L>, row: &Row<L>, late: Lanes<L>| {
         // Even or odd series have every other coefficient zero.
         let before = p - p / 2;
         let mut early = [0.0; L];
         for k in before - 3..=before {
-            let here = size(i, k);
+            let here = lanes_of(row.at(k), f64::abs);
             early = lanes(|l| f64::max(early[l], here[l]));
         }
         let both: Lanes<L> = lanes(|l| early[l].min(late[l]));
-        bound(&mut log, (p / 2, both), is_positive, &|k, l, _| {
+        bound(log, (p / 2, both), is_positive, &|k, l, _| {
             (rough_log2(early[l]) - rough_log2(late[l])) * inverse(k) + farthest
         });
+    };
+    for (row, x) in rows.iter().zip(x) {
+        let scale = |x: f64| rough_log2((options.atol + options.rtol * x.abs()) / relative);
+        let scale = lanes_of(*x, scale);
+        let late = bound_by_last::<L, 4>(&mut log, (row, p), is_positive, |k, l, newest| {
+            (scale[l] - newest) * inverse(k) + wanted
+        });
+        converges(&mut log, row, late);
     }
     // What a guard's series leaves out, or that of a comparison, against how far it moves in the step: by any of its first three terms,
     // unless it is flatter than that. What is linear in the state is as good as that.
@@ -151,7 +154,7 @@ pub(in crate::filippov) fn step_ratio<const L: usize, const N: usize, const G: u
         let first = sizes.map(|size| lanes_of(size, |size| tolerance + rough_log2(size)));
         let moves: Lanes<L> = lanes(|l| sizes[0][l] + sizes[1][l] + sizes[2][l]);
         // One that is no number is as far off as can be.
-        bound_by_last::<L, 2>(
+        let late = bound_by_last::<L, 2>(
             &mut log,
             (row, p),
             |size| size != 0.0,
@@ -165,6 +168,8 @@ pub(in crate::filippov) fn step_ratio<const L: usize, const N: usize, const G: u
                 }
             },
         );
+        // One that is tiny against its first terms may yet grow to more than they are.
+        converges(&mut log, row, late);
     }
     lanes_of(log, rough_exp2)
 }
