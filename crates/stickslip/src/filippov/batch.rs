@@ -287,7 +287,8 @@ impl<'a, S: Switched<N, G>, O: Observer<N, S::Mode>, const N: usize, const G: us
             let end = is_bare.then(|| ends.clear(lane)).flatten();
             if let Some(stepper) = stepper.series_mut() {
                 let lane = (lane, ratios[lane]);
-                stepper.take(run, (&self.series, &expansion), lane, end);
+                stepper.expanded(&expansion);
+                stepper.take(run, &self.series, lane, end);
             }
         }
     }

@@ -53,14 +53,14 @@ pub enum Trial {
 impl<const N: usize, const G: usize> Run<N, G> {
     /// Takes the step to `at`, and the event there, as the last one.
     #[inline(always)]
-    pub(crate) fn accept(&mut self, at: Timed<N>, event: Option<Event<N>>) -> Trial {
+    pub(crate) fn accept(&mut self, at: Timed<N>, event: Option<&Event<N>>) -> Trial {
         self.last = (self.at, at);
         self.at = at;
         // Nothing is moved that is not there: this is done once a step.
-        if event.is_none() {
+        let Some(event) = event else {
             return Trial::Step;
-        }
-        self.event = event;
+        };
+        self.event = Some(*event);
         Trial::Event
     }
 

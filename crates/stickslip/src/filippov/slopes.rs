@@ -133,7 +133,7 @@ impl<const N: usize> Slopes<N> {
         run.dense.become_copy(&dense);
         run.wants_dense = false;
         (self.slope, self.bare) = (next_slope, None);
-        Ok(run.accept(at, event))
+        Ok(run.accept(at, event.as_ref()))
     }
 }
 

@@ -181,9 +181,8 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
                     Err(Strays) => sampled_failure(run, flow, guard, piece, order)?,
                 }
             };
-            if let Some(found) = found
-                && first.as_ref().is_none_or(|first| found.s < first.s)
-            {
+            let Some(found) = found else { continue };
+            if first.as_ref().is_none_or(|first| found.s < first.s) {
                 first = Some(found);
             }
         }

@@ -85,9 +85,10 @@ fn expand_alone<F: Flow<N>, const N: usize, const G: usize>(
     x: &[Lanes<1>; N],
     order: usize,
     flow: &F,
-    repeated: &mut Repeated<1, N, G>,
-) -> Result<Expansion<G>, usize> {
-    in_rows(Rows { first, all }, time, x, order, &OfFlow(flow), repeated)
+    (repeated, expansion): (&mut Repeated<1, N, G>, &mut Expansion<G>),
+) -> Result<(), usize> {
+    *expansion = in_rows(Rows { first, all }, time, x, order, &OfFlow(flow), repeated)?;
+    Ok(())
 }
 
 impl<const N: usize, const G: usize> TaylorStepper<N, G> {
@@ -137,14 +138,14 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         let x = std::array::from_fn(|i| [x[i]]);
         let (scale, order) = (self.scale, self.piece.order);
         let mut series = std::mem::take(&mut self.series);
-        let repeated = &mut self.repeated;
-        let expansion = series.expand_by(|Rows { first, all }| {
+        let (repeated, expansion) = (&mut self.repeated, &mut self.expansion);
+        series.expand_by(|Rows { first, all }| {
             let time = ([t], [scale]);
-            expand_alone(first, all, time, &x, order, flow, repeated)
+            expand_alone(first, all, time, &x, order, flow, (repeated, expansion))
         });
-        let [ratio] = step_ratio(series.rows(), &expansion, order, &run.options, &x);
+        let [ratio] = step_ratio(series.rows(), &self.expansion, order, &run.options, &x);
         let ratio = self.plan(run, ratio);
-        self.take(run, (&series, &expansion), (0, ratio), None);
+        self.take(run, &series, (0, ratio), None);
         self.series = series;
     }
 
@@ -165,19 +166,23 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         h / self.scale
     }
 
-    /// Takes what the step needs of an expansion in which this orbit was the lane `lane`: the coefficients, in parts of the step, unless
+    /// Tells to what an expansion of several orbits has come.
+    pub(super) fn expanded(&mut self, expansion: &Expansion<G>) {
+        self.expansion = *expansion;
+    }
+
+    /// Takes what the step needs of the expansion, in which this orbit was the lane `lane`: the coefficients, in parts of the step, unless
     /// the step's end is all that is wanted of it, which then is given.
     #[inline(always)]
     pub(super) fn take<const L: usize>(
         &mut self,
         run: &Run<N, G>,
-        (series, expansion): (&Series<L>, &Expansion<G>),
+        series: &Series<L>,
         (lane, ratio): (usize, f64),
         end: Option<End<N>>,
     ) {
         let order = self.piece.order;
         (self.piece.t, self.piece.rest, self.piece.x[0]) = (run.at.t, self.rest, run.at.x);
-        self.expansion = *expansion;
         self.is_expanded = true;
         self.choices.clear();
         self.is_clear = end.is_some();
@@ -205,12 +210,12 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
                 *c = of_row(row, k);
             }
         };
-        for (c, watched) in self.guards.iter_mut().zip(&expansion.watched) {
+        for (c, watched) in self.guards.iter_mut().zip(&self.expansion.watched) {
             if let Some(watched) = watched {
                 polynomial(&series.rows()[watched.row], c);
             }
         }
-        for row in series.choices(expansion) {
+        for row in series.choices(&self.expansion) {
             let mut c = [0.0; MOST_ORDER + 1];
             polynomial(row, &mut c);
             self.choices.push(c);
@@ -298,18 +303,24 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         } else {
             self.first_event(run, flow, &at)
         };
-        let Ok(event) = event else {
+        let Ok(mut event) = event else {
             self.rejected = true;
             run.reject_undefined(h)?;
             return Ok(Trial::NoStep);
         };
-        let mut event = event.filter(|event| !is_last || event.event.at.t < at.t);
-        // A touch turns back at the end time or behind it, and the step's end is below zero.
-        let touch = event.take_if(|touch| !is_last && touch.s >= piece.to_end);
-        if let Some(touch) = touch {
-            part = touch.s;
-            (at, rest_there) = (touch.event.at, touch.rest);
-            (at.t, rest_there.t) = (run.t_end, 0.0);
+        // What there is no event of is not moved: this is done once a step.
+        if let Some(found) = &event {
+            if is_last {
+                if found.event.at.t >= at.t {
+                    event = None;
+                }
+            } else if found.s >= piece.to_end {
+                // A touch turns back at the end time or behind it, and the step's end is below zero.
+                part = found.s;
+                (at, rest_there) = (found.event.at, found.rest);
+                (at.t, rest_there.t) = (run.t_end, 0.0);
+                event = None;
+            }
         }
         let before = event.as_ref().map_or(part, |event| event.s);
         let kink = self.first_kink(before);
@@ -342,6 +353,6 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         if !self.is_clear {
             run.dense.become_series(t, h, piece.order, &piece.x);
         }
-        Ok(run.accept(at, event.map(|found| found.event)))
+        Ok(run.accept(at, event.as_ref().map(|found| &found.event)))
     }
 }
