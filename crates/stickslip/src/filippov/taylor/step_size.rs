@@ -102,6 +102,28 @@ fn bound_by_last<const L: usize, const COUNT: usize>(
     largest
 }
 
+#[inline(always)]
+fn is_positive(size: f64) -> bool {
+    size > 0.0
+}
+
+/// Bounds a step by the radius of convergence, as the terms' own ratio tells it: the largest of the middle to the largest of the last.
+#[inline(always)]
+fn bound_by_ratio<const L: usize>(log: &mut Lanes<L>, (row, p): (&Row<L>, usize), late: Lanes<L>) {
+    let farthest = rough_log2(FARTHEST);
+    // Even or odd series have every other coefficient zero.
+    let before = p - p / 2;
+    let mut early = [0.0; L];
+    for k in before - 3..=before {
+        let here = lanes_of(row.at(k), f64::abs);
+        early = lanes(|l| f64::max(early[l], here[l]));
+    }
+    let both = lanes(|l| early[l].min(late[l]));
+    bound(log, (p / 2, both), is_positive, &|k, l, _| {
+        (rough_log2(early[l]) - rough_log2(late[l])) * inverse(k) + farthest
+    });
+}
+
 /// Step length within the tolerance, over that which the series is scaled with: where the last coefficients, extrapolated
 /// by the radius of convergence that they tell, have fallen to the tolerance (Jorba & Zou 2005, Sect. 3.2).
 #[inline(always)]
@@ -115,30 +137,14 @@ pub(in crate::filippov) fn step_ratio<const L: usize, const N: usize, const G: u
     let relative = options.rtol.max(options.atol);
     let tolerance = rough_log2(SAFETY * relative);
     let wanted = tolerance * inverse(p);
-    let farthest = rough_log2(FARTHEST);
-    let is_positive = |size: f64| size > 0.0;
     let mut log = [rough_log2(GROW_MOST); L];
-    // Beyond the radius of convergence, as the terms' own ratio tells it.
-    let converges = |log: &mut Lanes<L>, row: &Row<L>, late: Lanes<L>| {
-        // Even or odd series have every other coefficient zero.
-        let before = p - p / 2;
-        let mut early = [0.0; L];
-        for k in before - 3..=before {
-            let here = lanes_of(row.at(k), f64::abs);
-            early = lanes(|l| f64::max(early[l], here[l]));
-        }
-        let both: Lanes<L> = lanes(|l| early[l].min(late[l]));
-        bound(log, (p / 2, both), is_positive, &|k, l, _| {
-            (rough_log2(early[l]) - rough_log2(late[l])) * inverse(k) + farthest
-        });
-    };
     for (row, x) in rows.iter().zip(x) {
         let scale = |x: f64| rough_log2((options.atol + options.rtol * x.abs()) / relative);
         let scale = lanes_of(*x, scale);
         let late = bound_by_last::<L, 4>(&mut log, (row, p), is_positive, |k, l, newest| {
             (scale[l] - newest) * inverse(k) + wanted
         });
-        converges(&mut log, row, late);
+        bound_by_ratio(&mut log, (row, p), late);
     }
     // What a guard's series leaves out, or that of a comparison, against how far it moves in the step: by any of its first three terms,
     // unless it is flatter than that. What is linear in the state is as good as that.
@@ -169,7 +175,7 @@ pub(in crate::filippov) fn step_ratio<const L: usize, const N: usize, const G: u
             },
         );
         // One that is tiny against its first terms may yet grow to more than they are.
-        converges(&mut log, row, late);
+        bound_by_ratio(&mut log, (row, p), late);
     }
     lanes_of(log, rough_exp2)
 }
