@@ -20,8 +20,8 @@ use crate::solver::systems::{
     StaticFriction, TurningLine, TwiceRound, TwoFold, Wall, Window, Zeno,
 };
 use crate::taylor::{
-    Brink, Cup, Dent, Gate, Kink, Nowhere, Pit, Push, Ramp, Rectified, SoftStop, Steep, Steepening,
-    Valley,
+    Bilinear, Brink, Cup, Dent, Gate, Kink, Nowhere, Pit, Push, Ramp, Rectified, SoftStop, Steep,
+    Steepening, Valley,
 };
 use crate::two_folds::{Folds, Random};
 
@@ -33,7 +33,7 @@ systems!(
 
 systems!(
     Any2, 2:
-    Belt(BeltOscillator), Ceiling(Ceiling), DenHartog(DenHartog), Dip(Dip), Floor(Floor), Forced(ForcedOscillator), FromSupport(FromSupport),
+    Belt(BeltOscillator), Bilinear(Bilinear), Ceiling(Ceiling), DenHartog(DenHartog), Dip(Dip), Floor(Floor), Forced(ForcedOscillator), FromSupport(FromSupport),
     Gate(Gate), Kink(Kink), Ledge(Ledge), Linear(Smooth<Linear<2>>), Parabola(Parabola), Pit(Pit), Ramp(Ramp),
     Refracting(Refracting), ReversedBelt(Reversed<BeltOscillator>), ReversedForced(Reversed<ForcedOscillator>),
     Shaken(grazes::Shaken), SoftStop(SoftStop), SpiralAtRest(grazes::AtRest), Spiral(Spiral), StaticFriction(StaticFriction), TwoFold(TwoFold), Zeno(Zeno),

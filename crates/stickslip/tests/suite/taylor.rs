@@ -573,6 +573,94 @@ fn a_comparison_that_changes_there_and_back_within_a_step_is_not_passed_over() {
     }
 }
 
+/// An oscillator whose spring is four times as stiff above its place of rest as below; from time 500 on it is pushed up, ever harder, or pulled
+/// down at once. Σ is far away.
+pub struct Bilinear {
+    rest: f64,
+    damping: f64,
+    is_pulled: bool,
+}
+
+impl Filippov<2> for Bilinear {
+    fn field<T: Scalar>(&self, _side: Side, t: T, x: &[T; 2]) -> [T; 2] {
+        let above = x[0] - self.rest;
+        let spring = above.max(T::zero()) * 4.0 + above.min(T::zero());
+        let push = if !self.is_pulled {
+            (t - 500.0).max(T::zero())
+        } else if t.exceeds(T::constant(500.0)) {
+            T::constant(-1.0)
+        } else {
+            T::zero()
+        };
+        [x[1], -x[1] * self.damping - spring + push]
+    }
+
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
+        x[0] - 1e6
+    }
+}
+
+#[test]
+fn an_oscillator_comes_to_rest_on_its_kink_and_leaves_it_again() {
+    for rest in [0.0, 0.3, 1.0, -7.7, 1000.1] {
+        let ulp = f64::EPSILON * f64::abs(rest);
+        for tolerance in [1e-4, 1e-8, 1e-12] {
+            // By half swings above and below, each of its own frequency.
+            let damping = 0.2;
+            let system = Bilinear {
+                rest,
+                damping,
+                is_pulled: false,
+            };
+            let [above, below] = [4.0, 1.0].map(|k| PI / (k - 0.01f64).sqrt());
+            let t_end = 12.0 * (above + below);
+            let orbit = solve(&system, 0.0, [rest, 1.0], t_end, &taylor(tolerance));
+            let x = orbit.expect("runs").x_end;
+            let wanted = math::exp(-0.1 * t_end);
+            let off = (x[1] - wanted).abs().max((x[0] - rest).abs());
+            assert!(
+                off < 10.0 * tolerance + 30.0 * ulp,
+                "{rest}, {tolerance:e}: {off:e}"
+            );
+
+            for damping in [0.2, 1.0, 3.0, 6.0] {
+                let system = Bilinear {
+                    rest,
+                    damping,
+                    is_pulled: false,
+                };
+                let orbit = solve(&system, 0.0, [rest + 0.5, 0.3], 500.0, &taylor(tolerance));
+                let orbit = orbit.expect("runs");
+                assert!(
+                    orbit.counters.steps < 10_000,
+                    "{rest}, {damping}: {:?}",
+                    orbit.counters
+                );
+                let off = (orbit.x_end[0] - rest).abs();
+                assert!(off <= tolerance, "{rest}, {damping}: {off:e}");
+            }
+
+            let w = 1.75f64.sqrt();
+            let (sin, cos) = math::sin_cos(w);
+            let pushed = 1.0 / 16.0 + math::exp(-1.5) * (3.0 / 16.0 * cos + sin / (32.0 * w));
+            let [slow, fast] = [-1.0, 1.0].map(|sign| 1.5 + sign * 1.25f64.sqrt());
+            let decay = fast * math::exp(-slow) - slow * math::exp(-fast);
+            let pulled = decay / (fast - slow) - 1.0;
+            for (is_pulled, wanted) in [(false, pushed), (true, pulled)] {
+                let system = Bilinear {
+                    rest,
+                    damping: 3.0,
+                    is_pulled,
+                };
+                let orbit = solve(&system, 0.0, [rest + 0.5, 0.3], 501.0, &taylor(tolerance));
+                let off = (orbit.expect("runs").x_end[0] - rest - wanted).abs();
+                let allowed = tolerance * rest.abs().max(1.0);
+                assert!(off < allowed, "{rest}, {tolerance:e}, {is_pulled}: {off:e}");
+            }
+        }
+    }
+}
+
 /// Falls to zero from both sides, at the speed of one, by a comparison; Σ is far away.
 pub struct Valley;
 

@@ -13,10 +13,11 @@ const TURN: f64 = 1e-3;
 
 impl<const N: usize, const G: usize> TaylorStepper<N, G> {
     /// Where in the step, before the part `before`, a comparison that the series relies on first comes out otherwise: a little
-    /// behind the place where the two are equal, so that the next series sees it.
-    pub(super) fn first_kink(&self, before: f64) -> Option<f64> {
+    /// behind the place where the two are equal, so that the next series sees it. And whether two are equal at the start, and that was the
+    /// wrong choice.
+    pub(super) fn first_kink(&self, before: f64) -> (Option<f64>, bool) {
         let piece = &self.piece;
-        let mut first: Option<f64> = None;
+        let (mut first, mut is_tie) = (None, false);
         for c in &self.choices {
             let c = &c[..=piece.order];
             // Two that are equal throughout come out the same throughout.
@@ -36,7 +37,11 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             let mut behind = s;
             // At least something, where the step begins at time zero.
             let mut more = 4.0 * f64::EPSILON * (s + (piece.t / piece.h).abs()).max(1.0);
-            while behind < 1.0 && power_series(c, behind).0 > -8.0 * f64::EPSILON * size {
+            if s == 0.0 {
+                is_tie = true;
+                more = more.max(self.past_tie / piece.h);
+            }
+            while behind < 1.0 && power_series(c, behind).0 >= -8.0 * f64::EPSILON * size {
                 behind = s + more;
                 more *= 2.0;
             }
@@ -44,7 +49,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
                 first = Some(behind);
             }
         }
-        first
+        (first, is_tie)
     }
 }
 

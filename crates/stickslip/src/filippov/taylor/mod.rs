@@ -62,6 +62,9 @@ pub(crate) struct TaylorStepper<const N: usize, const G: usize> {
     scale: f64,
     /// Ends of steps where a comparison turns the field round.
     turns: Burst,
+    /// Time to go on for where a comparison is between equals: twice the last step's, if that was so at its start already. A state that moves
+    /// by less than a unit in its last place stays there. That the series still solves the equation is seen at the step's end.
+    past_tie: f64,
 }
 
 /// The field of a flow, and its guards.
@@ -123,6 +126,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             rejected: false,
             scale: 0.0,
             turns: Burst::new(),
+            past_tie: 0.0,
         }
     }
 
@@ -228,6 +232,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
     pub(super) fn begin(&mut self) {
         self.repeated.forget();
         self.is_new = true;
+        self.past_tie = 0.0;
     }
 
     /// Begins a phase, or the rest of one.
@@ -323,7 +328,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             }
         }
         let before = event.as_ref().map_or(part, |event| event.s);
-        let kink = self.first_kink(before);
+        let (kink, is_tie) = self.first_kink(before);
         if let Some(kink) = kink {
             event = None;
             part = kink;
@@ -348,6 +353,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             let field = flow.velocity(at.t, &at.x) * h;
             note_turn(&mut self.turns, &at, [&slope, &field], &run.options)?;
         }
+        self.past_tie = if is_tie { 2.0 * part * h } else { 0.0 };
         (self.end, self.rest) = (at, rest_there);
         run.counters.steps += 1;
         if !self.is_clear {
