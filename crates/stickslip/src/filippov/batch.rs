@@ -138,7 +138,7 @@ struct Lanewise<'a, F, P, const N: usize> {
 struct Planned<const N: usize, const G: usize> {
     expansion: Expansion<G>,
     ratios: Lanes<LANES>,
-    ends: Ends<LANES, N>,
+    ends: Ends<LANES, N, G>,
 }
 
 /// An expansion of several orbits in one mode, in the widest vectors that the machine has; their width changes no bit. It may have no

@@ -16,7 +16,15 @@ pub(crate) struct Uncertainty {
 /// Part of what the tolerance blurs below which a guard is taken as zero: events are located a thousand times better than steps are made.
 const OF_TOLERANCE: f64 = 1e-3;
 
+/// A series that is so many tolerances off its function is not that function's.
+const FAR_OFF: f64 = 30.0;
+
 impl Uncertainty {
+    /// The size beyond which a guard is off its series.
+    pub(crate) fn far_off(&self) -> f64 {
+        self.by_rounding + FAR_OFF * self.by_tolerance
+    }
+
     /// The size below which the guard is zero.
     pub(crate) fn zero(&self) -> f64 {
         self.by_rounding + OF_TOLERANCE * self.by_tolerance

@@ -20,14 +20,14 @@ use crate::solver::systems::{
     StaticFriction, TurningLine, TwiceRound, TwoFold, Wall, Window, Zeno,
 };
 use crate::taylor::{
-    Bilinear, Brink, Cup, Dent, Gate, Kink, Nowhere, Pit, Push, Ramp, Rectified, SoftStop, Steep,
-    Steepening, Valley,
+    Bilinear, Brink, Cup, Dent, Gate, Kink, Knee, Nowhere, Pit, Push, Ramp, Rectified, SoftStop,
+    Steep, Steepening, Turn, Valley,
 };
 use crate::two_folds::{Folds, Random};
 
 systems!(
     Any1, 1:
-    BlowUp(BlowUp), Breathing(Breathing), Brink(Brink), Cup(Cup), Dent(Dent), Fork(Fork), Line(Line), MovingLine(MovingLine),
+    BlowUp(BlowUp), Breathing(Breathing), Brink(Brink), Cup(Cup), Dent(Dent), Fork(Fork), Knee(Knee), Line(Line), MovingLine(MovingLine),
     Nowhere(Nowhere), Push(Push), Rectified(Rectified), Rest(Rest), Rider(Rider), Steep(Steep), Steepening(Steepening), TurningLine(TurningLine), Valley(Valley), Wall(Wall), Window(Window),
 );
 
@@ -36,7 +36,7 @@ systems!(
     Belt(BeltOscillator), Bilinear(Bilinear), Ceiling(Ceiling), DenHartog(DenHartog), Dip(Dip), Floor(Floor), Forced(ForcedOscillator), FromSupport(FromSupport),
     Gate(Gate), Kink(Kink), Ledge(Ledge), Linear(Smooth<Linear<2>>), Parabola(Parabola), Pit(Pit), Ramp(Ramp),
     Refracting(Refracting), ReversedBelt(Reversed<BeltOscillator>), ReversedForced(Reversed<ForcedOscillator>),
-    Shaken(grazes::Shaken), SoftStop(SoftStop), SpiralAtRest(grazes::AtRest), Spiral(Spiral), StaticFriction(StaticFriction), TwoFold(TwoFold), Zeno(Zeno),
+    Shaken(grazes::Shaken), SoftStop(SoftStop), SpiralAtRest(grazes::AtRest), Spiral(Spiral), StaticFriction(StaticFriction), Turn(Turn), TwoFold(TwoFold), Zeno(Zeno),
 );
 
 systems!(

@@ -421,6 +421,27 @@ impl Filippov<1> for Dent {
     }
 }
 
+/// To any order that it has the series of a high power is a constant: what the boundary is at a step's end tells.
+#[test]
+fn a_boundary_flatter_than_its_series_is_met() {
+    for power in 8..=60 {
+        for digits in 3..=15 {
+            let tolerance = math::powi(10.0, -digits);
+            let options = taylor(tolerance);
+            let orbit = solve(&Dent { power }, 0.0, [0.5], 5.0, &options).expect("runs");
+            let times: Vec<f64> = orbit.transitions.iter().map(|at| at.t).collect();
+            assert_eq!(times.len(), 2, "{power}, {digits} digits: {times:?}");
+            for t in times {
+                let distance = 0.2 * t - 0.5 + 1.2 / (math::powi(t, power) + 1.0);
+                assert!(
+                    distance.abs() < (10.0 * tolerance).max(1e-12),
+                    "{power}, {digits} digits: {distance:e} at {t}"
+                );
+            }
+        }
+    }
+}
+
 #[test]
 fn a_series_with_gaps_is_not_taken_for_one_that_ends() {
     for power in 2..=7 {
@@ -758,6 +779,64 @@ impl Filippov<1> for Cup {
 
     fn boundary<T: Scalar>(&self, t: T, x: &[T; 1]) -> T {
         x[0] + (t - 1.03).powi(2) - 9e-4
+    }
+}
+
+/// A body in uniform motion, and a boundary whose kink at `t = 1` is far from where it is met.
+pub struct Knee;
+
+impl Filippov<1> for Knee {
+    fn field<T: Scalar>(&self, _side: Side, _t: T, _x: &[T; 1]) -> [T; 1] {
+        [T::constant(1.0)]
+    }
+
+    fn boundary<T: Scalar>(&self, t: T, x: &[T; 1]) -> T {
+        x[0] * x[0] - 100.0 + (t - 1.0).max(T::zero())
+    }
+}
+
+/// What the series of the boundary is behind the kink is not held against the boundary there.
+#[test]
+fn a_kink_of_the_boundary_rejects_no_step() {
+    for tolerance in [1e-4, 1e-8, 1e-12] {
+        let orbit = solve(&Knee, 0.0, [0.0], 20.0, &taylor(tolerance)).expect("runs");
+        // t² + t = 101.
+        let met = 0.5 * (f64::sqrt(405.0) - 1.0);
+        assert!((orbit.transitions[0].t - met).abs() < 1e-13);
+        assert_eq!(orbit.transitions.len(), 1);
+        assert_eq!(orbit.counters.rejected, 0);
+    }
+}
+
+/// A rotation, and a boundary that is nowhere met: it jumps, or is a small difference of large numbers.
+pub struct Turn {
+    jumps: bool,
+}
+
+impl Filippov<2> for Turn {
+    fn field<T: Scalar>(&self, _side: Side, _t: T, x: &[T; 2]) -> [T; 2] {
+        [-x[1], x[0]]
+    }
+
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
+        if self.jumps {
+            (x[1] / x[0]).atan() + 2.0
+        } else {
+            (x[0] * x[0] + 1e12).sqrt() - (1e6 - 1.0)
+        }
+    }
+}
+
+#[test]
+fn a_boundary_that_is_off_its_series_in_short_steps_too_holds_nothing_up() {
+    for jumps in [false, true] {
+        for digits in 3..=15 {
+            let options = taylor(math::powi(10.0, -digits));
+            let orbit = solve(&Turn { jumps }, 0.0, [1.0, 0.1], 20.0, &options);
+            let orbit = orbit.expect("runs");
+            assert_eq!(orbit.transitions, [], "{jumps}, {digits} digits");
+            assert!(orbit.counters.steps < 5000, "{:?}", orbit.counters);
+        }
     }
 }
 

@@ -8,24 +8,27 @@ use crate::taylor::series::Expansion;
 
 /// Where a step leads, by the sums of its coefficients.
 #[derive(Clone, Copy)]
-pub(in crate::filippov) struct End<const N: usize> {
+pub(in crate::filippov) struct End<const N: usize, const G: usize> {
     /// By how much the state moves.
     pub(super) rise: State<N>,
     /// The slope there, in parts of the step.
     pub(super) slope: State<N>,
+    /// The guards there, by their series; of those that have one.
+    pub(super) guards: [f64; G],
 }
 
 /// The same of several steps, one to a lane.
-pub(in crate::filippov) struct Ends<const L: usize, const N: usize> {
+pub(in crate::filippov) struct Ends<const L: usize, const N: usize, const G: usize> {
     rise: [Lanes<L>; N],
     slope: [Lanes<L>; N],
+    guards: [Lanes<L>; G],
     are_clear: [bool; L],
 }
 
-impl<const L: usize, const N: usize> Ends<L, N> {
+impl<const L: usize, const N: usize, const G: usize> Ends<L, N, G> {
     /// Of the steps of these lengths, over those that the series are scaled with.
     #[inline(always)]
-    pub(in crate::filippov) fn of<const G: usize>(
+    pub(in crate::filippov) fn of(
         rows: &[Row<L>],
         expansion: &Expansion<G>,
         order: usize,
@@ -39,6 +42,7 @@ impl<const L: usize, const N: usize> Ends<L, N> {
         let mut ends = Ends {
             rise: [[0.0; L]; N],
             slope: [[0.0; L]; N],
+            guards: [[0.0; L]; G],
             are_clear: [true; L],
         };
         for (i, row) in rows.iter().enumerate().take(N) {
@@ -50,28 +54,39 @@ impl<const L: usize, const N: usize> Ends<L, N> {
                 ends.are_clear[l] &= ends.rise[i][l].is_finite();
             }
         }
-        let guards = expansion.watched.iter().flatten();
-        let guards = guards.map(|function| &rows[function.row]);
-        for row in guards.chain(expansion.choices_among(rows)) {
+        // By its terms one is clear of zero; returns their sum.
+        let are_clear = &mut ends.are_clear;
+        let mut clear = |row: &Row<L>| {
             let mut least = row.at(0);
-            let mut last = [0.0; L];
+            let (mut sum, mut last) = (least, [0.0; L]);
             for k in 1..=order {
                 last = term(row, k);
                 least = lanes(|l| least[l] + if last[l] < 0.0 { last[l] } else { 0.0 });
+                sum = lanes(|l| sum[l] + last[l]);
             }
             for l in 0..L {
-                ends.are_clear[l] &= least[l] > 0.0 && last[l].is_finite();
+                are_clear[l] &= least[l] > 0.0 && last[l].is_finite();
             }
+            sum
+        };
+        for (guard, watched) in ends.guards.iter_mut().zip(&expansion.watched) {
+            if let Some(function) = watched {
+                *guard = clear(&rows[function.row]);
+            }
+        }
+        for row in expansion.choices_among(rows) {
+            clear(row);
         }
         ends
     }
 
     /// That of one lane, if the step is sure to come to it: no guard and no comparison can come to zero before.
     #[inline(always)]
-    pub(in crate::filippov) fn clear(&self, lane: usize) -> Option<End<N>> {
+    pub(in crate::filippov) fn clear(&self, lane: usize) -> Option<End<N, G>> {
         self.are_clear[lane].then(|| End {
             rise: State::from(self.rise.map(|rise| rise[lane])),
             slope: State::from(self.slope.map(|slope| slope[lane])),
+            guards: self.guards.map(|guard| guard[lane]),
         })
     }
 }

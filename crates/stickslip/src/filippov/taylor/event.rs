@@ -32,9 +32,7 @@ const SAMPLES: [f64; 8] = [0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0];
 const NEAR: f64 = 1e-6;
 const NEWTON_STEPS: usize = 3;
 
-/// A series whose zero is so many tolerances from one of the guard is not the guard's; nearly always it is within this part of the step,
-/// which is asked first.
-const STRAYS: f64 = 30.0;
+/// Nearly always a zero of a series is within this part of the step from the guard's, which is asked first.
 const OF_SLOPE: f64 = 1e-10;
 
 /// A series holds a little beyond its step.
@@ -165,20 +163,24 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             };
             let order = run.orders[guard];
             let c = &self.guards[guard][..=piece.order];
+            let may_stray = !function.is_linear;
             let found = if self.expansion.value_read || !c[piece.order].is_finite() {
                 let found = sampled_failure(run, flow, guard, piece, order)?;
-                if found.is_none() && !function.is_linear {
-                    has_failed(run, flow, guard, end, &at_end)?;
+                if found.is_none() && may_stray {
+                    defined_at_end(flow, guard, end, &at_end)?;
                 }
                 found
             } else {
-                let may_stray = !function.is_linear;
+                let by_series = || c[1..].iter().fold(c[0], |sum, c| sum + c);
                 match first_failure(run, flow, guard, piece, c, (order, may_stray)) {
-                    Ok(None) if may_stray && has_failed(run, flow, guard, end, &at_end)? => {
-                        sampled_failure(run, flow, guard, piece, order)?
+                    Ok(Some(found)) => Some(found),
+                    Ok(None)
+                        if !may_stray
+                            || !strays(run, flow, (guard, by_series()), end, &at_end)? =>
+                    {
+                        None
                     }
-                    Ok(found) => found,
-                    Err(Strays) => sampled_failure(run, flow, guard, piece, order)?,
+                    Ok(None) | Err(Strays) => sampled_failure(run, flow, guard, piece, order)?,
                 }
             };
             let Some(found) = found else { continue };
@@ -189,41 +191,62 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         Ok(first)
     }
 
-    /// Whether all guards are above zero at the end of a step over which all their series are.
+    /// Whether all guards are what their series come to at the end of a step over which these are above zero.
     pub(super) fn holds_at_end<F: Flow<N>>(&self, run: &Run<N, G>, flow: &F) -> bool {
         let (end, _) = self.end(run);
         let at_end = OnceCell::new();
         F::GUARDS.iter().all(|&guard| {
-            let function = self.expansion.watched[guard];
-            function.is_none_or(|function| function.is_linear)
-                || has_failed(run, flow, guard, &end, &at_end).is_ok_and(|failed| !failed)
+            let by_series = self.end_of_step.guards[guard];
+            self.expansion.watched[guard].is_none_or(|function| function.is_linear)
+                || strays(run, flow, (guard, by_series), &end, &at_end).is_ok_and(|strays| !strays)
         })
     }
 }
 
-/// Whether a guard is below zero at the end of a step over which its series is not: a series may go on where its function bends too sharply
-/// for it to tell, ends, or has ended and begun again.
+/// A guard at the end of a step.
 ///
 /// # Errors
-/// The guard is not defined there.
+/// It is not defined there.
 #[inline(always)]
-fn has_failed<F: Flow<N>, const N: usize, const G: usize>(
-    run: &Run<N, G>,
+fn defined_at_end<F: Flow<N>, const N: usize, const G: usize>(
     flow: &F,
     guard: usize,
     end: &Timed<N>,
     at_end: &OnceCell<[f64; G]>,
-) -> Result<bool, Undefined> {
-    let value = if F::TOGETHER {
+) -> Result<f64, Undefined> {
+    let value: f64 = if F::TOGETHER {
         at_end.get_or_init(|| flow.guards_at(end.t, &end.x))[guard]
     } else {
         flow.guard_at(guard, end.t, &end.x)
     };
-    if !value.is_finite() {
-        return Err(Undefined);
+    if value.is_finite() {
+        Ok(value)
+    } else {
+        Err(Undefined)
     }
-    let blur = || uncertainty(flow, guard, end, &run.options.tolerance());
-    Ok(value < 0.0 && -value > blur().zero())
+}
+
+/// Whether a guard is not what its series, which is above zero over the step, comes to at its end: a series may go on where its function
+/// bends too sharply for it to tell, ends, or has ended and begun again.
+///
+/// # Errors
+/// The guard is not defined there.
+#[inline(always)]
+fn strays<F: Flow<N>, const N: usize, const G: usize>(
+    run: &Run<N, G>,
+    flow: &F,
+    (guard, by_series): (usize, f64),
+    end: &Timed<N>,
+    at_end: &OnceCell<[f64; G]>,
+) -> Result<bool, Undefined> {
+    let value = defined_at_end(flow, guard, end, at_end)?;
+    let off = (value - by_series).abs();
+    // Nearly always.
+    if value > 0.0 && off <= run.options.rtol * value {
+        return Ok(false);
+    }
+    let blur = uncertainty(flow, guard, end, &run.options.tolerance());
+    Ok(-value > blur.zero() || off > blur.far_off())
 }
 
 /// The first event of the guard with series `c`, of which `order` coefficients vanish at the start.
@@ -367,7 +390,7 @@ fn locate<F: Flow<N>, const N: usize, const G: usize>(
         }
         if may_stray && s > 0.0 && value.abs() > OF_SLOPE * zero.rate.abs() {
             let blur = uncertainty(flow, i, &at, &run.options.tolerance());
-            if value.abs() > STRAYS * blur.by_tolerance + blur.by_rounding {
+            if value.abs() > blur.far_off() {
                 return Some(Err(Strays));
             }
         }

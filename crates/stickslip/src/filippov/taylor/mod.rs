@@ -46,7 +46,7 @@ pub(crate) struct TaylorStepper<const N: usize, const G: usize> {
     guards: [Polynomial; G],
     choices: Vec<Polynomial>,
     /// What it comes to at its end, and whether it is sure to come there: then no coefficients were taken.
-    end_of_step: End<N>,
+    end_of_step: End<N, G>,
     is_clear: bool,
     /// Whether it ends at the end time.
     is_last: bool,
@@ -116,6 +116,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             end_of_step: End {
                 rise: nowhere().x,
                 slope: nowhere().x,
+                guards: [0.0; G],
             },
             is_clear: false,
             is_last: false,
@@ -183,7 +184,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         run: &Run<N, G>,
         series: &Series<L>,
         (lane, ratio): (usize, f64),
-        end: Option<End<N>>,
+        end: Option<End<N, G>>,
     ) {
         let order = self.piece.order;
         (self.piece.t, self.piece.rest, self.piece.x[0]) = (run.at.t, self.rest, run.at.x);
@@ -208,7 +209,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             .as_chunks::<2>()
             .0;
         let (rise, slope) = sums(pairs.iter().copied());
-        self.end_of_step = End { rise, slope };
+        (self.end_of_step.rise, self.end_of_step.slope) = (rise, slope);
         let polynomial = |row: &Row<L>, c: &mut Polynomial| {
             for (k, c) in c.iter_mut().enumerate() {
                 *c = of_row(row, k);

@@ -18,6 +18,10 @@ const GROW_MOST: f64 = 64.0;
 /// however small its terms.
 const FARTHEST: f64 = 0.7;
 
+/// Powers of two by which the ratio of a guard's terms may shorten a step that the state allows: a millionth. Terms may grow by rounding alone,
+/// where a function's large parts cancel, at any step.
+const FINEST: f64 = 20.0;
+
 /// One over an order.
 #[inline(always)]
 fn inverse(k: usize) -> f64 {
@@ -137,7 +141,7 @@ pub(in crate::filippov) fn step_ratio<const L: usize, const N: usize, const G: u
     let relative = options.rtol.max(options.atol);
     let tolerance = rough_log2(SAFETY * relative);
     let wanted = tolerance * inverse(p);
-    let mut log = [rough_log2(GROW_MOST); L];
+    let mut log = [f64::INFINITY; L];
     for (row, x) in rows.iter().zip(x) {
         let scale = |x: f64| rough_log2((options.atol + options.rtol * x.abs()) / relative);
         let scale = lanes_of(*x, scale);
@@ -146,6 +150,8 @@ pub(in crate::filippov) fn step_ratio<const L: usize, const N: usize, const G: u
         });
         bound_by_ratio(&mut log, (row, p), late);
     }
+    let by_state = log;
+    log = lanes(|l| log[l].min(rough_log2(GROW_MOST)));
     // What a guard's series leaves out, or that of a comparison, against how far it moves in the step: by any of its first three terms,
     // unless it is flatter than that. What is linear in the state is as good as that.
     let guards = expansion.watched.iter().flatten();
@@ -175,7 +181,9 @@ pub(in crate::filippov) fn step_ratio<const L: usize, const N: usize, const G: u
             },
         );
         // One that is tiny against its first terms may yet grow to more than they are.
-        bound_by_ratio(&mut log, (row, p), late);
+        let mut by_ratio = [f64::INFINITY; L];
+        bound_by_ratio(&mut by_ratio, (row, p), late);
+        log = lanes(|l| log[l].min(by_ratio[l].max(by_state[l] - FINEST)));
     }
     lanes_of(log, rough_exp2)
 }
