@@ -170,7 +170,7 @@ where
         if expansion.divided || expansion.value_read {
             return Ok(None);
         }
-        let ratios = (of.plan)(step_ratio(all, &expansion, order, of.options, &of.x));
+        let ratios = (of.plan)(step_ratio(all, &expansion, order, of.options, time, &of.x));
         let ends = Ends::of(all, &expansion, order, ratios);
         Ok(Some(Planned {
             expansion,

@@ -163,7 +163,8 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             };
             let order = run.orders[guard];
             let c = &self.guards[guard][..=piece.order];
-            let may_stray = !function.is_linear;
+            // A comparison may have taken a linear branch of what is not linear.
+            let may_stray = !function.is_linear || self.expansion.choices > 0;
             let found = if self.expansion.value_read || !c[piece.order].is_finite() {
                 let found = sampled_failure(run, flow, guard, piece, order)?;
                 if found.is_none() && may_stray {
@@ -180,7 +181,11 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
                     {
                         None
                     }
-                    Ok(None) | Err(Strays) => sampled_failure(run, flow, guard, piece, order)?,
+                    Ok(None) | Err(Strays) => {
+                        // Rounding alone has put it there, as the series' search took it.
+                        let order = order.max(usize::from(c[0] <= 0.0));
+                        sampled_failure(run, flow, guard, piece, order)?
+                    }
                 }
             };
             let Some(found) = found else { continue };
@@ -197,7 +202,8 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         let at_end = OnceCell::new();
         F::GUARDS.iter().all(|&guard| {
             let by_series = self.end_of_step.guards[guard];
-            self.expansion.watched[guard].is_none_or(|function| function.is_linear)
+            let may_stray = |is_linear: bool| !is_linear || self.expansion.choices > 0;
+            !self.expansion.watched[guard].is_some_and(|function| may_stray(function.is_linear))
                 || strays(run, flow, (guard, by_series), &end, &at_end).is_ok_and(|strays| !strays)
         })
     }

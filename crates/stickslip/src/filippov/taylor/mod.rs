@@ -144,11 +144,18 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         let (scale, order) = (self.scale, self.piece.order);
         let mut series = std::mem::take(&mut self.series);
         let (repeated, expansion) = (&mut self.repeated, &mut self.expansion);
+        let time = ([t], [scale]);
         series.expand_by(|Rows { first, all }| {
-            let time = ([t], [scale]);
             expand_alone(first, all, time, &x, order, flow, (repeated, expansion))
         });
-        let [ratio] = step_ratio(series.rows(), &self.expansion, order, &run.options, &x);
+        let [ratio] = step_ratio(
+            series.rows(),
+            &self.expansion,
+            order,
+            &run.options,
+            time,
+            &x,
+        );
         let ratio = self.plan(run, ratio);
         self.take(run, &series, (0, ratio), None);
         self.series = series;

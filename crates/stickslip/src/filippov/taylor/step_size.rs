@@ -18,8 +18,8 @@ const GROW_MOST: f64 = 64.0;
 /// however small its terms.
 const FARTHEST: f64 = 0.7;
 
-/// Powers of two by which the ratio of a guard's terms may shorten a step that the state allows: a millionth. Terms may grow by rounding alone,
-/// where a function's large parts cancel, at any step.
+/// Powers of two by which the ratio of a guard's terms may make a step shorter than the state allows and than the time: a millionth. Terms may
+/// grow by rounding alone, where a function's large parts cancel, at any step.
 const FINEST: f64 = 20.0;
 
 /// One over an order.
@@ -128,7 +128,7 @@ fn bound_by_ratio<const L: usize>(log: &mut Lanes<L>, (row, p): (&Row<L>, usize)
     });
 }
 
-/// Step length within the tolerance, over that which the series is scaled with: where the last coefficients, extrapolated
+/// Step length within the tolerance, over that, `h`, which the series is scaled with, at `t`: where the last coefficients, extrapolated
 /// by the radius of convergence that they tell, have fallen to the tolerance (Jorba & Zou 2005, Sect. 3.2).
 #[inline(always)]
 pub(in crate::filippov) fn step_ratio<const L: usize, const N: usize, const G: usize>(
@@ -136,6 +136,7 @@ pub(in crate::filippov) fn step_ratio<const L: usize, const N: usize, const G: u
     expansion: &Expansion<G>,
     p: usize,
     options: &Options,
+    (t, h): (Lanes<L>, Lanes<L>),
     x: &[Lanes<L>; N],
 ) -> Lanes<L> {
     let relative = options.rtol.max(options.atol);
@@ -150,7 +151,7 @@ pub(in crate::filippov) fn step_ratio<const L: usize, const N: usize, const G: u
         });
         bound_by_ratio(&mut log, (row, p), late);
     }
-    let by_state = log;
+    let finest: Lanes<L> = lanes(|l| log[l].min(rough_log2((t[l] / h[l]).abs())) - FINEST);
     log = lanes(|l| log[l].min(rough_log2(GROW_MOST)));
     // What a guard's series leaves out, or that of a comparison, against how far it moves in the step: by any of its first three terms,
     // unless it is flatter than that. What is linear in the state is as good as that.
@@ -183,7 +184,7 @@ pub(in crate::filippov) fn step_ratio<const L: usize, const N: usize, const G: u
         // One that is tiny against its first terms may yet grow to more than they are.
         let mut by_ratio = [f64::INFINITY; L];
         bound_by_ratio(&mut by_ratio, (row, p), late);
-        log = lanes(|l| log[l].min(by_ratio[l].max(by_state[l] - FINEST)));
+        log = lanes(|l| log[l].min(by_ratio[l].max(finest[l])));
     }
     lanes_of(log, rough_exp2)
 }
@@ -210,7 +211,7 @@ mod tests {
             };
             for tol in [1e-15, 1e-12, 0.1] {
                 let options = Options::tol(tol);
-                let [ratio] = step_ratio(&rows, &expansion, 20, &options, &[[x]]);
+                let [ratio] = step_ratio(&rows, &expansion, 20, &options, ([1.0], [1.0]), &[[x]]);
                 assert!(
                     (ratio / GROW_MOST - 1.0).abs() < 3e-3,
                     "{x:e}, {tol:e}: {ratio}"
@@ -228,7 +229,7 @@ mod tests {
             row.set(8, [least]);
             let options = Options::tol(1e-12);
             let expansion = Expansion::<0>::default();
-            let [ratio] = step_ratio(&[row], &expansion, 20, &options, &[[1.0]]);
+            let [ratio] = step_ratio(&[row], &expansion, 20, &options, ([1.0], [1.0]), &[[1.0]]);
             assert!((ratio / GROW_MOST - 1.0).abs() < 3e-3, "{least:e}: {ratio}");
         }
     }
@@ -245,11 +246,42 @@ mod tests {
             watched: [Some(Watched { row, is_linear })],
             ..Expansion::default()
         };
-        let ratio = || step_ratio(&rows, &expansion, 20, &Options::tol(1e-10), &[[1.0]])[0];
+        let ratio = || {
+            step_ratio(
+                &rows,
+                &expansion,
+                20,
+                &Options::tol(1e-10),
+                ([1.0], [1.0]),
+                &[[1.0]],
+            )[0]
+        };
         rows[1].set(20, [math::powi(0.5, 20)]);
         assert!((0.1..2.0).contains(&ratio()), "{}", ratio());
         rows[1].set(20, [f64::NAN]);
         assert!(ratio() < 1e-10, "{}", ratio());
+    }
+
+    #[test]
+    fn a_guard_that_is_tiny_and_grows_bounds_the_step_of_a_state_whose_series_ends() {
+        let rows = [Row::new(), Row::new()];
+        rows[0].set(0, [1.0]);
+        rows[0].set(1, [1.0]);
+        rows[1].set(0, [1.0]);
+        // Of exp(200 t) times 1e-40.
+        let mut c = 1e-40;
+        for k in 1..=20 {
+            c *= 200.0 / k as f64;
+            rows[1].set(k, [c]);
+        }
+        let (row, is_linear) = (1, false);
+        let expansion = Expansion {
+            watched: [Some(Watched { row, is_linear })],
+            ..Expansion::default()
+        };
+        let (options, time) = (Options::tol(1e-10), ([1.0], [1.0]));
+        let [ratio] = step_ratio(&rows, &expansion, 20, &options, time, &[[1.0]]);
+        assert!((0.01..0.1).contains(&ratio), "{ratio}");
     }
 
     /// Coefficients of `1/(1 + t^m)`, lane by lane with `m`.
@@ -279,7 +311,14 @@ mod tests {
             watched: [Some(Watched { row, is_linear })],
             ..Expansion::default()
         };
-        step_ratio(&rows, &expansion, p, &Options::tol(1e-8), &[[1.0; L]])
+        step_ratio(
+            &rows,
+            &expansion,
+            p,
+            &Options::tol(1e-8),
+            ([1.0; L], [1.0; L]),
+            &[[1.0; L]],
+        )
     }
 
     #[test]
