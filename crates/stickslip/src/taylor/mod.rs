@@ -22,3 +22,18 @@ mod tests;
 
 /// Highest order of a series.
 pub(crate) const MOST_ORDER: usize = 24;
+
+/// One over an order.
+#[inline(always)]
+pub(crate) fn inverse(k: usize) -> f64 {
+    const ALL: [f64; MOST_ORDER + 1] = {
+        let mut all = [0.0; MOST_ORDER + 1];
+        let mut k = 1;
+        while k <= MOST_ORDER {
+            all[k] = 1.0 / k as f64;
+            k += 1;
+        }
+        all
+    };
+    ALL[k]
+}

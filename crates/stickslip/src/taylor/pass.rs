@@ -2,6 +2,7 @@
 
 use std::cell::{Cell, RefCell};
 
+use super::inverse;
 use super::jet::{Jet, Straight};
 use super::recorded::Recorded;
 use super::recording::{Operation, Recording};
@@ -174,7 +175,7 @@ impl<'a, const L: usize> Pass<'a, L> {
     /// The newest coefficient of an integral from that of `s` times its integrand.
     #[inline(always)]
     pub(super) fn integral(&self, slope: Lanes<L>) -> Lanes<L> {
-        let per_order = 1.0 / self.order as f64;
+        let per_order = inverse(self.order);
         lanes(|l| slope[l] * per_order)
     }
 

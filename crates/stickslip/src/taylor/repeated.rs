@@ -2,6 +2,7 @@
 
 use std::cell::RefCell;
 
+use super::inverse;
 use super::pass::{Pass, Rows};
 use super::recorded::Recorded;
 use super::recording::{Place, Recording};
@@ -56,7 +57,7 @@ impl<const L: usize, const N: usize, const W: usize> Repeated<L, N, W> {
         let recording = self.recording.borrow();
         for k in 1..=order {
             let pass = Pass::new(into, k);
-            let per_order = 1.0 / k as f64;
+            let per_order = inverse(k);
             for (i, place) in self.field.into_iter().enumerate() {
                 let slope = recording.coefficient(place, k - 1, &pass);
                 let newest = lanes(|l| slope[l] * (h[l] * per_order));

@@ -236,8 +236,11 @@ pub(crate) fn slope_and_bend(c: &[f64], s: f64) -> (f64, f64) {
     (slope, 2.0 * half_bend)
 }
 
-/// A step of Newton's iteration inside the bracket, in parts of where it is, behind which the next one would be lost in rounding.
+/// Change by Newton's iteration, in parts of where it is, after which the next one would be lost in rounding.
 const CLOSE: f64 = 1e-9;
+
+/// Change that is lost in rounding.
+const LOST: f64 = 1e-17;
 
 /// The zero in a bracket by Newton's iteration from a guess, kept inside by bisection.
 fn newton(c: &[f64], bracket: Bracket, guess: f64) -> f64 {
@@ -249,9 +252,10 @@ fn newton(c: &[f64], bracket: Bracket, guess: f64) -> f64 {
     }
     // Off the end: that may be another zero to rounding.
     let mut s = guess.min(a + 0.99 * (b - a));
+    let mut last = 0.0;
     for _ in 0..100 {
         if !(s > a && s < b) {
-            s = 0.5 * (a + b);
+            (s, last) = (0.5 * (a + b), 0.0);
             if s <= a || s >= b {
                 return b;
             }
@@ -263,11 +267,14 @@ fn newton(c: &[f64], bracket: Bracket, guess: f64) -> f64 {
             b = s;
         }
         let next = s - value / slope;
+        let change = (next - s).abs();
+        // The next one is to this one as this one is to the last one, squared.
+        let is_close = change <= CLOSE * s || change * change * change <= LOST * s * (last * last);
         // Where it rises, the zero that it is near is another one, behind the bracket.
-        if slope < 0.0 && (next - s).abs() <= CLOSE * s {
+        if slope < 0.0 && is_close {
             return next.clamp(a, b);
         }
-        s = next;
+        (s, last) = (next, change);
     }
     b
 }

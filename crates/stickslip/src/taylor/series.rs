@@ -1,5 +1,6 @@
 //! The series of a solution, order by order.
 
+use super::inverse;
 use super::jet::{Coefficient, Jet};
 use super::pass::{AT_ONCE, Pass, Rows};
 use super::repeated::Repeated;
@@ -162,7 +163,7 @@ pub(crate) fn in_rows<F: Functions<N, W>, const L: usize, const N: usize, const 
             return Ok(expansion);
         }
         k += 1;
-        let per_order = 1.0 / k as f64;
+        let per_order = inverse(k);
         for (newest, slope) in newest.iter_mut().zip(&field) {
             let slope = slope.newest(pass.order);
             *newest = lanes(|l| slope[l] * (h[l] * per_order));

@@ -1,7 +1,7 @@
 //! How far a series reaches within the tolerance.
 
 use crate::filippov::options::Options;
-use crate::taylor::MOST_ORDER;
+use crate::taylor::inverse;
 use crate::taylor::row::{Lanes, Row, lanes, lanes_of};
 use crate::taylor::series::Expansion;
 
@@ -21,21 +21,6 @@ const FARTHEST: f64 = 0.7;
 /// Powers of two by which the ratio of a guard's terms may make a step shorter than the state allows and than the time: a millionth. Terms may
 /// grow by rounding alone, where a function's large parts cancel, at any step.
 const FINEST: f64 = 20.0;
-
-/// One over an order.
-#[inline(always)]
-fn inverse(k: usize) -> f64 {
-    const ALL: [f64; MOST_ORDER + 1] = {
-        let mut all = [0.0; MOST_ORDER + 1];
-        let mut k = 1;
-        while k <= MOST_ORDER {
-            all[k] = 1.0 / k as f64;
-            k += 1;
-        }
-        all
-    };
-    ALL[k]
-}
 
 /// What the exponent in a number's bits is more than its own.
 const BIAS: f64 = 1023.0;
