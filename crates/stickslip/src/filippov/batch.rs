@@ -80,8 +80,8 @@ impl<'a, S: Switched<N, G>, O: Observer<N, S::Mode>, const N: usize, const G: us
     fn prepare(&mut self) -> Option<Outcome<N>> {
         loop {
             let progress = match self.integration.prepare() {
-                Ok(None) => return None,
-                Ok(Some(progress)) => Ok(progress),
+                Ok(true) => return None,
+                Ok(false) => self.integration.say(),
                 Err(error) => Err(error),
             };
             let outcome = self.tell(progress);

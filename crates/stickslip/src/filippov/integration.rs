@@ -152,8 +152,8 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
     #[inline]
     pub fn step(&mut self) -> Result<Progress<N, S::Mode>, Error> {
         loop {
-            if let Some(progress) = self.prepare()? {
-                return Ok(progress);
+            if !self.prepare()? {
+                return self.say();
             }
             if self.advance()? {
                 return Ok(Progress::Step);
@@ -174,9 +174,9 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
         self.run.last_step(self.last_mode)
     }
 
-    /// Goes on to where a step is taken next, or to what is to be said before.
+    /// Goes on to where a step is taken next, or to where something is to be said before; returns whether it is a step.
     #[inline(always)]
-    pub(super) fn prepare(&mut self) -> Result<Option<Progress<N, S::Mode>>, Error> {
+    pub(super) fn prepare(&mut self) -> Result<bool, Error> {
         match self.due {
             Due::Step => {}
             Due::Begin => {
@@ -191,30 +191,20 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
                 }
                 self.due = Due::Step;
             }
-            Due::Event | Due::Switch => {
-                if let Some(event) = self.run.event {
-                    let concluded = self.conclude(&event);
-                    if let Err(error) = concluded {
-                        self.due = self.after(error)?;
-                        return Ok(self.close());
-                    }
-                    return concluded.map(Some);
-                }
-            }
             Due::PhaseEnd(_) => {
                 self.run.check_escape()?;
-                return Ok(self.close());
+                return Ok(false);
             }
-            Due::End(_) => return Ok(self.close()),
+            Due::Event | Due::Switch | Due::End(_) => return Ok(false),
         }
         if self.run.at.t >= self.run.t_end {
             self.due = Due::PhaseEnd(Ending::EndTime);
-            return Ok(self.close());
+            return Ok(false);
         }
         if self.stepper.needs_preparing() {
             self.work(Work::Prepare)?;
         }
-        Ok(None)
+        Ok(true)
     }
 
     /// Tries a step, and says whether it was taken.
@@ -233,16 +223,22 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
         Ok(true)
     }
 
-    /// What there is left to say of a run that ends.
-    fn close(&mut self) -> Option<Progress<N, S::Mode>> {
+    /// What is to be said before the next step, one thing a call.
+    pub(super) fn say(&mut self) -> Result<Progress<N, S::Mode>, Error> {
+        if let (Due::Event | Due::Switch, Some(event)) = (self.due, self.run.event) {
+            match self.conclude(&event) {
+                Err(error) => self.due = self.after(error)?,
+                said => return said,
+            }
+        }
         match self.due {
             Due::PhaseEnd(ending) => {
                 let phase = self.phase_so_far();
                 self.due = Due::End(ending);
-                Some(Progress::PhaseEnd(phase))
+                Ok(Progress::PhaseEnd(phase))
             }
-            Due::End(ending) => Some(Progress::End(self.summary(ending))),
-            _ => None,
+            Due::End(ending) => Ok(Progress::End(self.summary(ending))),
+            _ => self.step(),
         }
     }
 
