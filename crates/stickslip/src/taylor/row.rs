@@ -26,6 +26,18 @@ pub(crate) fn lanes_of<const L: usize>(a: Lanes<L>, f: impl Fn(f64) -> f64) -> L
     lanes(|l| f(a[l]))
 }
 
+/// The smaller of two numbers; the first one, where either is no number. One instruction, unlike `f64::min`.
+#[inline(always)]
+pub(crate) fn least(a: f64, b: f64) -> f64 {
+    if b < a { b } else { a }
+}
+
+/// The larger of two numbers; the first one, where either is no number.
+#[inline(always)]
+pub(crate) fn largest(a: f64, b: f64) -> f64 {
+    if b > a { b } else { a }
+}
+
 /// The newest coefficient of a product: the first and the newest of each of two numbers, and what is between.
 #[inline(always)]
 pub(super) fn product<const L: usize>(

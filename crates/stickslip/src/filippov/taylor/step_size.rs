@@ -2,7 +2,7 @@
 
 use crate::filippov::options::Options;
 use crate::taylor::inverse;
-use crate::taylor::row::{Lanes, Row, lanes, lanes_of};
+use crate::taylor::row::{Lanes, Row, lanes, lanes_of, largest, least};
 use crate::taylor::series::Expansion;
 
 /// Part of the tolerance that the last coefficients are held to: the steps are long and few, and all of the next ones enlarge
@@ -30,8 +30,9 @@ const BIAS: f64 = 1023.0;
 fn rough_log2(x: f64) -> f64 {
     /// Half a number's bits hold its exponent, and as much of the rest as this; no more is converted.
     const MANTISSA: f64 = (1u64 << 20) as f64;
-    // As a number with a sign, which is cheaper to convert.
-    f64::from((x.abs().to_bits() >> 32) as i32) / MANTISSA - BIAS
+    /// A number whose last bit is worth one: what is put there is added to it, in every lane at once.
+    const WHOLE: f64 = (1u64 << 52) as f64;
+    (f64::from_bits(x.abs().to_bits() >> 32 | WHOLE.to_bits()) - WHOLE) / MANTISSA - BIAS
 }
 
 /// `2^x` to three parts in a thousand: a step that is longer by that has an error larger by a twelfth. The inverse of [`rough_log2`] would make
@@ -54,11 +55,8 @@ fn bound<const L: usize>(
 ) {
     *log = lanes(|l| {
         let longest = longest(k, l, rough_log2(size[l]));
-        if counts(size[l]) {
-            log[l].min(longest)
-        } else {
-            log[l]
-        }
+        let bounded = least(log[l], longest);
+        if counts(size[l]) { bounded } else { log[l] }
     });
 }
 
@@ -72,23 +70,23 @@ fn bound_by_last<const L: usize, const COUNT: usize>(
     longest: impl Fn(usize, usize, f64) -> f64,
 ) -> Lanes<L> {
     let size = |k: usize| lanes_of(row.at(k), f64::abs);
-    let mut largest = [0.0; L];
+    let mut late = [0.0; L];
     for k in p + 1 - COUNT..=p {
         let here = size(k);
-        largest = lanes(|l| f64::max(largest[l], here[l]));
+        late = lanes(|l| largest(late[l], here[l]));
         bound(log, (k, here), counts, &longest);
     }
-    if largest.contains(&0.0) {
+    if late.contains(&0.0) {
         for k in p / 2 + 1..p + 1 - COUNT {
             let here = size(k);
             // Of a polynomial's series all are zero.
             if here != [0.0; L] {
-                let counted = lanes(|l| if largest[l] == 0.0 { here[l] } else { 0.0 });
+                let counted = lanes(|l| if late[l] == 0.0 { here[l] } else { 0.0 });
                 bound(log, (k, counted), counts, &longest);
             }
         }
     }
-    largest
+    late
 }
 
 #[inline(always)]
@@ -105,9 +103,9 @@ fn bound_by_ratio<const L: usize>(log: &mut Lanes<L>, (row, p): (&Row<L>, usize)
     let mut early = [0.0; L];
     for k in before - 3..=before {
         let here = lanes_of(row.at(k), f64::abs);
-        early = lanes(|l| f64::max(early[l], here[l]));
+        early = lanes(|l| largest(early[l], here[l]));
     }
-    let both = lanes(|l| early[l].min(late[l]));
+    let both = lanes(|l| least(early[l], late[l]));
     bound(log, (p / 2, both), is_positive, &|k, l, _| {
         (rough_log2(early[l]) - rough_log2(late[l])) * inverse(k) + farthest
     });
@@ -136,8 +134,8 @@ pub(in crate::filippov) fn step_ratio<const L: usize, const N: usize, const G: u
         });
         bound_by_ratio(&mut log, (row, p), late);
     }
-    let finest: Lanes<L> = lanes(|l| log[l].min(rough_log2((t[l] / h[l]).abs())) - FINEST);
-    log = lanes(|l| log[l].min(rough_log2(GROW_MOST)));
+    let finest: Lanes<L> = lanes(|l| least(log[l], rough_log2((t[l] / h[l]).abs())) - FINEST);
+    log = lanes(|l| least(log[l], rough_log2(GROW_MOST)));
     // What a guard's series leaves out, or that of a comparison, against how far it moves in the step: by any of its first three terms,
     // unless it is flatter than that. What is linear in the state is as good as that.
     let guards = expansion.watched.iter().flatten();
@@ -160,7 +158,7 @@ pub(in crate::filippov) fn step_ratio<const L: usize, const N: usize, const G: u
                 let against = |j: usize| (first[j][l] - newest) * inverse(k - j);
                 // One that does not move has nothing left out.
                 if moves[l] != 0.0 {
-                    f64::max(against(0), against(1)).max(against(2))
+                    largest(largest(against(0), against(1)), against(2))
                 } else {
                     f64::INFINITY
                 }
@@ -169,7 +167,7 @@ pub(in crate::filippov) fn step_ratio<const L: usize, const N: usize, const G: u
         // One that is tiny against its first terms may yet grow to more than they are.
         let mut by_ratio = [f64::INFINITY; L];
         bound_by_ratio(&mut by_ratio, (row, p), late);
-        log = lanes(|l| log[l].min(by_ratio[l].max(finest[l])));
+        log = lanes(|l| least(log[l], largest(by_ratio[l], finest[l])));
     }
     lanes_of(log, rough_exp2)
 }
