@@ -7,6 +7,32 @@ use crate::scalar::Scalar;
 
 use Jet::Line;
 
+/// A function that is flat to rounding beyond some bound. Its series there tells nothing of where that ends, so the bound is taken for a
+/// comparison, which ends the step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Flat {
+    HyperbolicTangent,
+    Exponential,
+}
+
+impl Flat {
+    /// The bound that a number is beyond, if it is beyond one.
+    #[inline(always)]
+    fn bound_before(self, a: f64) -> Option<f64> {
+        let (low, high) = match self {
+            // There 15 units in the last place are left to one.
+            Flat::HyperbolicTangent => (-17.0, 17.0),
+            // Less than rounding leaves of one.
+            Flat::Exponential => (-37.0, f64::INFINITY),
+        };
+        if a > high {
+            Some(high)
+        } else {
+            (a < low).then_some(low)
+        }
+    }
+}
+
 impl<'a, const L: usize> Coefficient<'a, L> {
     /// The newest coefficient, not the value, of `f(a)` where `f' = g(a)`: `g` has the row `g`.
     #[inline(always)]
@@ -125,6 +151,48 @@ fn sinh_cosh(a: f64) -> (f64, f64) {
     (math::sinh(a), math::cosh(a))
 }
 
+impl<const L: usize> Jet<'_, L> {
+    /// The bound that the number is beyond, where a function is flat, if it is beyond one.
+    #[inline(always)]
+    pub(super) fn bound_before(self, flat: Flat) -> Option<f64> {
+        let a0 = self.first();
+        let bound = flat.bound_before(a0[0]);
+        if let Some(pass) = self.pass() {
+            for a in &a0[1..] {
+                if flat.bound_before(*a) != bound {
+                    pass.divided.set(true);
+                }
+            }
+        }
+        bound
+    }
+
+    #[inline(always)]
+    fn note(self, flat: Flat) {
+        if let Some(bound) = self.bound_before(flat) {
+            self.exceeds(Self::constant(bound));
+        }
+    }
+
+    /// The hyperbolic tangent, without a word on where it is flat.
+    #[inline(always)]
+    pub(super) fn tanh_alone(self) -> Self {
+        match self.in_row() {
+            Ok(a) => a.tangent(-1.0, math::tanh),
+            Err(a) => Self::constant(math::tanh(a)),
+        }
+    }
+
+    /// The exponential function, without a word on where it is flat.
+    #[inline(always)]
+    pub(super) fn exp_alone(self) -> Self {
+        match self.in_row() {
+            Ok(a) => a.exponential(),
+            Err(a) => Self::constant(math::exp(a)),
+        }
+    }
+}
+
 impl<const L: usize> Scalar for Jet<'_, L> {
     #[inline(always)]
     fn constant(value: f64) -> Self {
@@ -240,10 +308,8 @@ impl<const L: usize> Scalar for Jet<'_, L> {
     }
     #[inline(always)]
     fn tanh(self) -> Self {
-        match self.in_row() {
-            Ok(a) => a.tangent(-1.0, math::tanh),
-            Err(a) => Self::constant(math::tanh(a)),
-        }
+        self.note(Flat::HyperbolicTangent);
+        self.tanh_alone()
     }
     #[inline(always)]
     fn powf(self, p: f64) -> Self {
@@ -261,10 +327,8 @@ impl<const L: usize> Scalar for Jet<'_, L> {
     }
     #[inline(always)]
     fn exp(self) -> Self {
-        match self.in_row() {
-            Ok(a) => a.exponential(),
-            Err(a) => Self::constant(math::exp(a)),
-        }
+        self.note(Flat::Exponential);
+        self.exp_alone()
     }
     #[inline(always)]
     fn ln(self) -> Self {

@@ -2,6 +2,7 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
+use super::functions::Flat;
 use super::jet::Jet;
 use super::pass::Pass;
 use super::recording::{Operation, Place};
@@ -52,6 +53,16 @@ impl<'a, const L: usize> Recorded<'a, L> {
     fn check(self, operation: Operation, other: Self) {
         if let Some(pass) = self.pass(other) {
             pass.check(operation, [self, other]);
+        }
+    }
+
+    #[inline(always)]
+    fn note(self, flat: Flat) {
+        match self.number.bound_before(flat) {
+            Some(bound) => {
+                self.exceeds(Self::constant(bound));
+            }
+            None => self.check(Operation::IsSteep(flat), self),
         }
     }
 
@@ -172,6 +183,7 @@ impl<const L: usize> Scalar for Recorded<'_, L> {
     }
     #[inline(always)]
     fn tanh(self) -> Self {
+        self.note(Flat::HyperbolicTangent);
         self.alone(Operation::HyperbolicTangent, 0.0)
     }
     #[inline(always)]
@@ -180,6 +192,7 @@ impl<const L: usize> Scalar for Recorded<'_, L> {
     }
     #[inline(always)]
     fn exp(self) -> Self {
+        self.note(Flat::Exponential);
         self.alone(Operation::Exponential, 0.0)
     }
     #[inline(always)]

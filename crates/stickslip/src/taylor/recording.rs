@@ -7,6 +7,7 @@
 
 use std::collections::HashMap;
 
+use super::functions::Flat;
 use super::jet::{Jet, Straight};
 use super::pass::Pass;
 use super::recorded::Recorded;
@@ -51,10 +52,11 @@ pub(super) enum Operation {
     Root,
     Exponential,
     Logarithm,
-    /// No number comes of these: that the one is the larger, that it is not, and that it is not zero.
+    /// No number comes of these: that the one is the larger, that it is not, that it is not zero, and that a function of it is not flat there.
     Exceeds,
     ExceedsNot,
     IsNotZero,
+    IsSteep(Flat),
 }
 
 /// An operation and what it is done with.
@@ -127,16 +129,16 @@ impl Operation {
             Operation::ArcTangent => a.atan(),
             Operation::HyperbolicSine => a.sinh(),
             Operation::HyperbolicCosine => a.cosh(),
-            Operation::HyperbolicTangent => a.tanh(),
+            Operation::HyperbolicTangent => a.tanh_alone(),
             Operation::Power => a.powf(constant),
             Operation::Root => a.sqrt(),
-            Operation::Exponential => a.exp(),
+            Operation::Exponential => a.exp_alone(),
             Operation::Logarithm => a.ln(),
             Operation::Exceeds | Operation::ExceedsNot => {
                 a.choose(b, self == Operation::Exceeds);
                 Jet::Zero
             }
-            Operation::IsNotZero => Jet::Zero,
+            Operation::IsNotZero | Operation::IsSteep(_) => Jet::Zero,
         }
     }
 }
@@ -324,6 +326,7 @@ impl<const L: usize> Recording<L> {
                 Operation::Exceeds => a.exceeds(b),
                 Operation::ExceedsNot => !a.exceeds(b),
                 Operation::IsNotZero => !a.is_zero(),
+                Operation::IsSteep(flat) => a.bound_before(flat).is_none(),
                 _ => {
                     let number = call.operation.of(a, b, call.constant());
                     number.keep();

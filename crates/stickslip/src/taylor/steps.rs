@@ -290,8 +290,11 @@ impl Steps {
 /// Whether anything comes of a call.
 fn is_used(made: &Made, uses: &[Use]) -> bool {
     match made.result {
-        // That a number is not zero is of its value alone.
-        None => made.call.operation != Operation::IsNotZero,
+        // Others are of a number's value alone.
+        None => matches!(
+            made.call.operation,
+            Operation::Exceeds | Operation::ExceedsNot
+        ),
         Some(Place::Line(_)) => false,
         Some(Place::Row(row)) => {
             let is_pair = made.call.operation == Operation::SineCosine;

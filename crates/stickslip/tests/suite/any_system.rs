@@ -8,7 +8,9 @@ use stickslip::{
     Summary, analysis,
 };
 
+use crate::corners::{CornerOfBoundary, CornerOfField, Creep, Weaker};
 use crate::den_hartog::DenHartog;
+use crate::flat::{Narrow, Square};
 use crate::grazes;
 use crate::line::Line;
 use crate::listed::{Listed, systems};
@@ -28,12 +30,12 @@ use crate::two_folds::{Folds, Random};
 systems!(
     Any1, 1:
     BlowUp(BlowUp), Breathing(Breathing), Brink(Brink), Cup(Cup), Dent(Dent), Fork(Fork), Knee(Knee), Line(Line), MovingLine(MovingLine),
-    Nowhere(Nowhere), Push(Push), Rectified(Rectified), Rest(Rest), Rider(Rider), Steep(Steep), Steepening(Steepening), TurningLine(TurningLine), Valley(Valley), Wall(Wall), Window(Window),
+    Nowhere(Nowhere), Push(Push), Rectified(Rectified), Rest(Rest), Rider(Rider), Square(Square), Steep(Steep), Steepening(Steepening), TurningLine(TurningLine), Valley(Valley), Wall(Wall), Window(Window),
 );
 
 systems!(
     Any2, 2:
-    Belt(BeltOscillator), Bilinear(Bilinear), Ceiling(Ceiling), DenHartog(DenHartog), Dip(Dip), Floor(Floor), Forced(ForcedOscillator), FromSupport(FromSupport),
+    Belt(BeltOscillator), Bilinear(Bilinear), Ceiling(Ceiling), CornerOfBoundary(CornerOfBoundary), CornerOfField(CornerOfField), Creep(Creep), DenHartog(DenHartog), Dip(Dip), Floor(Floor), Forced(ForcedOscillator), FromSupport(FromSupport),
     Gate(Gate), Kink(Kink), Ledge(Ledge), Linear(Smooth<Linear<2>>), Parabola(Parabola), Pit(Pit), Ramp(Ramp),
     Refracting(Refracting), ReversedBelt(Reversed<BeltOscillator>), ReversedForced(Reversed<ForcedOscillator>),
     Shaken(grazes::Shaken), SoftStop(SoftStop), SpiralAtRest(grazes::AtRest), Spiral(Spiral), StaticFriction(StaticFriction), Turn(Turn), TwoFold(TwoFold), Zeno(Zeno),
@@ -41,11 +43,11 @@ systems!(
 
 systems!(
     Any3, 3:
-    Folds(Folds), Random(Random), Linear(Smooth<Linear<3>>), Lorenz(Smooth<Lorenz>),
+    Folds(Folds), Random(Random), Linear(Smooth<Linear<3>>), Lorenz(Smooth<Lorenz>), Narrow(Narrow),
     Roessler(Smooth<Roessler>), TwiceRound(TwiceRound),
 );
 
-systems!(Any4, 4: Bracket(BlockAndBracket), Pressed(Pressed));
+systems!(Any4, 4: Bracket(BlockAndBracket), Pressed(Pressed), Weaker(Weaker));
 
 pub fn solve<S: Listed<N>, const N: usize>(
     system: &S,

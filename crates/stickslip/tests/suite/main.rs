@@ -6,9 +6,11 @@
 )]
 
 mod any_system;
+mod corners;
 #[path = "../common/den_hartog.rs"]
 mod den_hartog;
 mod ensemble;
+mod flat;
 mod grazes;
 #[path = "../common/line.rs"]
 mod line;

@@ -22,6 +22,10 @@ const FARTHEST: f64 = 0.7;
 /// grow by rounding alone, where a function's large parts cancel, at any step.
 const FINEST: f64 = 20.0;
 
+/// Powers of two by which a guard's last terms may be smaller than its first ones and still tell of how it grows: down to a 256th of a unit in
+/// the last place.
+const LEAST: f64 = -60.0;
+
 /// What the exponent in a number's bits is more than its own.
 const BIAS: f64 = 1023.0;
 
@@ -164,7 +168,16 @@ pub(in crate::filippov) fn step_ratio<const L: usize, const N: usize, const G: u
                 }
             },
         );
-        // One that is tiny against its first terms may yet grow to more than they are.
+        // One that is small against its first terms may yet grow to more than they are, unless over the whole step it is too small for rounding
+        // to tell it from nothing.
+        let late = lanes(|l| {
+            let over_step = rough_log2(late[l]) + p as f64 * log[l];
+            if over_step > rough_log2(moves[l]) + LEAST {
+                late[l]
+            } else {
+                0.0
+            }
+        });
         let mut by_ratio = [f64::INFINITY; L];
         bound_by_ratio(&mut by_ratio, (row, p), late);
         log = lanes(|l| least(log[l], largest(by_ratio[l], finest[l])));
