@@ -13,6 +13,9 @@ pub(crate) trait StepGuard<const N: usize> {
     /// The step's length in the unit of time that the rates of probes are given in.
     fn length(&self) -> f64;
 
+    /// Whether it has a zero at the start, where the state has touched or left its boundary.
+    fn starts_at_zero(&self) -> bool;
+
     /// The guard; with a zero at the start, it is divided out.
     fn value(&self, s: f64) -> f64;
 
@@ -79,9 +82,38 @@ pub(crate) fn first_event<E, const N: usize>(
     None
 }
 
-/// Whether the guard, zero at the probe and falling, turns back no deeper than `depth` below zero.
-pub(crate) fn turns_back<const N: usize>(probe: &Probe<N>, depth: f64) -> bool {
-    probe.bend > 0.0 && probe.rate * probe.rate <= 2.0 * depth * probe.bend
+/// What a zero of a guard comes to.
+pub(crate) enum Fall<const N: usize> {
+    /// It falls below.
+    Exit,
+    /// It turns back there.
+    Touch(Probe<N>),
+    /// It has not been away since it was zero at the start.
+    Nothing,
+}
+
+impl<const N: usize> Fall<N> {
+    /// What the guard, zero at the probe and falling, does behind it: whether it turns back no deeper than `depth` below zero.
+    pub(crate) fn behind(zero: &Probe<N>, guard: &dyn StepGuard<N>, depth: f64) -> Self {
+        if zero.bend > 0.0 && zero.rate * zero.rate <= 2.0 * depth * zero.bend {
+            let turn = turning_point(guard, zero.s);
+            // Behind a corner it may fall on, however it bends before.
+            if turn.guard.abs() <= depth {
+                return Fall::turning(turn, guard, depth);
+            }
+        }
+        Fall::Exit
+    }
+
+    /// What it comes to that the guard turns back here, no farther than `depth` from zero.
+    pub(crate) fn turning(turn: Probe<N>, guard: &dyn StepGuard<N>, depth: f64) -> Self {
+        let is_near = |s: f64| guard.probe(s).guard.abs() <= depth;
+        if guard.starts_at_zero() && is_near(0.5 * turn.s) {
+            Fall::Nothing
+        } else {
+            Fall::Touch(turn)
+        }
+    }
 }
 
 /// Where the guard is least: a zero of its rate near the part `s` of the step, by Newton's iteration.

@@ -8,7 +8,7 @@ use std::cell::Cell;
 
 use super::event::Event;
 use super::flow::Flow;
-use super::guard::{Probe, StepGuard, turning_point, turns_back};
+use super::guard::{Fall, Probe, StepGuard};
 use super::leaving::Leaving;
 use super::options::Locator;
 use super::scan::Bracket;
@@ -92,6 +92,10 @@ impl<F: Flow<N>, const N: usize> StepGuard<N> for OnDense<'_, F, N> {
         self.origin.h
     }
 
+    fn starts_at_zero(&self) -> bool {
+        self.start.is_some()
+    }
+
     #[inline(always)]
     fn value(&self, s: f64) -> f64 {
         let origin = self.origin;
@@ -160,15 +164,19 @@ impl<F: Flow<N>, const N: usize> OnDense<'_, F, N> {
             Some(probe) => probe,
             None => match self.search(bracket, estimate) {
                 Search::Zero(probe) => probe,
-                Search::Turn(probe) if probe.guard.abs() <= touch => {
-                    return Some(probe.event(self.guard, true));
+                Search::Turn(turn) if turn.guard.abs() <= touch => {
+                    return match Fall::turning(turn, self, touch) {
+                        Fall::Touch(turn) => Some(turn.event(self.guard, true)),
+                        _ => None,
+                    };
                 }
                 Search::Turn(_) => return None,
             },
         };
-        if !turns_back(&found, touch) {
-            return Some(found.event(self.guard, false));
+        match Fall::behind(&found, self, touch) {
+            Fall::Exit => Some(found.event(self.guard, false)),
+            Fall::Touch(turn) => Some(turn.event(self.guard, true)),
+            Fall::Nothing => None,
         }
-        Some(turning_point(self, found.s).event(self.guard, true))
     }
 }

@@ -6,7 +6,7 @@ use super::TaylorStepper;
 use super::piece::Piece;
 use crate::filippov::event::Event;
 use crate::filippov::flow::Flow;
-use crate::filippov::guard::{Probe, StepGuard, first_event, turning_point, turns_back};
+use crate::filippov::guard::{Fall, Probe, StepGuard, first_event};
 use crate::filippov::leaving::{Leaving, RISES, leaving};
 use crate::filippov::run::Run;
 use crate::filippov::scan::Bracket;
@@ -47,6 +47,8 @@ struct OfSeries<'a, F, const N: usize> {
     c: &'a [f64],
     /// How many of them vanish at the start.
     order: usize,
+    /// The part of the step up to which they are the guard's.
+    reach: f64,
     /// Whether the guard is below zero from the start on.
     fails_at_once: bool,
 }
@@ -60,6 +62,10 @@ impl<F: Flow<N>, const N: usize> StepGuard<N> for OfSeries<'_, F, N> {
         1.0
     }
 
+    fn starts_at_zero(&self) -> bool {
+        self.order > 0
+    }
+
     fn value(&self, s: f64) -> f64 {
         power_series(&self.c[self.order..], s).0
     }
@@ -69,7 +75,7 @@ impl<F: Flow<N>, const N: usize> StepGuard<N> for OfSeries<'_, F, N> {
             0.0
         } else {
             // That it is not positive throughout by the size of its coefficients is known.
-            search(&self.c[self.order..])?
+            search(&self.c[self.order..]).filter(|s| *s <= self.reach)?
         };
         Some(Bracket { a: s, b: s })
     }
@@ -109,6 +115,10 @@ impl<F: Flow<N>, const N: usize> StepGuard<N> for Sampled<'_, F, N> {
         1.0
     }
 
+    fn starts_at_zero(&self) -> bool {
+        self.start.is_some()
+    }
+
     fn value(&self, s: f64) -> f64 {
         match &self.start {
             Some(start) => start.value(s, || self.on_series(s)),
@@ -144,7 +154,8 @@ fn on_piece<F: Flow<N>, const N: usize>(
 }
 
 impl<const N: usize, const G: usize> TaylorStepper<N, G> {
-    /// The first guard that fails in the step, and where. The series leads to `end`.
+    /// The first guard that fails in the step, and where. The series holds up to the part `reach`, where it leads to `end`; behind that, what
+    /// is found means nothing.
     ///
     /// # Errors
     /// A guard is not defined throughout the step.
@@ -152,7 +163,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         &self,
         run: &mut Run<N, G>,
         flow: &F,
-        end: &Timed<N>,
+        (reach, end): &(f64, Timed<N>),
     ) -> Result<Option<Found<N>>, Undefined> {
         let piece = &self.piece;
         let mut first: Option<Found<N>> = None;
@@ -172,8 +183,14 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
                 }
                 found
             } else {
-                let by_series = || c[1..].iter().fold(c[0], |sum, c| sum + c);
-                match first_failure(run, flow, guard, piece, c, (order, may_stray)) {
+                let by_series = || {
+                    if *reach == 1.0 {
+                        c[1..].iter().fold(c[0], |sum, c| sum + c)
+                    } else {
+                        power_series(c, *reach).0
+                    }
+                };
+                match first_failure(run, flow, guard, piece, c, (order, *reach, may_stray)) {
                     Ok(Some(found)) => Some(found),
                     Ok(None)
                         if !may_stray
@@ -255,7 +272,7 @@ fn strays<F: Flow<N>, const N: usize, const G: usize>(
     Ok(-value > blur.zero() || off > blur.far_off())
 }
 
-/// The first event of the guard with series `c`, of which `order` coefficients vanish at the start.
+/// The first event of the guard with series `c`, of which `order` coefficients vanish at the start, up to the part `reach` of the step.
 ///
 /// # Errors
 /// The guard is not what its series says.
@@ -266,7 +283,7 @@ fn first_failure<F: Flow<N>, const N: usize, const G: usize>(
     guard: usize,
     piece: &Piece<N>,
     c: &[f64],
-    (order, may_stray): (usize, bool),
+    (order, reach, may_stray): (usize, f64, bool),
 ) -> Result<Option<Found<N>>, Strays> {
     let (t, x) = (piece.t, piece.x[0]);
     let blur = || uncertainty(flow, guard, &Timed { t, x }, &run.options.tolerance());
@@ -299,6 +316,7 @@ fn first_failure<F: Flow<N>, const N: usize, const G: usize>(
         piece,
         c,
         order,
+        reach,
         fails_at_once,
     };
     locate(run, flow, piece, (guard, may_stray), &series)
@@ -360,13 +378,16 @@ fn locate<F: Flow<N>, const N: usize, const G: usize>(
         if zero.bend > 0.0 && s > 0.0 {
             let blur = uncertainty(flow, i, &zero.at, &run.options.tolerance());
             let touch = (run.options.touch * blur.by_tolerance).max(blur.by_rounding);
-            if turns_back(&zero, touch) {
-                let turn = turning_point(guard, s);
-                return Some(Ok(Found {
-                    event: turn.event(i, true),
-                    s: turn.s,
-                    rest: piece.at(turn.s).1,
-                }));
+            match Fall::behind(&zero, guard, touch) {
+                Fall::Exit => {}
+                Fall::Touch(turn) => {
+                    return Some(Ok(Found {
+                        event: turn.event(i, true),
+                        s: turn.s,
+                        rest: piece.at(turn.s).1,
+                    }));
+                }
+                Fall::Nothing => return None,
             }
         }
         // The series knows the guard to the rounding of its largest term, the guard itself may be known far better.

@@ -11,13 +11,21 @@ use crate::taylor::roots::first_zero;
 /// By how much of its size a field jumps at least that turns round: what is continuous and zero to rounding does not.
 const TURN: f64 = 1e-3;
 
+/// Where in a step two that are compared are equal, by parts of it.
+#[derive(Clone, Copy)]
+pub(super) struct Kink {
+    /// A little before: there the series holds.
+    pub(super) before: f64,
+    /// A little behind: there the next one sees how they come out.
+    pub(super) behind: f64,
+}
+
 impl<const N: usize, const G: usize> TaylorStepper<N, G> {
-    /// Where in the step, before the part `before`, a comparison that the series relies on first comes out otherwise: a little
-    /// behind the place where the two are equal, so that the next series sees it. And whether two are equal at the start, and that was the
-    /// wrong choice.
-    pub(super) fn first_kink(&self, before: f64) -> (Option<f64>, bool) {
+    /// The first comparison in the step that the series relies on and that comes out otherwise behind. And whether two are equal at the start and
+    /// come out otherwise behind it.
+    pub(super) fn first_kink(&self) -> (Option<Kink>, bool) {
         let piece = &self.piece;
-        let (mut first, mut is_tie) = (None, false);
+        let (mut first, mut is_tie): (Option<Kink>, _) = (None, false);
         for c in &self.choices {
             let c = &c[..=piece.order];
             // Two that are equal throughout come out the same throughout.
@@ -45,8 +53,9 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
                 behind = s + more;
                 more *= 2.0;
             }
-            if behind < first.unwrap_or(before) {
-                first = Some(behind);
+            if behind < first.map_or(1.0, |first| first.behind) {
+                let before = f64::max(0.0, s - (behind - s));
+                first = Some(Kink { before, behind });
             }
         }
         (first, is_tie)

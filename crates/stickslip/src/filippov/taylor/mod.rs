@@ -33,6 +33,9 @@ const LEAST_ORDER: usize = 8;
 /// What a series that is not finite does to the step that it is scaled with, before that is rejected and shrinks tenfold.
 const SHRINK: f64 = 1e-2;
 
+/// Growth of steps from equals to equals.
+const PAST_TIE: f64 = 16.0;
+
 /// The Taylor stepper: a series, and room for it.
 pub(crate) struct TaylorStepper<const N: usize, const G: usize> {
     series: Series<1>,
@@ -62,8 +65,9 @@ pub(crate) struct TaylorStepper<const N: usize, const G: usize> {
     scale: f64,
     /// Ends of steps where a comparison turns the field round.
     turns: Burst,
-    /// Time to go on for where a comparison is between equals: twice the last step's, if that was so at its start already. A state that moves
-    /// by less than a unit in its last place stays there. That the series still solves the equation is seen at the step's end.
+    /// Time to go on for where a comparison is between equals: longer by [`PAST_TIE`] than the last step, if that was so at its start already. A
+    /// state that moves by less than a unit in its last place stays there. That the series solves the equation to 30 tolerances is seen at
+    /// the step's end.
     past_tie: f64,
 }
 
@@ -310,20 +314,24 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             return Err(run.collapsed(&flow.velocity(t, &x), h));
         }
         let (mut at, mut rest_there) = self.end(run);
-        let mut part = 1.0;
+        let (kink, is_tie) = self.first_kink();
         let event = if self.is_clear {
             Ok(None)
         } else {
-            self.first_event(run, flow, &at)
+            let reach = kink.map_or((1.0, at), |kink| (kink.before, piece.at(kink.before).0));
+            self.first_event(run, flow, &reach)
         };
         let Ok(mut event) = event else {
             self.rejected = true;
             run.reject_undefined(h)?;
             return Ok(Trial::NoStep);
         };
-        // What there is no event of is not moved: this is done once a step.
+        let mut part = 1.0;
+        // Without an event nothing is copied.
         if let Some(found) = &event {
-            if is_last {
+            if kink.is_some_and(|kink| kink.behind < found.s) {
+                event = None;
+            } else if is_last {
                 if found.event.at.t >= at.t {
                     event = None;
                 }
@@ -335,12 +343,10 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
                 event = None;
             }
         }
-        let before = event.as_ref().map_or(part, |event| event.s);
-        let (kink, is_tie) = self.first_kink(before);
+        let kink = kink.filter(|_| event.is_none());
         if let Some(kink) = kink {
-            event = None;
-            part = kink;
-            (at, rest_there) = piece.at(kink);
+            part = kink.behind;
+            (at, rest_there) = piece.at(part);
         }
         match &event {
             Some(found) => (at, rest_there) = (found.event.at, found.rest),
@@ -361,7 +367,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             let field = flow.velocity(at.t, &at.x) * h;
             note_turn(&mut self.turns, &at, [&slope, &field], &run.options)?;
         }
-        self.past_tie = if is_tie { 2.0 * part * h } else { 0.0 };
+        self.past_tie = if is_tie { PAST_TIE * part * h } else { 0.0 };
         (self.end, self.rest) = (at, rest_there);
         run.counters.steps += 1;
         if !self.is_clear {
