@@ -9,7 +9,7 @@ use crate::filippov::flow::Flow;
 use crate::filippov::guard::{Fall, Probe, StepGuard, first_event};
 use crate::filippov::leaving::{Leaving, RISES, leaving};
 use crate::filippov::run::Run;
-use crate::filippov::scan::Bracket;
+use crate::filippov::scan::{Bracket, first_bracket, zero_in};
 use crate::filippov::slopes::Undefined;
 use crate::filippov::uncertainty::uncertainty;
 use crate::ode::{Timed, power_series};
@@ -70,7 +70,14 @@ impl<F: Flow<N>, const N: usize> StepGuard<N> for OfSeries<'_, F, N> {
         power_series(&self.c[self.order..], s).0
     }
 
-    fn first_zero(&self, _from: f64) -> Option<Bracket> {
+    fn first_zero(&self, from: f64) -> Option<Bracket> {
+        if from > 0.0 {
+            // The first one was nothing, which is rare.
+            let is_left = from < self.reach;
+            return is_left
+                .then(|| first_bracket(&mut |s| self.value(s), from, self.reach))
+                .flatten();
+        }
         let s = if self.fails_at_once {
             0.0
         } else {
@@ -81,7 +88,10 @@ impl<F: Flow<N>, const N: usize> StepGuard<N> for OfSeries<'_, F, N> {
     }
 
     fn zero_in(&self, bracket: Bracket) -> f64 {
-        bracket.a
+        if bracket.a == bracket.b {
+            return bracket.a;
+        }
+        zero_in(&mut |s| self.value(s), bracket)
     }
 
     fn probe(&self, s: f64) -> Probe<N> {
