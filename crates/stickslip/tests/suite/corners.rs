@@ -83,6 +83,37 @@ fn a_stick_that_ends_just_before_a_corner_of_the_field_ends_by_slopes_too() {
     }
 }
 
+/// On a belt, with friction that grows with the slip speed against it and not along it: two that are equal all through a stick.
+pub struct EqualInStick;
+
+impl Filippov<2> for EqualInStick {
+    fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; 2]) -> [T; 2] {
+        let slip = self.boundary(t, x) * side.sign();
+        let friction = (slip * -1.2 + 1.0).max(T::one()) * (0.6 * side.sign());
+        [x[1], -x[0] - friction]
+    }
+
+    fn boundary<T: Scalar>(&self, t: T, x: &[T; 2]) -> T {
+        x[1] - 0.3 - t.sin() * 0.1
+    }
+}
+
+#[test]
+fn a_stick_ends_where_it_does_though_two_that_are_compared_are_equal_in_it() {
+    // With the belt: x = 0.3 t + 0.1 (1 − cos t); it is let go where x + x'' is the friction.
+    let left = |t: f64| 0.6 - (0.3 * t + 0.1 * (1.0 - math::cos(t))) - 0.1 * math::cos(t);
+    let exit = stickslip::filippov::first_zero(left, 0.0, 3.0).expect("ends");
+    for digits in 4..=14 {
+        let tolerance = math::powi(10.0, -digits);
+        let options = Options::tol(tolerance).method(Method::Taylor);
+        let orbit = solve(&EqualInStick, 0.0, [0.0, 0.3], 3.0, &options).expect("runs");
+        let what = format!("{digits} digits: {:?}", orbit.transitions);
+        let first = &orbit.transitions[0];
+        assert_eq!(first.kind, TransitionKind::StickExit, "{what}");
+        assert!((first.t - exit).abs() < tolerance, "{what}: {exit}");
+    }
+}
+
 /// At rest on Σ in the end, by damping that is smooth and steep.
 pub struct Creep;
 

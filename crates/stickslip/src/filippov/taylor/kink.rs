@@ -14,7 +14,7 @@ const TURN: f64 = 1e-3;
 /// Where in a step two that are compared are equal, by parts of it.
 #[derive(Clone, Copy)]
 pub(super) struct Kink {
-    /// A little before: there the series holds.
+    /// Up to there the series holds: a little before, or a little behind where the two are equal from the start.
     pub(super) before: f64,
     /// A little behind: there the next one sees how they come out.
     pub(super) behind: f64,
@@ -54,7 +54,11 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
                 more *= 2.0;
             }
             if behind < first.map_or(1.0, |first| first.behind) {
-                let before = f64::max(0.0, s - (behind - s));
+                let before = if s == 0.0 {
+                    behind
+                } else {
+                    f64::max(0.0, s - (behind - s))
+                };
                 first = Some(Kink { before, behind });
             }
         }
