@@ -152,17 +152,23 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         series.expand_by(|Rows { first, all }| {
             expand_alone(first, all, time, &x, order, flow, (repeated, expansion))
         });
-        let [ratio] = step_ratio(
-            series.rows(),
-            &self.expansion,
-            order,
-            &run.options,
-            time,
-            &x,
-        );
-        let ratio = self.plan(run, ratio);
-        self.take(run, &series, (0, ratio), None);
+        self.plan_and_take(run, &series, time, &x);
         self.series = series;
+    }
+
+    /// Plans the next step and takes what it needs of the expansion. Compiled once for all fields.
+    #[inline(never)]
+    fn plan_and_take(
+        &mut self,
+        run: &mut Run<N, G>,
+        series: &Series<1>,
+        time: (Lanes<1>, Lanes<1>),
+        x: &[Lanes<1>; N],
+    ) {
+        let (order, options) = (self.piece.order, &run.options);
+        let [ratio] = step_ratio(series.rows(), &self.expansion, order, options, time, x);
+        let ratio = self.plan(run, ratio);
+        self.take(run, series, (0, ratio), None);
     }
 
     /// The order of the series, and the step that the next one is scaled with.

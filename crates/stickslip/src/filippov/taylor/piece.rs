@@ -57,8 +57,8 @@ pub(super) struct Piece<const N: usize> {
 }
 
 impl<const N: usize> Piece<N> {
-    /// Time and state at the part `s` of the step, and what rounding takes from them.
-    #[inline(always)]
+    /// Time and state at the part `s` of the step, and what rounding takes from them. Rarely asked for, and compiled once for all fields.
+    #[inline(never)]
     pub(super) fn at(&self, s: f64) -> (Timed<N>, Timed<N>) {
         let (rise, _) = power_series(&self.x[1..=self.order], s);
         self.moved(s, &rise)
@@ -76,7 +76,7 @@ impl<const N: usize> Piece<N> {
     }
 
     /// The slope of the series at the part `s` of the step.
-    #[inline(always)]
+    #[inline(never)]
     pub(super) fn slope(&self, s: f64) -> State<N> {
         power_series(&self.x[..=self.order], s).1
     }
