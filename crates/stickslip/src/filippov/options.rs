@@ -18,7 +18,7 @@ pub enum Method {
     /// `#[inline(always)]` on the user's functions nothing of that is left to run time, which saves a third. Events are
     /// zeros of the boundary function's own series, isolated for certain, so that `locator` has no say. Where a field or
     /// boundary uses `max`, `min`, `abs` or [`crate::Scalar::exceeds`], a step ends where the answer changes; so it does where `tanh` and
-    /// `exp` cease to be flat to rounding (from −17 to 17, from −37 on). What is flat and narrow otherwise (`1/(1 + x²)` with a very large
+    /// `exp` cease to be flat to rounding, or nothing beside one (from −17 to 17, from −37 to 37). What is flat and narrow otherwise (`1/(1 + x²)` with a very large
     /// `x`) wants [`Options::longest_step`]. Where one branches
     /// on [`crate::Scalar::value`], its event functions are sampled, as by slopes: where such a branch bends them sharply, a
     /// pair of crossings close to the bend can hide.

@@ -22,8 +22,8 @@ impl Flat {
         let (low, high) = match self {
             // There 15 units in the last place are left to one.
             Flat::HyperbolicTangent => (-17.0, 17.0),
-            // Less than rounding leaves of one.
-            Flat::Exponential => (-37.0, f64::INFINITY),
+            // Less than rounding leaves of one, or so much that rounding leaves nothing of one beside it, as in a logistic function.
+            Flat::Exponential => (-37.0, 37.0),
         };
         if a > high {
             Some(high)

@@ -10,7 +10,7 @@ use stickslip::{
 
 use crate::corners::{CornerOfBoundary, CornerOfField, Creep, EqualInStick, Weaker};
 use crate::den_hartog::DenHartog;
-use crate::flat::{Narrow, Square};
+use crate::flat::{Driven, Narrow, Square};
 use crate::grazes;
 use crate::line::Line;
 use crate::listed::{Listed, systems};
@@ -35,7 +35,7 @@ systems!(
 
 systems!(
     Any2, 2:
-    Belt(BeltOscillator), Bilinear(Bilinear), Ceiling(Ceiling), CornerOfBoundary(CornerOfBoundary), CornerOfField(CornerOfField), Creep(Creep), DenHartog(DenHartog), Dip(Dip), EqualInStick(EqualInStick), Floor(Floor), Forced(ForcedOscillator), FromSupport(FromSupport),
+    Belt(BeltOscillator), Bilinear(Bilinear), Ceiling(Ceiling), CornerOfBoundary(CornerOfBoundary), CornerOfField(CornerOfField), Creep(Creep), DenHartog(DenHartog), Dip(Dip), Driven(Driven), EqualInStick(EqualInStick), Floor(Floor), Forced(ForcedOscillator), FromSupport(FromSupport),
     Gate(Gate), Kink(Kink), Ledge(Ledge), Linear(Smooth<Linear<2>>), Parabola(Parabola), Pit(Pit), Ramp(Ramp),
     Refracting(Refracting), ReversedBelt(Reversed<BeltOscillator>), ReversedForced(Reversed<ForcedOscillator>),
     Shaken(grazes::Shaken), SoftStop(SoftStop), SpiralAtRest(grazes::AtRest), Spiral(Spiral), StaticFriction(StaticFriction), Turn(Turn), TwoFold(TwoFold), Zeno(Zeno),

@@ -73,10 +73,10 @@ impl<F: Flow<N>, const N: usize> StepGuard<N> for OfSeries<'_, F, N> {
     fn first_zero(&self, from: f64) -> Option<Bracket> {
         if from > 0.0 {
             // The first one was nothing, which is rare.
-            let is_left = from < self.reach;
-            return is_left
-                .then(|| first_bracket(&mut |s| self.value(s), from, self.reach))
-                .flatten();
+            if from >= self.reach {
+                return None;
+            }
+            return first_bracket(&mut |s| self.value(s), from, self.reach);
         }
         let s = if self.fails_at_once {
             0.0

@@ -24,7 +24,7 @@ const FINEST: f64 = 20.0;
 
 /// Powers of two by which a guard's last terms may be smaller than its first ones and still tell of how it grows: down to a 256th of a unit in
 /// the last place.
-const LEAST: f64 = -60.0;
+const FAINTEST: f64 = -60.0;
 
 /// What the exponent in a number's bits is more than its own.
 const BIAS: f64 = 1023.0;
@@ -172,7 +172,7 @@ pub(in crate::filippov) fn step_ratio<const L: usize, const N: usize, const G: u
         // to tell it from nothing.
         let late = lanes(|l| {
             let over_step = rough_log2(late[l]) + p as f64 * log[l];
-            if over_step > rough_log2(moves[l]) + LEAST {
+            if over_step > rough_log2(moves[l]) + FAINTEST {
                 late[l]
             } else {
                 0.0
