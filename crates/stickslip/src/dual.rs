@@ -36,7 +36,9 @@ impl<T: Scalar> Dual<T> {
     /// `f ∘ x` from the value of `f` and its derivative at `x.re`.
     #[inline(always)]
     fn compose(self, [f0, f1]: [T; 2]) -> Self {
-        Dual::new(f0, f1 * self.eps)
+        let is_flat = self.re.has_overflowed() || f0.has_overflowed();
+        let eps = f1 * self.eps;
+        Dual::new(f0, if is_flat { T::zero() } else { eps })
     }
 }
 
@@ -80,10 +82,9 @@ impl<T: Scalar> Div for Dual<T> {
     #[inline(always)]
     fn div(self, other: Self) -> Self {
         let inverse = other.re.recip();
-        Dual::new(
-            self.re * inverse,
-            (self.eps * other.re - other.eps * self.re) * inverse * inverse,
-        )
+        let eps = (self.eps * other.re - other.eps * self.re) * inverse * inverse;
+        let is_nothing = other.re.has_overflowed();
+        Dual::new(self.re * inverse, if is_nothing { T::zero() } else { eps })
     }
 }
 
@@ -107,12 +108,14 @@ impl<T: Scalar> Dual3<T> {
     /// `f ∘ x` to third order from the values of `f` and its first three derivatives at `x.re` (Faà di Bruno).
     #[inline(always)]
     fn compose(self, [f0, f1, f2, f3]: [T; 4]) -> Self {
+        let is_flat = self.re.has_overflowed() || f0.has_overflowed();
+        let unless_flat = |v: T| if is_flat { T::zero() } else { v };
         let Dual3 { v1, v2, v3, .. } = self;
         Dual3::new(
             f0,
-            f1 * v1,
-            f2 * v1 * v1 + f1 * v2,
-            f3 * v1 * v1 * v1 + f2 * v1 * v2 * 3.0 + f1 * v3,
+            unless_flat(f1 * v1),
+            unless_flat(f2 * v1 * v1 + f1 * v2),
+            unless_flat(f3 * v1 * v1 * v1 + f2 * v1 * v2 * 3.0 + f1 * v3),
         )
     }
 }
@@ -223,6 +226,10 @@ impl<T: Scalar> Scalar for Dual<T> {
         self.re.value()
     }
     #[inline(always)]
+    fn has_overflowed(self) -> bool {
+        self.re.has_overflowed()
+    }
+    #[inline(always)]
     fn exceeds(self, other: Self) -> bool {
         self.re.exceeds(other.re)
     }
@@ -304,6 +311,9 @@ impl<T: Scalar> Scalar for Dual3<T> {
     }
     fn value(self) -> f64 {
         self.re.value()
+    }
+    fn has_overflowed(self) -> bool {
+        self.re.has_overflowed()
     }
     fn exceeds(self, other: Self) -> bool {
         self.re.exceeds(other.re)

@@ -97,6 +97,11 @@ pub trait Scalar:
     fn is_same(self, _other: Self) -> bool {
         false
     }
+    /// Whether the value is known to have overflowed: then it carries no derivatives, as `1/x` and the like have none there.
+    #[inline(always)]
+    fn has_overflowed(self) -> bool {
+        false
+    }
     /// Whether it is the larger by value: the comparison behind [`Scalar::max`] and [`Scalar::min`]. To branch on it is
     /// better than on [`Scalar::value`]: where the answer changes within a step, [`crate::Method::Taylor`] ends the step there.
     #[inline(always)]
@@ -137,6 +142,10 @@ impl Scalar for f64 {
     #[inline(always)]
     fn constant(value: f64) -> Self {
         value
+    }
+    #[inline(always)]
+    fn has_overflowed(self) -> bool {
+        self.is_infinite()
     }
     #[inline(always)]
     fn value(self) -> f64 {

@@ -119,7 +119,7 @@ impl LieDerivatives {
     pub(crate) fn leading(&self, tangent: bool) -> (usize, f64) {
         let first = if tangent { 2 } else { 1 };
         (first..4)
-            .find(|&k| self.values[k].abs() > self.floors[k])
+            .find(|&k| stands_out(self.values[k], self.floors[k]))
             .map_or((4, 0.0), |k| (k, self.values[k].signum()))
     }
 
@@ -138,6 +138,11 @@ impl LieDerivatives {
     pub(crate) fn on_boundary(&self) -> bool {
         self.values[0].abs() <= self.floors[0]
     }
+}
+
+/// Whether a derivative is more than rounding. Where overflow leaves no floor that is a number it decides by itself.
+fn stands_out(value: f64, floor: f64) -> bool {
+    value != 0.0 && (floor.is_nan() || value.abs() > floor)
 }
 
 /// The first Lie derivative along `side`'s field at `(t, x)`, and the field there.
@@ -221,7 +226,7 @@ impl Leading {
             let along = |t, x: &_| first_derivative(system, side, t, x);
             (1, one_derivative(t, x, slack, along), n + 1)
         };
-        if value.abs() > floor {
+        if stands_out(value, floor) {
             return Leading {
                 order: first,
                 sign: value.signum(),
