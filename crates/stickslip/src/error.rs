@@ -90,7 +90,7 @@ pub enum Error {
     },
     /// The state became infinite or not a number.
     #[error(
-        "the state stopped being finite after t = {t}, x = {x}; the field may have a pole there, or the fixed step {step} may be too long"
+        "the state stopped being finite after t = {t}, x = {x}; the field may have a pole there, or the step of {step:?}, if it is fixed, may be too long"
     )]
     NonFinite {
         /// Last good time.
@@ -102,7 +102,7 @@ pub enum Error {
     },
     /// The adaptive step shrank to rounding: the solution cannot be continued to the tolerance.
     #[error(
-        "the step collapsed to {step:e} at t = {t}, x = {x}: the solution has a singularity there, the field or the boundary or contact function is not defined beyond, or rtol = {rtol:e}, atol = {atol:e} cannot be met; look at the system there, loosen the tolerances or set an escape bound"
+        "the step collapsed to {step:e} at t = {t}, x = {x}: the solution has a singularity there, the field or the boundary or contact function is not defined beyond or overflows inside, or rtol = {rtol:e}, atol = {atol:e} cannot be met; look at the system there, loosen the tolerances or set an escape bound"
     )]
     StepCollapse {
         /// Time reached.

@@ -167,7 +167,7 @@ where
         };
         let (flow, time) = (OfFlow(of.flow), (of.t, of.h));
         let expansion = in_rows(rows, time, &of.x, order, &flow, &mut Repeated::new())?;
-        if expansion.divided || expansion.value_read {
+        if expansion.divided || expansion.value_read || expansion.overflowed {
             return Ok(None);
         }
         let ratios = (of.plan)(step_ratio(all, &expansion, order, of.options, time, &of.x));

@@ -91,8 +91,8 @@ impl<'a, const L: usize> Coefficient<'a, L> {
             return pass.results(self.newest, both);
         }
         let (one, other) = (pass.next(), pass.next() + 1);
-        let of_one = self.integral(slope, other);
-        let of_other = self.integral(slope, one);
+        let of_one = unless_overflowed(self.integral(slope, other), pass.at(one, 0));
+        let of_other = unless_overflowed(self.integral(slope, one), pass.at(other, 0));
         let results = (pass.result(of_one), lanes(|l| sign * of_other[l]));
         (results.0, pass.result(results.1))
     }
@@ -104,7 +104,7 @@ impl<'a, const L: usize> Coefficient<'a, L> {
         pass.result(if pass.order == 0 {
             lanes(|l| math::exp(self.newest[l]))
         } else {
-            self.integral(slope, pass.next())
+            unless_overflowed(self.integral(slope, pass.next()), pass.at(pass.next(), 0))
         })
     }
 
@@ -147,6 +147,19 @@ impl<'a, const L: usize> Coefficient<'a, L> {
     }
 }
 
+/// The coefficient `newest` of functions with these values, or zero where they have overflowed: then what is divided by them stays nothing, up to
+/// the bound of [`Flat::Exponential`].
+#[inline(always)]
+pub(super) fn unless_overflowed<const L: usize>(newest: Lanes<L>, values: Lanes<L>) -> Lanes<L> {
+    lanes(|l| {
+        if values[l].is_infinite() {
+            0.0
+        } else {
+            newest[l]
+        }
+    })
+}
+
 fn sinh_cosh(a: f64) -> (f64, f64) {
     (math::sinh(a), math::cosh(a))
 }
@@ -171,6 +184,18 @@ impl<const L: usize> Jet<'_, L> {
     fn note(self, flat: Flat) {
         if let Some(bound) = self.bound_before(flat) {
             self.exceeds(Self::constant(bound));
+        }
+    }
+
+    /// The hyperbolic sine and cosine, without a word on where nothing of one is left beside them.
+    #[inline(always)]
+    pub(super) fn sinh_cosh_alone(self) -> (Self, Self) {
+        match self.in_row() {
+            Ok(a) => a.pair(1.0, sinh_cosh),
+            Err(a) => {
+                let (sine, cosine) = sinh_cosh(a);
+                (Self::constant(sine), Self::constant(cosine))
+            }
         }
     }
 
@@ -294,17 +319,13 @@ impl<const L: usize> Scalar for Jet<'_, L> {
     }
     #[inline(always)]
     fn sinh(self) -> Self {
-        match self.in_row() {
-            Ok(a) => a.pair(1.0, sinh_cosh).0,
-            Err(a) => Self::constant(math::sinh(a)),
-        }
+        self.note(Flat::Exponential);
+        self.sinh_cosh_alone().0
     }
     #[inline(always)]
     fn cosh(self) -> Self {
-        match self.in_row() {
-            Ok(a) => a.pair(1.0, sinh_cosh).1,
-            Err(a) => Self::constant(math::cosh(a)),
-        }
+        self.note(Flat::Exponential);
+        self.sinh_cosh_alone().1
     }
     #[inline(always)]
     fn tanh(self) -> Self {

@@ -205,6 +205,9 @@ impl<'a, const L: usize> Coefficient<'a, L> {
     fn divides(self, a: Lanes<L>) -> Jet<'a, L> {
         let (pass, b) = (self.pass, self.newest);
         let newest = if pass.order == 0 {
+            if b.iter().any(|b| b.is_infinite()) {
+                pass.overflowed.set(true);
+            }
             lanes(|l| a[l] / b[l])
         } else {
             let row = pass.next();

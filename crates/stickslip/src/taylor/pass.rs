@@ -39,6 +39,8 @@ pub(crate) struct Pass<'a, const L: usize> {
     pub(super) value_read: Cell<bool>,
     /// Whether lanes compare differently, so that they must be expanded one by one.
     pub(super) divided: Cell<bool>,
+    /// Whether something was divided by what had overflowed.
+    pub(super) overflowed: Cell<bool>,
     /// Where what is done is written down, if it is.
     recording: Option<&'a RefCell<Recording<L>>>,
 }
@@ -55,6 +57,7 @@ impl<'a, const L: usize> Pass<'a, L> {
             choices_bend: Cell::new(false),
             value_read: Cell::new(false),
             divided: Cell::new(false),
+            overflowed: Cell::new(false),
             recording: None,
         }
     }

@@ -175,10 +175,12 @@ impl<const L: usize> Scalar for Recorded<'_, L> {
     }
     #[inline(always)]
     fn sinh(self) -> Self {
+        self.note(Flat::Exponential);
         self.alone(Operation::HyperbolicSine, 0.0)
     }
     #[inline(always)]
     fn cosh(self) -> Self {
+        self.note(Flat::Exponential);
         self.alone(Operation::HyperbolicCosine, 0.0)
     }
     #[inline(always)]

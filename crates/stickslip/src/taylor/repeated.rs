@@ -140,6 +140,7 @@ impl<const L: usize, const N: usize, const W: usize> Repeated<L, N, W> {
         self.keep_watched(&self.recording.borrow(), &pass);
         self.expansion.divided = pass.divided.get();
         self.expansion.value_read = pass.value_read.get();
+        self.expansion.overflowed = pass.overflowed.get();
         is_alike
     }
 }

@@ -44,6 +44,8 @@ pub(crate) struct Expansion<const W: usize> {
     pub value_read: bool,
     /// Whether the lanes cannot be expanded together.
     pub divided: bool,
+    /// Whether something was divided by what had overflowed: a coefficient that is no number is then none over a shorter step either.
+    pub overflowed: bool,
 }
 
 impl<const W: usize> Default for Expansion<W> {
@@ -54,6 +56,7 @@ impl<const W: usize> Default for Expansion<W> {
             choices_bend: false,
             value_read: false,
             divided: false,
+            overflowed: false,
         }
     }
 }
@@ -132,6 +135,7 @@ pub(super) fn outcome<const L: usize, const W: usize>(
         choices_bend: pass.choices_bend.get(),
         value_read: pass.value_read.get(),
         divided: pass.divided.get(),
+        overflowed: pass.overflowed.get(),
     })
 }
 
@@ -150,6 +154,7 @@ pub(crate) fn in_rows<F: Functions<N, W>, const L: usize, const N: usize, const 
     }
     let mut newest = *x;
     let mut k = 0;
+    let mut overflowed = false;
     loop {
         let pass = Pass::new(into, k);
         // Plain loops here: the library's own ways to fill an array are not always inlined.
@@ -159,8 +164,13 @@ pub(crate) fn in_rows<F: Functions<N, W>, const L: usize, const N: usize, const 
         }
         let (field, watched) = functions.at(pass.time(t, h), &state);
         let expansion = outcome(&pass, watched_rows(watched), into.all.len())?;
+        // Values are those of the first pass.
+        overflowed |= expansion.overflowed;
         if k == order {
-            return Ok(expansion);
+            return Ok(Expansion {
+                overflowed,
+                ..expansion
+            });
         }
         k += 1;
         let per_order = inverse(k);

@@ -3,6 +3,7 @@
 //! There, what is constant has no coefficients: a sum with it is the other number, and is not done at all but where something looks at all its
 //! coefficients. What nothing comes of is left out.
 
+use super::functions::unless_overflowed;
 use super::pass::Pass;
 use super::recording::{Call, Made, Operation, Place, Recording};
 use super::row::{Row, lanes, lanes_of, product, quotient};
@@ -273,7 +274,8 @@ impl Steps {
                         let slope = pass.slope(scaled(of_a, a));
                         slopes.set(order, slope);
                         let (inner, e0) = (slopes.convolution(into, order), into.at(0));
-                        into.set(order, pass.integral(lanes(|l| inner[l] + slope[l] * e0[l])));
+                        let newest = pass.integral(lanes(|l| inner[l] + slope[l] * e0[l]));
+                        into.set(order, unless_overflowed(newest, e0));
                     }
                 }
                 Way::Ahead => {

@@ -309,15 +309,14 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         let (Timed { t, x }, h, is_last) = (run.at, piece.h, self.is_last);
         let last = piece.order;
         let is_finite = |i: usize| (piece.x[last][i] + piece.x[last - 1][i]).is_finite();
-        if !self.is_clear && !(0..N).all(is_finite) {
+        let is_undefined = !self.is_clear && !(0..N).all(is_finite);
+        if is_undefined || run.is_too_short(h, is_last) {
+            // Coefficients that have overflowed are numbers over a shorter step, unless the values had.
             run.reject_undefined(SHRINK * self.scale)?;
-            if run.is_too_short(run.h, false) {
+            if self.expansion.overflowed || run.is_too_short(run.h, false) {
                 return Err(run.collapsed(&flow.velocity(t, &x), run.h));
             }
             return Ok(Trial::NoStep);
-        }
-        if run.is_too_short(h, is_last) {
-            return Err(run.collapsed(&flow.velocity(t, &x), h));
         }
         let (mut at, mut rest_there) = self.end(run);
         let (kink, is_tie) = self.first_kink();
