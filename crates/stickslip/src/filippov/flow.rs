@@ -111,19 +111,8 @@ const OF_SIZE: f64 = 1e-9;
 
 /// Whether a range of values lies above zero, by more than the dense output's error and rounding.
 #[inline(always)]
-pub(super) fn is_positive(range: Interval) -> bool {
+fn is_positive(range: Interval) -> bool {
     range.low > OF_WIDTH * (range.high - range.low) && range.low > OF_SIZE * range.high
-}
-
-#[inline(always)]
-fn contact_is_clear<S: Filippov<N>, const N: usize>(
-    system: &S,
-    t: Interval,
-    x: &[Interval; N],
-    sign: f64,
-) -> bool {
-    Interval::decided(|| system.contact(t, x))
-        .is_some_and(|contact| contact.is_none_or(|contact| is_positive(contact * sign)))
 }
 
 /// A smooth flow that goes on while all its guards are positive.
@@ -142,12 +131,36 @@ pub trait Flow<const N: usize> {
     fn guard<T: Scalar>(&self, i: usize, t: T, x: &[T; N]) -> T;
     /// The field, and all guards in a room for `G`; one that there is not is constant.
     fn field_and_guards<T: Scalar, const G: usize>(&self, t: T, x: &[T; N]) -> ([T; N], [T; G]);
-    /// Whether guard `i` is certain to stay positive over a range of times and states; `false` says nothing.
-    fn is_clear(&self, i: usize, t: Interval, x: &[Interval; N]) -> bool;
     /// Takes out the rounding by which `x` has drifted off the set that the flow lives on.
     fn settle(&self, t: f64, x: State<N>) -> State<N>;
     /// Takes out the rounding by which `x`, where guard `i` has become zero, is off the boundary.
     fn land(&self, i: usize, t: f64, x: State<N>) -> State<N>;
+
+    /// Where guard `i` is over a range of times and states, if that decides how it branches.
+    #[inline(always)]
+    fn range(&self, i: usize, t: Interval, x: &[Interval; N]) -> Option<Interval> {
+        Interval::decided(|| self.guard(i, t, x))
+    }
+
+    /// Whether guard `i` is certain to stay positive over a range of times and states; `false` says nothing.
+    #[inline(always)]
+    fn is_clear(&self, i: usize, t: Interval, x: &[Interval; N]) -> bool {
+        self.range(i, t, x).is_some_and(is_positive)
+    }
+
+    /// Which guards are, in a room for `G`; one that there is not is.
+    #[inline(always)]
+    fn are_clear<const G: usize>(&self, t: Interval, x: &[Interval; N]) -> [bool; G] {
+        if Self::TOGETHER {
+            let guards = Interval::decided(|| self.field_and_guards(t, x).1);
+            return guards.map_or([false; G], |guards| guards.map(is_positive));
+        }
+        let mut clear = [true; G];
+        for &i in Self::GUARDS {
+            clear[i] = self.is_clear(i, t, x);
+        }
+        clear
+    }
 
     /// dx/dt at a state.
     #[inline(always)]
@@ -260,15 +273,6 @@ impl<S: Filippov<N>, const ABOVE: bool, const N: usize> Flow<N> for Slip<'_, S, 
         (self.field(t, x), guards)
     }
 
-    #[inline(always)]
-    fn is_clear(&self, i: usize, t: Interval, x: &[Interval; N]) -> bool {
-        if i == CONTACT {
-            return contact_is_clear(self.system, t, x, self.contact);
-        }
-        Interval::decided(|| self.system.boundary(t, x))
-            .is_some_and(|h| is_positive(h * Self::SIDE.sign()))
-    }
-
     fn settle(&self, _t: f64, x: State<N>) -> State<N> {
         x
     }
@@ -328,12 +332,6 @@ impl<S: Filippov<N>, const N: usize> Flow<N> for Stick<'_, S> {
         (guards[0], guards[1]) = (a1, -a2);
         guards[CONTACT] = contact_guard(self.system, t, x, self.contact);
         (field, guards)
-    }
-
-    #[inline(always)]
-    fn is_clear(&self, i: usize, t: Interval, x: &[Interval; N]) -> bool {
-        // The other guards take derivatives, which intervals do not have.
-        i == CONTACT && contact_is_clear(self.system, t, x, self.contact)
     }
 
     fn settle(&self, t: f64, x: State<N>) -> State<N> {

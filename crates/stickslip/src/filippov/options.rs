@@ -17,9 +17,9 @@ pub enum Method {
     /// errors of 1e-9 and less. The field is run once for each order, on numbers that are their own recurrences; with
     /// `#[inline(always)]` on the user's functions nothing of that is left to run time, which saves a third. Events are
     /// zeros of the boundary function's own series, isolated for certain, so that `locator` has no say. Where a field or
-    /// boundary uses `max`, `min`, `abs` or [`crate::Scalar::exceeds`], a step ends where the answer changes; so it does where `tanh` and
-    /// `exp` cease to be flat to rounding, or nothing beside one (from −17 to 17, from −37 to 37). What is flat and narrow otherwise (`1/(1 + x²)` with a very large
-    /// `x`) wants [`Options::longest_step`]. Where one branches
+    /// boundary uses `max`, `min`, `abs` or [`crate::Scalar::exceeds`], a step ends where the answer changes; so it does where `tanh`,
+    /// `exp`, `cosh` and `sinh` cease to be flat to rounding, or cease to leave nothing of one beside them (from −17 to 17 for `tanh`, from −37 to 37). What is flat
+    /// and narrow otherwise (a high power of `1/(1 + x²)`) wants [`Options::longest_step`]. Where one branches
     /// on [`crate::Scalar::value`], its event functions are sampled, as by slopes: where such a branch bends them sharply, a
     /// pair of crossings close to the bend can hide.
     Taylor,
@@ -79,8 +79,8 @@ pub struct Options {
     pub method: Method,
     /// Event location; default [`Locator::Auto`].
     pub locator: Locator,
-    /// Longest step; default unbounded (the last step may be 1 % longer). Steps are chosen for the solution, not for the
-    /// boundary function: one that has features much narrower than the solution's own wants a bound here.
+    /// Longest step; default unbounded (the last step may be 1 % longer). Steps are chosen for what the field shows at a few places of each: a push that
+    /// is much narrower than the solution's own features wants a bound here.
     pub longest_step: f64,
     /// First step; default chosen from the field.
     pub first_step: Option<f64>,

@@ -13,7 +13,7 @@ pub(crate) struct Bracket {
     pub b: f64,
 }
 
-pub(crate) const NODES: usize = 9;
+const NODES: usize = 9;
 
 /// cos(k π/8) for k = 0 … 15: all the cosines that the transform of nine points needs.
 const COS: [f64; 16] = {
@@ -31,7 +31,7 @@ const COS: [f64; 16] = {
 pub(crate) const NARROWEST: f64 = 1.5e-8;
 
 /// The nine points of the unit interval.
-pub(crate) const UNIT: [f64; NODES] = {
+const UNIT: [f64; NODES] = {
     let mut nodes = [1.0; NODES];
     let mut j = 0;
     while j < NODES - 1 {
@@ -59,54 +59,109 @@ pub(crate) fn far_from_zero(value: impl Fn(f64) -> f64) -> bool {
     least + most > 4.0 * (most - least) && sum.is_finite()
 }
 
-/// Whether the values of a function at the nine points of the step say for all of it that there is no zero.
-pub(crate) fn is_clear(values: [f64; NODES]) -> bool {
-    let nodes = UNIT;
-    let is_finite = values.iter().all(|value| value.is_finite());
-    is_finite && matches!(Samples { nodes, values }.verdict(), Verdict::Clear)
-}
-
 /// Whether the values at the points of [`far_from_zero`] are finite.
 pub(crate) fn is_defined(value: impl Fn(f64) -> f64) -> bool {
     UNIT.iter().all(|&s| value(s).is_finite())
 }
 
-/// A bracket of the first zero of `value` in `[lo, hi]`, or `None` when there is none. Halves intervals until each is
-/// clear or holds a bracket: depth first, the left half first.
+/// A bracket of the first zero of `value` in `[lo, hi]`, or `None` when there is none: by samples alone.
 pub(crate) fn first_bracket(
     value: &mut dyn FnMut(f64) -> f64,
     lo: f64,
     hi: f64,
 ) -> Option<Bracket> {
+    first_bracket_within(value, &mut |_, _| Bounds::Unknown, lo, hi)
+}
+
+/// What bounds say of a function over a part of the interval.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Bounds {
+    /// That it has no zero there, for certain.
+    Clear,
+    /// That it may have one: what is clear by samples is looked at more closely.
+    Open,
+    /// Nothing: samples decide.
+    Unknown,
+}
+
+/// A zero that samples bracket more widely than this part of the step may have others before it, which bounds can exclude.
+const WIDE: f64 = 0.125;
+
+/// How many halvings below samples that were clear new ones are taken, where bounds leave a part open.
+const RESAMPLED: u32 = 3;
+
+/// The same, where `bounds` say what they can of parts of the interval. Halves intervals until each is
+/// clear or holds a bracket: depth first, the left half first.
+pub(crate) fn first_bracket_within(
+    value: &mut dyn FnMut(f64) -> f64,
+    bounds: &mut dyn FnMut(f64, f64) -> Bounds,
+    lo: f64,
+    hi: f64,
+) -> Option<Bracket> {
     // Each halving leaves one interval waiting, and NARROWEST allows 26 of them.
-    let mut waiting = [(0.0, 0.0); 32];
+    let mut waiting = [(0.0, 0.0, 0); 32];
+    // The part in hand, and by how many halvings samples that were clear are above it.
+    let (mut lo, mut hi, mut trusted) = (lo, hi, 0);
     let mut count = 0;
-    let mut samples = Samples::take(value, lo, hi);
     loop {
-        match samples.verdict() {
-            Verdict::Clear => {}
-            Verdict::Zero(bracket) => return Some(bracket),
-            Verdict::Unresolved => {
-                let (lo, hi) = (samples.nodes[0], samples.nodes[NODES - 1]);
-                if hi - lo <= NARROWEST {
-                    if let Some(bracket) = samples.first_sign_change() {
-                        return Some(bracket);
+        let mut halves = None;
+        match bounds(lo, hi) {
+            Bounds::Clear => {}
+            Bounds::Open if 0 < trusted && trusted < RESAMPLED => {
+                halves = Some((lo, 0.5 * (lo + hi), hi, [trusted + 1; 2]));
+            }
+            said => {
+                let samples = Samples::take(value, lo, hi);
+                let is_narrow = hi - lo <= NARROWEST;
+                let middle = samples.nodes[NODES / 2];
+                match samples.verdict() {
+                    Verdict::Clear if said == Bounds::Unknown || is_narrow => {}
+                    Verdict::Clear => halves = Some((lo, middle, hi, [1; 2])),
+                    Verdict::Zero(bracket) if said == Bounds::Unknown => return Some(bracket),
+                    Verdict::Zero(bracket) => match alone(bracket, value, bounds) {
+                        Ok(bracket) => return Some(bracket),
+                        Err((from, middle, to)) => halves = Some((from, middle, to, [1, 0])),
+                    },
+                    Verdict::Unresolved if is_narrow => {
+                        if let Some(bracket) = samples.first_sign_change() {
+                            return Some(bracket);
+                        }
                     }
-                } else {
-                    let middle = samples.nodes[NODES / 2];
-                    waiting[count] = (middle, hi);
-                    count += 1;
-                    samples = Samples::take(value, lo, middle);
-                    continue;
+                    Verdict::Unresolved => halves = Some((lo, middle, hi, [0; 2])),
                 }
             }
         }
-        if count == 0 {
+        if let Some((from, middle, to, below)) = halves {
+            (lo, hi, trusted) = (from, middle, below[0]);
+            waiting[count] = (middle, to, below[1]);
+            count += 1;
+        } else if count > 0 {
+            count -= 1;
+            (lo, hi, trusted) = waiting[count];
+        } else {
             return None;
         }
-        count -= 1;
-        samples = Samples::take(value, waiting[count].0, waiting[count].1);
     }
+}
+
+/// A narrower bracket of the zero, if bounds exclude that there is another one before it; else the part in doubt, and what follows it.
+fn alone(
+    bracket: Bracket,
+    value: &mut dyn FnMut(f64) -> f64,
+    bounds: &mut dyn FnMut(f64, f64) -> Bounds,
+) -> Result<Bracket, (f64, f64, f64)> {
+    let Bracket { mut a, mut b } = bracket;
+    while b - a > WIDE {
+        let middle = 0.5 * (a + b);
+        if value(middle) <= 0.0 {
+            b = middle;
+        } else if bounds(a, middle) == Bounds::Open {
+            return Err((a, middle, b));
+        } else {
+            a = middle;
+        }
+    }
+    Ok(Bracket { a, b })
 }
 
 /// The first zero of `value`, positive at `from`, in `[from, to]`; `None` where there is none. Two zeros in a row are seen however

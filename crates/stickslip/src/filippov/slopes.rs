@@ -1,6 +1,6 @@
 //! Runge–Kutta steps, and the search of each for the first event.
 
-use std::cell::{Cell, OnceCell};
+use std::cell::Cell;
 
 use super::event::Event;
 use super::flow::Flow;
@@ -9,11 +9,11 @@ use super::leaving::leaving;
 use super::locate::{Again, Limits, OnDense, Origin};
 use super::options::Locator;
 use super::run::{Run, Trial};
-use super::scan::{NODES, UNIT, far_from_zero, is_clear, is_defined};
+use super::scan::is_defined;
 use super::uncertainty::uncertainty;
 use crate::error::Error;
 use crate::interval::Interval;
-use crate::ode::control::{squared_error, step_factor};
+use crate::ode::control::{GROW_MOST, squared_error, step_factor};
 use crate::ode::{Dense, RungeKutta, Stages, Timed, dense_slopes, further_slopes, stages};
 use crate::system::State;
 
@@ -73,13 +73,14 @@ impl<const N: usize> Slopes<N> {
             run.counters.field_calls += flow.field_calls();
         }
         self.slope = Some(slope);
-        let (h, is_last, mut step) = run.accepted_step::<M, F>(flow, slope)?;
+        let (h, is_last, is_free, mut step) = run.accepted_step::<M, F>(flow, slope)?;
         let t_next = if is_last { run.t_end } else { t + h };
         step.end = flow.settle(t_next, step.end);
         let slope_at_end = field(t + h, &step.end);
         step.k[M::COEFFICIENTS.stages] = slope_at_end;
         run.counters.field_calls += flow.field_calls();
-        if !run.wants_dense && run.is_far::<M, F>(flow, h, &step) {
+        let is_far = run.is_far::<M, F>(flow, h, &step);
+        if is_far && !run.wants_dense {
             run.counters.steps += 1;
             (self.slope, self.bare) = (Some(slope_at_end), Some((slope, h)));
             let (t, x) = (t_next, step.end);
@@ -100,15 +101,33 @@ impl<const N: usize> Slopes<N> {
             slope,
             h,
             to_end: (run.t_end - t) / h,
+            is_free,
+            is_unsettled: Cell::new(false),
             again: Again::by::<M>(),
             field_calls: Cell::new(0),
         };
-        let found = run.first_event(&origin, &dense);
+        // What is inside the step says no more to the search than where nobody asks for it.
+        let found = if is_far {
+            Ok(None)
+        } else {
+            run.first_event(&origin, &dense)
+        };
         run.counters.field_calls += origin.field_calls.get();
         let Ok(event) = found else {
             run.reject_undefined(h)?;
             return Ok(Trial::NoStep);
         };
+        let before = run.last.1.t - run.last.0.t;
+        if origin.is_unsettled.get()
+            && run.options.fixed_step().is_none()
+            && 0.0 < before
+            && 2.0 * before < h
+        {
+            // A guard does more in this step than its bounds can be followed through; in the one before it did not.
+            run.counters.rejected += 1;
+            run.h = before;
+            return Ok(Trial::NoStep);
+        }
         let latest = if is_last {
             t_next
         } else {
@@ -153,13 +172,14 @@ fn dense_again<M: RungeKutta, const N: usize>(
 }
 
 impl<const N: usize, const G: usize> Run<N, G> {
-    /// The next step within the tolerance: its length, whether it ends at the end time, its slopes and end.
+    /// The next step within the tolerance: its length, whether it ends at the end time, whether error control would have let it be far longer, its
+    /// slopes and end.
     #[inline(always)]
     fn accepted_step<M: RungeKutta, F: Flow<N>>(
         &mut self,
         flow: &F,
         slope: State<N>,
-    ) -> Result<(f64, bool, Stages<State<N>>), Error> {
+    ) -> Result<(f64, bool, bool, Stages<State<N>>), Error> {
         let field = &mut |t: f64, x: &State<N>| flow.velocity(t, x);
         let tolerance = self.options.tolerance();
         let Timed { t, x } = self.at;
@@ -174,7 +194,7 @@ impl<const N: usize, const G: usize> Run<N, G> {
             let error = squared_error::<M, N>(&step, &x, h, &tolerance);
             if self.options.fixed_step().is_some() {
                 if error.is_finite() {
-                    return Ok((h, is_last, step));
+                    return Ok((h, is_last, true, step));
                 }
                 return Err(self.non_finite(h));
             }
@@ -184,7 +204,7 @@ impl<const N: usize, const G: usize> Run<N, G> {
                 // nothing against the one that was planned.
                 let next = h * if rejected { factor.min(1.0) } else { factor };
                 self.h = if is_last { next.max(self.h) } else { next };
-                return Ok((h, is_last, step));
+                return Ok((h, is_last, factor >= GROW_MOST, step));
             }
             self.counters.rejected += 1;
             rejected = true;
@@ -207,7 +227,7 @@ impl<const N: usize, const G: usize> Run<N, G> {
         let reach = step.reach::<M>(&self.at.x, h);
         let times = Interval::new(self.at.t, self.at.t + h);
         let is_finite = reach.iter().all(|reach| reach.high.is_finite());
-        is_finite && F::GUARDS.iter().all(|&i| flow.is_clear(i, times, &reach))
+        is_finite && flow.are_clear(times, &reach) == [true; G]
     }
 
     /// The first guard that fails in the step, and where.
@@ -222,18 +242,13 @@ impl<const N: usize, const G: usize> Run<N, G> {
     ) -> Result<Option<Event<N>>, Undefined> {
         let mut first: Option<Event<N>> = None;
         let mut is_undefined = false;
-        let reach = dense.enclosure();
-        let samples = OnceCell::new();
+        // Nearly every step ends here: far from any event, for certain.
+        let times = Interval::new(origin.t, origin.t + origin.h);
+        let clear: [bool; G] = origin.flow.are_clear(times, &dense.enclosure());
         // The first are written out rather than looped over, so that each guard's code is the guard's own.
         macro_rules! consider {
             ($guard:expr) => {
-                match self.first_failure(
-                    $guard,
-                    origin,
-                    dense,
-                    (&reach, &samples),
-                    self.orders[$guard],
-                ) {
+                match self.first_failure($guard, origin, dense, &clear, self.orders[$guard]) {
                     Ok(Some(event)) if first.is_none_or(|first| event.at.t < first.at.t) => {
                         first = Some(event);
                     }
@@ -265,7 +280,7 @@ impl<const N: usize, const G: usize> Run<N, G> {
         i: usize,
         origin: &Origin<'_, F, N>,
         dense: &Dense<N>,
-        (reach, samples): (&[Interval; N], &OnceCell<[[f64; G]; NODES]>),
+        clear: &[bool; G],
         order: usize,
     ) -> Result<Option<Event<N>>, Undefined> {
         let on_dense = |s: f64| {
@@ -274,22 +289,7 @@ impl<const N: usize, const G: usize> Run<N, G> {
                 .guard_at(i, origin.t + s * origin.h, &dense.at(s))
         };
         let (is_near, start) = if order == 0 {
-            // Nearly every step ends here: far from any event, for certain or by samples.
-            let times = Interval::new(origin.t, origin.t + origin.h);
-            if origin.flow.is_clear(i, times, reach) {
-                return Ok(None);
-            }
-            let is_far = if F::TOGETHER {
-                let all = |s| {
-                    let t = origin.t + s * origin.h;
-                    origin.flow.guards_at(t, &dense.at(s))
-                };
-                let samples = samples.get_or_init(|| UNIT.map(all));
-                is_clear(samples.map(|guards| guards[i]))
-            } else {
-                far_from_zero(on_dense)
-            };
-            if is_far {
+            if clear[i] {
                 return Ok(None);
             }
             (true, None)
@@ -305,6 +305,7 @@ impl<const N: usize, const G: usize> Run<N, G> {
                 dense,
                 guard: i,
                 start,
+                asked: Cell::new(0),
             })
         } else {
             None

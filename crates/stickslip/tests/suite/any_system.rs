@@ -15,6 +15,7 @@ use crate::grazes;
 use crate::line::Line;
 use crate::listed::{Listed, systems};
 use crate::lyapunov_equations::{Fork, FromSupport, Linear, Pressed, Refracting, Rider, Roessler};
+use crate::pulses::{Overflowing, Pushed, Spike};
 use crate::sections::Watches;
 use crate::smooth::{Lorenz, Smooth};
 use crate::solver::systems::{
@@ -30,13 +31,13 @@ use crate::two_folds::{Folds, Random};
 systems!(
     Any1, 1:
     BlowUp(BlowUp), Breathing(Breathing), Brink(Brink), Cup(Cup), Dent(Dent), Fork(Fork), Knee(Knee), Line(Line), MovingLine(MovingLine),
-    Nowhere(Nowhere), Push(Push), Rectified(Rectified), Rest(Rest), Rider(Rider), Square(Square), Steep(Steep), Steepening(Steepening), TurningLine(TurningLine), Valley(Valley), Wall(Wall), Window(Window),
+    Nowhere(Nowhere), Push(Push), Rectified(Rectified), Rest(Rest), Rider(Rider), Spike(Spike), Square(Square), Steep(Steep), Steepening(Steepening), TurningLine(TurningLine), Valley(Valley), Wall(Wall), Window(Window),
 );
 
 systems!(
     Any2, 2:
     Belt(BeltOscillator), Bilinear(Bilinear), Ceiling(Ceiling), CornerOfBoundary(CornerOfBoundary), CornerOfField(CornerOfField), Creep(Creep), DenHartog(DenHartog), Dip(Dip), Driven(Driven), EqualInStick(EqualInStick), Floor(Floor), Forced(ForcedOscillator), FromSupport(FromSupport),
-    Gate(Gate), Kink(Kink), Ledge(Ledge), Linear(Smooth<Linear<2>>), Parabola(Parabola), Pit(Pit), Ramp(Ramp),
+    Gate(Gate), Kink(Kink), Ledge(Ledge), Linear(Smooth<Linear<2>>), Overflowing(Overflowing), Parabola(Parabola), Pit(Pit), Pushed(Pushed), Ramp(Ramp),
     Refracting(Refracting), ReversedBelt(Reversed<BeltOscillator>), ReversedForced(Reversed<ForcedOscillator>),
     Shaken(grazes::Shaken), SoftStop(SoftStop), SpiralAtRest(grazes::AtRest), Spiral(Spiral), StaticFriction(StaticFriction), Turn(Turn), TwoFold(TwoFold), Zeno(Zeno),
 );

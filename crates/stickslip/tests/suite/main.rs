@@ -20,6 +20,7 @@ mod lyapunov_equations;
 mod models;
 mod no_allocation;
 mod periodic;
+mod pulses;
 mod sections;
 #[path = "../common/smooth.rs"]
 mod smooth;

@@ -3,8 +3,7 @@
 use super::Contacts;
 use super::equations::solve;
 use crate::dual::Dual;
-use crate::filippov::flow::{Flow, is_positive};
-use crate::interval::Interval;
+use crate::filippov::flow::Flow;
 use crate::ode::Linear;
 use crate::scalar::Scalar;
 use crate::system::{Mode, Side, State, components};
@@ -407,14 +406,6 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Flow<N> for Joint<'_, S,
             };
         }
         (field, guards)
-    }
-
-    #[inline(always)]
-    fn is_clear(&self, i: usize, t: Interval, x: &[Interval; N]) -> bool {
-        // The shares take derivatives, which intervals do not have.
-        !self.holds[i]
-            && Interval::decided(|| self.slip_guard(i, &self.system.boundaries(t, x)))
-                .is_some_and(is_positive)
     }
 
     fn settle(&self, t: f64, x: State<N>) -> State<N> {

@@ -11,7 +11,8 @@ use super::flow::Flow;
 use super::guard::{Fall, Probe, StepGuard};
 use super::leaving::Leaving;
 use super::options::Locator;
-use super::scan::Bracket;
+use super::scan::{Bounds, Bracket};
+use crate::interval::Interval;
 use crate::ode::{Dense, RungeKutta, Timed, henon_step, step_end};
 use crate::system::State;
 use root_search::Search;
@@ -51,6 +52,10 @@ pub(crate) struct Origin<'a, F, const N: usize> {
     pub h: f64,
     /// The part of the step at which the run's end time is, 1 or more.
     pub to_end: f64,
+    /// Whether nothing in the field, as far as error control tells, keeps the step from being longer.
+    pub is_free: bool,
+    /// Whether bounds were asked about a guard for so long that samples had to decide.
+    pub is_unsettled: Cell<bool>,
     pub again: Again<N>,
     /// Calls of the user's field by location.
     pub field_calls: Cell<u64>,
@@ -81,7 +86,21 @@ pub(crate) struct OnDense<'a, F, const N: usize> {
     pub guard: usize,
     /// Its zero at the start, if it has one there.
     pub start: Option<Leaving>,
+    /// Of how many parts of the step bounds have been asked.
+    pub asked: Cell<u32>,
 }
+
+/// Bounds are asked about no more parts of a step than this: twice the halvings down to a millionth of it, and some.
+const MOST_ASKED: u32 = 64;
+
+/// In place of how many: bounds say nothing here, or need not be asked.
+const UNASKABLE: u32 = u32::MAX;
+
+/// A part this narrow tells whether bounds say anything.
+const GLIMPSE: f64 = 1e-3;
+
+/// Up to here a guard that is zero at the start is left to samples.
+const LEAVING: f64 = 0.0625;
 
 impl<F: Flow<N>, const N: usize> StepGuard<N> for OnDense<'_, F, N> {
     fn beyond(&self) -> f64 {
@@ -112,9 +131,56 @@ impl<F: Flow<N>, const N: usize> StepGuard<N> for OnDense<'_, F, N> {
     fn probe(&self, s: f64) -> Probe<N> {
         self.look(self.reach(s))
     }
+
+    fn bounds(&self, from: f64, to: f64) -> Bounds {
+        let asked = self.asked.get();
+        let first = if self.start.is_some() { LEAVING } else { 0.0 };
+        if asked == UNASKABLE || to <= first {
+            return Bounds::Unknown;
+        }
+        if asked == MOST_ASKED {
+            self.origin.is_unsettled.set(true);
+            return Bounds::Unknown;
+        }
+        if asked == 0 && !self.origin.is_free && !self.depends_on_time() {
+            // Error control has followed what the state goes through.
+            self.asked.set(UNASKABLE);
+            return Bounds::Unknown;
+        }
+        self.asked.set(asked + 1);
+        // That of the whole step brought us here.
+        if asked > 0 && self.is_clear(from.max(first), to) {
+            return if from < first {
+                Bounds::Unknown
+            } else {
+                Bounds::Clear
+            };
+        }
+        if asked == 1 && !self.is_clear(first, first + GLIMPSE) {
+            self.asked.set(UNASKABLE);
+            return Bounds::Unknown;
+        }
+        Bounds::Open
+    }
 }
 
 impl<F: Flow<N>, const N: usize> OnDense<'_, F, N> {
+    /// Whether the guard changes with time alone, or may.
+    fn depends_on_time(&self) -> bool {
+        let Origin { flow, t, x, h, .. } = self.origin;
+        let states = std::array::from_fn(|i| Interval::new(x[i], x[i]));
+        let range = flow.range(self.guard, Interval::new(*t, t + h), &states);
+        range.is_none_or(|range| range.low != range.high)
+    }
+
+    /// Whether the guard is certain to be positive between two parts of the step.
+    fn is_clear(&self, from: f64, to: f64) -> bool {
+        let Origin { flow, t, h, .. } = self.origin;
+        let times = Interval::new(t + from * h, t + to * h);
+        let states = self.dense.enclosure_between(from, to);
+        flow.is_clear(self.guard, times, &states)
+    }
+
     /// Time and state at the part `s` of the step, by a step of that length.
     fn reach(&self, s: f64) -> Timed<N> {
         let origin = self.origin;
