@@ -1,7 +1,7 @@
 //! A guard over one step, whatever made the step, and the search for its first event.
 
 use super::event::Event;
-use super::scan::{Bounds, Bracket, NARROWEST, first_bracket, first_bracket_within, zero_in};
+use super::scan::{Bracket, NARROWEST, first_bracket, zero_in};
 use crate::ode::Timed;
 
 /// A guard as a function of the part `s` of a step: 0 at the start of the step, 1 at its end.
@@ -22,19 +22,9 @@ pub(crate) trait StepGuard<const N: usize> {
     /// State and guard as exactly as they can be had at `s`.
     fn probe(&self, s: f64) -> Probe<N>;
 
-    /// What bounds say of its values between two parts of the step.
-    fn bounds(&self, _from: f64, _to: f64) -> Bounds {
-        Bounds::Unknown
-    }
-
     /// Brackets the first zero behind `from`, found by resolving the values over all that is left of the step.
     fn first_zero(&self, from: f64) -> Option<Bracket> {
-        first_bracket_within(
-            &mut |s| self.value(s),
-            &mut |from, to| self.bounds(from, to),
-            from,
-            1.0,
-        )
+        first_bracket(&mut |s| self.value(s), from, 1.0)
     }
 
     /// The zero in a bracket.

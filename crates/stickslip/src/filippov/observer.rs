@@ -128,7 +128,8 @@ pub trait Observer<const N: usize, K = Mode> {
     }
     /// Whether it is told of steps; by default it is. It may be asked more than once for a step and then answers alike. Where the answer
     /// is no, [`crate::Method::Dop853`] need not make the dense output of steps far from all events, which is a fifth of their calls of the
-    /// field, and an ensemble by [`crate::Method::Taylor`] no coefficients of such steps. The orbit is the same either way.
+    /// field, and an ensemble by [`crate::Method::Taylor`] no coefficients of such steps. The orbit is the same either way, but where the field is
+    /// not defined at a place that dense output alone asks for: then the step is made shorter.
     fn watches_steps(&self) -> bool {
         true
     }

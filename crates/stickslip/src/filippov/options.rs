@@ -79,8 +79,8 @@ pub struct Options {
     pub method: Method,
     /// Event location; default [`Locator::Auto`].
     pub locator: Locator,
-    /// Longest step; default unbounded (the last step may be 1 % longer). Steps are chosen for what the field shows at a few places of each: a push that
-    /// is much narrower than the solution's own features wants a bound here.
+    /// Longest step; default unbounded (the last step may be 1 % longer). Steps are chosen for what the field shows at a few places of each: a push in
+    /// slip, or a feature of a boundary in the state, that is much narrower than the solution's own wants a bound here.
     pub longest_step: f64,
     /// First step; default chosen from the field.
     pub first_step: Option<f64>,

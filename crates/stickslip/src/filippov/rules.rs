@@ -142,7 +142,7 @@ impl LieDerivatives {
 
 /// Whether a derivative is more than rounding. Where overflow leaves no floor that is a number it decides by itself.
 fn stands_out(value: f64, floor: f64) -> bool {
-    value != 0.0 && (floor.is_nan() || value.abs() > floor)
+    value.abs() > if floor.is_nan() { 0.0 } else { floor }
 }
 
 /// The first Lie derivative along `side`'s field at `(t, x)`, and the field there.

@@ -84,8 +84,8 @@ pub(crate) enum Bounds {
     Unknown,
 }
 
-/// A zero that samples bracket more widely than this part of the step may have others before it, which bounds can exclude.
-const WIDE: f64 = 0.125;
+/// So near a zero that samples see, in parts of the step, it is not looked for others before it.
+const WIDE: f64 = 0.0078125;
 
 /// How many halvings below samples that were clear new ones are taken, where bounds leave a part open.
 const RESAMPLED: u32 = 3;
@@ -118,9 +118,9 @@ pub(crate) fn first_bracket_within(
                     Verdict::Clear if said == Bounds::Unknown || is_narrow => {}
                     Verdict::Clear => halves = Some((lo, middle, hi, [1; 2])),
                     Verdict::Zero(bracket) if said == Bounds::Unknown => return Some(bracket),
-                    Verdict::Zero(bracket) => match alone(bracket, value, bounds) {
-                        Ok(bracket) => return Some(bracket),
-                        Err((from, middle, to)) => halves = Some((from, middle, to, [1, 0])),
+                    Verdict::Zero(bracket) => match doubtful_before(bracket, value, bounds) {
+                        None => return Some(bracket),
+                        Some((from, middle, to)) => halves = Some((from, middle, to, [1, 0])),
                     },
                     Verdict::Unresolved if is_narrow => {
                         if let Some(bracket) = samples.first_sign_change() {
@@ -144,24 +144,23 @@ pub(crate) fn first_bracket_within(
     }
 }
 
-/// A narrower bracket of the zero, if bounds exclude that there is another one before it; else the part in doubt, and what follows it.
-fn alone(
-    bracket: Bracket,
+/// The part of a bracket that may have a zero before the one that samples see, and what follows it; `None` where bounds exclude another.
+fn doubtful_before(
+    Bracket { mut a, mut b }: Bracket,
     value: &mut dyn FnMut(f64) -> f64,
     bounds: &mut dyn FnMut(f64, f64) -> Bounds,
-) -> Result<Bracket, (f64, f64, f64)> {
-    let Bracket { mut a, mut b } = bracket;
+) -> Option<(f64, f64, f64)> {
     while b - a > WIDE {
         let middle = 0.5 * (a + b);
         if value(middle) <= 0.0 {
             b = middle;
         } else if bounds(a, middle) == Bounds::Open {
-            return Err((a, middle, b));
+            return Some((a, middle, b));
         } else {
             a = middle;
         }
     }
-    Ok(Bracket { a, b })
+    None
 }
 
 /// The first zero of `value`, positive at `from`, in `[from, to]`; `None` where there is none. Two zeros in a row are seen however

@@ -13,7 +13,7 @@ use super::scan::is_defined;
 use super::uncertainty::uncertainty;
 use crate::error::Error;
 use crate::interval::Interval;
-use crate::ode::control::{GROW_MOST, squared_error, step_factor};
+use crate::ode::control::{squared_error, step_factor};
 use crate::ode::{Dense, RungeKutta, Stages, Timed, dense_slopes, further_slopes, stages};
 use crate::system::State;
 
@@ -30,7 +30,15 @@ pub(crate) struct Slopes<const N: usize> {
     slope: Option<State<N>>,
     /// Slope at the start and length of the last step, if its dense output has not been made: no guard needed it.
     bare: Option<(State<N>, f64)>,
+    /// Over how many steps of the phase bounds of a guard could not be followed.
+    open: u32,
 }
+
+/// A step that could have been longer by this is not what error control asks for: at tolerances near rounding that alone bounds it so.
+const FREE: f64 = 1.5;
+
+/// After so many steps over which bounds could not be followed they may be twice as long.
+const PATIENCE: u32 = 32;
 
 impl<const N: usize> Slopes<N> {
     /// Forgets what belonged to the flow before.
@@ -102,7 +110,7 @@ impl<const N: usize> Slopes<N> {
             h,
             to_end: (run.t_end - t) / h,
             is_free,
-            is_unsettled: Cell::new(false),
+            is_open: Cell::new(false),
             again: Again::by::<M>(),
             field_calls: Cell::new(0),
         };
@@ -117,16 +125,11 @@ impl<const N: usize> Slopes<N> {
             run.reject_undefined(h)?;
             return Ok(Trial::NoStep);
         };
-        let before = run.last.1.t - run.last.0.t;
-        if origin.is_unsettled.get()
-            && run.options.fixed_step().is_none()
-            && 0.0 < before
-            && 2.0 * before < h
-        {
-            // A guard does more in this step than its bounds can be followed through; in the one before it did not.
-            run.counters.rejected += 1;
-            run.h = before;
-            return Ok(Trial::NoStep);
+        if origin.is_open.get() && run.options.fixed_step().is_none() {
+            // A guard does more in this step than its bounds can be followed through. Where they cannot be over shorter ones either, steps grow yet.
+            self.open += 1;
+            let grows = self.open.is_multiple_of(PATIENCE);
+            run.h = run.h.min(if grows { 2.0 * h } else { h });
         }
         let latest = if is_last {
             t_next
@@ -172,8 +175,8 @@ fn dense_again<M: RungeKutta, const N: usize>(
 }
 
 impl<const N: usize, const G: usize> Run<N, G> {
-    /// The next step within the tolerance: its length, whether it ends at the end time, whether error control would have let it be far longer, its
-    /// slopes and end.
+    /// The next step within the tolerance: its length, whether it ends at the end time, whether it could have been longer, its slopes and
+    /// end.
     #[inline(always)]
     fn accepted_step<M: RungeKutta, F: Flow<N>>(
         &mut self,
@@ -204,7 +207,7 @@ impl<const N: usize, const G: usize> Run<N, G> {
                 // nothing against the one that was planned.
                 let next = h * if rejected { factor.min(1.0) } else { factor };
                 self.h = if is_last { next.max(self.h) } else { next };
-                return Ok((h, is_last, factor >= GROW_MOST, step));
+                return Ok((h, is_last, factor > FREE, step));
             }
             self.counters.rejected += 1;
             rejected = true;

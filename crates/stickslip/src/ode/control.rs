@@ -25,7 +25,7 @@ impl Tolerance {
 /// Smallest and largest change of the step from one to the next, and the safety factor on the ideal one
 /// (the values of `dop853.f`).
 const SHRINK_MOST: f64 = 0.333;
-pub(crate) const GROW_MOST: f64 = 6.0;
+const GROW_MOST: f64 = 6.0;
 const SAFETY: f64 = 0.9;
 
 /// Square of the error of a step in units of the tolerance: at most 1 is good. Not finite where the step is not.

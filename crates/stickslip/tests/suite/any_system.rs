@@ -15,7 +15,7 @@ use crate::grazes;
 use crate::line::Line;
 use crate::listed::{Listed, systems};
 use crate::lyapunov_equations::{Fork, FromSupport, Linear, Pressed, Refracting, Rider, Roessler};
-use crate::pulses::{Overflowing, Pushed, Spike};
+use crate::pulses::{Overflowing, Pushed, Slippery, Spike};
 use crate::sections::Watches;
 use crate::smooth::{Lorenz, Smooth};
 use crate::solver::systems::{
@@ -39,7 +39,7 @@ systems!(
     Belt(BeltOscillator), Bilinear(Bilinear), Ceiling(Ceiling), CornerOfBoundary(CornerOfBoundary), CornerOfField(CornerOfField), Creep(Creep), DenHartog(DenHartog), Dip(Dip), Driven(Driven), EqualInStick(EqualInStick), Floor(Floor), Forced(ForcedOscillator), FromSupport(FromSupport),
     Gate(Gate), Kink(Kink), Ledge(Ledge), Linear(Smooth<Linear<2>>), Overflowing(Overflowing), Parabola(Parabola), Pit(Pit), Pushed(Pushed), Ramp(Ramp),
     Refracting(Refracting), ReversedBelt(Reversed<BeltOscillator>), ReversedForced(Reversed<ForcedOscillator>),
-    Shaken(grazes::Shaken), SoftStop(SoftStop), SpiralAtRest(grazes::AtRest), Spiral(Spiral), StaticFriction(StaticFriction), Turn(Turn), TwoFold(TwoFold), Zeno(Zeno),
+    Shaken(grazes::Shaken), SoftStop(SoftStop), SpiralAtRest(grazes::AtRest), Spiral(Spiral), Slippery(Slippery), StaticFriction(StaticFriction), Turn(Turn), TwoFold(TwoFold), Zeno(Zeno),
 );
 
 systems!(

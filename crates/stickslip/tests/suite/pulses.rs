@@ -52,6 +52,8 @@ pub struct Pushed {
     size: f64,
     /// Amplitude and frequency of what shakes it.
     shaken: [f64; 2],
+    /// How fast another force grows.
+    ramp: f64,
     spring: f64,
     friction: f64,
     belt: f64,
@@ -61,7 +63,8 @@ impl Filippov<2> for Pushed {
     fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; 2]) -> [T; 2] {
         let push = self.shape.at((t - self.at) * (1.0 / self.width)) * self.size;
         let [amplitude, frequency] = self.shaken;
-        let force = push + (t * frequency).sin() * amplitude - x[0] * self.spring;
+        let drive = (t * frequency).sin() * amplitude + t * self.ramp;
+        let force = push + drive - x[0] * self.spring;
         [x[1], force - self.friction * side.sign()]
     }
 
@@ -93,6 +96,7 @@ fn a_stick_ends_in_a_pulse_however_long_it_has_lasted() {
                 width,
                 size: 1.2,
                 shaken: [0.0; 2],
+                ramp: 0.0,
                 spring: 0.0,
                 friction: 1.0,
                 belt,
@@ -113,6 +117,80 @@ fn a_stick_ends_in_a_pulse_however_long_it_has_lasted() {
 }
 
 #[test]
+fn a_stick_ends_in_a_pulse_before_it_ends_by_a_force_that_grows() {
+    for at in (0..40).map(|k| 250.0 + 6.1 * f64::from(k)) {
+        let system = Pushed {
+            shape: Shape::Bell,
+            at,
+            width: 0.01,
+            size: 0.6,
+            shaken: [0.0; 2],
+            ramp: 0.002,
+            spring: 0.0,
+            friction: 1.0,
+            belt: 0.0,
+        };
+        let orbit = solve(&system, 0.0, [0.0, 0.0], 600.0, &Options::default()).expect("runs");
+        assert!((orbit.transitions[0].t - at).abs() < 0.02, "{at}");
+    }
+}
+
+#[test]
+fn a_pulse_right_behind_the_start_of_a_step_is_found() {
+    for at in (0..60).map(|k| 260.0 + 0.3 * f64::from(k)) {
+        for first_step in [None, Some(at - 0.02), Some(500.0)] {
+            let system = Pushed {
+                shape: Shape::Bell,
+                at,
+                width: 0.01,
+                size: 1.2,
+                shaken: [0.0; 2],
+                ramp: 0.0,
+                spring: 0.0,
+                friction: 1.0,
+                belt: 0.5,
+            };
+            let options = Options {
+                first_step,
+                ..Options::default()
+            };
+            let orbit = solve(&system, 0.0, [0.0, 0.5], 1000.0, &options).expect("runs");
+            let what = format!("{at} {first_step:?}");
+            assert_eq!(orbit.transitions.len(), 2, "{what}");
+        }
+    }
+}
+
+/// Carried by a belt over a place where the friction is small for a hundredth of a second.
+pub struct Slippery {
+    belt: f64,
+}
+
+impl Filippov<2> for Slippery {
+    fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T; 2]) -> [T; 2] {
+        let there = Shape::Bell.at((x[0] - self.belt * 300.0) * (100.0 / self.belt));
+        [x[1], (there * 0.9 - 1.0) * side.sign() + 0.37]
+    }
+
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
+        x[1] - self.belt
+    }
+}
+
+#[test]
+fn a_narrow_place_in_state_is_found_where_only_rounding_bounds_the_step() {
+    for belt in [0.125, 0.1, 0.3, 0.7, 1.3] {
+        for digits in [6, 8, 10, 12, 13] {
+            let options = options(Method::Dop853, digits);
+            let orbit =
+                solve(&Slippery { belt }, 0.0, [0.0, belt], 1000.0, &options).expect("runs");
+            let wanted = [TransitionKind::StickExit, TransitionKind::StickEntry];
+            assert_eq!(kinds(&orbit), wanted, "{belt} {digits}");
+        }
+    }
+}
+
+#[test]
 fn a_pulse_is_found_among_the_waves_of_a_fast_drive() {
     for (amplitude, belt, count) in [(0.8, 0.4, 0), (0.9, 0.0, 8), (0.99, 0.4, 16)] {
         let system = Pushed {
@@ -121,6 +199,7 @@ fn a_pulse_is_found_among_the_waves_of_a_fast_drive() {
             width: 0.3,
             size: 0.2,
             shaken: [amplitude, 50.0],
+            ramp: 0.0,
             spring: 0.0,
             friction: 1.0,
             belt,
@@ -150,6 +229,7 @@ fn series_meet_a_pulse_in_slip_and_come_out_with_its_whole_push() {
                 width,
                 size: 0.4 / width,
                 shaken: [0.0; 2],
+                ramp: 0.0,
                 spring: 1.0,
                 friction: 0.1,
                 belt: 0.5,
@@ -304,6 +384,7 @@ fn an_orbit_is_the_same_whoever_looks_at_its_steps() {
         width: 0.01,
         size: 40.0,
         shaken: [0.0; 2],
+        ramp: 0.0,
         spring: 1.0,
         friction: 0.1,
         belt: 0.5,

@@ -11,7 +11,7 @@ use super::flow::Flow;
 use super::guard::{Fall, Probe, StepGuard};
 use super::leaving::Leaving;
 use super::options::Locator;
-use super::scan::{Bounds, Bracket};
+use super::scan::{Bounds, Bracket, first_bracket_within};
 use crate::interval::Interval;
 use crate::ode::{Dense, RungeKutta, Timed, henon_step, step_end};
 use crate::system::State;
@@ -52,10 +52,10 @@ pub(crate) struct Origin<'a, F, const N: usize> {
     pub h: f64,
     /// The part of the step at which the run's end time is, 1 or more.
     pub to_end: f64,
-    /// Whether nothing in the field, as far as error control tells, keeps the step from being longer.
+    /// Whether error control does not ask for so short a step.
     pub is_free: bool,
     /// Whether bounds were asked about a guard for so long that samples had to decide.
-    pub is_unsettled: Cell<bool>,
+    pub is_open: Cell<bool>,
     pub again: Again<N>,
     /// Calls of the user's field by location.
     pub field_calls: Cell<u64>,
@@ -90,14 +90,18 @@ pub(crate) struct OnDense<'a, F, const N: usize> {
     pub asked: Cell<u32>,
 }
 
-/// Bounds are asked about no more parts of a step than this: twice the halvings down to a millionth of it, and some.
-const MOST_ASKED: u32 = 64;
+/// Bounds are asked about no more parts of a step than this.
+const MOST_ASKED: u32 = 256;
 
-/// In place of how many: bounds say nothing here, or need not be asked.
+/// After so many it is looked at whether they say anything.
+const FEW_ASKED: u32 = 4;
+
+/// In place of how many: they say nothing.
 const UNASKABLE: u32 = u32::MAX;
 
-/// A part this narrow tells whether bounds say anything.
-const GLIMPSE: f64 = 1e-3;
+/// Where, and in how narrow a part of the step: a function that reads values, or compares what is equal, has bounds nowhere.
+const GLIMPSES: [f64; 5] = [0.0, 0.0117, 0.1234, 0.5678, 0.9119];
+const GLIMPSE: f64 = 1e-9;
 
 /// Up to here a guard that is zero at the start is left to samples.
 const LEAVING: f64 = 0.0625;
@@ -132,19 +136,27 @@ impl<F: Flow<N>, const N: usize> StepGuard<N> for OnDense<'_, F, N> {
         self.look(self.reach(s))
     }
 
+    fn first_zero(&self, from: f64) -> Option<Bracket> {
+        let bounds = &mut |from, to| self.bounds(from, to);
+        first_bracket_within(&mut |s| self.value(s), bounds, from, 1.0)
+    }
+}
+
+impl<F: Flow<N>, const N: usize> OnDense<'_, F, N> {
+    /// What bounds say of the guard between two parts of the step.
     fn bounds(&self, from: f64, to: f64) -> Bounds {
         let asked = self.asked.get();
         let first = if self.start.is_some() { LEAVING } else { 0.0 };
         if asked == UNASKABLE || to <= first {
             return Bounds::Unknown;
         }
-        if asked == MOST_ASKED {
-            self.origin.is_unsettled.set(true);
-            return Bounds::Unknown;
-        }
         if asked == 0 && !self.origin.is_free && !self.depends_on_time() {
             // Error control has followed what the state goes through.
             self.asked.set(UNASKABLE);
+            return Bounds::Unknown;
+        }
+        if asked == MOST_ASKED {
+            self.origin.is_open.set(true);
             return Bounds::Unknown;
         }
         self.asked.set(asked + 1);
@@ -156,21 +168,24 @@ impl<F: Flow<N>, const N: usize> StepGuard<N> for OnDense<'_, F, N> {
                 Bounds::Clear
             };
         }
-        if asked == 1 && !self.is_clear(first, first + GLIMPSE) {
+        if asked == FEW_ASKED && !self.is_bounded() {
             self.asked.set(UNASKABLE);
             return Bounds::Unknown;
         }
         Bounds::Open
     }
-}
 
-impl<F: Flow<N>, const N: usize> OnDense<'_, F, N> {
     /// Whether the guard changes with time alone, or may.
     fn depends_on_time(&self) -> bool {
         let Origin { flow, t, x, h, .. } = self.origin;
         let states = std::array::from_fn(|i| Interval::new(x[i], x[i]));
         let range = flow.range(self.guard, Interval::new(*t, t + h), &states);
         range.is_none_or(|range| range.low != range.high)
+    }
+
+    /// Whether bounds say anything of it anywhere.
+    fn is_bounded(&self) -> bool {
+        GLIMPSES.iter().any(|&s| self.is_clear(s, s + GLIMPSE))
     }
 
     /// Whether the guard is certain to be positive between two parts of the step.
