@@ -99,48 +99,89 @@ pub(crate) fn first_bracket_within(
     hi: f64,
 ) -> Option<Bracket> {
     // Each halving leaves one interval waiting, and NARROWEST allows 26 of them.
-    let mut waiting = [(0.0, 0.0, 0); 32];
-    // The part in hand, and by how many halvings samples that were clear are above it.
-    let (mut lo, mut hi, mut trusted) = (lo, hi, 0);
+    let mut waiting = [Part::default(); 32];
     let mut count = 0;
+    let mut part = Part {
+        ends: (lo, hi),
+        ..Part::default()
+    };
     loop {
+        let (lo, hi) = part.ends;
         let mut halves = None;
         match bounds(lo, hi) {
             Bounds::Clear => {}
-            Bounds::Open if 0 < trusted && trusted < RESAMPLED => {
-                halves = Some((lo, 0.5 * (lo + hi), hi, [trusted + 1; 2]));
+            Bounds::Open if 0 < part.trusted && part.trusted < RESAMPLED => {
+                halves = Some(part.halved(part.trusted + 1));
             }
             said => {
                 let samples = Samples::take(value, lo, hi);
                 let is_narrow = hi - lo <= NARROWEST;
-                let middle = samples.nodes[NODES / 2];
                 match samples.verdict() {
                     Verdict::Clear if said == Bounds::Unknown || is_narrow => {}
-                    Verdict::Clear => halves = Some((lo, middle, hi, [1; 2])),
-                    Verdict::Zero(bracket) if said == Bounds::Unknown => return Some(bracket),
-                    Verdict::Zero(bracket) => match doubtful_before(bracket, value, bounds) {
-                        None => return Some(bracket),
-                        Some((from, middle, to)) => halves = Some((from, middle, to, [1, 0])),
-                    },
+                    Verdict::Clear => halves = Some(part.halved(1)),
+                    Verdict::Zero(found) => {
+                        // What has a zero excluded before it is the bracket that was seen first.
+                        let bracket = part.rest_of.unwrap_or(found);
+                        let doubtful = (said == Bounds::Open)
+                            .then(|| doubtful_before(found, value, bounds))
+                            .flatten();
+                        let Some((from, middle, to)) = doubtful else {
+                            return Some(bracket);
+                        };
+                        let before = Part {
+                            ends: (from, middle),
+                            trusted: 1,
+                            rest_of: None,
+                        };
+                        let rest = Part {
+                            ends: (middle, to),
+                            trusted: 0,
+                            rest_of: Some(bracket),
+                        };
+                        halves = Some((before, rest));
+                    }
                     Verdict::Unresolved if is_narrow => {
                         if let Some(bracket) = samples.first_sign_change() {
                             return Some(bracket);
                         }
                     }
-                    Verdict::Unresolved => halves = Some((lo, middle, hi, [0; 2])),
+                    Verdict::Unresolved => halves = Some(part.halved(0)),
                 }
             }
         }
-        if let Some((from, middle, to, below)) = halves {
-            (lo, hi, trusted) = (from, middle, below[0]);
-            waiting[count] = (middle, to, below[1]);
+        if let Some((before, rest)) = halves {
+            (part, waiting[count]) = (before, rest);
             count += 1;
         } else if count > 0 {
             count -= 1;
-            (lo, hi, trusted) = waiting[count];
+            part = waiting[count];
         } else {
             return None;
         }
+    }
+}
+
+/// A part of the interval that is searched.
+#[derive(Clone, Copy, Default)]
+struct Part {
+    ends: (f64, f64),
+    /// By how many halvings samples that were clear are above it.
+    trusted: u32,
+    /// The bracket of a zero that it is the last part of, if there was doubt about what is before.
+    rest_of: Option<Bracket>,
+}
+
+impl Part {
+    fn halved(self, trusted: u32) -> (Self, Self) {
+        let (lo, hi) = self.ends;
+        // As the middle of the samples is found.
+        let middle = lo + 0.5 * (hi - lo);
+        let half = |ends| Part {
+            ends,
+            trusted,
+            rest_of: None,
+        };
+        (half((lo, middle)), half((middle, hi)))
     }
 }
 

@@ -30,15 +30,10 @@ pub(crate) struct Slopes<const N: usize> {
     slope: Option<State<N>>,
     /// Slope at the start and length of the last step, if its dense output has not been made: no guard needed it.
     bare: Option<(State<N>, f64)>,
-    /// Over how many steps of the phase bounds of a guard could not be followed.
-    open: u32,
 }
 
 /// A step that could have been longer by this is not what error control asks for: at tolerances near rounding that alone bounds it so.
 const FREE: f64 = 1.5;
-
-/// After so many steps over which bounds could not be followed they may be twice as long.
-const PATIENCE: u32 = 32;
 
 impl<const N: usize> Slopes<N> {
     /// Forgets what belonged to the flow before.
@@ -110,7 +105,6 @@ impl<const N: usize> Slopes<N> {
             h,
             to_end: (run.t_end - t) / h,
             is_free,
-            is_open: Cell::new(false),
             again: Again::by::<M>(),
             field_calls: Cell::new(0),
         };
@@ -125,12 +119,6 @@ impl<const N: usize> Slopes<N> {
             run.reject_undefined(h)?;
             return Ok(Trial::NoStep);
         };
-        if origin.is_open.get() && run.options.fixed_step().is_none() {
-            // A guard does more in this step than its bounds can be followed through. Where they cannot be over shorter ones either, steps grow yet.
-            self.open += 1;
-            let grows = self.open.is_multiple_of(PATIENCE);
-            run.h = run.h.min(if grows { 2.0 * h } else { h });
-        }
         let latest = if is_last {
             t_next
         } else {

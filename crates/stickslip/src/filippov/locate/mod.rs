@@ -54,8 +54,6 @@ pub(crate) struct Origin<'a, F, const N: usize> {
     pub to_end: f64,
     /// Whether error control does not ask for so short a step.
     pub is_free: bool,
-    /// Whether bounds were asked about a guard for so long that samples had to decide.
-    pub is_open: Cell<bool>,
     pub again: Again<N>,
     /// Calls of the user's field by location.
     pub field_calls: Cell<u64>,
@@ -95,9 +93,6 @@ const MOST_ASKED: u32 = 256;
 
 /// After so many it is looked at whether they say anything.
 const FEW_ASKED: u32 = 4;
-
-/// In place of how many: they say nothing.
-const UNASKABLE: u32 = u32::MAX;
 
 /// Where, and in how narrow a part of the step: a function that reads values, or compares what is equal, has bounds nowhere.
 const GLIMPSES: [f64; 5] = [0.0, 0.0117, 0.1234, 0.5678, 0.9119];
@@ -147,16 +142,12 @@ impl<F: Flow<N>, const N: usize> OnDense<'_, F, N> {
     fn bounds(&self, from: f64, to: f64) -> Bounds {
         let asked = self.asked.get();
         let first = if self.start.is_some() { LEAVING } else { 0.0 };
-        if asked == UNASKABLE || to <= first {
+        if asked >= MOST_ASKED || to <= first {
             return Bounds::Unknown;
         }
         if asked == 0 && !self.origin.is_free && !self.depends_on_time() {
             // Error control has followed what the state goes through.
-            self.asked.set(UNASKABLE);
-            return Bounds::Unknown;
-        }
-        if asked == MOST_ASKED {
-            self.origin.is_open.set(true);
+            self.asked.set(MOST_ASKED);
             return Bounds::Unknown;
         }
         self.asked.set(asked + 1);
@@ -169,7 +160,7 @@ impl<F: Flow<N>, const N: usize> OnDense<'_, F, N> {
             };
         }
         if asked == FEW_ASKED && !self.is_bounded() {
-            self.asked.set(UNASKABLE);
+            self.asked.set(MOST_ASKED);
             return Bounds::Unknown;
         }
         Bounds::Open
