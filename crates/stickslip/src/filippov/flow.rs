@@ -119,7 +119,7 @@ fn is_positive(range: Interval) -> bool {
 pub trait Flow<const N: usize> {
     /// The guards there are, [`CONTACT`] among them.
     const GUARDS: &'static [usize];
-    /// Whether one guard costs as much as all together, so that they are sampled together.
+    /// Whether one guard costs as much as all together, so that they are asked for together.
     const TOGETHER: bool = false;
     /// Whether the user's functions are interpreted.
     const INTERPRETED: bool;

@@ -4,7 +4,8 @@
 //! of the last two, the interpolant's tail, counted again as a margin for what it leaves out) then say
 //! for the whole interval that there is no zero, or that the function is monotone so that its ends
 //! decide; where they say neither, the interval is halved. So two crossings within a step, or a touch
-//! from which the function returns, are seen however close they lie, down to rounding.
+//! from which the function returns, are seen however close they lie, down to rounding. What is so narrow that it
+//! lies beside all samples is seen where the function has bounds over parts of the interval: what samples call clear is halved until bounds do.
 
 /// An interval at whose start the function is positive and at whose end it is not.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,7 +28,8 @@ const COS: [f64; 16] = {
     ]
 };
 
-/// Intervals narrower than this part of the step are not halved again: a parabola bends by 1e-16 over it.
+/// Intervals narrower than this part of the step are not halved again: a parabola bends by 1e-16 over it. What is longer than a step is halved
+/// no more often than one.
 pub(crate) const NARROWEST: f64 = 1.5e-8;
 
 /// The nine points of the unit interval.
@@ -41,7 +43,7 @@ const UNIT: [f64; NODES] = {
     nodes
 };
 
-/// Whether `value` stays far from zero over the whole step: the cheap test that nearly every step passes.
+/// Whether `value` stays far from zero over the whole step, by samples: the cheap test of a user's own event functions.
 ///
 /// Between nine Chebyshev points a polynomial leaves the range of its values by at most 1.2 times its half-width
 /// (Lebesgue constant 2.4); four times is asked for. A value that is not finite is far from nothing.
@@ -98,7 +100,8 @@ pub(crate) fn first_bracket_within(
     lo: f64,
     hi: f64,
 ) -> Option<Bracket> {
-    // Each halving leaves one interval waiting, and NARROWEST allows 26 of them.
+    // Each halving leaves one interval waiting, and NARROWEST allows 26 of them, RESAMPLED two more.
+    let narrowest = NARROWEST * (hi - lo).max(1.0);
     let mut waiting = [Part::default(); 32];
     let mut count = 0;
     let mut part = Part {
@@ -115,7 +118,7 @@ pub(crate) fn first_bracket_within(
             }
             said => {
                 let samples = Samples::take(value, lo, hi);
-                let is_narrow = hi - lo <= NARROWEST;
+                let is_narrow = hi - lo <= narrowest;
                 match samples.verdict() {
                     Verdict::Clear if said == Bounds::Unknown || is_narrow => {}
                     Verdict::Clear => halves = Some(part.halved(1)),
@@ -363,6 +366,55 @@ mod tests {
                 assert_eq!(zero_of(parabola(-gap)), None);
             }
         }
+    }
+
+    #[test]
+    fn an_interval_however_long_is_searched_to_its_end() {
+        for length in [1e3, 1e6, 1e12] {
+            let middle = 0.3 * length;
+            let touch = |s: f64| (s - middle) * (s - middle);
+            let found = first_zero(touch, 0.0, length);
+            assert!(found.is_none_or(|s| (s - middle).abs() < 1e-3 * length));
+            assert_eq!(first_zero(|s| middle - s, 0.0, length), Some(middle));
+        }
+    }
+
+    #[test]
+    fn a_spike_beside_all_samples_is_seen_where_bounds_leave_its_place_open() {
+        let at = 0.7123;
+        let spike = |s: f64| if (s - at).abs() < 1e-6 { -1.0 } else { 1.0 };
+        assert_eq!(zero_of(spike), None);
+        let bounds = |from: f64, to: f64| {
+            if to < at - 1e-6 || at + 1e-6 < from {
+                Bounds::Clear
+            } else {
+                Bounds::Open
+            }
+        };
+        let found = first_bracket_within(&mut { spike }, &mut { bounds }, 0.0, 1.0);
+        let found = found.expect("a spike");
+        assert!(
+            found.a <= at - 1e-6 && (found.b - at).abs() < 1e-5,
+            "{found:?}"
+        );
+        // One before the zero that samples see.
+        let falling = |s: f64| (0.9 - s).min(spike(s));
+        let bounds = |from: f64, to: f64| {
+            if to > 0.9 {
+                Bounds::Open
+            } else {
+                bounds(from, to)
+            }
+        };
+        let found = first_bracket_within(&mut { falling }, &mut { bounds }, 0.0, 1.0);
+        assert!(
+            found.is_some_and(|found| (found.b - at).abs() < 1e-5),
+            "{found:?}"
+        );
+        // Without it the bracket is that of samples alone.
+        let smooth = |s: f64| 0.9 - s;
+        let found = first_bracket_within(&mut { smooth }, &mut { bounds }, 0.0, 1.0);
+        assert_eq!(found, zero_of(smooth));
     }
 
     #[test]

@@ -59,6 +59,19 @@ pub struct Pushed {
     belt: f64,
 }
 
+/// On a belt that stands, pushed a little more than friction holds.
+const PUSHED: Pushed = Pushed {
+    shape: Shape::Bell,
+    at: 0.0,
+    width: 0.01,
+    size: 1.2,
+    shaken: [0.0; 2],
+    ramp: 0.0,
+    spring: 0.0,
+    friction: 1.0,
+    belt: 0.0,
+};
+
 impl Filippov<2> for Pushed {
     fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; 2]) -> [T; 2] {
         let push = self.shape.at((t - self.at) * (1.0 / self.width)) * self.size;
@@ -94,12 +107,8 @@ fn a_stick_ends_in_a_pulse_however_long_it_has_lasted() {
                 shape,
                 at,
                 width,
-                size: 1.2,
-                shaken: [0.0; 2],
-                ramp: 0.0,
-                spring: 0.0,
-                friction: 1.0,
                 belt,
+                ..PUSHED
             };
             let exit = at - width * shape.half_width(1.0 / 1.2);
             for method in [Method::Dop853, Method::Taylor] {
@@ -120,15 +129,10 @@ fn a_stick_ends_in_a_pulse_however_long_it_has_lasted() {
 fn a_stick_ends_in_a_pulse_before_it_ends_by_a_force_that_grows() {
     for at in (0..40).map(|k| 250.0 + 6.1 * f64::from(k)) {
         let system = Pushed {
-            shape: Shape::Bell,
             at,
-            width: 0.01,
             size: 0.6,
-            shaken: [0.0; 2],
             ramp: 0.002,
-            spring: 0.0,
-            friction: 1.0,
-            belt: 0.0,
+            ..PUSHED
         };
         let orbit = solve(&system, 0.0, [0.0, 0.0], 600.0, &Options::default()).expect("runs");
         assert!((orbit.transitions[0].t - at).abs() < 0.02, "{at}");
@@ -140,15 +144,9 @@ fn a_pulse_right_behind_the_start_of_a_step_is_found() {
     for at in (0..60).map(|k| 260.0 + 0.3 * f64::from(k)) {
         for first_step in [None, Some(at - 0.02), Some(500.0)] {
             let system = Pushed {
-                shape: Shape::Bell,
                 at,
-                width: 0.01,
-                size: 1.2,
-                shaken: [0.0; 2],
-                ramp: 0.0,
-                spring: 0.0,
-                friction: 1.0,
                 belt: 0.5,
+                ..PUSHED
             };
             let options = Options {
                 first_step,
@@ -194,15 +192,12 @@ fn a_narrow_place_in_state_is_found_where_only_rounding_bounds_the_step() {
 fn a_pulse_is_found_among_the_waves_of_a_fast_drive() {
     for (amplitude, belt, count) in [(0.8, 0.4, 0), (0.9, 0.0, 8), (0.99, 0.4, 16)] {
         let system = Pushed {
-            shape: Shape::Bell,
             at: 330.0,
             width: 0.3,
             size: 0.2,
             shaken: [amplitude, 50.0],
-            ramp: 0.0,
-            spring: 0.0,
-            friction: 1.0,
             belt,
+            ..PUSHED
         };
         let run = |method, digits| {
             solve(&system, 0.0, [0.0, belt], 400.0, &options(method, digits)).expect("runs")
@@ -228,11 +223,10 @@ fn series_meet_a_pulse_in_slip_and_come_out_with_its_whole_push() {
                 at: 3.0,
                 width,
                 size: 0.4 / width,
-                shaken: [0.0; 2],
-                ramp: 0.0,
                 spring: 1.0,
                 friction: 0.1,
                 belt: 0.5,
+                ..PUSHED
             };
             let run =
                 |options: Options| solve(&system, 0.0, [0.05, -0.1], 8.0, &options).expect("runs");
@@ -379,15 +373,12 @@ impl<const N: usize> Observer<N> for Looks {
 #[test]
 fn an_orbit_is_the_same_whoever_looks_at_its_steps() {
     let system = Pushed {
-        shape: Shape::Bell,
         at: 3.0,
-        width: 0.01,
         size: 40.0,
-        shaken: [0.0; 2],
-        ramp: 0.0,
         spring: 1.0,
         friction: 0.1,
         belt: 0.5,
+        ..PUSHED
     };
     for k in 0..200 {
         let part = f64::from(k) / 199.0;
