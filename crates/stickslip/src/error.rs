@@ -68,7 +68,7 @@ pub enum Error {
     },
     /// The end time does not lie after the start, or one of them is not a number.
     #[error(
-        "cannot integrate from t = {t0} to t = {t_end}: both must be finite and the end later than the start"
+        "cannot integrate from t = {t0} to t = {t_end}: both must be finite and the end later than the start", t0 = readable(*t0), t_end = readable(*t_end)
     )]
     Interval {
         /// Start time.
@@ -78,7 +78,7 @@ pub enum Error {
     },
     /// The start lies where the system is not defined.
     #[error(
-        "cannot start at t = {t}, x = {x}: {what}; start elsewhere, or look for a parameter that is not a number"
+        "cannot start at t = {t}, x = {x}: {what}; start elsewhere, or look for a parameter that is not a number", t = readable(*t)
     )]
     StartOutsideDomain {
         /// Start time.
@@ -90,7 +90,7 @@ pub enum Error {
     },
     /// The state became infinite or not a number.
     #[error(
-        "the state stopped being finite after t = {t}, x = {x}; the field may have a pole there, or the step of {step:?}, if it is fixed, may be too long"
+        "the state stopped being finite after t = {t}, x = {x}; the field may have a pole there, or the step of {step:?}, if it is fixed, may be too long", t = readable(*t)
     )]
     NonFinite {
         /// Last good time.
@@ -102,7 +102,7 @@ pub enum Error {
     },
     /// The adaptive step shrank to rounding: the solution cannot be continued to the tolerance.
     #[error(
-        "the step collapsed to {step:e} at t = {t}, x = {x}: the solution has a singularity there, the field or the boundary or contact function is not defined beyond or overflows inside, or rtol = {rtol:e}, atol = {atol:e} cannot be met; look at the system there, loosen the tolerances or set an escape bound"
+        "the step collapsed to {step:e} at t = {t}, x = {x}: the solution has a singularity there, the field or the boundary or contact function is not defined beyond or overflows inside, or rtol = {rtol:e}, atol = {atol:e} cannot be met; look at the system there, loosen the tolerances or set an escape bound", t = readable(*t)
     )]
     StepCollapse {
         /// Time reached.
@@ -118,7 +118,7 @@ pub enum Error {
     },
     /// Transitions pile up (Zeno): ever more of them within no time.
     #[error(
-        "{count} transitions within {span:e} before t = {t}, x = {x}: they pile up (Zeno); the orbit cannot be followed past the accumulation point"
+        "{count} transitions within {span:e} before t = {t}, x = {x}: they pile up (Zeno); the orbit cannot be followed past the accumulation point", t = readable(*t)
     )]
     EventPileUp {
         /// Transitions counted.
@@ -133,7 +133,7 @@ pub enum Error {
     /// A field that branches by comparisons ([`crate::Scalar::exceeds`] and what is made of it) turns round where they change and holds the orbit
     /// there, as a discontinuity boundary does.
     #[error(
-        "the field turned round {count} times within {span:e} before t = {t}, x = {x}: comparisons in it hold the orbit where they come out otherwise; write the difference of what they compare as the boundary function, with a side for each branch; or raise pile_up_count, if it only turns so often"
+        "the field turned round {count} times within {span:e} before t = {t}, x = {x}: comparisons in it hold the orbit where they come out otherwise; write the difference of what they compare as the boundary function, with a side for each branch; or raise pile_up_count, if it only turns so often", t = readable(*t)
     )]
     BranchPileUp {
         /// Steps that ended where a comparison turns the field round.
@@ -147,7 +147,7 @@ pub enum Error {
     },
     /// A component of the state passed the bound set in the options.
     #[error(
-        "the orbit escaped: |x| > {bound} at t = {t}, x = {x}; raise the escape bound to follow it further"
+        "the orbit escaped: |x| > {bound} at t = {t}, x = {x}; raise the escape bound to follow it further", t = readable(*t), bound = readable(*bound)
     )]
     Escaped {
         /// Time.
@@ -160,7 +160,7 @@ pub enum Error {
     /// Several contacts stand at zero, and the motion that follows is not unique, or there is none.
     #[error(
         "contacts {contacts:?} stand at zero at t = {t}, x = {x}, and {}; friction there may push apart, or one contact's force act on another too strongly: look at the field with each of them on either side (Options::at_repelling has no say for several contacts)",
-        told(candidates)
+        told(candidates), t = readable(*t)
     )]
     NoUniqueMode {
         /// Time.
@@ -175,7 +175,7 @@ pub enum Error {
     /// More contacts stand at zero together than can be tried in all combinations, and their friction is not of the kind that has one
     /// solution.
     #[error(
-        "contacts {contacts:?} stand at zero together at t = {t}, x = {x}: more than eight are too many to try where friction at one does not resist all of them as Coulomb's does; move their boundaries apart, or write their friction without coupling"
+        "contacts {contacts:?} stand at zero together at t = {t}, x = {x}: more than eight are too many to try where friction at one does not resist all of them as Coulomb's does; move their boundaries apart, or write their friction without coupling", t = readable(*t)
     )]
     TooManyContacts {
         /// Time.
@@ -187,7 +187,7 @@ pub enum Error {
     },
     /// The boundaries of contacts that stand at zero together are no boundaries of their own: one has no slope, or two coincide.
     #[error(
-        "the boundary functions of contacts {contacts:?} have gradients at t = {t}, x = {x} that are zero or depend on each other; each contact needs a boundary of its own"
+        "the boundary functions of contacts {contacts:?} have gradients at t = {t}, x = {x} that are zero or depend on each other; each contact needs a boundary of its own", t = readable(*t)
     )]
     DependentContacts {
         /// Time.
@@ -199,7 +199,7 @@ pub enum Error {
     },
     /// What holds a contact is weaker than what brakes it.
     #[error(
-        "the static friction of contact {contact} at t = {t}, x = {x} is {ratio} times the kinetic; it must be at least as large"
+        "the static friction of contact {contact} at t = {t}, x = {x} is {ratio} times the kinetic; it must be at least as large", t = readable(*t), ratio = readable(*ratio)
     )]
     StaticBelowKinetic {
         /// Time.
@@ -213,7 +213,7 @@ pub enum Error {
     },
     /// The field that holds a contact also changes the friction of one that slips.
     #[error(
-        "with contact {held} at rest at t = {t}, x = {x}, Contacts::holding changes the friction of contact {slipping}, which slips; only contacts in `held` have static friction"
+        "with contact {held} at rest at t = {t}, x = {x}, Contacts::holding changes the friction of contact {slipping}, which slips; only contacts in `held` have static friction", t = readable(*t)
     )]
     HoldsElsewhere {
         /// Time.
@@ -227,7 +227,7 @@ pub enum Error {
     },
     /// Friction at one contact depends on the side of another, which the system does not say.
     #[error(
-        "the friction of contacts {} and {} does not add at t = {t}, x = {x}: what one does depends on the side of the other; set Contacts::MULTI_AFFINE to true", pair.0, pair.1
+        "the friction of contacts {} and {} does not add at t = {t}, x = {x}: what one does depends on the side of the other; set Contacts::MULTI_AFFINE to true", pair.0, pair.1, t = readable(*t)
     )]
     NotAdditive {
         /// Time.
@@ -239,7 +239,7 @@ pub enum Error {
     },
     /// The orbit does not cover the time asked for.
     #[error(
-        "t = {t} lies outside the orbit, which covers {from} to {to}; ask within it, or integrate further"
+        "t = {t} lies outside the orbit, which covers {from} to {to}; ask within it, or integrate further", t = readable(*t), from = readable(*from), to = readable(*to)
     )]
     OutsideOrbit {
         /// Time asked for.
@@ -264,7 +264,7 @@ pub enum Error {
         wanted: f64,
     },
     /// Something that the computation relies on was not found.
-    #[error("{what} was not found within {span} time units after t = {t}")]
+    #[error("{what} was not found within {span} time units after t = {t}", t = readable(*t), span = readable(*span))]
     NotFound {
         /// What was sought.
         what: &'static str,
@@ -275,7 +275,7 @@ pub enum Error {
     },
     /// The orbit came to a part of Σ that repels, or to a two-fold, so what should be measured along it has no continuation.
     #[error(
-        "the orbit has no unique future after t = {t}, x = {x}: both fields lead away from the boundary, or both are tangent to it (a two-fold); choose one with `at_repelling`, or start elsewhere"
+        "the orbit has no unique future after t = {t}, x = {x}: both fields lead away from the boundary, or both are tangent to it (a two-fold); choose one with `at_repelling`, or start elsewhere", t = readable(*t)
     )]
     NoUniqueFuture {
         /// Time.
@@ -285,7 +285,7 @@ pub enum Error {
     },
     /// Tangent vectors have no finite image, or one of them none but zero.
     #[error(
-        "the derivative of the flow is singular at t = {t}, x = {x}: the orbit grazes the boundary or a section there, or passes along it, or two contacts come to zero in the same instant, or the field has no derivative; change the start, the section or a parameter a little"
+        "the derivative of the flow is singular at t = {t}, x = {x}: the orbit grazes the boundary or a section there, or passes along it, or two contacts come to zero in the same instant, or the field has no derivative; change the start, the section or a parameter a little", t = readable(*t)
     )]
     TangentSingular {
         /// Time.
@@ -295,9 +295,11 @@ pub enum Error {
     },
 }
 
-/// A number for messages and headings: with an exponent where it would otherwise be a row of zeros.
+/// A number for messages and headings: with an exponent where it would otherwise be a row of zeros, and zero without a sign.
 pub fn readable(value: f64) -> String {
-    if value == 0.0 || (1e-4..1e6).contains(&value.abs()) {
+    if value == 0.0 {
+        "0".to_owned()
+    } else if (1e-4..1e6).contains(&value.abs()) {
         format!("{value}")
     } else {
         format!("{value:e}")

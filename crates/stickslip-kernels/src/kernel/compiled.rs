@@ -83,7 +83,7 @@ where
                 })
             }
             Progress::PhaseEnd(phase) => self.phase(phase, watcher),
-            Progress::Transition(at) => watcher.transition(&TransitionView {
+            Progress::Transition(at) => TransitionView {
                 kind: at.kind,
                 contact: at.contact,
                 from: modes(at.from),
@@ -91,7 +91,8 @@ where
                 t: at.t,
                 x: at.x.as_slice(),
                 residual: at.residual,
-            }),
+            }
+            .tell(watcher),
             Progress::End(summary) => return Err(*summary),
         })
     }

@@ -149,6 +149,25 @@ pub struct TransitionView<'a> {
     pub residual: f64,
 }
 
+impl TransitionView<'_> {
+    /// Tells of it, and of what happens to each other contact whose mode changes in the same instant.
+    pub(super) fn tell(&self, watcher: &mut dyn Watcher) -> ControlFlow<()> {
+        watcher.transition(self)?;
+        let modes = self.from.as_slice().iter().zip(self.to.as_slice());
+        for (contact, (&from, &to)) in modes.enumerate() {
+            if contact != self.contact && from != to {
+                let kind = TransitionKind::between(from, to);
+                watcher.transition(&TransitionView {
+                    kind,
+                    contact,
+                    ..*self
+                })?;
+            }
+        }
+        ControlFlow::Continue(())
+    }
+}
+
 /// A passage of the section.
 #[derive(Clone, Copy, Debug)]
 pub struct Passage<'a> {

@@ -2,6 +2,7 @@
 
 use std::ops::ControlFlow;
 
+use super::switch::kind;
 use crate::ode::{Dense, Timed};
 use crate::system::{Mode, State};
 
@@ -49,6 +50,13 @@ pub enum TransitionKind {
     ContactLoss,
     /// The contact function rises above zero again; the mode goes on.
     ContactGain,
+}
+
+impl TransitionKind {
+    /// What a change of one contact's mode is called. At a transition of several contacts others may be let go, or stop, too.
+    pub fn between(from: Mode, to: Mode) -> Self {
+        kind(from, to)
+    }
 }
 
 /// A transition on Σ.

@@ -1,6 +1,8 @@
 //! More friction at rest than in slip at two contacts, one on the other: against a scan of the same equations in steps of 1e-5.
 
-use stickslip::{Method, Mode, Options, Several, Side, math, solve};
+use stickslip::{
+    Contacts, Method, Mode, Options, Scalar, Several, Side, TransitionKind, math, solve,
+};
 
 use super::references::stacked;
 use super::rig::Rig;
@@ -181,5 +183,44 @@ fn static_friction_at_two_contacts_agrees_with_a_scan() {
                 "{found:?} {expected:?}"
             );
         }
+    }
+}
+
+/// One block on another on the ground, of mass 1 each, pulled by t. The ground gives way at 2 and brakes with 1 from then on; together both would
+/// begin at 1/2, but the upper one is held with 0.2 only.
+struct Stacked;
+
+impl Stacked {
+    fn with<T: Scalar>(ground: f64, sides: &[Side; 2], t: T) -> [T; 2] {
+        let top = 0.2 * sides[1].sign();
+        [t - ground * sides[0].sign() + top, T::constant(-top)]
+    }
+}
+
+impl Contacts<2, 2> for Stacked {
+    fn field<T: Scalar>(&self, sides: &[Side; 2], t: T, _x: &[T; 2]) -> [T; 2] {
+        Stacked::with(1.0, sides, t)
+    }
+    fn holding<T: Scalar>(&self, sides: &[Side; 2], held: &[bool; 2], t: T, _x: &[T; 2]) -> [T; 2] {
+        Stacked::with(if held[0] { 2.0 } else { 1.0 }, sides, t)
+    }
+    fn boundaries<T: Scalar>(&self, _t: T, x: &[T; 2]) -> [T; 2] {
+        [x[0], x[1] - x[0]]
+    }
+}
+
+#[test]
+fn a_contact_that_another_one_lets_go_is_among_those_that_change() {
+    for method in [Method::Taylor, Method::Dop853] {
+        let options = Options::tol(1e-13).method(method);
+        let orbit = solve(&Several(Stacked), 0.0, [0.0, 0.0], 3.0, &options).unwrap();
+        let [at] = &orbit.transitions[..] else {
+            panic!("{:?}", orbit.transitions);
+        };
+        assert!((at.t - 2.0).abs() < 1e-13);
+        assert_eq!((at.contact, at.kind), (0, TransitionKind::StickExit));
+        let other = TransitionKind::between(at.from[1], at.to[1]);
+        assert_eq!(other, TransitionKind::StickExit);
+        assert!((orbit.x_end[0] - 1.3).abs() < 1e-12 && (orbit.x_end[1] - 0.2).abs() < 1e-12);
     }
 }
