@@ -1,6 +1,7 @@
 //! A system ready to run: a file, and values for its parameters.
 
 use stickslip::Direction;
+use stickslip::nalgebra::{DMatrix, DVector};
 use stickslip::statistics::SplitMix;
 
 use crate::file::{Built, FileError, SystemFile, Variant, did_you_mean};
@@ -11,6 +12,15 @@ use stickslip_kernels::kernel::{
 
 /// States at which a period is tried.
 const PROBES: usize = 16;
+
+/// Steps of Newton's iteration: where gradients depend on each other each halves what is left.
+const NEWTON_STEPS: usize = 60;
+
+/// Singular value of gradients of length 1 below which they depend on each other: ten times that of a run, which may come nearer.
+const DEPENDENT: f64 = 1e-5;
+
+/// Distance from a boundary, in parts of the state, below which it is reached.
+const ON_BOUNDARY: f64 = 1e-13;
 
 /// Part by which the field may differ after a period: rounding, in time, too.
 const PERIODIC: f64 = 1e-6;
@@ -178,22 +188,69 @@ impl System {
             });
             values.collect()
         };
-        let random = &mut SplitMix::new(1);
-        let start = self.built.start.clone();
-        let start = start.unwrap_or_else(|| vec![0.0; self.states()]);
-        Some((0..PROBES).all(|_| {
-            let t = self.file.time.start + random.between(0.0, period);
-            let x: Vec<f64> = start
-                .iter()
-                .map(|x| x + random.between(-1.0, 1.0))
-                .collect();
-            let (now, later) = (at(t, &x), at(t + period, &x));
+        let random = &mut SplitMix::new(2);
+        Some(self.probes().iter().all(|x| {
+            let t = self.built.t_start + random.between(0.0, period);
+            let (now, later) = (at(t, x), at(t + period, x));
             // What is no number here is none of this.
             now.iter().zip(&later).all(|(now, later)| {
                 let off = (now - later).abs();
                 off.is_nan() || off <= PERIODIC * (1.0 + now.abs())
             })
         }))
+    }
+
+    /// States about the start, or about zero.
+    fn probes(&self) -> Vec<Vec<f64>> {
+        let random = &mut SplitMix::new(1);
+        let start = self.built.start.clone();
+        let start = start.unwrap_or_else(|| vec![0.0; self.states()]);
+        let mut probe = |_| {
+            start
+                .iter()
+                .map(|x| x + random.between(-1.0, 1.0))
+                .collect()
+        };
+        (0..PROBES).map(&mut probe).collect()
+    }
+
+    /// Contacts whose boundaries vanish together, and a state where their gradients depend on each other, so that no run can go through it.
+    /// Looked for at the start's time, from states about the start.
+    pub fn dependent_boundaries(&self) -> Option<(Vec<usize>, Vec<f64>)> {
+        // Numbers of subsets come before those of the sets.
+        (1..1_usize << self.contacts()).find_map(|set| {
+            let contacts = (0..self.contacts()).filter(|contact| set >> contact & 1 == 1);
+            let contacts: Vec<usize> = contacts.collect();
+            let states = self.probes().into_iter();
+            let found = states.filter_map(|x| self.dependence(&contacts, x)).next();
+            found.map(|x| (contacts, x))
+        })
+    }
+
+    /// Newton's iteration, by the shortest steps, to where the boundaries of these contacts vanish; the place if they depend on each other there.
+    fn dependence(&self, contacts: &[usize], mut x: Vec<f64>) -> Option<Vec<f64>> {
+        for _ in 0..NEWTON_STEPS {
+            let at = |i: usize, k| self.boundary_and_slope(contacts[i], self.built.t_start, &x, k);
+            let mut normals = DMatrix::from_fn(contacts.len(), x.len(), |i, k| at(i, k).1);
+            let mut heights = DVector::from_fn(contacts.len(), |i, _| at(i, 0).0);
+            for (mut normal, height) in normals.row_iter_mut().zip(heights.iter_mut()) {
+                let size = normal.norm();
+                if !(size > 0.0 && size.is_finite()) {
+                    return None;
+                }
+                normal /= size;
+                *height /= size;
+            }
+            let is_there =
+                heights.amax() <= ON_BOUNDARY * x.iter().fold(1.0, |far: f64, x| far.max(x.abs()));
+            let normals = normals.svd(true, true);
+            if is_there {
+                return (normals.rank(DEPENDENT) < contacts.len()).then_some(x);
+            }
+            let step = normals.solve(&heights, DEPENDENT * DEPENDENT).ok()?;
+            x.iter_mut().zip(&step).for_each(|(x, step)| *x -= step);
+        }
+        None
     }
 
     /// The compiled solver for it.

@@ -1,8 +1,9 @@
 //! Tangent points of a contact's boundary, and where on it a contact sticks.
 //!
-//! Of a system of two states a boundary Σ is a curve, of more states a surface. It is looked at along one state: for every value of that the boundary's
-//! own equation gives another one, and further states keep the values that they are given. There the rates at which the two fields
-//! approach Σ are functions of one number. Where one of them vanishes a field is tangent to Σ; where both fields push to Σ the contact sticks.
+//! Of a system of two states a boundary Σ is a curve, of more states a surface. It is looked at along one state. For every value of
+//! that the boundary's own equation gives another one; further states keep the values that they are given. The equation may have
+//! several solutions or none: each is followed as a branch to where Σ turns back. On a branch the rates at which the two fields
+//! approach Σ are functions of one number. Where one of them vanishes a field is tangent to Σ; where both push to Σ the contact sticks.
 
 use stickslip::analysis::Visibility;
 use stickslip::scalar::Dual;
@@ -13,6 +14,18 @@ use stickslip_kernels::expression::Tape;
 
 /// How many values the range is divided into: two tangent points nearer than one of these are not told apart from none.
 const FINENESS: usize = 2000;
+
+/// Parts of the window of the solved state; two branches in one of them may be passed over.
+const ACROSS: usize = 64;
+
+/// Halvings of a part of the range, to the rounding of its ends.
+const HALVINGS: usize = 52;
+
+/// Values of the solved state are the same within this part of their size and of the window: the root of rounding, as in a turn.
+const SAME: f64 = 1e-7;
+
+/// The state along the line, and the one that the boundary's equation gives.
+pub type At = [f64; 2];
 
 /// Newton steps for the state that the boundary's equation gives.
 const MOST_STEPS: usize = 50;
@@ -32,6 +45,8 @@ pub struct Line {
     pub t: f64,
     /// Values of the other states, and where to look for the solved one first.
     pub x: Vec<f64>,
+    /// Points of a branch, by rising value; empty where none is chosen.
+    pub path: Vec<At>,
 }
 
 /// Where a field is tangent to the boundary.
@@ -104,7 +119,12 @@ impl Line {
         (t, x): (f64, &[f64]),
     ) -> Option<Line> {
         let states = 0..system.states();
-        let slope = |state: usize| system.boundary_and_slope(contact, t, x, state).1.abs();
+        // In the middle of a closed boundary there is no slope: beside it there is.
+        let beside: Vec<f64> = x.iter().map(|x| x + 1.0).collect();
+        let slope = |state: usize| {
+            let of = |x: &[f64]| system.boundary_and_slope(contact, t, x, state).1.abs();
+            of(x).max(f64::MIN_POSITIVE * of(&beside))
+        };
         let solved = states
             .clone()
             .filter(|&state| Some(state) != along && slope(state) > 0.0)
@@ -117,16 +137,108 @@ impl Line {
             range,
             t,
             x: x.to_vec(),
+            path: Vec::new(),
         })
     }
 
-    /// Tangent points and zones on the line.
-    pub fn scan(&self, system: &System) -> OnLine {
+    /// The branches of the boundary, each a line as far as it reaches, by their lower ends, and what is on them. They come through the window
+    /// of the solved state: what the file shows of it, or as far from the start as the range is wide; or Newton's iteration finds them from the
+    /// start.
+    pub fn scan(&self, system: &System) -> Vec<(Line, OnLine)> {
+        let (start, width) = (self.x[self.solved], self.range.1 - self.range.0);
+        let shown = system.file.states[self.solved].range;
+        let (low, high) = shown.unwrap_or((start - width, start + width));
+        let (low, high) = (low.min(start), high.max(start));
+        let parts = |from: f64, to: f64, parts: usize| -> Vec<f64> {
+            let part = |k| from + (to - from) * k as f64 / parts as f64;
+            (0..=parts).map(part).collect()
+        };
+        let along = parts(self.range.0, self.range.1, FINENESS);
+        let across = parts(low, high, ACROSS);
+        let is_same = |a: At, b: At| (a[1] - b[1]).abs() <= SAME * (a[1].abs() + (high - low));
+        let mut paths: Vec<Vec<At>> = Vec::new();
+        for (k, &s) in along.iter().enumerate() {
+            let height = |&y: &f64| (y, self.boundary(system, [s, y]).0);
+            let heights: Vec<(f64, f64)> = across.iter().map(height).collect();
+            let changes = heights.windows(2).filter(|two| two[0].1 * two[1].1 <= 0.0);
+            let guesses = changes
+                .map(|two| 0.5 * (two[0].0 + two[1].0))
+                .chain([start]);
+            for seed in guesses.filter_map(|y| self.solve(system, [s, y])) {
+                let passes = |path: &Vec<At>| {
+                    let there = path.binary_search_by(|at| at[0].total_cmp(&s));
+                    there.is_ok_and(|there| is_same(path[there], seed))
+                };
+                if !paths.iter().any(passes) {
+                    let mut path = self.follow(system, seed, along[..k].iter().rev(), is_same);
+                    path.reverse();
+                    path.push(seed);
+                    path.extend(self.follow(system, seed, along[k + 1..].iter(), is_same));
+                    paths.push(path);
+                }
+            }
+        }
+        paths.retain(|path| path.len() > 1);
+        paths.sort_by(|a, b| {
+            a[0][0]
+                .total_cmp(&b[0][0])
+                .then(a[0][1].total_cmp(&b[0][1]))
+        });
+        let lines = paths.into_iter().map(|path| {
+            let range = (path[0][0], path[path.len() - 1][0]);
+            let line = Line {
+                range,
+                path,
+                ..self.clone()
+            };
+            let found = line.on_branch(system);
+            (line, found)
+        });
+        lines.collect()
+    }
+
+    /// The branch from a point on, at these values and at the last one that it has.
+    fn follow<'a>(
+        &self,
+        system: &System,
+        mut at: At,
+        values: impl Iterator<Item = &'a f64>,
+        is_same: impl Fn(At, At) -> bool,
+    ) -> Vec<At> {
+        // With the same slope, and back to where it comes from: it is on no other branch.
+        let next = |at: At, s: f64| {
+            let next = self.solve(system, [s, at[1]])?;
+            let back = self.solve(system, [at[0], next[1]])?;
+            let slopes = self.boundary(system, next).1 * self.boundary(system, at).1;
+            (slopes > 0.0 && is_same(back, at)).then_some(next)
+        };
+        let mut points = Vec::new();
+        for &s in values {
+            if let Some(there) = next(at, s) {
+                at = there;
+                points.push(at);
+                continue;
+            }
+            let (seen, mut beyond) = (at, s);
+            for _ in 0..HALVINGS {
+                let middle = 0.5 * (at[0] + beyond);
+                match next(at, middle) {
+                    Some(there) => at = there,
+                    None => beyond = middle,
+                }
+            }
+            points.extend((at != seen).then_some(at));
+            break;
+        }
+        points
+    }
+
+    /// Tangent points and zones on a branch.
+    fn on_branch(&self, system: &System) -> OnLine {
         let (low, high) = self.range;
         let mut rates = Vec::with_capacity(FINENESS + 1);
         let mut holding = Vec::with_capacity(FINENESS + 1);
-        for k in 0..=FINENESS {
-            let s = low + (high - low) * k as f64 / FINENESS as f64;
+        for &[s, _] in &self.path {
             if let Some(rate) = self.rates(system, Fields::Slip, s) {
                 rates.push((s, rate));
             }
@@ -190,23 +302,42 @@ impl Line {
 
     /// The state on the boundary where the state along the line is `s`.
     fn state(&self, system: &System, s: f64) -> Option<Vec<f64>> {
+        let next = self.path.partition_point(|at| at[0] < s).max(1);
+        let guess = match (self.path.get(next - 1), self.path.get(next)) {
+            (Some(a), Some(b)) => a[1] + (s - a[0]) / (b[0] - a[0]) * (b[1] - a[1]),
+            _ => self.x[self.solved],
+        };
+        Some(self.at(self.solve(system, [s, guess])?))
+    }
+
+    fn at(&self, at: At) -> Vec<f64> {
         let mut x = self.x.clone();
-        x[self.along] = s;
+        (x[self.along], x[self.solved]) = (at[0], at[1]);
+        x
+    }
+
+    /// The boundary function, and its derivative by the solved state.
+    fn boundary(&self, system: &System, at: At) -> (f64, f64) {
+        system.boundary_and_slope(self.contact, self.t, &self.at(at), self.solved)
+    }
+
+    /// The point of the boundary that Newton's iteration finds from here for the solved state.
+    fn solve(&self, system: &System, mut at: At) -> Option<At> {
         for _ in 0..MOST_STEPS {
-            let (height, slope) = system.boundary_and_slope(self.contact, self.t, &x, self.solved);
+            let (height, slope) = self.boundary(system, at);
             if height == 0.0 {
-                return Some(x);
+                return Some(at);
             }
-            let next = x[self.solved] - height / slope;
+            let next = at[1] - height / slope;
             if !next.is_finite() {
                 return None;
             }
             // Nearer there is none.
             let close = 4.0 * f64::EPSILON * next.abs().max(f64::MIN_POSITIVE);
-            let is_there = (next - x[self.solved]).abs() <= close;
-            x[self.solved] = next;
+            let is_there = (next - at[1]).abs() <= close;
+            at[1] = next;
             if is_there {
-                return Some(x);
+                return Some(at);
             }
         }
         None
@@ -248,7 +379,7 @@ impl Line {
         }
     }
 
-    /// Where the rate of one side changes its sign, by bisection to neighbouring numbers.
+    /// Where the rate of one side changes its sign, by bisection.
     fn roots(
         &self,
         system: &System,
@@ -281,17 +412,15 @@ impl Line {
         (mut a, mut b): (f64, f64),
         rate_at_a: f64,
     ) -> f64 {
-        loop {
+        for _ in 0..HALVINGS {
             let middle = 0.5 * (a + b);
-            if middle <= a || middle >= b {
-                return b;
-            }
             match self.rates(system, fields, middle) {
                 Some(rates) if rates[side] == 0.0 => return middle,
                 Some(rates) if rates[side] * rate_at_a > 0.0 => a = middle,
                 _ => b = middle,
             }
         }
+        b
     }
 
     /// By the sign of the second derivative of the boundary function along the field.
@@ -340,7 +469,13 @@ impl System {
     }
 
     /// The boundary function of a contact, and its derivative by one state.
-    fn boundary_and_slope(&self, contact: usize, t: f64, x: &[f64], state: usize) -> (f64, f64) {
+    pub(crate) fn boundary_and_slope(
+        &self,
+        contact: usize,
+        t: f64,
+        x: &[f64],
+        state: usize,
+    ) -> (f64, f64) {
         let seeded: Vec<Dual<f64>> = x
             .iter()
             .enumerate()

@@ -120,7 +120,7 @@ impl StartArguments {
                 ))
             })?);
         }
-        Ok((self.t_start.unwrap_or(system.file.time.start), start))
+        Ok((self.t_start.unwrap_or(system.built.t_start), start))
     }
 }
 

@@ -70,7 +70,8 @@ fn summary(system: &System, spectrum: &SpectrumFound) -> String {
     let _ = writeln!(
         text,
         "  defect       {:.1e}  (against the rate of volumes)",
-        spectrum.defect
+        // Of either sign, and zero has none.
+        spectrum.defect.abs()
     );
     let _ = writeln!(
         text,

@@ -13,6 +13,7 @@ use crate::output::csv_table;
 use crate::system::System;
 use crate::terminal::{Patience, Said};
 use stickslip::analysis::Stability;
+use stickslip::error::readable;
 use stickslip_kernels::kernel::{Modes, Periodic, Run};
 
 /// Find a periodic orbit: from a run, refined by shooting; period, multipliers, sequence of phases
@@ -178,8 +179,11 @@ impl Orbit<'_> {
             let (low, high) = self.extremes[k];
             let _ = writeln!(
                 text,
-                "  {:13}from {low} to {high}, at first {}",
-                state.name, orbit.x[k]
+                "  {:13}from {} to {}, at first {}",
+                state.name,
+                readable(low),
+                readable(high),
+                readable(orbit.x[k])
             );
         }
         text

@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use serde_json::json;
+use stickslip::error::readable;
 use stickslip::{Ending, Error, TransitionKind};
 
 use super::arguments::{Ready, RunArguments};
@@ -38,7 +39,7 @@ fn followed(ready: &Ready, t_end: Option<f64>) -> Result<Found, Failure> {
         t,
         x,
     } = ready;
-    let t_end = t_end.or(system.file.time.end).ok_or_else(|| {
+    let t_end = t_end.or(system.built.t_end).ok_or_else(|| {
         Failure::Usage("when does the run end? Give --t-end, or `end` in [time] of the file".into())
     })?;
     let mut recording = Recording::new(*t, x, t_end, Patience::new("integrating"));
@@ -128,8 +129,10 @@ fn span(recording: &Recording) -> (f64, f64) {
 fn summary(system: &System, recording: &Recording, ended: Option<&Ended>) -> String {
     let (from, to) = span(recording);
     let mut text = format!(
-        "{}: t = {from} to {to} ({})\n",
+        "{}: t = {} to {} ({})\n",
         system.file.name,
+        readable(from),
+        readable(to),
         ending(ended)
     );
     let transitions: Vec<String> = KINDS
@@ -164,7 +167,7 @@ fn summary(system: &System, recording: &Recording, ended: Option<&Ended>) -> Str
     if let Some(last) = recording.points.last() {
         let states = system.file.states.iter().zip(&last.x);
         let states: Vec<String> = states
-            .map(|(state, x)| format!("{} = {x}", state.name))
+            .map(|(state, &x)| format!("{} = {}", state.name, readable(x)))
             .collect();
         let _ = writeln!(text, "  state at end {}", states.join(", "));
     }

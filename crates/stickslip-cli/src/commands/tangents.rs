@@ -6,6 +6,7 @@ use plot::*;
 use serde_json::json;
 use stickslip::Side;
 use stickslip::analysis::Visibility;
+use stickslip::error::readable;
 
 use super::arguments::{OutputArguments, StartArguments, SystemArguments};
 use super::{Failure, Found, figures, tables};
@@ -13,13 +14,18 @@ use crate::file::did_you_mean;
 use crate::output::{Artifact, OutputError, csv_table};
 use crate::system::System;
 use crate::tangents::{Kind, Line, OnLine};
+
+/// Branches of a boundary with what is on them.
+pub(super) type Branches = [(Line, OnLine)];
 use crate::terminal::Said;
 
 /// Tangent points and stick zones on the boundary of a contact
 ///
 /// The boundary is looked at along one state, at one time (--t-start); further states keep their values of the start, and further contacts slip on the side where these
-/// have them. Tangent points that are nearer to each other than
-/// 1/2000 of the range, and double ones, are not found. Writes tangents.csv, zones.csv and tangents.svg.
+/// have them. Of a boundary with several values of the other state each branch
+/// is followed to where it turns back. Tangent points that are nearer to each other than
+/// 1/2000 of the range, and double ones, are not found; nor are two branches, if they stay nearer than 1/64 of what [ranges] says of the
+/// other state, or outside of that. Writes tangents.csv, zones.csv and tangents.svg.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
     #[command(flatten)]
@@ -152,54 +158,75 @@ pub(super) fn kind_name(kind: Kind) -> &'static str {
 }
 
 /// What was found, line by line, under the names of the states.
-pub(super) fn listing(system: &System, line: &Line, found: &OnLine) -> Vec<String> {
+pub(super) fn listing(system: &System, line: &Line, found: &Branches) -> Vec<String> {
     let states = &system.file.states;
     let (along, solved) = (&states[line.along].name, &states[line.solved].name);
-    let points = found.points.iter().map(|point| {
-        format!(
-            "{} tangent point of the field {}  {along} = {}, {solved} = {}",
-            visibility_name(point.visibility),
-            side_name(point.side),
-            point.x[line.along],
-            point.x[line.solved],
-        )
-    });
-    let zones = found.zones.iter().map(|zone| {
-        let name = match zone.kind {
-            Kind::Stick => "stick zone",
-            Kind::Repelling => "repelling zone",
-        };
-        format!("{name}  {along} from {} to {}", zone.from, zone.to)
-    });
-    points.chain(zones).collect()
+    let mut rows = Vec::new();
+    for (k, (branch, on_it)) in found.iter().enumerate() {
+        // One branch over the whole range is the boundary.
+        if found.len() > 1 || branch.range != line.range {
+            let [from, to] = [0, branch.path.len() - 1].map(|end| branch.path[end].map(readable));
+            rows.push(format!(
+                "branch {}  {along} from {} to {}, {solved} from {} to {}",
+                k + 1,
+                from[0],
+                to[0],
+                from[1],
+                to[1]
+            ));
+        }
+        rows.extend(on_it.points.iter().map(|point| {
+            format!(
+                "{} tangent point of the field {}  {along} = {}, {solved} = {}",
+                visibility_name(point.visibility),
+                side_name(point.side),
+                readable(point.x[line.along]),
+                readable(point.x[line.solved]),
+            )
+        }));
+        rows.extend(on_it.zones.iter().map(|zone| {
+            let (from, to) = (readable(zone.from), readable(zone.to));
+            format!("{} zone  {along} from {from} to {to}", kind_name(zone.kind))
+        }));
+    }
+    if found.is_empty() {
+        rows.push("the boundary has no point there".to_owned());
+    } else if rows.is_empty() {
+        rows.push("no tangent point, and no stick zone".to_owned());
+    }
+    rows
 }
 
-fn summary(system: &System, line: &Line, found: &OnLine) -> String {
-    let (low, high) = line.range;
+fn summary(system: &System, line: &Line, found: &Branches) -> String {
+    let (low, high) = (readable(line.range.0), readable(line.range.1));
     let along = &system.file.states[line.along].name;
     let mut text = format!(
         "{}: boundary of {} along {along} from {low} to {high}, t = {}\n",
-        system.file.name, system.file.contacts[line.contact].name, line.t
+        system.file.name,
+        system.file.contacts[line.contact].name,
+        readable(line.t)
     );
     let others = (0..system.states()).filter(|&k| k != line.along && k != line.solved);
     for k in others {
         // Writing into a text cannot fail.
-        let _ = writeln!(text, "  at {} = {}", system.file.states[k].name, line.x[k]);
+        let _ = writeln!(
+            text,
+            "  at {} = {}",
+            system.file.states[k].name,
+            readable(line.x[k])
+        );
     }
-    let listed = listing(system, line, found);
-    if listed.is_empty() {
-        text.push_str("  no tangent point, and no stick zone\n");
-    }
-    for row in listed {
+    for row in listing(system, line, found) {
         let _ = writeln!(text, "  {row}");
     }
     text
 }
 
-fn csv(system: &System, line: &Line, found: &OnLine) -> Result<Vec<Artifact>, OutputError> {
+fn csv(system: &System, line: &Line, found: &Branches) -> Result<Vec<Artifact>, OutputError> {
     let mut heading = vec!["side".to_owned(), "visibility".to_owned(), "t".to_owned()];
     heading.extend(system.file.states.iter().map(|state| state.name.clone()));
-    let points = found.points.iter().map(|point| {
+    let points = found.iter().flat_map(|(_, on_it)| &on_it.points);
+    let points = points.map(|point| {
         let mut row = vec![
             side_name(point.side).to_owned(),
             visibility_name(point.visibility).to_owned(),
@@ -214,42 +241,58 @@ fn csv(system: &System, line: &Line, found: &OnLine) -> Result<Vec<Artifact>, Ou
         "kind".to_owned(),
         format!("{along}_from"),
         format!("{along}_to"),
+        "branch".to_owned(),
     ];
-    let zones = found.zones.iter().map(|zone| {
+    let zones = numbered(found, |on_it| &on_it.zones).map(|(branch, zone)| {
         let kind = kind_name(zone.kind).to_owned();
-        vec![kind, tables::exact(zone.from), tables::exact(zone.to)]
+        let (from, to) = (tables::exact(zone.from), tables::exact(zone.to));
+        vec![kind, from, to, branch.to_string()]
     });
     Ok(vec![points, csv_table("zones.csv", &heading, zones)?])
 }
 
+/// What is on the branches, with their numbers from 1 on.
+fn numbered<'a, T: 'a>(
+    found: &'a Branches,
+    of: impl Fn(&'a OnLine) -> &'a [T],
+) -> impl Iterator<Item = (usize, &'a T)> {
+    let branches = (1..).zip(found);
+    branches.flat_map(move |(k, (_, on_it))| of(on_it).iter().map(move |one| (k, one)))
+}
+
 /// What was found on a line, without the system.
-pub(super) fn json(system: &System, line: &Line, found: &OnLine) -> serde_json::Value {
-    let points = found.points.iter().map(|point| {
+pub(super) fn json(system: &System, line: &Line, found: &Branches) -> serde_json::Value {
+    let points = numbered(found, |on_it| &on_it.points).map(|(branch, point)| {
         json!({
+            "branch": branch,
             "side": side_name(point.side),
             "visibility": visibility_name(point.visibility),
             "x": tables::state_json(system, &point.x),
         })
     });
     let points: Vec<serde_json::Value> = points.collect();
-    let zones = found.zones.iter();
-    let zones: Vec<serde_json::Value> = zones
-        .map(|zone| json!({ "kind": kind_name(zone.kind), "from": zone.from, "to": zone.to }))
-        .collect();
+    let zones = numbered(found, |on_it| &on_it.zones).map(|(branch, zone)| {
+        json!({ "branch": branch, "kind": kind_name(zone.kind), "from": zone.from, "to": zone.to })
+    });
+    let zones: Vec<serde_json::Value> = zones.collect();
+    let branches = found.iter().map(|(branch, _)| branch.range);
+    let branches: Vec<(f64, f64)> = branches.collect();
     json!({
         "contact": system.file.contacts[line.contact].name,
         "along": system.file.states[line.along].name,
         "range": line.range,
         "t": line.t,
+        "branches": branches,
         "tangent_points": points,
         "zones": zones,
     })
 }
 
-fn figure(system: &System, line: &Line, found: &OnLine) -> Result<String, OutputError> {
+fn figure(system: &System, line: &Line, found: &Branches) -> Result<String, OutputError> {
     let state = &system.file.states[line.along];
     let (low, high) = line.range;
-    let all = found.rates.iter().flat_map(|(_, rates)| *rates);
+    let all = found.iter().flat_map(|(_, on_it)| &on_it.rates);
+    let all = all.flat_map(|(_, rates)| *rates);
     let boundary = &system.file.contacts[line.contact];
     let mut panel = Panel::new(
         Axis::new(&figures::with_unit(&state.name, &state.unit), low, high),
@@ -257,7 +300,7 @@ fn figure(system: &System, line: &Line, found: &OnLine) -> Result<String, Output
     )
     .legend(Legend::Below);
     let mut seen: Vec<Kind> = Vec::new();
-    for zone in &found.zones {
+    for (_, zone) in numbered(found, |on_it| &on_it.zones) {
         let fill = match zone.kind {
             Kind::Stick => LIGHT_ORANGE,
             Kind::Repelling => LIGHT_GREY,
@@ -273,17 +316,19 @@ fn figure(system: &System, line: &Line, found: &OnLine) -> Result<String, Output
     }
     panel.add(Guide::horizontal(0.0));
     for (side, colour, name) in [(0, BLUE, "field below Σ"), (1, VERMILLION, "field above Σ")] {
-        let curve = found.rates.iter().map(|(s, rates)| (*s, rates[side]));
-        panel.add(Curve::new(curve).color(colour).legend(name));
+        for (k, (_, on_it)) in found.iter().enumerate() {
+            let curve = on_it.rates.iter().map(|(s, rates)| (*s, rates[side]));
+            let curve = Curve::new(curve).color(colour);
+            panel.add(if k == 0 { curve.legend(name) } else { curve });
+        }
     }
     for visibility in [
         Visibility::Visible,
         Visibility::Invisible,
         Visibility::Degenerate,
     ] {
-        let points: Vec<(f64, f64)> = found
-            .points
-            .iter()
+        let points = found.iter().flat_map(|(_, on_it)| &on_it.points);
+        let points: Vec<(f64, f64)> = points
             .filter(|point| point.visibility == visibility)
             .map(|point| (point.x[line.along], 0.0))
             .collect();
@@ -303,8 +348,8 @@ fn figure(system: &System, line: &Line, found: &OnLine) -> Result<String, Output
         "How fast the fields below and above go upwards through the boundary of {}, along {} from {low} to {high}: {} tangent points, {} zones.",
         boundary.name,
         state.name,
-        found.points.len(),
-        found.zones.len()
+        numbered(found, |on_it| &on_it.points).count(),
+        numbered(found, |on_it| &on_it.zones).count()
     );
     let figure = Figure::new("tangents", (640.0, 420.0), &title, &description).row(1.0, panel);
     Ok(figure.render()?)

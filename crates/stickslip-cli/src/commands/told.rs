@@ -1,6 +1,7 @@
 //! Errors of the library as they concern somebody who writes files and not Rust: contacts by their names, options as they are given here.
 
 use stickslip::Error;
+use stickslip::error::readable;
 
 use super::tables::contact_name;
 use crate::system::System;
@@ -31,7 +32,7 @@ fn words(error: &Error, name: &dyn Fn(usize) -> String) -> String {
         } => format!(
             "{} {} is not allowed: it must be {bound}",
             as_given(option),
-            stickslip::error::readable(*value)
+            readable(*value)
         ),
         Error::NoUniqueMode {
             t,
@@ -53,18 +54,21 @@ fn words(error: &Error, name: &dyn Fn(usize) -> String) -> String {
             format!(
                 "the contacts {} stand at zero at t = {t}, x = {x}, and {motions}; friction there may push apart, or one contact's force act on \
                  another too strongly: look at the field with each of them on either side (--at-repelling has no effect with several contacts)",
-                names(contacts)
+                names(contacts),
+                t = readable(*t)
             )
         }
         Error::TooManyContacts { t, x, contacts } => format!(
             "the contacts {} stand at zero together at t = {t}, x = {x}: more than eight are too many to try where friction at one does not resist \
              all of them as Coulomb's does; move their boundaries apart, or write their friction without coupling",
-            names(contacts)
+            names(contacts),
+            t = readable(*t)
         ),
         Error::DependentContacts { t, x, contacts } => format!(
             "the boundaries of the contacts {} have gradients at t = {t}, x = {x} that are zero or depend on each other; each contact needs a \
              boundary of its own",
-            names(contacts)
+            names(contacts),
+            t = readable(*t)
         ),
         Error::StaticBelowKinetic {
             t,
@@ -73,7 +77,9 @@ fn words(error: &Error, name: &dyn Fn(usize) -> String) -> String {
             ratio,
         } => format!(
             "the static friction of the contact {} at t = {t}, x = {x} is {ratio} times the kinetic; it must be at least as large",
-            name(*contact)
+            name(*contact),
+            t = readable(*t),
+            ratio = readable(*ratio)
         ),
         Error::HoldsElsewhere {
             t,
@@ -84,13 +90,15 @@ fn words(error: &Error, name: &dyn Fn(usize) -> String) -> String {
             "with the contact {} at rest at t = {t}, x = {x}, its static friction changes the friction of the contact {}, which slips; only \
              contacts at rest have static friction",
             name(*held),
-            name(*slipping)
+            name(*slipping),
+            t = readable(*t)
         ),
         Error::NotAdditive { t, x, pair } => format!(
             "the friction of the contacts {} and {} does not add at t = {t}, x = {x}: what one does depends on the side of the other; \
              in a file each contact's friction must depend on its own side only",
             name(pair.0),
-            name(pair.1)
+            name(pair.1),
+            t = readable(*t)
         ),
         Error::NotConverged { .. } => format!(
             "{error}, after a longer --transient or by another --start; the motion may also be quasi-periodic or chaotic, which `stickslip \
@@ -99,7 +107,8 @@ fn words(error: &Error, name: &dyn Fn(usize) -> String) -> String {
         Error::Escaped { .. } => format!("{error} (--escape)"),
         Error::NoUniqueFuture { t, x } => format!(
             "the orbit has no unique future after t = {t}, x = {x}: both fields lead away from the boundary; choose one with \
-             --at-repelling below or above, or start elsewhere"
+             --at-repelling below or above, or start elsewhere",
+            t = readable(*t)
         ),
         other => other.to_string(),
     }

@@ -18,6 +18,10 @@ pub struct Built {
     pub section: Option<Tape>,
     /// State at the start; `None` where the file gives none.
     pub start: Option<Vec<f64>>,
+    /// When runs begin.
+    pub t_start: f64,
+    /// When runs end unless told otherwise.
+    pub t_end: Option<f64>,
     /// Period in time.
     pub period: Option<f64>,
     /// Whether field or boundaries depend on time.
@@ -195,12 +199,27 @@ pub(crate) fn built(file: &SystemFile, values: &[f64], variant: Variant) -> Resu
     let section = section
         .map(|section| alone(&section.function, "a section"))
         .transpose()?;
+    let time = |formula: &Option<Formula>, what| {
+        let formula = formula.as_ref();
+        let value = formula.map(|formula| constant(file, values, formula, what));
+        value.transpose()
+    };
+    let t_start = time(&file.time.start, "the start of a run")?.unwrap_or(0.0);
+    let t_end = time(&file.time.end, "the end of a run")?;
+    if let (Some(end), Some(formula)) = (t_end, &file.time.end)
+        && end <= t_start
+    {
+        let message = format!("the end {end} does not lie after the start {t_start}");
+        return Err(Problem::new(message, formula.whole()));
+    }
     Ok(Built {
         fields: Fields { slip, holding },
         boundaries: tape(&graph, &heights)?,
         normal_force,
         section,
         start: start(file, values)?,
+        t_start,
+        t_end,
         period,
         depends_on_time,
     })

@@ -84,9 +84,9 @@ pub struct Time {
     /// Unit of time.
     pub unit: Option<String>,
     /// When runs begin; 0 unless given.
-    pub start: f64,
+    pub start: Option<Formula>,
     /// When runs end unless told otherwise.
-    pub end: Option<f64>,
+    pub end: Option<Formula>,
     /// Period in time, of a driven system.
     pub period: Option<Formula>,
 }

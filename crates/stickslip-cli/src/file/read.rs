@@ -89,19 +89,12 @@ fn time(file: &Table<'_>) -> Result<Time, Problem> {
         return Ok(Time::default());
     };
     table.only(&["unit", "start", "end", "period"])?;
-    let number = |name: &str| table.get(name).map(Entry::finite).transpose();
-    let (start, end) = (number("start")?.unwrap_or(0.0), number("end")?);
-    if let (Some(entry), Some(end)) = (table.get("end"), end)
-        && end <= start
-    {
-        let message = format!("the end {end} does not lie after the start {start}");
-        return Err(Problem::new(message, entry.place()));
-    }
+    let formula = |name: &str| table.get(name).map(Entry::formula).transpose();
     Ok(Time {
         unit: text(&table, "unit")?,
-        start,
-        end,
-        period: table.get("period").map(Entry::formula).transpose()?,
+        start: formula("start")?,
+        end: formula("end")?,
+        period: formula("period")?,
     })
 }
 

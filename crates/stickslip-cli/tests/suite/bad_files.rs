@@ -48,7 +48,7 @@ type Case = (
     &'static str,
 );
 
-const CASES: [Case; 62] = [
+const CASES: [Case; 64] = [
     // The file itself.
     (
         "name = \"test\"\n",
@@ -100,6 +100,20 @@ const CASES: [Case; 62] = [
         "end = -1",
         "the end -1 does not lie after the start 0",
         "-1",
+        "",
+    ),
+    (
+        "end = 20",
+        "end = \"3*x\"",
+        "the end of a run cannot depend on `x`, which is a state",
+        "x",
+        "",
+    ),
+    (
+        "end = 20",
+        "end = \"-w\"",
+        "the end -1.5 does not lie after the start 0",
+        "\"-w\"",
         "",
     ),
     (

@@ -634,6 +634,239 @@ fn an_output_folder_that_cannot_be_made_is_told() {
         .stderr(contains("cannot create folder taken").and(contains("--out")));
 }
 
+/// A block on another on the ground, both of mass 1: pulled by t, the ground gives way at 2 and brakes with 1 from then on. Together they would
+/// begin at 1/2 then, but the upper one is held with 0.2 only.
+const STACKED: &str = r#"
+name = "stacked"
+[states]
+v1 = "m/s"
+v2 = "m/s"
+[parameters]
+T = 1
+[contacts.ground]
+boundary = "v1"
+friction = "1"
+static = "2"
+[contacts.top]
+boundary = "v2 - v1"
+friction = "0.2"
+[field]
+v1 = "t - friction(ground) + friction(top)"
+v2 = "-friction(top)"
+[start]
+v1 = 0
+v2 = 0
+[time]
+start = "T - 1"
+end = "3*T"
+"#;
+
+#[test]
+fn a_contact_that_another_one_lets_go_has_a_transition_of_its_own() {
+    let top = folder();
+    std::fs::write(top.path().join("stacked.toml"), STACKED).unwrap();
+    let found = json(top.path(), &["simulate", "stacked.toml"]);
+    let transitions = found["transitions"].as_array().unwrap();
+    let told: Vec<(&str, &str)> = transitions
+        .iter()
+        .map(|at| ["contact", "kind"].map(|name| at[name].as_str().unwrap()))
+        .map(|[contact, kind]| (contact, kind))
+        .collect();
+    assert_eq!(told, [("ground", "stick exit"), ("top", "stick exit")]);
+    for at in transitions {
+        assert!((at["t"].as_f64().unwrap() - 2.0).abs() < 1e-12);
+        assert_eq!((&at["from"], &at["to"]), (&"S|S".into(), &"+|-".into()));
+    }
+    let end = ["v1", "v2"].map(|state| found["x_end"][state].as_f64().unwrap());
+    assert!(
+        (end[0] - 1.3).abs() < 1e-9 && (end[1] - 0.2).abs() < 1e-9,
+        "{end:?}"
+    );
+}
+
+#[test]
+fn the_times_of_a_run_are_expressions_of_parameters() {
+    let top = folder();
+    std::fs::write(top.path().join("stacked.toml"), STACKED).unwrap();
+    for (set, start, end) in [("T=1", 0.0, 3.0), ("T=5/4", 0.25, 3.75)] {
+        let found = json(top.path(), &["simulate", "stacked.toml", "--set", set]);
+        assert_eq!(
+            (&found["t_start"], &found["t_end"]),
+            (&start.into(), &end.into())
+        );
+        let found = json(top.path(), &["check", "stacked.toml", "--set", set]);
+        assert_eq!(
+            (&found["time"]["start"], &found["time"]["end"]),
+            (&start.into(), &end.into())
+        );
+    }
+    program(top.path())
+        .args(["simulate", "stacked.toml", "--set", "T=-1"])
+        .assert()
+        .code(2)
+        .stderr(contains("the end -3 does not lie after the start -2"));
+}
+
+/// A run that comes to where the boundaries of two contacts meet and are one and the same cannot go on.
+#[test]
+fn boundaries_that_depend_on_each_other_are_doubted() {
+    let top = folder();
+    let doubts = |boundaries: [&str; 3]| {
+        let [a, b, c] = boundaries;
+        let text = format!(
+            r#"
+name = "three"
+[states]
+x = ""
+v = ""
+w = ""
+[contacts.a]
+boundary = "{a}"
+friction = "1"
+[contacts.b]
+boundary = "{b}"
+friction = "1"
+[contacts.c]
+boundary = "{c}"
+friction = "1"
+[field]
+x = "v - friction(c)"
+v = "-x - friction(a)"
+w = "-w - friction(b)"
+[start]
+x = 0.3
+v = 0.2
+w = 0.1
+"#
+        );
+        std::fs::write(top.path().join("three.toml"), text).unwrap();
+        let found = json(top.path(), &["check", "three.toml"]);
+        let doubts = found["doubtful"].as_array().unwrap().iter();
+        let doubts = doubts.map(|doubt| doubt.as_str().unwrap().to_owned());
+        let depend = |doubt: &String| doubt.contains("depend on each other");
+        doubts.filter(depend).collect::<Vec<String>>()
+    };
+    for boundaries in [
+        ["v", "w", "x"],
+        // Parallel, and nowhere zero together.
+        ["v - 1", "v + 1", "x"],
+        ["v", "w*w + 1", "x"],
+        ["x", "v", "w - x - v^2"],
+    ] {
+        assert_eq!(doubts(boundaries), [""; 0], "{boundaries:?}");
+    }
+    for (boundaries, names) in [
+        (["v", "2*v", "x"], "`a`, `b`"),
+        (["v", "w", "v + (w - 1)^2*v"], "`a`, `c`"),
+        // They touch.
+        (["w", "v", "v - 3*(x - 1)^2"], "`b`, `c`"),
+        // Each two are independent.
+        (["v", "w", "v - w"], "`a`, `b`, `c`"),
+    ] {
+        let found = doubts(boundaries);
+        assert_eq!(found.len(), 1, "{boundaries:?}");
+        assert!(
+            found[0].contains(&format!("contacts {names} have")),
+            "{}",
+            found[0]
+        );
+    }
+}
+
+/// A tangent point at zero, which none of the values looked at is.
+#[test]
+fn no_number_is_a_row_of_zeros() {
+    const ORIGIN: &str = r#"
+name = "origin"
+[states]
+x = ""
+v = ""
+[contacts.belt]
+boundary = "v"
+[field]
+x = "1"
+v = { below = "x", above = "x - 1" }
+[start]
+x = 1e-300
+v = "-0"
+[time]
+start = 1e-300
+end = 1
+"#;
+    let top = folder();
+    std::fs::write(top.path().join("origin.toml"), ORIGIN).unwrap();
+    for arguments in [
+        &["tangents", "origin.toml", "--from", "-1", "--to", "2"][..],
+        &["check", "origin.toml"],
+        &["simulate", "origin.toml"],
+        &["simulate", "origin.toml", "--t-end", "1e-300"],
+    ] {
+        let run = program(top.path()).args(arguments).output().unwrap();
+        let told = [run.stdout, run.stderr].map(|text| String::from_utf8(text).unwrap());
+        let told = told.concat();
+        assert!(
+            !told.contains("0000000000") && !told.contains("= -0,"),
+            "{arguments:?}: {told}"
+        );
+    }
+}
+
+#[test]
+fn branches_of_a_closed_boundary_are_listed_and_drawn() {
+    const CIRCLE: &str = r#"
+name = "circle"
+[states]
+x = ""
+y = ""
+[contacts.rim]
+boundary = "x^2 + y^2 - 2"
+[field]
+x = { below = "x", above = "1" }
+y = { below = "y", above = "-1" }
+[start]
+x = 0
+y = 0.1
+[ranges]
+x = [-2, 2]
+y = [-2, 2]
+"#;
+    let top = folder();
+    std::fs::write(top.path().join("circle.toml"), CIRCLE).unwrap();
+    let all = ["tangents", "circle.toml", "--from", "-5", "--to", "5"];
+    program(top.path())
+        .args(all)
+        .args(["--out", "o"])
+        .assert()
+        .success()
+        .stdout(
+            contains("branch ")
+                .count(2)
+                .and(contains("stick zone").count(2)),
+        );
+    let zones = text(top.path().join("o/zones.csv"));
+    assert!(zones.starts_with("kind,x_from,x_to,branch\n"), "{zones}");
+    let found = json(top.path(), &all);
+    let numbers = |name: &str| -> Vec<i64> {
+        let all = found[name].as_array().unwrap().iter();
+        all.map(|one| one["branch"].as_i64().unwrap()).collect()
+    };
+    assert_eq!(found["branches"].as_array().unwrap().len(), 2);
+    assert_eq!(
+        (numbers("tangent_points"), numbers("zones")),
+        (vec![1, 2], vec![1, 2])
+    );
+    program(top.path())
+        .args(["check", "circle.toml"])
+        .assert()
+        .success()
+        .stdout(contains("branch 2  x from -1.414"));
+    program(top.path())
+        .args(["tangents", "circle.toml", "--from", "5", "--to", "6"])
+        .assert()
+        .success()
+        .stdout(contains("the boundary has no point there"));
+}
+
 #[test]
 fn tangents_are_listed_and_drawn() {
     let top = folder();

@@ -4,7 +4,7 @@ use assert_cmd::Command;
 use stickslip::analysis::{Exponent, SpectrumOptions, Visibility};
 use stickslip::models::BeltOscillator;
 use stickslip::{Method, Options, Side, math};
-use stickslip_cli::tangents::{Kind, Line};
+use stickslip_cli::tangents::{Kind, Line, OnLine};
 
 use super::recorded::{open, read, run};
 
@@ -62,7 +62,9 @@ fn the_tangent_points_of_the_belt_oscillator() {
     let system = open("belt");
     let start = system.built.start.clone().unwrap();
     let line = Line::through(&system, 0, None, (-2.0, 2.0), (0.0, &start)).unwrap();
-    let found = line.scan(&system);
+    let [(_, found)] = &line.scan(&system)[..] else {
+        panic!("one branch is expected");
+    };
     let known = BeltOscillator::default().tangent_points().unwrap();
     assert_eq!(found.points.len(), known.len());
     for (point, known) in found.points.iter().zip(&known) {
@@ -105,7 +107,9 @@ v = "-x - friction(belt)"
 "#,
     );
     let line = Line::through(&system, 0, None, (-2.0, 2.0), (0.0, &[0.0, 0.2])).unwrap();
-    let found = line.scan(&system);
+    let [(_, found)] = &line.scan(&system)[..] else {
+        panic!("one branch is expected");
+    };
     let points: Vec<(f64, Side, Visibility)> = found
         .points
         .iter()
@@ -124,6 +128,118 @@ v = "-x - friction(belt)"
     let zone = found.zones[0];
     assert_eq!(zone.kind, Kind::Stick);
     assert!((zone.from + 1.0).abs() < 1e-15 && (zone.to - 1.0).abs() < 1e-15);
+}
+
+/// Fields of two states with a boundary of them, and what is found on it along the first.
+fn on_boundary(boundary: &str, start: [f64; 2], range: (f64, f64)) -> Vec<(Line, OnLine)> {
+    let system = read(&format!(
+        r#"
+name = "plane"
+[states]
+x = ""
+y = ""
+[contacts.rim]
+boundary = "{boundary}"
+[field]
+x = {{ below = "x", above = "1" }}
+y = {{ below = "y", above = "-1" }}
+"#
+    ));
+    let line = Line::through(&system, 0, Some(0), range, (0.0, &start)).unwrap();
+    assert_eq!((line.along, line.solved), (0, 1));
+    line.scan(&system)
+}
+
+/// A field outwards from the middle of a circle and (1, -1) outside: inside the rate of x² + y² is 4, outside 2x - 2y, which pushes back where x < y.
+#[test]
+fn a_circle_has_two_branches_and_a_stick_zone_on_each() {
+    let rim = 2.0_f64.sqrt();
+    // From its middle the circle has no slope in any direction.
+    for start in [[-1.0 / 15.0, 0.1], [0.0, 0.0], [0.0, 3.0], [1.0, -1.0]] {
+        let found = on_boundary("x^2 + y^2 - 2", start, (-5.0, 5.0));
+        assert_eq!(found.len(), 2);
+        for ((branch, found), side) in found.iter().zip([-1.0, 1.0]) {
+            let ends = [branch.path[0], branch.path[branch.path.len() - 1]];
+            for (end, x) in ends.iter().zip([-rim, rim]) {
+                assert!((end[0] - x).abs() < 1e-14 && end[1].abs() < 1e-6, "{end:?}");
+            }
+            for [x, y] in &branch.path[1..branch.path.len() - 1] {
+                assert!((x * x + y * y - 2.0).abs() < 1e-14 && side * y > 0.0);
+            }
+            let [point] = &found.points[..] else {
+                panic!("{:?}", found.points);
+            };
+            let kind = (point.side, point.visibility);
+            assert_eq!(kind, (Side::Above, Visibility::Visible));
+            assert!(
+                point.x.iter().all(|x| (x - side).abs() < 1e-14),
+                "{point:?}"
+            );
+            let [zone] = found.zones[..] else {
+                panic!("{:?}", found.zones);
+            };
+            assert_eq!(zone.kind, Kind::Stick);
+            assert!(
+                (zone.from + rim).abs() < 1e-14 && (zone.to - side).abs() < 1e-14,
+                "{zone:?}"
+            );
+        }
+    }
+}
+
+/// Branches that end at neither side, at one, in a corner, or are not there.
+#[test]
+fn branches_end_where_the_boundary_turns() {
+    let ends = |boundary: &str, start: [f64; 2], range: (f64, f64)| -> Vec<[f64; 4]> {
+        let found = on_boundary(boundary, start, range);
+        let of = found.iter().map(|(branch, _)| {
+            let (from, to) = (branch.path[0], branch.path[branch.path.len() - 1]);
+            [from[0], to[0], from[1], to[1]]
+        });
+        of.collect()
+    };
+    let same = |found: &[[f64; 4]], wanted: &[[f64; 4]]| {
+        assert_eq!(found.len(), wanted.len(), "{found:?}");
+        for (found, wanted) in found.iter().zip(wanted) {
+            // In a turn x is known to rounding, and the other to its root.
+            let near = |i: usize, by: f64| (found[i] - wanted[i]).abs() <= by;
+            assert!(
+                near(0, 1e-14) && near(1, 1e-14) && near(2, 1e-6) && near(3, 1e-6),
+                "{found:?}"
+            );
+        }
+    };
+    let root = 5.0_f64.sqrt();
+    same(
+        &ends("y^2 - x^2 - 1", [0.0, 0.5], (-2.0, 2.0)),
+        &[[-2.0, 2.0, -root, -root], [-2.0, 2.0, root, root]],
+    );
+    // The turn lies between two of the values looked at, at zero.
+    let parabola = ends("y^2 - x", [0.5, 0.5], (-1.0, 2.0));
+    same(
+        &parabola,
+        &[
+            [0.0, 2.0, 0.0, -(2.0_f64.sqrt())],
+            [0.0, 2.0, 0.0, 2.0_f64.sqrt()],
+        ],
+    );
+    same(
+        &ends("abs(x) + abs(y) - 1", [0.0, 0.5], (-3.0, 3.0)),
+        &[[-1.0, 1.0, 0.0, 0.0], [-1.0, 1.0, 0.0, 0.0]],
+    );
+    // Far from the start, and one of several at every place.
+    same(
+        &ends("y - 1000*x - 1000", [0.0, 0.5], (-1.0, 2.0)),
+        &[[-1.0, 2.0, 0.0, 3000.0]],
+    );
+    let waves = ends("sin(y) + 0.1*y - x", [0.0, 0.0], (0.0, 1.5));
+    assert!(
+        waves
+            .iter()
+            .any(|one| one[0] == 0.0 && one[2] == 0.0 && one[1] < 1.5),
+        "{waves:?}"
+    );
+    same(&ends("x^2 + y^2 - 2", [0.0, 0.5], (5.0, 6.0)), &[]);
 }
 
 #[test]

@@ -47,7 +47,7 @@ pub fn methods() -> [Options; 2] {
 pub fn run(system: &System, t_end: f64, options: &Options) -> (Ended, Vec<Event>) {
     let x = system.built.start.clone().expect("the file has a start");
     let run = Run {
-        t: system.file.time.start,
+        t: system.built.t_start,
         x: &x,
         t_end,
         options,

@@ -1,19 +1,33 @@
 //! What of a file can be integrated and is hardly meant.
 
+use stickslip::Error;
+use stickslip::error::Point;
+
 use super::super::sweeping::check_period;
 use super::super::tables::rounded;
+use super::super::told::told;
 use crate::system::System;
 use crate::tangents::{Jumps, Line};
 
 /// A period that is none; friction that pushes the wrong way, and static friction below that in slip: asked on every contact's boundary, next to the
-/// start.
+/// start; boundaries of several contacts that vanish together and depend on each other there.
 pub(super) fn doubts(system: &System) -> Vec<String> {
     let period = match (system.is_periodic(), check_period(system)) {
         (Some(false), Err(failure)) => Some(failure.to_string()),
         _ => None,
     };
     let contacts = (0..system.contacts()).flat_map(|contact| doubts_of(system, contact));
-    period.into_iter().chain(contacts).collect()
+    let dependent = system.dependent_boundaries();
+    let dependent = dependent.map(|(contacts, x)| {
+        let (t, contacts) = (system.built.t_start, contacts.to_vec());
+        let x = Point(x);
+        told(&Error::DependentContacts { t, x, contacts }, system)
+    });
+    period
+        .into_iter()
+        .chain(contacts)
+        .chain(dependent)
+        .collect()
 }
 
 fn doubts_of(system: &System, contact: usize) -> Vec<String> {
@@ -21,7 +35,7 @@ fn doubts_of(system: &System, contact: usize) -> Vec<String> {
     let Some(start) = system.built.start.as_deref() else {
         return Vec::new();
     };
-    let t = system.file.time.start;
+    let t = system.built.t_start;
     let whole = (f64::NEG_INFINITY, f64::INFINITY);
     let jumps = Line::through(system, contact, None, whole, (t, start))
         .and_then(|line| line.jumps(system, start[line.along]));

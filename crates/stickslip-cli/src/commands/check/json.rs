@@ -15,7 +15,7 @@ fn text(formula: Option<&Formula>) -> Option<&str> {
 
 pub(super) fn understood(
     system: &System,
-    on_boundary: Option<&(Line, OnLine)>,
+    on_boundary: Option<&(Line, Vec<(Line, OnLine)>)>,
     doubts: &[String],
 ) -> Value {
     let file = &system.file;
@@ -70,8 +70,8 @@ pub(super) fn understood(
         "time": {
             "depends_on_time": system.built.depends_on_time,
             "period": system.built.period,
-            "start": file.time.start,
-            "end": file.time.end,
+            "start": system.built.t_start,
+            "end": system.built.t_end,
             "unit": file.time.unit,
         },
         "section": section,
@@ -82,7 +82,7 @@ pub(super) fn understood(
 
 fn contact(system: &System, number: usize, contact: &Contact) -> Value {
     let start = system.built.start.as_deref().map(|start| {
-        let height = system.height(number, system.file.time.start, start);
+        let height = system.height(number, system.built.t_start, start);
         json!({ "side": whereabouts(height), "height": height })
     });
     json!({

@@ -49,11 +49,11 @@ fn whereabouts(height: f64) -> &'static str {
 }
 
 /// Tangent points and stick zones, where one contact and two states leave nothing to choose but the range, and the file has that.
-fn on_boundary(system: &System) -> Option<(Line, OnLine)> {
+fn on_boundary(system: &System) -> Option<(Line, Vec<(Line, OnLine)>)> {
     if system.contacts() != 1 || system.states() != 2 {
         return None;
     }
-    let (t, start) = (system.file.time.start, system.built.start.as_deref()?);
+    let (t, start) = (system.built.t_start, system.built.start.as_deref()?);
     let whole = (f64::NEG_INFINITY, f64::INFINITY);
     let line = Line::through(system, 0, None, whole, (t, start))?;
     let range = system.file.states[line.along].range?;

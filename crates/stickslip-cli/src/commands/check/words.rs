@@ -2,6 +2,8 @@
 
 use std::fmt::Write;
 
+use stickslip::error::readable;
+
 use super::whereabouts;
 use crate::file::Rate;
 use crate::system::System;
@@ -29,7 +31,7 @@ fn behind(parts: &[&str]) -> String {
 /// What was understood, line by line.
 pub(super) fn understood(
     system: &System,
-    on_boundary: Option<&(Line, OnLine)>,
+    on_boundary: Option<&(Line, Vec<(Line, OnLine)>)>,
     doubts: &[String],
 ) -> String {
     let file = &system.file;
@@ -43,7 +45,9 @@ pub(super) fn understood(
         &mut text,
         "states",
         file.states.iter().enumerate().map(|(k, state)| {
-            let from = start.map_or_else(String::new, |start| format!(", starts at {}", start[k]));
+            let from = start.map_or_else(String::new, |start| {
+                format!(", starts at {}", readable(start[k]))
+            });
             let unit = if state.unit.is_empty() {
                 String::new()
             } else {
@@ -59,16 +63,17 @@ pub(super) fn understood(
         file.parameters
             .iter()
             .zip(&system.values)
-            .map(|(parameter, value)| {
+            .map(|(parameter, &value)| {
                 let meaning = parameter.meaning.as_deref().unwrap_or_default();
-                let set = if *value == parameter.value {
+                let set = if value == parameter.value {
                     ""
                 } else {
                     "(set)"
                 };
                 format!(
-                    "{} = {value}{}",
+                    "{} = {}{}",
                     parameter.name,
+                    readable(value),
                     behind(&[&parameter.unit, set, meaning])
                 )
             }),
@@ -127,10 +132,9 @@ pub(super) fn understood(
                 }
             }),
     );
-    let period = system
-        .built
-        .period
-        .map_or_else(String::new, |period| format!(", period {period}"));
+    let period = system.built.period.map_or_else(String::new, |period| {
+        format!(", period {}", readable(period))
+    });
     let time = if system.built.depends_on_time {
         "the system depends on time"
     } else {
@@ -146,34 +150,33 @@ pub(super) fn understood(
         );
     }
     if let Some(start) = start {
-        let t = file.time.start;
+        let t = system.built.t_start;
         lines(
             &mut text,
             "start",
             file.contacts.iter().enumerate().map(|(k, contact)| {
                 let height = system.height(k, t, start);
                 format!(
-                    "{} the boundary of {} ({} = {height})",
+                    "{} the boundary of {} ({} = {})",
                     whereabouts(height),
                     contact.name,
-                    contact.boundary.text
+                    contact.boundary.text,
+                    readable(height)
                 )
             }),
         );
     }
     if let Some((line, found)) = on_boundary {
         let listed = super::super::tangents::listing(system, line, found);
-        let listed = if listed.is_empty() {
-            vec!["no tangent point, and no stick zone".to_owned()]
-        } else {
-            listed
-        };
-        let (low, high) = line.range;
+        let (low, high) = (readable(line.range.0), readable(line.range.1));
         let along = &file.states[line.along].name;
         entry(
             &mut text,
             "boundary",
-            &format!("along {along} from {low} to {high}, at t = {}:", line.t),
+            &format!(
+                "along {along} from {low} to {high}, at t = {}:",
+                readable(line.t)
+            ),
         );
         lines(&mut text, "", listed);
     }
