@@ -548,6 +548,111 @@ fn a_short_piece_of_an_orbit_and_a_series_that_repeats_itself_get_a_warning() {
     assert!(warnings(sine, &[]).contains("every row comes again 100 rows later"));
 }
 
+/// As a sensor does that has few bits, and one that hangs.
+#[test]
+fn values_on_a_grid_and_states_that_stand_still_get_a_word() {
+    let series = |digits: usize, held: usize| -> String {
+        let rows: Vec<String> = henon_of(2000)
+            .lines()
+            .map(|line| {
+                let values = line.split(',').map(|v| v.parse::<f64>().unwrap());
+                let rounded: Vec<String> = values.map(|v| format!("{v:.digits$}")).collect();
+                format!("{}\n", rounded.join(","))
+            })
+            .collect();
+        let hangs = std::iter::repeat_n(rows[1000].as_str(), held);
+        let before = rows[..1000].iter().map(String::as_str);
+        let after = rows[1000..].iter().map(String::as_str);
+        before.chain(hangs).chain(after).collect()
+    };
+    for (digits, held, is_on_grid, stands) in [
+        (12, 0, false, false),
+        (12, 200, false, true),
+        // Less than a hundredth of all.
+        (12, 15, false, false),
+        (2, 0, true, false),
+        (2, 200, true, true),
+    ] {
+        for columns in ["1", "1,2"] {
+            let output = program()
+                .args(["-", "--dt", "1", "--columns", columns])
+                .write_stdin(series(digits, held))
+                .assert()
+                .success()
+                .get_output()
+                .clone();
+            let told = String::from_utf8(output.stderr).unwrap();
+            let case = format!("{digits} digits, {held} rows, columns {columns}: {told}");
+            assert_eq!(
+                told.contains("different values, as rounded ones"),
+                is_on_grid,
+                "{case}"
+            );
+            assert_eq!(
+                told.contains("the same as those before them"),
+                stands,
+                "{case}"
+            );
+        }
+    }
+}
+
+/// Ten values five points apart reach over 45 points more than the neighbours of a state take.
+#[test]
+fn a_file_that_is_too_short_is_told_how_many_rows_it_needs() {
+    let column = |rows: usize| -> String {
+        let rows = henon_of(rows);
+        let first = rows.lines().map(|line| line.split(',').next().unwrap());
+        first.map(|value| format!("{value}\n")).collect()
+    };
+    let run = |rows: usize, options: &[&str]| {
+        let mut program = program();
+        let program = program.args(["-", "--dt", "1"]).args(options);
+        let output = program.write_stdin(column(rows)).output().unwrap();
+        (
+            output.status.code(),
+            String::from_utf8(output.stderr).unwrap(),
+        )
+    };
+    let needed = |told: &str| -> usize {
+        let before = told.split(" are needed").next().unwrap();
+        before.rsplit(' ').next().unwrap().parse().unwrap()
+    };
+    let delayed = ["--delay", "5", "--dimension", "10"];
+    let (code, told) = run(45, &delayed);
+    assert_eq!(code, Some(2), "{told}");
+    let rows = needed(&told);
+    let (code, told) = run(rows - 1, &delayed);
+    assert_eq!((code, needed(&told)), (Some(1), rows), "{told}");
+    assert!(
+        told.starts_with(&format!("error: {} points are too few", rows - 1)),
+        "{told}"
+    );
+    let (code, told) = run(rows, &delayed);
+    assert_eq!(code, Some(0), "{told}");
+    // States as they are: those rows and no more.
+    let (_, told) = run(10, &["--dimension", "1"]);
+    let rows = needed(&told);
+    assert_eq!(run(rows, &["--dimension", "1"]).0, Some(0), "{told}");
+}
+
+#[test]
+fn exponents_have_a_unit() {
+    let run = |format: &[&str]| {
+        let mut program = program();
+        succeed(
+            program
+                .args(["-", "--dt", "1"])
+                .args(format)
+                .write_stdin(henon(false)),
+        )
+    };
+    let unit = "natural logarithms of growth per unit of the time that dt is given in";
+    assert!(run(&[]).contains(&format!("Exponents are {unit}.")));
+    let json: serde_json::Value = serde_json::from_str(&run(&["--json"])).unwrap();
+    assert_eq!(json["unit"], unit);
+}
+
 #[test]
 fn files_as_they_come() {
     let run = |text: String| {

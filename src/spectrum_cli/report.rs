@@ -22,6 +22,9 @@ const COUNTED_POINTS: usize = 5000;
 /// An exponent that is called ok is within so many standard errors of the truth nine times in ten.
 const STANDARD_ERRORS: f64 = 2.0;
 
+/// What exponents are measured in.
+const UNIT: &str = "natural logarithms of growth per unit of the time that dt is given in";
+
 /// The spectrum and its evidence, for the terminal.
 pub fn table(findings: &Findings, source: &Table) -> String {
     let spectrum = &findings.spectrum;
@@ -79,7 +82,8 @@ pub fn table(findings: &Findings, source: &Table) -> String {
     let _ = writeln!(
         text,
         "\n{} tangent direction{}: {}; a value in brackets is none of the system's.\n\
-         {}; eps_sensitivity is the change with neighbourhoods of twice the size, a measure of bias.",
+         {}; eps_sensitivity is the change with neighbourhoods of twice the size, a measure of bias.\n\
+         Exponents are {UNIT}.",
         spectrum.dimension,
         if spectrum.dimension == 1 { "" } else { "s" },
         determined(findings),
@@ -330,6 +334,7 @@ pub fn json(findings: &Findings, source: &Table) -> Result<String, SpectrumError
             "stride": settings.stride,
             "references": settings.references,
         },
+        "unit": UNIT,
         "exponents": exponents,
         "sum": spectrum.sum.0,
         "sum_stderr": spectrum.sum.1,

@@ -14,6 +14,8 @@ use stickslip::analysis::data_spectrum::{
 const STARVED: f64 = 0.1;
 /// Values that are drawn from an attractor nearly all differ; with fewer different ones than this part they lie on a grid.
 const DIFFERENT: f64 = 0.5;
+/// With a larger part of the states the same as those before them there is a warning.
+const STANDING: f64 = 0.01;
 /// Reference points that reach over fewer Theiler windows are one short piece of an orbit, of which `ok` was found to be worth less.
 const WINDOWS: usize = 2;
 /// Times the mean distance of two values that fill a turn evenly, by which the turn's ends may be missed,
@@ -100,14 +102,15 @@ pub fn warnings(findings: &Findings, source: &Table) -> Vec<String> {
              extrapolated, as where values lie on a grid: give values with more digits, more points, or more --neighbours"
         ));
     }
-    if let Some((which, are)) = indices(Status::Annihilated) {
-        warnings.extend(on_a_grid(source).map(|(name, different)| {
-            format!(
-                "{which} {are} minus infinity, and column {name} has only {different} different values: neighbours that fall on one \
-                 value of a grid look annihilated; give values with more digits"
-            )
-        }));
-    }
+    warnings.extend(on_a_grid(source).map(|(name, different)| {
+        let annihilated = indices(Status::Annihilated).map_or(String::new(), |(which, are)| {
+            format!(", and {which} {are} minus infinity, as neighbours that fall on one value look")
+        });
+        format!(
+            "column {name} has only {different} different values, as rounded ones or those of few bits{annihilated}: stderr knows nothing of \
+             what a grid hides; give values with more digits"
+        )
+    }));
     if let Some((which, are)) = indices(Status::Unstable) {
         let by = match spectrum.settings.estimator {
             Estimator::SanoSawada => "by more than four standard errors",
@@ -144,16 +147,19 @@ pub fn warnings(findings: &Findings, source: &Table) -> Vec<String> {
             .flat_map(|embedded| embedded.warnings()),
     );
     warnings.extend(short_of_references(spectrum));
+    warnings.extend(standing_still(findings, source));
     warnings.extend(repeated(source));
     warnings.extend(wrapped(source));
     warnings.extend(source.notes.iter().cloned());
     warnings
 }
 
-/// The first column whose values lie on a grid, and how many different ones it has.
+/// The first column whose values lie on a grid, and how many different ones it has. What repeats itself or stands still is on none.
 fn on_a_grid(source: &Table) -> Option<(&str, usize)> {
+    if source.period().is_some() {
+        return None;
+    }
     let columns = source.names.len();
-    let rows = source.values.len() / columns.max(1);
     source.names.iter().enumerate().find_map(|(column, name)| {
         let mut values: Vec<f64> = source
             .values
@@ -162,9 +168,26 @@ fn on_a_grid(source: &Table) -> Option<(&str, usize)> {
             .step_by(columns)
             .copied()
             .collect();
+        values.dedup();
+        let rows = values.len();
         values.sort_by(f64::total_cmp);
         values.dedup();
         ((values.len() as f64) < DIFFERENT * rows as f64).then_some((name.as_str(), values.len()))
+    })
+}
+
+/// States that are the same as the ones before them.
+fn standing_still(findings: &Findings, source: &Table) -> Option<String> {
+    let embedded = findings.embedded.as_ref();
+    let reach = embedded.map_or(0, |embedded| embedded.choice.embedding.span());
+    let rows: Vec<&[f64]> = source.values.chunks(source.names.len().max(1)).collect();
+    let stretches = rows.chunk_by(|one, next| one == next).map(<[_]>::len);
+    let states: usize = stretches.map(|rows| rows.saturating_sub(reach + 1)).sum();
+    (states as f64 > STANDING * rows.len() as f64).then(|| {
+        format!(
+            "{states} states are the same as those before them, as of a system that rests or of values that are held: no distance grows \
+             there; leave them out"
+        )
     })
 }
 

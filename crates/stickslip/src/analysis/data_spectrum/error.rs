@@ -77,8 +77,8 @@ pub enum DataError {
     },
     /// Delayed values that reach over the end of the series.
     #[error(
-        "{rows} points are too few for {dimension} values with a delay of {delay}: more than {} are needed; give more points, a smaller \
-         delay or a smaller dimension", delay.saturating_mul(dimension.saturating_sub(1))
+        "{rows} points are too few for {dimension} values with a delay of {delay}: {needed} are needed; give more points, a smaller delay \
+         or a smaller dimension"
     )]
     Span {
         /// Number of points.
@@ -87,6 +87,8 @@ pub enum DataError {
         delay: usize,
         /// Number of values.
         dimension: usize,
+        /// Number of points needed.
+        needed: usize,
     },
     /// More points than the search tree can number.
     #[error("{rows} points are too many: at most {max} can be indexed; thin the series")]
@@ -114,4 +116,15 @@ pub enum DataError {
         /// What its crate said.
         cause: String,
     },
+}
+
+impl DataError {
+    /// Of delayed values, each of which reaches over `span` rows more: counted in rows.
+    pub fn in_rows(mut self, span: usize) -> Self {
+        if let DataError::TooFew { rows, needed, .. } = &mut self {
+            *rows += span;
+            *needed = needed.saturating_add(span);
+        }
+        self
+    }
 }

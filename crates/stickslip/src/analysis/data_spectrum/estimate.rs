@@ -19,7 +19,7 @@ use super::result::{Counts, DataSpectrum, Running};
 use super::series::Series;
 #[cfg(feature = "data")]
 use super::series::for_columns;
-use super::settings::{DataSettings, Estimator, FEWEST_REFERENCES, Neighbourhood};
+use super::settings::{DataSettings, Estimator, Neighbourhood};
 use super::svd::Square;
 
 /// Reference points between two reports of progress. Few enough that their maps stay near the processor.
@@ -177,11 +177,12 @@ fn estimate<const N: usize>(
     progress: &dyn Fn(usize, usize),
 ) -> Result<DataSpectrum, DataError> {
     let step = settings.step;
-    // Before anything is computed from too few points.
-    enough(series.len(), settings, settings.theiler.unwrap_or(0))?;
-    let cloud = Cloud::<N>::new(series)?;
-    let theiler = settings.theiler.unwrap_or_else(|| cloud.decorrelation());
+    // Of too few points nothing else is to be said.
+    let cloud = Cloud::<N>::new(series);
+    let decorrelation = || cloud.as_ref().map_or(0, Cloud::decorrelation);
+    let theiler = settings.theiler.unwrap_or_else(decorrelation);
     enough(series.len(), settings, theiler)?;
+    let cloud = cloud?;
     let finder = Finder::new(&cloud, step, theiler)?;
     let rule = Rule::of(settings);
     let directions = directions::measure(&cloud, &finder, &rule, SMALLEST_LEVEL.max(2 * N));
@@ -429,17 +430,12 @@ const SMALLEST_LEVEL: usize = 20;
 /// # Errors
 /// [`DataError::TooFew`] if there are fewer points than the search needs to be able to succeed.
 fn enough(rows: usize, settings: &DataSettings, theiler: usize) -> Result<(), DataError> {
-    let neighbours = settings.neighbours.fewest();
-    let searched = [theiler.saturating_mul(2), 1, settings.step]
-        .into_iter()
-        .fold(neighbours, usize::saturating_add);
-    let references = settings.reference(FEWEST_REFERENCES - 1);
-    let needed = searched.max(references.saturating_add(1).saturating_add(settings.step));
+    let needed = settings.fewest_points(theiler);
     if rows < needed {
         return Err(DataError::TooFew {
             rows,
             needed,
-            neighbours,
+            neighbours: settings.neighbours.fewest(),
             theiler,
             step: settings.step,
         });

@@ -201,6 +201,15 @@ impl DataSettings {
         self
     }
 
+    /// The fewest states that an estimate with this Theiler window takes.
+    pub(super) fn fewest_points(&self, theiler: usize) -> usize {
+        let neighbours = self.neighbours.fewest();
+        let searched = [theiler.saturating_mul(2), 1, self.step];
+        let searched = searched.into_iter().fold(neighbours, usize::saturating_add);
+        let references = self.reference(FEWEST_REFERENCES - 1);
+        searched.max(references.saturating_add(1).saturating_add(self.step))
+    }
+
     /// # Errors
     /// [`DataError::Setting`] with the first setting that is not allowed.
     pub(super) fn check(&self, columns: usize) -> Result<(), DataError> {

@@ -251,7 +251,7 @@ pub fn lacks_columns(series: &Series, theiler: Option<usize>) -> Result<bool, Da
 }
 
 /// Decorrelation time and spread of all columns together.
-fn scales(series: &Series) -> Result<(usize, f64), DataError> {
+pub(super) fn scales(series: &Series) -> Result<(usize, f64), DataError> {
     fn of_size<const N: usize>(series: &Series) -> Result<(usize, f64), DataError> {
         let cloud = Cloud::<N>::new(series)?;
         Ok((cloud.decorrelation(), cloud.unit * cloud.spread))

@@ -3,6 +3,8 @@
 
 use super::super::error::DataError;
 use super::super::series::{MAX_COLUMNS, Series};
+use super::super::settings::DataSettings;
+use super::choice::scales;
 
 /// A delay and a number of delayed values of each column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,10 +40,15 @@ impl Embedding {
         let span = self.span();
         let rows = series.len();
         if rows <= span {
+            let columns = series.columns() * self.dimension;
+            let one = Series::new(vec![0.0; columns], columns, series.dt())?;
+            let settings = DataSettings::default().delayed(self.delay, &one);
+            let window = scales(series).map_or(0, |scales| scales.0);
             return Err(DataError::Span {
                 rows,
                 delay: self.delay,
                 dimension: self.dimension,
+                needed: span.saturating_add(settings.fewest_points(window)),
             });
         }
         let columns = series.columns();

@@ -47,6 +47,7 @@ pub(super) fn level(
             rows: series.len(),
             delay: next.delay,
             dimension: next.dimension,
+            needed: next.span().saturating_add(1),
         });
     }
     let embedded = embedding.of(series)?;
