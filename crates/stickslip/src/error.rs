@@ -116,6 +116,21 @@ pub enum Error {
         /// Absolute tolerance.
         atol: f64,
     },
+    /// A run is longer than allowed.
+    #[error(
+        "more than {most} {} by t = {t}, x = {x}: end the run earlier, or raise {name} if it is to be that long",
+        if *name == "most_events" { "transitions" } else { "steps" }
+    )]
+    TooMany {
+        /// Name as in [`crate::Options`].
+        name: &'static str,
+        /// The most that are allowed.
+        most: u64,
+        /// Time reached.
+        t: f64,
+        /// State reached.
+        x: Point,
+    },
     /// Transitions pile up (Zeno): ever more of them within no time.
     #[error(
         "{count} transitions within {span:e} before t = {t}, x = {x}: they pile up (Zeno); the orbit cannot be followed past the accumulation point", t = readable(*t)

@@ -183,6 +183,14 @@ pub(super) struct SolverArguments {
     #[arg(long, value_name = "BOUND", default_value = "1e6")]
     escape: f64,
 
+    /// A run with more transitions than this ends with an error
+    #[arg(long, value_name = "COUNT", default_value = "1000000", value_parser = count)]
+    most_events: NonZeroUsize,
+
+    /// The same with more steps
+    #[arg(long, value_name = "COUNT", default_value = "1000000000", value_parser = count)]
+    most_steps: NonZeroUsize,
+
     /// What to do where both fields lead away from the boundary
     #[arg(long, value_enum, default_value_t)]
     at_repelling: Repelling,
@@ -194,6 +202,8 @@ impl SolverArguments {
         let options = Options {
             atol: self.atol.unwrap_or(self.tol),
             longest_step: self.longest_step.unwrap_or(f64::INFINITY),
+            most_events: self.most_events.get() as u64,
+            most_steps: self.most_steps.get() as u64,
             ..Options::tol(self.tol)
         };
         let options = options

@@ -98,6 +98,7 @@ fn ending(ended: Option<&Ended>) -> &'static str {
         Some(Ending::EndTime) => "end time",
         Some(Ending::Repelling) => "no unique future: the boundary repels",
         Some(Ending::TwoFold(_)) => "no unique future: a two-fold",
+        Some(Ending::Shrunk) => "shrunk to a point of the boundary",
         Some(Ending::Stopped) => "stopped",
         Some(Ending::Failed) | None => "failed",
     }

@@ -325,7 +325,8 @@ impl<'a> Builder<'a> {
             .map_err(|error| no_number(error, place))
     }
 
-    /// The friction force of a contact: its sign times the law that holds in this mode.
+    /// The friction force of a contact: its sign times the law that holds in this mode, and zero
+    /// where the normal force is not positive.
     fn friction(
         &mut self,
         formula: &Formula,
@@ -366,7 +367,12 @@ impl<'a> Builder<'a> {
             }
             Progress::NotYet => {
                 self.frictions[number] = Progress::UnderWay;
-                let id = self.formula(law)?;
+                let mut id = self.formula(law)?;
+                if let Some(force) = &contact.normal_force {
+                    let force = self.formula(force)?;
+                    let made = self.graph.where_positive(force, id);
+                    id = made.map_err(|error| no_number(error, law.whole()))?;
+                }
                 self.frictions[number] = Progress::Done(id);
                 id
             }

@@ -143,7 +143,7 @@ pub struct Contact {
     pub friction: Option<Formula>,
     /// How large friction may be while the contact holds, where that differs.
     pub holding: Option<Formula>,
-    /// The normal force, where contact can be lost.
+    /// The normal force, where contact can be lost: friction is zero where it is not positive.
     pub normal_force: Option<Formula>,
     /// Where it stands.
     pub place: Range<usize>,

@@ -5,5 +5,6 @@ mod bad_files;
 mod command_line;
 mod continuation;
 mod known_answers;
+mod public_cases;
 mod readme;
 mod recorded;

@@ -43,6 +43,8 @@ pub(super) enum Node {
     Call(Function, Id),
     Larger(Id, Id),
     Smaller(Id, Id),
+    /// The second where the first is positive, else zero.
+    WherePositive(Id, Id),
 }
 
 impl Node {
@@ -59,7 +61,8 @@ impl Node {
             | Node::Product(a, b)
             | Node::Quotient(a, b)
             | Node::Larger(a, b)
-            | Node::Smaller(a, b) => [Some(a), Some(b)],
+            | Node::Smaller(a, b)
+            | Node::WherePositive(a, b) => [Some(a), Some(b)],
         }
     }
 }
@@ -261,6 +264,18 @@ impl Graph {
         match (self.value(a), self.value(b)) {
             (Some(a), Some(b)) => self.constant(a.min(b)),
             _ => Ok(self.add(Node::Smaller(a, b))),
+        }
+    }
+
+    /// The number `a` where `condition` is positive, else zero.
+    ///
+    /// # Errors
+    /// As [`Graph::constant`].
+    pub fn where_positive(&mut self, condition: Id, a: Id) -> Made {
+        match self.value(condition) {
+            Some(value) if value > 0.0 => Ok(a),
+            Some(_) => self.constant(0.0),
+            None => Ok(self.add(Node::WherePositive(condition, a))),
         }
     }
 

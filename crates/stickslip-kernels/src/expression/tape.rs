@@ -65,6 +65,7 @@ enum Other {
     Call(Function),
     Larger,
     Smaller,
+    WherePositive,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -151,6 +152,8 @@ impl Other {
             Other::Call(function) => function.of(a),
             Other::Larger => a.max(b),
             Other::Smaller => a.min(b),
+            Other::WherePositive if a.exceeds(T::zero()) => b,
+            Other::WherePositive => T::zero(),
         }
     }
 }
@@ -252,6 +255,7 @@ impl<'a> Layout<'a> {
             Node::Call(function, a) => return self.call(i, function, a),
             Node::Larger(a, b) => (Op::Other(Other::Larger), a, Some(b), 0.0),
             Node::Smaller(a, b) => (Op::Other(Other::Smaller), a, Some(b), 0.0),
+            Node::WherePositive(a, b) => (Op::Other(Other::WherePositive), a, Some(b), 0.0),
         };
         let from = self.operand(a)?;
         let with = b.map_or(Ok(0), |b| self.operand(b))?;

@@ -16,10 +16,13 @@ pub(crate) trait StepGuard<const N: usize> {
     /// Whether it has a zero at the start, where the state has touched or left its boundary.
     fn starts_at_zero(&self) -> bool;
 
+    /// What is added to a guard that starts flat at zero; see [`super::leaving::Leaving`].
+    fn lift(&self) -> f64;
+
     /// The guard; with a zero at the start, it is divided out.
     fn value(&self, s: f64) -> f64;
 
-    /// State and guard as exactly as they can be had at `s`.
+    /// State and guard, lifted, as exactly as they can be had at `s`.
     fn probe(&self, s: f64) -> Probe<N>;
 
     /// Brackets the first zero behind `from`, found by resolving the values over all that is left of the step.

@@ -201,6 +201,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
             self.due = Due::PhaseEnd(Ending::EndTime);
             return Ok(false);
         }
+        self.run.check_steps()?;
         if self.stepper.needs_preparing() {
             self.work(Work::Prepare)?;
         }
@@ -260,10 +261,9 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
                 Ok(Due::Event)
             }
             Error::EventPileUp { .. } => {
-                let ending = self
-                    .system
-                    .ending_of_pile_up(&self.run, self.mode)
-                    .ok_or(error)?;
+                let two_fold = self.system.ending_of_pile_up(&self.run, self.mode);
+                let shrunk = || self.run.pile_up.shrinks().then_some(Ending::Shrunk);
+                let ending = two_fold.or_else(shrunk).ok_or(error)?;
                 Ok(match self.phase() {
                     Some(_) => Due::PhaseEnd(ending),
                     None => Due::End(ending),

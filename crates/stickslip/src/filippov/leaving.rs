@@ -8,11 +8,15 @@ use crate::ode::Timed;
 /// Where in a step it is looked at whether a guard has risen out of rounding.
 pub(crate) const RISES: [f64; 3] = [1.0, 0.5, 0.25];
 
-/// A guard that is zero at the start of the step, where it has just been left. Its zero there is divided out:
-/// `(g − g₀ − …)/s^order` has the guard's other zeros and none at the start.
+/// A guard that is zero at the start of the step, where it has just been left. Its zero there is
+/// divided out: `(g − g₀ − …)/s^order` has the guard's other zeros and none at the start. Where no
+/// derivative stands out it is not left at all: both fields lie along Σ. It then ends the mode
+/// where it falls below what is known of it.
 pub(crate) struct Leaving {
     /// How many derivatives, from the value on, vanish at the start.
     order: usize,
+    /// How well the guard is known if no derivative leads away from zero, else 0. It is added.
+    pub(crate) flat: f64,
     /// Taylor coefficients of the guard in `s` at the start of the step.
     start: [f64; 4],
 }
@@ -30,6 +34,9 @@ impl Leaving {
     }
 
     pub(crate) fn value(&self, s: f64, guard: impl FnOnce() -> f64) -> f64 {
+        if self.flat > 0.0 {
+            return guard() + self.flat;
+        }
         if s == 0.0 {
             return self.start[self.order];
         }
@@ -49,14 +56,20 @@ pub(crate) fn leaving<F: Flow<N>, const N: usize>(
     on_step: impl Fn(f64) -> f64,
 ) -> Option<Leaving> {
     let [g, rate, bend, third] = flow.jet(guard, at.t, &at.x);
-    let start = Leaving {
-        order: order.min(3),
+    let order = order.min(3);
+    let mut start = Leaving {
+        order,
+        flat: 0.0,
         start: [g, rate * h, 0.5 * bend * h * h, third * h * h * h / 6.0],
     };
-    let floor = uncertainty(flow, guard, at, &options.tolerance()).by_rounding;
+    let blur = uncertainty(flow, guard, at, &options.tolerance());
+    let floor = blur.by_rounding;
     let rises = RISES
         .iter()
         .any(|&s| start.risen(s, on_step(s)).abs() > floor);
+    if start.start[order].abs() <= floor {
+        start.flat = blur.zero().max(f64::MIN_POSITIVE);
+    }
     rises.then_some(start)
 }
 

@@ -10,7 +10,7 @@ use super::rules::{
 };
 use super::run::Run;
 use super::switch::{kind, next_mode};
-use super::switched::{Next, Switch, Switched, UseFlow};
+use super::switched::{Next, Switch, Switched, UseFlow, Vanishes};
 use super::two_fold::two_fold;
 use crate::dual::Dual;
 use crate::error::{Error, Point};
@@ -109,7 +109,9 @@ impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
                 }));
             }
         }
-        let tangent = (from == Mode::Stick).then(|| Stick::<S>::side_of_guard(event.guard));
+        let vanishes = from == Mode::Stick
+            && self.with_flow(from, self.branch(&run.at), Vanishes(event, &run.options));
+        let tangent = vanishes.then(|| Stick::<S>::side_of_guard(event.guard));
         let departure = departs(self, run, tangent)?;
         let next = next_mode(departure, run.options.at_repelling);
         Ok(match next {

@@ -97,6 +97,10 @@ pub struct Options {
     pub pile_up_count: usize,
     /// See `pile_up_count`; default 1e-7.
     pub pile_up_span: f64,
+    /// A run with more transitions than this ends with [`Error::TooMany`]; default 10⁷.
+    pub most_events: u64,
+    /// The same with more steps; default 10⁹.
+    pub most_steps: u64,
 }
 
 impl Default for Options {
@@ -113,6 +117,8 @@ impl Default for Options {
             touch: 10.0,
             pile_up_count: 100,
             pile_up_span: 1e-7,
+            most_events: 10_000_000,
+            most_steps: 1_000_000_000,
         }
     }
 }

@@ -11,6 +11,9 @@ const UNRESOLVED: f64 = 100.0;
 /// So many transitions within the span of a pile-up, and then a step too short for the time, are one as well.
 const FEWEST: usize = 10;
 
+/// Phases that shrink geometrically to less than this part of the first within [`FEWEST`] accumulate.
+const LASTS: f64 = 0.9;
+
 /// How many times something has happened within no time.
 pub struct Burst {
     since: f64,
@@ -47,7 +50,10 @@ impl Burst {
 pub struct PileUp<const N: usize> {
     burst: Burst,
     last: Option<Timed<N>>,
+    /// Phases in a row that are not resolved, the length of the first, and how many last as long.
     unresolved: usize,
+    first: f64,
+    lasting: usize,
 }
 
 impl<const N: usize> PileUp<N> {
@@ -56,6 +62,8 @@ impl<const N: usize> PileUp<N> {
             burst: Burst::new(),
             last: None,
             unresolved: 0,
+            first: 0.0,
+            lasting: 0,
         }
     }
 
@@ -66,9 +74,9 @@ impl<const N: usize> PileUp<N> {
         velocity: &State<N>,
         options: &Options,
     ) -> Result<(), Error> {
-        let (count, span) = self.burst.note(at.t, options);
+        let (count, _) = self.burst.note(at.t, options);
+        let time = self.last.map_or(f64::INFINITY, |last| at.t - last.t);
         let resolved = self.last.is_none_or(|last| {
-            let time = at.t - last.t;
             // A body on a floor stands still at either end of a slip: what it has moved by tells, not how fast it is.
             (0..N).any(|i| {
                 let moved = f64::max((at.x[i] - last.x[i]).abs(), time * velocity[i].abs());
@@ -76,27 +84,38 @@ impl<const N: usize> PileUp<N> {
             })
         });
         self.unresolved = if resolved { 0 } else { self.unresolved + 1 };
+        if self.unresolved == 1 {
+            (self.first, self.lasting) = (time, 0);
+        } else if time >= LASTS * self.first {
+            self.lasting += 1;
+        }
         self.last = Some(*at);
         let most = options.pile_up_count;
         if count < most && self.unresolved < most {
             return Ok(());
         }
-        Err(Error::EventPileUp {
-            count: count.max(self.unresolved),
-            span,
-            t: at.t,
-            x: Point::from(&at.x),
-        })
+        Err(self.error(at.t, &at.x))
+    }
+
+    /// The pile-up that the transitions so far are.
+    fn error(&self, t: f64, x: &State<N>) -> Error {
+        Error::EventPileUp {
+            count: self.burst.count.max(self.unresolved),
+            span: t - self.burst.since,
+            t,
+            x: Point::from(x),
+        }
+    }
+
+    /// Whether phases that are not resolved last as long as the first of them: the orbit shrinks to a
+    /// point that it reaches in no finite time.
+    pub(crate) fn shrinks(&self) -> bool {
+        self.unresolved >= FEWEST && self.lasting >= FEWEST
     }
 
     /// The pile-up that a run is in whose steps have become too short.
     pub(crate) fn under_way(&self, t: f64, x: &State<N>, options: &Options) -> Option<Error> {
-        let Burst { since, count } = self.burst;
-        (count >= FEWEST && self.burst.lasts(t, options)).then(|| Error::EventPileUp {
-            count,
-            span: t - since,
-            t,
-            x: Point::from(x),
-        })
+        let is_under_way = self.burst.count >= FEWEST && self.burst.lasts(t, options);
+        is_under_way.then(|| self.error(t, x))
     }
 }

@@ -168,9 +168,34 @@ impl<const N: usize, const G: usize> Run<N, G> {
         })
     }
 
+    #[inline(always)]
+    pub(crate) fn check_steps(&self) -> Result<(), Error> {
+        self.check_most(self.counters.steps, self.options.most_steps, "most_steps")
+    }
+
+    #[inline(always)]
+    fn check_most(&self, count: u64, most: u64, name: &'static str) -> Result<(), Error> {
+        if count <= most {
+            return Ok(());
+        }
+        let Timed { t, x } = &self.at;
+        let x = Point::from(x);
+        Err(Error::TooMany {
+            name,
+            most,
+            t: *t,
+            x,
+        })
+    }
+
     /// Counts a transition; too many within no time are a pile-up.
     pub(crate) fn note_event(&mut self, velocity: &State<N>) -> Result<(), Error> {
         self.counters.events += 1;
+        self.check_most(
+            self.counters.events,
+            self.options.most_events,
+            "most_events",
+        )?;
         self.pile_up.note(&self.at, velocity, &self.options)
     }
 

@@ -8,6 +8,7 @@ use super::flow::Flow;
 use super::observer::{Transition, TransitionKind};
 use super::options::Options;
 use super::run::Run;
+use super::uncertainty::uncertainty;
 use crate::dual::Dual;
 use crate::error::Error;
 use crate::ode::Timed;
@@ -170,6 +171,20 @@ impl<const N: usize> UseFlow<N> for Settled<N> {
     #[inline(always)]
     fn with<F: Flow<N>>(self, flow: &F) -> State<N> {
         flow.settle(self.0.t, self.0.x)
+    }
+}
+
+/// Whether the guard of an event vanishes there, to the tolerance. It does not where it jumps:
+/// at a kink of a boundary, say.
+pub(crate) struct Vanishes<'a, const N: usize>(pub &'a Event<N>, pub &'a Options);
+
+impl<const N: usize> UseFlow<N> for Vanishes<'_, N> {
+    type Output = bool;
+
+    fn with<F: Flow<N>>(self, flow: &F) -> bool {
+        let Vanishes(event, options) = self;
+        let blur = uncertainty(flow, event.guard, &event.at, &options.tolerance());
+        event.residual <= blur.by_tolerance + blur.by_rounding
     }
 }
 

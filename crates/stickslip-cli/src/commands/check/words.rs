@@ -103,7 +103,7 @@ pub(super) fn understood(
                 &mut text,
                 "",
                 &format!(
-                    "normal force      {}, lost where it is negative",
+                    "normal force      {}; without it no contact and no friction",
                     force.text
                 ),
             );

@@ -210,7 +210,8 @@ pub(super) fn kind_of_rest<S: Switched<N, G>, const N: usize, const G: usize>(
     kind_by(system, mode, at, &jacobian)
 }
 
-/// The same by the Jacobian there.
+/// The same by the Jacobian there, of motion along the boundaries of the contacts that stick: off them
+/// a body held at rest has a double eigenvalue zero, which rounding splits by its root.
 fn kind_by<S: Switched<N, G>, const N: usize, const G: usize>(
     system: &S,
     mode: S::Mode,
@@ -218,17 +219,23 @@ fn kind_by<S: Switched<N, G>, const N: usize, const G: usize>(
     jacobian: &SMatrix<f64, N, N>,
 ) -> Option<Kind> {
     let bound = ZERO * jacobian.amax();
+    let normals = system.normals(mode, at);
+    let gradients = DMatrix::from_fn(N, normals.len(), |i, k| normals[k].1[i]);
+    let across = gradients.qr().q();
+    let along = SMatrix::<f64, N, N>::from_fn(|i, j| {
+        let normal = across.row(i).dot(&across.row(j));
+        f64::from(u8::from(i == j)) - normal
+    });
     let mut zeros = 0;
-    for value in multipliers(jacobian) {
+    for value in multipliers(&(along * jacobian * along)) {
         if value.norm() <= bound {
             zeros += 1;
         } else if value.re >= -bound {
             return None;
         }
     }
-    // Off its boundary the sliding field leaves the boundary function as it is: a zero for each contact that sticks.
-    let of_stick = system.normals(mode, at).len();
-    Some(if zeros > of_stick {
+    // Across each boundary that was taken out there is a zero.
+    Some(if zeros > normals.len() {
         Kind::EquilibriumSet
     } else {
         Kind::Equilibrium

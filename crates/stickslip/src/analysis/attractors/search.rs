@@ -173,7 +173,10 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
                     None
                 }
                 Happening::Progress(Progress::Transition(at)) => self.transition(&at),
-                Happening::Progress(Progress::End(summary)) => Some(self.ended(&summary)),
+                Happening::Progress(Progress::End(summary)) => {
+                    let mode = watched.integration().mode();
+                    Some(self.ended(&summary, mode))
+                }
             };
             if let Some((kind, points)) = done {
                 return Stage::Done(kind, points);
@@ -315,14 +318,27 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
         Some((kind, points))
     }
 
-    fn ended(&mut self, summary: &Summary<N>) -> (Kind, Vec<SectionPoint<N>>) {
+    fn ended(&mut self, summary: &Summary<N>, mode: S::Mode) -> (Kind, Vec<SectionPoint<N>>) {
+        let Summary { t, x, .. } = *summary;
         let kind = match summary.ending {
             Ending::Repelling => Kind::Repelling,
             Ending::TwoFold(which) => Kind::TwoFold(which),
+            Ending::Shrunk => {
+                let rest = self.rest_on_boundary(mode, &Timed { t, x });
+                let (kind, x) = rest.unwrap_or((Kind::Equilibrium, x));
+                return (kind, vec![SectionPoint { t, x }]);
+            }
             Ending::EndTime | Ending::Stopped | Ending::Failed => return self.open(),
         };
-        let Summary { t, x, .. } = *summary;
         (kind, vec![SectionPoint { t, x }])
+    }
+
+    /// The equilibrium at a point of the boundary. Its rounding is on either side, and of neither
+    /// side's is it said which the last phase was beside.
+    fn rest_on_boundary(&self, mode: S::Mode, at: &Timed<N>) -> Option<(Kind, State<N>)> {
+        let scale = State::from_fn(|i, _| self.ever.size(i));
+        let mut modes = [mode].into_iter().chain(self.history.modes());
+        modes.find_map(|mode| rest_at(self.system, mode, at, &scale, &self.near))
     }
 
     /// Nothing has closed in the longest time.
@@ -349,16 +365,11 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
         match error {
             Error::Escaped { .. } => Stage::Done(Kind::Escape, Vec::new()),
             Error::EventPileUp { .. } if self.settings.forcing.is_none() => {
-                // On the discontinuity boundary the rounding of an equilibrium is on either side of it.
                 let at = Timed {
                     t: integration.t(),
                     x: *integration.x(),
                 };
-                let scale = State::from_fn(|i, _| self.ever.size(i));
-                // Of either side's equilibrium it is not said which the last phase was beside.
-                let mut modes = [integration.mode()].into_iter().chain(self.history.modes());
-                let rest = |mode| rest_at(self.system, mode, &at, &scale, &self.near);
-                match modes.find_map(rest) {
+                match self.rest_on_boundary(integration.mode(), &at) {
                     Some((kind, x)) => Stage::Done(kind, vec![SectionPoint { t: at.t, x }]),
                     None => Stage::Done(Kind::Failure(error), Vec::new()),
                 }

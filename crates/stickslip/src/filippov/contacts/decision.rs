@@ -54,6 +54,15 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
             .filter(|&i| self.open[i] || self.released == Some(i))
             .collect();
         self.check(&decided)?;
+        for &i in &decided {
+            if !self.can_hold(i) {
+                // Its own side does nothing to its rate: it goes where the motion of the others leads.
+                self.open[i] = false;
+                if self.modes[i] == Mode::Stick {
+                    self.modes[i] = Mode::Slip(Side::Above);
+                }
+            }
+        }
         self.complement(run)?;
         // A contact whose share or rate vanishes to rounding is decided by the next derivative. Each may change the others' once.
         for _ in 0..=2 * M {
@@ -74,6 +83,13 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
                 return Ok((self.modes, orders));
             };
             self.modes[i] = mode;
+            if !self.can_hold(i) {
+                // Across it the others may be loaded otherwise.
+                for &j in &decided {
+                    self.open[j] = self.released != Some(j) && self.can_hold(j);
+                }
+                self.complement(run)?;
+            }
         }
         Err(self.unsolved(&decided, &[]))
     }
@@ -147,8 +163,13 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
                 let is_tangent = self.released == Some(i)
                     && !self.has_static_friction(i)
                     && (0..M).all(|j| j == i || self.modes[j] == self.before[j]);
-                match derivatives.leading(is_tangent) {
-                    (order, sign) if sign > 0.0 => Start::Order(order),
+                match (derivatives.leading(is_tangent), self.modes[i]) {
+                    ((order, sign), _) if sign > 0.0 => Start::Order(order),
+                    // It stays where it is.
+                    ((_, 0.0), _) if !self.can_hold(i) => Start::Order(3),
+                    (_, Mode::Slip(side)) if !self.can_hold(i) => {
+                        Start::Instead(Mode::Slip(side.opposite()))
+                    }
                     _ => Start::Instead(Mode::Stick),
                 }
             }
@@ -172,6 +193,12 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
             modes[i] = Mode::Stick;
         }
         Joint::new(self.system, &modes)
+    }
+
+    /// Whether the side of a contact does anything to its own rate. That of a place does not, where
+    /// only velocities jump.
+    fn can_hold(&self, i: usize) -> bool {
+        self.friction(i, true) != 0.0
     }
 
     /// As [`Decision::friction`], with these contacts at rest.

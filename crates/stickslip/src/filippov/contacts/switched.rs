@@ -11,7 +11,7 @@ use crate::filippov::observer::{Transition, TransitionKind};
 use crate::filippov::options::Options;
 use crate::filippov::run::Run;
 use crate::filippov::switch::kind;
-use crate::filippov::switched::{Next, Switch, Switched, UseFlow};
+use crate::filippov::switched::{Next, Switch, Switched, UseFlow, Vanishes};
 use crate::filippov::uncertainty::{ULPS, uncertainties};
 use crate::ode::Timed;
 use crate::scalar::Scalar;
@@ -103,7 +103,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
         let mut open = self.at_zero(run, &from);
         let mut modes = from;
         let mut released = None;
-        if from[contact] == Mode::Stick {
+        if from[contact] == Mode::Stick && self.with_flow(from, (), Vanishes(event, &run.options)) {
             let Timed { t, x } = run.at;
             let joint = Joint::new(&self.0, &from);
             modes[contact] = Mode::Slip(joint.nearest_side(contact, t, &x));

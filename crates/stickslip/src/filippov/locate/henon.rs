@@ -16,13 +16,13 @@ impl<F: Flow<N>, const N: usize> OnDense<'_, F, N> {
         (again.henon_step)(&mut |at| flow.swapped(self.guard, at), from, change)
     }
 
-    /// From a state hardly off the zero, one Hénon step onto it (again where the guard is curved and the first has left
-    /// more than `rounding`), of order 4 where the way is short. `None` where the guard's rate could change along the way: near
-    /// grazing.
-    pub(super) fn polish(&self, from: Probe<N>, rounding: f64) -> Option<Probe<N>> {
+    /// From a state hardly off the zero, one Hénon step onto it (again where the guard is curved
+    /// and the first has left more than rounding), of order 4 where the way is short. `None` where
+    /// the guard's rate could change along the way, near grazing, and where the guard jumps.
+    pub(super) fn polish(&self, from: Probe<N>, limits: &Limits) -> Option<Probe<N>> {
         let mut best = from;
         for _ in 0..3 {
-            if best.guard.abs() <= rounding {
+            if best.guard.abs() <= limits.rounding {
                 break;
             }
             if !steady(&best) {
@@ -44,7 +44,7 @@ impl<F: Flow<N>, const N: usize> OnDense<'_, F, N> {
             }
             best = to;
         }
-        (best.rate < 0.0).then_some(best)
+        (best.rate < 0.0 && best.guard.abs() <= limits.mismatch).then_some(best)
     }
 
     /// The paper's Hénon step from the start of the integration step, then the same from where it ends while more than
@@ -65,7 +65,7 @@ impl<F: Flow<N>, const N: usize> OnDense<'_, F, N> {
         if to.rate >= 0.5 * start.rate || to.guard.abs() > 0.1 * start.guard {
             return None;
         }
-        let landed = self.polish(to, limits.rounding)?;
+        let landed = self.polish(to, limits)?;
         if limits.mismatch.is_finite() {
             let ordinary = self.reach(landed.s);
             let miss: f64 = self

@@ -114,6 +114,10 @@ impl<F: Flow<N>, const N: usize> StepGuard<N> for OnDense<'_, F, N> {
         self.start.is_some()
     }
 
+    fn lift(&self) -> f64 {
+        self.start.as_ref().map_or(0.0, |start| start.flat)
+    }
+
     #[inline(always)]
     fn value(&self, s: f64) -> f64 {
         let origin = self.origin;
@@ -208,7 +212,7 @@ impl<F: Flow<N>, const N: usize> OnDense<'_, F, N> {
         Probe {
             s: (at.t - self.origin.t) / self.origin.h,
             at,
-            guard,
+            guard: guard + self.lift(),
             rate,
             bend,
         }
@@ -225,7 +229,7 @@ impl<F: Flow<N>, const N: usize> OnDense<'_, F, N> {
     ) -> Option<Event<N>> {
         let touch = limits.touch;
         let found = match locator {
-            Locator::Auto => self.polish(self.probe(estimate), limits.rounding),
+            Locator::Auto => self.polish(self.probe(estimate), &limits),
             Locator::Henon => {
                 let (t, x) = (self.origin.t, self.origin.x);
                 self.whole_henon_step(self.look(Timed { t, x }), &limits)
@@ -234,7 +238,7 @@ impl<F: Flow<N>, const N: usize> OnDense<'_, F, N> {
         };
         let found = match found {
             Some(probe) => probe,
-            None => match self.search(bracket, estimate) {
+            None => match self.search(bracket, estimate, limits.rounding) {
                 Search::Zero(probe) => probe,
                 Search::Turn(turn) if turn.guard.abs() <= touch => {
                     return match Fall::turning(turn, self, touch) {

@@ -12,8 +12,9 @@ pub(super) enum Search<const N: usize> {
 }
 
 impl<F: Flow<N>, const N: usize> OnDense<'_, F, N> {
-    /// Newton's iteration on re-integrated steps, held in a bracket by bisection.
-    pub(super) fn search(&self, bracket: Bracket, estimate: f64) -> Search<N> {
+    /// Newton's iteration on re-integrated steps, held in a bracket by bisection. Where the guard
+    /// jumps through zero, what is found lies behind the jump.
+    pub(super) fn search(&self, bracket: Bracket, estimate: f64, rounding: f64) -> Search<N> {
         let (mut a, mut b) = (bracket.a, bracket.b);
         let end = self.probe(b);
         if end.guard > 0.0 {
@@ -54,6 +55,9 @@ impl<F: Flow<N>, const N: usize> OnDense<'_, F, N> {
             if stalled {
                 break;
             }
+        }
+        if here.guard > rounding && b - a <= 4.0 * f64::EPSILON * b {
+            here = self.probe(b);
         }
         Search::Zero(here)
     }

@@ -66,6 +66,10 @@ impl<F: Flow<N>, const N: usize> StepGuard<N> for OfSeries<'_, F, N> {
         self.order > 0
     }
 
+    fn lift(&self) -> f64 {
+        0.0
+    }
+
     fn value(&self, s: f64) -> f64 {
         power_series(&self.c[self.order..], s).0
     }
@@ -129,6 +133,10 @@ impl<F: Flow<N>, const N: usize> StepGuard<N> for Sampled<'_, F, N> {
         self.start.is_some()
     }
 
+    fn lift(&self) -> f64 {
+        self.start.as_ref().map_or(0.0, |start| start.flat)
+    }
+
     fn value(&self, s: f64) -> f64 {
         match &self.start {
             Some(start) => start.value(s, || self.on_series(s)),
@@ -139,7 +147,11 @@ impl<F: Flow<N>, const N: usize> StepGuard<N> for Sampled<'_, F, N> {
     fn probe(&self, s: f64) -> Probe<N> {
         let (at, h) = (self.piece.at(s).0, self.piece.h);
         let [_, rate, bend, _] = self.flow.jet(self.guard, at.t, &at.x);
-        on_piece(self.flow, self.guard, self.piece, s, rate * h, bend * h * h)
+        let probe = on_piece(self.flow, self.guard, self.piece, s, rate * h, bend * h * h);
+        Probe {
+            guard: probe.guard + self.lift(),
+            ..probe
+        }
     }
 }
 
@@ -314,6 +326,10 @@ fn first_failure<F: Flow<N>, const N: usize, const G: usize>(
         if !RISES.iter().any(|&s| risen(s) > floor) {
             return Ok(None);
         }
+        if order == 3 && c[order].abs() <= floor {
+            // It starts flat: its samples tell where it falls.
+            return Err(Strays);
+        }
         fails_at_once = c[order] <= 0.0;
     }
     // Nearly every step ends here.
@@ -413,7 +429,7 @@ fn locate<F: Flow<N>, const N: usize, const G: usize>(
             // What a step of Newton's iteration leaves is of second order.
             let is_last = (zero.bend * change * change).abs() <= f64::EPSILON * rate.abs();
             if !is_last {
-                let value_there: f64 = flow.guard_at(i, there.0.t, &there.0.x);
+                let value_there = flow.guard_at(i, there.0.t, &there.0.x) + guard.lift();
                 if value_there.is_nan() || value_there.abs() >= value.abs() {
                     break;
                 }

@@ -2,8 +2,11 @@
 
 use super::TaylorStepper;
 use crate::error::{Error, Point};
+use crate::filippov::event::Event;
+use crate::filippov::flow::Flow;
 use crate::filippov::options::Options;
 use crate::filippov::pile_up::Burst;
+use crate::filippov::uncertainty::uncertainty;
 use crate::ode::{Timed, power_series};
 use crate::system::State;
 use crate::taylor::roots::first_zero;
@@ -64,6 +67,25 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         }
         (first, is_tie)
     }
+}
+
+/// The event of a guard that lies below zero at `at`, behind a kink: it has jumped there.
+#[cold]
+pub(super) fn jumped<F: Flow<N>, const N: usize>(
+    flow: &F,
+    at: &Timed<N>,
+    options: &Options,
+) -> Option<Event<N>> {
+    F::GUARDS.iter().find_map(|&guard| {
+        let value: f64 = flow.guard_at(guard, at.t, &at.x);
+        let blur = uncertainty(flow, guard, at, &options.tolerance());
+        (-value > blur.by_tolerance + blur.by_rounding).then(|| Event {
+            guard,
+            at: *at,
+            is_touch: false,
+            residual: -value,
+        })
+    })
 }
 
 /// Counts a step to `at` that has ended where a comparison comes out otherwise, if the field turns round there: the series' slope there

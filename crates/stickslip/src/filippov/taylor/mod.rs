@@ -8,7 +8,7 @@ mod step_size;
 
 pub(super) use end::Ends;
 use end::{End, sums};
-use kink::note_turn;
+use kink::{jumped, note_turn};
 use piece::{Piece, Polynomial, nowhere, powers};
 pub(super) use step_size::step_ratio;
 
@@ -368,7 +368,9 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             run.reject_undefined(h)?;
             return Ok(Trial::NoStep);
         }
+        let mut event = event.map(|found| found.event);
         if kink.is_some() {
+            event = jumped(flow, &at, &run.options);
             let field = flow.velocity(at.t, &at.x) * h;
             note_turn(&mut self.turns, &at, [&slope, &field], &run.options)?;
         }
@@ -378,6 +380,6 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         if !self.is_clear {
             run.dense.become_series(t, h, piece.order, &piece.x);
         }
-        Ok(run.accept(at, event.as_ref().map(|found| &found.event)))
+        Ok(run.accept(at, event.as_ref()))
     }
 }

@@ -1,0 +1,268 @@
+//! Systems that others have tried, from files, with answers in closed form; by both methods.
+
+use std::f64::consts::PI;
+
+use assert_cmd::Command;
+use predicates::str::contains;
+use serde_json::Value;
+use stickslip::math;
+
+const METHODS: [&str; 2] = ["taylor", "dop853"];
+
+/// A transition: time, kind, contact.
+type Transition = (f64, String, String);
+
+/// What `stickslip simulate` finds of the system in `text`, and its transitions.
+fn simulated(text: &str, method: &str, arguments: &[&str]) -> (Value, Vec<Transition>) {
+    let top = tempfile::tempdir().unwrap();
+    std::fs::write(top.path().join("system.toml"), text).unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_stickslip"));
+    command.current_dir(top.path());
+    command.args([
+        "simulate",
+        "system.toml",
+        "--json",
+        "--out",
+        "out",
+        "--method",
+        method,
+    ]);
+    let output = command
+        .args(arguments)
+        .assert()
+        .success()
+        .get_output()
+        .clone();
+    let found = serde_json::from_slice(&output.stdout).unwrap();
+    let mut table = csv::Reader::from_path(top.path().join("out/transitions.csv")).unwrap();
+    let rows = table.records().map(|row| {
+        let row = row.unwrap();
+        (
+            row[0].parse().unwrap(),
+            row[1].to_owned(),
+            row[2].to_owned(),
+        )
+    });
+    (found, rows.collect())
+}
+
+fn end(found: &Value, state: &str) -> f64 {
+    found["x_end"][state].as_f64().unwrap()
+}
+
+/// A block whose belt moves at the speed `belt`, with friction 0.7.
+fn on_belt(belt: &str, start: [f64; 2]) -> String {
+    let [x, v] = start;
+    format!(
+        "name = \"belt\"\n[time]\nend = 3\n[states]\nx = \"\"\nv = \"\"\n[contacts.belt]\n\
+         boundary = \"v - ({belt})\"\nfriction = \"0.7\"\n[field]\nx = \"v\"\n\
+         v = \"-x - friction(belt)\"\n[start]\nx = {x}\nv = {v}\n"
+    )
+}
+
+#[test]
+fn a_margin_that_jumps_below_zero_ends_stick_at_the_kink() {
+    // The belt brakes until t = 1; without that the spring, stretched by one, is the stronger.
+    let text = on_belt("max(1 - t, 0)", [0.5, 1.0]);
+    for method in METHODS {
+        let (found, transitions) = simulated(&text, method, &[]);
+        let [(t, kind, _)] = &transitions[..] else {
+            panic!("{transitions:?}");
+        };
+        assert_eq!(kind, "stick exit");
+        assert!((t - 1.0).abs() < 1e-11, "{method}: {t}");
+        let exact = 0.7 + 0.3 * math::cos(2.0);
+        assert!((end(&found, "x") - exact).abs() < 1e-10, "{method}");
+    }
+}
+
+#[test]
+fn a_margin_that_jumps_and_stays_positive_ends_nothing() {
+    // Each jump of the belt's acceleration leaves the force below what friction holds.
+    let text = on_belt("0.1*abs(sin(t)) - 0.05", [0.0, -0.05]);
+    for method in METHODS {
+        let (found, transitions) = simulated(&text, method, &["--t-end", "30"]);
+        assert_eq!(transitions, [], "{method}");
+        // Nine half waves and what is left of the tenth.
+        let ridden = 0.1 * (18.0 + 1.0 - math::cos(30.0 - 9.0 * PI)) - 1.5;
+        assert!((end(&found, "x") - ridden).abs() < 1e-10, "{method}");
+    }
+}
+
+#[test]
+fn fields_that_agree_and_lie_along_the_boundary_are_left_once() {
+    // A free body beside a boundary that begins to move at t = 1.
+    let text = "name = \"free\"\n[time]\nend = 3\n[states]\nx = \"\"\nv = \"\"\n\
+        [contacts.wall]\nboundary = \"v - max(t - 1, 0)\"\n[field]\nx = \"v\"\nv = \"0*wall\"\n\
+        [start]\nx = 0\nv = 0\n";
+    for method in METHODS {
+        let (found, transitions) = simulated(text, method, &[]);
+        let [(t, kind, _)] = &transitions[..] else {
+            panic!("{transitions:?}");
+        };
+        assert_eq!(kind, "stick exit");
+        assert!((t - 1.0).abs() < 1e-9, "{method}: {t}");
+        assert!(end(&found, "x").abs() < 1e-10 && end(&found, "v").abs() < 1e-10);
+    }
+}
+
+#[test]
+fn without_a_normal_force_there_is_no_friction() {
+    // A bead on a circular rail: it slides up, loses contact, turns, and meets the rail again. The
+    // law changes its sign with the normal force, and so it would go on to push.
+    let text = "name = \"bead\"\n[time]\nend = 1.9\n[states]\nph = \"rad\"\nw = \"rad/s\"\n\
+        [parameters]\ng = 9.81\nR = 5\nmu = 0.05\n[contacts.rail]\nboundary = \"w\"\n\
+        friction = \"mu*(g*cos(ph)/R + w^2)\"\nnormal_force = \"g*cos(ph) + R*w^2\"\n\
+        [field]\nph = \"w\"\nw = \"-g/R*sin(ph) - friction(rail)\"\n\
+        [start]\nph = 0\nw = \"14/5\"\n";
+    for method in METHODS {
+        let (_, lost) = simulated(text, method, &[]);
+        let kinds: Vec<&str> = lost.iter().map(|(_, kind, _)| kind.as_str()).collect();
+        assert_eq!(kinds, ["contact loss", "crossing"]);
+        assert!((lost[0].0 - 1.046_539_051_912).abs() < 1e-9, "{method}");
+        let turn = lost[1].0.to_string();
+        let (at_loss, _) = simulated(text, method, &["--t-end", "1.046539051912"]);
+        let (at_turn, _) = simulated(text, method, &["--t-end", &turn]);
+        let (ph, w) = (end(&at_loss, "ph"), end(&at_loss, "w"));
+        // Without friction energy is kept.
+        let turns_at = math::acos(math::cos(ph) - 5.0 * w * w / (2.0 * 9.81));
+        assert!((end(&at_turn, "ph") - turns_at).abs() < 1e-9, "{method}");
+    }
+}
+
+#[test]
+fn a_law_that_does_not_vanish_with_the_normal_force_ends_with_it() {
+    // Constant friction 1; the contact is lost at t = 1 and gained again at t = 2.
+    let text = "name = \"lifted\"\n[time]\nend = 4\n[states]\nx = \"\"\nv = \"\"\n\
+        [contacts.floor]\nboundary = \"v\"\nfriction = \"1\"\nnormal_force = \"(t - 1)*(t - 2)\"\n\
+        [field]\nx = \"v\"\nv = \"0.5 - friction(floor)\"\n[start]\nx = 0\nv = 0\n";
+    for method in METHODS {
+        let (found, transitions) = simulated(text, method, &[]);
+        assert_eq!(transitions.len(), 4, "{method}: {transitions:?}");
+        // At rest until it is lifted, pushed by 0.5 for one unit of time, braked by 0.5 to rest.
+        let mut kinds = transitions.clone();
+        kinds.sort_by(|one, other| one.1.cmp(&other.1));
+        for ((t, kind, _), (at, name)) in kinds.iter().zip([
+            (2.0, "contact gain"),
+            (1.0, "contact loss"),
+            (3.0, "stick entry"),
+            (1.0, "stick exit"),
+        ]) {
+            assert_eq!(kind, name, "{method}");
+            assert!((t - at).abs() < 1e-9, "{method}: {name} at {t}");
+        }
+        assert!((end(&found, "x") - 0.5).abs() < 1e-9, "{method}");
+    }
+}
+
+/// A block with friction 1 on a floor, its spring stiffer beyond `x = 0`.
+fn with_stop(push: &str, start: [f64; 2]) -> String {
+    let [x, v] = start;
+    format!(
+        "name = \"stop\"\n[time]\nend = 3\n[states]\nx = \"\"\nv = \"\"\n\
+         [contacts.place]\nboundary = \"x\"\n[contacts.floor]\nboundary = \"v\"\nfriction = \"1\"\n\
+         [field]\nx = \"v\"\nv = \"-by_side(place, 1, 3)*x + {push} - friction(floor)\"\n\
+         [start]\nx = {x}\nv = {v}\n"
+    )
+}
+
+#[test]
+fn a_place_and_its_velocity_that_vanish_together_are_decided_together() {
+    for method in METHODS {
+        // From the place: away from it on either side, or held there.
+        let to_right = simulated(&with_stop("3", [0.0, 0.0]), method, &["--t-end", "1"]).0;
+        let exact = 2.0 / 3.0 * (1.0 - math::cos(3.0_f64.sqrt()));
+        assert!((end(&to_right, "x") - exact).abs() < 1e-10, "{method}");
+        let to_left = simulated(&with_stop("-3", [0.0, 0.0]), method, &["--t-end", "1"]).0;
+        let exact = -2.0 * (1.0 - math::cos(1.0));
+        assert!((end(&to_left, "x") - exact).abs() < 1e-10, "{method}");
+        let (held, transitions) = simulated(&with_stop("0.9", [0.0, 0.0]), method, &[]);
+        assert_eq!(
+            (end(&held, "x"), transitions),
+            (0.0, Vec::new()),
+            "{method}"
+        );
+        // To the place, where it comes to rest: half a circle about -1 from -2.
+        let (arrived, transitions) =
+            simulated(&with_stop("0", [-2.0, 0.0]), method, &["--t-end", "9"]);
+        let (t, kind, contact) = transitions.last().unwrap();
+        assert_eq!((kind.as_str(), contact.as_str()), ("stick entry", "floor"));
+        assert!((t - PI).abs() < 1e-8, "{method}: {t}");
+        assert!(end(&arrived, "x").abs() < 1e-9, "{method}");
+        // Driven away from rest there, to either side.
+        for sign in [1.0, -1.0] {
+            let push = format!("{}*sin(t)", 1.5 * sign);
+            let text = with_stop(&push, [0.0, 0.0]);
+            let (driven, transitions) = simulated(&text, method, &["--t-end", "1"]);
+            let (t, kind, contact) = &transitions[0];
+            assert_eq!((kind.as_str(), contact.as_str()), ("stick exit", "floor"));
+            let exact = PI / 2.0 - math::acos(1.0 / 1.5);
+            assert!((t - exact).abs() < 1e-10, "{method}: {t}");
+            assert!(sign * end(&driven, "x") > 0.0, "{method}");
+        }
+    }
+}
+
+#[test]
+fn an_orbit_that_shrinks_to_a_point_of_the_boundary_ends_there() {
+    let text = "name = \"focus\"\n[time]\nend = 1e6\n[states]\nx = \"\"\nv = \"\"\n\
+        [contacts.line]\nboundary = \"x - 0.3*v\"\n[field]\nx = \"v\"\n\
+        v = \"-by_side(line, 1.2, 1.05)*x - by_side(line, 0.2, 0.05)*v\"\n\
+        [start]\nx = 0.3\nv = 0\n";
+    for method in METHODS {
+        let (found, _) = simulated(text, method, &["--tol", "1e-10"]);
+        assert_eq!(
+            found["ending"], "shrunk to a point of the boundary",
+            "{method}"
+        );
+        assert!(end(&found, "x").abs() < 1e-8, "{method}");
+    }
+}
+
+#[test]
+fn crossings_without_end_are_limited() {
+    // Both fields circle the point (0.75, 0.6), ever faster: a focus on the boundary.
+    let text = "name = \"ocean\"\n[time]\nend = 60\n[states]\nT = \"\"\nS = \"\"\n\
+        [contacts.mixing]\nboundary = \"S - 0.8*T\"\n[field]\nT = \"1 - T - by_side(mixing, 0, 1)*T\"\n\
+        S = \"0.5*(1 - S) - by_side(mixing, 0, 1)*S\"\n[start]\nT = 0.9\nS = 0.6\n";
+    let top = tempfile::tempdir().unwrap();
+    std::fs::write(top.path().join("system.toml"), text).unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_stickslip"));
+    command.current_dir(top.path());
+    command.args(["simulate", "system.toml", "--most-events", "2000"]);
+    command
+        .assert()
+        .code(1)
+        .stdout(contains("2000 × crossing"))
+        .stderr(contains("more than 2000 transitions by t = "));
+    let mut command = Command::new(env!("CARGO_BIN_EXE_stickslip"));
+    command.current_dir(top.path());
+    command.args(["simulate", "system.toml", "--most-steps", "100"]);
+    command
+        .assert()
+        .code(1)
+        .stderr(contains("more than 100 steps by t = "));
+}
+
+#[test]
+fn a_block_that_friction_holds_is_at_rest_whatever_its_spring() {
+    for (k, c) in [("100", "0"), ("1000", "30"), ("1e4", "0"), ("3", "0.1")] {
+        let text = format!(
+            "name = \"held\"\n[states]\nx = \"\"\nv = \"\"\n[parameters]\nk = {k}\nc = {c}\n\
+             [contacts.floor]\nboundary = \"v\"\nfriction = \"0.3\"\n[field]\nx = \"v\"\n\
+             v = \"k*(1 - x) - c*v - friction(floor)\"\n[start]\nx = 1\nv = 0\n"
+        );
+        let top = tempfile::tempdir().unwrap();
+        std::fs::write(top.path().join("system.toml"), text).unwrap();
+        let mut command = Command::new(env!("CARGO_BIN_EXE_stickslip"));
+        command.current_dir(top.path());
+        command.args(["basin", "system.toml", "--json", "--grid", "6x6"]);
+        command.args(["--x", "x=0.9:1.1", "--y", "v=-0.5:0.5"]);
+        let output = command.assert().success().get_output().stdout.clone();
+        let found: Value = serde_json::from_slice(&output).unwrap();
+        let attractors = found["attractors"].as_array().unwrap();
+        assert_eq!(attractors.len(), 1, "k = {k}: {attractors:?}");
+        let motion = attractors[0]["motion"].as_str().unwrap();
+        assert!(motion.starts_with("set of equilibria"), "k = {k}: {motion}");
+    }
+}
