@@ -202,6 +202,17 @@ impl<const N: usize> Recurrence<N> {
         most
     }
 
+    /// Whether the last point is the one a lag before it, to the tolerance.
+    fn is_closed(&self, last: usize, lag: usize) -> bool {
+        let (here, before) = (&self.passages[last], &self.passages[last - lag]);
+        let tolerance = Nearness {
+            closeness: 0.0,
+            atol: self.near.atol / OF_SOLVER,
+            rtol: self.near.rtol / OF_SOLVER,
+        };
+        here.tag == before.tag && self.apart(here, before, &tolerance) <= 1.0
+    }
+
     /// What is left of the way to the pattern, in differences of points a lag apart, if it is little: a geometric series of these differences,
     /// by the slowest of the last few of its ratios. Points that creep past each other differ little, too.
     fn left(&self, last: usize, lag: usize) -> Option<f64> {
@@ -210,12 +221,7 @@ impl<const N: usize> Recurrence<N> {
             let comparable = here.tag == before.tag;
             comparable.then(|| self.apart(here, before, near))
         };
-        let tolerance = Nearness {
-            closeness: 0.0,
-            atol: self.near.atol / OF_SOLVER,
-            rtol: self.near.rtol / OF_SOLVER,
-        };
-        if apart(last, &tolerance)? <= 1.0 {
+        if self.is_closed(last, lag) {
             return Some(UNSEEN);
         }
         if last < (RATIOS + 1) * lag {
@@ -269,7 +275,11 @@ impl<const N: usize> Recurrence<N> {
         let change = |k: usize| Some((period(k)? - period(k + 1)?).abs());
         // Of an orbit that winds up around the pattern one of two differences may be small by
         // chance.
-        let changes = [0, 1].map(|k| change(k).unwrap_or(0.0));
+        // Where points are the same, those before them may still have been on their way.
+        let changes = match self.is_closed(last, lag) {
+            true => [0.0; 2],
+            false => [0, 1].map(|k| change(k).unwrap_or(0.0)),
+        };
         let period = here.at.t - there.at.t;
         let rounding = match self.forcing {
             Some(_) => f64::EPSILON * here.at.t.abs(),

@@ -45,6 +45,7 @@ fn the_stick_slip_cycle_of_leine_is_found_and_refined() {
         };
         let exact = 12.001_031_294_831;
         assert!((period - exact).abs() < 1e-11, "{period}");
+        assert!(found.period_uncertainty < 1e-9);
         assert!(is_same_cycle(&found.sequence(), &[Mode::Stick, BELOW]));
         let [stick, slip] = [Mode::Stick, BELOW].map(|mode| {
             let phase = found.phases.iter().find(|phase| phase.mode == mode);
