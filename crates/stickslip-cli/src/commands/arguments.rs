@@ -160,6 +160,17 @@ enum Repelling {
     Above,
 }
 
+/// A bound on a size. No state is beyond the largest number, which a manifest can hold, as it
+/// cannot infinity.
+fn bound(text: &str) -> Result<f64, std::num::ParseFloatError> {
+    let bound = text.parse()?;
+    Ok(if bound == f64::INFINITY {
+        f64::MAX
+    } else {
+        bound
+    })
+}
+
 /// How to integrate.
 #[derive(Clone, Debug, Args, Serialize, Deserialize)]
 pub(super) struct SolverArguments {
@@ -180,7 +191,7 @@ pub(super) struct SolverArguments {
     longest_step: Option<f64>,
 
     /// Size of a state beyond which the orbit is said to have escaped
-    #[arg(long, value_name = "BOUND", default_value = "1e6")]
+    #[arg(long, value_name = "BOUND", default_value = "1e6", value_parser = bound)]
     escape: f64,
 
     /// A run with more transitions than this ends with an error

@@ -5,13 +5,10 @@ use stickslip::analysis::RecurrenceSettings;
 use stickslip::{Error, Mode, Options};
 
 use super::Failure;
-use super::tables::{exact, letters, state_json, to_digits};
+use super::tables::{exact, known, letters, place as within, state_json};
 use super::told::told;
 use crate::system::System;
 use stickslip_kernels::kernel::{Modes, Motion, Outcome};
-
-/// Digits of a period by recurrence, which is refined no further.
-const DIGITS: usize = 7;
 
 /// What the orbit from `x` at time 0 comes to.
 pub(super) fn reached_from(
@@ -42,6 +39,7 @@ pub(super) fn reached_from_one_of_many(
 ) -> Result<Outcome, Failure> {
     let at_once = |motion| Outcome {
         motion,
+        period_uncertainty: 0.0,
         points: Vec::new(),
         phases: Vec::new(),
         transitions: Vec::new(),
@@ -92,7 +90,8 @@ pub(super) fn class(outcome: &Outcome) -> String {
 pub(super) fn fields(outcome: &Outcome) -> [String; 5] {
     let (period, returns) = match outcome.motion {
         Motion::Periodic { period, returns } => {
-            (exact(to_digits(period, DIGITS)), returns.to_string())
+            let period = known(period, outcome.period_uncertainty);
+            (exact(period), returns.to_string())
         }
         _ => (String::new(), String::new()),
     };
@@ -136,13 +135,17 @@ pub(super) fn state_words(x: &[f64]) -> String {
     format!("({})", x.join(", "))
 }
 
+/// What a periodic orbit is one of.
+pub(super) fn family_words(dimension: usize) -> String {
+    format!("one of a family of periodic orbits of dimension {dimension}")
+}
+
 /// What it is, in one line, after so long a time.
 pub(super) fn words(outcome: &Outcome, until: f64) -> String {
     let word = outcome.motion.word();
     match (&outcome.motion, place(outcome)) {
         (Motion::Periodic { period, .. }, _) => {
-            // A return is a return within a millionth.
-            let period = to_digits(*period, DIGITS);
+            let period = within(*period, outcome.period_uncertainty);
             format!("{word}, period {period}, phases {}", sequence(outcome))
         }
         (_, Some(place)) => format!("{word} at {place}"),
@@ -175,6 +178,7 @@ pub(super) fn json(outcome: &Outcome, system: &System) -> Value {
     json!({
         "motion": outcome.motion.word(),
         "period": period,
+        "period_uncertainty": period.map(|_| outcome.period_uncertainty),
         "returns": returns,
         "phases": sequence(outcome).split_whitespace().collect::<Vec<_>>(),
         "in_stick": outcome.in_stick,

@@ -66,3 +66,29 @@ impl Largest {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::sweeping::{from_content, to_content};
+    use super::*;
+
+    #[test]
+    fn numbers_without_bound_are_read_again() {
+        for number in [
+            0.1,
+            -0.0,
+            f64::INFINITY,
+            f64::NEG_INFINITY,
+            f64::MIN_POSITIVE,
+        ] {
+            let one = Largest::Finite {
+                value: number,
+                std_error: -number,
+            };
+            let read: Largest = from_content(&to_content(&one).unwrap()).unwrap();
+            assert_eq!(read, one);
+        }
+        let undefined: f64 = from_content(&to_content(&f64::NAN).unwrap()).unwrap();
+        assert!(undefined.is_nan());
+    }
+}

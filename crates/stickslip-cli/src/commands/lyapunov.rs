@@ -21,7 +21,8 @@ pub(super) struct Arguments {
     /// Time before measuring
     #[arg(long, value_name = "TIME", default_value_t = 200.0)]
     transient: f64,
-    /// Time measured
+    /// Time measured. Exponents are told with four standard errors, and no digits beyond what a
+    /// direction shows in that time that grows without a rate
     #[arg(long, value_name = "TIME", default_value_t = 2000.0)]
     duration: f64,
     #[command(flatten)]
@@ -58,8 +59,10 @@ fn summary(system: &System, spectrum: &SpectrumFound) -> String {
         let number = k + 1;
         // Writing into a text cannot fail.
         let _ = match *exponent {
-            Exponent::Finite { value, std_error } => {
-                writeln!(text, "  λ{number}           {value:.6} ± {std_error:.1e}")
+            Exponent::Finite { value, .. } => {
+                let uncertainty = exponent.uncertainty(spectrum.duration);
+                let value = tables::within(value, uncertainty);
+                writeln!(text, "  λ{number}           {value}")
             }
             Exponent::Annihilated => writeln!(
                 text,
@@ -84,7 +87,10 @@ fn summary(system: &System, spectrum: &SpectrumFound) -> String {
 
 fn json(system: &System, spectrum: &SpectrumFound) -> serde_json::Value {
     let exponents = spectrum.exponents.iter().map(|exponent| match *exponent {
-        Exponent::Finite { value, std_error } => json!({ "value": value, "std_error": std_error }),
+        Exponent::Finite { value, std_error } => {
+            let uncertainty = exponent.uncertainty(spectrum.duration);
+            json!({ "value": value, "std_error": std_error, "uncertainty": uncertainty })
+        }
         // JSON has no infinity.
         Exponent::Annihilated => json!({ "value": null, "annihilated": true }),
     });

@@ -5,6 +5,7 @@ use std::fmt::Write;
 use serde_json::json;
 
 use super::arguments::{Ready, RunArguments};
+use super::attractors::family_words;
 use super::extremes::Extremes;
 use super::recording::{Phase, Recording};
 use super::search::SearchArguments;
@@ -164,6 +165,9 @@ impl Orbit<'_> {
             let _ = writeln!(text, "  {title:13}{:?}{imaginary}{trivial}", multiplier.re);
         }
         let _ = writeln!(text, "  stability    {}", self.stability());
+        if orbit.family > 0 {
+            let _ = writeln!(text, "  family       {}", family_words(orbit.family));
+        }
         let _ = writeln!(
             text,
             "  phases       {}  (- below, + above, S stick)",
@@ -205,6 +209,7 @@ impl Orbit<'_> {
             "t": orbit.t,
             "x": tables::state_json(self.system, &orbit.x),
             "multipliers": multipliers,
+            "family_dimension": orbit.family,
             "stability": self.stability().to_string(),
             "phases": self.sequence(),
             "stick_time": self.stick_time(),

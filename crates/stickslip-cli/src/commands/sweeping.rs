@@ -12,7 +12,7 @@ use super::Failure;
 use super::arguments::{OutputArguments, count};
 use crate::file::SystemFile;
 use crate::problem::Source;
-use crate::sweep::{BlockError, Computed, Plan, Progress, Share, Store, Task, run};
+use crate::sweep::{BlockError, Computed, Plan, Progress, Share, Store, SweepError, Task, run};
 use crate::system::System;
 use crate::terminal::Said;
 
@@ -52,6 +52,33 @@ pub(super) trait Sweep: Serialize + DeserializeOwned + Sync {
         store: &Store,
         output: &OutputArguments,
     ) -> Result<Said, Failure>;
+}
+
+/// The content of a block, in CBOR, which has every number: JSON writes `null` for what is infinite
+/// or undefined, and reads it as no number.
+pub(super) fn to_content(value: &impl Serialize) -> Result<Vec<u8>, BlockError> {
+    let mut content = Vec::new();
+    ciborium::into_writer(value, &mut content)?;
+    Ok(content)
+}
+
+/// What [`to_content`] has written.
+pub(super) fn from_content<T: DeserializeOwned>(content: &[u8]) -> Result<T, BlockError> {
+    Ok(ciborium::from_reader(content)?)
+}
+
+/// Hands what the blocks of a sweep hold to `each`, in order, one at a time.
+pub(super) fn for_each<T: DeserializeOwned>(
+    store: &Store,
+    mut each: impl FnMut(usize, T) -> Result<(), Failure>,
+) -> Result<(), Failure> {
+    store.for_each(|block, content| {
+        let holds = from_content(content);
+        each(
+            block,
+            holds.map_err(|source| SweepError::Block { block, source })?,
+        )
+    })
 }
 
 /// The name under which the manifest has the values of the parameters.

@@ -25,6 +25,13 @@ pub(super) fn to_digits(value: f64, digits: usize) -> f64 {
     format!("{value:.*e}", digits - 1).parse().unwrap_or(value)
 }
 
+/// A number to the digits that it has, in which it is rounded by more than its uncertainty.
+pub(super) fn known(value: f64, uncertainty: f64) -> f64 {
+    const MOST: f64 = 12.0;
+    let digits = 1.0 + math::log10(value.abs() / (2.0 * uncertainty)).floor();
+    to_digits(value, digits.clamp(1.0, MOST) as usize)
+}
+
 /// Texts of their own.
 pub(super) fn strings(texts: &[&str]) -> Vec<String> {
     texts.iter().map(|&text| text.to_owned()).collect()

@@ -17,7 +17,7 @@ use super::whole;
 pub(super) const NAME: &str = "manifest.json";
 
 /// Version of the files' form.
-const FORMAT: u32 = 5;
+const FORMAT: u32 = 6;
 
 /// The program and its version: another one may have other bits.
 const PROGRAM: &str = concat!("stickslip ", env!("CARGO_PKG_VERSION"));

@@ -697,3 +697,94 @@ fn an_end_in_an_equilibrium_on_the_boundary_is_told_everywhere() {
             "comes to the equilibrium (1.000000000, 1.000000000, 1.000000000)",
         ));
 }
+
+/// Welander's box of the ocean (di Bernardo et al. 2008, 1.2): below `eps = -1/15` it rests at
+/// (1/2, 1/3), which the oscillation above comes to the boundary next to.
+const OCEAN: &str = r#"
+name = "ocean"
+[states]
+T = ""
+S = ""
+[parameters]
+eps = -0.01
+[definitions]
+k = "by_side(mixing, 0, 1)"
+[contacts.mixing]
+boundary = "S - 4*T/5 - eps"
+[field]
+T = "1 - T - k*T"
+S = "(1 - S)/2 - k*S"
+[start]
+T = 0.9
+S = 0.6
+"#;
+
+#[test]
+fn a_wide_orbit_that_ends_in_an_equilibrium_on_the_boundary_does_not_graze() {
+    let top = tempfile::tempdir().unwrap();
+    let path = top.path().join("ocean.toml");
+    std::fs::write(&path, OCEAN).unwrap();
+    let file = path.to_str().unwrap();
+    for range in ["eps=-0.07:-0.065", "eps=-0.09:-0.03"] {
+        let mut sweep = Command::new(env!("CARGO_BIN_EXE_stickslip"));
+        sweep
+            .current_dir(top.path())
+            .args(["bifurcation", file, "--parameter", range])
+            .args(["--values", "2", "--duration", "20", "--out", range])
+            .assert()
+            .success()
+            .stdout(contains(
+                "up    at -0.0666666666667: boundary-equilibrium bifurcation",
+            ))
+            .stdout(contains(
+                "down  at -0.0666666666667: boundary-equilibrium bifurcation",
+            ));
+    }
+    let (json, _, _) = with_special(&[file, "--parameter", "eps=-0.09:-0.005"]);
+    let end = &json["ends"][0];
+    assert_eq!(end["stop"], "boundary equilibrium");
+    let told = end["boundary_equilibrium"].as_f64().unwrap();
+    assert!((told + 1.0 / 15.0).abs() < 1e-12, "{told}");
+}
+
+/// A block on a belt whose static friction comes down to the kinetic one.
+const WEAK: &str = r#"
+name = "weak grip"
+[states]
+x = ""
+v = ""
+[parameters]
+s = { value = 1.5, range = [0, 3] }
+[contacts.belt]
+boundary = "v - 0.3"
+friction = "1/(1 + abs(v - 0.3))"
+static = "s"
+[field]
+x = "v"
+v = "-x - friction(belt)"
+[start]
+x = 0
+v = -1
+"#;
+
+#[test]
+fn a_branch_ends_with_the_reason_where_static_friction_falls_below_kinetic() {
+    let top = tempfile::tempdir().unwrap();
+    let path = top.path().join("weak.toml");
+    // Where friction does not fall with speed, stick vanishes there, too, which is a change of
+    // phases.
+    let constant = WEAK.replace("1/(1 + abs(v - 0.3))", "1");
+    for (text, within, changes) in [(WEAK, 1e-9, 0), (&constant, 1e-4, 1)] {
+        std::fs::write(&path, text).unwrap();
+        let (json, _, _) = with_special(&[path.to_str().unwrap(), "--parameter", "s=0.5:2"]);
+        let end = &json["ends"][0];
+        assert_eq!(end["stop"], "friction", "{json:#}");
+        let error = end["error"].as_str().unwrap();
+        let reason = "the static friction of the contact `belt`";
+        assert!(error.contains(reason), "{error}");
+        let place = end["parameter"].as_f64().unwrap();
+        assert!((place - 1.0).abs() < within, "{place}");
+        assert_eq!(json["special"].as_array().unwrap().len(), changes);
+        assert_eq!(json["ends"][1]["stop"], "range");
+    }
+}

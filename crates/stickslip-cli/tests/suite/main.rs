@@ -4,6 +4,7 @@ mod against_compiled;
 mod bad_files;
 mod command_line;
 mod continuation;
+mod families;
 mod known_answers;
 mod public_cases;
 mod readme;

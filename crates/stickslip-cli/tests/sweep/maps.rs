@@ -103,6 +103,68 @@ fn shares_of_a_map_are_merged_to_what_one_run_gives() {
     }
 }
 
+/// A block that slides to rest within a few steps: what its exponent is uncertain by is not told by
+/// blocks of time.
+const BLOCK: &str = r#"
+name = "Block"
+[time]
+end = 10
+[states]
+x = ""
+v = ""
+[parameters]
+mu = 0.5
+m = 1
+[contacts.floor]
+boundary = "v"
+friction = "mu"
+[field]
+x = "v"
+v = "-friction(floor)/m"
+[start]
+x = 0
+v = 1
+"#;
+
+#[test]
+fn what_comes_to_rest_at_once_is_read_again() {
+    let top = folder();
+    std::fs::write(top.path().join("block.toml"), BLOCK).unwrap();
+    let run = |arguments: &[&str]| {
+        program(top.path())
+            .args(arguments)
+            .assert()
+            .success()
+            .stdout(contains("set of equilibria"))
+    };
+    let diagram = ["bifurcation", "block.toml", "--parameter", "mu=0.2:0.5"];
+    run(&[&diagram[..], &["--values", "4", "--out", "diagram"]].concat());
+    let map = ["map", "block.toml", "--x", "mu=0.2:0.5", "--y", "m=1:2"];
+    run(&[&map[..], &["--grid", "2x2", "--out", "map"]].concat());
+}
+
+/// The manifest is read again, too.
+#[test]
+fn shares_without_an_escape_bound_are_merged() {
+    let top = folder();
+    program(top.path())
+        .args(MAP)
+        .args(["--until", "5", "--duration", "5", "--escape", "inf"])
+        .args(["--shard", "1/1", "--out", "a"])
+        .assert()
+        .success();
+    program(top.path())
+        .args(["merge", "--out", "merged", "a"])
+        .assert()
+        .success();
+    program(top.path())
+        .args(MAP)
+        .args(["--escape", "nan"])
+        .assert()
+        .failure()
+        .stderr(contains("--escape"));
+}
+
 #[test]
 fn wrong_maps_are_told() {
     let top = folder();

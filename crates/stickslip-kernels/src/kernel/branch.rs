@@ -105,7 +105,7 @@ impl BranchFound {
         BranchFound {
             points: points.collect(),
             special: special.collect(),
-            stop: branch.stop,
+            stop: branch.stop.clone(),
         }
     }
 }

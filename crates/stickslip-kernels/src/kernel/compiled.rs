@@ -152,6 +152,7 @@ fn periodic<const N: usize>(orbit: &PeriodicOrbit<N>) -> Periodic {
         period: orbit.period,
         residual: orbit.residual,
         multipliers: multipliers(&orbit.monodromy).to_vec(),
+        family: orbit.family,
     }
 }
 
@@ -299,7 +300,12 @@ where
         one: &Outcome,
         other: &Outcome,
         settings: &RecurrenceSettings,
+        options: &Options,
     ) -> bool {
-        one.is_same(other, &self.system, settings)
+        one.is_same(other, &self.system, settings, options)
+    }
+
+    fn family(&self, one: &Outcome, settings: &RecurrenceSettings, options: &Options) -> usize {
+        one.family(&self.system, settings, options)
     }
 }

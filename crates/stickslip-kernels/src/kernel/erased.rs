@@ -234,6 +234,8 @@ pub struct Periodic {
     pub residual: f64,
     /// Floquet multipliers, the one nearest to 1 first.
     pub multipliers: Vec<Complex<f64>>,
+    /// Dimension of the family of periodic orbits that it is one of; 0 where it is isolated.
+    pub family: usize,
 }
 
 /// A Lyapunov spectrum.

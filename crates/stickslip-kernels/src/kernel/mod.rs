@@ -142,7 +142,12 @@ pub trait Kernel: Send + Sync {
         one: &Outcome,
         other: &Outcome,
         settings: &RecurrenceSettings,
+        options: &Options,
     ) -> bool;
+
+    /// Dimension of the family of periodic orbits that an attractor is one of; 0 where it is
+    /// isolated.
+    fn family(&self, one: &Outcome, settings: &RecurrenceSettings, options: &Options) -> usize;
 }
 
 /// The kernel of a system of one contact and `states` states; `None` for more than [`MOST_STATES`], or none.

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use stickslip::analysis::{Attractors, Kind, Reached, RecurrenceSettings, SectionPoint};
-use stickslip::{Error, Phase, Switched, TransitionKind};
+use stickslip::{Error, Options, Phase, Switched, TransitionKind};
 
 use super::compiled::state;
 use super::erased::{Erase, Modes};
@@ -120,6 +120,8 @@ pub struct PhaseThere {
 pub struct Outcome {
     /// The kind of motion.
     pub motion: Motion,
+    /// By how much its period may be off; zero where it has none.
+    pub period_uncertainty: f64,
     /// Time and state at the points of the section, or at the equilibrium. Kinds that points do not tell apart have none.
     pub points: Vec<(f64, Vec<f64>)>,
     /// The phases that ended in one period. Kinds that points do not tell apart have none.
@@ -164,6 +166,7 @@ impl Outcome {
         };
         Self {
             motion,
+            period_uncertainty: reached.period_uncertainty,
             points: points.map(|at| (at.t, at.x.as_slice().to_vec())).collect(),
             phases: phases.map(phase).collect(),
             transitions: transitions
@@ -173,6 +176,22 @@ impl Outcome {
             modes: reached.mode.erased(contacts),
             left_at: (reached.t, reached.x.as_slice().to_vec()),
         }
+    }
+
+    /// Dimension of the family of periodic orbits that it is one of.
+    pub(super) fn family<S, const N: usize, const G: usize>(
+        &self,
+        system: &S,
+        settings: &RecurrenceSettings,
+        options: &Options,
+    ) -> usize
+    where
+        S: Switched<N, G>,
+        S::Mode: Erase,
+    {
+        let known = Attractors::new(system, settings, options);
+        let kind = self.motion.kind();
+        kind.map_or(0, |kind| known.family(&self.restored(kind)))
     }
 
     fn restored<const N: usize, K: Erase>(&self, kind: Kind) -> Reached<N, K> {
@@ -185,6 +204,7 @@ impl Outcome {
         };
         Reached {
             kind,
+            period_uncertainty: self.period_uncertainty,
             points: self
                 .points
                 .iter()
@@ -209,6 +229,7 @@ impl Outcome {
         other: &Outcome,
         system: &S,
         settings: &RecurrenceSettings,
+        options: &Options,
     ) -> bool
     where
         S: Switched<N, G>,
@@ -216,7 +237,7 @@ impl Outcome {
     {
         match (self.motion.kind(), other.motion.kind()) {
             (Some(one), Some(two)) => {
-                let known = Attractors::new(system, settings);
+                let known = Attractors::new(system, settings, options);
                 known.is_same(&self.restored(one), &other.restored(two))
             }
             (None, None) => self.motion.word() == other.motion.word(),

@@ -72,7 +72,7 @@ pub fn basin<S, const N: usize, const G: usize>(
 where
     S: Switched<N, G> + Sync,
 {
-    let mut known = Attractors::new(system, settings);
+    let mut known = Attractors::new(system, settings, options);
     let mut reached = Vec::new();
     let mut starts = starts.into_iter();
     loop {

@@ -2,17 +2,18 @@
 
 use super::attractors::rest::{equilibrium_near, least_guard};
 use super::critical::zero_between;
+use super::sequence::locate::Known;
 use crate::filippov::Switched;
 use crate::ode::Timed;
 use crate::system::State;
 
-/// An orbit of less than this part of a wider one's extent may be about to shrink to an equilibrium.
-pub(super) const SMALL: f64 = 1e-2;
+/// An orbit may end in an equilibrium that it comes to within this part of a wider one's extent.
+const SMALL: f64 = 1e-2;
 
-/// Such an orbit is no further from the equilibrium than so many times its own extent.
+/// That equilibrium is no further from it than so many times its own extent.
 const NEAR: f64 = 10.0;
 
-/// Of two extents that differ by less than this part of them nothing is extrapolated.
+/// Of two distances that differ by less than this part of them nothing is extrapolated.
 const APART: f64 = 1e-3;
 
 /// The equilibrium of a mode, and the smallest guard of that mode there: positive where it holds.
@@ -35,51 +36,58 @@ impl<const N: usize> Held<N> {
     }
 }
 
-/// A periodic orbit that shrinks as a parameter goes on.
-pub(super) struct Shrinking<const N: usize> {
-    /// A state on it, and by how much it moves.
-    pub x: State<N>,
-    pub extent: f64,
-    /// The parameter, and that at which it would be a point.
-    pub here: f64,
-    pub end: f64,
-}
-
-impl<const N: usize> Shrinking<N> {
-    /// That orbit, of which another one was wider at another parameter; `None` if it does not shrink.
-    pub fn from(here: (f64, f64), before: (f64, f64), x: State<N>) -> Option<Self> {
-        let [(here, extent), (there, wider)] = [here, before];
-        let way = (here - there) * extent / (wider - extent);
-        let shrinks = extent * (1.0 + APART) < wider && here != there;
-        shrinks.then_some(Shrinking {
-            x,
-            extent,
-            here,
-            end: here + way,
-        })
+/// The parameter, and the equilibrium of a mode there, at which periodic orbits end that come ever
+/// nearer to it at their transitions, while it comes to the edge of where its mode holds: they
+/// shrink to it, or pass by it ever more slowly. The orbits are in order; `held` has the
+/// equilibrium of a mode near a state at a parameter, of which the first `free` components are
+/// states; `widest` is how far an orbit goes that is not near to it.
+pub(super) fn ends_in<B, const N: usize, K: Copy + PartialEq>(
+    orbits: &[&Known<B, N, K>],
+    widest: f64,
+    free: usize,
+    parameter: impl Fn(&Known<B, N, K>) -> f64,
+    held: impl Fn(f64, K, &State<N>) -> Option<Held<N>>,
+) -> Option<(f64, State<N>)> {
+    let parts = &orbits.first()?.circuit.parts;
+    if parts.len() < 2 {
+        return None;
     }
-
-    /// The parameter, and the equilibrium of a mode that passes the edge of that mode's region there, next to where the orbit would be a point. `held`
-    /// has the equilibrium of that mode near a state at a parameter; the first `free` components are states.
-    pub fn ends_in(
-        &self,
-        free: usize,
-        mut held: impl FnMut(f64, &State<N>) -> Option<Held<N>>,
-    ) -> Option<(f64, State<N>)> {
-        let mut x = self.x;
+    parts.iter().find_map(|part| {
+        let mode = part.mode;
+        // The distance, and the state there.
+        let near = |one: &Known<B, N, K>| {
+            let away = |x: State<N>| {
+                let rest = held(parameter(one), mode, &x)?.x;
+                Some(((rest - x).rows(0, free).amax(), x))
+            };
+            let ends = one.circuit.parts.iter().filter_map(|part| part.first);
+            let nearest = ends.filter_map(|at| away(at.x));
+            nearest.min_by(|a, b| a.0.total_cmp(&b.0))
+        };
+        // The last ones may be as near to it as they can be computed.
+        let is_near = |one: &&Known<B, N, K>| near(one).is_some_and(|at| at.0 < SMALL * widest);
+        let number = orbits.iter().position(is_near)?.max(1);
+        let (before, last) = (*orbits.get(number - 1)?, *orbits.get(number)?);
+        let ((further, _), (distance, mut x)) = (near(before)?, near(last)?);
+        let here = parameter(last);
+        let way = (here - parameter(before)) * distance / (further - distance);
+        if distance * (1.0 + APART) >= further || distance >= SMALL * widest || way == 0.0 {
+            return None;
+        }
+        let start = x;
         let mut guard = |parameter: f64| {
-            let found = held(parameter, &x)?;
+            let found = held(parameter, mode, &x)?;
             x = found.x;
             Some(found.guard)
         };
-        let further = self.end + (self.end - self.here);
-        let [one, other] = [guard(self.here)?, guard(further)?];
+        let beyond = here + 2.0 * way;
+        let [one, other] = [guard(here)?, guard(beyond)?];
         if one * other > 0.0 {
             return None;
         }
-        let parameter = zero_between((self.here, one), (further, other), &mut guard)?;
-        guard(parameter)?;
-        let off = (x - self.x).rows(0, free).amax();
-        (off <= NEAR * self.extent).then_some((parameter, x))
-    }
+        let end = zero_between((here, one), (beyond, other), &mut guard)?;
+        guard(end)?;
+        let off = (x - start).rows(0, free).amax();
+        (off <= NEAR * last.circuit.extent).then_some((end, x))
+    })
 }

@@ -20,11 +20,14 @@ pub(super) struct Critical {
 }
 
 impl Critical {
-    /// Of a monodromy matrix, square in the states; of a system that does not depend on time with the vector that moves the orbit at its start.
-    pub fn of(matrix: &DMatrix<f64>, flow: Option<&DVector<f64>>) -> Self {
+    /// Of a monodromy matrix, square in the states; of a system that does not depend on time with
+    /// the vector that moves the orbit at its start. Of an orbit of a family of some dimension as
+    /// many multipliers are 1 wherever it is, and tell nothing.
+    pub fn of(matrix: &DMatrix<f64>, flow: Option<&DVector<f64>>, family: usize) -> Self {
         let states = matrix.nrows();
         let shifted = |by: f64| matrix + DMatrix::identity(states, states) * by;
         let one = match flow {
+            _ if family > 0 => 0.0,
             None => shifted(-1.0).determinant(),
             Some(flow) => {
                 let mut bordered = shifted(-1.0).resize(states + 1, states + 1, 0.0);
@@ -40,13 +43,17 @@ impl Critical {
         };
         let mut multipliers = eigenvalues(matrix);
         multipliers.sort_by(|a, b| b.norm_sqr().total_cmp(&a.norm_sqr()));
+        let without_nearest = |mut values: Vec<Complex<f64>>| {
+            let off = |k: usize| (values[k] - 1.0).norm_sqr();
+            let nearest = (0..values.len()).min_by(|a, b| off(*a).total_cmp(&off(*b)));
+            nearest.map(|k| values.remove(k));
+            values
+        };
         if flow.is_some() {
-            let off = |k: usize| (multipliers[k] - 1.0).norm_sqr();
-            if let Some(k) = (0..states).min_by(|a, b| off(*a).total_cmp(&off(*b))) {
-                multipliers.remove(k);
-            }
+            multipliers = without_nearest(multipliers);
         }
-        let pairs = multipliers.iter().filter(|value| value.im > 0.0);
+        let others = (0..family).fold(multipliers.clone(), |others, _| without_nearest(others));
+        let pairs = others.iter().filter(|value| value.im > 0.0);
         let nearest = pairs.min_by(|a, b| {
             let off = |value: &Complex<f64>| (value.norm_sqr() - 1.0).abs();
             off(a).total_cmp(&off(b))

@@ -48,6 +48,8 @@ pub(super) struct Turn<const N: usize> {
     pub monodromy: Monodromy<N>,
     /// The vector that moves the end state, of the mode that the orbit is in.
     pub velocity: State<N>,
+    /// How far each component has gone from the start.
+    pub reach: State<N>,
 }
 
 /// The monodromy matrix and the velocity at the end. The flow of a system that does not depend on time carries its own direction along exactly.
@@ -70,9 +72,13 @@ pub(super) fn turn<S: Switched<N, G>, const N: usize, const G: usize>(
     if is_autonomous {
         map.take_out(&velocity_in(system, integration.mode(), start));
     }
+    let mut reach = State::zeros();
     loop {
         match integration.step()? {
-            Progress::Step => map.through_step(&tangent, &integration.last_step()),
+            Progress::Step => {
+                map.through_step(&tangent, &integration.last_step());
+                reach = (integration.x() - start.x).abs().sup(&reach);
+            }
             Progress::Transition(at) => map.through_transition(&tangent, &at)?,
             Progress::PhaseEnd(_) => {}
             Progress::End(summary) => {
@@ -88,6 +94,7 @@ pub(super) fn turn<S: Switched<N, G>, const N: usize, const G: usize>(
                         summary,
                     },
                     velocity,
+                    reach,
                 });
             }
         }

@@ -4,14 +4,9 @@ use std::fmt;
 use std::str::FromStr;
 
 use super::Exponent;
-use crate::math;
 
 /// More distinct points of the section than this are no periodic motion anybody would name.
 const MOST: usize = 64;
-/// A vector may have grown by so much over a broken number of turns without a rate of growth.
-const END_EFFECT: f64 = 30.0;
-/// Standard errors within which an exponent counts as zero.
-const STANDARD_ERRORS: f64 = 4.0;
 
 /// A class of motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -135,7 +130,7 @@ impl Evidence {
         let labels = labels(section, criterion.same);
         let distinct = labels.iter().max().map_or(0, |most| most + 1);
         let zeros = || {
-            let uncertainties = exponents.iter().map(|e| (e, uncertainty(e, duration)));
+            let uncertainties = exponents.iter().map(|e| (e, e.uncertainty(duration)));
             uncertainties.filter(|(e, uncertainty)| e.value().abs() <= *uncertainty)
         };
         Self {
@@ -150,7 +145,7 @@ impl Evidence {
             resolved_zeros: zeros().filter(|one| one.1 <= criterion.resolution).count(),
             positive: exponents
                 .first()
-                .is_some_and(|exponent| exponent.value() > uncertainty(exponent, duration)),
+                .is_some_and(|exponent| exponent.value() > exponent.uncertainty(duration)),
             of,
         }
     }
@@ -172,12 +167,6 @@ impl Evidence {
             _ => Class::Undecided,
         }
     }
-}
-
-/// How far from zero an exponent may be found that is zero.
-fn uncertainty(exponent: &Exponent, duration: f64) -> f64 {
-    let scatter = STANDARD_ERRORS * exponent.std_error().unwrap_or(0.0);
-    scatter.max(math::ln(END_EFFECT) / duration)
 }
 
 /// For each point of the section the number of the distinct point it is, these being counted as they come.
@@ -210,6 +199,7 @@ fn labels<const N: usize>(section: &[(f64, [f64; N])], same: f64) -> Vec<usize> 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math;
 
     /// Points one unit of time apart.
     fn section(points: usize, x: impl Fn(usize) -> f64) -> Vec<(f64, [f64; 2])> {

@@ -26,6 +26,10 @@ pub struct PeriodicOrbit<const N: usize> {
     pub monodromy: SMatrix<f64, N, N>,
     /// Largest component of `x(t + period) − x`.
     pub residual: f64,
+    /// Dimension of the family of periodic orbits that it is one of; 0 where it is isolated. So
+    /// many multipliers are 1 besides the trivial one of a system that does not depend on time, as
+    /// far as the tolerances tell. The one found is the nearest to the start.
+    pub family: usize,
 }
 
 /// Iterations allowed.
@@ -33,6 +37,9 @@ const MOST: usize = 30;
 
 /// Tolerances within which an orbit has come back.
 const TOLERANCES: f64 = 100.0;
+
+/// Units in the last place that a step may leave of a gap.
+const ULPS: f64 = 16.0;
 
 /// The periodic orbit near `x` of a system with period `period` in time (a forced one), by Newton's iteration on
 /// `x(t + period) − x` with the monodromy matrix.
@@ -172,7 +179,9 @@ pub fn find_periodic_orbit<S: Switched<N, G>, const N: usize, const G: usize>(
 }
 
 /// Newton's iteration from a guess; unless the system is driven, with that period, the period is unknown too, and along the flow at the
-/// guess no correction is made. A guess in stick is kept on its boundary. With it goes how it closes.
+/// guess no correction is made. A guess in stick is kept on its boundary. With it goes how it
+/// closes. Of a family the orbit is found that is nearest to the guess: the iteration goes along no
+/// direction that is free, which away from the orbit only the outcome tells.
 pub(super) fn shoot<S: Switched<N, G>, const N: usize, const G: usize>(
     system: &S,
     guess: &Anchor<N, S::Mode>,
@@ -180,7 +189,27 @@ pub(super) fn shoot<S: Switched<N, G>, const N: usize, const G: usize>(
     is_forced: bool,
     options: &Options,
 ) -> Result<(PeriodicOrbit<N>, Closing<N>), Error> {
-    let by_tolerance = 100.0 * options.atol.max(options.rtol);
+    let with_free = |free| iterate(system, guess, guessed, is_forced, options, free);
+    match with_free(0) {
+        Ok(found) if found.0.family > 0 => with_free(found.0.family).or(Ok(found)),
+        Err(error @ Error::NotConverged { .. }) => {
+            let of_family = with_free(1).ok().filter(|found| found.0.family > 0);
+            of_family.ok_or(error)
+        }
+        outcome => outcome,
+    }
+}
+
+/// The same with so many directions that it does not go along.
+fn iterate<S: Switched<N, G>, const N: usize, const G: usize>(
+    system: &S,
+    guess: &Anchor<N, S::Mode>,
+    guessed: f64,
+    is_forced: bool,
+    options: &Options,
+    free: usize,
+) -> Result<(PeriodicOrbit<N>, Closing<N>), Error> {
+    let by_tolerance = TOLERANCES * options.atol.max(options.rtol);
     let (mut residual, mut wanted) = (f64::INFINITY, by_tolerance);
     let mut at = guess.begun(system, guess.t + guessed, options)?;
     let mut period = guessed;
@@ -202,12 +231,15 @@ pub(super) fn shoot<S: Switched<N, G>, const N: usize, const G: usize>(
         }
         // The last halvings of the residual are rounding: stop at the first iterate that is no better.
         if size <= wanted && size >= 0.5 * residual || size == 0.0 {
+            let solved = correction(&turn, &gap, phase.as_ref(), options, 0);
+            let family = solved.map_or(0, |(_, free)| free);
             let closing = Closing {
                 states: N,
                 matrix: monodromy.matrix,
                 flow: phase.map(|_| at.velocity(system)),
                 by_rounding: left(&gap, wanted, monodromy, &at.x),
                 by_tolerance: by_tolerance_of(&at.x, options),
+                family,
             };
             let cycle = PeriodicOrbit {
                 t: at.t,
@@ -215,6 +247,7 @@ pub(super) fn shoot<S: Switched<N, G>, const N: usize, const G: usize>(
                 period,
                 monodromy: monodromy.matrix,
                 residual: size,
+                family,
             };
             return Ok((cycle, closing));
         }
@@ -223,7 +256,7 @@ pub(super) fn shoot<S: Switched<N, G>, const N: usize, const G: usize>(
         if speed * period < 1e-3 * at.x.amax().max(1e-3) {
             break;
         }
-        let Some((dx, change)) = correction(&turn, &gap, phase.as_ref()) else {
+        let Some(((dx, change), _)) = correction(&turn, &gap, phase.as_ref(), options, free) else {
             break;
         };
         let moved = guess.moved(at.x + dx);
@@ -246,7 +279,6 @@ pub(super) fn shoot<S: Switched<N, G>, const N: usize, const G: usize>(
 /// What rounding may leave of a turn's gap: some units in the last place of the state for every step (the weights of a step of
 /// order 8 add up to 14), enlarged as far as the turn enlarges what is off at its start.
 pub(super) fn rounding<const N: usize>(turn: &Monodromy<N>, x: &State<N>) -> f64 {
-    const ULPS: f64 = 16.0;
     let size = x.amax().max(turn.summary.x.amax());
     ULPS * f64::EPSILON * turn.summary.counters.steps as f64 * size * turn.matrix.amax().max(1.0)
 }
@@ -273,12 +305,14 @@ pub(super) fn by_tolerance_of<const N: usize>(x: &State<N>, options: &Options) -
     (x.abs() * options.rtol).add_scalar(options.atol) * TIMES
 }
 
-/// Newton's correction of state and period.
+/// Newton's correction of state and period, and in how many directions it is free.
 fn correction<const N: usize>(
     turn: &Turn<N>,
     gap: &State<N>,
     phase: Option<&State<N>>,
-) -> Option<(State<N>, f64)> {
+    options: &Options,
+    free: usize,
+) -> Option<((State<N>, f64), usize)> {
     let unknowns = N + usize::from(phase.is_some());
     let mut matrix = DMatrix::<f64>::zeros(unknowns, unknowns);
     let mut right = DVector::<f64>::zeros(unknowns);
@@ -294,22 +328,73 @@ fn correction<const N: usize>(
             matrix[(N, i)] = direction[i];
         }
     }
-    let solution = newton_solution(matrix, &right)?;
+    let (solution, free) = newton_solution(matrix, &right, (N, free), known(turn, options))?;
     let dx = State::from_fn(|i, _| solution[i]);
-    Some((dx, if phase.is_some() { solution[N] } else { 0.0 }))
+    let change = if phase.is_some() { solution[N] } else { 0.0 };
+    Some(((dx, change), free))
 }
 
-/// Solves the equations of a Newton step. Where they leave a direction free, as the place of a block that nothing depends on, its solution is the one
-/// that does not go that way.
-pub(super) fn newton_solution(matrix: DMatrix<f64>, right: &DVector<f64>) -> Option<DVector<f64>> {
-    if let Some(solution) = matrix.clone().lu().solve(right) {
-        return Some(solution);
+/// How far the components go in a turn, of one that goes no way as far as the others; and how well
+/// its derivative is known, in parts of its largest singular value: by what tolerances and rounding
+/// leave of an orbit's gap.
+pub(super) fn known<const N: usize>(turn: &Turn<N>, options: &Options) -> (State<N>, f64) {
+    let by_tolerance = TOLERANCES * options.atol.max(options.rtol);
+    let most = turn.reach.amax();
+    let other = if most > by_tolerance { most } else { 1.0 };
+    let size = |size: f64| if size > by_tolerance { size } else { other };
+    let steps = turn.monodromy.summary.counters.steps as f64;
+    (
+        turn.reach.map(size),
+        by_tolerance.max(ULPS * f64::EPSILON * steps),
+    )
+}
+
+/// Solves the equations of a Newton step, of which the first are those of so many states. Where
+/// they leave directions free, to how well they are known, as the place of a block that nothing
+/// depends on or the energy of a pendulum, the solution is the one that does not go those ways; so
+/// many are left out in any case. With it goes how many these are.
+pub(super) fn newton_solution<const N: usize>(
+    matrix: DMatrix<f64>,
+    right: &DVector<f64>,
+    (states, least_free): (usize, usize),
+    (sizes, error): (State<N>, f64),
+) -> Option<(DVector<f64>, usize)> {
+    let count = matrix.nrows();
+    let mut scaled = matrix.clone();
+    let mut units = DVector::repeat(count, 1.0);
+    let mut right_scaled = right.clone();
+    for (k, size) in sizes.iter().take(states).enumerate() {
+        units[k] = *size;
+        scaled.column_mut(k).scale_mut(*size);
+        scaled.row_mut(k).unscale_mut(*size);
+        right_scaled[k] /= *size;
     }
-    if !matrix.iter().all(|v| v.is_finite()) {
+    // Of other unknowns and equations the size is that of what stands in them.
+    for k in states..count {
+        units[k] = scaled.column(k).norm().max(f64::MIN_POSITIVE).recip();
+        scaled.column_mut(k).scale_mut(units[k]);
+        let row = scaled.row(k).norm().max(f64::MIN_POSITIVE);
+        scaled.row_mut(k).unscale_mut(row);
+        right_scaled[k] /= row;
+    }
+    if !scaled.iter().all(|v| v.is_finite()) {
         return None;
     }
-    let size = matrix.nrows() as f64;
-    let parts = matrix.svd(true, true);
-    let bound = size * f64::EPSILON * parts.singular_values.max();
-    parts.solve(right, bound).ok()
+    let parts = scaled.svd(true, true);
+    let mut values: Vec<f64> = parts.singular_values.iter().copied().collect();
+    values.sort_by(f64::total_cmp);
+    let known = error.max(count as f64 * f64::EPSILON) * parts.singular_values.max();
+    let bound = values
+        .iter()
+        .take(least_free)
+        .copied()
+        .fold(known, f64::max);
+    let free = values.iter().filter(|value| **value <= bound);
+    match free.count() {
+        0 => Some((matrix.lu().solve(right)?, 0)),
+        free => {
+            let solution = parts.solve(&right_scaled, bound).ok()?;
+            Some((solution.component_mul(&units), free))
+        }
+    }
 }

@@ -4,14 +4,16 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 use serde_json::json;
+use stickslip::Options;
 use stickslip::analysis::RecurrenceSettings;
 
 use super::super::arguments::OutputArguments;
+use super::super::sweeping::for_each;
 use super::super::{Failure, attractors, tables};
 use super::figure;
 use super::request::{Basin, Reached};
 use crate::output::{Artifact, OutputError, csv_table};
-use crate::sweep::{BlockError, Store, SweepError, write_whole};
+use crate::sweep::{Store, SweepError, write_whole};
 use crate::system::System;
 use crate::terminal::Said;
 use stickslip_kernels::kernel::{Motion, Outcome};
@@ -19,6 +21,8 @@ use stickslip_kernels::kernel::{Motion, Outcome};
 /// An attractor and the starts that lead to it; or the starts that lead to none in one way, as by escape.
 pub(super) struct Attracting {
     pub(super) outcome: Outcome,
+    /// Dimension of the family of periodic orbits of which this is the one that was met first.
+    family: usize,
     /// Which attractor it is, from 1; none where it is none.
     pub(super) number: Option<usize>,
     pub(super) starts: usize,
@@ -43,9 +47,10 @@ pub(super) fn number(
     outcome: Outcome,
     system: &System,
     settings: &RecurrenceSettings,
+    options: &Options,
 ) -> usize {
     let kernel = system.kernel();
-    let same = |one: &Outcome| kernel.is_same_attractor(one, &outcome, settings);
+    let same = |one: &Outcome| kernel.is_same_attractor(one, &outcome, settings, options);
     match known.iter().position(same) {
         Some(number) => number,
         None => {
@@ -81,6 +86,7 @@ impl Found {
         output: &OutputArguments,
     ) -> Result<Self, Failure> {
         let settings = basin.settings(system);
+        let options = basin.solver.options()?;
         let (mut known, mut reached) = (Vec::new(), Vec::new());
         let table = PathBuf::from(&output.out).join("basin.csv");
         let names = system.file.states.iter().map(|state| state.name.clone());
@@ -89,23 +95,18 @@ impl Found {
         write_whole(&table, &store.staging()?, |file| {
             let mut rows = csv::Writer::from_writer(file);
             rows.write_record(&heading).map_err(OutputError::from)?;
-            store.for_each(|index, content| {
-                let wrong = |source: BlockError| SweepError::Block {
-                    block: index,
-                    source,
-                };
-                let block: Reached =
-                    serde_json::from_slice(content).map_err(|error| wrong(error.into()))?;
+            for_each(store, |index, block: Reached| {
                 let numbers: Vec<usize> = block
                     .attractors
                     .into_iter()
-                    .map(|outcome| number(&mut known, outcome, system, &settings))
+                    .map(|outcome| number(&mut known, outcome, system, &settings, &options))
                     .collect();
                 let known_numbers = numbers_of(&known);
                 for (point, local) in basin.points.of_block(index).zip(block.starts) {
-                    let attractor = *numbers
-                        .get(local)
-                        .ok_or_else(|| wrong(format!("it has no attractor {local}").into()))?;
+                    let attractor = *numbers.get(local).ok_or_else(|| SweepError::Block {
+                        block: index,
+                        source: format!("it has no attractor {local}").into(),
+                    })?;
                     let start = basin.start(point);
                     let fields = start.iter().map(|&value| tables::exact(value));
                     let word = known[attractor].motion.word().to_owned();
@@ -127,6 +128,7 @@ impl Found {
             let starts = starts.count();
             let share = starts as f64 / all as f64;
             Attracting {
+                family: system.kernel().family(&outcome, &settings, &options),
                 outcome,
                 number,
                 starts,
@@ -210,6 +212,15 @@ impl Found {
                 one.std_error,
                 attractors::words(&one.outcome, basin.until)
             );
+            if one.family > 0
+                && let Some((_, x)) = one.outcome.points.first()
+            {
+                let (family, at) = (
+                    attractors::family_words(one.family),
+                    attractors::state_words(x),
+                );
+                let _ = writeln!(text, "{:34}{family}, here the one through {at}", "");
+            }
         }
         text
     }
@@ -234,6 +245,9 @@ impl Found {
                 motion => json!({ "motion": motion.word() }),
             };
             if let Some(object) = json.as_object_mut() {
+                if one.number.is_some() {
+                    object.insert("family_dimension".to_owned(), json!(one.family));
+                }
                 object.insert("starts".to_owned(), json!(one.starts));
                 object.insert("share".to_owned(), json!(one.share));
                 object.insert("std_error".to_owned(), json!(one.std_error));

@@ -9,7 +9,7 @@ use super::super::Failure;
 use super::super::arguments::{OutputArguments, SolverArguments};
 use super::super::attractors::reached_from_one_of_many;
 use super::super::range::{StateRange, grid, not_too_many};
-use super::super::sweeping::Sweep;
+use super::super::sweeping::{Sweep, to_content};
 use super::starts::Points;
 use super::{Arguments, found};
 use crate::sweep::{BlockError, Store};
@@ -30,7 +30,7 @@ pub(in super::super) struct Basin {
     /// The other components of the starts.
     start: Vec<f64>,
     pub(super) until: f64,
-    solver: SolverArguments,
+    pub(super) solver: SolverArguments,
 }
 
 /// What a block holds.
@@ -136,10 +136,16 @@ impl Sweep for Basin {
         for point in self.points.of_block(index) {
             let start = self.start(point);
             let outcome = reached_from_one_of_many(system, &start, &settings, &options)?;
-            let number = found::number(&mut reached.attractors, outcome, system, &settings);
+            let number = found::number(
+                &mut reached.attractors,
+                outcome,
+                system,
+                &settings,
+                &options,
+            );
             reached.starts.push(number);
         }
-        Ok(serde_json::to_vec(&reached)?)
+        to_content(&reached)
     }
 
     fn finish(

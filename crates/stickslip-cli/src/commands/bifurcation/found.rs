@@ -10,11 +10,12 @@ use stickslip_kernels::kernel::{Change, Motion};
 
 use super::super::arguments::OutputArguments;
 use super::super::exponent::Largest;
+use super::super::sweeping::for_each;
 use super::super::{Failure, attractors, tables};
 use super::figure;
 use super::request::{At, Between, Bifurcation, Part};
 use crate::output::{Artifact, OutputError, csv_table};
-use crate::sweep::{Store, SweepError, write_whole};
+use crate::sweep::{Store, write_whole};
 use crate::system::System;
 use crate::terminal::Said;
 
@@ -68,13 +69,13 @@ impl Found {
         heading.extend(tables::strings(&["std_error"]));
         heading.extend(states.clone());
         let mut ways = (Way::default(), Way::default());
-        store.for_each(|block, content| {
+        for_each(store, |block, part: Part| {
             let way = if diagram.is_up(block) {
                 &mut ways.0
             } else {
                 &mut ways.1
             };
-            way.changes.extend(part(block, content)?.changes);
+            way.changes.extend(part.changes);
             Ok::<_, Failure>(())
         })?;
         table(
@@ -337,14 +338,6 @@ fn stick_rows(is_up: bool, at: &At) -> Vec<Vec<String>> {
     sticks(at).map(row).collect()
 }
 
-/// What a block holds.
-fn part(block: usize, content: &[u8]) -> Result<Part, SweepError> {
-    serde_json::from_slice(content).map_err(|error| SweepError::Block {
-        block,
-        source: error.into(),
-    })
-}
-
 /// Writes a table of rows that `each` makes of what was found at each value.
 fn table(
     path: &Path,
@@ -356,12 +349,7 @@ fn table(
     write_whole(path, &store.staging()?, |file| {
         let mut rows = csv::Writer::from_writer(file);
         rows.write_record(heading).map_err(OutputError::from)?;
-        store.for_each(|block, content| {
-            let part: Part =
-                serde_json::from_slice(content).map_err(|error| SweepError::Block {
-                    block,
-                    source: error.into(),
-                })?;
+        for_each(store, |block, part: Part| {
             for at in &part.found {
                 each(&mut rows, diagram.is_up(block), at).map_err(OutputError::from)?;
             }

@@ -12,7 +12,7 @@ use super::super::arguments::{OutputArguments, SolverArguments, StartArguments};
 use super::super::attractors;
 use super::super::exponent::Largest;
 use super::super::range::{ParameterRange, not_too_many};
-use super::super::sweeping::{Sweep, check_duration};
+use super::super::sweeping::{Sweep, check_duration, from_content, to_content};
 use super::{Arguments, found};
 use crate::sweep::{BlockError, Store};
 use crate::system::System;
@@ -137,7 +137,7 @@ impl Bifurcation {
     ) -> Result<Part, BlockError> {
         let options = self.solver.options()?;
         let mut last = match before {
-            Some(before) => serde_json::from_slice::<Part>(before)?.last,
+            Some(before) => from_content::<Part>(before)?.last,
             None => None,
         };
         let (mut found, mut changes) = (Vec::new(), Vec::new());
@@ -239,7 +239,7 @@ impl Sweep for Bifurcation {
         index: usize,
         before: Option<&[u8]>,
     ) -> Result<Vec<u8>, BlockError> {
-        Ok(serde_json::to_vec(&self.part(system, index, before)?)?)
+        to_content(&self.part(system, index, before)?)
     }
 
     fn finish(

@@ -25,6 +25,7 @@ pub(super) fn diagram(told: &Told<'_>) -> Result<String, OutputError> {
         system,
         range,
         branch,
+        ..
     } = told;
     let first = &system.file.states[0];
     let largest: Value = |at| {
@@ -111,7 +112,7 @@ pub(super) fn diagram(told: &Told<'_>) -> Result<String, OutputError> {
         }
         for (name, is_this, shape) in ENDS {
             let ends = [branch.points.first(), branch.points.last()];
-            let there = ends.into_iter().zip(branch.stops);
+            let there = ends.into_iter().zip(&branch.stops);
             let points: Vec<(f64, f64)> = there
                 .filter(|(_, stop)| is_this(stop))
                 .filter_map(|(end, stop)| Some(end_marks(end?, stop, values)))
@@ -189,14 +190,14 @@ const ENDS: [MarkedEnd; 4] = [
 ];
 
 /// Where the end of a branch is: an equilibrium is between the least and the greatest that the last orbit has of a state.
-fn end_marks(end: &Point, stop: Stop, values: &[Value]) -> Vec<(f64, f64)> {
+fn end_marks(end: &Point, stop: &Stop, values: &[Value]) -> Vec<(f64, f64)> {
     let heights: Vec<f64> = match (stop, values) {
         (Stop::Equilibrium { .. } | Stop::BoundaryEquilibrium { .. }, [least, greatest]) => {
             vec![0.5 * (least(end) + greatest(end))]
         }
         _ => values.iter().map(|value| value(end)).collect(),
     };
-    let place = match stop {
+    let place = match *stop {
         Stop::Equilibrium { parameter, .. }
         | Stop::BoundaryEquilibrium { parameter }
         | Stop::Homoclinic { parameter, .. } => parameter,

@@ -68,6 +68,7 @@ fn found(arguments: &Arguments, ready: &Ready) -> Result<Found, Failure> {
         system,
         range: &range,
         branch: &branch,
+        family: orbit.family,
     };
     told.found()
 }

@@ -7,7 +7,9 @@ use serde_json::{Value, json};
 use stickslip::analysis::Stop;
 use stickslip_kernels::kernel::{Change, SpecialKind, SpecialThere};
 
+use super::super::attractors::family_words;
 use super::super::range::ParameterRange;
+use super::super::told::told;
 use super::super::{Failure, Found, tables};
 use super::branch::{Branch, Point};
 use super::figure;
@@ -19,6 +21,8 @@ pub(super) struct Told<'a> {
     pub(super) system: &'a System,
     pub(super) range: &'a ParameterRange,
     pub(super) branch: &'a Branch,
+    /// Dimension of the family of orbits that the one it was begun with is of.
+    pub(super) family: usize,
 }
 
 /// What a special orbit is called.
@@ -33,8 +37,8 @@ fn what(kind: &SpecialKind) -> String {
 }
 
 /// Why a branch ends, after "it ends".
-fn why(stop: Stop, parameter: &str) -> String {
-    match stop {
+fn why(stop: &Stop, parameter: &str, system: &System) -> String {
+    match *stop {
         Stop::Range => "at an end of the range".to_owned(),
         Stop::Points => "after as many orbits as were asked for (--points)".to_owned(),
         Stop::Closed => "where it began: the branch is closed".to_owned(),
@@ -67,6 +71,7 @@ fn why(stop: Stop, parameter: &str) -> String {
             tables::rounded(leaves)
         ),
         Stop::Rest => "where it comes to rest: it moves a thousandth of what it did".to_owned(),
+        Stop::Refused(ref error) => format!("where {}", told(error, system)),
         Stop::SequenceEnds => {
             "where its phases change: no orbit with other phases was found next to it".to_owned()
         }
@@ -78,7 +83,7 @@ fn why(stop: Stop, parameter: &str) -> String {
 }
 
 /// The same in a word.
-fn why_in_short(stop: Stop) -> &'static str {
+fn why_in_short(stop: &Stop) -> &'static str {
     match stop {
         Stop::Range => "range",
         Stop::Points => "points",
@@ -87,6 +92,7 @@ fn why_in_short(stop: Stop) -> &'static str {
         Stop::BoundaryEquilibrium { .. } => "boundary equilibrium",
         Stop::Homoclinic { .. } => "homoclinic",
         Stop::Rest => "rest",
+        Stop::Refused(_) => "friction",
         Stop::SequenceEnds => "sequence ends",
         Stop::NoConvergence => "no convergence",
     }
@@ -94,8 +100,8 @@ fn why_in_short(stop: Stop) -> &'static str {
 
 /// The row of `special.csv` for the end of a branch behind so many orbits, if it is at a bifurcation. Its orbit has no phases of its own, and a
 /// homoclinic one no period.
-fn end_row(stop: Stop, behind: usize, columns: usize) -> Option<Vec<String>> {
-    let (parameter, what, uncertainty, period) = match stop {
+fn end_row(stop: &Stop, behind: usize, columns: usize) -> Option<Vec<String>> {
+    let (parameter, what, uncertainty, period) = match *stop {
         Stop::Equilibrium {
             parameter,
             frequency,
@@ -209,7 +215,7 @@ impl Told<'_> {
             row.extend(at.x.iter().map(|&x| tables::exact(x)));
             row
         });
-        let [down, up] = self.branch.stops;
+        let [down, up] = &self.branch.stops;
         let first = end_row(down, 0, heading.len());
         let last = end_row(up, self.branch.points.len(), heading.len());
         let rows: Vec<_> = first.into_iter().chain(rows).chain(last).collect();
@@ -238,6 +244,13 @@ impl Told<'_> {
                 tables::sequence(&orbit.phases)
             );
         }
+        if self.family > 0 {
+            let _ = writeln!(
+                text,
+                "  it is {}; at each value the one nearest to that before is followed",
+                family_words(self.family)
+            );
+        }
         for at in &branch.special {
             let _ = writeln!(
                 text,
@@ -250,7 +263,7 @@ impl Told<'_> {
         let ends = [branch.points.first(), branch.points.last()];
         for ((end, stop), way) in ends
             .into_iter()
-            .zip(branch.stops)
+            .zip(&branch.stops)
             .zip(["begun downwards", "begun upwards"])
         {
             if let Some(Point { orbit, .. }) = end {
@@ -260,7 +273,7 @@ impl Told<'_> {
                     orbit.stability,
                     range.name,
                     tables::rounded(orbit.parameter),
-                    why(stop, &range.name)
+                    why(stop, &range.name, self.system)
                 );
             }
         }
@@ -277,20 +290,24 @@ impl Told<'_> {
         let ends = [branch.points.first(), branch.points.last()];
         let ends: Vec<Value> = ends
             .into_iter()
-            .zip(branch.stops)
+            .zip(&branch.stops)
             .map(|(end, stop)| {
                 json!({
                     "parameter": end.map(|end| end.orbit.parameter),
                     "stop": why_in_short(stop),
-                    "hopf": match stop {
+                    "error": match stop {
+                        Stop::Refused(error) => json!(told(error, self.system)),
+                        _ => Value::Null,
+                    },
+                    "hopf": match *stop {
                         Stop::Equilibrium { parameter, frequency } => json!({ "parameter": parameter, "frequency": frequency }),
                         _ => Value::Null,
                     },
-                    "boundary_equilibrium": match stop {
+                    "boundary_equilibrium": match *stop {
                         Stop::BoundaryEquilibrium { parameter } => json!(parameter),
                         _ => Value::Null,
                     },
-                    "homoclinic": match stop {
+                    "homoclinic": match *stop {
                         Stop::Homoclinic { parameter, uncertainty, saddles, leaves, comes } => json!({ "parameter": parameter, "uncertainty": uncertainty, "saddles": saddles, "leaves": leaves, "comes": comes }),
                         _ => Value::Null,
                     },
@@ -301,6 +318,7 @@ impl Told<'_> {
             "system": tables::system_json(self.system),
             "parameter": range,
             "points": branch.points.len(),
+            "family_dimension": self.family,
             "special": special,
             "ends": ends,
         })

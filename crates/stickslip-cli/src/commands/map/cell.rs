@@ -6,7 +6,7 @@ use stickslip::analysis::RecurrenceSettings;
 use stickslip_kernels::kernel::Motion;
 
 use super::super::exponent::Largest;
-use super::super::tables::exact;
+use super::super::tables::{exact, known};
 use super::super::{Failure, attractors};
 use crate::system::System;
 
@@ -14,6 +14,7 @@ use crate::system::System;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Cell {
     pub(super) motion: Motion,
+    period_uncertainty: f64,
     /// The phases of a period, wherever it begins; nothing where phases do not tell one motion from another.
     pub(super) phases: String,
     /// Part of the time in stick, if there is an attractor.
@@ -36,6 +37,7 @@ impl Cell {
             phases: attractors::sequence(&outcome),
             in_stick: is_there.then_some(outcome.in_stick),
             largest: Largest::on(system, &outcome, duration, options),
+            period_uncertainty: outcome.period_uncertainty,
             motion: outcome.motion,
         })
     }
@@ -58,7 +60,7 @@ impl Cell {
     /// Motion, period, phases, part of time in stick, exponent and its error; empty where there is none.
     pub(super) fn fields(&self) -> [String; 6] {
         let period = match self.motion {
-            Motion::Periodic { period, .. } => exact(period),
+            Motion::Periodic { period, .. } => exact(known(period, self.period_uncertainty)),
             _ => String::new(),
         };
         let [value, std_error] = self.largest.fields();

@@ -7,12 +7,13 @@ use serde_json::json;
 
 use super::super::arguments::OutputArguments;
 use super::super::exponent::Largest;
+use super::super::sweeping::for_each;
 use super::super::{Failure, attractors, tables};
 use super::cell::Cell;
 use super::figure;
 use super::request::Map;
 use crate::output::OutputError;
-use crate::sweep::{Store, SweepError, write_whole};
+use crate::sweep::{Store, write_whole};
 use crate::system::System;
 use crate::terminal::Said;
 
@@ -66,12 +67,7 @@ impl Found {
         write_whole(&table, &store.staging()?, |file| {
             let mut rows = csv::Writer::from_writer(file);
             rows.write_record(&heading).map_err(OutputError::from)?;
-            store.for_each(|row, content| {
-                let cells: Vec<Cell> =
-                    serde_json::from_slice(content).map_err(|error| SweepError::Block {
-                        block: row,
-                        source: error.into(),
-                    })?;
+            for_each(store, |row, cells: Vec<Cell>| {
                 for (column, cell) in cells.iter().enumerate() {
                     let values = map.parameters(column, row).map(tables::exact);
                     let record = values.into_iter().chain(cell.fields());

@@ -8,7 +8,7 @@ use stickslip::analysis::RecurrenceSettings;
 use super::super::Failure;
 use super::super::arguments::{OutputArguments, SolverArguments, StartArguments};
 use super::super::range::{ParameterRange, grid, middle, with_values};
-use super::super::sweeping::{Sweep, check_duration};
+use super::super::sweeping::{Sweep, check_duration, to_content};
 use super::cell::Cell;
 use super::{Arguments, found};
 use crate::sweep::{BlockError, Store};
@@ -108,7 +108,7 @@ impl Sweep for Map {
     ) -> Result<Vec<u8>, BlockError> {
         let cells = (0..self.columns.get()).map(|column| self.cell(system, column, index));
         let cells: Vec<Cell> = cells.collect::<Result<_, _>>()?;
-        Ok(serde_json::to_vec(&cells)?)
+        to_content(&cells)
     }
 
     fn finish(

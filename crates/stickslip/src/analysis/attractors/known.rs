@@ -3,7 +3,9 @@
 use super::reached::{Kind, Reached, SectionPoint, turns};
 use super::recurrent::is_same_set;
 use super::rest::{holds, off_by};
-use crate::filippov::{Settled, Switched, Velocity};
+use crate::analysis::periodic::shoot;
+use crate::analysis::sequence::circuit_from;
+use crate::filippov::{Options, Settled, Switched, Velocity};
 use crate::ode::Timed;
 use crate::system::{State, components};
 
@@ -19,7 +21,9 @@ const MOMENTS: usize = 32;
 /// - at an equilibrium, to the same point;
 /// - at a set of equilibria, to points between which (on a straight line, laid onto the boundary) there are only further ones; with a drive, at 32
 ///   moments of its period;
-/// - on a periodic orbit, to the same points of the section in the same order, with the same cycle of phases;
+/// - on a periodic orbit, to the same points of the section in the same order, with the same cycle
+///   of phases; or, where a multiplier besides the trivial one is 1, to two of one family, of which
+///   another one lies midway between them;
 /// - on a recurrent one, to points of which nearly all lie near (5 % of their extent) to one of the other's.
 ///
 /// Points are the same within so many times [`super::RecurrenceSettings::closeness`] of their size. Escapes are one, failures are one, and so
@@ -32,7 +36,7 @@ const MOMENTS: usize = 32;
 ///
 /// let belt = BeltOscillator { belt_speed: 0.2, ..BeltOscillator::default() };
 /// let (settings, options) = (RecurrenceSettings::within(500.0), Options::default());
-/// let mut known = Attractors::new(&belt, &settings);
+/// let mut known = Attractors::new(&belt, &settings, &options);
 /// for start in [[0.5, 0.1], [-0.5, 0.3], [0.1, 0.0]] {
 ///     let reached = attractor(&belt, start, &settings, &options)?;
 ///     println!("{start:?} goes to attractor {}: {}", known.number(reached.clone()), reached.kind);
@@ -44,6 +48,7 @@ pub struct Attractors<'a, S: Switched<N, G>, const N: usize, const G: usize> {
     system: &'a S,
     closeness: f64,
     forcing: Option<f64>,
+    options: Options,
     found: Vec<Reached<N, S::Mode>>,
 }
 
@@ -52,9 +57,10 @@ const TIMES: f64 = 10.0;
 
 impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Attractors<'a, S, N, G> {
     /// None yet, of this system.
-    pub fn new(system: &'a S, settings: &super::RecurrenceSettings) -> Self {
+    pub fn new(system: &'a S, settings: &super::RecurrenceSettings, options: &Options) -> Self {
         Attractors {
             system,
+            options: *options,
             closeness: TIMES * settings.closeness,
             forcing: settings.forcing,
             found: Vec::new(),
@@ -96,7 +102,10 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Attractors<'a, S, N,
                         || self.are_joined(&one.points, &other.points, one.mode))
             }
             (Kind::Periodic { returns: p, .. }, Kind::Periodic { returns: q, .. }) => {
-                p == q && one.has_sequence_of(other) && self.is_near(&one.points, &other.points)
+                p == q
+                    && one.has_sequence_of(other)
+                    && (self.is_near(&one.points, &other.points)
+                        || self.are_of_one_family(one, other))
             }
             (Kind::Recurrent, Kind::Recurrent) => is_same_set(&one.points, &other.points),
             (Kind::TwoFold(one), Kind::TwoFold(other)) => one == other,
@@ -106,6 +115,50 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Attractors<'a, S, N,
             | (Kind::Undecided, Kind::Undecided) => true,
             _ => false,
         }
+    }
+
+    /// Dimension of the family of periodic orbits that the one is of that an orbit has come to; 0
+    /// of an isolated one, and of other kinds of motion.
+    pub fn family(&self, reached: &Reached<N, S::Mode>) -> usize {
+        let is_periodic = matches!(reached.kind, Kind::Periodic { .. });
+        let first = reached.points.first().filter(|_| is_periodic);
+        first.map_or(0, |at| {
+            self.family_near(at, reached.period(), f64::INFINITY)
+        })
+    }
+
+    /// Whether two periodic orbits are of one family: another one of it lies midway between them,
+    /// nearer to there than to them.
+    fn are_of_one_family(&self, one: &Reached<N, S::Mode>, other: &Reached<N, S::Mode>) -> bool {
+        let Some(a) = one.points.first() else {
+            return false;
+        };
+        let away = |b: &SectionPoint<N>| (b.x - a.x).norm();
+        let nearest = other
+            .points
+            .iter()
+            .min_by(|b, c| away(b).total_cmp(&away(c)));
+        nearest.is_some_and(|b| {
+            let x = (a.x + b.x) * 0.5;
+            let middle = SectionPoint { t: a.t, x };
+            let period = 0.5 * (one.period() + other.period());
+            self.family(one) > 0 && self.family_near(&middle, period, away(b)) > 0
+        })
+    }
+
+    /// Dimension of the family of the periodic orbit near a point, with a period near one, if it is
+    /// nearer than half of a distance.
+    fn family_near(&self, at: &SectionPoint<N>, period: f64, distance: f64) -> usize {
+        let found = || {
+            let start = Timed { t: at.t, x: at.x };
+            let guess = circuit_from(self.system, &start, period, &self.options)?;
+            let is_forced = self.forcing.is_some();
+            let found = shoot(self.system, &guess.anchor, period, is_forced, &self.options);
+            let orbit = found.ok()?.0;
+            let is_near = (orbit.x - guess.anchor.x).norm() < 0.5 * distance;
+            is_near.then_some(orbit.family)
+        };
+        found().unwrap_or(0)
     }
 
     /// Whether the points are the same, some turn apart.

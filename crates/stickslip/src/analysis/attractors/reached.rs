@@ -67,6 +67,9 @@ impl fmt::Display for Kind {
 pub struct Reached<const N: usize, K = Mode> {
     /// The kind of motion.
     pub kind: Kind,
+    /// By how much the period of a periodic orbit may be off, by how the last periods differ; zero
+    /// of other motions.
+    pub period_uncertainty: f64,
     /// Of a periodic orbit the points of the section in one period; of an equilibrium that point alone, refined; otherwise the last points.
     pub points: Vec<SectionPoint<N>>,
     /// Of a periodic orbit the phases that ended in one period, in order of time; otherwise the last phases.
@@ -93,6 +96,14 @@ impl<const N: usize, K: Copy + PartialEq> Reached<N, K> {
             return vec![self.mode];
         }
         self.phases.iter().map(|phase| phase.mode).collect()
+    }
+
+    /// The period of a periodic orbit; zero of other kinds of motion.
+    pub(super) fn period(&self) -> f64 {
+        match self.kind {
+            Kind::Periodic { period, .. } => period,
+            _ => 0.0,
+        }
     }
 
     /// Whether two periodic orbits have the same cycle of phases and transitions.

@@ -67,6 +67,8 @@ pub(super) struct Recurrence<const N: usize> {
 pub(super) struct Pattern<const N: usize> {
     pub returns: usize,
     pub period: f64,
+    /// By how much that may be off.
+    pub uncertainty: f64,
     /// What had happened before it and at its end.
     pub counts: (Count, Count),
     /// What the orbit covers in it.
@@ -167,10 +169,10 @@ impl<const N: usize> Recurrence<N> {
                 && self.runs[lag - 1] >= wanted
                 && let Some(left) = self.left(last, lag)
             {
-                let pattern = self.pattern(last, lag);
+                let pattern = self.pattern(last, lag, left);
                 if self.forcing.is_some() || self.is_wide(&pattern, left) {
                     let shortest = self.shortest(last, lag);
-                    found = shortest.map(|lag| self.pattern(last, lag));
+                    found = shortest.map(|lag| self.pattern(last, lag, left));
                 }
             }
         }
@@ -200,6 +202,17 @@ impl<const N: usize> Recurrence<N> {
         most
     }
 
+    /// Whether the last point is the one a lag before it, to the tolerance.
+    fn is_closed(&self, last: usize, lag: usize) -> bool {
+        let (here, before) = (&self.passages[last], &self.passages[last - lag]);
+        let tolerance = Nearness {
+            closeness: 0.0,
+            atol: self.near.atol / OF_SOLVER,
+            rtol: self.near.rtol / OF_SOLVER,
+        };
+        here.tag == before.tag && self.apart(here, before, &tolerance) <= 1.0
+    }
+
     /// What is left of the way to the pattern, in differences of points a lag apart, if it is little: a geometric series of these differences,
     /// by the slowest of the last few of its ratios. Points that creep past each other differ little, too.
     fn left(&self, last: usize, lag: usize) -> Option<f64> {
@@ -208,12 +221,7 @@ impl<const N: usize> Recurrence<N> {
             let comparable = here.tag == before.tag;
             comparable.then(|| self.apart(here, before, near))
         };
-        let tolerance = Nearness {
-            closeness: 0.0,
-            atol: self.near.atol / OF_SOLVER,
-            rtol: self.near.rtol / OF_SOLVER,
-        };
-        if apart(last, &tolerance)? <= 1.0 {
+        if self.is_closed(last, lag) {
             return Some(UNSEEN);
         }
         if last < (RATIOS + 1) * lag {
@@ -252,15 +260,35 @@ impl<const N: usize> Recurrence<N> {
         Some(lag)
     }
 
-    fn pattern(&self, last: usize, lag: usize) -> Pattern<N> {
+    /// A pattern, to which so much of the way is left, in differences of points.
+    fn pattern(&self, last: usize, lag: usize, left: f64) -> Pattern<N> {
         let (here, there) = (&self.passages[last], &self.passages[last - lag]);
         let mut extent = here.extent;
         for passage in self.passages.range(last + 1 - lag..last) {
             extent.join(&passage.extent);
         }
+        let time = |periods: usize| {
+            let passage = self.passages.get(last.checked_sub(periods * lag)?)?;
+            Some(passage.at.t)
+        };
+        let period = |k: usize| Some(time(k)? - time(k + 1)?);
+        let change = |k: usize| Some((period(k)? - period(k + 1)?).abs());
+        // Of an orbit that winds up around the pattern one of two differences may be small by
+        // chance.
+        // Where points are the same, those before them may still have been on their way.
+        let changes = match self.is_closed(last, lag) {
+            true => [0.0; 2],
+            false => [0, 1].map(|k| change(k).unwrap_or(0.0)),
+        };
+        let period = here.at.t - there.at.t;
+        let rounding = match self.forcing {
+            Some(_) => f64::EPSILON * here.at.t.abs(),
+            None => self.near.rounding(period),
+        };
         Pattern {
             returns: lag,
-            period: here.at.t - there.at.t,
+            period,
+            uncertainty: left * changes[0].max(changes[1]) + rounding,
             counts: (there.count, here.count),
             extent,
         }

@@ -76,6 +76,8 @@ pub(super) struct Search<'a, S: Switched<N, G>, const N: usize, const G: usize> 
     escape: f64,
     /// Where it is said to be left, if not where it is.
     left_at: Option<(Timed<N>, S::Mode)>,
+    /// By how much the period that was found may be off.
+    uncertainty: f64,
 }
 
 impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> {
@@ -111,6 +113,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
             trap: None,
             escape: options.escape,
             left_at: None,
+            uncertainty: 0.0,
         }
     }
 
@@ -311,6 +314,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
             };
             S::any_sticks(last.mode).then_some((begin, last.mode))
         });
+        self.uncertainty = pattern.uncertainty;
         let kind = Kind::Periodic {
             returns: pattern.returns,
             period: pattern.period,
@@ -397,6 +401,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
         let (phases, transitions) = self.history.into_parts();
         Reached {
             kind,
+            period_uncertainty: self.uncertainty,
             points,
             phases,
             transitions,

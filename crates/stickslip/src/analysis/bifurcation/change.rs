@@ -6,7 +6,7 @@ use super::stability::{NEXT_TO, loss_of_stability};
 use super::{Reached, WhatChanges};
 use crate::analysis::anchor::Anchor;
 use crate::analysis::attractors::{Kind, is_same_cycle};
-use crate::analysis::boundary_equilibrium::{Held, SMALL, Shrinking};
+use crate::analysis::boundary_equilibrium::{Held, ends_in};
 use crate::analysis::continuation::Special;
 use crate::analysis::periodic::shoot;
 use crate::analysis::sequence::circuit::Circuit;
@@ -16,6 +16,7 @@ use crate::analysis::sequence::{
 };
 use crate::filippov::{Options, Switched};
 use crate::ode::Timed;
+use crate::system::State;
 
 /// Part of the interval to which a change is located.
 const RESOLUTION: f64 = 1e-10;
@@ -300,7 +301,8 @@ impl<F> Shooting<'_, F> {
         }
     }
 
-    /// Where it shrinks to an equilibrium of one of several modes on the way to another value, if it does.
+    /// Where it ends in an equilibrium of one of several modes on the way to another value, if it
+    /// does.
     fn boundary_equilibrium<S: Switched<N, G>, const N: usize, const G: usize>(
         &self,
         way: &Way<N, S::Mode>,
@@ -309,24 +311,15 @@ impl<F> Shooting<'_, F> {
     where
         F: Fn(f64) -> S,
     {
-        let (first, last) = (way.good.first()?, way.good.last()?);
-        if way.bad.is_none() || self.forced.is_some() || last.circuit.parts.len() < 2 {
+        let first = way.good.first()?;
+        if way.bad.is_none() || self.forced.is_some() {
             return None;
         }
-        // The last ones are as near to it as they can be computed, and nearer than the equilibrium is.
-        let small = |one: &Known<(), N, S::Mode>| one.circuit.extent < SMALL * first.circuit.extent;
-        let small = way.good.iter().position(small)?;
-        let (before, one) = (way.good.get(small.checked_sub(1)?)?, way.good.get(small)?);
-        let of = |one: &Known<(), N, S::Mode>| (one.s, one.circuit.extent);
-        let shrinking = Shrinking::from(of(one), of(before), one.circuit.anchor.x)?;
-        let modes = one.circuit.parts.iter().map(|part| part.mode);
-        let ends_in = |mode| {
-            shrinking.ends_in(N, |parameter, x| {
-                Held::near(&(self.family)(parameter), mode, x, N)
-            })
-        };
-        let (parameter, x) = modes.into_iter().find_map(ends_in)?;
-        let part = (parameter - one.s) / (to - one.s);
+        let orbits: Vec<_> = way.good.iter().collect();
+        let held =
+            |parameter: f64, mode, x: &State<N>| Held::near(&(self.family)(parameter), mode, x, N);
+        let (parameter, x) = ends_in(&orbits, first.circuit.extent, N, |one| one.s, held)?;
+        let part = (parameter - first.s) / (to - first.s);
         let is_on_way = part > 0.0 && part <= 1.0 + NEXT_TO;
         is_on_way.then_some(WhatChanges::BoundaryEquilibrium { parameter, x })
     }

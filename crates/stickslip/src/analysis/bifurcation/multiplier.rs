@@ -150,7 +150,7 @@ impl<F> Shooting<'_, F> {
         let matrix = DMatrix::from_fn(N, N, |i, j| matrix[(i, j)]);
         let velocity = start.velocity(&system);
         let flow = DVector::from_fn(N, |i, _| velocity[i]);
-        Some(Critical::of(&matrix, is_autonomous.then_some(&flow)))
+        Some(Critical::of(&matrix, is_autonomous.then_some(&flow), 0))
     }
 }
 

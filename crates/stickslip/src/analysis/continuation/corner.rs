@@ -10,7 +10,7 @@ use crate::filippov::Switched;
 use crate::system::State;
 
 /// Distances in the parameter, as parts of its range, at which orbits with other phases are tried.
-const DISTANCES: [f64; 4] = [1e-5, 1e-4, 1e-3, 1e-2];
+pub(super) const DISTANCES: [f64; 4] = [1e-5, 1e-4, 1e-3, 1e-2];
 
 /// How far the orbit may lie from the corner by the way across the flow that the orbits before it have come. Where stick forgets all, and the
 /// other orbit has the multiplier λ, it is 1/(1 - λ) of that.

@@ -6,7 +6,7 @@ use crate::analysis::anchor::Anchor;
 use crate::analysis::bifurcation::extrapolated;
 use crate::analysis::critical::Critical;
 use crate::analysis::monodromy::turn;
-use crate::analysis::periodic::{by_tolerance_of, left, newton_solution, rounding};
+use crate::analysis::periodic::{by_tolerance_of, known, left, newton_solution, rounding};
 use crate::analysis::sequence::circuit::Circuit;
 use crate::analysis::sequence::determined::Closing;
 use crate::analysis::sequence::locate::Known;
@@ -41,6 +41,8 @@ pub(super) struct Solved<const N: usize, K> {
     pub start: Anchor<N, K>,
     pub slope: State<N>,
     pub iterations: usize,
+    /// Dimension of the family of orbits at its parameter that it is one of.
+    pub family: usize,
 }
 
 impl<const N: usize, K> Solved<N, K> {
@@ -49,7 +51,7 @@ impl<const N: usize, K> Solved<N, K> {
         let states = N - 1;
         let matrix = DMatrix::from_fn(states, states, |i, j| self.matrix[(i, j)]);
         let flow = DVector::from_fn(states, |i, _| self.slope[i]);
-        Critical::of(&matrix, (!is_forced).then_some(&flow))
+        Critical::of(&matrix, (!is_forced).then_some(&flow), self.family)
     }
 }
 
@@ -85,6 +87,8 @@ pub(super) struct Corrector<'a, S> {
     pub forced: Option<f64>,
     /// How far the widest orbit goes that is known.
     pub extent: f64,
+    /// Dimension of the families that the orbits are of.
+    pub family: usize,
     pub options: &'a Options,
 }
 
@@ -232,7 +236,11 @@ impl<S> Corrector<'_, S> {
         let matrix = self.newton(matrix, slope, slope, row);
         let mut right = DVector::<f64>::zeros(matrix.nrows());
         right[N - 1] = 1.0;
-        let change = newton_solution(matrix, &right)?;
+        let sizes = orbit.circuit.sizes.map(|size| match size {
+            0.0 => orbit.circuit.extent,
+            size => size,
+        });
+        let (change, _) = newton_solution(matrix, &right, (N - 1, 0), (sizes, 0.0))?;
         let of_period = change.get(N).copied().unwrap_or(0.0);
         Some((State::from_fn(|i, _| change[i]), of_period))
     }
@@ -259,6 +267,7 @@ impl<S> Corrector<'_, S> {
             let is_autonomous = self.forced.is_none();
             let end = at.t + period;
             let turn = turn(self.system, &at.at(), end, &bounded, is_autonomous).ok()?;
+            let known = known(&turn, self.options);
             let (velocity, turn) = (turn.velocity, turn.monodromy);
             if turn.summary.ending != Ending::EndTime {
                 return None;
@@ -269,36 +278,6 @@ impl<S> Corrector<'_, S> {
             let size = gap.amax();
             let wanted = by_tolerance.max(rounding(&turn, &at.x));
             let is_on = off.abs() <= by_tolerance.min(1e-12) * guess.row.amax();
-            if size <= wanted && is_on && (size >= 0.5 * residual || size == 0.0) {
-                let start = at.velocity(self.system);
-                let meant = guess.at.moved(at.x);
-                let circuit = Circuit::follow(self.system, &meant, period, self.options).ok()?;
-                let closing = Closing {
-                    states: N - 1,
-                    matrix: turn.matrix,
-                    flow: is_autonomous.then_some(start),
-                    by_rounding: left(&gap, wanted, &turn, &at.x),
-                    by_tolerance: by_tolerance_of(&at.x, self.options),
-                };
-                let circuit = circuit.that_closes(self.system, &meant, &closing, self.options);
-                // The period of another orbit, or a point of rest.
-                let is_near = (period - guess.period).abs() <= 0.3 * guess.period;
-                let closes = self.forced.is_some()
-                    || (velocity - start).norm()
-                        <= SAME_VELOCITY.max(TIMES * by_tolerance) * start.norm();
-                let branch = Solved {
-                    matrix: turn.matrix,
-                    start: at,
-                    slope: start,
-                    iterations,
-                };
-                return (is_near && closes && circuit.extent > by_tolerance).then_some(Known {
-                    s,
-                    circuit,
-                    branch,
-                });
-            }
-            residual = size;
             let matrix = self.newton(&turn.matrix, &velocity, &slope, &guess.row);
             let mut right = DVector::<f64>::zeros(matrix.nrows());
             for i in 0..N - 1 {
@@ -310,7 +289,43 @@ impl<S> Corrector<'_, S> {
                 let back = guess.at.x - at.x;
                 right[N] = slope.dot(&back) - slope[N - 1] * back[N - 1];
             }
-            let change = newton_solution(matrix, &right)?;
+            let closes = size <= wanted && is_on && (size >= 0.5 * residual || size == 0.0);
+            let free = if closes { 0 } else { self.family };
+            let solved = newton_solution(matrix, &right, (N - 1, free), known);
+            if closes {
+                let family = solved.map_or(0, |(_, free)| free);
+                let start = at.velocity(self.system);
+                let meant = guess.at.moved(at.x);
+                let circuit = Circuit::follow(self.system, &meant, period, self.options).ok()?;
+                let closing = Closing {
+                    states: N - 1,
+                    matrix: turn.matrix,
+                    flow: is_autonomous.then_some(start),
+                    by_rounding: left(&gap, wanted, &turn, &at.x),
+                    by_tolerance: by_tolerance_of(&at.x, self.options),
+                    family,
+                };
+                let circuit = circuit.that_closes(self.system, &meant, &closing, self.options);
+                // The period of another orbit, or a point of rest.
+                let is_near = (period - guess.period).abs() <= 0.3 * guess.period;
+                let is_same = self.forced.is_some()
+                    || (velocity - start).norm()
+                        <= SAME_VELOCITY.max(TIMES * by_tolerance) * start.norm();
+                let branch = Solved {
+                    matrix: turn.matrix,
+                    start: at,
+                    slope: start,
+                    iterations,
+                    family,
+                };
+                return (is_near && is_same && circuit.extent > by_tolerance).then_some(Known {
+                    s,
+                    circuit,
+                    branch,
+                });
+            }
+            residual = size;
+            let (change, _) = solved?;
             let moved = guess.at.moved(at.x + State::<N>::from_fn(|i, _| change[i]));
             if self.forced.is_none() {
                 period += change[N];

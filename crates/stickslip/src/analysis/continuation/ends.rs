@@ -6,8 +6,7 @@ use super::rest::hopf;
 use super::walk::{RESOLUTION, Walk};
 use crate::analysis::anchor::Anchor;
 use crate::analysis::attractors::is_same_cycle;
-use crate::analysis::boundary_equilibrium::{self, Held, Shrinking};
-use crate::analysis::sequence::circuit::Circuit;
+use crate::analysis::boundary_equilibrium::{Held, ends_in};
 use crate::filippov::{Switched, run, solve};
 use crate::system::State;
 
@@ -84,10 +83,9 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
             let rests = extent < AT_REST * self.widest && self.rests_further_on();
             return rests.then_some(Stop::Rest);
         }
-        if extent < boundary_equilibrium::SMALL * self.widest
-            && let Some(parameter) = self.boundary_equilibrium()
-        {
-            return Some(Stop::BoundaryEquilibrium { parameter });
+        let end = self.boundary_equilibrium(&[&self.before, &self.last]);
+        if end.is_some() {
+            return end;
         }
         if extent >= SMALL * self.widest {
             return None;
@@ -99,24 +97,23 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
         })
     }
 
-    /// The parameter at which an orbit that goes through several modes shrinks to an equilibrium of one of them.
-    fn boundary_equilibrium(&self) -> Option<f64> {
-        let [last, before] = [&self.last, &self.before].map(|one| &one.circuit);
-        let of = |one: &Circuit<N, S::Mode>| (one.anchor.x[N - 1], one.extent);
-        let shrinking = Shrinking::from(of(last), of(before), last.anchor.x)?;
-        let modes = last.parts.iter().map(|part| part.mode);
-        let ends_in = |mode| {
-            shrinking.ends_in(N - 1, |parameter, x| {
-                let mut x = *x;
-                x[N - 1] = parameter;
-                Held::near(self.corrector.system, mode, &x, N - 1)
-            })
+    /// The parameter at which orbits end in an equilibrium that comes to the edge of where its mode
+    /// holds.
+    pub(super) fn boundary_equilibrium(&self, orbits: &[&OnBranch<N, S::Mode>]) -> Option<Stop> {
+        if self.settings.forced.is_some() {
+            return None;
+        }
+        let held = |parameter: f64, mode, x: &State<N>| {
+            let mut x = *x;
+            x[N - 1] = parameter;
+            Held::near(self.corrector.system, mode, &x, N - 1)
         };
-        let has_several = last.parts.len() > 1;
-        let found = has_several.then(|| modes.into_iter().find_map(ends_in))?;
+        let of = |one: &OnBranch<N, S::Mode>| one.circuit.anchor.x[N - 1];
+        let (parameter, _) = ends_in(orbits, self.widest, N - 1, of, held)?;
         let (low, high) = self.settings.range;
-        let parameter = found?.0;
-        (low..=high).contains(&parameter).then_some(parameter)
+        (low..=high)
+            .contains(&parameter)
+            .then_some(Stop::BoundaryEquilibrium { parameter })
     }
 
     /// Whether an orbit a step further on begins where the last one sticks, and does so all the time.

@@ -18,16 +18,23 @@ pub(super) struct Line<const N: usize, K> {
     pub length: f64,
     /// Weights of the components.
     pub weights: State<N>,
+    /// Whether orbits are sought at a parameter: of a family at each, the nearest one. Elsewhere in
+    /// the plane across the line.
+    is_of_families: bool,
 }
 
 impl<const N: usize, K: Copy> Line<N, K> {
     /// Where the orbit is sought at a place on it.
     pub fn guess(&self, s: f64) -> Guess<N, K> {
         let at = self.base.moved(self.base.x + self.direction * s);
+        let period = self.period + self.of_period * s;
+        if self.is_of_families {
+            return Guess::at_parameter(at, period, at.x[N - 1]);
+        }
         let row = self.direction.component_mul(&self.weights);
         Guess {
             at,
-            period: self.period + self.of_period * s,
+            period,
             row,
             value: row.dot(&at.x),
         }
@@ -56,6 +63,7 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
             of_period: (b.period - a.period) / length,
             length,
             weights,
+            is_of_families: self.corrector.family > 0,
         }
     }
 
@@ -75,6 +83,7 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
             of_period: of_period / length,
             length: line.length,
             weights: line.weights,
+            is_of_families: line.is_of_families,
         })
     }
 

@@ -144,7 +144,7 @@ pub struct SpecialPoint<const N: usize, K = Mode> {
 }
 
 /// Why a branch was followed no further.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Stop {
     /// The parameter has come to an end of its range.
     Range,
@@ -159,7 +159,8 @@ pub enum Stop {
         /// Size of the eigenvalues: angle per unit of time.
         frequency: f64,
     },
-    /// The orbit shrinks to an equilibrium that comes to the discontinuity boundary, or to the edge of the part of it that is slid on, at this
+    /// The orbit shrinks to an equilibrium, or comes ever nearer to one, that comes to the
+    /// discontinuity boundary, or to the edge of the part of it that is slid on, at this
     /// parameter: a boundary-equilibrium bifurcation.
     BoundaryEquilibrium {
         /// The parameter.
@@ -187,6 +188,9 @@ pub enum Stop {
     /// The phases change at the last point of all, and no orbit with other phases was found next to it; nor, of a system that does not depend on time,
     /// by its return to a state next to it, with another period.
     SequenceEnds,
+    /// Behind the last orbit the friction is none that the solver can follow, such as static below
+    /// kinetic friction.
+    Refused(Error),
     /// No further orbit was found within the shortest step behind the last one.
     NoConvergence,
 }

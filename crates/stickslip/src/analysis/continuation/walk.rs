@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use super::corner::Behind;
+use super::corner::{Behind, DISTANCES};
 use super::corrector::{Corrector, Guess, OnBranch};
 use super::line::Line;
 use super::{Branch, BranchPoint, ContinuationSettings, Special, SpecialPoint, Stop};
@@ -13,7 +13,7 @@ use crate::analysis::sequence::SequenceBifurcation;
 use crate::analysis::sequence::circuit::anchor;
 use crate::analysis::sequence::locate::locate;
 use crate::error::Error;
-use crate::filippov::{Options, Switched};
+use crate::filippov::{Options, Switched, run};
 use crate::ode::Timed;
 use crate::system::State;
 
@@ -80,6 +80,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
             system,
             forced: settings.forced,
             extent,
+            family: 0,
             options,
         };
         let first = corrector.orbit(&Guess::at_parameter(at, period, x[N - 1]), 0.0);
@@ -88,8 +89,12 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
             t: at.t,
             span: period,
         })?;
+        let family = first.branch.family;
         let mut walk = Walk {
-            corrector,
+            corrector: Corrector {
+                family,
+                ..corrector
+            },
             settings,
             width: settings.range.1 - settings.range.0,
             size: first.circuit.extent,
@@ -165,7 +170,25 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
             }
             way *= 0.25;
         }
-        Some(Stop::NoConvergence)
+        let refused = self.refused(&self.last, here + way);
+        refused.or(Some(Stop::NoConvergence))
+    }
+
+    /// Whether the system is none that can be followed from an orbit's state at a parameter next to
+    /// it, and why.
+    fn refused(&self, orbit: &OnBranch<N, S::Mode>, parameter: f64) -> Option<Stop> {
+        let Anchor { t, mut x, .. } = orbit.circuit.anchor;
+        x[N - 1] = parameter;
+        let (system, options) = (self.corrector.system, self.corrector.options);
+        let once = run(system, t, x, t + orbit.circuit.period, options, &mut ());
+        let error = once.err()?.error;
+        let is_of_friction = matches!(
+            error,
+            Error::StaticBelowKinetic { .. }
+                | Error::HoldsElsewhere { .. }
+                | Error::NotAdditive { .. }
+        );
+        is_of_friction.then_some(Stop::Refused(error))
     }
 
     pub(super) fn parameter(&self) -> f64 {
@@ -281,6 +304,14 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
         }
         behind.sort_by(|a, b| a.s.total_cmp(&b.s));
         let edge = good.last()?.clone();
+        let refused = self.refused(&edge, line.guess(bad).at.x[N - 1]);
+        let end = refused.or_else(|| self.boundary_equilibrium(&good.iter().collect::<Vec<_>>()));
+        if let Some(stop) = end {
+            if edge.s > 0.0 {
+                self.follow(edge);
+            }
+            return Some(stop);
+        }
         let place = Place {
             parameter: edge.circuit.anchor.x[N - 1],
             bracket: (bad - edge.s).abs(),
@@ -338,7 +369,12 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
             what: Special::Sequence(Box::new(next.change)),
         });
         let Some([near, far]) = next.orbits else {
-            return Some(Stop::SequenceEnds);
+            let heading = line.direction[N - 1].signum() * self.width;
+            let mut places = DISTANCES
+                .iter()
+                .map(|part| self.parameter() + part * heading);
+            let refused = places.find_map(|place| self.refused(&self.last, place));
+            return refused.or(Some(Stop::SequenceEnds));
         };
         let is_outside = |one: &OnBranch<N, S::Mode>| {
             let parameter = one.circuit.anchor.x[N - 1];
@@ -417,6 +453,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
     pub(super) fn take(&mut self, next: OnBranch<N, S::Mode>) {
         self.widest = self.widest.max(next.circuit.extent);
         self.corrector.extent = self.widest;
+        self.corrector.family = next.branch.family;
         self.before = std::mem::replace(&mut self.last, next);
         self.note();
     }

@@ -94,6 +94,10 @@ where
     O: Observer<N, S::Mode> + ?Sized,
 {
     settings.check()?;
+    // Where an orbit rests, one step would be as long as all blocks.
+    let block = settings.duration / settings.blocks as f64;
+    let solver = settings.solver;
+    let settings = &settings.solver(solver.longest_step(solver.longest_step.min(block)));
     let mut measurement = Measurement::new(system, settings);
     let mut begin = (t0, x0.into());
     if settings.transient > 0.0 {

@@ -1,6 +1,15 @@
 //! The result.
 
 use crate::filippov::Summary;
+use crate::math;
+
+/// Standard errors within which an exponent is the true one.
+const STANDARD_ERRORS: f64 = 4.0;
+
+/// A direction may have grown by so much without a rate of growth: over a broken number of turns,
+/// or, across a family of orbits, in proportion to the time, which is 11 times as long at the end
+/// as after a transient of a tenth of it.
+const END_EFFECT: f64 = 30.0;
 
 /// One Lyapunov exponent.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,6 +33,14 @@ impl Exponent {
             Exponent::Finite { value, .. } => value,
             Exponent::Annihilated => f64::NEG_INFINITY,
         }
+    }
+
+    /// By how much the exponent may be off that was measured for so long: four standard errors, and
+    /// no less than what a direction shows that has grown by a factor of 30 without a rate of
+    /// growth. That is what a motion without damping does, whose exponents are zero.
+    pub fn uncertainty(&self, duration: f64) -> f64 {
+        let scatter = STANDARD_ERRORS * self.std_error().unwrap_or(0.0);
+        scatter.max(math::ln(END_EFFECT) / duration)
     }
 
     /// Standard error, if the exponent is finite.

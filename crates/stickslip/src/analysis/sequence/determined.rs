@@ -30,6 +30,8 @@ pub(crate) struct Closing<const N: usize> {
     /// What rounding may leave of the gap, and what the tolerances may have the return map off by.
     pub by_rounding: State<N>,
     pub by_tolerance: State<N>,
+    /// Dimension of the family of orbits that it is one of.
+    pub family: usize,
 }
 
 /// Where a singular value of the return map less one is below this, other orbits near by close within what the tolerances do; above it the map that is computed
@@ -51,7 +53,7 @@ struct Direction<const N: usize> {
 impl<const N: usize> Closing<N> {
     /// The directions in which the orbit may be off by more than [`LEAST`], where rounding leaves so much of its gap, and the tolerances as much with it, in parts of
     /// how far the components go.
-    /// Those that nothing depends on are left out, as a Newton step leaves them out.
+    /// Those of a family are left out, as a Newton step leaves them out.
     fn open(&self, sizes: &State<N>, by_rounding: f64, both: f64) -> Vec<Direction<N>> {
         let states = self.states;
         let unknowns = states + usize::from(self.flow.is_some());
@@ -75,7 +77,11 @@ impl<const N: usize> Closing<N> {
             return Vec::new();
         }
         let parts = matrix.svd(false, true);
-        let bound = unknowns as f64 * f64::EPSILON * parts.singular_values.max();
+        let mut sizes_of_all: Vec<f64> = parts.singular_values.iter().copied().collect();
+        sizes_of_all.sort_by(f64::total_cmp);
+        let of_family = sizes_of_all.iter().take(self.family);
+        let rounding = unknowns as f64 * f64::EPSILON * parts.singular_values.max();
+        let bound = of_family.copied().fold(rounding, f64::max);
         let Some(directions) = parts.v_t else {
             return Vec::new();
         };

@@ -45,6 +45,7 @@ fn the_stick_slip_cycle_of_leine_is_found_and_refined() {
         };
         let exact = 12.001_031_294_831;
         assert!((period - exact).abs() < 1e-11, "{period}");
+        assert!(found.period_uncertainty < 1e-9);
         assert!(is_same_cycle(&found.sequence(), &[Mode::Stick, BELOW]));
         let [stick, slip] = [Mode::Stick, BELOW].map(|mode| {
             let phase = found.phases.iter().find(|phase| phase.mode == mode);
@@ -147,7 +148,7 @@ fn rest_is_told_apart_by_the_interval_that_holds_it() {
     // |x - x³| ≤ 0.3 where friction holds: about -1, 0 and 1, and not between.
     let system = Wells { friction: 0.3 };
     let any = system.any();
-    let mut known = Attractors::new(&any, &within(100.0));
+    let mut known = Attractors::new(&any, &within(100.0), &Options::default());
     let mut number = |x: f64| {
         let found = reached(&system, [x, 0.0], &within(100.0), &Options::default());
         assert_eq!(found.kind, Kind::EquilibriumSet, "from {x}");
@@ -164,7 +165,7 @@ fn an_equilibrium_at_zero_is_one_attractor_and_not_one_for_each_start() {
         let system = ToZero(by);
         let any = system.any();
         let settings = within(200.0);
-        let mut known = Attractors::new(&any, &settings);
+        let mut known = Attractors::new(&any, &settings, &Options::default());
         let starts = [
             [1.0, 0.0],
             [-0.3, 0.7],
@@ -185,7 +186,7 @@ fn an_equilibrium_at_zero_is_one_attractor_and_not_one_for_each_start() {
 fn equilibria_beside_each_other_are_two_however_far_the_starts() {
     let any = NearWells.any();
     let settings = within(200.0);
-    let mut known = Attractors::new(&any, &settings);
+    let mut known = Attractors::new(&any, &settings, &Options::default());
     let numbers = [1e3, -1e3, 2e-3, -2e-3].map(|x| {
         let found = attractor(&any, [x], &settings, &Options::default()).unwrap();
         assert_eq!(found.kind, Kind::Equilibrium, "from {x}");
@@ -199,13 +200,15 @@ fn a_cycle_that_meets_no_boundary_is_known_by_where_it_turns_back() {
     let far = Rings { place: 50.0 };
     let any = far.any();
     let settings = within(400.0);
-    let mut known = Attractors::new(&any, &settings);
+    let mut known = Attractors::new(&any, &settings, &Options::default());
     for start in [[0.9, 0.0, -0.5], [0.0, -2.0, -0.5], [1.0, 1.0, -0.5]] {
         let found = reached(&far, start, &settings, &Options::default());
         let Kind::Periodic { returns: 1, period } = found.kind else {
             panic!("{:?}", found.kind);
         };
-        assert!((period - 2.0 * PI).abs() < 1e-6);
+        // What it is off by is told.
+        let uncertainty = found.period_uncertainty;
+        assert!((period - 2.0 * PI).abs() <= uncertainty && uncertainty < 1e-5);
         let radius = (1.0 + 0.5_f64.sqrt()).sqrt();
         assert!((found.points[0].x - State::from([radius, 0.0, -0.5])).amax() < 1e-5);
         assert_eq!(found.sequence(), [BELOW]);
@@ -381,7 +384,7 @@ fn what_does_not_close_is_recurrent_or_undecided() {
     let (one, other) = (found(20.0, 600.0), found(25.0, 600.0));
     assert_eq!([&one.kind, &other.kind], [&Kind::Recurrent; 2]);
     let any = chaos.any();
-    assert!(Attractors::new(&any, &within(600.0)).is_same(&one, &other));
+    assert!(Attractors::new(&any, &within(600.0), &options).is_same(&one, &other));
     // Too short to say so.
     assert_eq!(found(20.0, 60.0).kind, Kind::Undecided);
 }
@@ -420,7 +423,7 @@ fn rest_under_a_drive_is_one_set_of_equilibria() {
         friction: 2.0,
     };
     let any = held.any();
-    let mut known = Attractors::new(&any, &settings);
+    let mut known = Attractors::new(&any, &settings, &Options::default());
     for start in [
         [0.3, 0.0],
         [-0.9, 0.0],
