@@ -21,6 +21,8 @@ pub struct Finding {
     pub agrees: bool,
     /// Whether it could not have come out otherwise, and is therefore no evidence.
     pub by_construction: bool,
+    /// Whether settings that the paper does not state move it by more than the printed digits.
+    pub undetermined: bool,
     /// What the value is worth, such as `unidentified`.
     pub note: Option<String>,
 }
@@ -62,6 +64,7 @@ impl Finding {
             digits: None,
             agrees: false,
             by_construction: false,
+            undetermined: false,
             note: None,
         }
     }
@@ -78,6 +81,19 @@ impl Finding {
     pub fn by_construction(mut self) -> Self {
         self.by_construction = true;
         self
+    }
+
+    /// The same, as a value that unstated settings decide.
+    #[must_use]
+    pub fn undetermined(mut self) -> Self {
+        self.undetermined = true;
+        self
+    }
+
+    /// Whether it can speak for the claim or against it. A direction that stick annihilates has the exponent −∞ in the equations; an
+    /// estimate from data is always finite, and the two cannot be compared.
+    pub fn is_evidence(&self) -> bool {
+        !self.by_construction && self.value() != Some(f64::NEG_INFINITY)
     }
 
     /// What a figure's rows give for a claim, one finding for each reading.
@@ -179,6 +195,8 @@ impl Finding {
         }
         if self.by_construction {
             line += " – no evidence: it could not have come out otherwise";
+        } else if !self.is_evidence() {
+            line += " – no evidence: not comparable with an estimate from data";
         }
         line
     }

@@ -158,6 +158,16 @@ impl Ledger {
             .flat_map(|table| Finding::of_rows(claims, claim, table.figure, &table.rows))
             .collect();
         findings.extend(self.statement(id));
+        let remark = id
+            .exponent()
+            .map(|(figure, k)| self.remark(claims.value(id), figure, k));
+        let range = remark.as_ref().and_then(|remark| remark.range);
+        if range.is_some_and(|range| range.exceeds_digits(claim)) {
+            let estimates = |one: &&mut Finding| one.reading == Reading::CorrectedData;
+            for one in findings.iter_mut().filter(estimates) {
+                one.undetermined = true;
+            }
+        }
         let has_corrected = |one: &Finding| one.reading.role() == Role::Corrected;
         let corrections = if findings.iter().any(has_corrected) {
             self.corrections(id)
@@ -168,9 +178,7 @@ impl Ledger {
             verdict: Verdict::of(claim.kind, &findings),
             check: check(id),
             corrections,
-            remark: id
-                .exponent()
-                .map(|(figure, k)| self.remark(claims.value(id), figure, k)),
+            remark,
             further: self.further(id),
             claim: claim.clone(),
             findings,

@@ -2,6 +2,9 @@
 
 use std::fmt;
 
+use super::digits::ten_to;
+use crate::paper::published::{Claim, Digits};
+
 /// Sign of a Lyapunov exponent, zero within its error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sign {
@@ -55,6 +58,14 @@ impl Range {
     /// Whether a value lies in it.
     pub fn holds(&self, value: f64) -> bool {
         (self.least..=self.largest).contains(&value)
+    }
+
+    /// Whether it is wider than a unit of the last digit that is printed.
+    pub fn exceeds_digits(&self, claim: &Claim) -> bool {
+        match claim.digits {
+            Digits::Decimals(decimals) => self.largest - self.least > ten_to(-(decimals as f64)),
+            Digits::Exact | Digits::None => false,
+        }
     }
 }
 

@@ -101,7 +101,11 @@ fn a_changed_digit_in_the_table_of_claims_changes_its_row() {
             "value,0.4164,4",
             ClaimId::Fig08StickDuration2,
         ),
-        ("value,-0.0000,4", "value,-0.0001,4", ClaimId::Fig11Lambda2),
+        (
+            "Fig. 10,value,-0.0004,4",
+            "Fig. 10,value,-0.0000,4",
+            ClaimId::Fig10Lambda1,
+        ),
         (
             ",quasi-periodic,,,class",
             ",periodic,,,class",

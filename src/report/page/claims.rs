@@ -192,6 +192,7 @@ fn key(verdict: Verdict) -> &'static str {
         Verdict::AsPrintedOnly => "printed",
         Verdict::InKind => "kind",
         Verdict::NotReproduced => "missed",
+        Verdict::Undeterminable => "open",
     }
 }
 
