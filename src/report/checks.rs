@@ -100,7 +100,8 @@ pub const fn check(id: ClaimId) -> &'static str {
         Fig10Lambda1 | Fig10Lambda2 | Fig10Lambda3 | Fig10Lambda4 | Fig11Lambda1 | Fig11Lambda2
         | Fig11Lambda3 | Fig11Lambda4 | Fig12Lambda1 | Fig12Lambda2 | Fig12Lambda3
         | Fig12Lambda4 => {
-            "the exponent from the corrected equations and from their sampled motion; both must round to the published digits"
+            "the exponent from the corrected equations and from their sampled motion; both must round to the published digits; undeterminable \
+             where the listed settings of the estimator move the second by more than a unit of the last of these"
         }
         Fig10Class | Fig11Class | Fig12Class => {
             "section points from t = 3000 to 12000 that differ are counted, and the exponents from the equations, with their errors, tell \

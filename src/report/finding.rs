@@ -90,8 +90,9 @@ impl Finding {
         self
     }
 
-    /// Whether it can speak for the claim or against it. A direction that stick annihilates has the exponent −∞ in the equations; an
-    /// estimate from data is always finite, and the two cannot be compared.
+    /// Whether it can speak for the claim or against it. A direction that stick annihilates has the
+    /// exponent −∞ in the equations; an estimate from data is always finite, and the two cannot be
+    /// compared.
     pub fn is_evidence(&self) -> bool {
         !self.by_construction && self.value() != Some(f64::NEG_INFINITY)
     }
@@ -192,6 +193,9 @@ impl Finding {
         }
         if let Some(note) = self.note.as_ref().filter(|note| *note != "ok") {
             line += &format!(" – {note}");
+        }
+        if self.undetermined {
+            line += " – undetermined: settings that the paper does not state move it by more than its digits";
         }
         if self.by_construction {
             line += " – no evidence: it could not have come out otherwise";

@@ -288,11 +288,17 @@ impl Ledger {
     /// Lines of evidence besides the findings.
     fn further(&self, id: ClaimId) -> Vec<String> {
         match id {
-            ClaimId::Fig10Class => vec![self.spread.mended_sentence()],
-            ClaimId::Fig12Class => vec![format!(
-                "the class rests on a section that does not close and on the positive exponent; by the section's dimension alone: {}",
-                self.statements.shapes.line()
-            )],
+            ClaimId::Fig10Class => vec![
+                self.spread.mended_sentence(),
+                self.spread.two_periodic_sentence(),
+            ],
+            ClaimId::Fig12Class => vec![
+                format!(
+                    "the class rests on a section that does not close and on the positive exponent; by the section's dimension alone: {}",
+                    self.statements.shapes.line()
+                ),
+                self.spread.chaos_sentence(),
+            ],
             ClaimId::Fig08TwoPeriodic => vec![self.scan.sentence(), self.scan.chaos.sentence()],
             ClaimId::AbstractAccuracy => {
                 let accuracy = &self.accuracy;
@@ -300,7 +306,10 @@ impl Ledger {
                 arrival.chain(accuracy.lines_of_release()).collect()
             }
             ClaimId::S3ReleaseAccuracy => self.accuracy.lines_of_release().collect(),
-            _ => Vec::new(),
+            _ => {
+                let digits = |(figure, k)| self.spread.digits_sentence(figure as usize, k);
+                id.exponent().and_then(digits).into_iter().collect()
+            }
         }
     }
 }

@@ -97,6 +97,21 @@ mod tests {
     use super::*;
 
     #[test]
+    fn a_range_is_held_against_a_unit_of_the_last_printed_digit() {
+        let claims = crate::paper::published::Claims::committed().unwrap();
+        let claim = claims.of(crate::paper::claim_id::ClaimId::Fig10Lambda1);
+        let range = |least: f64, largest: f64| Range {
+            least,
+            median: least,
+            largest,
+            settings: 2,
+            unidentified: 0,
+        };
+        assert!(range(-0.0002, -0.00005).exceeds_digits(claim));
+        assert!(!range(-0.0002, -0.00015).exceeds_digits(claim));
+    }
+
+    #[test]
     fn a_small_negative_number_is_no_zero() {
         let of = |published, sign| {
             Remark {

@@ -3,12 +3,12 @@
 use super::entry::Entry;
 use super::ledger::Ledger;
 use super::paper_part::PaperPart;
-use super::remark::Remark;
 use super::verdict::Verdict;
 use crate::figures::block_and_bracket::DIVERGES;
 use crate::paper::claim_id::{ClaimId, SpectrumFigure};
 use crate::paper::listing::Defect;
 use crate::paper::reading::Reading;
+use crate::readings::{Committed, Level, Match};
 
 /// Of all claims; of Fig. 8 and what makes it; of Figs. 10–12.
 pub(super) fn sentences(ledger: &Ledger) -> Vec<String> {
@@ -71,20 +71,15 @@ fn figs_10_to_12(ledger: &Ledger) -> String {
             Verdict::Reproduced | Verdict::WithCorrections
         )
     };
-    let digits: Vec<&&Entry> = exponents.iter().filter(met).collect();
-    let zeros = digits
-        .iter()
-        .filter(|entry| entry.claim.values() == [0.0])
-        .count();
+    let count = |verdict| {
+        exponents
+            .iter()
+            .filter(|one| one.verdict == verdict)
+            .count()
+    };
     let remarks = || exponents.iter().filter_map(|entry| entry.remark.as_ref());
     let signs = remarks().filter(|remark| remark.sign_agrees()).count();
-    let within: Vec<_> = remarks().filter(|remark| remark.within_range()).collect();
-    let told = |remark: &&&Remark| {
-        remark
-            .range
-            .is_some_and(|range| 2 * range.unidentified <= range.settings)
-    };
-    let identified = within.iter().filter(told).count();
+    let within = remarks().filter(|remark| remark.within_range()).count();
     let unlike: Vec<String> = classes
         .iter()
         .filter(|entry| entry.verdict == Verdict::NotReproduced)
@@ -106,26 +101,70 @@ fn figs_10_to_12(ledger: &Ledger) -> String {
     let search = &ledger.spread.search;
     format!(
         "Figs. 10–12 publish {} classes of motion. The corrected equations give {} of them{}. With the signs as printed {diverging} of the three \
-         motions diverge. Of the {} published exponents {} {} met to every printed digit, {zeros} of them a printed zero. {signs} have the computed \
-         sign; {} lie inside what {} settings of the estimator can give, {identified} of these where most settings identify the exponent. A search \
-         over {} ways to read and evaluate the figures ({}) meets {} of the exponents in no way. Of its {} pairs of equations and integrator {} give \
-         all three captioned classes; {} give the same kinds of motion when the number of loops is left out. Its nearest exponents are no nearer than \
-         chance: {:.0} % of random targets of the same classes are met as well.",
+         motions diverge. Of the {} published exponents {} are {}: settings of the estimator that the paper does not state move them by more \
+         than their digits; {}: {}. {signs} have the computed sign, {within} lie inside what {} settings can give. A search over {} ways to read and \
+         evaluate the figures ({}) finds {} of its {} pairs of equations and integrator with all three captioned classes, and {} with the same \
+         kinds of motion, loops aside. {} {}",
         classes.len(),
         classes.iter().filter(|entry| met(entry)).count(),
         unlike.concat(),
         exponents.len(),
-        digits.len(),
-        if digits.len() == 1 { "is" } else { "are" },
-        within.len(),
+        count(Verdict::Undeterminable),
+        Verdict::Undeterminable,
+        Verdict::NotReproduced,
+        count(Verdict::NotReproduced),
         search.spread[0][0].settings,
         search.configurations,
         search.cited(),
-        search.digits.by_none(),
-        search.pairs.all,
         search.pairs.classes,
+        search.pairs.all,
         search.pairs.kinds,
-        search.kinds_first.percent(),
+        lead(search),
+        together(search),
+    )
+}
+
+/// What becomes of the figure that one configuration comes nearest to, in view of the three that
+/// were looked at.
+fn lead(search: &Committed) -> String {
+    let percent = |(level, _): &(Level, Match)| level.random.percent();
+    let each: Vec<String> = search
+        .alone
+        .iter()
+        .enumerate()
+        .map(|(figure, one)| format!("{:.2} % for Fig. {}", percent(one), figure + 10))
+        .collect();
+    let nearest =
+        (0..3).min_by(|&a, &b| percent(&search.alone[a]).total_cmp(&percent(&search.alone[b])));
+    let figure = nearest.unwrap_or(0);
+    let (level, found) = &search.alone[figure];
+    format!(
+        "Each figure by itself, as many random targets are met as well as its exponents: {}. Three figures were looked at, so the least of these \
+         counts as {:.1} %. Its reading ({}; {}) {}.",
+        join(&each),
+        level.random.best_of_three(),
+        found.reading,
+        found.integrator,
+        if found.has_all_kinds() {
+            "has all three kinds of motion".to_owned()
+        } else {
+            format!("is no match: it leaves {}", found.others(figure))
+        }
+    )
+}
+
+/// What the nearest configuration of those that can count is worth.
+fn together(search: &Committed) -> String {
+    let [kept, ranked] = &search.together;
+    format!(
+        "Taken together, the twelve exponents single out no setting. By the {} configurations with all three kinds of motion {:.0} % of random \
+         targets and {:.0} % of the spectra of other readings are met as well; by the {} that keep all three motions {:.0} % and {:.0} %.",
+        search.ranked,
+        ranked.random.percent(),
+        ranked.readings.percent(),
+        search.kept,
+        kept.random.percent(),
+        kept.readings.percent(),
     )
 }
 

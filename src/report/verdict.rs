@@ -27,7 +27,8 @@ impl Verdict {
     /// How many there are.
     pub const COUNT: usize = 6;
 
-    /// All of them: the best first, and last the one that speaks neither for the paper nor against it.
+    /// All of them: the best first, and last the one that speaks neither for the paper nor against
+    /// it.
     pub const ALL: [Verdict; Verdict::COUNT] = [
         Verdict::Reproduced,
         Verdict::WithCorrections,
@@ -64,8 +65,9 @@ impl Verdict {
         }
     }
 
-    /// The verdict that findings on a claim of this kind come to. Where several findings have one role, all of them must agree; where
-    /// unstated settings decide one of them, nothing is decided.
+    /// The verdict that findings on a claim of this kind come to. Where several findings have one
+    /// role, all of them must agree; where unstated settings decide one of them, nothing is
+    /// decided.
     pub fn of(kind: Kind, findings: &[Finding]) -> Verdict {
         let with = |role: Role| {
             let evidence = move |one: &&Finding| one.reading.role() == role && one.is_evidence();

@@ -102,11 +102,6 @@ fn a_changed_digit_in_the_table_of_claims_changes_its_row() {
             ClaimId::Fig08StickDuration2,
         ),
         (
-            "Fig. 10,value,-0.0004,4",
-            "Fig. 10,value,-0.0000,4",
-            ClaimId::Fig10Lambda1,
-        ),
-        (
             ",quasi-periodic,,,class",
             ",periodic,,,class",
             ClaimId::Fig11Class,

@@ -54,7 +54,7 @@ pub struct Data {
     pub exact: Measured,
     /// Exponents from the sampled states.
     pub from_data: DataSpectrum,
-    /// The same by the settings that the search over readings ranks first for the three figures together.
+    /// The same by the nearest of the search's settings for the three figures together.
     pub best_of_readings: DataSpectrum,
     /// States sampled.
     pub samples: usize,
