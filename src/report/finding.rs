@@ -38,6 +38,21 @@ impl Finding {
         }
     }
 
+    /// The members of a set.
+    pub fn set(claim: &Claim, reading: Reading, source: &'static str, values: &[f64]) -> Self {
+        let members = values
+            .iter()
+            .map(|value| Finding::number(claim, reading, source, *value));
+        let mut found = members
+            .reduce(|mut known, one| {
+                known.join(one);
+                known
+            })
+            .unwrap_or_else(|| Finding::new(reading, source));
+        found.agrees &= found.has_every_member(claim);
+        found
+    }
+
     /// A word or a count against the published one.
     pub fn word(claim: &Claim, reading: Reading, source: &'static str, value: Value) -> Self {
         Finding {
@@ -184,7 +199,7 @@ impl Finding {
                 other => other.to_string(),
             })
             .collect();
-        let mut line = format!("{} ({}): {}", self.reading, self.source, texts.join("; "));
+        let mut line = format!("{}: {}", self.source, texts.join("; "));
         match self.digits {
             Some(digits) => line += &format!(", {digits} digits"),
             None if matches!(self.values[..], [Value::Statement(_)]) => {}

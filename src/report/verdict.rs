@@ -21,14 +21,16 @@ pub enum Verdict {
     NotReproduced,
     /// The value depends on what the paper does not state.
     Undeterminable,
+    /// It could not be otherwise; not counted.
+    Identity,
 }
 
 impl Verdict {
-    /// How many there are.
+    /// How many are counted.
     pub const COUNT: usize = 6;
 
-    /// All of them: the best first, and last the one that speaks neither for the paper nor against
-    /// it.
+    /// All that are counted: the best first, and last the one that speaks neither for the paper nor
+    /// against it.
     pub const ALL: [Verdict; Verdict::COUNT] = [
         Verdict::Reproduced,
         Verdict::WithCorrections,
@@ -62,6 +64,9 @@ impl Verdict {
                 "the paper does not state what the value depends on, and plausible settings, which are listed, move it by more than its printed \
                  digits; one setting that agrees or disagrees is no evidence"
             }
+            Verdict::Identity => {
+                "it follows from other claims or from a definition, so that it is no evidence: listed and not counted"
+            }
         }
     }
 
@@ -78,7 +83,9 @@ impl Verdict {
             let accurate = with(Role::Stated).chain(with(Role::Corrected));
             accurate.flat_map(Finding::parts).any(|holds| holds)
         };
-        if findings.iter().any(|one| one.undetermined) {
+        if kind == Kind::Identity {
+            Verdict::Identity
+        } else if findings.iter().any(|one| one.undetermined) {
             Verdict::Undeterminable
         } else if all_agree(Role::Stated) {
             Verdict::Reproduced
@@ -103,6 +110,7 @@ impl fmt::Display for Verdict {
             Verdict::InKind => "in kind only",
             Verdict::NotReproduced => "not reproduced",
             Verdict::Undeterminable => "undeterminable",
+            Verdict::Identity => "identity",
         })
     }
 }
@@ -219,6 +227,19 @@ mod tests {
             statement(&[(Corrected, &[true]), (Corrected, &[false])]),
             Verdict::InKind
         );
+    }
+
+    #[test]
+    fn an_identity_is_listed_whatever_was_found() {
+        for part in [true, false] {
+            let part = Part {
+                what: "a part",
+                holds: part,
+            };
+            let found = [Finding::statement(Exact, "test", vec![part])];
+            assert_eq!(of(ClaimId::Fig06FrictionLaw, &found), Verdict::Identity);
+        }
+        assert!(!Verdict::ALL.contains(&Verdict::Identity));
     }
 
     #[test]
