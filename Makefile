@@ -23,7 +23,7 @@ build-replication:
 $(FIGURES): build-figures
 	$(CARGO) run $(REPLICATION) $(FIGURES_BUILD) --bin $@ -- --out-dir figures
 
-report: build-replication ## The verdict on every claim: report/index.html, report/claims.csv, figures/{convergence,scan}.*, README
+report: build-replication ## The verdict on every claim: report/index.html, report/claims.csv, figures/{convergence,scan}.*, README's table
 	$(CARGO) run $(REPLICATION) --release --bin report
 
 test: ## Run all tests; the test profile is optimised, see Cargo.toml

@@ -1,6 +1,8 @@
 //! The replication of one paper with the library [`stickslip`]: its figures, its claims, its readings.
 
 mod bisection;
+#[cfg(feature = "report")]
+mod correlation;
 pub mod figures;
 #[cfg(feature = "report")]
 mod marked;

@@ -5,11 +5,15 @@ use replication::figures::rows::Quantity;
 use replication::paper::claim_id::ClaimId;
 use replication::paper::published::Claims;
 use replication::paper::reading::Role;
+use replication::report::verdict::Verdict;
 
 #[test]
 fn every_claim_has_a_finding_that_decides() {
     with(|report| {
         for entry in &report.ledger.entries {
+            if entry.verdict == Verdict::Identity {
+                continue;
+            }
             let decides = |role| entry.with(role).any(|one| !one.by_construction);
             assert!(
                 [Role::Stated, Role::Corrected, Role::AsPrinted].map(decides) != [false; 3],

@@ -24,6 +24,8 @@ pub enum Kind {
     Curve,
     /// A sentence.
     Statement,
+    /// What could not be otherwise: it follows from other claims or from a definition. It is listed and not counted.
+    Identity,
 }
 
 impl FromStr for Kind {
@@ -35,6 +37,7 @@ impl FromStr for Kind {
             "set" => Ok(Kind::Set),
             "curve" => Ok(Kind::Curve),
             "statement" => Ok(Kind::Statement),
+            "identity" => Ok(Kind::Identity),
             _ => Err(()),
         }
     }
@@ -130,7 +133,7 @@ impl Claim {
             place: (*place).to_owned(),
             kind: kind
                 .parse()
-                .map_err(|()| wrong("kind", kind, "value, set, curve or statement"))?,
+                .map_err(|()| wrong("kind", kind, "value, set, curve, statement or identity"))?,
             published: (*published).to_owned(),
             digits: digits_of,
             unit: (*unit).to_owned(),

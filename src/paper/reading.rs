@@ -19,7 +19,8 @@ pub enum Reading {
     AsPrintedEquations,
     /// The event-exact solver with the two defects of the paper's program that outlast a vanishing step.
     SlipTimesThree,
-    /// What the search over readings of Figs. 10–12 ranks first.
+    /// The nearest of the search's settings for the corrected equations, radii in units of the
+    /// spread.
     BestOfReadings,
 }
 
@@ -79,7 +80,9 @@ impl Reading {
             Reading::SlipTimesThree => {
                 "the accurate solver with the two defects of the program that outlast a vanishing step"
             }
-            Reading::BestOfReadings => "what the search over readings of Figs. 10–12 ranks first",
+            Reading::BestOfReadings => {
+                "the nearest of the search's estimator settings for the corrected equations, radii in units of the spread"
+            }
         }
     }
 

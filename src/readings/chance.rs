@@ -1,8 +1,12 @@
-//! How well targets are met that have nothing to do with the model.
+//! How much a near match is worth: how well targets are met that have nothing to do with the
+//! published exponents.
+//!
+//! Two kinds of targets: random ones of the published classes, and the spectra that other readings
+//! give. The second are the better null: they come from the same estimator, whose exponents are not
+//! spread evenly.
 
 use super::row::Row;
 use super::score::{self, Twelve};
-use super::spread::median;
 use stickslip::math;
 use stickslip::statistics::SplitMix;
 
@@ -20,6 +24,10 @@ const SEED: u64 = 0x2013_0073_0723_0736;
 struct Targets(SplitMix);
 
 impl Targets {
+    fn new() -> Targets {
+        Targets(SplitMix::new(SEED))
+    }
+
     /// With evenly distributed logarithm.
     fn logarithmic(&mut self, least: f64, most: f64) -> f64 {
         math::exp(math::ln(least) + self.0.uniform() * math::ln(most / least))
@@ -57,86 +65,131 @@ impl Targets {
     }
 }
 
-/// Distance of the nearest row.
-pub fn nearest(rows: &[&Row], target: &Twelve) -> f64 {
-    let distance = |row: &&Row| score::all_figures(&row.exponents, target);
-    rows.iter().map(distance).fold(f64::INFINITY, f64::min)
+/// The nearest row to a target in some of the figures (0, 1, 2), and its distance.
+pub fn nearest<'a>(
+    rows: impl IntoIterator<Item = &'a Row>,
+    target: &Twelve,
+    figures: &[usize],
+) -> Option<(&'a Row, f64)> {
+    rows.into_iter()
+        .map(|row| (row, score::distance(&row.exponents, target, figures)))
+        .min_by(|one, other| one.1.total_cmp(&other.1))
 }
 
-/// Orders of the columns other than the published one.
-pub const ORDERS: [[usize; 3]; 5] = [[0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
-
-/// Rows with most of the kinds of motion wanted of the three figures, given by the figure that has them published, and how many
-/// those are.
-pub fn by_kind<'a>(rows: &[&'a Row], wanted: [usize; 3]) -> (usize, Vec<&'a Row>) {
-    let right = |row: &Row| {
-        (0..3)
-            .filter(|&f| row.classes[f].is_of_kind(wanted[f]))
-            .count()
-    };
-    let most = rows.iter().map(|row| right(row)).max().unwrap_or(0);
-    let kept = rows.iter().copied().filter(|row| right(row) == most);
-    (most, kept.collect())
+/// How many targets are met as well as the published exponents, or better.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Share {
+    /// Targets met.
+    pub met: usize,
+    /// Targets tried.
+    pub of: usize,
 }
 
-/// Of the 27 ways to give each figure one of the three kinds of motion, how many some row has entirely.
-pub fn assignments_met(rows: &[&Row]) -> usize {
-    let every = (0..27).map(|i| [i / 9, i / 3 % 3, i % 3]);
-    every.filter(|&wanted| by_kind(rows, wanted).0 == 3).count()
+impl Share {
+    fn count(met: impl Iterator<Item = bool>) -> Share {
+        let mut share = Share { met: 0, of: 0 };
+        for one in met {
+            share.met += usize::from(one);
+            share.of += 1;
+        }
+        share
+    }
+
+    /// In per cent.
+    pub fn percent(&self) -> f64 {
+        100.0 * self.met as f64 / self.of.max(1) as f64
+    }
+
+    /// The chance, in per cent, that the best of three figures is met so well (Šidák 1967).
+    pub fn best_of_three(&self) -> f64 {
+        let missed = 1.0 - self.percent() / 100.0;
+        100.0 * (1.0 - missed * missed * missed)
+    }
 }
 
-/// How well random targets are met, beside the published exponents.
+/// How near the rows come to the published exponents of some figures, and how near they come to
+/// other targets.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Level {
     /// Distance of the nearest row to the published exponents.
     pub published: f64,
-    /// Least of the distances of the nearest rows to the random targets.
-    pub least: f64,
-    /// Their median.
-    pub median: f64,
-    /// Random targets that are met as well as the published exponents, or better.
-    pub as_near: usize,
-    /// Random targets drawn.
-    pub draws: usize,
+    /// Random targets of the published classes.
+    pub random: Share,
+    /// Spectra with the published pattern of signs, each met by rows of other readings than its
+    /// own.
+    pub readings: Share,
 }
 
 impl Level {
-    /// With all rows, whatever their motions.
-    pub(super) fn exponents_only(search: &[&Row], target: &Twelve, draws: usize) -> Level {
-        Level::of(search, target, draws)
-    }
-
-    /// With the rows that have most of the published kinds of motion.
-    pub(super) fn kinds_first(search: &[&Row], target: &Twelve, draws: usize) -> Level {
-        Level::of(&by_kind(search, [0, 1, 2]).1, target, draws)
-    }
-
-    fn of(rows: &[&Row], target: &Twelve, draws: usize) -> Level {
-        let published = nearest(rows, target);
-        let random = random(rows, draws);
+    /// Of some rows, in some of the figures; `spectra` are the rows that give targets.
+    pub(super) fn of(
+        rows: &[&Row],
+        spectra: &[&Row],
+        (target, figures): (&Twelve, &[usize]),
+        draws: usize,
+    ) -> Level {
+        let distance = |nearest: Option<(&Row, f64)>| nearest.map_or(f64::INFINITY, |one| one.1);
+        let published = distance(nearest(rows.iter().copied(), target, figures));
+        let mut targets = Targets::new();
+        let near_random = |_| {
+            let target = targets.target();
+            distance(nearest(rows.iter().copied(), &target, figures)) <= published
+        };
+        let near_reading = |one: &&Row| {
+            let others = rows.iter().copied().filter(|row| row.key[1] != one.key[1]);
+            distance(nearest(others, &one.exponents, figures)) <= published
+        };
+        let alike = |row: &&&Row| has_signs_of(row, target, figures);
         Level {
             published,
-            least: random.first().copied().unwrap_or(f64::NAN),
-            median: median(&random).unwrap_or(f64::NAN),
-            as_near: random.iter().filter(|&&one| one <= published).count(),
-            draws: random.len(),
+            random: Share::count((0..draws).map(near_random)),
+            readings: Share::count(spectra.iter().filter(alike).map(near_reading)),
         }
-    }
-
-    /// Random targets that are met as well as the published exponents, in per cent of all.
-    pub fn percent(&self) -> f64 {
-        100.0 * self.as_near as f64 / self.draws.max(1) as f64
     }
 }
 
-/// Distances of the nearest rows to random targets of the published classes, ascending.
-fn random(rows: &[&Row], draws: usize) -> Vec<f64> {
-    let mut generator = Targets(SplitMix::new(SEED));
-    let mut all: Vec<f64> = (0..draws)
-        .map(|_| nearest(rows, &generator.target()))
-        .collect();
-    all.sort_by(f64::total_cmp);
-    all
+/// Whether the exponents have the signs of the target's. One of a size up to [`ZERO`] counts as
+/// zero, and its sign means nothing.
+fn has_signs_of(row: &Row, target: &Twelve, figures: &[usize]) -> bool {
+    figures.iter().all(|&f| {
+        let mut pairs = row.exponents[f].iter().zip(&target[f]);
+        pairs.all(|(found, wanted)| {
+            found.is_finite() && (wanted.abs() <= ZERO || found * wanted > 0.0)
+        })
+    })
+}
+
+/// Each figure by itself, exponents alone: its level among all rows, and the nearest of them.
+/// Nothing without rows.
+pub(super) fn alone<'a>(
+    search: &[&'a Row],
+    target: &Twelve,
+    draws: usize,
+) -> Option<[(Level, &'a Row); 3]> {
+    let of = |figure: usize| {
+        let (row, _) = nearest(search.iter().copied(), target, &[figure])?;
+        Some((Level::of(search, search, (target, &[figure]), draws), row))
+    };
+    Some([of(0)?, of(1)?, of(2)?])
+}
+
+/// Half a unit of the last printed digit.
+const HALF_UNIT: f64 = 5e-5;
+
+/// Of the targets drawn for exponent `k` of a figure, how many are met to the printed digits by as
+/// many rows as `wanted`, or more.
+pub(super) fn digits(
+    rows: &[&Row],
+    (figure, k): (usize, usize),
+    wanted: usize,
+    draws: usize,
+) -> Share {
+    let mut targets = Targets::new();
+    Share::count((0..draws).map(|_| {
+        let target = targets.target()[figure][k];
+        let near = |row: &&&Row| (row.exponents[figure][k] - target).abs() <= HALF_UNIT;
+        rows.iter().filter(near).count() >= wanted
+    }))
 }
 
 #[cfg(test)]
@@ -145,7 +198,7 @@ mod tests {
 
     #[test]
     fn targets_have_the_signs_of_their_class() {
-        let mut generator = Targets(SplitMix::new(SEED));
+        let mut generator = Targets::new();
         for _ in 0..1000 {
             let [periodic, quasi, chaotic] = generator.target();
             assert!(periodic[0].abs() <= 0.002 && periodic[1] < -0.002);
@@ -155,5 +208,29 @@ mod tests {
                 assert!(row.windows(2).all(|pair| pair[0] >= pair[1]));
             }
         }
+    }
+
+    #[test]
+    fn a_target_that_another_reading_gives_counts_and_one_that_its_own_gives_does_not() {
+        let target = score::target().unwrap();
+        let row = |reading: &str, factor: f64| Row {
+            exponents: target.map(|four| four.map(|v| factor * v)),
+            ..Row::empty(["search", reading, "exact", "s"].map(str::to_owned))
+        };
+        // The last two are as near to each other as equals, and 10 % off the published.
+        let rows = [row("a", 0.9), row("b", 0.9), row("b", 0.9)];
+        let all: Vec<&Row> = rows.iter().collect();
+        let of = |rows: &[&Row]| Level::of(rows, rows, (&target, &[0, 1, 2]), 10).readings;
+        assert_eq!(of(&all), Share { met: 3, of: 3 });
+        assert_eq!(of(&all[1..]), Share { met: 0, of: 2 });
+        // Of another pattern of signs it is no target.
+        let other = row("a", -0.9);
+        assert_eq!(of(&[&other, all[1]]), Share { met: 0, of: 1 });
+    }
+
+    #[test]
+    fn three_looks_count_as_three() {
+        let share = Share { met: 1, of: 100 };
+        assert!((share.best_of_three() - 2.9701).abs() < 1e-10);
     }
 }

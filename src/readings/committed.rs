@@ -2,14 +2,15 @@
 
 use sha2::{Digest, Sha256};
 
-use super::chance::Level;
-use super::counts::{DigitsMet, Pairs, Published};
+use super::chance::{self, Level, Share};
+use super::counts::{self, DigitsMet, Pairs};
 use super::error::ReadingsError;
-use super::plan::{Part, Plan};
+use super::plan::{Group, Part, Plan};
 use super::row::Row;
 use super::score;
 use super::spread::ExponentSpread;
 use super::store;
+use super::verdict::Verdict;
 
 /// The committed table of all readings.
 const TABLE: &str = include_str!("../../golden/readings.csv");
@@ -25,16 +26,65 @@ pub struct Committed {
     pub sha256: String,
     /// Configurations tried: readings × integrators × settings of the estimator.
     pub configurations: usize,
+    /// Of these the ones whose reading keeps all three motions.
+    pub kept: usize,
+    /// Of these the ones with all three kinds of motion: no other is ranked.
+    pub ranked: usize,
     /// Pairs of reading and integrator, by class.
     pub pairs: Pairs,
-    /// How often the published exponents are met to the printed digits.
+    /// How often configurations that keep all three motions meet the published exponents to the
+    /// printed digits.
     pub digits: DigitsMet,
-    /// How random targets are met, classes aside.
-    pub exponents_only: Level,
-    /// How random targets are met by the configurations with most of the published kinds of motion.
-    pub kinds_first: Level,
+    /// How near the configurations that keep all three motions come to all twelve exponents
+    /// together, and how near the ranked ones.
+    pub together: [Level; 2],
+    /// How near the nearest of all configurations comes to each figure by itself, and which that
+    /// is.
+    pub alone: [(Level, Match); 3],
+    /// The motions of each pair of reading and integrator.
+    pub motions: Vec<Match>,
+    /// How often targets drawn for an exponent are met by as many of these configurations as the
+    /// published one. Nothing where none meets it.
+    pub digits_by_chance: [[Option<Share>; 4]; 3],
     /// What the settings that the paper does not state make of each exponent of each figure, for the recommended reading.
     pub spread: [[ExponentSpread; 4]; 3],
+}
+
+/// A reading with an integrator, and its three motions.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Match {
+    /// The reading.
+    pub reading: String,
+    /// The integrator.
+    pub integrator: String,
+    /// Class of each figure's motion.
+    pub classes: [Verdict; 3],
+    /// Half the extent of each figure's x₁; NaN where the motion does not stay.
+    pub amplitudes: [f64; 3],
+}
+
+impl Match {
+    fn of(row: &Row) -> Match {
+        let [_, reading, integrator, _] = row.key.clone();
+        Match {
+            reading,
+            integrator,
+            classes: row.classes,
+            amplitudes: row.sizes.map(|[amplitude, _]| amplitude),
+        }
+    }
+
+    /// What becomes of the figures other than one (0, 1, 2), in words.
+    pub fn others(&self, figure: usize) -> String {
+        let of = |f: usize| format!("Fig. {} {}", f + 10, self.classes[f]);
+        let others: Vec<String> = (0..3).filter(|f| *f != figure).map(of).collect();
+        others.join(", ")
+    }
+
+    /// Whether all three motions are of the published kind.
+    pub fn has_all_kinds(&self) -> bool {
+        (0..3).all(|f| self.classes[f].is_of_kind(f))
+    }
 }
 
 impl Committed {
@@ -42,13 +92,13 @@ impl Committed {
     ///
     /// # Errors
     /// [`ReadingsError::Incomplete`] if a configuration of the full search is missing or was made with other settings;
-    /// [`ReadingsError::Published`], [`ReadingsError::Class`].
+    /// [`ReadingsError::Published`].
     pub fn read() -> Result<Committed, ReadingsError> {
         Committed::of(TABLE)
     }
 
     fn of(table: &str) -> Result<Committed, ReadingsError> {
-        let (plan, target, published) = (Plan::full(), score::target()?, Published::read()?);
+        let (plan, target, published) = (Plan::full(), score::target()?, counts::exponents()?);
         let rows: Vec<Row> = table.lines().filter_map(Row::parse).collect();
         let wanted: Vec<[String; 4]> = plan
             .groups
@@ -56,27 +106,41 @@ impl Committed {
             .flat_map(|group| store::keys(&plan, group))
             .collect();
         let same = rows.iter().map(|row| &row.key).eq(&wanted);
-        if !(same && table.starts_with(&plan.heading(&target))) {
-            return Err(ReadingsError::Incomplete {
-                file: FILE,
-                found: rows.len(),
-                wanted: wanted.len(),
-            });
-        }
-        let of = |part: Part| -> Vec<&Row> {
-            let is = |row: &&Row| row.key[0] == part.name();
-            rows.iter().filter(is).collect()
+        let incomplete = || ReadingsError::Incomplete {
+            file: FILE,
+            found: rows.len(),
+            wanted: wanted.len(),
         };
-        let (search, spread) = (of(Part::Search), of(Part::Spread));
+        if !(same && table.starts_with(&plan.heading(&target))) {
+            return Err(incomplete());
+        }
+        let of = |is: &dyn Fn(&Row) -> bool| rows.iter().filter(|row| is(row)).collect();
+        let search: Vec<&Row> = of(&|row| row.key[0] == Part::Search.name());
+        let spread: Vec<&Row> = of(&|row| Group::recommended().has(row));
+        let kept: Vec<&Row> = of(&|row| row.key[0] == Part::Search.name() && row.keeps_all());
+        let ranked: Vec<&Row> = kept.iter().copied().filter(|row| row.is_ranked()).collect();
+        let pairs = counts::pairs(&search);
+        let digits = DigitsMet::count(&kept, &published);
+        let alone = chance::alone(&search, &target, plan.draws).ok_or_else(incomplete)?;
         let digest = Sha256::digest(table.as_bytes());
         Ok(Committed {
             file: FILE,
             sha256: digest.iter().map(|byte| format!("{byte:02x}")).collect(),
             configurations: search.len(),
-            pairs: Pairs::count(&search, &published),
-            digits: DigitsMet::count(&search, &published),
-            exponents_only: Level::exponents_only(&search, &target, plan.draws),
-            kinds_first: Level::kinds_first(&search, &target, plan.draws),
+            kept: kept.len(),
+            ranked: ranked.len(),
+            pairs: Pairs::count(&pairs),
+            together: [&kept, &ranked]
+                .map(|rows| Level::of(rows, &kept, (&target, &[0, 1, 2]), plan.draws)),
+            alone: alone.map(|(level, row)| (level, Match::of(row))),
+            motions: pairs.into_iter().map(Match::of).collect(),
+            digits_by_chance: [0, 1, 2].map(|figure| {
+                [0, 1, 2, 3].map(|k| {
+                    let met = digits.by[figure][k];
+                    (met > 0).then(|| chance::digits(&kept, (figure, k), met, plan.draws))
+                })
+            }),
+            digits,
             spread: [0, 1, 2]
                 .map(|figure| [0, 1, 2, 3].map(|k| ExponentSpread::of(&spread, figure, k))),
         })

@@ -5,7 +5,6 @@ use std::path::PathBuf;
 use crate::figures::FigureError;
 use crate::paper::published::PublishedError;
 use crate::terminal::ProgramError;
-use stickslip::analysis::motion::UnknownClass;
 
 /// Failure of the program `readings`.
 #[derive(Debug, thiserror::Error)]
@@ -53,9 +52,6 @@ pub enum ReadingsError {
     /// The published exponents are not there.
     #[error(transparent)]
     Published(#[from] PublishedError),
-    /// A published class is none.
-    #[error(transparent)]
-    Class(#[from] UnknownClass),
     /// The committed table is not that of the full search.
     #[error(
         "{file} is not the table of the full search: {found} of {wanted} configurations can be read, or they were made with other settings; make it with `make readings`"

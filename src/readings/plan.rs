@@ -1,10 +1,12 @@
 //! What is tried: readings × integrators × settings of the estimator.
 
+use super::row::Row;
 use super::scheme;
 use super::score::{CAP, FLOOR, Twelve};
 use super::search::CAPTIONS;
 use super::spread::spread_settings;
 use super::trajectory::{BOUND, MOST_STEPS, TOLERANCE};
+use crate::correlation::CURVE;
 use stickslip::analysis::data_spectrum::{DataSettings, Neighbourhood};
 use stickslip::analysis::motion::Criterion;
 use stickslip::models::{Amplitude, CaptionOrder, Reading, Unloading};
@@ -14,6 +16,8 @@ use stickslip::models::{Amplitude, CaptionOrder, Reading, Unloading};
 pub enum Integrator {
     /// The event-exact solver.
     Exact,
+    /// The classical method of order 4 with this step and Hénon's step onto Σ: the paper's Sect. 3.
+    FourthOrder(f64),
     /// [`crate::paper::in_place`] with this step.
     InPlace(f64),
 }
@@ -23,6 +27,7 @@ impl Integrator {
     pub fn name(self) -> String {
         match self {
             Integrator::Exact => "exact".into(),
+            Integrator::FourthOrder(h) => format!("fourth-order h={h}"),
             Integrator::InPlace(h) => format!("in-place h={h}"),
         }
     }
@@ -33,7 +38,8 @@ impl Integrator {
 pub enum Part {
     /// It competes.
     Search,
-    /// It measures how far the settings alone move the estimate, for the recommended reading.
+    /// With the search's settings it measures how far these alone move the estimate, for the
+    /// recommended reading.
     Spread,
 }
 
@@ -47,6 +53,36 @@ impl Part {
     }
 }
 
+/// What the radius of a ball of neighbours is measured in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unit {
+    /// The signal's spread `√Σ var`.
+    Spread,
+    /// The variables' own unit.
+    Absolute,
+    /// The ranges of the columns, each scaled by its own.
+    Ranges,
+}
+
+/// A way to estimate.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Setting {
+    /// What its radius is measured in.
+    pub unit: Unit,
+    /// Everything else.
+    pub data: DataSettings,
+}
+
+impl Setting {
+    /// With a radius in units of the spread, as the library has it.
+    pub fn of_spread(data: DataSettings) -> Setting {
+        Setting {
+            unit: Unit::Spread,
+            data,
+        }
+    }
+}
+
 /// A reading and an integrator, whose three trajectories serve all settings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Group {
@@ -54,6 +90,21 @@ pub struct Group {
     pub reading: Reading,
     /// Integrator.
     pub integrator: Integrator,
+}
+
+impl Group {
+    /// The corrected equations, solved exactly.
+    pub fn recommended() -> Group {
+        Group {
+            reading: Reading::exact(),
+            integrator: Integrator::Exact,
+        }
+    }
+
+    /// Whether a row is of this reading and integrator.
+    pub fn has(&self, row: &Row) -> bool {
+        row.key[1] == reading_name(&self.reading) && row.key[2] == self.integrator.name()
+    }
 }
 
 /// The whole search.
@@ -69,14 +120,14 @@ pub struct Plan {
     pub draws: usize,
     /// What is integrated.
     pub groups: Vec<Group>,
-    search: Vec<DataSettings>,
-    spread: Vec<DataSettings>,
+    search: Vec<Setting>,
+    spread: Vec<Setting>,
 }
 
 /// Time between two points of the series, as in the paper.
 pub const DT: f64 = 0.2;
 /// Raised whenever a row of the table comes out differently for the same settings: tables of other formats are refused.
-const FORMAT: u32 = 3;
+const FORMAT: u32 = 4;
 /// First line of every table.
 pub const MARKER: &str = "# stickslip readings";
 /// Most neighbours in a ball of a tenth of the spread.
@@ -94,13 +145,19 @@ impl Plan {
                 &readings(),
                 &[
                     Integrator::Exact,
+                    Integrator::FourthOrder(2e-2),
+                    Integrator::FourthOrder(5e-3),
+                    Integrator::InPlace(0.2),
+                    Integrator::InPlace(0.1),
+                    Integrator::InPlace(5e-2),
                     Integrator::InPlace(2e-2),
                     Integrator::InPlace(1e-2),
                     Integrator::InPlace(5e-3),
+                    Integrator::InPlace(1e-3),
                 ],
             ),
             search: search_settings(),
-            spread: spread_settings(),
+            spread: of_spread(spread_settings()),
         }
     }
 
@@ -115,8 +172,17 @@ impl Plan {
                 &[Reading::exact(), Reading::as_printed()],
                 &[Integrator::Exact, Integrator::InPlace(1e-2)],
             ),
-            search: vec![settings(0.1, 40, 1, false), settings(0.2, 40, 3, true)],
-            spread: vec![settings(0.1, 40, 3, false), settings(0.2, 80, 2, false)],
+            search: vec![
+                Setting::of_spread(settings(0.1, 40, 1, false)),
+                Setting {
+                    unit: Unit::Ranges,
+                    data: settings(0.2, 40, 3, true),
+                },
+            ],
+            spread: of_spread(vec![
+                settings(0.1, 40, 3, false),
+                settings(0.2, 80, 2, false),
+            ]),
         }
     }
 
@@ -125,17 +191,18 @@ impl Plan {
     pub fn with_spread_alone(self, spread: Vec<DataSettings>) -> Plan {
         Plan {
             search: Vec::new(),
-            spread,
+            spread: of_spread(spread),
             ..self
         }
     }
 
     /// The settings of a group, with the part they belong to.
-    pub fn settings_of(&self, group: &Group) -> Vec<(Part, DataSettings)> {
-        let recommended =
-            group.reading == Reading::exact() && group.integrator == Integrator::Exact;
-        let spread = if recommended { &self.spread[..] } else { &[] };
-        let of = |part, list: &[DataSettings]| -> Vec<(Part, DataSettings)> {
+    pub fn settings_of(&self, group: &Group) -> Vec<(Part, Setting)> {
+        let spread = match *group == Group::recommended() {
+            true => &self.spread[..],
+            false => &[],
+        };
+        let of = |part, list: &[Setting]| -> Vec<(Part, Setting)> {
             list.iter().map(|one| (part, one.clone())).collect()
         };
         let mut all = of(Part::Search, &self.search);
@@ -170,7 +237,7 @@ impl Plan {
             ("points of the series", self.points.to_string()),
             ("time between points", DT.to_string()),
             ("tolerance of the exact solver", TOLERANCE.to_string()),
-            ("most steps of the exact solver", MOST_STEPS.to_string()),
+            ("most steps of the solver", MOST_STEPS.to_string()),
             ("bound beyond which an orbit has escaped", BOUND.to_string()),
             ("equal points of the section, exact", same.to_string()),
             (
@@ -178,8 +245,8 @@ impl Plan {
                 scheme::SAME.to_string(),
             ),
             (
-                "distances of the neighbouring runs, in-place",
-                format!("{} and {} h", scheme::NEAR, scheme::FAR),
+                "dimension below which a section is a curve",
+                CURVE.to_string(),
             ),
             (
                 "uncertainty up to which an exponent can be zero",
@@ -296,15 +363,16 @@ fn settings(eps: f64, max: usize, step: usize, affine: bool) -> DataSettings {
     }
 }
 
-fn search_settings() -> Vec<DataSettings> {
+fn of_spread(settings: Vec<DataSettings>) -> Vec<Setting> {
+    settings.into_iter().map(Setting::of_spread).collect()
+}
+
+fn search_settings() -> Vec<Setting> {
     let ridge = |ridge, settings| DataSettings { ridge, ..settings };
-    vec![
-        settings(0.02, 40, 1, false),
-        settings(0.02, 40, 1, true),
+    let with = |unit, data| Setting { unit, data };
+    let mut all = of_spread(vec![
         settings(0.02, 40, 5, false),
         settings(0.05, 100, 1, true),
-        settings(0.05, 100, 3, false),
-        settings(0.05, 100, 3, true),
         ridge(1e-6, settings(0.05, 100, 3, false)),
         ridge(1e-3, settings(0.05, 100, 3, true)),
         settings(0.1, MANY, 1, false),
@@ -312,13 +380,38 @@ fn search_settings() -> Vec<DataSettings> {
         ridge(1e-2, settings(0.1, MANY, 3, true)),
         // A thousand reference points in all: λ2 of Fig. 10 looks like a transient of so many.
         settings(0.02, 40, 45, false),
-    ]
+        // Consecutive reference points: all of them, and the first thousand.
+        DataSettings {
+            stride: 1,
+            ..settings(0.05, 100, 3, false)
+        },
+        DataSettings {
+            references: Some(1000),
+            ..settings(0.1, MANY, 1, false)
+        },
+    ]);
+    all.extend([
+        with(Unit::Absolute, settings(0.2, MANY, 1, true)),
+        with(Unit::Absolute, settings(0.05, 100, 3, false)),
+        with(Unit::Ranges, settings(0.1, MANY, 3, true)),
+    ]);
+    all
 }
 
 /// The name of settings in the table.
-pub fn settings_name(settings: &DataSettings) -> String {
+pub fn settings_name(
+    Setting {
+        unit,
+        data: settings,
+    }: &Setting,
+) -> String {
+    let unit = match unit {
+        Unit::Spread => "",
+        Unit::Absolute => " absolute",
+        Unit::Ranges => " of ranges",
+    };
     let neighbours = match settings.neighbours {
-        Neighbourhood::Ball { eps, min, max } => format!("eps={eps} neighbours={min}-{max}"),
+        Neighbourhood::Ball { eps, min, max } => format!("eps={eps}{unit} neighbours={min}-{max}"),
         Neighbourhood::Nearest(k) => format!("nearest={k}"),
     };
     let fit = if settings.affine { "affine" } else { "linear" };

@@ -40,21 +40,18 @@ fn squares(found: &[f64; 4], wanted: &[f64; 4]) -> f64 {
         .sum()
 }
 
-/// Root mean square of the four differences.
-pub fn one_figure(found: &[f64; 4], wanted: &[f64; 4]) -> f64 {
-    (squares(found, wanted) / 4.0).sqrt()
-}
-
-/// Root mean square of all twelve.
-pub fn all_figures(found: &Twelve, wanted: &Twelve) -> f64 {
-    let sum: f64 = found.iter().zip(wanted).map(|(f, w)| squares(f, w)).sum();
-    (sum / 12.0).sqrt()
+/// Root mean square of the differences of some figures (0, 1, 2).
+pub fn distance(found: &Twelve, wanted: &Twelve, figures: &[usize]) -> f64 {
+    let sum: f64 = figures
+        .iter()
+        .map(|&f| squares(&found[f], &wanted[f]))
+        .sum();
+    (sum / (4 * figures.len()) as f64).sqrt()
 }
 
 /// Distances of the three figures, and of all.
 pub fn scores(found: &Twelve, wanted: &Twelve) -> [f64; 4] {
-    let [one, two, three] = [0, 1, 2].map(|figure| one_figure(&found[figure], &wanted[figure]));
-    [one, two, three, all_figures(found, wanted)]
+    [&[0][..], &[1], &[2], &[0, 1, 2]].map(|figures| distance(found, wanted, figures))
 }
 
 #[cfg(test)]
@@ -68,8 +65,9 @@ mod tests {
         let mut off = target;
         off[2][0] += 0.5 * (target[2][0].abs() + FLOOR);
         let wanted = (0.25_f64 / 12.0).sqrt();
-        assert!((all_figures(&off, &target) - wanted).abs() < 1e-12);
+        assert!((distance(&off, &target, &[0, 1, 2]) - wanted).abs() < 1e-12);
+        assert_eq!(distance(&off, &target, &[0, 1]), 0.0);
         let none = [[f64::NAN, f64::NEG_INFINITY, 1e9, -1e9]; 3];
-        assert_eq!(all_figures(&none, &target), CAP);
+        assert_eq!(distance(&none, &target, &[0, 1, 2]), CAP);
     }
 }

@@ -1,45 +1,80 @@
 //! Integrates and estimates.
 
-use super::plan::{DT, Group, Plan};
+use super::plan::{DT, Group, Plan, Setting, Unit};
 use super::row::{self, Row};
 use super::score::{self, Twelve};
 use super::store;
 use super::trajectory::{Outcome, follow};
-use super::verdict::Verdict;
-use stickslip::analysis::data_spectrum::{DataSettings, Series, data_spectrum};
+use stickslip::analysis::data_spectrum::{Neighbourhood, Series, data_spectrum};
 use stickslip::models::Caption;
 
 /// The captions of Figs. 10–12.
 pub const CAPTIONS: [Caption; 3] = [Caption::FIG10, Caption::FIG11, Caption::FIG12];
 
-/// All rows of a group.
+/// A series with its spread, and the same with every column scaled by its range.
+struct Scaled {
+    plain: (Series, f64),
+    by_range: (Series, f64),
+}
+
+impl Scaled {
+    fn of(rows: &[[f64; 4]]) -> Option<Scaled> {
+        let with_spread = |rows: &[[f64; 4]]| {
+            let n = rows.len() as f64;
+            let mean = |c: usize| rows.iter().map(|x| x[c]).sum::<f64>() / n;
+            let means = [0, 1, 2, 3].map(mean);
+            let square = |x: &[f64; 4]| -> f64 {
+                (0..4).map(|c| (x[c] - means[c]) * (x[c] - means[c])).sum()
+            };
+            let variance = rows.iter().map(square).sum::<f64>() / n;
+            let series = Series::from_rows(rows.iter().copied(), DT).ok()?;
+            Some((series, variance.sqrt()))
+        };
+        let ranges = [0, 1, 2, 3].map(|c| {
+            let values = || rows.iter().map(|x| x[c]);
+            values().fold(f64::MIN, f64::max) - values().fold(f64::MAX, f64::min)
+        });
+        let scaled = |x: &[f64; 4]| [0, 1, 2, 3].map(|c| x[c] / ranges[c]);
+        let by_range: Vec<[f64; 4]> = rows.iter().map(scaled).collect();
+        Some(Scaled {
+            plain: with_spread(rows)?,
+            by_range: with_spread(&by_range)?,
+        })
+    }
+}
+
+/// All rows of a group. A figure's exponents are estimated where they can count: the reading keeps
+/// all three motions, or this one is of the published kind.
 pub fn group_rows(group: &Group, plan: &Plan, target: &Twelve) -> Vec<Row> {
     let outcomes = CAPTIONS.map(|caption| follow(group, &caption, plan));
-    let classes = outcomes.each_ref().map(|outcome| match outcome {
-        Outcome::Bounded(_, class) => Verdict::Motion(*class),
-        Outcome::Escaped => Verdict::Escaped,
-        Outcome::Failed => Verdict::Failed,
-    });
-    let series = outcomes.each_ref().map(|outcome| match outcome {
-        Outcome::Bounded(series, _) => Series::from_rows(series.iter().copied(), DT).ok(),
-        _ => None,
-    });
+    let classes = outcomes.each_ref().map(Outcome::verdict);
+    let kept = classes.iter().all(|class| class.stays());
+    let (mut sizes, mut series) = ([[f64::NAN; 2]; 3], [const { Err(row::NO_SERIES) }; 3]);
+    for (figure, outcome) in outcomes.iter().enumerate() {
+        let Outcome::Bounded(motion) = outcome else {
+            continue;
+        };
+        sizes[figure] = [motion.amplitude, motion.dimension];
+        series[figure] = if kept || classes[figure].is_of_kind(figure) {
+            Scaled::of(&motion.series).ok_or(row::NO_ESTIMATE)
+        } else {
+            Err(row::LOST)
+        };
+    }
     let mut rows = Vec::new();
     for (key, (_, settings)) in store::keys(plan, group)
         .into_iter()
         .zip(plan.settings_of(group))
     {
         let mut row = Row {
-            key,
             classes,
-            exponents: [[f64::NAN; 4]; 3],
-            statuses: Default::default(),
-            scores: [0.0; 4],
+            sizes,
+            ..Row::empty(key)
         };
         for figure in 0..3 {
             let (values, statuses) = match &series[figure] {
-                Some(series) => spectrum(series, &settings),
-                None => none(row::NO_SERIES),
+                Ok(series) => spectrum(series, &settings),
+                Err(why) => none(why),
             };
             row.exponents[figure] = values;
             row.statuses[figure] = statuses;
@@ -57,8 +92,17 @@ fn none(why: &str) -> Four {
 }
 
 /// Exponents in descending order, as the paper prints them, whatever their status.
-fn spectrum(series: &Series, settings: &DataSettings) -> Four {
-    let Ok(spectrum) = data_spectrum(series, settings) else {
+fn spectrum(scaled: &Scaled, setting: &Setting) -> Four {
+    let (series, unit) = match setting.unit {
+        Unit::Spread => (&scaled.plain.0, 1.0),
+        Unit::Absolute => (&scaled.plain.0, scaled.plain.1),
+        Unit::Ranges => (&scaled.by_range.0, scaled.by_range.1),
+    };
+    let mut settings = setting.data.clone();
+    if let Neighbourhood::Ball { eps, .. } = &mut settings.neighbours {
+        *eps /= unit;
+    }
+    let Ok(spectrum) = data_spectrum(series, &settings) else {
         return none(row::NO_ESTIMATE);
     };
     let mut found: Vec<(f64, &str)> = spectrum
@@ -81,4 +125,61 @@ fn spectrum(series: &Series, settings: &DataSettings) -> Four {
         statuses[k] = status.to_owned();
     }
     (values, statuses)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::readings::plan::everywhere;
+    use stickslip::math;
+
+    /// Two incommensurate turns, one of them in columns of another scale.
+    fn torus(scale: f64) -> Vec<[f64; 4]> {
+        (0..1500)
+            .map(|k| {
+                let (a, b) = (
+                    0.2 * f64::from(k),
+                    0.2 * std::f64::consts::SQRT_2 * f64::from(k),
+                );
+                [
+                    math::sin(a),
+                    math::cos(a),
+                    scale * math::sin(b),
+                    scale * math::cos(b),
+                ]
+            })
+            .collect()
+    }
+
+    fn found(rows: &[[f64; 4]], unit: Unit, eps: f64) -> Four {
+        let data = stickslip::analysis::data_spectrum::DataSettings {
+            neighbours: Neighbourhood::Ball {
+                eps,
+                min: 12,
+                max: 200,
+            },
+            ..everywhere(1)
+        };
+        spectrum(&Scaled::of(rows).unwrap(), &Setting { unit, data })
+    }
+
+    #[test]
+    fn a_radius_is_measured_in_its_unit() {
+        let (plain, stretched) = (torus(1.0), torus(4.0));
+        // The spread of this torus is the root of two.
+        let root = std::f64::consts::SQRT_2;
+        assert_eq!(
+            found(&plain, Unit::Absolute, 0.3),
+            found(&plain, Unit::Spread, 0.3 / root)
+        );
+        // A column of another scale is the same in its range and nowhere else.
+        for (unit, same) in [
+            (Unit::Ranges, true),
+            (Unit::Absolute, false),
+            (Unit::Spread, false),
+        ] {
+            let (one, other) = (found(&plain, unit, 0.2), found(&stretched, unit, 0.2));
+            assert_eq!(one == other, same, "{unit:?}");
+        }
+    }
 }

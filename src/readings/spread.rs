@@ -1,6 +1,7 @@
 //! How far settings of the estimator that the paper does not state move an exponent: which settings, and what they make of it.
 //!
-//! This is the one such analysis. The search has its estimates in the rows of part `spread`; the report takes them from there.
+//! This is the one such analysis. It has the rows of part `spread`, which are made for it, and the
+//! search's rows of the same reading and integrator; the report takes them from there.
 
 use super::plan::{MANY, everywhere};
 use super::row::Row;

@@ -3,9 +3,9 @@
 use std::fmt::Write;
 
 use super::chance::{self, Level};
-use super::counts::{Pairs, Published, digits_of};
+use super::counts::{self, DigitsMet, Exponents, Pairs};
 use super::error::ReadingsError;
-use super::plan::{DT, Part, Plan};
+use super::plan::{DT, Group, Part, Plan};
 use super::row::Row;
 use super::score::{CAP, FLOOR, Twelve};
 use super::spread::{ExponentSpread, described, median};
@@ -13,19 +13,21 @@ use super::spread::{ExponentSpread, described, median};
 /// The text of `readings.txt`.
 ///
 /// # Errors
-/// [`ReadingsError::Published`] if a published exponent is missing, [`ReadingsError::Class`] if a published class is none.
+/// [`ReadingsError::Published`] if a published exponent is missing.
 pub fn summary(plan: &Plan, rows: &[Row], target: &Twelve) -> Result<String, ReadingsError> {
-    let published = Published::read()?;
-    let of = |part: Part| -> Vec<&Row> {
-        let is = |row: &&Row| row.key[0] == part.name();
-        rows.iter().filter(is).collect()
-    };
-    let (search, spread) = (of(Part::Search), of(Part::Spread));
-    let mut text = String::new();
-    text += &tried(plan, &search, &published);
-    if !search.is_empty() {
-        text += &best(&search, target, &published);
-        text += &level(plan, &search, target);
+    let published = counts::exponents()?;
+    let of = |is: &dyn Fn(&Row) -> bool| rows.iter().filter(|row| is(row)).collect();
+    let search: Vec<&Row> = of(&|row| row.key[0] == Part::Search.name());
+    let spread: Vec<&Row> = of(&|row| Group::recommended().has(row));
+    let kept: Vec<&Row> = of(&|row| row.key[0] == Part::Search.name() && row.keeps_all());
+    let mut text = tried(plan, &search);
+    if let Some(alone) = chance::alone(&search, target, plan.draws) {
+        text += &motions(&counts::pairs(&search));
+        text += &each_alone(alone, target);
+    }
+    if !kept.is_empty() {
+        text += &best(&kept, target, &published);
+        text += &together(plan, &kept, target);
     }
     if !spread.is_empty() {
         text += &own_spread(&spread, target);
@@ -35,10 +37,10 @@ pub fn summary(plan: &Plan, rows: &[Row], target: &Twelve) -> Result<String, Rea
 
 /// Writing into a string cannot fail.
 macro_rules! line {
-    ($text:expr, $($rest:tt)*) => { let _ = writeln!($text, $($rest)*); };
+    ($text:expr, $($rest:tt)*) => {{ let _ = writeln!($text, $($rest)*); }};
 }
 
-fn tried(plan: &Plan, search: &[&Row], published: &Published) -> String {
+fn tried(plan: &Plan, search: &[&Row]) -> String {
     let mut text = String::new();
     let total: usize = plan
         .groups
@@ -61,60 +63,119 @@ fn tried(plan: &Plan, search: &[&Row], published: &Published) -> String {
     if search.len() < total {
         line!(text, "The search is not complete: run it again to go on.");
     }
-    if search.is_empty() {
-        return text;
+    text
+}
+
+/// What becomes of the three motions, and what each integrator makes of Fig. 11.
+fn motions(pairs: &[&Row]) -> String {
+    let mut text = String::new();
+    let count = Pairs::count(pairs);
+    line!(
+        text,
+        "Of {} pairs of reading and integrator {} keep all three motions. As captioned, loops and all, Fig. 10 is in {}, Fig. 11 in {}, Fig. 12 in {}, \
+         all three in {}.\nIn kind, periodic with any number of loops passing for Fig. 10: {}, {}, {}, all three in {}.\n",
+        count.all,
+        count.kept,
+        count.class[0],
+        count.class[1],
+        count.class[2],
+        count.classes,
+        count.kind[0],
+        count.kind[1],
+        count.kind[2],
+        count.kinds
+    );
+    line!(
+        text,
+        "By integrator: readings that keep all three motions, that have all three kinds; and of Fig. 11 where it stays: how often it is quasi-periodic,\n\
+         half the extent of x1, correlation dimension of the section:"
+    );
+    let mut integrators: Vec<&str> = Vec::new();
+    for row in pairs {
+        if !integrators.contains(&row.key[2].as_str()) {
+            integrators.push(&row.key[2]);
+        }
     }
-    let pairs = Pairs::count(search, published);
-    let classes = published.classes.map(|class| class.to_string());
+    for integrator in integrators {
+        let of: Vec<&Row> = pairs
+            .iter()
+            .copied()
+            .filter(|row| row.key[2] == integrator)
+            .collect();
+        let (all, stays) = (Pairs::count(&of), |row: &&&Row| row.classes[1].stays());
+        let range = |size: usize| {
+            let values = || of.iter().filter(stays).map(|row| row.sizes[1][size]);
+            let (least, most) = (
+                values().fold(f64::INFINITY, f64::min),
+                values().fold(f64::NEG_INFINITY, f64::max),
+            );
+            format!("{least:.2} to {most:.2}")
+        };
+        let _ = write!(
+            text,
+            "  {integrator:<20} {:>2} of {}, {}",
+            all.kept, all.all, all.kinds
+        );
+        match of.iter().filter(stays).count() {
+            0 => line!(text, "; Fig. 11 stays in none"),
+            count => line!(
+                text,
+                "; Fig. 11 {} of {count}, {}, {}",
+                all.kind[1],
+                range(0),
+                range(1)
+            ),
+        }
+    }
     line!(
         text,
-        "Of {} pairs of reading and integrator, Fig. 10 is {} as captioned in {}, Fig. 11 {} in {}, Fig. 12 {} in {}, all three as captioned in {}.",
-        pairs.all,
-        classes[0],
-        pairs.class[0],
-        classes[1],
-        pairs.class[1],
-        classes[2],
-        pairs.class[2],
-        pairs.classes
-    );
-    line!(
-        text,
-        "In kind, periodic with any number of loops passing for Fig. 10: Fig. 10 in {}, Fig. 11 in {}, Fig. 12 in {}, all three in {}. Ranking and \
-         chance level below go by kind.",
-        pairs.kind[0],
-        pairs.kind[1],
-        pairs.kind[2],
-        pairs.kinds
-    );
-    line!(
-        text,
-        "Distance: root mean square of |found - published| / (|published| + {FLOOR}), each at most {CAP}; a missing or infinite \
-         exponent counts {CAP}. Exponents in descending order, those marked ? (unidentified) or * (starved or\n         unpredictable) included.\n"
+        "\nDistance: root mean square of |found - published| / (|published| + {FLOOR}), each at most {CAP}; a missing or infinite \
+         exponent counts {CAP}.\nExponents in descending order, those marked ? (unidentified) or * (starved or unpredictable) included.\n"
     );
     text
 }
 
-fn best(search: &[&Row], target: &Twelve, published: &Published) -> String {
+/// The nearest of all rows to each figure, and whether it can count.
+fn each_alone(alone: [(Level, &Row); 3], target: &Twelve) -> String {
     let mut text = String::new();
-    for figure in 0..3 {
-        let key = |row: &Row| (!row.classes[figure].is_of_kind(figure), row.scores[figure]);
-        if let Some(row) = least(search, key) {
-            line!(
-                text,
-                "Best for Fig. {} alone (kind of motion first):",
-                figure + 10
-            );
-            describe(&mut text, row);
-            exponents(&mut text, row, target, figure);
-            line!(text, "  distance {:.3}\n", row.scores[figure]);
-        }
+    for (figure, (level, row)) in alone.iter().enumerate() {
+        line!(
+            text,
+            "Nearest to Fig. {} alone, motions aside:",
+            figure + 10
+        );
+        describe(&mut text, row);
+        exponents(&mut text, row, target, figure);
+        text += &level_of(level);
+        line!(
+            text,
+            "  three figures were looked at: the best of three is met so well by chance in {:.1} %",
+            level.random.best_of_three()
+        );
+        let classes = row.classes.map(|class| class.to_string()).join(", ");
+        line!(
+            text,
+            "  its motions: {classes}{}\n",
+            if row.is_ranked() {
+                ""
+            } else {
+                ": a reading that loses a figure or gives it another kind of motion is no match and is not ranked"
+            }
+        );
     }
-    let by_kind = least(search, Row::kinds_first);
-    let by_exponents = least(search, |row| ((), row.scores[3]));
+    text
+}
+
+fn best(kept: &[&Row], target: &Twelve, published: &Exponents) -> String {
+    let mut text = String::new();
+    let by_kind = least(kept, Row::kinds_first);
+    let by_exponents = least(kept, |row| ((), row.scores[3]));
     for (what, row) in [
         ("Best common setting (kinds of motion first):", by_kind),
-        ("Nearest exponents, motions aside:", by_exponents),
+        (
+            "Nearest exponents of readings that keep all three motions, not ranked without all three kinds:",
+            by_exponents,
+        ),
     ] {
         let Some(row) = row else { continue };
         line!(text, "{what}");
@@ -127,10 +188,8 @@ fn best(search: &[&Row], target: &Twelve, published: &Published) -> String {
             "  distance {:.3}; {} of 3 kinds of motion, {} of 3 classes; {} of 12 exponents to the printed digits\n",
             row.scores[3],
             row.kinds_right(),
-            (0..3)
-                .filter(|&f| row.classes[f].is(published.classes[f]))
-                .count(),
-            digits_of(row, published)
+            row.classes_right(),
+            DigitsMet::count(&[row], published).most
         );
     }
     text
@@ -171,89 +230,45 @@ fn exponents(text: &mut String, row: &Row, target: &Twelve, figure: usize) {
     line!(text, "  {}", row.classes[figure]);
 }
 
-fn level(plan: &Plan, search: &[&Row], target: &Twelve) -> String {
+fn together(plan: &Plan, kept: &[&Row], target: &Twelve) -> String {
     let mut text = String::new();
+    let ranked: Vec<&Row> = kept.iter().copied().filter(|row| row.is_ranked()).collect();
+    line!(text, "Chance level, all twelve exponents together:");
+    for (rows, which) in [
+        (kept, "whose reading keeps all three motions"),
+        (&ranked, "with all three kinds of motion, which are ranked"),
+    ] {
+        line!(text, "  {} configurations {which}:", rows.len());
+        text += &level_of(&Level::of(rows, kept, (target, &[0, 1, 2]), plan.draws));
+    }
     line!(
         text,
-        "Chance level. Random targets: a zero exponent evenly from -{} to {}; a negative one from -{} to -{}, a positive one from {} to \
-         {}, their logarithms evenly; periodic 0 - - -, quasi-periodic 0 0 - -, chaotic + 0 - -.\n",
+        "Random targets: a zero exponent evenly from -{} to {}; a negative one from -{} to -{}, a positive one from {} to {}, their logarithms\n\
+         evenly; periodic 0 - - -, quasi-periodic 0 0 - -, chaotic + 0 - -. Spectra of other readings: those with the published signs where the published\n\
+         size is above {}, each compared with the rows of readings other than its own.\n",
         chance::ZERO,
         chance::ZERO,
         chance::NEGATIVE.1,
         chance::NEGATIVE.0,
         chance::POSITIVE.0,
-        chance::POSITIVE.1
+        chance::POSITIVE.1,
+        chance::ZERO
     );
-    line!(
-        text,
-        "Exponents only: distance of the nearest of the same configurations (motions aside) to"
-    );
-    let own = chance::nearest(search, target);
-    line!(text, "  the published exponents             {own:.3}");
-    for order in chance::ORDERS {
-        let distance = chance::nearest(search, &order.map(|figure| target[figure]));
-        line!(
-            text,
-            "  columns exchanged ({})        {distance:.3}",
-            columns(order)
-        );
-    }
-    text += &random(&Level::exponents_only(search, target, plan.draws));
-    line!(
-        text,
-        "Kinds of motion first: kinds met, and distance of the nearest of the configurations that meet so many (a different set in each line), to"
-    );
-    let published = [0, 1, 2];
-    let (most, right) = chance::by_kind(search, published);
-    let own = chance::nearest(&right, target);
-    line!(
-        text,
-        "  the published figures               {most} of 3  {own:.3}"
-    );
-    for order in chance::ORDERS {
-        let (most, rows) = chance::by_kind(search, order);
-        let distance = chance::nearest(&rows, &order.map(|figure| target[figure]));
-        line!(
-            text,
-            "  columns exchanged ({})        {most} of 3  {distance:.3}",
-            columns(order)
-        );
-    }
-    line!(
-        text,
-        "  Of the 27 ways to give three figures these kinds of motion, {} are met entirely by some configuration; {} configurations meet {most} \
-         kinds as published.",
-        chance::assignments_met(search),
-        right.len()
-    );
-    text += &random(&Level::kinds_first(search, target, plan.draws));
     text
 }
 
-fn columns(order: [usize; 3]) -> String {
-    order.map(|figure| (figure + 10).to_string()).join(" ")
-}
-
-/// How well random targets of the published classes are met.
-fn random(level: &Level) -> String {
-    let mut text = String::new();
-    if level.draws > 0 {
-        line!(
-            text,
-            "  {} random targets of the same classes: least {:.3}, median {:.3}",
-            level.draws,
-            level.least,
-            level.median
-        );
-    }
-    line!(
-        text,
-        "  {} of {} random targets ({:.1} %) are met as well as the published ones.\n",
-        level.as_near,
-        level.draws,
-        level.percent()
-    );
-    text
+/// How well other targets are met.
+fn level_of(level: &Level) -> String {
+    format!(
+        "  distance {:.3}; as near or nearer are {} of {} random targets ({:.2} %) and {} of {} spectra that other readings give ({:.1} %)\n",
+        level.published,
+        level.random.met,
+        level.random.of,
+        level.random.percent(),
+        level.readings.met,
+        level.readings.of,
+        level.readings.percent()
+    )
 }
 
 fn own_spread(spread: &[&Row], target: &Twelve) -> String {
@@ -265,7 +280,11 @@ fn own_spread(spread: &[&Row], target: &Twelve) -> String {
         spread[0].key[2],
         spread.len()
     );
-    line!(text, "({}), same three series throughout:", described());
+    line!(
+        text,
+        "({}; and those of the search), same three series throughout:",
+        described()
+    );
     line!(
         text,
         "  exponent          min    median       max   published   unidentified   starved or unpredictable"

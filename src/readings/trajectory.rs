@@ -4,11 +4,13 @@ use std::ops::ControlFlow;
 
 use super::plan::{DT, Group, Integrator, Plan};
 use super::scheme;
+use super::verdict::Verdict;
+use crate::correlation::correlation_dimension;
 use crate::turns::Turns;
 use stickslip::analysis::motion::{Class, Criterion, Evidence, Of};
 use stickslip::analysis::{Exponent, SpectrumOptions, lyapunov_spectrum_watched};
 use stickslip::error::Error;
-use stickslip::filippov::{AtRepelling, Observer, Options, StepRecord, run};
+use stickslip::filippov::{AtRepelling, Method, Observer, Options, StepRecord, run};
 use stickslip::models::{BlockAndBracket, Caption};
 use stickslip::orbit::Ending;
 use stickslip::system::State;
@@ -17,27 +19,64 @@ type X = State<4>;
 
 /// Larger components mean that the orbit has left for good.
 pub const BOUND: f64 = 1e3;
-/// Orbits that take more steps of the exact solver are given up.
-pub const MOST_STEPS: usize = 2_000_000;
+/// Orbits that take more steps are given up: the shortest fixed steps, and one for each of some
+/// hundred thousand events.
+pub const MOST_STEPS: usize = 3_000_000;
 
-/// The series and the returns to `x₂ = 0` from above.
-#[derive(Clone, Debug, Default)]
-pub struct Trajectory {
+/// An orbit that stayed to the end.
+#[derive(Clone, Debug)]
+pub struct Bounded {
     /// States 0.2 apart.
     pub series: Vec<[f64; 4]>,
-    /// Times and states of the returns.
-    pub section: Vec<(f64, [f64; 4])>,
+    /// Class of the motion.
+    pub class: Class,
+    /// Half the extent of x₁.
+    pub amplitude: f64,
+    /// Correlation dimension of the returns to `x₂ = 0` from above; NaN where they close.
+    pub dimension: f64,
+}
+
+impl Bounded {
+    /// From the series, times and states of the returns, and the class.
+    pub fn new(series: Vec<[f64; 4]>, section: &[(f64, [f64; 4])], class: Class) -> Bounded {
+        let x1 = || series.iter().map(|x| x[0]);
+        let amplitude = 0.5 * (x1().fold(f64::MIN, f64::max) - x1().fold(f64::MAX, f64::min));
+        let dimension = match class {
+            Class::Periodic(_) => f64::NAN,
+            _ => {
+                let points: Vec<[f64; 4]> = section.iter().map(|(_, x)| *x).collect();
+                correlation_dimension(&points)
+            }
+        };
+        Bounded {
+            series,
+            class,
+            amplitude,
+            dimension,
+        }
+    }
 }
 
 /// What came of an orbit.
 #[derive(Clone, Debug)]
 pub enum Outcome {
-    /// It stayed to the end: its series, and the class of its motion.
-    Bounded(Vec<[f64; 4]>, Class),
+    /// It stayed to the end.
+    Bounded(Bounded),
     /// It left for infinity.
     Escaped,
     /// It could not be followed: transitions pile up, the step collapses, or it takes too long.
     Failed,
+}
+
+impl Outcome {
+    /// As the table has it.
+    pub fn verdict(&self) -> Verdict {
+        match self {
+            Outcome::Bounded(motion) => Verdict::Motion(motion.class),
+            Outcome::Escaped => Verdict::Escaped,
+            Outcome::Failed => Verdict::Failed,
+        }
+    }
 }
 
 /// Follows the orbit of a caption.
@@ -47,7 +86,8 @@ pub fn follow(group: &Group, caption: &Caption, plan: &Plan) -> Outcome {
     };
     let start = State::from(caption.start);
     match group.integrator {
-        Integrator::Exact => exact(&system, start, plan),
+        Integrator::Exact => solved(&system, start, plan, Method::Dop853),
+        Integrator::FourthOrder(step) => solved(&system, start, plan, Method::Rk4 { step }),
         Integrator::InPlace(h) => scheme::follow(&system, start, h, plan),
     }
 }
@@ -55,9 +95,11 @@ pub fn follow(group: &Group, caption: &Caption, plan: &Plan) -> Outcome {
 /// Tolerance of the exact solver, as in the figures.
 pub const TOLERANCE: f64 = 1e-10;
 
-fn exact(system: &BlockAndBracket, start: X, plan: &Plan) -> Outcome {
+/// By the library's solver, which locates Σ by Hénon's step.
+fn solved(system: &BlockAndBracket, start: X, plan: &Plan, method: Method) -> Outcome {
     // Where friction drives the block away from the belt, either side is as good as the other.
     let options = Options::tol(TOLERANCE)
+        .method(method)
         .escape(BOUND)
         .at_repelling(AtRepelling::GoBelow);
     let t_end = plan.from + plan.duration();
@@ -75,17 +117,11 @@ fn exact(system: &BlockAndBracket, start: X, plan: &Plan) -> Outcome {
     let spectrum = lyapunov_spectrum_watched(system, (0.0, start), &settings, &mut watch);
     match spectrum {
         Ok(spectrum) if spectrum.summary.ending == Ending::EndTime => {
-            bounded(watch.kept(), &spectrum.exponents, spectrum.duration)
+            watch.bounded(&spectrum.exponents, spectrum.duration)
         }
         // An orbit whose tangent vectors cannot be followed still has a series and a section.
-        _ => bounded(alone.kept(), &[], plan.duration()),
+        _ => alone.bounded(&[], plan.duration()),
     }
-}
-
-fn bounded(kept: Trajectory, exponents: &[Exponent], duration: f64) -> Outcome {
-    let spectrum = (Of::Flow, exponents, duration);
-    let evidence = Evidence::gather(&kept.section, spectrum, &Criterion::default());
-    Outcome::Bounded(kept.series, evidence.class())
 }
 
 struct Watch<'a> {
@@ -133,10 +169,9 @@ impl<'a> Watch<'a> {
         }
     }
 
-    fn kept(self) -> Trajectory {
-        Trajectory {
-            series: self.series,
-            section: self.turns.points,
-        }
+    fn bounded(self, exponents: &[Exponent], duration: f64) -> Outcome {
+        let (section, spectrum) = (self.turns.points, (Of::Flow, exponents, duration));
+        let class = Evidence::gather(&section, spectrum, &Criterion::default()).class();
+        Outcome::Bounded(Bounded::new(self.series, &section, class))
     }
 }

@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use clap::Parser;
 
 use super::ledger::{Ledger, LedgerError, TICKS};
-use super::page::{Origin, Picture, Report, page};
+use super::page::{Picture, Report, page};
 use super::{draw_convergence, draw_scan, readme, tables};
 use crate::figures::FigureError;
 use crate::figures::output::{Artifact, listing, write_all};
@@ -93,10 +93,8 @@ pub fn run(
     let [convergence, scan] = pictures;
     let report = Report {
         ledger,
-        claims: Claims::committed().map_err(LedgerError::from)?,
         convergence,
         scan,
-        origin: Origin::ask(),
     };
     let page = Artifact::text("index.html", page(&report));
     paths.extend(write_all(&folders[0], &[claims, page])?);
@@ -146,7 +144,7 @@ fn figures(
 }
 
 fn summary(ledger: &Ledger) -> String {
-    let mut text = format!("{} claims\n", ledger.entries.len());
+    let mut text = format!("{} claims counted\n", ledger.counted());
     for (verdict, count) in ledger.counts() {
         text += &format!("{count:>5} {verdict}\n");
     }

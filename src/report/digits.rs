@@ -91,7 +91,8 @@ fn significant(published: f64, decimals: usize) -> u32 {
     digits.skip_while(|&c| c == '0').count().max(1) as u32
 }
 
-fn ten_to(power: f64) -> f64 {
+/// A power of ten.
+pub(super) fn ten_to(power: f64) -> f64 {
     stickslip::math::pow(10.0, power)
 }
 

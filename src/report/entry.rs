@@ -47,14 +47,19 @@ impl Entry {
             .max_by_key(|digits| digits.agreeing)
     }
 
-    /// The evidence, line by line: how it is judged, what each reading gives, what else was computed.
-    pub fn lines(&self) -> Vec<String> {
-        let decimals = match self.claim.digits {
+    /// What one reading gives, in a line.
+    pub fn line(&self, finding: &Finding) -> String {
+        finding.line(match self.claim.digits {
             Digits::Decimals(decimals) => decimals + 1,
             Digits::Exact | Digits::None => 6,
-        };
+        })
+    }
+
+    /// The evidence, line by line: how it is judged, what each reading gives, what else was computed.
+    pub fn lines(&self) -> Vec<String> {
         let mut lines = vec![format!("check: {}", self.check)];
-        lines.extend(self.findings.iter().map(|one| one.line(decimals)));
+        let findings = self.findings.iter();
+        lines.extend(findings.map(|one| format!("{}, {}", one.reading, self.line(one))));
         lines.extend(self.further.iter().cloned());
         lines
     }

@@ -2,6 +2,7 @@
 
 use super::remark::Sign;
 use crate::figures::block_and_bracket;
+use crate::figures::fig04::Data as Fig04Data;
 use crate::figures::fig07::Data as Fig07Data;
 use crate::figures::fig08::Data as Fig08Data;
 use crate::figures::rows::Row;
@@ -29,6 +30,8 @@ pub struct Table {
 pub struct Computed {
     /// All tables.
     pub tables: Vec<Table>,
+    /// Fig. 4 in full.
+    pub fig04: Fig04Data,
     /// Fig. 7 in full.
     pub fig07: Fig07Data,
     /// Fig. 8 in full.
@@ -73,6 +76,7 @@ impl Computed {
             tables: vec![
                 fig04.1, fig06.1, fig07.1, fig08.1, fig10.1, fig11.1, fig12.1,
             ],
+            fig04: fig04.0,
             fig07: fig07.0,
             fig08: fig08.0,
             bracket: [fig10.0, fig11.0, fig12.0],

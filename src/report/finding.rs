@@ -21,6 +21,8 @@ pub struct Finding {
     pub agrees: bool,
     /// Whether it could not have come out otherwise, and is therefore no evidence.
     pub by_construction: bool,
+    /// Whether settings that the paper does not state move it by more than the printed digits.
+    pub undetermined: bool,
     /// What the value is worth, such as `unidentified`.
     pub note: Option<String>,
 }
@@ -34,6 +36,21 @@ impl Finding {
             agrees: claim.agrees(value),
             ..Finding::new(reading, source)
         }
+    }
+
+    /// The members of a set.
+    pub fn set(claim: &Claim, reading: Reading, source: &'static str, values: &[f64]) -> Self {
+        let members = values
+            .iter()
+            .map(|value| Finding::number(claim, reading, source, *value));
+        let mut found = members
+            .reduce(|mut known, one| {
+                known.join(one);
+                known
+            })
+            .unwrap_or_else(|| Finding::new(reading, source));
+        found.agrees &= found.has_every_member(claim);
+        found
     }
 
     /// A word or a count against the published one.
@@ -62,6 +79,7 @@ impl Finding {
             digits: None,
             agrees: false,
             by_construction: false,
+            undetermined: false,
             note: None,
         }
     }
@@ -78,6 +96,20 @@ impl Finding {
     pub fn by_construction(mut self) -> Self {
         self.by_construction = true;
         self
+    }
+
+    /// The same, as a value that unstated settings decide.
+    #[must_use]
+    pub fn undetermined(mut self) -> Self {
+        self.undetermined = true;
+        self
+    }
+
+    /// Whether it can speak for the claim or against it. A direction that stick annihilates has the
+    /// exponent −∞ in the equations; an estimate from data is always finite, and the two cannot be
+    /// compared.
+    pub fn is_evidence(&self) -> bool {
+        !self.by_construction && self.value() != Some(f64::NEG_INFINITY)
     }
 
     /// What a figure's rows give for a claim, one finding for each reading.
@@ -167,7 +199,7 @@ impl Finding {
                 other => other.to_string(),
             })
             .collect();
-        let mut line = format!("{} ({}): {}", self.reading, self.source, texts.join("; "));
+        let mut line = format!("{}: {}", self.source, texts.join("; "));
         match self.digits {
             Some(digits) => line += &format!(", {digits} digits"),
             None if matches!(self.values[..], [Value::Statement(_)]) => {}
@@ -177,8 +209,13 @@ impl Finding {
         if let Some(note) = self.note.as_ref().filter(|note| *note != "ok") {
             line += &format!(" – {note}");
         }
+        if self.undetermined {
+            line += " – undetermined: settings that the paper does not state move it by more than its digits";
+        }
         if self.by_construction {
             line += " – no evidence: it could not have come out otherwise";
+        } else if !self.is_evidence() {
+            line += " – no evidence: not comparable with an estimate from data";
         }
         line
     }

@@ -6,7 +6,7 @@ use super::checks::check;
 use super::convergence::{self, Convergence};
 use super::correction::Correction;
 use super::entry::Entry;
-use super::errata::{Erratum, Sources, errata};
+use super::errata::{Erratum, errata};
 use super::evidence::{Evidence, EvidenceError};
 use super::figures::{self, Computed, signs};
 use super::finding::Finding;
@@ -18,10 +18,11 @@ use super::spread::{self, Spread, SpreadError};
 use super::statements::Statements;
 use super::verdict::Verdict;
 use crate::figures::FigureError;
-use crate::figures::fig08::Shares;
+use crate::figures::fig08::{FOLLOWED, REACH, Shares};
 use crate::paper::claim_id::{ClaimId, SpectrumFigure};
-use crate::paper::published::{Claims, PublishedError};
+use crate::paper::published::{Claim, Claims, PublishedError};
 use crate::paper::reading::{Reading, Role};
+use stickslip::analysis::data_spectrum::Status;
 use stickslip::error::Error;
 
 /// Everything the report says.
@@ -102,12 +103,7 @@ impl Ledger {
         let accuracy = Accuracy::compute()?;
         let spread = Spread::compute(tick)?;
         let statements = Statements::compute(&computed)?;
-        let errata = errata(&Sources {
-            matrix: &matrix,
-            accuracy: &accuracy,
-            arcs: &statements.arcs,
-            oscillation: &statements.zone_oscillates,
-        })?;
+        let errata = errata(&matrix, &accuracy, &statements)?;
         let mut ledger = Ledger {
             entries: Vec::new(),
             matrix,
@@ -126,6 +122,11 @@ impl Ledger {
             .map(|claim| ledger.judged_anew(claims, claim.id))
             .collect();
         Ok(ledger)
+    }
+
+    /// How many claims are counted: all but identities.
+    pub fn counted(&self) -> usize {
+        self.counts().iter().map(|(_, count)| count).sum()
     }
 
     /// How many claims have each verdict.
@@ -157,7 +158,17 @@ impl Ledger {
             .iter()
             .flat_map(|table| Finding::of_rows(claims, claim, table.figure, &table.rows))
             .collect();
-        findings.extend(self.statement(id));
+        findings.extend(self.statement(claim));
+        let remark = id
+            .exponent()
+            .map(|(figure, k)| self.remark(claims.value(id), figure, k));
+        let range = remark.as_ref().and_then(|remark| remark.range);
+        if range.is_some_and(|range| range.exceeds_digits(claim)) {
+            let estimates = |one: &&mut Finding| one.reading == Reading::CorrectedData;
+            for one in findings.iter_mut().filter(estimates) {
+                one.undetermined = true;
+            }
+        }
         let has_corrected = |one: &Finding| one.reading.role() == Role::Corrected;
         let corrections = if findings.iter().any(has_corrected) {
             self.corrections(id)
@@ -168,20 +179,18 @@ impl Ledger {
             verdict: Verdict::of(claim.kind, &findings),
             check: check(id),
             corrections,
-            remark: id
-                .exponent()
-                .map(|(figure, k)| self.remark(claims.value(id), figure, k)),
-            further: self.further(id),
+            remark,
+            further: self.further(claim),
             claim: claim.clone(),
             findings,
         }
     }
 
     /// What the evidence says of a statement that no figure's table answers.
-    fn statement(&self, id: ClaimId) -> Vec<Finding> {
+    fn statement(&self, claim: &Claim) -> Vec<Finding> {
         use ClaimId::*;
         let all = &self.statements;
-        match id {
+        match claim.id {
             S2Sigma => exact(&all.sigma_of_belt),
             Eq19Sigma => exact(&all.sigma_of_forced),
             S2InnerPoints => exact(&all.inner_points),
@@ -194,8 +203,14 @@ impl Ledger {
             S4Arcs => exact(&all.arcs),
             S4ZoneOscillates => exact(&all.zone_oscillates),
             S6OscillatingBoundary => exact(&all.oscillating_boundary),
-            S5Samples => exact(&all.samples),
+            Fig08Start => exact(&all.start),
+            S4LengthIsWay => exact(&all.way),
+            S5ByProcedure => beside_printed(Reading::Corrected, &all.by_procedure),
             S5Shapes => vec![evidence(Reading::CorrectedEquations, &all.shapes)],
+            S5Kinds => {
+                let kinds = all.shapes.kinds();
+                vec![Finding::statement(Reading::Corrected, REPORT, kinds)]
+            }
             S4FoundByAppendix => {
                 // The claim is the first part; the second, what the program without its defects finds, is told beside it.
                 let found = &all.found_by_appendix;
@@ -211,7 +226,13 @@ impl Ledger {
                 findings
             }
             S3ReleaseAccuracy => self.accuracy.release_findings(),
-            AbstractAccuracy => self.accuracy.findings(),
+            S3ArrivalAccuracy => self.accuracy.arrival_findings(),
+            Eq24TangentPoints => vec![Finding::set(
+                claim,
+                Reading::Exact,
+                REPORT,
+                &all.zone_oscillates.at_rest,
+            )],
             // Figures' tables.
             Eq12CriticalPoints
             | Eq13CriticalMu0
@@ -227,7 +248,6 @@ impl Ledger {
             | Eq23CriticalMu0
             | Fig07aTangency
             | Fig07cBranches
-            | Eq24TangentPoints
             | Fig08StickLength1
             | Fig08StickLength2
             | Fig08StickDuration1
@@ -249,6 +269,7 @@ impl Ledger {
             | Fig12Lambda3
             | Fig12Lambda4
             | Fig12Class
+            | S5Samples
             | S5ZeroExponent
             | S5TwoZeroExponents
             | S5PositiveExponent => Vec::new(),
@@ -277,31 +298,94 @@ impl Ledger {
         }
     }
 
+    /// Another reading of "close to zero": of the estimate from data.
+    fn nearest_to_zero(&self) -> String {
+        let nearest = self.computed.bracket.each_ref().map(|data| {
+            let told = data.from_data.exponents.iter();
+            let told = told.filter(|one| one.status == Status::Ok);
+            let sizes = told.map(|one| one.value.abs());
+            format!("{:.4}", sizes.fold(f64::INFINITY, f64::min))
+        });
+        format!(
+            "of the exponents that an estimate from the sampled motion determines, the nearest to zero is {} in size (Figs. 10, 11, 12)",
+            nearest.join(", ")
+        )
+    }
+
     /// Lines of evidence besides the findings.
-    fn further(&self, id: ClaimId) -> Vec<String> {
-        match id {
-            ClaimId::Fig10Class => vec![self.spread.mended_sentence()],
-            ClaimId::Fig12Class => vec![format!(
-                "the class rests on a section that does not close and on the positive exponent; by the section's dimension alone: {}",
-                self.statements.shapes.line()
-            )],
-            ClaimId::Fig08TwoPeriodic => vec![self.scan.sentence(), self.scan.chaos.sentence()],
-            ClaimId::AbstractAccuracy => {
-                let accuracy = &self.accuracy;
-                let arrival = accuracy.lines_of_arrival();
-                arrival.chain(accuracy.lines_of_release()).collect()
+    fn further(&self, claim: &Claim) -> Vec<String> {
+        match claim.id {
+            ClaimId::Fig10Class => vec![
+                self.spread.mended_sentence(),
+                self.spread.two_periodic_sentence(),
+            ],
+            ClaimId::Fig12Class => vec![
+                format!(
+                    "the class rests on a section that does not close and on the positive exponent: {}",
+                    self.statements.shapes.line()
+                ),
+                self.spread.chaos_sentence(),
+            ],
+            ClaimId::Fig04NoStick => {
+                let figure = &self.computed.fig04;
+                let (sticking, all) = (figure.sticking, figure.orbits.len());
+                vec![format!(
+                    "{sticking} of the {all} orbits of the figure ride the belt before they settle; of the periodic solution alone, \
+                    which is another reading, the sentence holds"
+                )]
             }
+            ClaimId::Fig08TwoPeriodic => vec![
+                shares_sentence(&self.shares()),
+                self.scan.sentence(),
+                self.scan.chaos.sentence(),
+            ],
+            ClaimId::S5Samples => match claim.values() {
+                [states, _, begin, end] => vec![format!(
+                    "{} time units between {states} states are {} apart",
+                    end - begin,
+                    (end - begin) / (states - 1.0)
+                )],
+                _ => Vec::new(),
+            },
+            ClaimId::S5ZeroExponent => vec![self.nearest_to_zero()],
+            ClaimId::S3ArrivalAccuracy => self.accuracy.lines_of_arrival().collect(),
             ClaimId::S3ReleaseAccuracy => self.accuracy.lines_of_release().collect(),
-            _ => Vec::new(),
+            _ => {
+                let digits = |(figure, k)| self.spread.digits_sentence(figure as usize, k);
+                claim.id.exponent().and_then(digits).into_iter().collect()
+            }
         }
     }
 }
 
 const REPORT: &str = "report";
 
+/// Where the starts of Fig. 8's grid end up in the stated model.
+fn shares_sentence(shares: &Shares) -> String {
+    let percent = |share: f64| format!("{:.0} %", 100.0 * share);
+    format!(
+        "Of {} starts in the stated model, from −{} to {} m and −{} to {} m/s, within {FOLLOWED} forcing periods {} settle on motions that never \
+         stick, {} escape, {} stick and slip, and {} do not settle (other windows of starts have other shares).",
+        shares.starts,
+        REACH[0],
+        REACH[0],
+        REACH[1],
+        REACH[1],
+        percent(shares.slip_only + shares.other),
+        percent(shares.escapes),
+        percent(shares.stick_slip),
+        percent(shares.unsettled),
+    )
+}
+
 /// A statement of the stated model, and what the listing makes of it where that was looked at.
 fn exact(found: &dyn Evidence) -> Vec<Finding> {
-    let mut findings = vec![evidence(Reading::Exact, found)];
+    beside_printed(Reading::Exact, found)
+}
+
+/// A statement by one reading, and what the letter of the paper makes of it where that was looked at.
+fn beside_printed(reading: Reading, found: &dyn Evidence) -> Vec<Finding> {
+    let mut findings = vec![evidence(reading, found)];
     let printed = found.as_printed();
     if !printed.is_empty() {
         findings.push(Finding::statement(Reading::AsPrinted, REPORT, printed));

@@ -22,7 +22,6 @@ pub mod finding;
 pub mod injection;
 pub mod ledger;
 pub mod matrix;
-mod origin;
 pub mod page;
 pub mod paper_part;
 pub mod readme;

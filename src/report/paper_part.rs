@@ -11,9 +11,7 @@ pub enum PaperPart {
     Fig4,
     /// The Hénon step: abstract and Sect. 3.
     Henon,
-    /// Fig. 6.
-    Fig6,
-    /// Model 2: Eqs. (17)–(24), Fig. 7 and Sect. 4.1.
+    /// Model 2: Eqs. (17)–(24), Figs. 6, 7 and Sect. 4.1.
     Fig7,
     /// Fig. 8 and Sect. 4.2.
     Fig8,
@@ -29,11 +27,10 @@ pub enum PaperPart {
 
 impl PaperPart {
     /// All of them, in the order of the paper.
-    pub const ALL: [PaperPart; 10] = [
+    pub const ALL: [PaperPart; 9] = [
         PaperPart::Sect2,
         PaperPart::Fig4,
         PaperPart::Henon,
-        PaperPart::Fig6,
         PaperPart::Fig7,
         PaperPart::Fig8,
         PaperPart::Fig10,
@@ -48,8 +45,7 @@ impl PaperPart {
             PaperPart::Sect2 => "Sect. 2, Eqs. (8)–(16)",
             PaperPart::Fig4 => "Fig. 4",
             PaperPart::Henon => "Abstract, Sect. 3: the Hénon step",
-            PaperPart::Fig6 => "Fig. 6",
-            PaperPart::Fig7 => "Sect. 4.1, Eqs. (19)–(24), Fig. 7",
+            PaperPart::Fig7 => "Sect. 4.1, Eqs. (19)–(24), Figs. 6, 7",
             PaperPart::Fig8 => "Sect. 4.2, Fig. 8",
             PaperPart::Fig10 => "Fig. 10",
             PaperPart::Fig11 => "Fig. 11",
@@ -71,14 +67,15 @@ impl PaperPart {
             | S2InnerPoints
             | Eq16TangentPoints => PaperPart::Sect2,
             Fig04Visibility | Fig04NoStick | Fig04Deflection => PaperPart::Fig4,
-            S3ReleaseAccuracy | AbstractAccuracy => PaperPart::Henon,
-            Fig06FrictionLaw => PaperPart::Fig6,
-            Eq19Sigma | Eq22CriticalPoints | Eq23CriticalMu0 | Fig07aTangency
-            | Fig07bOscillation | Fig07cBranches | Eq24TangentPoints | S4ZoneAttracts
-            | S4ExactLengths | S4NoStickAtZero | S4ZoneLocation => PaperPart::Fig7,
+            S3ArrivalAccuracy | S3ReleaseAccuracy => PaperPart::Henon,
+            Fig06FrictionLaw | Eq19Sigma | Eq22CriticalPoints | Eq23CriticalMu0
+            | Fig07aTangency | Fig07bOscillation | Fig07cBranches | Eq24TangentPoints
+            | S4ZoneAttracts | S4ExactLengths | S4NoStickAtZero | S4ZoneLocation => PaperPart::Fig7,
             Fig08StickLength1 | Fig08StickLength2 | Fig08StickDuration1 | Fig08StickDuration2
-            | Fig08TwoPeriodic | Fig08Deflections | Fig08ExitAtVisible | S4UntilTangent
-            | S4Arcs | S4ZoneOscillates | S4FoundByAppendix => PaperPart::Fig8,
+            | Fig08Start | Fig08TwoPeriodic | Fig08Deflections | Fig08ExitAtVisible
+            | S4UntilTangent | S4LengthIsWay | S4Arcs | S4ZoneOscillates | S4FoundByAppendix => {
+                PaperPart::Fig8
+            }
             Fig10Lambda1 | Fig10Lambda2 | Fig10Lambda3 | Fig10Lambda4 | Fig10Class => {
                 PaperPart::Fig10
             }
@@ -88,7 +85,9 @@ impl PaperPart {
             Fig12Lambda1 | Fig12Lambda2 | Fig12Lambda3 | Fig12Lambda4 | Fig12Class => {
                 PaperPart::Fig12
             }
-            S5ZeroExponent
+            S5ByProcedure
+            | S5Kinds
+            | S5ZeroExponent
             | S5TwoZeroExponents
             | S5PositiveExponent
             | S5Shapes

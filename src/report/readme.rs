@@ -1,6 +1,5 @@
 //! The README's verdicts and every sentence of it that has a computed number, written from the ledger.
 
-use super::correction::Correction;
 use super::entry::Entry;
 use super::finding::Finding;
 use super::ledger::Ledger;
@@ -10,7 +9,6 @@ use super::verdict::Verdict;
 use crate::figures::rows::Value;
 use crate::marked::Marks;
 use crate::paper::published::{Digits, Kind};
-use crate::paper::reading::Role;
 
 /// Where it stands in the README.
 pub const MARKS: Marks = Marks {
@@ -18,40 +16,18 @@ pub const MARKS: Marks = Marks {
     end: "<!-- end of verdicts -->\n",
 };
 
-/// Claims of these parts are listed one by one.
-const LISTED: [PaperPart; 4] = [
-    PaperPart::Fig8,
-    PaperPart::Fig10,
-    PaperPart::Fig11,
-    PaperPart::Fig12,
-];
-
-/// What stands between the marks: the tables, and the sentences that have numbers in them.
+/// What stands between the marks: the verdict in three sentences, the table, and what its words mean.
 pub fn block(ledger: &Ledger) -> String {
-    let sentences = sentences(ledger).join("\n\n");
-    format!(
-        "{}\n{}\n{}\n{sentences}\n",
-        counts(ledger),
-        meanings(),
-        listed(ledger)
-    )
-}
-
-/// What the words mean.
-fn meanings() -> String {
-    let each: Vec<String> = Verdict::ALL
+    let meanings: Vec<String> = Verdict::ALL
         .iter()
         .map(|verdict| format!("* **{verdict}**: {}", verdict.meaning()))
         .collect();
-    let corrections: Vec<String> = Correction::ALL
-        .iter()
-        .map(|one| format!("* {}: {}", one.label(), one.description()))
-        .collect();
     format!(
-        "{}\n\nEach exponent is judged by its own digits. That its sign agrees, or that it lies inside what the estimator's unstated settings can \
-         give, is remarked in the report and is no verdict. The corrections:\n\n{}\n",
-        each.join("\n"),
-        corrections.join("\n")
+        "{}\n\n{}\n{}\n\n{} more are listed and not counted: identities, which could not have come out otherwise.\n",
+        sentences(ledger).join("\n\n"),
+        counts(ledger),
+        meanings.join("\n"),
+        ledger.entries.len() - ledger.counted()
     )
 }
 
@@ -65,7 +41,9 @@ fn counts(ledger: &Ledger) -> String {
     text += &"--:|".repeat(Verdict::COUNT);
     text += "\n";
     for part in PaperPart::ALL {
-        let of = |entry: &&Entry| PaperPart::of(entry.claim.id) == part;
+        let of = |entry: &&Entry| {
+            PaperPart::of(entry.claim.id) == part && entry.verdict != Verdict::Identity
+        };
         let entries: Vec<&Entry> = ledger.entries.iter().filter(of).collect();
         text += &format!("| {} | {} |", part.name(), entries.len());
         for verdict in Verdict::ALL {
@@ -77,58 +55,11 @@ fn counts(ledger: &Ledger) -> String {
         }
         text += "\n";
     }
-    text += &format!("| **all** | **{}** |", ledger.entries.len());
+    text += &format!("| **all** | **{}** |", ledger.counted());
     for (_, count) in ledger.counts() {
         text += &format!(" **{count}** |");
     }
     text + "\n"
-}
-
-/// The claims of Figs. 8 and 10–12, one by one.
-fn listed(ledger: &Ledger) -> String {
-    let all = ledger.entries.len();
-    let mut text = format!(
-        "Of these {all}, the claims of Figs. 8 and 10–12 one by one; all are in `report/claims.csv`.\n\n| claim | published | as stated | with corrected equations | as printed | verdict |\n|---|---|---|---|---|---|\n",
-    );
-    let listed = |entry: &&Entry| LISTED.contains(&PaperPart::of(entry.claim.id));
-    for entry in ledger.entries.iter().filter(listed) {
-        let published = match entry.claim.published.as_str() {
-            "" => "stated",
-            said => said,
-        };
-        let labels: Vec<String> = match entry.verdict {
-            Verdict::WithCorrections => entry.corrections.iter().map(|one| one.label()).collect(),
-            _ => Vec::new(),
-        };
-        text += &format!(
-            "| `{}` | {} | {} | {} | {} | {}{} |\n",
-            entry.claim.id,
-            minus(published),
-            cell(entry, Role::Stated),
-            cell(entry, Role::Corrected),
-            cell(entry, Role::AsPrinted),
-            entry.verdict,
-            if labels.is_empty() {
-                String::new()
-            } else {
-                format!(" ({})", labels.join(", "))
-            }
-        );
-    }
-    text
-}
-
-/// What the first reading with a role gives; empty where none speaks.
-fn cell(entry: &Entry, role: Role) -> String {
-    let Some(first) = entry.with(role).next() else {
-        return String::new();
-    };
-    let text = shown(entry, first);
-    if first.by_construction {
-        text + " by construction: no evidence"
-    } else {
-        text
-    }
 }
 
 /// A reading's values with as many decimals as are printed; six of what is known in closed form.
@@ -162,7 +93,7 @@ fn number(value: &Value) -> f64 {
 }
 
 /// A number with so many decimals and a true minus sign; a zero has none.
-pub(super) fn decimals(value: f64, decimals: usize) -> String {
+pub(in crate::report) fn decimals(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     let is_zero = text.chars().all(|c| "-0.".contains(c));
     minus(if is_zero {

@@ -2,6 +2,9 @@
 
 use std::fmt;
 
+use super::digits::ten_to;
+use crate::paper::published::{Claim, Digits};
+
 /// Sign of a Lyapunov exponent, zero within its error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sign {
@@ -56,6 +59,14 @@ impl Range {
     pub fn holds(&self, value: f64) -> bool {
         (self.least..=self.largest).contains(&value)
     }
+
+    /// Whether it is wider than a unit of the last digit that is printed.
+    pub fn exceeds_digits(&self, claim: &Claim) -> bool {
+        match claim.digits {
+            Digits::Decimals(decimals) => self.largest - self.least > ten_to(-(decimals as f64)),
+            Digits::Exact | Digits::None => false,
+        }
+    }
 }
 
 /// What is remarked of a published exponent.
@@ -84,6 +95,21 @@ impl Remark {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_range_is_held_against_a_unit_of_the_last_printed_digit() {
+        let claims = crate::paper::published::Claims::committed().unwrap();
+        let claim = claims.of(crate::paper::claim_id::ClaimId::Fig10Lambda1);
+        let range = |least: f64, largest: f64| Range {
+            least,
+            median: least,
+            largest,
+            settings: 2,
+            unidentified: 0,
+        };
+        assert!(range(-0.0002, -0.00005).exceeds_digits(claim));
+        assert!(!range(-0.0002, -0.00015).exceeds_digits(claim));
+    }
 
     #[test]
     fn a_small_negative_number_is_no_zero() {

@@ -7,7 +7,7 @@ use super::remark::Range;
 use crate::figures::FigureError;
 use crate::figures::block_and_bracket::{Set, compute};
 use crate::paper::claim_id::SpectrumFigure;
-use crate::readings::{Committed, ReadingsError};
+use crate::readings::{Committed, Integrator, Match, ReadingsError};
 use stickslip::analysis::motion::Class;
 use stickslip::models::Caption;
 
@@ -84,6 +84,67 @@ impl Spread {
             "the caption's entries contradict each other; mended one at a time, {}",
             each.join(", ")
         )
+    }
+
+    /// The readings that make Fig. 10 as captioned, loops and all, and what becomes of the other
+    /// figures there.
+    pub fn two_periodic_sentence(&self) -> String {
+        let captioned = |one: &&Match| one.classes[0].is_published(0);
+        let all = self.search.motions.iter().filter(captioned);
+        let each: Vec<String> = all
+            .map(|one| {
+                format!(
+                    "{}; {} (x1 within {:.3} of its middle; {})",
+                    one.reading,
+                    one.integrator,
+                    one.amplitudes[0],
+                    one.others(0)
+                )
+            })
+            .collect();
+        if each.is_empty() {
+            return "no reading of the search is two-periodic".to_owned();
+        }
+        format!("read otherwise it is two-periodic: {}", each.join(" | "))
+    }
+
+    /// What Fig. 12 is in every reading with the corrected signs, solved exactly.
+    pub fn chaos_sentence(&self) -> String {
+        let corrected = |one: &&Match| {
+            one.integrator == Integrator::Exact.name() && one.reading.starts_with("+x3 +T;")
+        };
+        let each: Vec<String> = self
+            .search
+            .motions
+            .iter()
+            .filter(corrected)
+            .map(|one| format!("{}: {}", one.reading, one.classes[2]))
+            .collect();
+        format!(
+            "the class needs the normal force clipped and this scaling; with the signs corrected and solved exactly, the readings give {}",
+            each.join(" | ")
+        )
+    }
+
+    /// How often the search meets an exponent to its printed digits, and what that is worth;
+    /// `figure` and `k` from 0.
+    pub fn digits_sentence(&self, figure: usize, k: usize) -> Option<String> {
+        let search = &self.search;
+        let (met, by_chance) = (
+            search.digits.by.get(figure)?.get(k)?,
+            search.digits_by_chance.get(figure)?.get(k)?,
+        );
+        let of = format!(
+            "of {} configurations that keep all three motions {met} give the printed digits",
+            search.kept
+        );
+        Some(match by_chance {
+            Some(share) => format!(
+                "{of}; {:.0} % of random targets are met by as many",
+                share.percent()
+            ),
+            None => of,
+        })
     }
 
     /// Where the estimates come from.

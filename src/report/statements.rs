@@ -1,9 +1,9 @@
 //! All evidence for the paper's statements, computed together.
 
 use super::evidence::{
-    Arcs, BesideCurves, EvidenceError, ExactLengths, Exits, Followed, FoundByAppendix, InnerPoints,
-    NoFriction, OscillatingBoundary, Samples, Shapes, Sigma, UntilTangent, ZoneAttracts,
-    ZoneLocation, ZoneOscillates,
+    Arcs, BesideCurves, ByProcedure, EvidenceError, ExactLengths, Exits, Followed, FoundByAppendix,
+    InnerPoints, NoFriction, OscillatingBoundary, Shapes, Sigma, Start, UntilTangent, Way,
+    ZoneAttracts, ZoneLocation, ZoneOscillates,
 };
 use super::figures::Computed;
 
@@ -36,9 +36,13 @@ pub struct Statements {
     pub found_by_appendix: FoundByAppendix,
     /// `fig08.exit_at_visible`
     pub exits: Exits,
-    /// `s5.samples`
-    pub samples: Samples,
-    /// `s5.shapes`
+    /// `fig08.start`
+    pub start: Start,
+    /// `s4.length_is_way`
+    pub way: Way,
+    /// `s5.by_procedure`
+    pub by_procedure: ByProcedure,
+    /// `s5.shapes` and `s5.kinds`
     pub shapes: Shapes,
     /// `s6.oscillating_boundary`
     pub oscillating_boundary: OscillatingBoundary,
@@ -51,7 +55,10 @@ impl Statements {
     /// [`EvidenceError`] of the first that fails.
     pub fn compute(computed: &Computed) -> Result<Statements, EvidenceError> {
         let zone_oscillates = ZoneOscillates::compute()?;
-        let (zone_attracts, followed) = rayon::join(ZoneAttracts::compute, Followed::compute);
+        let ((zone_attracts, followed), by_procedure) = rayon::join(
+            || rayon::join(ZoneAttracts::compute, Followed::compute),
+            ByProcedure::compute,
+        );
         let followed = followed?;
         let [fig10, fig11, fig12] = &computed.bracket;
         Ok(Statements {
@@ -69,7 +76,9 @@ impl Statements {
             zone_oscillates,
             found_by_appendix: FoundByAppendix::compute()?,
             exits: Exits::compute(&followed)?,
-            samples: Samples::compute(&[fig10, fig11, fig12])?,
+            start: Start::compute()?,
+            way: Way::compute(&followed)?,
+            by_procedure: by_procedure?,
             shapes: Shapes::of([fig10, fig11, fig12]),
         })
     }

@@ -8,12 +8,20 @@ use crate::paper::claim_id::ClaimId;
 use crate::paper::published::{Digits, Kind};
 use crate::paper::reading::{Reading, Role};
 
-/// The claims: what is published, what each reading gives, verdict, corrections, remarks, evidence.
+/// The claims: what is published, what each reading gives, verdict, corrections, remarks, evidence by reading.
 ///
 /// # Errors
 /// [`FigureError::Csv`] if the writer refuses a field.
 pub fn claims(ledger: &Ledger) -> Result<String, FigureError> {
-    let mut header = vec!["id", "where", "kind", "published", "digits", "unit"];
+    let mut header = vec![
+        "id",
+        "where",
+        "claim",
+        "kind",
+        "published",
+        "digits",
+        "unit",
+    ];
     header.extend(Reading::ALL.map(Reading::name));
     header.extend([
         "digits_in_agreement",
@@ -27,9 +35,11 @@ pub fn claims(ledger: &Ledger) -> Result<String, FigureError> {
         "unidentified",
         "within_unstated",
         "cause",
-        "evidence",
+        "check",
     ]);
-    let header = header.into_iter().map(str::to_owned).collect();
+    let mut header: Vec<String> = header.into_iter().map(str::to_owned).collect();
+    header.extend(Reading::ALL.map(|reading| format!("evidence.{reading}")));
+    header.push("evidence.further".to_owned());
     text(std::iter::once(header).chain(ledger.entries.iter().map(|entry| claim(ledger, entry))))
 }
 
@@ -40,6 +50,7 @@ fn claim(ledger: &Ledger, entry: &Entry) -> Vec<String> {
         Kind::Set => "set",
         Kind::Curve => "curve",
         Kind::Statement => "statement",
+        Kind::Identity => "identity",
     };
     let digits = match claim.digits {
         Digits::Decimals(decimals) => decimals.to_string(),
@@ -49,6 +60,7 @@ fn claim(ledger: &Ledger, entry: &Entry) -> Vec<String> {
     let mut row = vec![
         claim.id.to_string(),
         claim.place.clone(),
+        claim.what.clone(),
         kind.into(),
         claim.published.clone(),
         digits,
@@ -93,7 +105,13 @@ fn claim(ledger: &Ledger, entry: &Entry) -> Vec<String> {
     } else {
         String::new()
     });
-    row.push(entry.lines().join(" | "));
+    row.push(entry.check.to_owned());
+    row.extend(Reading::ALL.map(|reading| {
+        let of = entry.findings.iter().filter(|one| one.reading == reading);
+        let lines: Vec<String> = of.map(|one| entry.line(one)).collect();
+        lines.join(" | ")
+    }));
+    row.push(entry.further.join(" | "));
     row
 }
 

@@ -19,19 +19,25 @@ pub enum Verdict {
     InKind,
     /// None of these.
     NotReproduced,
+    /// The value depends on what the paper does not state.
+    Undeterminable,
+    /// It could not be otherwise; not counted.
+    Identity,
 }
 
 impl Verdict {
-    /// How many there are.
-    pub const COUNT: usize = 5;
+    /// How many are counted.
+    pub const COUNT: usize = 6;
 
-    /// All of them, the best first.
+    /// All that are counted: the best first, and last the one that speaks neither for the paper nor
+    /// against it.
     pub const ALL: [Verdict; Verdict::COUNT] = [
         Verdict::Reproduced,
         Verdict::WithCorrections,
         Verdict::AsPrintedOnly,
         Verdict::InKind,
         Verdict::NotReproduced,
+        Verdict::Undeterminable,
     ];
 
     /// What the word means.
@@ -54,13 +60,22 @@ impl Verdict {
             Verdict::NotReproduced => {
                 "neither the model as stated, nor a corrected one, nor the program gives it"
             }
+            Verdict::Undeterminable => {
+                "the paper does not state what the value depends on, and plausible settings, which are listed, move it by more than its printed \
+                 digits; one setting that agrees or disagrees is no evidence"
+            }
+            Verdict::Identity => {
+                "it follows from other claims or from a definition, so that it is no evidence: listed and not counted"
+            }
         }
     }
 
-    /// The verdict that findings on a claim of this kind come to. Where several findings have one role, all of them must agree.
+    /// The verdict that findings on a claim of this kind come to. Where several findings have one
+    /// role, all of them must agree; where unstated settings decide one of them, nothing is
+    /// decided.
     pub fn of(kind: Kind, findings: &[Finding]) -> Verdict {
         let with = |role: Role| {
-            let evidence = move |one: &&Finding| one.reading.role() == role && !one.by_construction;
+            let evidence = move |one: &&Finding| one.reading.role() == role && one.is_evidence();
             findings.iter().filter(evidence)
         };
         let all_agree = |role| with(role).next().is_some() && with(role).all(|one| one.agrees);
@@ -68,7 +83,11 @@ impl Verdict {
             let accurate = with(Role::Stated).chain(with(Role::Corrected));
             accurate.flat_map(Finding::parts).any(|holds| holds)
         };
-        if all_agree(Role::Stated) {
+        if kind == Kind::Identity {
+            Verdict::Identity
+        } else if findings.iter().any(|one| one.undetermined) {
+            Verdict::Undeterminable
+        } else if all_agree(Role::Stated) {
             Verdict::Reproduced
         } else if all_agree(Role::Corrected) {
             Verdict::WithCorrections
@@ -90,6 +109,8 @@ impl fmt::Display for Verdict {
             Verdict::AsPrintedOnly => "reproduced as printed only",
             Verdict::InKind => "in kind only",
             Verdict::NotReproduced => "not reproduced",
+            Verdict::Undeterminable => "undeterminable",
+            Verdict::Identity => "identity",
         })
     }
 }
@@ -104,6 +125,15 @@ mod tests {
 
     fn of(id: ClaimId, findings: &[Finding]) -> Verdict {
         Verdict::of(Claims::committed().unwrap().of(id).kind, findings)
+    }
+
+    /// One on the first stick length that settings move, beside one that they do not.
+    fn undetermined(value: f64) -> Verdict {
+        let id = ClaimId::Fig08StickLength1;
+        let claim = Claims::committed().unwrap().of(id);
+        let number = |reading| Finding::number(claim, reading, "test", value);
+        let moved = number(CorrectedData).undetermined();
+        of(id, &[number(CorrectedEquations), moved])
     }
 
     /// Findings on the first stick length, 0.4697 m.
@@ -149,11 +179,27 @@ mod tests {
                 numbers(&[(Exact, wrong), (AsPrinted, wrong)]),
                 Verdict::NotReproduced,
             ),
+            (undetermined(right), Verdict::Undeterminable),
         ];
         for (found, wanted) in cases {
             assert_eq!(found, wanted);
         }
         assert_eq!(cases.map(|(_, wanted)| wanted), Verdict::ALL);
+        // A setting that gives the digits decides as little as one that does not.
+        assert_eq!(undetermined(wrong), Verdict::Undeterminable);
+    }
+
+    #[test]
+    fn an_annihilated_direction_is_no_evidence_against_an_estimate() {
+        let (right, none) = (0.4697, f64::NEG_INFINITY);
+        assert_eq!(
+            numbers(&[(CorrectedEquations, none), (CorrectedData, right)]),
+            Verdict::WithCorrections
+        );
+        assert_eq!(
+            numbers(&[(CorrectedEquations, none)]),
+            Verdict::NotReproduced
+        );
     }
 
     #[test]
@@ -181,6 +227,19 @@ mod tests {
             statement(&[(Corrected, &[true]), (Corrected, &[false])]),
             Verdict::InKind
         );
+    }
+
+    #[test]
+    fn an_identity_is_listed_whatever_was_found() {
+        for part in [true, false] {
+            let part = Part {
+                what: "a part",
+                holds: part,
+            };
+            let found = [Finding::statement(Exact, "test", vec![part])];
+            assert_eq!(of(ClaimId::Fig06FrictionLaw, &found), Verdict::Identity);
+        }
+        assert!(!Verdict::ALL.contains(&Verdict::Identity));
     }
 
     #[test]

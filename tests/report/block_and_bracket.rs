@@ -153,13 +153,20 @@ pub fn data_against_equations(figures: &[(&str, &Data)]) {
 #[test]
 fn another_figures_exponents_do_not_confirm_a_section() {
     with(|report| {
-        let figures = &report.ledger.statements.shapes.figures;
-        assert_eq!(figures[0].by_section(), Kind::Periodic);
-        for (i, one) in figures.iter().enumerate() {
-            let mut mixed = *one;
-            let other = &figures[(i + 1) % 3];
+        let [first, second, third] = report.ledger.statements.shapes.figures;
+        for (one, other) in [(first, second), (second, first), (third, first)] {
+            let mut mixed = one;
             (mixed.zeros, mixed.positive) = (other.zeros, other.positive);
-            assert_ne!(mixed.by_exponents(), one.by_exponents());
+            assert!(one.confirmed() && !mixed.confirmed(), "{mixed:?}");
         }
+    });
+}
+
+#[test]
+fn the_procedure_of_sect_3_gives_the_three_kinds_with_the_signs_corrected_alone() {
+    with(|report| {
+        let found = &report.ledger.statements.by_procedure;
+        assert_eq!(found.corrected, Kind::CAPTIONED.map(Some));
+        assert_eq!(found.as_printed, [None; 3]);
     });
 }

@@ -3,7 +3,8 @@
 use super::with;
 use replication::paper::listing::{Setup, run};
 use replication::paper::pattern::Pattern;
-use replication::report::cause::{Cause, Status};
+use replication::paper::slip_times_three::{Injected, settled};
+use replication::report::cause::{Cause, SameMotion, Status};
 use replication::report::convergence::Convergence;
 use replication::report::matrix::four_claims;
 
@@ -48,5 +49,35 @@ fn a_wrong_limit_is_not_approached_and_leaves_no_step_error() {
             assert!(!cause.is_step_error(), "{limit:?}: {}", cause.sentence());
             assert_eq!(cause.status(), Status::ShownInPart);
         }
+    });
+}
+
+#[test]
+fn only_both_defects_make_the_motion_and_the_numbers() {
+    let published = four_claims().unwrap().map(|claim| claim.values()[0]);
+    let printed = Pattern::of_listing(&run(&Setup::default()).unwrap()).unwrap();
+    with(|report| {
+        let most = SameMotion::most(&report.ledger.convergence);
+        let motion =
+            |injected, published| SameMotion::new(&printed, settled(injected), published, most);
+        let both = motion(Injected::BOTH, published);
+        assert!(both.holds(), "{}", both.sentence());
+        let twice = Injected {
+            slip: 2.0,
+            ..Injected::BOTH
+        };
+        for injected in [
+            Injected::SLIP_ALONE,
+            Injected::EXIT_ALONE,
+            Injected::NONE,
+            twice,
+        ] {
+            let without = motion(injected, published);
+            assert!(!without.holds(), "{injected:?}: {}", without.sentence());
+        }
+        // With another digit in the third decimal in print, the numbers are not the ones that come out.
+        let mut other = published;
+        other[1] += 1e-3;
+        assert!(!motion(Injected::BOTH, other).holds());
     });
 }

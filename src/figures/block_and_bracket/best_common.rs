@@ -1,11 +1,12 @@
-//! The settings that the search over readings finds best.
+//! The settings of the search over readings that suit the corrected equations best.
 
 use stickslip::analysis::data_spectrum::{DataSettings, Neighbourhood};
 
-/// The estimator's settings that the whole search of the program `readings` ranks first for all three figures together, classes
-/// before exponents; the reading is then [`stickslip::models::Reading::exact`], solved exactly. The figures show what it gives. The
-/// first few settings are as good as each other within the scatter of Fig. 12's chaotic orbit: a change of the solver's last
-/// bits can exchange them, and a test of the search then says so.
+/// The estimator's settings that come nearest to all three figures together, of the settings of the
+/// program `readings` with a radius in units of the spread, for
+/// [`stickslip::models::Reading::exact`] solved exactly. The figures show what it gives. The first
+/// few are as good as each other within the scatter of Fig. 12's chaotic orbit: a change of the
+/// solver's last bits can exchange them, and a test of the search then says so.
 pub(crate) fn best_common() -> DataSettings {
     DataSettings {
         neighbours: Neighbourhood::Ball {

@@ -7,7 +7,7 @@ use stickslip::analysis::data_spectrum::{DataSettings, DataSpectrum, data_spectr
 use stickslip::analysis::motion::{Class, Criterion, Evidence, Of};
 use stickslip::analysis::{Spectrum, SpectrumOptions, lyapunov_spectrum_watched};
 use stickslip::error::Error;
-use stickslip::filippov::{Options, run};
+use stickslip::filippov::{Locator, Method, Options, run};
 use stickslip::models::{BlockAndBracket, Reading};
 use stickslip::system::State;
 
@@ -54,7 +54,7 @@ pub struct Data {
     pub exact: Measured,
     /// Exponents from the sampled states.
     pub from_data: DataSpectrum,
-    /// The same by the settings that the search over readings ranks first for the three figures together.
+    /// The same by the nearest of the search's settings for the three figures together.
     pub best_of_readings: DataSpectrum,
     /// States sampled.
     pub samples: usize,
@@ -127,6 +127,24 @@ fn literal(set: &Set) -> Result<Literal, Error> {
             let (measured, _) = measure(&model, set, options)?;
             Ok(Literal::Bounded(Box::new(measured)))
         }
+    }
+}
+
+/// Class of the motion by the procedure of Sect. 3: classical Runge–Kutta steps of one length, and Hénon's step onto Σ. Nothing if the
+/// orbit escapes.
+///
+/// # Errors
+/// Those of [`lyapunov_spectrum_watched`] except an escape.
+pub fn by_rk4_and_henon(set: &Set, reading: &Reading, step: f64) -> Result<Option<Class>, Error> {
+    let model = BlockAndBracket::from_caption(&set.caption, reading)?;
+    let options = Options::tol(TOLERANCE)
+        .method(Method::Rk4 { step })
+        .locator(Locator::Henon)
+        .escape(DIVERGED);
+    match measure(&model, set, options) {
+        Ok((measured, _)) => Ok(Some(measured.class)),
+        Err(Error::Escaped { .. }) => Ok(None),
+        Err(other) => Err(other),
     }
 }
 

@@ -11,7 +11,7 @@ mod watch;
 
 pub use against_equations::{Comparison, compare};
 pub(crate) use best_common::best_common;
-pub use compute::{Data, Literal, Measured, compute};
+pub use compute::{Data, Literal, Measured, by_rk4_and_henon, compute};
 pub use figure::BlockAndBracketFigure;
 
 use draw::draw;

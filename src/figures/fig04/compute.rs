@@ -61,6 +61,8 @@ pub struct Data {
     pub starts: Vec<(f64, f64)>,
     /// Their orbits as curves.
     pub orbits: Vec<Vec<(f64, f64)>>,
+    /// How many of them stick.
+    pub sticking: usize,
     /// The cycle.
     pub cycle: Cycle,
 }
@@ -89,13 +91,14 @@ pub(super) fn compute() -> Result<Data, Error> {
         .iter()
         .map(|tangent| (tangent.x1, model.belt_speed));
     let starts: Vec<(f64, f64)> = on_belt.chain(FURTHER).collect();
-    let orbits = starts
+    let followed = starts
         .iter()
         .map(|&(x1, x2)| {
             let orbit = solve(&model, 0.0, State::from([x1, x2]), DRAWN, &options)?;
-            Ok(trace::phase_plane(&orbit))
+            let sticks = usize::from(orbit.sticks().next().is_some());
+            Ok((trace::phase_plane(&orbit), sticks))
         })
-        .collect::<Result<_, Error>>()?;
+        .collect::<Result<Vec<_>, Error>>()?;
     let cycle = cycle(&model, &options)?;
     let stationary = stationary(&model);
     // At rest friction adds the same to either side, so the mean of the two normal components is the spring's.
@@ -110,7 +113,8 @@ pub(super) fn compute() -> Result<Data, Error> {
         tangents,
         zones: model.stick_zones()?,
         starts,
-        orbits,
+        sticking: followed.iter().map(|(_, sticks)| sticks).sum(),
+        orbits: followed.into_iter().map(|(curve, _)| curve).collect(),
         cycle,
     })
 }

@@ -52,6 +52,8 @@ fn limit_cycle(data: &Data) -> Vec<Row> {
         number("kink.below", cycle.kink[0], "m/s²"),
         number("kink.above", cycle.kink[1], "m/s²"),
         Row::count("fig04.sticks_per_period", Exact, cycle.sticks as u64),
+        Row::count("fig04.orbits", Exact, data.orbits.len() as u64),
+        Row::count("fig04.orbits_that_stick", Exact, data.sticking as u64),
     ]
 }
 
@@ -90,10 +92,16 @@ fn statements(data: &Data) -> Vec<Row> {
             holds: data.cycle.kink[0] != data.cycle.kink[1],
         },
     ];
-    let no_stick = vec![Part {
-        what: "the limit cycle has no stick phase",
-        holds: data.cycle.sticks == 0,
-    }];
+    let no_stick = vec![
+        Part {
+            what: "the limit cycle has no stick phase",
+            holds: data.cycle.sticks == 0,
+        },
+        Part {
+            what: "nor has an orbit of the figure that leads to it",
+            holds: data.sticking == 0,
+        },
+    ];
     vec![
         Row::word(ClaimId::Fig04Visibility, Exact, &data.kinds()),
         Row::statement(ClaimId::Fig04NoStick, Exact, no_stick),

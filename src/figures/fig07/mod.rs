@@ -16,7 +16,7 @@ use stickslip::models::cubic::{Cubic, TangentPoint};
 /// Fig. 7.
 pub struct Fig07;
 
-/// Everything in the figure. All of it for `k₁ = 1 N/m`, `k₂ = 1 N/m³`, as in the paper.
+/// Everything in the figure. What is drawn is for `k₁ = 1 N/m`, `k₂ = 1 N/m³`, as in the paper.
 #[derive(Clone, Debug)]
 pub struct Data {
     /// The spring.
@@ -31,7 +31,9 @@ pub struct Data {
     pub oscillation: Oscillation,
     /// (c) Tangent points against `μ₀`.
     pub branches: Branches,
-    /// Zeros of `∂σ/∂z` found by a scan and bisection, m, ascending: what Eq. (22) is held against.
+    /// Another spring, whose `k₁` is not its `k₂`: with the paper's own, Eqs. (22) and (23) are Eqs. (12) and (13).
+    pub unequal: Cubic,
+    /// Zeros of its `∂σ/∂z` found by a scan and bisection, m, ascending: what Eq. (22) is held against.
     pub stationary: Vec<f64>,
 }
 
@@ -87,8 +89,8 @@ impl FigureSpec for Fig07 {
     const ABOUT: &'static str = "Draws (a) the transition function sigma(z) of Eq. (19) for mu0 = 0 and \
         mu0 = 2 sqrt(3)/9, (b) the six tangent points z_k + A sin(omega t) over two forcing periods with the \
         parameters of Fig. 8, (c) the tangent points against mu0 from 0 to 4 sqrt(3)/9. Reports the critical \
-        points of Eq. (22) and the critical friction of Eq. (23), found by a root search and held against the \
-        printed formulas, and the tangent points of Eq. (16) and (24), roots of the cubic after Newton steps.";
+        points of Eq. (22) and the critical friction of Eq. (23) for k1 = 3, k2 = 12, found by a root search and held \
+        against the printed formulas.";
     type Data = Data;
 
     fn compute() -> Result<Data, FigureError> {
@@ -107,6 +109,7 @@ impl FigureSpec for Fig07 {
 fn compute() -> Result<Data, Error> {
     let spring = Cubic::new(1.0, 1.0)?;
     let critical = spring.critical_mu0()[1];
+    let unequal = Cubic::new(3.0, 12.0)?;
     Ok(Data {
         spring,
         critical,
@@ -114,7 +117,8 @@ fn compute() -> Result<Data, Error> {
         with_critical: transition(&spring, critical)?,
         oscillation: oscillation(&spring)?,
         branches: branches(&spring, critical)?,
-        stationary: stationary(&spring),
+        stationary: stationary(&unequal),
+        unequal,
     })
 }
 

@@ -13,13 +13,10 @@ pub(super) fn rows(data: &Data) -> Vec<Row> {
     let forces: Vec<f64> = data
         .stationary
         .iter()
-        .map(|z| data.spring.force(*z))
+        .map(|z| data.unequal.force(*z))
         .collect();
-    let six = &data.oscillation.points;
     let mut rows = Row::members(ClaimId::Eq22CriticalPoints, Exact, &data.stationary, "m");
     rows.extend(Row::members(ClaimId::Eq23CriticalMu0, Exact, &forces, "N"));
-    rows.extend(Row::members(ClaimId::Eq16TangentPoints, Exact, six, "m"));
-    rows.extend(Row::members(ClaimId::Eq24TangentPoints, Exact, six, "m"));
     rows.extend(limits(data));
     rows.extend(tangency(data));
     rows.extend(oscillation(data));

@@ -189,10 +189,12 @@ fn exact(model: &ForcedOscillator, options: &Options) -> Result<Exact, Error> {
     })
 }
 
-/// Starts from −1.2 to 1.2 m and −2 to 2 m/s.
+/// Starts in position and in velocity.
 const GRID: (u32, u32) = (61, 41);
+/// Outermost of them on either side (m, m/s).
+pub const REACH: [f64; 2] = [1.2, 2.0];
 /// Forcing periods that a start is followed over.
-const FOLLOWED: usize = 40;
+pub const FOLLOWED: usize = 40;
 /// States a pattern apart that are this near count as equal.
 const CLOSENESS: f64 = 1e-4;
 /// Beyond 10 m or 10 m/s the softening spring drives the body away for good.
@@ -205,7 +207,8 @@ fn shares(model: &ForcedOscillator) -> Result<Shares, Error> {
         .flat_map(|i| {
             (0..rows).map(move |j| {
                 let part = |k: u32, of: u32| f64::from(k) / f64::from(of - 1);
-                State::from([-1.2 + 2.4 * part(i, columns), -2.0 + 4.0 * part(j, rows)])
+                let at = |r: f64, part: f64| -r + 2.0 * r * part;
+                State::from([at(REACH[0], part(i, columns)), at(REACH[1], part(j, rows))])
             })
         })
         .collect();

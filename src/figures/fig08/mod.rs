@@ -4,7 +4,7 @@ mod compute;
 mod draw;
 mod numbers;
 
-pub use compute::{AsPrinted, Data, Exact, Shares};
+pub use compute::{AsPrinted, Data, Exact, FOLLOWED, REACH, Shares};
 
 use super::error::FigureError;
 use super::rows::Row;

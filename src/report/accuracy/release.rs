@@ -240,9 +240,19 @@ fn on_forced(model: &ForcedOscillator) -> Result<Event, Error> {
 }
 
 impl Release {
-    /// Whether Eq. (15) as printed is accurate with either field.
+    /// Eq. (15) as printed with that of the two fields that errs less.
+    pub fn literal_better(&self) -> &EventErrors {
+        let [below, above] = &self.literal;
+        if above.at_printed_step < below.at_printed_step {
+            above
+        } else {
+            below
+        }
+    }
+
+    /// Whether that is accurate.
     pub fn literal_is_accurate(&self) -> bool {
-        self.literal.iter().any(EventErrors::is_accurate)
+        self.literal_better().is_accurate()
     }
 
     /// All measurements.
@@ -275,7 +285,7 @@ mod tests {
             found.forced.corrected
         );
         assert!(found.moving.is_accurate(), "{:?}", found.moving);
-        assert!(!found.listing.is_accurate(), "{:?}", found.listing);
+        assert!(!found.listing.is_exact(), "{:?}", found.listing);
     }
 
     #[test]

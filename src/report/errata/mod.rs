@@ -9,8 +9,9 @@ mod section_four;
 mod sections_two_three;
 
 use super::accuracy::Accuracy;
-use super::evidence::{Arcs, EvidenceError, ZoneOscillates};
+use super::evidence::EvidenceError;
 use super::matrix::Matrix;
+use super::statements::Statements;
 use crate::figures::rows::Value;
 
 /// What a computation shows of a misprint.
@@ -39,30 +40,21 @@ pub struct Erratum {
     pub holds: bool,
 }
 
-/// What has been computed already and shows misprints too.
-#[derive(Clone, Copy, Debug)]
-pub struct Sources<'a> {
-    /// The listing with every subset of its defects.
-    pub matrix: &'a Matrix,
-    /// Errors of the times of events.
-    pub accuracy: &'a Accuracy,
-    /// Sides of the slip phases.
-    pub arcs: &'a Arcs,
-    /// How the stick zone moves.
-    pub oscillation: &'a ZoneOscillates,
-}
-
-/// All of them, in the order of the paper.
+/// All of them, in the order of the paper, some by what has been computed already.
 ///
 /// # Errors
 /// [`EvidenceError`].
-pub fn errata(sources: &Sources) -> Result<Vec<Erratum>, EvidenceError> {
-    let mut all = sections_two_three::errata(sources.accuracy)?;
-    all.extend(section_four::errata(sources.arcs, sources.oscillation)?);
+pub fn errata(
+    matrix: &Matrix,
+    accuracy: &Accuracy,
+    statements: &Statements,
+) -> Result<Vec<Erratum>, EvidenceError> {
+    let mut all = sections_two_three::errata(accuracy)?;
+    all.extend(section_four::errata(statements)?);
     all.extend(estimator::errata());
     all.extend(bracket::errata()?);
     all.extend(captions::errata()?);
-    all.extend(listing::errata(sources.matrix)?);
+    all.extend(listing::errata(matrix)?);
     Ok(all)
 }
 

@@ -3,10 +3,8 @@
 use rayon::prelude::*;
 
 use super::{Erratum, count, erratum, number, word};
-use crate::paper::claim_id::ClaimId;
-use crate::paper::listing::{Params, Setup, run};
-use crate::paper::published::Claims;
-use crate::report::evidence::{Arcs, EvidenceError, ZoneOscillates};
+use crate::report::evidence::{Arcs, EvidenceError, Start, Way, ZoneOscillates};
+use crate::report::statements::Statements;
 use stickslip::error::Error;
 use stickslip::filippov::{Options, solve};
 use stickslip::models::{BeltOscillator, ForcedOscillator};
@@ -19,17 +17,14 @@ const TOLERANCE: f64 = 1e-12;
 /// Forcing periods that starts are followed over.
 const FOLLOWED: f64 = 6.0;
 
-pub(super) fn errata(
-    arcs: &Arcs,
-    oscillation: &ZoneOscillates,
-) -> Result<Vec<Erratum>, EvidenceError> {
+pub(super) fn errata(statements: &Statements) -> Result<Vec<Erratum>, EvidenceError> {
     Ok(vec![
         sign_of_friction()?,
         spring_signs()?,
-        lengths_and_durations()?,
-        start_of_fig08()?,
-        regions_of_arcs(arcs),
-        direction_of_oscillation(oscillation),
+        lengths_and_durations(&statements.way),
+        start_of_fig08(&statements.start),
+        regions_of_arcs(&statements.arcs),
+        direction_of_oscillation(&statements.zone_oscillates),
     ])
 }
 
@@ -149,111 +144,54 @@ fn spring_signs() -> Result<Erratum, Error> {
     ))
 }
 
-fn lengths_and_durations() -> Result<Erratum, EvidenceError> {
-    let claims = Claims::committed()?;
-    let model = ForcedOscillator::default();
-    let belt = model.belt_speed;
-    let outcome = run(&Setup::default())?;
-    let numbers = outcome.four_numbers().unwrap_or([f64::NAN; 4]);
+fn lengths_and_durations(way: &Way) -> Erratum {
     let mut rows = Vec::new();
-    let (mut least, mut least_of_listing) = (f64::INFINITY, f64::INFINITY);
-    for k in 0..2 {
-        let (length, duration) = (
-            claims.value(ClaimId::FOUR[k]),
-            claims.value(ClaimId::FOUR[k + 2]),
-        );
-        let excess = duration - length / belt;
-        let of_listing = numbers[k + 2] - numbers[k] / belt;
-        least = least.min(excess);
-        least_of_listing = least_of_listing.min(of_listing);
-        let n = k + 1;
-        rows.push(number(
+    for (n, (published, listing)) in (1..).zip(way.published.into_iter().zip(way.listing)) {
+        let (published_name, listing_name): (String, String) = (
             format!("published duration {n} less length {n}/vp"),
-            excess,
-            "s",
-        ));
-        rows.push(number(
             format!("the same of the listing's run, phase {n}"),
-            of_listing,
-            "s",
-        ));
+        );
+        rows.push(number(published_name, published, "s"));
+        rows.push(number(listing_name, listing, "s"));
     }
-    let mut largest = 0.0_f64;
-    let mut phases = 0;
-    for x in starts() {
-        let (orbit, _) = follow(&model, x, FOLLOWED * model.period())?;
-        for stick in orbit.sticks() {
-            phases += 1;
-            let excess = stick.duration() - stick.displacement()[0] / belt;
-            largest = largest.max(excess.abs());
-        }
-    }
-    // Half a unit of the last printed digit in either number.
-    let rounding = 0.5e-4 + 0.5e-4 / belt;
-    rows.push(number(
-        "largest difference that rounding of print explains",
-        rounding,
-        "s",
-    ));
+    let (phases, largest) = way.model;
+    let explained = "largest difference that rounding of print explains";
+    rows.push(number(explained, way.rounding, "s"));
     rows.push(count("stick phases of the stated model", phases));
     rows.push(number("largest difference among them", largest, "s"));
-    Ok(erratum(
+    let both = way.published.into_iter().chain(way.listing);
+    erratum(
         "Sect. 4.2",
         "the stick phases' durations are longer than their lengths over the belt's speed",
         "equal: the body rides the belt",
         rows,
-        least > rounding && least_of_listing > rounding && phases > 0 && largest < 1e-9,
-    ))
+        both.fold(f64::INFINITY, f64::min) > way.rounding && way.holds_in_the_model(),
+    )
 }
 
-fn start_of_fig08() -> Result<Erratum, EvidenceError> {
-    let listed = Params::default();
-    let captioned = Params {
-        x1: listed.tangent_points[2],
-        ..listed
-    };
-    let mut rows = vec![
-        number("x1 at the start by the caption", captioned.x1, "m"),
-        number("x1 at the start by the listing", listed.x1, "m"),
-    ];
-    let claims = Claims::committed()?;
-    let mut give_all = 0;
-    let mut entries = Vec::new();
-    for (name, params) in [("caption", captioned), ("listing", listed)] {
-        let outcome = run(&Setup {
-            params,
-            ..Setup::default()
-        })?;
-        let numbers = outcome.four_numbers();
-        let agree = numbers.is_some_and(|numbers| {
-            let mut pairs = claims.iter().zip(numbers);
-            pairs.all(|(claim, value)| claim.agrees(value))
-        });
-        give_all += usize::from(agree);
-        let first = outcome
-            .phases
-            .first()
-            .map_or(f64::NAN, |phase| phase.exit.t);
+fn start_of_fig08(start: &Start) -> Erratum {
+    let mut rows = Vec::new();
+    for (name, from) in [("caption", &start.captioned), ("listing", &start.listed)] {
+        let release = format!("first release of the listing from the {name}'s start");
         rows.push(number(
-            format!("first release of the listing from the {name}'s start"),
-            first,
-            "s",
+            format!("x1 at the start by the {name}"),
+            from.x1,
+            "m",
         ));
-        entries.push(first);
+        rows.push(number(release, from.first_release, "s"));
+        rows.push(count(
+            "published numbers it settles on from there",
+            from.digits,
+        ));
     }
-    rows.push(count(
-        "starts of the two that settle on all four published numbers",
-        give_all,
-    ));
-    Ok(erratum(
+    let apart = start.captioned.first_release - start.listed.first_release;
+    erratum(
         "Fig. 8 caption",
         "the start is the third tangent point",
         "the listing starts from T[3], the fourth; the orbits differ until they settle",
         rows,
-        entries
-            .windows(2)
-            .all(|pair| (pair[0] - pair[1]).abs() > 1e-3),
-    ))
+        apart.abs() > 1e-3,
+    )
 }
 
 fn regions_of_arcs(arcs: &Arcs) -> Erratum {
@@ -309,6 +247,7 @@ fn direction_of_oscillation(found: &ZoneOscillates) -> Erratum {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::report::evidence::Followed;
 
     #[test]
     fn friction_with_the_other_sign_is_what_decides() {
@@ -320,8 +259,8 @@ mod tests {
     fn springs_lengths_and_starts_hold() {
         for found in [
             spring_signs().unwrap(),
-            lengths_and_durations().unwrap(),
-            start_of_fig08().unwrap(),
+            lengths_and_durations(&Way::compute(&Followed::compute().unwrap()).unwrap()),
+            start_of_fig08(&Start::compute().unwrap()),
         ] {
             assert!(found.holds, "{found:?}");
         }

@@ -1,31 +1,21 @@
-//! `s5.shapes`: whether exponents and sections of Figs. 10–12 tell the same kind of motion, each on its own.
+//! `s5.shapes`, `s5.kinds`: whether exponents and sections of Figs. 10–12 tell the same kind of motion, and the published one.
 //!
-//! A section closes when the figures' own test finds at most 64 distinct points that follow one another in the same order again and
-//! again ([`stickslip::analysis::motion::Evidence`]). Else it lies on a curve when its correlation dimension is below 1.2. That limit was set
-//! before the figures were looked at, and it decides.
-//!
-//! With a thousand points the dimension hardly tells an uneven curve from the Hénon attractor (a test shows it). A second opinion is
-//! therefore told beside it, which decides nothing because it was chosen afterwards: whether the points can be strung, that is whether in
-//! the tree of least length that joins them hardly any has more than two neighbours.
-//!
-//! Exponents: a positive one means chaos, two zeros a torus, one a closed orbit.
+//! Exponents: a positive one means chaos, two zeros a torus, one a closed orbit. A section closes when the figures' own test finds at
+//! most 64 distinct points that follow one another in the same order again and again ([`stickslip::analysis::motion::Evidence`]). A
+//! thousand points hardly tell an uneven curve from a chaotic set, so that whether a section that does not close is a curve decides
+//! nothing. It is shown beside: whether the points can be strung, that is whether in the tree of least length that joins them hardly
+//! any has more than two neighbours.
 
 use super::{Evidence, Part};
 use crate::figures::block_and_bracket::Data;
-use stickslip::math;
+use stickslip::analysis::motion::Class;
 
-/// Shares of pairs between which the slope is taken.
-const SHARES: (f64, f64) = (2e-3, 2e-2);
-/// Radii at which it is measured.
-const RADII: u32 = 12;
-/// A set of a smaller correlation dimension is a curve.
-const CURVE: f64 = 1.2;
 /// A set with a smaller share of branching points can be strung: half of what the Hénon attractor has.
 const STRUNG: f64 = 0.05;
 /// Most distinct points of a section that closes.
 const MOST: usize = 64;
 
-/// A kind of motion.
+/// A kind of motion, loops of a closed orbit left out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// Closes.
@@ -39,6 +29,9 @@ pub enum Kind {
 }
 
 impl Kind {
+    /// What the captions of Figs. 10, 11 and 12 name.
+    pub const CAPTIONED: [Kind; 3] = [Kind::Periodic, Kind::QuasiPeriodic, Kind::Chaotic];
+
     /// Its name.
     pub fn name(self) -> &'static str {
         match self {
@@ -50,22 +43,28 @@ impl Kind {
     }
 }
 
+impl From<Class> for Kind {
+    fn from(class: Class) -> Kind {
+        match class {
+            Class::Periodic(_) => Kind::Periodic,
+            Class::QuasiPeriodic => Kind::QuasiPeriodic,
+            Class::Chaotic => Kind::Chaotic,
+            Class::Undecided => Kind::Untold,
+        }
+    }
+}
+
 /// One figure, looked at in two ways.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shape {
-    /// Number of the figure.
-    pub figure: usize,
-    /// Kind that the caption names.
-    pub captioned: Kind,
+    /// Kind of the motion by section and exponents together, as in the figure.
+    pub kind: Kind,
     /// Points of the section.
     pub points: usize,
     /// Distinct ones among them if it closes.
     pub closes_after: Option<usize>,
     /// Share of the points at which the tree of least length branches, if the section does not close.
     pub branching: Option<f64>,
-    /// Correlation dimension of the section (Grassberger & Procaccia 1983) if it does not close: the slope of ln C(r) against ln r
-    /// while the share C of pairs nearer than r rises from 0.002 to 0.02.
-    pub dimension: Option<f64>,
     /// Exponents that are zero within their errors.
     pub zeros: usize,
     /// Whether the first is positive.
@@ -74,28 +73,16 @@ pub struct Shape {
 
 impl Shape {
     /// From a figure's section and exponents.
-    pub fn of(figure: usize, captioned: Kind, data: &Data) -> Shape {
+    pub fn of(data: &Data) -> Shape {
         let evidence = &data.exact.evidence;
         let closes = evidence.repeats && (1..=MOST).contains(&evidence.distinct);
         Shape {
-            figure,
-            captioned,
+            kind: data.exact.class.into(),
             points: data.section.len(),
             closes_after: closes.then_some(evidence.distinct),
             branching: (!closes).then(|| branching(&data.section)),
-            dimension: (!closes).then(|| correlation_dimension(&data.section)),
             zeros: evidence.zeros,
             positive: evidence.positive,
-        }
-    }
-
-    /// The kind by the section alone.
-    pub fn by_section(&self) -> Kind {
-        match (self.closes_after, self.dimension) {
-            (Some(_), _) => Kind::Periodic,
-            (None, Some(dimension)) if dimension < CURVE => Kind::QuasiPeriodic,
-            (None, Some(dimension)) if dimension >= CURVE => Kind::Chaotic,
-            _ => Kind::Untold,
         }
     }
 
@@ -109,8 +96,10 @@ impl Shape {
         }
     }
 
-    fn confirmed(&self) -> bool {
-        self.by_section() == self.by_exponents() && self.by_exponents() != Kind::Untold
+    /// Whether the section closes if the exponents say so, and only then.
+    pub fn confirmed(&self) -> bool {
+        let kind = self.by_exponents();
+        kind != Kind::Untold && self.closes_after.is_some() == (kind == Kind::Periodic)
     }
 }
 
@@ -142,33 +131,6 @@ fn branching<const N: usize>(points: &[[f64; N]]) -> f64 {
     branches as f64 / points.len() as f64
 }
 
-/// Slope of ln C(r), C being the share of pairs of points nearer than r in every component.
-fn correlation_dimension<const N: usize>(points: &[[f64; N]]) -> f64 {
-    let mut distances = Vec::with_capacity(points.len() * points.len().saturating_sub(1) / 2);
-    for (i, one) in points.iter().enumerate() {
-        for other in &points[i + 1..] {
-            let apart = one.iter().zip(other).map(|(a, b)| (a - b).abs());
-            distances.push(apart.fold(0.0, f64::max));
-        }
-    }
-    distances.sort_by(f64::total_cmp);
-    let at = |share: f64| {
-        let index = (share * distances.len() as f64) as usize;
-        distances.get(index).copied().unwrap_or(f64::NAN)
-    };
-    let ratio = SHARES.1 / SHARES.0;
-    let logs: Vec<(f64, f64)> = (0..RADII)
-        .map(|k| SHARES.0 * math::pow(ratio, f64::from(k) / f64::from(RADII - 1)))
-        .map(|share| (math::ln(at(share)), math::ln(share)))
-        .collect();
-    let n = logs.len() as f64;
-    let mean = |of: fn(&(f64, f64)) -> f64| logs.iter().map(of).sum::<f64>() / n;
-    let (x, y) = (mean(|p| p.0), mean(|p| p.1));
-    let above: f64 = logs.iter().map(|p| (p.0 - x) * (p.1 - y)).sum();
-    let below: f64 = logs.iter().map(|p| (p.0 - x) * (p.0 - x)).sum();
-    above / below
-}
-
 /// Figs. 10, 11 and 12.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shapes {
@@ -176,58 +138,62 @@ pub struct Shapes {
     pub figures: [Shape; 3],
 }
 
+/// One part for each of the three figures.
+fn parts(holds: [bool; 3], whats: [&'static str; 3]) -> Vec<Part> {
+    let both = whats.into_iter().zip(holds);
+    both.map(|(what, holds)| Part { what, holds }).collect()
+}
+
 impl Shapes {
     /// From the data of Figs. 10, 11, 12 in this order.
     pub fn of(figures: [&Data; 3]) -> Shapes {
-        let [first, second, third] = figures;
         Shapes {
-            figures: [
-                Shape::of(10, Kind::Periodic, first),
-                Shape::of(11, Kind::QuasiPeriodic, second),
-                Shape::of(12, Kind::Chaotic, third),
-            ],
+            figures: figures.map(Shape::of),
         }
+    }
+
+    /// `s5.kinds`: the kinds of motion, loops left out.
+    pub fn kinds(&self) -> Vec<Part> {
+        parts(
+            std::array::from_fn(|i| self.figures[i].kind == Kind::CAPTIONED[i]),
+            [
+                "Fig. 10: a periodic motion",
+                "Fig. 11: a quasi-periodic one",
+                "Fig. 12: a chaotic one",
+            ],
+        )
     }
 }
 
 impl Evidence for Shapes {
     fn parts(&self) -> Vec<Part> {
-        let [first, second, third] = &self.figures;
-        vec![
-            Part {
-                what: "Fig. 10: exponents and section tell the same kind of motion",
-                holds: first.confirmed(),
-            },
-            Part {
-                what: "Fig. 11: exponents and section tell the same kind of motion",
-                holds: second.confirmed(),
-            },
-            Part {
-                what: "Fig. 12: exponents and section tell the same kind of motion",
-                holds: third.confirmed(),
-            },
-        ]
+        parts(
+            self.figures.map(|one| one.confirmed()),
+            [
+                "Fig. 10: the section closes as the exponents say",
+                "Fig. 11: it does not close as they say",
+                "Fig. 12: it does not close as they say",
+            ],
+        )
     }
 
     fn line(&self) -> String {
-        let figures: Vec<String> = self
-            .figures
-            .iter()
-            .map(|one| {
-                let section = match (one.closes_after, one.branching, one.dimension) {
-                    (Some(points), ..) => format!("closes (distinct points: {points})"),
-                    (None, Some(branching), Some(dimension)) => format!(
-                        "of {} points has correlation dimension {dimension:.2} (second opinion: it branches at {:.1} % of them, so that it {} be strung)",
-                        one.points,
-                        100.0 * branching,
-                        if branching < STRUNG { "can" } else { "cannot" }
-                    ),
-                    _ => "does not tell".to_owned(),
-                };
+        let section = |one: &Shape| match (one.closes_after, one.branching) {
+            (Some(points), _) => format!("closes (distinct points: {points})"),
+            (None, Some(branching)) => format!(
+                "of {} points does not close (it branches at {:.1} % of them and {} be strung, which decides nothing)",
+                one.points,
+                100.0 * branching,
+                if branching < STRUNG { "can" } else { "cannot" }
+            ),
+            _ => "does not tell".to_owned(),
+        };
+        let figures: Vec<String> = (10..)
+            .zip(&self.figures)
+            .map(|(figure, one): (u32, _)| {
                 format!(
-                    "Fig. {}: the section {section}: {}; the exponents ({} zero, {} positive): {}",
-                    one.figure,
-                    one.by_section().name(),
+                    "Fig. {figure}: the section {}; the exponents ({} zero, {} positive): {}",
+                    section(one),
                     one.zeros,
                     usize::from(one.positive),
                     one.by_exponents().name(),
@@ -235,7 +201,7 @@ impl Evidence for Shapes {
             })
             .collect();
         format!(
-            "{}. A dimension below {CURVE} is taken for a curve; how many loops a closed orbit has the exponents cannot tell",
+            "{}. How many loops a closed orbit has the exponents cannot tell",
             figures.join(". ")
         )
     }
@@ -244,6 +210,7 @@ impl Evidence for Shapes {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use stickslip::math;
 
     /// A closed curve in space, visited like a section of a torus and unevenly.
     fn curve(points: u32) -> Vec<[f64; 3]> {
@@ -283,29 +250,17 @@ mod tests {
     }
 
     #[test]
-    fn the_dimension_does_not_tell_an_uneven_curve_from_the_henon_attractor() {
-        let (on_curve, on_attractor) = (
-            correlation_dimension(&curve(1050)),
-            correlation_dimension(&henon(1400)),
-        );
-        assert!(
-            (on_attractor - on_curve).abs() < 0.1,
-            "{on_curve} {on_attractor}"
-        );
-    }
-
-    #[test]
-    fn the_dimension_of_a_filled_square_is_two() {
-        // A low-discrepancy sequence.
-        let square: Vec<[f64; 2]> = (1..1200)
-            .map(|k| {
-                [
-                    (0.754_877_67 * f64::from(k)).fract(),
-                    (0.569_840_29 * f64::from(k)).fract(),
-                ]
-            })
-            .collect();
-        let dimension = correlation_dimension(&square);
-        assert!((dimension - 2.0).abs() < 0.3, "{dimension}");
+    fn a_section_that_closes_confirms_a_periodic_motion_alone() {
+        let shape = |closes_after, zeros, positive| Shape {
+            kind: Kind::Untold,
+            points: 1000,
+            closes_after,
+            branching: None,
+            zeros,
+            positive,
+        };
+        assert!(shape(Some(1), 1, false).confirmed() && shape(None, 2, false).confirmed());
+        assert!(!shape(Some(1), 2, false).confirmed() && !shape(Some(1), 1, true).confirmed());
+        assert!(!shape(None, 1, false).confirmed() && !shape(None, 0, false).confirmed());
     }
 }

@@ -15,7 +15,7 @@ const TIMES: u32 = 48;
 const NONE: f64 = 1e-12;
 
 /// The ends of the stick zone over one forcing period.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ZoneOscillates {
     /// Times looked at.
     pub times: usize,
@@ -23,6 +23,8 @@ pub struct ZoneOscillates {
     pub with_six_ends: usize,
     /// Largest difference of an end, bisected along Σ by where the body sticks, from `z_k + A sin(ωt)` (m).
     pub largest_difference: f64,
+    /// The ends at time 0, when the support is where it would rest (m), ascending.
+    pub at_rest: Vec<f64>,
     /// Travel of the uppermost end along x1 (m).
     pub travel_x1: f64,
     /// Twice the amplitude A of the support (m).
@@ -66,6 +68,9 @@ impl ZoneOscillates {
             times: found.len(),
             with_six_ends: found.iter().filter(|(_, ends)| ends.len() == 6).count(),
             largest_difference: largest,
+            at_rest: found
+                .first()
+                .map_or_else(Vec::new, |(_, ends)| ends.clone()),
             travel_x1: x1.extent(),
             twice_amplitude: 2.0 * model.amplitude,
             travel_x2: x2.extent(),

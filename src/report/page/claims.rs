@@ -6,7 +6,6 @@ use super::super::correction::Correction;
 use super::super::entry::Entry;
 use super::super::finding::Finding;
 use super::super::ledger::Ledger;
-use super::super::paper_part::PaperPart;
 use super::super::readme::{decimals, minus, shown};
 use super::super::remark::Remark;
 use super::super::verdict::Verdict;
@@ -14,17 +13,58 @@ use super::heading;
 use crate::paper::published::Kind;
 use crate::paper::reading::{Reading, Role};
 
+/// How many claims have each verdict, and what the word means.
+pub(super) fn counts(ledger: &Ledger) -> Markup {
+    html! {
+        table.counts {
+            caption { "Of " (ledger.counted()) " claims" }
+            tbody {
+                @for (verdict, count) in ledger.counts() {
+                    tr {
+                        th scope="row" { (mark(verdict)) }
+                        td.number { b { (count) } }
+                        td.soft { (verdict.meaning()) }
+                    }
+                }
+            }
+        }
+    }
+}
+
 pub(super) fn section(ledger: &Ledger) -> Markup {
+    let identities = ledger.entries.len() - ledger.counted();
+    let filters = ledger
+        .counts()
+        .into_iter()
+        .chain([(Verdict::Identity, identities)]);
     html! {
         section.claims aria-labelledby="claims" {
             (heading("claims"))
-            dl.words {
-                @for (verdict, count) in ledger.counts() {
-                    dt { (mark(verdict)) " " (count) }
-                    dd { (verdict.meaning()) }
+            fieldset.filter {
+                legend { "Show" }
+                label { input type="radio" name="verdict" id="all" checked; "all " (ledger.entries.len()) }
+                @for (verdict, count) in filters {
+                    label {
+                        input type="radio" name="verdict" id={ "only-" (key(verdict)) };
+                        (verdict) " " (count)
+                    }
                 }
             }
-            (counts(ledger))
+            table.sortable.cards {
+                caption {
+                    "Every quantity and statement that the paper publishes, in its order. The evidence is folded under each claim. An identity "
+                    "could not have come out otherwise and is not counted. Of two honest readings the kinder is judged and the evidence names the other."
+                }
+                thead {
+                    tr {
+                        th scope="col" { "Claim" }
+                        th scope="col" { "Published" }
+                        th scope="col" { "Found" }
+                        th scope="col" { "Verdict" }
+                    }
+                }
+                tbody { @for (place, entry) in ledger.entries.iter().enumerate() { (row(ledger, place, entry)) } }
+            }
             h3 #corrections { "Corrections" }
             dl { @for one in Correction::ALL { dt { (one.label()) } dd { (one.description()) } } }
             details {
@@ -37,28 +77,6 @@ pub(super) fn section(ledger: &Ledger) -> Markup {
                     dd { "the estimator says it is determined, and it is off the exponent from the equations by more than its own errors explain" }
                 }
             }
-            fieldset.filter {
-                legend { "Show" }
-                label { input type="radio" name="verdict" id="all" checked; "all " (ledger.entries.len()) }
-                @for (verdict, count) in ledger.counts() {
-                    label {
-                        input type="radio" name="verdict" id={ "only-" (key(verdict)) };
-                        (verdict) " " (count)
-                    }
-                }
-            }
-            table.sortable.cards {
-                caption { "Every quantity and statement that the paper publishes, in its order. The evidence is folded under each claim." }
-                thead {
-                    tr {
-                        th scope="col" { "Claim" }
-                        th scope="col" { "Published" }
-                        th scope="col" { "Found" }
-                        th scope="col" { "Verdict" }
-                    }
-                }
-                tbody { @for (place, entry) in ledger.entries.iter().enumerate() { (row(ledger, place, entry)) } }
-            }
         }
     }
 }
@@ -66,45 +84,6 @@ pub(super) fn section(ledger: &Ledger) -> Markup {
 /// A verdict as a word with a sign of its own shape and colour.
 pub(super) fn mark(verdict: Verdict) -> Markup {
     html! { span class={ "mark " (key(verdict)) } { (verdict) } }
-}
-
-/// How many claims of each part of the paper have each verdict.
-fn counts(ledger: &Ledger) -> Markup {
-    let count = |part: PaperPart, verdict: Option<Verdict>| {
-        let entries = ledger.entries.iter();
-        let of = entries.filter(|entry| PaperPart::of(entry.claim.id) == part);
-        of.filter(|entry| verdict.is_none_or(|verdict| entry.verdict == verdict))
-            .count()
-    };
-    let blank = |count: usize| {
-        if count == 0 {
-            String::new()
-        } else {
-            count.to_string()
-        }
-    };
-    html! {
-        div.scroll tabindex="0" role="group" aria-label="Claims by part of the paper and verdict" {
-            table.counts {
-                thead {
-                    tr {
-                        th scope="col" { "Part of the paper" }
-                        th.number scope="col" { "claims" }
-                        @for verdict in Verdict::ALL { th.number scope="col" { (verdict) } }
-                    }
-                }
-                tbody {
-                    @for part in PaperPart::ALL {
-                        tr {
-                            th scope="row" { (part.name()) }
-                            td.number { (count(part, None)) }
-                            @for verdict in Verdict::ALL { td.number { (blank(count(part, Some(verdict)))) } }
-                        }
-                    }
-                }
-            }
-        }
-    }
 }
 
 fn row(ledger: &Ledger, place: usize, entry: &Entry) -> Markup {
@@ -192,6 +171,8 @@ fn key(verdict: Verdict) -> &'static str {
         Verdict::AsPrintedOnly => "printed",
         Verdict::InKind => "kind",
         Verdict::NotReproduced => "missed",
+        Verdict::Undeterminable => "open",
+        Verdict::Identity => "identity",
     }
 }
 

@@ -2,11 +2,8 @@
 
 use maud::{Markup, PreEscaped, html};
 
-use super::super::figures::Table;
-use super::super::readme::{decimals, minus};
 use super::Report;
 use super::heading;
-use crate::figures::rows::{Comparison, Row, Value};
 
 /// Figures of the paper that hold nothing to compute, and why.
 const NOTHING_TO_COMPUTE: [(&str, &str); 5] = [
@@ -29,15 +26,35 @@ const NOTHING_TO_COMPUTE: [(&str, &str); 5] = [
     ),
 ];
 
+/// The figure that the page opens with.
+const OPENING: &str = "fig08";
+
+/// Fig. 8.
+pub(super) fn opening(report: &Report) -> Markup {
+    let tables = report.ledger.computed.tables.iter();
+    html! {
+        @for table in tables.filter(|table| table.figure == OPENING) {
+            div id=(table.figure) {
+                (figure(
+                    table.title,
+                    "Fig. 8. Left: the Appendix’s program, run to the letter. Right: the equations it is meant to solve, with the same \
+                     parameters. Only the text of the paper was at hand: its pictures were not compared.",
+                    &table.svg
+                ))
+            }
+        }
+    }
+}
+
 pub(super) fn section(report: &Report) -> Markup {
+    let tables = report.ledger.computed.tables.iter();
     html! {
         section.figures aria-labelledby="figures" {
             (heading("figures"))
-            @for table in &report.ledger.computed.tables {
+            p.soft { "The numbers of each figure are in " code { "figures/figNN.csv" } " of the project." }
+            @for table in tables.filter(|table| table.figure != OPENING) {
                 h3 id=(table.figure) { (table.title) }
                 (figure(table.title, table.about, &table.svg))
-                (numbers(report, table))
-                p.soft { "All its numbers: " code { "golden/" (table.figure) ".snap" } " and " code { "figures/" (table.figure) ".csv" } " of the project." }
             }
             h3 { "Figures that hold nothing to compute" }
             dl { @for (name, why) in NOTHING_TO_COMPUTE { dt { (name) } dd { (why) "." } } }
@@ -54,58 +71,5 @@ pub(super) fn figure(title: &str, about: &str, svg: &str) -> Markup {
             }
             figcaption { (about) }
         }
-    }
-}
-
-/// Rows that the paper says something of.
-fn numbers(report: &Report, table: &Table) -> Markup {
-    let rows: Vec<(&Row, Comparison)> = table
-        .rows
-        .iter()
-        .filter_map(|row| Some((row, row.comparison(report.claims)?)))
-        .collect();
-    let agreeing = rows.iter().filter(|(_, one)| one.agrees).count();
-    html! {
-        @if !rows.is_empty() {
-            details {
-                summary { "Published against computed: " (agreeing) " of " (rows.len()) " rows agree" }
-                table.cards {
-                    thead {
-                        tr {
-                            th scope="col" { "Quantity" }
-                            th scope="col" { "Reading" }
-                            th.number scope="col" { "Published" }
-                            th.number scope="col" { "Computed" }
-                            th scope="col" { "Agrees" }
-                        }
-                    }
-                    tbody {
-                        @for (row, comparison) in rows {
-                            tr {
-                                th scope="row" { code { (row.quantity) } }
-                                td data-column="Reading" { (row.reading) }
-                                td.number data-column="Published" { (minus(&comparison.published)) }
-                                td.number data-column="Computed" { (shown(row)) }
-                                td data-column="Agrees" { @if comparison.agrees { "yes" } @else { "no" } }
-                            }
-                        }
-                    }
-                }
-            }
-        }
-    }
-}
-
-/// Two digits more than a reader compares; all are in the golden.
-fn shown(row: &Row) -> String {
-    let value = match &row.value {
-        Value::Number(v) if *v == f64::NEG_INFINITY => "−∞".to_owned(),
-        Value::Number(v) if v.is_nan() => "–".to_owned(),
-        Value::Number(v) => decimals(*v, 6),
-        other => other.to_string(),
-    };
-    match row.status {
-        None | Some("ok") => value,
-        Some(status) => format!("{value} ({status})"),
     }
 }

@@ -8,8 +8,7 @@ mod text;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::ledger::Ledger;
-use super::sentences::sentences;
-use crate::paper::published::Claims;
+use super::sentences::{figs_10_to_12, sentences};
 
 /// A picture of the report's own.
 #[derive(Clone, Debug)]
@@ -22,39 +21,27 @@ pub struct Picture {
     pub svg: String,
 }
 
-/// What made the page.
-#[derive(Clone, Debug)]
-pub struct Origin {
-    /// Commit of the project, if that is known.
-    pub commit: Option<String>,
-    /// Version of the compiler, if that is known.
-    pub compiler: Option<String>,
-}
-
 /// Everything on the page.
 pub struct Report {
     /// Claims, figures, matrix, convergence, scan, errata.
     pub ledger: Ledger,
-    /// What the paper publishes.
-    pub claims: &'static Claims,
     /// The convergence of the listing for small steps.
     pub convergence: Picture,
     /// What becomes of the stated model as each parameter changes.
     pub scan: Picture,
-    /// What made it.
-    pub origin: Origin,
 }
 
 const STYLE: &str = include_str!("../../../assets/report/style.css");
 const SORT: &str = include_str!("../../../assets/report/sort.js");
 
 /// Sections in order: anchor and heading.
-const SECTIONS: [(&str, &str); 8] = [
+const SECTIONS: [(&str, &str); 9] = [
     ("claims", "Claims"),
-    ("figures", "Figures"),
     ("cause", "What makes Fig. 8"),
     ("existence", "Does the stated model stick and slip?"),
+    ("readings", "How Figs. 10–12 can be read"),
     ("errata", "Errata"),
+    ("figures", "Other figures"),
     ("methods", "Methods"),
     ("cite", "How to cite"),
     ("remake", "How this page was made"),
@@ -80,13 +67,15 @@ fn document(report: &Report) -> Markup {
             body {
                 a.skip href="#claims" { "Skip to the table of claims" }
                 header {
-                    h1 { "Application of Hénon method in numerical estimation of the stick–slip transitions: a replication" }
+                    h1 { "Stick–slip by Hénon’s method: a replication" }
                     p.soft {
-                        "Report on P. Olejnik, J. Awrejcewicz, "
+                        "P. Olejnik, J. Awrejcewicz, "
                         cite { "Nonlinear Dynamics" }
-                        " 73 (2013) 723–736, doi 10.1007/s11071-013-0826-7, made by stickslip " (env!("CARGO_PKG_VERSION")) "."
+                        " 73 (2013) 723–736, doi 10.1007/s11071-013-0826-7."
                     }
-                    (opening(&report.ledger))
+                    @for sentence in sentences(&report.ledger) { p.verdict { (sentence) } }
+                    (figures::opening(report))
+                    (claims::counts(&report.ledger))
                     nav aria-label="Sections" {
                         ol {
                             @for (anchor, heading) in SECTIONS { li { a href={ "#" (anchor) } { (heading) } } }
@@ -95,25 +84,19 @@ fn document(report: &Report) -> Markup {
                 }
                 main {
                     (claims::section(&report.ledger))
-                    (figures::section(report))
                     (injection::cause(report))
                     (injection::existence(report))
+                    section aria-labelledby="readings" { (heading("readings")) p { (figs_10_to_12(&report.ledger)) } }
                     (text::errata(&report.ledger))
+                    (figures::section(report))
                     (text::methods(&report.ledger))
                     (text::cite())
-                    (text::remake(&report.origin))
+                    (text::remake())
                 }
                 footer { p { "MIT licence. Every number given as found on this page was computed by the run that wrote it, or comes from the committed search whose file and hash stand beside it." } }
                 script { (PreEscaped(SORT)) }
             }
         }
-    }
-}
-
-/// The verdict in a few sentences.
-fn opening(ledger: &Ledger) -> Markup {
-    html! {
-        div.verdict { @for sentence in sentences(ledger) { p { (sentence) } } }
     }
 }
 

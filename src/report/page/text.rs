@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::super::errata::Shown;
 use super::super::ledger::Ledger;
-use super::{Origin, heading};
+use super::heading;
 use crate::figures::rows::Value;
 use stickslip::math;
 
@@ -122,41 +122,16 @@ pub(super) fn cite() -> Markup {
     }
 }
 
-pub(super) fn remake(origin: &Origin) -> Markup {
-    let or_unknown = |value: &Option<String>| value.clone().unwrap_or_else(|| "unknown".to_owned());
+pub(super) fn remake() -> Markup {
     html! {
         section aria-labelledby="remake" {
             (heading("remake"))
             pre {
                 "make figures   # figures/ and the numbers behind them\n"
                 "make report    # this page, report/claims.csv, the table in README.md\n"
-                "make test      # fails when a verdict or a number changes"
+                "make test      # fails when a verdict or a number changes, or this page is not what the program writes"
             }
-            dl {
-                dt { "Version" } dd { "stickslip " (env!("CARGO_PKG_VERSION")) }
-                dt { "Commit" } dd { code { (or_unknown(&origin.commit)) } }
-                dt { "Compiler" } dd { (or_unknown(&origin.compiler)) " (1.89 or newer is needed)" }
-                dt { "Libraries" } dd { (libraries().join(", ")) "; all in " code { "Cargo.lock" } }
-            }
+            p { "stickslip " (env!("CARGO_PKG_VERSION")) ", Rust 1.89 or newer, libraries as in " code { "Cargo.lock" } ": the same bytes on every machine." }
         }
     }
-}
-
-/// Libraries whose versions could matter to a number or a picture.
-const TOLD: [&str; 5] = ["libm", "maud", "nalgebra", "plotters", "rayon"];
-
-/// Their names and versions in the lock file.
-fn libraries() -> Vec<String> {
-    let lines: Vec<&str> = include_str!("../../../Cargo.lock").lines().collect();
-    let quoted = |line: &str, key: &str| -> Option<String> {
-        let rest = line.strip_prefix(key)?.strip_prefix(" = \"")?;
-        rest.strip_suffix('"').map(str::to_owned)
-    };
-    let pairs = lines
-        .windows(2)
-        .filter_map(|pair| Some((quoted(pair[0], "name")?, quoted(pair[1], "version")?)));
-    pairs
-        .filter(|(name, _)| TOLD.contains(&name.as_str()))
-        .map(|(name, version)| format!("{name} {version}"))
-        .collect()
 }
