@@ -80,11 +80,6 @@ impl Match {
         let others: Vec<String> = (0..3).filter(|f| *f != figure).map(of).collect();
         others.join(", ")
     }
-
-    /// Whether all three motions are of the published kind.
-    pub fn has_all_kinds(&self) -> bool {
-        (0..3).all(|f| self.classes[f].is_of_kind(f))
-    }
 }
 
 impl Committed {

@@ -198,15 +198,13 @@ impl Plan {
 
     /// The settings of a group, with the part they belong to.
     pub fn settings_of(&self, group: &Group) -> Vec<(Part, Setting)> {
-        let spread = match *group == Group::recommended() {
-            true => &self.spread[..],
-            false => &[],
-        };
         let of = |part, list: &[Setting]| -> Vec<(Part, Setting)> {
             list.iter().map(|one| (part, one.clone())).collect()
         };
         let mut all = of(Part::Search, &self.search);
-        all.extend(of(Part::Spread, spread));
+        if *group == Group::recommended() {
+            all.extend(of(Part::Spread, &self.spread));
+        }
         all
     }
 
@@ -369,7 +367,6 @@ fn of_spread(settings: Vec<DataSettings>) -> Vec<Setting> {
 
 fn search_settings() -> Vec<Setting> {
     let ridge = |ridge, settings| DataSettings { ridge, ..settings };
-    let with = |unit, data| Setting { unit, data };
     let mut all = of_spread(vec![
         settings(0.02, 40, 5, false),
         settings(0.05, 100, 1, true),
@@ -390,11 +387,12 @@ fn search_settings() -> Vec<Setting> {
             ..settings(0.1, MANY, 1, false)
         },
     ]);
-    all.extend([
-        with(Unit::Absolute, settings(0.2, MANY, 1, true)),
-        with(Unit::Absolute, settings(0.05, 100, 3, false)),
-        with(Unit::Ranges, settings(0.1, MANY, 3, true)),
-    ]);
+    let others = [
+        (Unit::Absolute, settings(0.2, MANY, 1, true)),
+        (Unit::Absolute, settings(0.05, 100, 3, false)),
+        (Unit::Ranges, settings(0.1, MANY, 3, true)),
+    ];
+    all.extend(others.map(|(unit, data)| Setting { unit, data }));
     all
 }
 

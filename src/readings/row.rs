@@ -90,14 +90,12 @@ impl Row {
 
     /// How many motions are of the published class, loops and all.
     pub fn classes_right(&self) -> usize {
-        let right = |&f: &usize| self.classes[f].is_published(f);
-        (0..3).filter(right).count()
+        (0..3).filter(|&f| self.classes[f].is_published(f)).count()
     }
 
     /// How many motions are of the published kind ([`Verdict::is_of_kind`]).
     pub fn kinds_right(&self) -> usize {
-        let right = |&f: &usize| self.classes[f].is_of_kind(f);
-        (0..3).filter(right).count()
+        (0..3).filter(|&f| self.classes[f].is_of_kind(f)).count()
     }
 
     /// What the recommended row has least of: kinds of motion wrong, then distance of all exponents.

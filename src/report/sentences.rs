@@ -160,7 +160,7 @@ fn lead(search: &Committed) -> String {
         level.random.best_of_three(),
         found.reading,
         found.integrator,
-        if found.has_all_kinds() {
+        if (0..3).all(|f| found.classes[f].is_of_kind(f)) {
             "has all three kinds of motion".to_owned()
         } else {
             format!("is no match: it leaves {}", found.others(figure))
