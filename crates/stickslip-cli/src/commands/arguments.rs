@@ -195,7 +195,7 @@ pub(super) struct SolverArguments {
     escape: f64,
 
     /// A run with more transitions than this ends with an error
-    #[arg(long, value_name = "COUNT", default_value = "1000000", value_parser = count)]
+    #[arg(long, value_name = "COUNT", default_value = "200000", value_parser = count)]
     most_events: NonZeroUsize,
 
     /// The same with more steps

@@ -47,7 +47,17 @@ pub(super) fn within(value: f64, uncertainty: f64) -> String {
     if decimals > MOST {
         return format!("{value:.2e} ± {uncertainty:.0e}");
     }
-    format!("{value:.0$} ± {uncertainty:.0e}", decimals as usize)
+    let text = format!("{value:.0$}", decimals as usize);
+    // Rounded to zero it has no sign.
+    let is_zero = text
+        .bytes()
+        .all(|digit| matches!(digit, b'-' | b'0' | b'.'));
+    let text = if is_zero {
+        text.trim_start_matches('-')
+    } else {
+        &text
+    };
+    format!("{text} ± {uncertainty:.0e}")
 }
 
 /// A located parameter, with no digits beyond its uncertainty.

@@ -105,6 +105,7 @@ fn words(error: &Error, name: &dyn Fn(usize) -> String) -> String {
              lyapunov` tells"
         ),
         Error::Escaped { .. } => format!("{error} (--escape)"),
+        Error::TooMany { name, .. } => format!("{error} (--{})", name.replace('_', "-")),
         Error::NoUniqueFuture { t, x } => format!(
             "the orbit has no unique future after t = {t}, x = {x}: both fields lead away from the boundary; choose one with \
              --at-repelling below or above, or start elsewhere",

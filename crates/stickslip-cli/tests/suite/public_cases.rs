@@ -77,6 +77,27 @@ fn a_margin_that_jumps_below_zero_ends_stick_at_the_kink() {
 }
 
 #[test]
+fn a_margin_that_jumps_at_the_start_ends_stick_there() {
+    // The belt, at rest until t = 0, gains speed faster than friction 0.7 can follow.
+    let text = on_belt("max(0, 2*t)", [0.0, 0.0]);
+    for method in METHODS {
+        for tolerance in ["1e-12", "1e-5"] {
+            let end_at = ["--t-end", "0.5", "--tol", tolerance];
+            let (found, transitions) = simulated(&text, method, &end_at);
+            let [(t, kind, _)] = &transitions[..] else {
+                panic!("{method}: {transitions:?}");
+            };
+            assert!(
+                kind == "stick exit" && *t < 1e-15,
+                "{method}: {kind} at {t}"
+            );
+            let exact = 0.7 * (1.0 - math::cos(0.5));
+            assert!((end(&found, "x") - exact).abs() < 1e-5, "{method}");
+        }
+    }
+}
+
+#[test]
 fn a_margin_that_jumps_and_stays_positive_ends_nothing() {
     // Each jump of the belt's acceleration leaves the force below what friction holds.
     let text = on_belt("0.1*abs(sin(t)) - 0.05", [0.0, -0.05]);
@@ -246,7 +267,13 @@ fn crossings_without_end_are_limited() {
 
 #[test]
 fn a_block_that_friction_holds_is_at_rest_whatever_its_spring() {
-    for (k, c) in [("100", "0"), ("1000", "30"), ("1e4", "0"), ("3", "0.1")] {
+    for (k, c) in [
+        ("100", "0"),
+        ("1000", "30"),
+        ("1e4", "0"),
+        ("1e8", "30"),
+        ("3", "0.1"),
+    ] {
         let text = format!(
             "name = \"held\"\n[states]\nx = \"\"\nv = \"\"\n[parameters]\nk = {k}\nc = {c}\n\
              [contacts.floor]\nboundary = \"v\"\nfriction = \"0.3\"\n[field]\nx = \"v\"\n\

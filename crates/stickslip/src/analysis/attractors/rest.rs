@@ -17,6 +17,9 @@ const MOST: usize = 30;
 /// Part of the largest entry of the Jacobian below which an eigenvalue, or a singular value, cannot be told from zero.
 pub(crate) const ZERO: f64 = 1e-7;
 
+/// Part of the largest entry of the Jacobian below which a row is rounding of terms of that size.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
+
 /// A guard of less than this part of the size of an equilibrium is zero: it lies at the edge of where its mode holds.
 const ON_EDGE: f64 = 1e-14;
 
@@ -85,7 +88,6 @@ fn newton_step<S: Switched<N, G>, const N: usize, const G: usize>(
     let length = |normal: &State<N>| normal.rows(0, free).norm();
     let mut normals = system.normals(mode, at);
     normals.retain(|(_, normal)| length(normal) > 0.0);
-    let scale = jacobian.amax();
     let mut matrix = DMatrix::zeros(free + normals.len(), free);
     let mut right = DVector::zeros(matrix.nrows());
     for i in 0..free {
@@ -95,17 +97,24 @@ fn newton_step<S: Switched<N, G>, const N: usize, const G: usize>(
         right[i] = -velocity[i];
     }
     for (k, (_, normal)) in normals.iter().enumerate() {
-        let weight = scale / length(normal);
         for j in 0..free {
-            matrix[(free + k, j)] = weight * normal[j];
+            matrix[(free + k, j)] = normal[j];
         }
-        right[free + k] = weight * normal.dot(&onto);
+        right[free + k] = normal.dot(&onto);
     }
     if matrix.iter().chain(&velocity).any(|v| !v.is_finite()) {
         return None;
     }
-    let bound = ZERO * matrix.amax();
-    let step = matrix.svd(true, true).solve(&right, bound).ok()?;
+    // Each equation in its own unit: beside that of a stiff spring, that of a place is not small.
+    // What cancels in a sliding field leaves rounding of its largest terms, and no equation.
+    let rounding = ROUNDING * jacobian.amax();
+    for (mut row, right) in matrix.row_iter_mut().zip(right.iter_mut()) {
+        let size = row.amax();
+        let per_size = if size > rounding { 1.0 / size } else { 0.0 };
+        row *= per_size;
+        *right *= per_size;
+    }
+    let step = matrix.svd(true, true).solve(&right, ZERO).ok()?;
     Some(State::from_fn(|i, _| if i < free { step[i] } else { 0.0 }))
 }
 

@@ -56,7 +56,7 @@ impl<F: Flow<N>, const N: usize> OnDense<'_, F, N> {
                 break;
             }
         }
-        if here.guard > rounding && b - a <= 4.0 * f64::EPSILON * b {
+        if here.guard > rounding && b - a <= 4.0 * f64::EPSILON * b + f64::MIN_POSITIVE {
             here = self.probe(b);
         }
         Search::Zero(here)
