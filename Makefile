@@ -39,23 +39,26 @@ readings: build-replication ## Search all readings of Figs. 10-12 anew into gold
 	cp target/readings/readings.csv target/readings/readings.txt golden/
 	rm -r target/readings
 
-# What a command prints as JSON is its golden. A sweep goes on from its blocks, so these are removed first.
+# What a command prints as JSON is its golden. A sweep goes on from its blocks, so these are removed first. The commands run in the
+# folder of their output, so that the goldens name no folder of a build.
 STICKSLIP = "$$($(CARGO) metadata --locked --no-deps --format-version 1 | sed -E 's/.*"target_directory":"([^"]*)".*/\1/')/debug/stickslip"
 DIAGRAMS := target/diagrams
+DIAGRAM = cd $(DIAGRAMS) && $(STICKSLIP)
 
 SPEEDS := 1.1 1.175 1.25 1.4 1.475 1.55 1.7 1.775 1.85
 
 diagrams: ## Figures of the program stickslip: figures/{basin,basins,bifurcation,branch,map}.svg with their goldens, some minutes
 	$(CARGO) test --locked --no-run
 	rm -rf $(DIAGRAMS) && mkdir -p $(DIAGRAMS)
-	$(STICKSLIP) basin forced --grid 100x100 --out $(DIAGRAMS)/basin --json > $(DIAGRAMS)/basin.json
-	$(STICKSLIP) basin basins --grid 200x200 --out $(DIAGRAMS)/basins --json > $(DIAGRAMS)/basins.json
-	for vd in $(SPEEDS); do \
-	    $(STICKSLIP) basin basins --set vd=$$vd --grid 100x100 --until 20000 --tol 1e-8 --out $(DIAGRAMS)/basins-$$vd --json || exit 1; \
-	done > $(DIAGRAMS)/shares.json
-	$(STICKSLIP) bifurcation forced --parameter mu0=0.1285:0.1925 --start x=-0.269 --start v=-1.52 --values 129 --duration 200 --out $(DIAGRAMS)/bifurcation --json > $(DIAGRAMS)/bifurcation.json
-	$(STICKSLIP) continue forced --set mu0=0.1303 --start x=-0.269 --start v=-1.52 --periods 2 --parameter mu0=0.02:0.195 --step 0.002 --out $(DIAGRAMS)/branch --json > $(DIAGRAMS)/branch.json
-	$(STICKSLIP) map forced --x mu0=0.122:0.134 --y omega=3.76:3.86 --start x=-0.269 --start v=-1.52 --grid 48x36 --until 400 --duration 60 --out $(DIAGRAMS)/map --json > $(DIAGRAMS)/map.json
+	$(DIAGRAM) basin forced --grid 100x100 --out basin --json > basin.json
+	$(DIAGRAM) basin basins --grid 200x200 --out basins --json > basins.json
+	cd $(DIAGRAMS) && { separator='['; for vd in $(SPEEDS); do \
+	    echo "$$separator"; separator=','; \
+	    $(STICKSLIP) basin basins --set vd=$$vd --grid 100x100 --until 20000 --tol 1e-8 --out basins-$$vd --json || exit 1; \
+	done; echo ']'; } > shares.json
+	$(DIAGRAM) bifurcation forced --parameter mu0=0.1262:0.1325 --start x=-0.269 --start v=-1.52 --values 127 --duration 200 --out bifurcation --json > bifurcation.json
+	$(DIAGRAM) continue forced --set mu0=0.1303 --start x=-0.269 --start v=-1.52 --periods 2 --parameter mu0=0.02:0.195 --step 0.002 --out branch --json > branch.json
+	$(DIAGRAM) map forced --x mu0=0.122:0.134 --y omega=3.76:3.86 --start x=-0.269 --start v=-1.52 --grid 48x36 --until 400 --duration 60 --out map --json > map.json
 	cp $(DIAGRAMS)/basin/basin.svg $(DIAGRAMS)/bifurcation/bifurcation.svg $(DIAGRAMS)/map/map.svg figures/
 	cp $(DIAGRAMS)/basins/basin.svg figures/basins.svg
 	cp $(DIAGRAMS)/branch/continue.svg figures/branch.svg

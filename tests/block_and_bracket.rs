@@ -193,9 +193,11 @@ fn short_runs_have_the_same_bits_everywhere() {
         writeln!(text, "{name}: {:?}", orbit.counters).unwrap();
         let last = orbit.transitions.last().map(|at| (at.t, at.x));
         for (t, x) in last.into_iter().chain([(orbit.t_end, orbit.x_end)]) {
-            let bits = x.map(|v| format!("{:016x}", v.to_bits()));
-            let bits = bits.as_slice().join(" ");
-            writeln!(text, "{name}: t {:016x} x {bits}", t.to_bits()).unwrap();
+            let values = || std::iter::once(t).chain(x.as_slice().iter().copied());
+            let decimal: Vec<String> = values().map(|v| format!("{v:?}")).collect();
+            let bits: Vec<String> = values().map(|v| format!("{:016x}", v.to_bits())).collect();
+            let (decimal, bits) = (decimal.join(" "), bits.join(" "));
+            writeln!(text, "{name}: t x1 x2 x3 x4 = {decimal} = {bits}").unwrap();
         }
     }
     let mut settings = insta::Settings::clone_current();

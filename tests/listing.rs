@@ -486,7 +486,7 @@ fn the_matrix_is_frozen() {
     for (defect, defects) in Defects::MENDED.one_flipped() {
         line(
             &mut table,
-            &format!("mended: all but {}", defect.name()),
+            &format!("mended: only {} present", defect.name()),
             &Setup {
                 defects,
                 ..Setup::default()

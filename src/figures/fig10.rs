@@ -14,7 +14,7 @@ impl BlockAndBracketFigure for Fig10 {
         caption: Caption::FIG10,
         shown: 40.0,
         title: "Fig. 10: periodic motion of the block and the bracket",
-        description: "The block's and the bracket's phase planes with the line of belt speed, and below them the running exponents.",
+        description: "The block's and the bracket's phase planes with the line of belt speed, and below them the running exponents beside the published ones.",
     };
     const TITLE: &'static str = "Periodic motion of the block and the bracket (Fig. 10)";
     const ABOUT: &'static str = "Panels (a), (b): phase planes of model 3, Eq. (27)-(28), for the first set of \

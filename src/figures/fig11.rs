@@ -14,7 +14,7 @@ impl BlockAndBracketFigure for Fig11 {
         caption: Caption::FIG11,
         shown: 300.0,
         title: "Fig. 11: quasi-periodic motion of the block and the bracket",
-        description: "The block's and the bracket's phase planes with the line of belt speed, and below them the running exponents.",
+        description: "The block's and the bracket's phase planes with the line of belt speed, and below them the running exponents beside the published ones.",
     };
     const TITLE: &'static str = "Quasi-periodic motion of the block and the bracket (Fig. 11)";
     const ABOUT: &'static str = "Panels (a), (b): phase planes of model 3, Eq. (27)-(28), for the second set of \

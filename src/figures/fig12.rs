@@ -14,7 +14,7 @@ impl BlockAndBracketFigure for Fig12 {
         caption: Caption::FIG12,
         shown: 300.0,
         title: "Fig. 12: chaotic motion of the block and the bracket",
-        description: "The block's and the bracket's phase planes with the line of belt speed and the region without contact, and below them the running exponents.",
+        description: "The block's and the bracket's phase planes with the line of belt speed and the region without contact, and below them the running exponents beside the published ones.",
     };
     const TITLE: &'static str = "Chaotic motion of the block and the bracket (Fig. 12)";
     const ABOUT: &'static str = "Panels (a), (b): phase planes of model 3, Eq. (27)-(28), for the third set of \

@@ -38,7 +38,7 @@ const NAMES: [(&str, Color, Shape); 4] = [
 pub fn draw(data: &Convergence, published: [f64; 4]) -> Result<String, FigureError> {
     Figure::new(
         "convergence",
-        (760.0, 400.0),
+        (760.0, 430.0),
         "The listing as printed for smaller and smaller steps",
         &description(data),
     )
@@ -103,6 +103,8 @@ fn approach(data: &Convergence) -> Panel {
                 .size(2.5),
         );
     }
+    let small = format!("small: steps within {} % of it", 100.0 * REACH);
+    panel.add(Markers::new([]).color(GREY).size(2.5).legend(&small));
     panel
 }
 
@@ -117,7 +119,7 @@ fn around(data: &Convergence, published: [f64; 4]) -> Panel {
             .flat_map(|at| (0..4).filter_map(move |i| units(at, i)))
     };
     let reach = all()
-        .fold(1.0, |reach: f64, (_, y)| reach.max(y.abs()))
+        .fold(1.0, |reach: f64, (_, y)| reach.max(1.05 * y.abs()))
         .ceil();
     let mut panel = Panel::new(
         Axis::new("step against the printed one, %", -5.5, 5.5).step(1.0),
@@ -134,10 +136,11 @@ fn around(data: &Convergence, published: [f64; 4]) -> Panel {
             .width(0.6)
             .dash(Dash::Dashed),
     );
-    for (i, (_, color, shape)) in NAMES.into_iter().enumerate() {
+    for (i, (name, color, shape)) in NAMES.into_iter().enumerate() {
         let points: Vec<(f64, f64)> = data.around.iter().filter_map(|at| units(at, i)).collect();
         panel.add(Curve::new(points.iter().copied()).color(color).width(0.6));
-        panel.add(Markers::new(points).shape(shape).color(color).size(6.0));
+        let markers = Markers::new(points).shape(shape).color(color);
+        panel.add(markers.size(6.0).legend(name));
     }
     panel
 }

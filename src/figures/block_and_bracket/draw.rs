@@ -10,14 +10,19 @@ use plot::*;
 use stickslip::analysis::Exponent;
 use stickslip::analysis::data_spectrum::Status;
 use stickslip::analysis::motion::Class;
+use stickslip::math;
 
 const COLOURS: [Color; 4] = [BLUE, VERMILLION, GREEN, PURPLE];
 /// Margin around a curve, as a fraction of its extent.
 const MARGIN: f64 = 0.06;
 /// Running exponents before this part of the time still swing; they may leave the panel.
 const SETTLED: f64 = 0.12;
-/// Width of the curves from data, px.
-const BROAD: f64 = 4.5;
+/// Widths of the curves from data, px: broad under the equations' curves, and each narrower than the one it may cover.
+const BROAD: [f64; 4] = [6.0, 4.0, 3.0, 2.0];
+/// Neighbours in size may coincide; one of two is dashed and on top.
+const DASHES: [Dash; 4] = [Dash::Solid, Dash::Dashed, Dash::Solid, Dash::Dashed];
+/// Where the axis of exponents turns from linear to logarithmic.
+const LINEAR: f64 = 1e-3;
 
 /// What the picture shows, for readers who cannot see it.
 fn description(set: &Set, data: &Data) -> String {
@@ -29,11 +34,10 @@ fn description(set: &Set, data: &Data) -> String {
         .map(|exponent| four(exponent.value()))
         .collect();
     format!(
-        "{} From the equations these come to {}; of {} section points {} are distinct, and the motion is {}.",
+        "{} From the equations these come to {}; section points: {}; the motion is {}.",
         set.description,
         exponents.join(", "),
-        exact.evidence.returns,
-        exact.evidence.distinct,
+        section_points(exact.evidence.distinct, exact.evidence.returns),
         exact.class
     )
 }
@@ -41,21 +45,25 @@ fn description(set: &Set, data: &Data) -> String {
 pub(super) fn draw(set: &Set, data: &Data) -> Result<String, FigureError> {
     Figure::new(
         set.figure.name(),
-        (880.0, 690.0),
+        (770.0, 800.0),
         set.title,
         &description(set, data),
     )
     .columns(
-        0.6,
+        0.47,
         vec![
             (1.0, block(set, data).into()),
             (1.0, bracket(set, data).into()),
         ],
     )
     .columns(
-        0.4,
-        vec![(1.0, running(data).into()), (1.0, table(set, data)?.into())],
+        0.43,
+        vec![
+            (0.9, running(set, data)?.into()),
+            (1.1, table(set, data)?.into()),
+        ],
     )
+    .row(0.1, caption(set))
     .render()
     .map_err(Into::into)
 }
@@ -138,7 +146,43 @@ fn bracket(set: &Set, data: &Data) -> Panel {
     panel
 }
 
-fn running(data: &Data) -> Panel {
+/// The numbers of the caption under its heading, and what they are taken for.
+fn caption(set: &Set) -> Table {
+    let named = |names: [&str; 9]| names.map(str::to_owned).to_vec();
+    let heading = [
+        "*ξ*_1", "*ξ*_2", "*ξ*_3", "*ξ*_4", "*ξ*_5", "*ξ*_6", "*ξ*_7",
+    ];
+    let [first, second, third, fourth, fifth, sixth, seventh] = heading;
+    let row = |what: &str, numbers: Vec<String>, start: String| {
+        [vec![what.to_owned()], numbers, vec![start]].concat()
+    };
+    let printed = set.caption.numbers.map(|value| number(value, 3)).to_vec();
+    let start = set.caption.start.map(|value| number(value, 1)).join(", ");
+    Table::new(row(
+        "**(e)** caption",
+        named([
+            first, second, third, fourth, fifth, sixth, seventh, "*δ*", "*v*_p",
+        ]),
+        "start".to_owned(),
+    ))
+    .row(row("as printed", printed, start))
+    .row(row(
+        "taken for",
+        named([
+            first, second, third, fourth, fifth, "*μ*_0", sixth, "*δ*", "*v*_p",
+        ]),
+        "*x*_1 … *x*_4".to_owned(),
+    ))
+}
+
+/// An exponent on an axis that is linear near zero and logarithmic away from it.
+fn scaled(exponent: f64) -> f64 {
+    math::log10(1.0 + exponent.abs() / LINEAR).copysign(exponent)
+}
+
+fn running(set: &Set, data: &Data) -> Result<Panel, PublishedError> {
+    let claims = Claims::committed()?;
+    let published = set.figure.exponents().map(|id| claims.value(id));
     let convergence = &data.exact.spectrum.convergence;
     let end = END - START;
     let settled = convergence
@@ -154,12 +198,20 @@ fn running(data: &Data) -> Panel {
         .iter()
         .filter(|at| at.t > SETTLED * end)
         .flat_map(|at| reliable.iter().map(|&i| at.exponents[i]));
+    let shown = settled.chain(by_data).chain(published).chain([0.0]);
+    let (low, high) = range(shown.map(scaled));
+    let ticks = [-1.0, -0.1, -0.01, -0.001, 0.0, 0.001, 0.01, 0.1, 1.0].map(|exponent: f64| {
+        let decimals = if exponent == 0.0 { 0 } else { 3 };
+        (scaled(exponent), number(exponent, decimals))
+    });
+    let ticks: Vec<(f64, &str)> = ticks
+        .iter()
+        .filter(|(at, _)| (low..=high).contains(at))
+        .map(|(at, text)| (*at, text.as_str()))
+        .collect();
     let mut panel = Panel::new(
         Axis::new("*t* − 3000", 0.0, end).step(3000.0).minor(3),
-        axis(
-            "*λ*, running means",
-            range(settled.chain(by_data).chain([0.0])),
-        ),
+        Axis::new("*λ*, running means", low, high).ticks(&ticks),
     )
     .label("(c)")
     .title(&format!("exponents{}", annihilated(data)))
@@ -168,26 +220,34 @@ fn running(data: &Data) -> Panel {
     // Broad and pale, under the equations' curves: where both agree, both are seen.
     for &i in &reliable {
         let rows = data.from_data.convergence.iter();
-        let points = rows.map(|at| (at.t, at.exponents[i]));
+        let points = rows.map(|at| (at.t, scaled(at.exponents[i])));
         panel.add(
             Curve::new(points)
                 .color(COLOURS[i].pale())
-                .width(BROAD)
+                .width(BROAD[i])
                 .legend(&format!("*λ*_{}, data", i + 1)),
         );
     }
-    for (i, exponent) in data.exact.spectrum.exponents.iter().enumerate() {
-        if *exponent == Exponent::Annihilated {
+    for (i, value) in published.into_iter().enumerate() {
+        let ends = [0.0, end].map(|t| (t, scaled(value)));
+        let line = Curve::new(ends).color(COLOURS[i]).dash(Dash::Dotted);
+        panel.add(line.width(1.2).legend(&format!("*λ*_{}, published", i + 1)));
+    }
+    // The dashed ones last, on top.
+    for i in [0, 2, 1, 3] {
+        if data.exact.spectrum.exponents[i] == Exponent::Annihilated {
             continue;
         }
-        let points = convergence.iter().map(|at| (at.elapsed, at.exponents[i]));
+        let points = convergence.iter();
+        let points = points.map(|at| (at.elapsed, scaled(at.exponents[i])));
         panel.add(
             Curve::new(points)
                 .color(COLOURS[i])
+                .dash(DASHES[i])
                 .legend(&format!("*λ*_{}, equations", i + 1)),
         );
     }
-    panel
+    Ok(panel)
 }
 
 /// What the running means cannot show: the exponents that the equations give as −∞.
@@ -210,12 +270,36 @@ fn four(value: f64) -> String {
     }
 }
 
+/// The places of the exponents from data as the table has them: by size, those that the data do not tell after the others.
+fn by_size(data: &Data) -> Vec<usize> {
+    let exponents = &data.from_data.exponents;
+    let is_unidentified = |i: usize| exponents[i].status == Status::Unidentified;
+    let mut order: Vec<usize> = (0..exponents.len()).collect();
+    order.sort_by(|&one, &other| {
+        let by_value = exponents[other].value.total_cmp(&exponents[one].value);
+        is_unidentified(one)
+            .cmp(&is_unidentified(other))
+            .then(by_value)
+    });
+    order
+}
+
+/// How many section points differ, in words.
+fn section_points(distinct: usize, returns: usize) -> String {
+    match distinct {
+        1 => format!("one, met {returns} times"),
+        all if all == returns => format!("{returns}, all different"),
+        _ => format!("{distinct}, met {returns} times in all"),
+    }
+}
+
 fn table(set: &Set, data: &Data) -> Result<Table, PublishedError> {
     let claims = Claims::committed()?;
     let said = |id: ClaimId| claims.of(id).published.clone();
     let mut table = Table::new(["", "published", "from equations", "from data"])
-        .title("**(d)**  per unit of *t*; in brackets: unidentified");
+        .title("**(d)**  per unit of *t*; in brackets: unidentified, last");
     let comparisons = compare(&data.from_data, &data.exact.spectrum.exponents);
+    let order = by_size(data);
     for i in 0..4 {
         let printed = said(set.figure.exponents()[i]).replace('-', "−");
         let exponent = &data.exact.spectrum.exponents[i];
@@ -223,28 +307,25 @@ fn table(set: &Set, data: &Data) -> Result<Table, PublishedError> {
             Some(error) => format!("{} ± {}", four(exponent.value()), four(error)),
             None => four(exponent.value()),
         };
-        let by_data = data
-            .from_data
-            .exponents
-            .get(i)
-            .map_or_else(String::new, |e| {
-                let value = four(e.value);
-                match e.status {
-                    Status::Unidentified => format!("({value})"),
-                    Status::Starved
-                    | Status::Undetermined
-                    | Status::Noisy
-                    | Status::Unstable
-                    | Status::Unpredictable => {
-                        format!("{value} {}", e.status.word())
-                    }
-                    Status::Ok => match worth(&data.from_data, i, &comparisons) {
-                        "ok" => value,
-                        word => format!("{value} {word}"),
-                    },
-                    Status::Annihilated => value,
+        let by_data = order.get(i).map_or_else(String::new, |&i| {
+            let e = &data.from_data.exponents[i];
+            let value = four(e.value);
+            match e.status {
+                Status::Unidentified => format!("({value})"),
+                Status::Starved
+                | Status::Undetermined
+                | Status::Noisy
+                | Status::Unstable
+                | Status::Unpredictable => {
+                    format!("{value} {}", e.status.word())
                 }
-            });
+                Status::Ok => match worth(&data.from_data, i, &comparisons) {
+                    "ok" => value,
+                    word => format!("{value} {word}"),
+                },
+                Status::Annihilated => value,
+            }
+        });
         table = table.row([format!("*λ*_{}", i + 1), printed, equations, by_data]);
     }
     let exact = &data.exact;
@@ -259,7 +340,7 @@ fn table(set: &Set, data: &Data) -> Result<Table, PublishedError> {
         (
             "section points",
             blank(),
-            format!("{} of {}", evidence.distinct, evidence.returns),
+            section_points(evidence.distinct, evidence.returns),
         ),
         (
             "stick, % of time",

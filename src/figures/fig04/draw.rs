@@ -36,6 +36,13 @@ pub(super) fn draw(data: &Data) -> Result<String, FigureError> {
 
 const ZONE_THICKNESS: f64 = 9.0;
 
+/// The limit cycle, broad and pale under the orbits, so that those on it are seen.
+fn cycle(data: &Data) -> Curve {
+    Curve::new(data.cycle.curve.iter().copied())
+        .color(VERMILLION.pale())
+        .width(6.0)
+}
+
 /// Stick zones as grey bars, tangent points on them.
 fn boundary(panel: &mut Panel, data: &Data, numbered: bool) {
     let belt = data.model.belt_speed;
@@ -54,8 +61,8 @@ fn boundary(panel: &mut Panel, data: &Data, numbered: bool) {
         });
     }
     for (wanted, legend) in [
-        (Visibility::Visible, "visible tangent point"),
-        (Visibility::Invisible, "invisible tangent point"),
+        (Visibility::Visible, "visible tangent point, a start"),
+        (Visibility::Invisible, "invisible tangent point, a start"),
     ] {
         let chosen: Vec<(usize, f64)> = data
             .tangents
@@ -99,11 +106,12 @@ fn whole(data: &Data) -> Panel {
                 .dash(Dash::Dashed),
         );
     }
+    panel.add(cycle(data).legend("limit cycle"));
     let further = data.tangents.len();
     for (i, orbit) in data.orbits.iter().enumerate() {
-        let curve = Curve::new(orbit.iter().copied()).width(0.8);
-        let from_tangent = curve.clone().color(SKY);
-        let from_further = curve.color(ORANGE).dash(Dash::Dashed);
+        let curve = Curve::new(orbit.iter().copied()).width(0.9);
+        let from_tangent = curve.clone().color(BLUE);
+        let from_further = curve.color(GREEN).dash(Dash::Dashed);
         panel.add(match i {
             0 => from_tangent.legend("orbits from the tangent points"),
             _ if i < further => from_tangent,
@@ -111,18 +119,12 @@ fn whole(data: &Data) -> Panel {
             _ => from_further,
         });
     }
-    panel.add(
-        Curve::new(data.cycle.curve.iter().copied())
-            .color(VERMILLION)
-            .width(2.0)
-            .legend("limit cycle"),
-    );
     boundary(&mut panel, data, true);
     panel.add(
         Markers::new(data.starts[further..].iter().copied())
             .shape(Shape::Square)
             .size(6.0)
-            .color(ORANGE)
+            .color(GREEN)
             .legend("further starts"),
     );
     panel
@@ -138,15 +140,11 @@ fn kink(data: &Data) -> Panel {
             .minor(2),
     )
     .label("(b)");
+    panel.add(self::cycle(data));
     boundary(&mut panel, data, true);
     for orbit in &data.orbits[..data.tangents.len()] {
-        panel.add(Curve::new(orbit.iter().copied()).color(SKY).width(0.8));
+        panel.add(Curve::new(orbit.iter().copied()).color(BLUE).width(0.9));
     }
-    panel.add(
-        Curve::new(cycle.curve.iter().copied())
-            .color(VERMILLION)
-            .width(2.0),
-    );
     // On Σ the slope in the plane is the acceleration over the belt's speed.
     let [before, after] = cycle.kink.map(|acceleration| acceleration / belt);
     let at = (cycle.left, belt);

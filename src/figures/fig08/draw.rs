@@ -78,9 +78,10 @@ pub(super) fn draw(data: &Data) -> Result<String, FigureError> {
     add_stick_phases(&mut left, data);
     add_deflections(&mut left, &printed_side);
     let mut left_strip = printed_side.strip("(c)");
-    for stretch in &data.as_printed.stuck {
+    for (i, stretch) in data.as_printed.stuck.iter().enumerate() {
         let ends = stretch.map(|(t, x1)| (t - printed_side.origin, x1));
-        left_strip.add(Curve::new(ends).color(ORANGE).width(3.4));
+        let thick = Curve::new(ends).color(ORANGE).width(3.4);
+        left_strip.add(if i == 0 { thick.legend("stick") } else { thick });
     }
     let outside = 100.0 * data.as_printed.outside_zones;
     let text = format!("{outside:.0} % of the stick time lies in no stick zone");
@@ -102,7 +103,7 @@ pub(super) fn draw(data: &Data) -> Result<String, FigureError> {
     let right_strip = exact_side.strip("(d)");
     Figure::new(
         "fig08",
-        (880.0, 680.0),
+        (770.0, 680.0),
         "Fig. 8: stick–slip as printed, and the stated model solved exactly",
         &description(data),
     )

@@ -39,7 +39,32 @@ pub(super) fn colour_of_none(word: &str) -> Color {
     }
 }
 
-/// A name in mathematics: italic, digits and what follows `_` below the line.
+/// Names of letters.
+const GREEK: [(&str, &str); 21] = [
+    ("alpha", "α"),
+    ("beta", "β"),
+    ("gamma", "γ"),
+    ("delta", "δ"),
+    ("epsilon", "ε"),
+    ("zeta", "ζ"),
+    ("eta", "η"),
+    ("theta", "θ"),
+    ("kappa", "κ"),
+    ("lambda", "λ"),
+    ("mu", "μ"),
+    ("nu", "ν"),
+    ("xi", "ξ"),
+    ("pi", "π"),
+    ("rho", "ρ"),
+    ("sigma", "σ"),
+    ("tau", "τ"),
+    ("phi", "φ"),
+    ("chi", "χ"),
+    ("psi", "ψ"),
+    ("omega", "ω"),
+];
+
+/// A name in mathematics: italic, digits and what follows `_` below the line, Greek letters for their names.
 pub(super) fn symbol(name: &str) -> String {
     let (letters, index) = match name.split_once('_') {
         Some((letters, index)) if !letters.is_empty() => (letters, index),
@@ -55,10 +80,12 @@ pub(super) fn symbol(name: &str) -> String {
         }
         escaped
     };
+    let greek = GREEK.iter().find(|(name, _)| *name == letters);
+    let letters = greek.map_or_else(|| plain(letters), |(_, letter)| (*letter).to_owned());
     if index.is_empty() {
-        format!("*{}*", plain(letters))
+        format!("*{letters}*")
     } else {
-        format!("*{}*_{{{}}}", plain(letters), plain(index))
+        format!("*{letters}*_{{{}}}", plain(index))
     }
 }
 
@@ -285,4 +312,18 @@ pub(super) fn history(system: &System, recording: &Recording) -> Result<String, 
     }
     figure = figure.row(strips_height + AXIS, strips);
     Ok(figure.render()?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_letters_are_letters_and_other_names_stay() {
+        assert_eq!(symbol("mu0"), "*μ*_{0}");
+        assert_eq!(symbol("mu_v"), "*μ*_{v}");
+        assert_eq!(symbol("omega"), "*ω*");
+        assert_eq!(symbol("mus"), "*mus*");
+        assert_eq!(symbol("x1"), "*x*_{1}");
+    }
 }

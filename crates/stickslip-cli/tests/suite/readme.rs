@@ -9,11 +9,9 @@ const PUBLISHED: &str = include_str!("../../../stickslip/tests/data/shares.csv")
 /// Random starts of a published share.
 const STARTS: f64 = 5000.0;
 
-fn golden(name: &str) -> Vec<Value> {
+fn golden(name: &str) -> Value {
     let path = format!("{}/../../golden/{name}", env!("CARGO_MANIFEST_DIR"));
-    let text = std::fs::read_to_string(path).unwrap();
-    let values = serde_json::Deserializer::from_str(&text).into_iter();
-    values.map(Result::unwrap).collect()
+    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
 }
 
 /// The belt's speed and the share of the fixed point.
@@ -26,11 +24,9 @@ fn share(basin: &Value) -> (f64, f64) {
 
 #[test]
 fn the_shares_beside_the_published_ones() {
-    let mut found: Vec<(f64, f64)> = golden("basins.json")
-        .iter()
-        .chain(&golden("shares.json"))
-        .map(share)
-        .collect();
+    let shares = golden("shares.json");
+    let mut found: Vec<(f64, f64)> = shares.as_array().unwrap().iter().map(share).collect();
+    found.push(share(&golden("basins.json")));
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut rows = csv::Reader::from_reader(PUBLISHED.as_bytes());
     let published: Vec<(f64, f64)> = rows.deserialize().map(Result::unwrap).collect();

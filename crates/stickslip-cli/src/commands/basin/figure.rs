@@ -30,7 +30,12 @@ pub(super) fn basin(found: &Found, basin: &Basin, system: &System) -> Result<Str
     let axis = |k: usize| {
         let range = &basin.plane[k];
         let state = &system.file.states[range.state];
-        let label = figures::with_unit(&state.name, &state.unit);
+        let label = match (state.unit.as_str(), system.file.time.unit.as_deref()) {
+            ("" | "1", None | Some("" | "1")) => {
+                format!("{}, dimensionless", figures::symbol(&state.name))
+            }
+            (unit, _) => figures::with_unit(&state.name, unit),
+        };
         plot::Axis::new(&label, range.low, range.high)
     };
     let mut panel = Panel::new(axis(0), axis(1)).legend(Legend::Below);

@@ -41,18 +41,17 @@ pub(super) fn diagram(
          Lyapunov exponent; lines where changes were located.",
         system.file.name, range.name, range.low, range.high, first.name
     );
+    // Points at the ends of the range stay inside the frame.
+    let room = 0.015 * (range.high - range.low);
+    let (low, high) = (range.low - room, range.high + room);
     let height = 90.0 + 170.0 * rows.len() as f64;
     let mut figure = Figure::new("bifurcation", (640.0, height), &title, &description);
     let last = rows.len().saturating_sub(1);
     for (k, (label, of)) in rows.into_iter().enumerate() {
         let x = if k == last {
-            plot::Axis::new(
-                &figures::parameter_label(system, &range.name),
-                range.low,
-                range.high,
-            )
+            plot::Axis::new(&figures::parameter_label(system, &range.name), low, high)
         } else {
-            plot::Axis::new("", range.low, range.high).bare()
+            plot::Axis::new("", low, high).bare()
         };
         let values = of(&found.up)
             .iter()

@@ -37,23 +37,25 @@ pub(super) fn diagram(told: &Told<'_>) -> Result<String, OutputError> {
             largest => largest,
         }
     };
-    let extent = format!("{}, least and greatest", figures::symbol(&first.name));
-    let extent = match first.unit.as_str() {
-        "" | "1" => extent,
-        unit => format!("{extent}, {unit}"),
-    };
+    let extent = |which: &str| format!("{which} {}", figures::with_unit(&first.name, &first.unit));
     let period = figures::in_time(system, "period", "");
     // Multipliers are known to 1e-6.
-    let all: [(String, &[Value], f64); 3] = [
-        (extent, &[|at| at.extremes[0].0, |at| at.extremes[0].1], 0.0),
-        (period, &[|at| at.orbit.period], 0.0),
-        (LARGEST_MULTIPLIER.to_owned(), &[largest], 1e-6),
+    // The greatest and the least have a scale each, on which the ways there and back of a closed branch are told apart.
+    let extents: [(String, Value); 2] = [
+        (extent("greatest"), |at| at.extremes[0].1),
+        (extent("least"), |at| at.extremes[0].0),
+    ];
+    let others: [(String, Value, f64); 2] = [
+        (period, |at| at.orbit.period, 0.0),
+        (LARGEST_MULTIPLIER.to_owned(), largest, 1e-6),
     ];
     // Of a driven system the period says nothing, unless it is what is varied.
-    let rows: Vec<_> = all
+    let others = others
         .into_iter()
-        .filter(|(_, values, error)| values.len() > 1 || differs(&branch.points, values[0], *error))
-        .collect();
+        .filter(|(_, value, error)| differs(&branch.points, *value, *error))
+        .map(|(label, value, _)| (label, value));
+    let of_extents = extents.len();
+    let rows: Vec<(String, Value)> = extents.into_iter().chain(others).collect();
     let title = format!("{}: branch of periodic orbits", system.file.name);
     let description = format!(
         "A branch of periodic orbits of {} over {} from {} to {}: least and greatest {}, period, and the largest multiplier up to {LARGEST}; \
@@ -61,11 +63,11 @@ pub(super) fn diagram(told: &Told<'_>) -> Result<String, OutputError> {
          changes of its phases, and where it ends in an equilibrium, a homoclinic orbit or rest.",
         system.file.name, range.name, range.low, range.high, first.name
     );
-    let height = 70.0 + 190.0 * rows.len() as f64;
+    let height = 90.0 + 160.0 * rows.len() as f64;
     let mut figure = Figure::new("continue", (640.0, height), &title, &description);
     let last = rows.len() - 1;
     let mut in_legend: Vec<Stability> = Vec::new();
-    for (k, (label, values, _)) in rows.into_iter().enumerate() {
+    for (k, (label, value)) in rows.into_iter().enumerate() {
         let (low, high) = ends(told);
         let x = if k == last {
             let label = figures::parameter_label(system, &range.name);
@@ -73,51 +75,44 @@ pub(super) fn diagram(told: &Told<'_>) -> Result<String, OutputError> {
         } else {
             plot::Axis::new("", low, high).bare()
         };
-        let all = values
-            .iter()
-            .flat_map(|value| branch.points.iter().map(value));
+        let ends = [branch.points.first(), branch.points.last()];
+        let ends: Vec<(&Stop, (f64, f64))> = ends
+            .into_iter()
+            .zip(&branch.stops)
+            .filter_map(|(end, stop)| Some((stop, end_mark(end?, stop, value, k < of_extents))))
+            .collect();
+        let marked = ends.iter().map(|(_, mark)| mark.1);
+        let all = branch.points.iter().map(value).chain(marked);
         let is_size = label == LARGEST_MULTIPLIER;
         let mut panel = Panel::new(x, figures::axis(&label, all));
         if is_size {
             panel.add(Guide::horizontal(1.0));
         }
-        for value in values {
-            for (stability, run) in runs(branch, *value, is_size) {
-                let (color, dash) = match stability {
-                    Stability::Stable => (BLUE, Dash::Solid),
-                    Stability::Neutral => (BLUE, Dash::Dotted),
-                    Stability::Unstable => (VERMILLION, Dash::Dashed),
-                };
-                let mut curve = Curve::new(run).color(color).dash(dash).width(1.4);
-                if k == last && !in_legend.contains(&stability) {
-                    in_legend.push(stability);
-                    curve = curve.legend(&stability.to_string());
-                }
-                panel.add(curve);
+        for (stability, run) in runs(branch, value, is_size) {
+            let (color, dash) = match stability {
+                Stability::Stable => (BLUE, Dash::Solid),
+                Stability::Neutral => (BLUE, Dash::Dotted),
+                Stability::Unstable => (VERMILLION, Dash::Dashed),
+            };
+            let mut curve = Curve::new(run).color(color).dash(dash).width(1.4);
+            if k == last && !in_legend.contains(&stability) {
+                in_legend.push(stability);
+                curve = curve.legend(&stability.to_string());
             }
+            panel.add(curve);
         }
         for (name, is_this, color, shape) in KINDS {
             let there = branch.special.iter().filter(|at| is_this(&at.what));
-            let points: Vec<(f64, f64)> = there
-                .flat_map(|at| {
-                    values
-                        .iter()
-                        .map(|value| place(branch, at, *value, is_size))
-                })
-                .collect();
+            let points: Vec<(f64, f64)> =
+                there.map(|at| place(branch, at, value, is_size)).collect();
             if !points.is_empty() {
                 let markers = Markers::new(points).shape(shape).color(color).size(6.0);
                 panel.add(markers.legend(name));
             }
         }
         for (name, is_this, shape) in ENDS {
-            let ends = [branch.points.first(), branch.points.last()];
-            let there = ends.into_iter().zip(&branch.stops);
-            let points: Vec<(f64, f64)> = there
-                .filter(|(_, stop)| is_this(stop))
-                .filter_map(|(end, stop)| Some(end_marks(end?, stop, values)))
-                .flatten()
-                .collect();
+            let there = ends.iter().filter(|(stop, _)| is_this(stop));
+            let points: Vec<(f64, f64)> = there.map(|(_, mark)| *mark).collect();
             if !points.is_empty() {
                 let markers = Markers::new(points).shape(shape).color(BLACK).open();
                 panel.add(markers.size(7.0).legend(name));
@@ -190,12 +185,13 @@ const ENDS: [MarkedEnd; 4] = [
 ];
 
 /// Where the end of a branch is: an equilibrium is between the least and the greatest that the last orbit has of a state.
-fn end_marks(end: &Point, stop: &Stop, values: &[Value]) -> Vec<(f64, f64)> {
-    let heights: Vec<f64> = match (stop, values) {
-        (Stop::Equilibrium { .. } | Stop::BoundaryEquilibrium { .. }, [least, greatest]) => {
-            vec![0.5 * (least(end) + greatest(end))]
+fn end_mark(end: &Point, stop: &Stop, value: Value, is_extent: bool) -> (f64, f64) {
+    let (least, greatest) = end.extremes[0];
+    let height = match stop {
+        Stop::Equilibrium { .. } | Stop::BoundaryEquilibrium { .. } if is_extent => {
+            0.5 * (least + greatest)
         }
-        _ => values.iter().map(|value| value(end)).collect(),
+        _ => value(end),
     };
     let place = match *stop {
         Stop::Equilibrium { parameter, .. }
@@ -203,7 +199,7 @@ fn end_marks(end: &Point, stop: &Stop, values: &[Value]) -> Vec<(f64, f64)> {
         | Stop::Homoclinic { parameter, .. } => parameter,
         _ => end.orbit.parameter,
     };
-    heights.into_iter().map(|height| (place, height)).collect()
+    (place, height)
 }
 
 /// The part of the range that the branch takes, with a little room.

@@ -42,8 +42,16 @@ struct Layer {
 }
 
 pub(super) fn map(found: &Found, map: &Map, system: &System) -> Result<String, OutputError> {
+    // All panels share the first one's axis of the second parameter.
     let panel = |label: &str, title: &str, layers: Vec<Layer>| {
-        let mut panel = Panel::new(axis(0, map, system), axis(1, map, system))
+        let is_first = label == "(a)";
+        let second = &map.plane[1];
+        let y = if is_first {
+            axis(1, map, system)
+        } else {
+            Axis::new("", second.low, second.high).bare()
+        };
+        let mut panel = Panel::new(axis(0, map, system), y)
             .label(label)
             .title(title)
             .legend(Legend::Below);
@@ -52,11 +60,11 @@ pub(super) fn map(found: &Found, map: &Map, system: &System) -> Result<String, O
             let cells = Cells::new(x, y, map.columns.get(), layer.set);
             panel.add(cells.fill(layer.colour).legend(&layer.legend));
         }
-        (1.0, panel.into())
+        (if is_first { 1.2 } else { 1.0 }, panel.into())
     };
     let panels = vec![
         panel("(a)", "attractor", attractors(found, map.until)),
-        panel("(b)", "largest Lyapunov exponent", exponents(&found.cells)),
+        panel("(b)", "largest exponent", exponents(&found.cells)),
         panel("(c)", "part of time in stick", sticks(&found.cells)),
     ];
     let title = format!("{}: map of two parameters", system.file.name);
@@ -71,7 +79,7 @@ pub(super) fn map(found: &Found, map: &Map, system: &System) -> Result<String, O
         map.plane[1].name,
         classes.join("; ")
     );
-    let figure = Figure::new("map", (1000.0, 460.0), &title, &description).columns(1.0, panels);
+    let figure = Figure::new("map", (770.0, 440.0), &title, &description).columns(1.0, panels);
     Ok(figure.render()?)
 }
 
@@ -179,6 +187,11 @@ fn exponents(cells: &[Shown]) -> Vec<Layer> {
             layers.extend(of_sign);
         }
     }
+    layers.push(layer(
+        &|cell| cell.largest == Largest::Unmeasured,
+        WHITE,
+        "no attractor".to_owned(),
+    ));
     filled(layers)
 }
 
