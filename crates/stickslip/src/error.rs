@@ -298,6 +298,16 @@ pub enum Error {
         /// State.
         x: Point,
     },
+    /// The orbit has shrunk to a point of Σ, so that nothing can be measured along it.
+    #[error(
+        "the orbit shrinks to the point x = {x} of the boundary, about which it goes round without end (t = {t}); start elsewhere, or change a parameter", t = readable(*t)
+    )]
+    Shrunk {
+        /// Time.
+        t: f64,
+        /// State.
+        x: Point,
+    },
     /// Tangent vectors have no finite image, or one of them none but zero.
     #[error(
         "the derivative of the flow is singular at t = {t}, x = {x}: the orbit grazes the boundary or a section there, or passes along it, or two contacts come to zero in the same instant, or the field has no derivative; change the start, the section or a parameter a little", t = readable(*t)

@@ -46,6 +46,11 @@ impl Ending {
     pub fn is_ambiguous(self) -> bool {
         matches!(self, Ending::Repelling | Ending::TwoFold(_))
     }
+
+    /// Whether the orbit goes no further, though nobody stopped it.
+    pub fn is_final(self) -> bool {
+        self.is_ambiguous() || self == Ending::Shrunk
+    }
 }
 
 /// An orbit: phases and the transitions between them, with the solution of every step.

@@ -1,7 +1,7 @@
 //! The search for a periodic orbit, from a run and by shooting.
 
 use stickslip::analysis::RecurrenceSettings;
-use stickslip::{Error, Options};
+use stickslip::{Ending, Error, Options};
 use stickslip_kernels::kernel::{Motion, Periodic, Run, Shooting};
 
 use super::extremes::Extremes;
@@ -195,6 +195,7 @@ impl Search<'_> {
                 | Error::NotFound { .. }
                 | Error::TangentSingular { .. }
                 | Error::EventPileUp { .. }
+                | Error::Shrunk { .. }
         );
         let settings = RecurrenceSettings::within(UNTIL.max(self.transient + self.longest));
         let outcome = looked
@@ -225,9 +226,11 @@ impl Search<'_> {
             .system
             .kernel()
             .run(&self.run(t, x, t + span), None, &mut ())?;
-        if ended.ending.is_ambiguous() {
-            let x = stickslip::error::Point(ended.x);
-            return Err(Error::NoUniqueFuture { t: ended.t, x }.into());
+        let (t, x) = (ended.t, stickslip::error::Point(ended.x.clone()));
+        match ended.ending {
+            Ending::Shrunk => return Err(Error::Shrunk { t, x }.into()),
+            ending if ending.is_final() => return Err(Error::NoUniqueFuture { t, x }.into()),
+            _ => {}
         }
         Ok((ended.t, ended.x))
     }

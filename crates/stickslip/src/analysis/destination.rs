@@ -54,7 +54,7 @@ pub fn destination<S: Switched<N, G>, const N: usize, const G: usize>(
     // A little beyond the last whole period, so that rounding cannot leave it out.
     let t_end = t0 + (periods as f64 + 1e-6) * period;
     match strobe.follow(system, x0, t_end, options) {
-        Ok(summary) if summary.ending.is_ambiguous() => Err(summary.no_unique_future()),
+        Ok(summary) if summary.ending.is_final() => Err(summary.goes_no_further()),
         Ok(_) => Ok(strobe.verdict(closeness)),
         Err(Error::Escaped { t, .. }) => Ok(Destination::Escapes { t }),
         Err(error) => Err(error),

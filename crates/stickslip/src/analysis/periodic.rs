@@ -146,7 +146,7 @@ pub fn find_periodic_orbit<S: Switched<N, G>, const N: usize, const G: usize>(
                 integration = Integration::new(system, here.t, here.x, t_end, options)?;
                 break here;
             }
-            Progress::End(summary) => return Err(summary.no_unique_future()),
+            Progress::End(summary) => return Err(summary.goes_no_further()),
         }
     };
     let section = Plane {
@@ -164,7 +164,7 @@ pub fn find_periodic_orbit<S: Switched<N, G>, const N: usize, const G: usize>(
             Happening::Progress(Progress::End(summary)) if summary.ending == Ending::EndTime => {
                 break;
             }
-            Happening::Progress(Progress::End(summary)) => return Err(summary.no_unique_future()),
+            Happening::Progress(Progress::End(summary)) => return Err(summary.goes_no_further()),
             Happening::Progress(_) => {}
         }
     }
@@ -218,7 +218,7 @@ fn iterate<S: Switched<N, G>, const N: usize, const G: usize>(
         let turn = turn(system, &at.at(), at.t + period, options, !is_forced)?;
         let Turn { monodromy, .. } = &turn;
         if monodromy.summary.ending != Ending::EndTime {
-            return Err(monodromy.summary.no_unique_future());
+            return Err(monodromy.summary.goes_no_further());
         }
         let gap = monodromy.summary.x - at.x;
         let size = gap.amax();

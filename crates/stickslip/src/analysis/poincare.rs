@@ -211,7 +211,7 @@ where
                     }
                 }
                 Progress::PhaseEnd(_) => {}
-                Progress::End(summary) => return Err(summary.no_unique_future()),
+                Progress::End(summary) => return Err(summary.goes_no_further()),
             }
         }
     }

@@ -22,10 +22,13 @@ pub struct Summary<const N: usize> {
 }
 
 impl<const N: usize> Summary<N> {
-    /// What an analysis says that needs the orbit to go on behind this end.
-    pub(crate) fn no_unique_future(&self) -> Error {
+    /// What an analysis fails with that needs the orbit to go on behind this end.
+    pub(crate) fn goes_no_further(&self) -> Error {
         let (t, x) = (self.t, Point::from(&self.x));
-        Error::NoUniqueFuture { t, x }
+        match self.ending {
+            Ending::Shrunk => Error::Shrunk { t, x },
+            _ => Error::NoUniqueFuture { t, x },
+        }
     }
 
     /// Of a run that failed before its first step.

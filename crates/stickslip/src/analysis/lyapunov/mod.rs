@@ -132,8 +132,8 @@ where
             Progress::Step => measurement.step(&integration.last_step())?,
             Progress::Transition(at) => measurement.transition(at)?,
             Progress::PhaseEnd(_) => {}
-            Progress::End(summary) if summary.ending.is_ambiguous() => {
-                return Err(summary.no_unique_future());
+            Progress::End(summary) if summary.ending.is_final() => {
+                return Err(summary.goes_no_further());
             }
             Progress::End(_) => {}
         }

@@ -4,7 +4,7 @@ use super::margin::{Key, Margin, Site, landing};
 use super::minima::minima;
 use crate::analysis::anchor::Anchor;
 use crate::error::Error;
-use crate::filippov::{Options, Phase, Switched, Transition, TransitionKind, run, solve};
+use crate::filippov::{Options, Phase, Summary, Switched, Transition, TransitionKind, run, solve};
 use crate::ode::Timed;
 use crate::orbit::{Ending, Orbit};
 use crate::system::State;
@@ -293,10 +293,13 @@ fn whole<S: Switched<N, G>, const N: usize, const G: usize>(
     if orbit.ending == Ending::EndTime {
         return Ok(orbit);
     }
-    Err(Error::NoUniqueFuture {
+    let end = Summary {
+        ending: orbit.ending,
         t: orbit.t_end,
-        x: (&orbit.x_end).into(),
-    })
+        x: orbit.x_end,
+        counters: orbit.counters,
+    };
+    Err(end.goes_no_further())
 }
 
 fn transitions<const N: usize, K>(orbit: &Orbit<N, K>) -> impl Iterator<Item = &Transition<N, K>> {
