@@ -16,6 +16,8 @@ pub const ZERO: f64 = 0.002;
 pub const NEGATIVE: (f64, f64) = (0.003, 1.0);
 /// Least and largest positive exponent; its logarithm is drawn evenly.
 pub const POSITIVE: (f64, f64) = (0.001, 0.05);
+/// A match is rare if no more than this share of either kind of targets is met as well (%).
+const RARE: f64 = 5.0;
 
 /// Every run draws the same targets.
 const SEED: u64 = 0x2013_0073_0723_0736;
@@ -116,7 +118,8 @@ pub struct Level {
     /// Random targets of the published classes.
     pub random: Share,
     /// Spectra with the published pattern of signs, each met by rows of other readings than its
-    /// own.
+    /// own. A reading that gives the same spectrum to the last bit is its own by another name, and
+    /// a target that leaves no other reading is none.
     pub readings: Share,
 }
 
@@ -136,15 +139,38 @@ impl Level {
             distance(nearest(rows.iter().copied(), &target, figures)) <= published
         };
         let near_reading = |one: &&Row| {
-            let others = rows.iter().copied().filter(|row| row.key[1] != one.key[1]);
-            distance(nearest(others, &one.exponents, figures)) <= published
+            let same = |row: &&&Row| {
+                figures
+                    .iter()
+                    .all(|&f| row.exponents[f] == one.exponents[f])
+            };
+            let twins: Vec<&str> = spectra
+                .iter()
+                .filter(same)
+                .map(|row| &*row.key[1])
+                .collect();
+            let others = rows
+                .iter()
+                .copied()
+                .filter(|row| !twins.contains(&&*row.key[1]));
+            nearest(others, &one.exponents, figures).map(|(_, near)| near <= published)
         };
         let alike = |row: &&&Row| has_signs_of(row, target, figures);
         Level {
             published,
             random: Share::count((0..draws).map(near_random)),
-            readings: Share::count(spectra.iter().filter(alike).map(near_reading)),
+            readings: Share::count(spectra.iter().filter(alike).filter_map(near_reading)),
         }
+    }
+
+    /// Whether the published exponents are met better than nearly all other targets, one or three
+    /// figures having been looked at.
+    pub fn is_rare(&self, looks: usize) -> bool {
+        let random = match looks {
+            3 => self.random.best_of_three(),
+            _ => self.random.percent(),
+        };
+        random <= RARE && self.readings.of > 0 && self.readings.percent() <= RARE
     }
 }
 
@@ -217,12 +243,16 @@ mod tests {
             exponents: target.map(|four| four.map(|v| factor * v)),
             ..Row::empty(["search", reading, "exact", "s"].map(str::to_owned))
         };
-        // The last two are as near to each other as equals, and 10 % off the published.
-        let rows = [row("a", 0.9), row("b", 0.9), row("b", 0.9)];
+        // Nearer to each other than to the published, from which they are 10 % off.
+        let rows = [row("a", 0.9), row("b", 0.901), row("b", 0.901)];
         let all: Vec<&Row> = rows.iter().collect();
         let of = |rows: &[&Row]| Level::of(rows, rows, (&target, &[0, 1, 2]), 10).readings;
         assert_eq!(of(&all), Share { met: 3, of: 3 });
-        assert_eq!(of(&all[1..]), Share { met: 0, of: 2 });
+        // The only reading has no other that could meet it, and is no target.
+        assert_eq!(of(&all[1..]), Share { met: 0, of: 0 });
+        // Nor is the same spectrum under another name another reading.
+        let twin = row("c", 0.901);
+        assert_eq!(of(&[&twin, all[1]]), Share { met: 0, of: 0 });
         // Of another pattern of signs it is no target.
         let other = row("a", -0.9);
         assert_eq!(of(&[&other, all[1]]), Share { met: 0, of: 1 });
@@ -232,5 +262,24 @@ mod tests {
     fn three_looks_count_as_three() {
         let share = Share { met: 1, of: 100 };
         assert!((share.best_of_three() - 2.9701).abs() < 1e-10);
+        let level = |random, readings| Level {
+            published: 0.1,
+            random: Share {
+                met: random,
+                of: 100,
+            },
+            readings: Share {
+                met: readings,
+                of: 100,
+            },
+        };
+        assert!(level(1, 5).is_rare(3) && level(5, 5).is_rare(1));
+        assert!(!level(2, 5).is_rare(3) && !level(1, 6).is_rare(1));
+        let without = Share { met: 0, of: 0 };
+        let untested = Level {
+            readings: without,
+            ..level(1, 0)
+        };
+        assert!(!untested.is_rare(1));
     }
 }

@@ -3,11 +3,12 @@
 use sha2::{Digest, Sha256};
 
 use super::chance::{self, Level, Share};
-use super::counts::{self, DigitsMet, Pairs};
+use super::counts::{self, BorneOut, DigitsMet, Pairs};
 use super::error::ReadingsError;
 use super::plan::{Group, Part, Plan};
 use super::row::Row;
 use super::score;
+use super::search;
 use super::spread::ExponentSpread;
 use super::store;
 use super::verdict::Verdict;
@@ -30,6 +31,8 @@ pub struct Committed {
     pub kept: usize,
     /// Of these the ones with all three kinds of motion: no other is ranked.
     pub ranked: usize,
+    /// From how many readings, integrators and settings of the estimator the ranked ones come.
+    pub ranked_from: [usize; 3],
     /// Pairs of reading and integrator, by class.
     pub pairs: Pairs,
     /// How often configurations that keep all three motions meet the published exponents to the
@@ -48,6 +51,8 @@ pub struct Committed {
     pub digits_by_chance: [[Option<Share>; 4]; 3],
     /// What the settings that the paper does not state make of each exponent of each figure, for the recommended reading.
     pub spread: [[ExponentSpread; 4]; 3],
+    /// How many of these settings bear out what Sect. 5.2 says.
+    pub borne_out: BorneOut,
 }
 
 /// A reading with an integrator, and its three motions.
@@ -61,22 +66,25 @@ pub struct Match {
     pub classes: [Verdict; 3],
     /// Half the extent of each figure's x₁; NaN where the motion does not stay.
     pub amplitudes: [f64; 3],
+    /// The motions in words, of an escape with its time where that was looked up.
+    pub motions: [String; 3],
 }
 
 impl Match {
-    fn of(row: &Row) -> Match {
+    fn of(row: &Row, motions: [String; 3]) -> Match {
         let [_, reading, integrator, _] = row.key.clone();
         Match {
             reading,
             integrator,
             classes: row.classes,
             amplitudes: row.sizes.map(|[amplitude, _]| amplitude),
+            motions,
         }
     }
 
     /// What becomes of the figures other than one (0, 1, 2), in words.
     pub fn others(&self, figure: usize) -> String {
-        let of = |f: usize| format!("Fig. {} {}", f + 10, self.classes[f]);
+        let of = |f: usize| format!("Fig. {} {}", f + 10, self.motions[f]);
         let others: Vec<String> = (0..3).filter(|f| *f != figure).map(of).collect();
         others.join(", ")
     }
@@ -117,6 +125,7 @@ impl Committed {
         let pairs = counts::pairs(&search);
         let digits = DigitsMet::count(&kept, &published);
         let alone = chance::alone(&search, &target, plan.draws).ok_or_else(incomplete)?;
+        let in_short = |row: &Row| Match::of(row, row.classes.map(|class| class.to_string()));
         let digest = Sha256::digest(table.as_bytes());
         Ok(Committed {
             file: FILE,
@@ -124,11 +133,12 @@ impl Committed {
             configurations: search.len(),
             kept: kept.len(),
             ranked: ranked.len(),
+            ranked_from: counts::sources(&ranked),
             pairs: Pairs::count(&pairs),
             together: [&kept, &ranked]
                 .map(|rows| Level::of(rows, &kept, (&target, &[0, 1, 2]), plan.draws)),
-            alone: alone.map(|(level, row)| (level, Match::of(row))),
-            motions: pairs.into_iter().map(Match::of).collect(),
+            alone: alone.map(|(level, row)| (level, Match::of(row, search::motions(&plan, row)))),
+            motions: pairs.into_iter().map(in_short).collect(),
             digits_by_chance: [0, 1, 2].map(|figure| {
                 [0, 1, 2, 3].map(|k| {
                     let met = digits.by[figure][k];
@@ -136,8 +146,10 @@ impl Committed {
                 })
             }),
             digits,
-            spread: [0, 1, 2]
-                .map(|figure| [0, 1, 2, 3].map(|k| ExponentSpread::of(&spread, figure, k))),
+            spread: [0, 1, 2].map(|figure| {
+                [0, 1, 2, 3].map(|k| ExponentSpread::of(&spread, (figure, k), &published))
+            }),
+            borne_out: BorneOut::count(&spread),
         })
     }
 
@@ -150,7 +162,6 @@ impl Committed {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::readings::search;
     use crate::readings::spread::spread_settings;
 
     /// Of the settings of the spread one in so many is computed anew, from the first on.

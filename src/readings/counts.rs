@@ -1,6 +1,10 @@
 //! What is counted of a search: pairs of reading and integrator by class and by kind, exponents met to the printed digits.
 
+use std::collections::BTreeSet;
+
+use super::chance::ZERO;
 use super::row::Row;
+use super::score::Twelve;
 use crate::paper::claim_id::SpectrumFigure;
 use crate::paper::published::{Claim, Claims, PublishedError};
 
@@ -21,6 +25,50 @@ pub fn pairs<'a>(search: &[&'a Row]) -> Vec<&'a Row> {
     let mut pairs = search.to_vec();
     pairs.dedup_by(|one, other| one.key[1..3] == other.key[1..3]);
     pairs
+}
+
+/// From how many readings, integrators and settings rows come.
+pub fn sources(rows: &[&Row]) -> [usize; 3] {
+    [1, 2, 3].map(|part| {
+        let names: BTreeSet<&str> = rows.iter().map(|row| &*row.key[part]).collect();
+        names.len()
+    })
+}
+
+/// In words.
+pub fn sources_in_words([readings, integrators, settings]: [usize; 3]) -> String {
+    let plural = |count: usize| if count == 1 { "" } else { "s" };
+    format!(
+        "{readings} reading{}, {integrators} integrator{}, {settings} setting{} of the estimator",
+        plural(readings),
+        plural(integrators),
+        plural(settings)
+    )
+}
+
+/// Of the settings tried for the recommended reading, how many bear out what Sect. 5.2 says of
+/// exponents. One of a size up to [`ZERO`] passes for zero.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BorneOut {
+    /// Each figure has an exponent that is zero.
+    pub zero: usize,
+    /// The first two of Fig. 11 are.
+    pub two_zeros: usize,
+    /// The first of Fig. 12 is positive.
+    pub positive: usize,
+}
+
+impl BorneOut {
+    pub(super) fn count(rows: &[&Row]) -> BorneOut {
+        let with =
+            |is: &dyn Fn(&Twelve) -> bool| rows.iter().filter(|row| is(&row.exponents)).count();
+        let zero = |value: &f64| value.abs() <= ZERO;
+        BorneOut {
+            zero: with(&|all| all.iter().all(|four| four.iter().any(zero))),
+            two_zeros: with(&|all| all[1][..2].iter().all(zero)),
+            positive: with(&|all| all[2][0] > ZERO),
+        }
+    }
 }
 
 /// Pairs of reading and integrator. Each has one class for each figure, whatever the estimator.

@@ -33,14 +33,15 @@ use rayon::prelude::*;
 
 use crate::figures::output::{Artifact, write_all};
 use crate::terminal::{self, Progress};
-pub use chance::{Level, Share};
+pub use chance::{Level, Share, ZERO};
 pub use committed::{Committed, Match};
-pub use counts::{DigitsMet, Pairs};
+pub use counts::{BorneOut, DigitsMet, Pairs, sources_in_words};
 pub use error::ReadingsError;
 pub use plan::Integrator;
 use plan::Plan;
 pub use spread::{ExponentSpread, Values, described, spread_settings};
 use store::{Store, TABLE};
+pub use verdict::Verdict;
 
 /// Name of the summary.
 const SUMMARY: &str = "readings.txt";

@@ -38,7 +38,7 @@ pub fn follow(system: &BlockAndBracket, start: State<4>, h: f64, plan: &Plan) ->
         let before = *scheme.x();
         match scheme.advance() {
             Ok(()) => {}
-            Err(Lost::Escaped { .. }) => return Outcome::Escaped,
+            Err(Lost::Escaped { t }) => return Outcome::Escaped(t),
             Err(Lost::BrokenDown { .. }) => return Outcome::Failed,
         }
         if let Some(at) = crossing(&before, scheme.x()).filter(|_| pass >= first) {

@@ -5,6 +5,7 @@ use super::row::{self, Row};
 use super::score::{self, Twelve};
 use super::store;
 use super::trajectory::{Outcome, follow};
+use super::verdict::Verdict;
 use stickslip::analysis::data_spectrum::{Neighbourhood, Series, data_spectrum};
 use stickslip::models::Caption;
 
@@ -83,6 +84,19 @@ pub fn group_rows(group: &Group, plan: &Plan, target: &Twelve) -> Vec<Row> {
         rows.push(row);
     }
     rows
+}
+
+/// The three motions of a row in words. When an escape comes the table does not say, and it is
+/// cheap to follow the orbit that far once more.
+pub fn motions(plan: &Plan, row: &Row) -> [String; 3] {
+    let group = plan.groups.iter().find(|group| group.has(row));
+    std::array::from_fn(|figure| {
+        let again = group.filter(|_| row.classes[figure] == Verdict::Escaped);
+        match again.map(|group| follow(group, &CAPTIONS[figure], plan)) {
+            Some(Outcome::Escaped(t)) => format!("escaped at t = {t:.1}"),
+            _ => row.classes[figure].to_string(),
+        }
+    })
 }
 
 type Four = ([f64; 4], [String; 4]);

@@ -3,6 +3,7 @@
 //! This is the one such analysis. It has the rows of part `spread`, which are made for it, and the
 //! search's rows of the same reading and integrator; the report takes them from there.
 
+use super::counts::Exponents;
 use super::plan::{MANY, everywhere};
 use super::row::Row;
 use stickslip::analysis::data_spectrum::{DataSettings, Neighbourhood, Status};
@@ -71,7 +72,7 @@ pub fn described() -> String {
 /// What all settings make of one exponent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ExponentSpread {
-    /// The finite values; nothing if there is none.
+    /// The finite values of the settings that identify it; nothing if there is none.
     pub values: Option<Values>,
     /// Settings tried.
     pub settings: usize,
@@ -79,6 +80,8 @@ pub struct ExponentSpread {
     pub unidentified: usize,
     /// In how many it is [`Status::Starved`] or [`Status::Unpredictable`].
     pub doubtful: usize,
+    /// How many give the published digits, identified or not.
+    pub met: usize,
 }
 
 /// Finite values of an exponent (1/t).
@@ -94,10 +97,18 @@ pub struct Values {
 
 impl ExponentSpread {
     /// Of exponent `k` of a figure, both from 0.
-    pub(super) fn of(rows: &[&Row], figure: usize, k: usize) -> ExponentSpread {
+    pub(super) fn of(
+        rows: &[&Row],
+        (figure, k): (usize, usize),
+        published: &Exponents,
+    ) -> ExponentSpread {
+        let identified =
+            |row: &&&Row| row.statuses[figure][k].as_str() != Status::Unidentified.word();
+        let of = |row: &&Row| row.exponents[figure][k];
         let mut finite: Vec<f64> = rows
             .iter()
-            .map(|row| row.exponents[figure][k])
+            .filter(identified)
+            .map(of)
             .filter(|value| value.is_finite())
             .collect();
         finite.sort_by(f64::total_cmp);
@@ -118,12 +129,11 @@ impl ExponentSpread {
             settings: rows.len(),
             unidentified: having(&[Status::Unidentified]),
             doubtful: having(&[Status::Starved, Status::Unpredictable]),
+            met: rows
+                .iter()
+                .filter(|row| published[figure][k].agrees(of(row)))
+                .count(),
         }
-    }
-
-    /// Whether it is unidentified in most of the settings.
-    pub fn mostly_unidentified(&self) -> bool {
-        2 * self.unidentified > self.settings
     }
 }
 

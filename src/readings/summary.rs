@@ -8,6 +8,7 @@ use super::error::ReadingsError;
 use super::plan::{DT, Group, Part, Plan};
 use super::row::Row;
 use super::score::{CAP, FLOOR, Twelve};
+use super::search;
 use super::spread::{ExponentSpread, described, median};
 
 /// The text of `readings.txt`.
@@ -23,14 +24,14 @@ pub fn summary(plan: &Plan, rows: &[Row], target: &Twelve) -> Result<String, Rea
     let mut text = tried(plan, &search);
     if let Some(alone) = chance::alone(&search, target, plan.draws) {
         text += &motions(&counts::pairs(&search));
-        text += &each_alone(alone, target);
+        text += &each_alone(plan, alone, target);
     }
     if !kept.is_empty() {
         text += &best(&kept, target, &published);
         text += &together(plan, &kept, target);
     }
     if !spread.is_empty() {
-        text += &own_spread(&spread, target);
+        text += &own_spread(&spread, target, &published);
     }
     Ok(text)
 }
@@ -136,7 +137,7 @@ fn motions(pairs: &[&Row]) -> String {
 }
 
 /// The nearest of all rows to each figure, and whether it can count.
-fn each_alone(alone: [(Level, &Row); 3], target: &Twelve) -> String {
+fn each_alone(plan: &Plan, alone: [(Level, &Row); 3], target: &Twelve) -> String {
     let mut text = String::new();
     for (figure, (level, row)) in alone.iter().enumerate() {
         line!(
@@ -152,7 +153,7 @@ fn each_alone(alone: [(Level, &Row); 3], target: &Twelve) -> String {
             "  three figures were looked at: the best of three is met so well by chance in {:.1} %",
             level.random.best_of_three()
         );
-        let classes = row.classes.map(|class| class.to_string()).join(", ");
+        let classes = search::motions(plan, row).join(", ");
         line!(
             text,
             "  its motions: {classes}{}\n",
@@ -238,14 +239,15 @@ fn together(plan: &Plan, kept: &[&Row], target: &Twelve) -> String {
         (kept, "whose reading keeps all three motions"),
         (&ranked, "with all three kinds of motion, which are ranked"),
     ] {
-        line!(text, "  {} configurations {which}:", rows.len());
+        let from = counts::sources_in_words(counts::sources(rows));
+        line!(text, "  {} configurations {which} ({from}):", rows.len());
         text += &level_of(&Level::of(rows, kept, (target, &[0, 1, 2]), plan.draws));
     }
     line!(
         text,
         "Random targets: a zero exponent evenly from -{} to {}; a negative one from -{} to -{}, a positive one from {} to {}, their logarithms\n\
          evenly; periodic 0 - - -, quasi-periodic 0 0 - -, chaotic + 0 - -. Spectra of other readings: those with the published signs where the published\n\
-         size is above {}, each compared with the rows of readings other than its own.\n",
+         size is above {}, each compared with the rows of other readings; one that gives the same spectrum to the last bit is the same reading by another name.\n",
         chance::ZERO,
         chance::ZERO,
         chance::NEGATIVE.1,
@@ -271,7 +273,7 @@ fn level_of(level: &Level) -> String {
     )
 }
 
-fn own_spread(spread: &[&Row], target: &Twelve) -> String {
+fn own_spread(spread: &[&Row], target: &Twelve, exponents: &Exponents) -> String {
     let mut text = String::new();
     line!(
         text,
@@ -282,31 +284,34 @@ fn own_spread(spread: &[&Row], target: &Twelve) -> String {
     );
     line!(
         text,
-        "({}; and those of the search), same three series throughout:",
+        "({}; and those of the search), same three series throughout; ranges of the settings that identify the exponent:",
         described()
     );
     line!(
         text,
-        "  exponent          min    median       max   published   unidentified   starved or unpredictable"
+        "  exponent          min    median       max   published   unidentified   starved or unpredictable   published digits"
     );
-    // Of exponents that are identified in most settings, and of the others.
-    let mut widths = [Vec::new(), Vec::new()];
+    let mut widths = Vec::new();
     for (figure, published) in target.iter().enumerate() {
         for (k, published) in published.iter().enumerate() {
-            let of = ExponentSpread::of(spread, figure, k);
+            let of = ExponentSpread::of(spread, (figure, k), exponents);
             let Some(values) = of.values else {
                 line!(
                     text,
-                    "  fig{}.lambda.{}   no finite value",
+                    "  fig{}.lambda.{}   identified by none {published:>21.4}   {:>2} of {:<15} {:<26} {}",
                     figure + 10,
-                    k + 1
+                    k + 1,
+                    of.unidentified,
+                    of.settings,
+                    of.doubtful,
+                    of.met
                 );
                 continue;
             };
-            widths[usize::from(of.mostly_unidentified())].push(values.largest - values.least);
+            widths.push(values.largest - values.least);
             line!(
                 text,
-                "  fig{}.lambda.{}  {:>9.4} {:>9.4} {:>9.4}   {:>9.4}   {:>2} of {:<15} {}",
+                "  fig{}.lambda.{}  {:>9.4} {:>9.4} {:>9.4}   {:>9.4}   {:>2} of {:<15} {:<26} {}",
                 figure + 10,
                 k + 1,
                 values.least,
@@ -315,26 +320,22 @@ fn own_spread(spread: &[&Row], target: &Twelve) -> String {
                 published,
                 of.unidentified,
                 of.settings,
-                of.doubtful
+                of.doubtful,
+                of.met
             );
         }
     }
-    line!(text, "The settings, which the paper does not state, move");
-    for (widths, which) in widths
-        .iter_mut()
-        .zip(["identified in most of them", "unidentified in most of them"])
+    widths.sort_by(f64::total_cmp);
+    if let (Some(least), Some(median), Some(most)) =
+        (widths.first(), median(&widths), widths.last())
     {
-        widths.sort_by(f64::total_cmp);
-        if let (Some(least), Some(median), Some(most)) =
-            (widths.first(), median(widths), widths.last())
-        {
-            line!(
-                text,
-                "  the {} exponents {which} by {least:.4} to {most:.4}, median {median:.4}: {:.0} units of the fourth printed decimal;",
-                widths.len(),
-                median / 1e-4
-            );
-        }
+        line!(
+            text,
+            "The settings, which the paper does not state, move the {} exponents that some of them identify by {least:.4} to {most:.4}, median {median:.4}:\n\
+             {:.0} units of the fourth printed decimal.",
+            widths.len(),
+            median / 1e-4
+        );
     }
     text
 }

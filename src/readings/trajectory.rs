@@ -62,8 +62,8 @@ impl Bounded {
 pub enum Outcome {
     /// It stayed to the end.
     Bounded(Bounded),
-    /// It left for infinity.
-    Escaped,
+    /// It left for infinity; when it was last within the bound.
+    Escaped(f64),
     /// It could not be followed: transitions pile up, the step collapses, or it takes too long.
     Failed,
 }
@@ -73,7 +73,7 @@ impl Outcome {
     pub fn verdict(&self) -> Verdict {
         match self {
             Outcome::Bounded(motion) => Verdict::Motion(motion.class),
-            Outcome::Escaped => Verdict::Escaped,
+            Outcome::Escaped(_) => Verdict::Escaped,
             Outcome::Failed => Verdict::Failed,
         }
     }
@@ -109,7 +109,7 @@ fn solved(system: &BlockAndBracket, start: X, plan: &Plan, method: Method) -> Ou
     match stayed.map_err(Error::from) {
         Ok(summary) if summary.ending == Ending::EndTime => {}
         Ok(_) => return Outcome::Failed,
-        Err(Error::Escaped { .. }) => return Outcome::Escaped,
+        Err(Error::Escaped { t, .. }) => return Outcome::Escaped(t),
         Err(_) => return Outcome::Failed,
     }
     let settings = SpectrumOptions::over(plan.from, plan.duration()).solver(options);

@@ -39,7 +39,7 @@ pub const fn check(id: ClaimId) -> &'static str {
         }
         S3ReleaseAccuracy => {
             "release times by a step of Eq. (15) against exact ones on the system of Sect. 3, whose tangent points are at rest: at the printed step \
-             off by less than half a unit of the last printed digit; with points that move beside"
+             off by less than half a unit of the last printed digit, at worst over the part of the step that is left; with points that move beside"
         }
         Fig06FrictionLaw => "1/(1 + δ|v|) decreases for every δ > 0: nothing is left to test",
         Eq19Sigma => {
@@ -59,7 +59,7 @@ pub const fn check(id: ClaimId) -> &'static str {
             "tangent points are counted at mu0 = 0, below, at and above the critical value"
         }
         S4ZoneAttracts => {
-            "stick or not on a grid of the zone; the motions that a set of starts leads to, for values of mu0 below the critical one; at that value beside"
+            "stick or not on a grid of the zone; the motions that a set of starts leads to, for values of mu0 below the critical one, most of which must lead to cycles; at that value beside"
         }
         S4NoStickAtZero => {
             "model 2 is integrated without friction from a set of starts: stick phases, σ and the jump of the slope at every crossing"
@@ -72,7 +72,7 @@ pub const fn check(id: ClaimId) -> &'static str {
             "the published numbers give the time between two states: nothing is left to test"
         }
         S5ByProcedure => {
-            "RK4 with Hénon's step onto Σ on the corrected equations, and on those as printed; loops of a closed orbit left out"
+            "RK4 with Hénon's step onto Σ on the corrected equations, and on those as printed; the class of each motion, loops counted, against the caption"
         }
         S5Kinds => {
             "the class of each motion, by section and exponents together; loops of a closed orbit left out"
@@ -85,8 +85,8 @@ pub const fn check(id: ClaimId) -> &'static str {
              starts"
         }
         S4UntilTangent => {
-            "for every stick phase of the stated model from a grid of starts, and for those of Fig. 8's motion: the speed in it, and whether \
-             the release is the first instant at which a tangent point meets the body"
+            "for the stick phases of Fig. 8's motion: the speed in them, and whether the release is the first instant at which a tangent point \
+             meets the body; for those of the stated model from a grid of starts beside"
         }
         S4LengthIsWay => {
             "durations less lengths over vp, as published, of the program and of the stated model, against the rounding of print"
@@ -107,8 +107,8 @@ pub const fn check(id: ClaimId) -> &'static str {
             "distinct points of the closed trajectory's left half at which Σ is crossed without stick"
         }
         Fig08ExitAtVisible => {
-            "every release is numbered by the tangent point of (24) at which it happens; Fig. 4's caption calls 1, 3, 5 visible and 2, 4, 6 \
-             invisible"
+            "at every release the distance from the tangent points of (24), moved, and the second derivative of the boundary function along the \
+             field that takes over, time counted; the points that Fig. 4's caption calls visible beside"
         }
         Fig10Lambda1 | Fig10Lambda2 | Fig10Lambda3 | Fig10Lambda4 | Fig11Lambda1 | Fig11Lambda2
         | Fig11Lambda3 | Fig11Lambda4 | Fig12Lambda1 | Fig12Lambda2 | Fig12Lambda3
@@ -134,7 +134,7 @@ pub const fn check(id: ClaimId) -> &'static str {
         }
         S3ArrivalAccuracy => {
             "arrival times on Σ by RK4 and one step of Eq. (14), from both sides, against exact ones: at the printed step off by less than half a \
-             unit of the last printed digit"
+             unit of the last printed digit, at worst over the part of the step that is left"
         }
     }
 }

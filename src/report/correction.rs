@@ -63,13 +63,19 @@ impl Correction {
         match claim {
             Fig10Lambda1 | Fig10Lambda2 | Fig10Lambda3 | Fig10Lambda4 | Fig10Class
             | Fig11Lambda1 | Fig11Lambda2 | Fig11Lambda3 | Fig11Lambda4 | Fig11Class
-            | Fig12Lambda1 | Fig12Lambda2 | Fig12Lambda3 | Fig12Lambda4 | Fig12Class
-            | S5ByProcedure | S5Kinds | S5ZeroExponent | S5TwoZeroExponents
-            | S5PositiveExponent | S5Shapes => &[
+            | Fig12Lambda1 | Fig12Lambda2 | Fig12Lambda3 | Fig12Lambda4 | Fig12Class | S5Kinds
+            | S5ZeroExponent | S5TwoZeroExponents | S5PositiveExponent | S5Shapes => &[
                 Correction::BracketSigns,
                 Correction::FrictionAmplitude,
                 Correction::CaptionOrder,
                 Correction::ClippedNormalForce,
+            ],
+            S5ByProcedure => &[
+                Correction::BracketSigns,
+                Correction::FrictionAmplitude,
+                Correction::CaptionOrder,
+                Correction::ClippedNormalForce,
+                Correction::StepFromAbove,
             ],
             S3ReleaseAccuracy => &[Correction::ReleaseSlope],
             S3ArrivalAccuracy => &[Correction::StepFromAbove],

@@ -210,7 +210,7 @@ impl Finding {
             line += &format!(" – {note}");
         }
         if self.undetermined {
-            line += " – undetermined: settings that the paper does not state move it by more than its digits";
+            line += " – undetermined: settings that the paper does not state decide it";
         }
         if self.by_construction {
             line += " – no evidence: it could not have come out otherwise";

@@ -22,6 +22,7 @@ use crate::figures::fig08::{FOLLOWED, REACH, Shares};
 use crate::paper::claim_id::{ClaimId, SpectrumFigure};
 use crate::paper::published::{Claim, Claims, PublishedError};
 use crate::paper::reading::{Reading, Role};
+use crate::readings::ZERO;
 use stickslip::analysis::data_spectrum::Status;
 use stickslip::error::Error;
 
@@ -162,8 +163,7 @@ impl Ledger {
         let remark = id
             .exponent()
             .map(|(figure, k)| self.remark(claims.value(id), figure, k));
-        let range = remark.as_ref().and_then(|remark| remark.range);
-        if range.is_some_and(|range| range.exceeds_digits(claim)) {
+        if remark.is_some_and(|remark| remark.is_undetermined(claim)) {
             let estimates = |one: &&mut Finding| one.reading == Reading::CorrectedData;
             for one in findings.iter_mut().filter(estimates) {
                 one.undetermined = true;
@@ -180,7 +180,7 @@ impl Ledger {
             check: check(id),
             corrections,
             remark,
-            further: self.further(claim),
+            further: self.further(claim, &findings, remark.as_ref()),
             claim: claim.clone(),
             findings,
         }
@@ -294,7 +294,7 @@ impl Ledger {
         Remark {
             published,
             sign: signs(&self.computed.bracket[figure])[k],
-            range: self.spread.range(figure, k),
+            spread: self.spread.search.spread[figure][k],
         }
     }
 
@@ -313,7 +313,14 @@ impl Ledger {
     }
 
     /// Lines of evidence besides the findings.
-    fn further(&self, claim: &Claim) -> Vec<String> {
+    fn further(&self, claim: &Claim, findings: &[Finding], remark: Option<&Remark>) -> Vec<String> {
+        let borne_out = |met: usize, what: &str| {
+            let all = self.spread.search.spread[0][0].settings;
+            format!(
+                "{met} of {all} settings of the estimator {what} (sizes up to {ZERO} pass for zero)"
+            )
+        };
+        let counts = &self.spread.search.borne_out;
         match claim.id {
             ClaimId::Fig10Class => vec![
                 self.spread.mended_sentence(),
@@ -330,8 +337,8 @@ impl Ledger {
                 let figure = &self.computed.fig04;
                 let (sticking, all) = (figure.sticking, figure.orbits.len());
                 vec![format!(
-                    "{sticking} of the {all} orbits of the figure ride the belt before they settle; of the periodic solution alone, \
-                    which is another reading, the sentence holds"
+                    "{sticking} of the {all} orbits of the figure ride the belt before they settle; of the periodic solution alone \
+                    the sentence holds; that reading is not judged, for it says “in the considered system” and goes on to the transient trajectory"
                 )]
             }
             ClaimId::Fig08TwoPeriodic => vec![
@@ -347,12 +354,37 @@ impl Ledger {
                 )],
                 _ => Vec::new(),
             },
-            ClaimId::S5ZeroExponent => vec![self.nearest_to_zero()],
+            ClaimId::S5ZeroExponent => vec![
+                self.nearest_to_zero(),
+                borne_out(counts.zero, "give each figure an exponent that is zero"),
+            ],
+            ClaimId::S5TwoZeroExponents => {
+                vec![borne_out(
+                    counts.two_zeros,
+                    "make the first two of Fig. 11 zero",
+                )]
+            }
+            ClaimId::S5PositiveExponent => {
+                vec![borne_out(
+                    counts.positive,
+                    "make the first of Fig. 12 positive",
+                )]
+            }
             ClaimId::S3ArrivalAccuracy => self.accuracy.lines_of_arrival().collect(),
             ClaimId::S3ReleaseAccuracy => self.accuracy.lines_of_release().collect(),
             _ => {
                 let digits = |(figure, k)| self.spread.digits_sentence(figure as usize, k);
-                claim.id.exponent().and_then(digits).into_iter().collect()
+                let judged =
+                    |one: &&Finding| one.is_evidence() && one.reading.role() == Role::Corrected;
+                let all_agree = findings.iter().filter(judged).all(|one| one.agrees);
+                let words = remark.map(|remark| match remark.sentence() {
+                    settings if all_agree => format!(
+                        "equations and data round to the published digits; that decides nothing where other settings do not: {settings}"
+                    ),
+                    settings => settings,
+                });
+                let digits = claim.id.exponent().and_then(digits);
+                words.into_iter().chain(digits).collect()
             }
         }
     }

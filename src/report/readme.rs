@@ -4,7 +4,7 @@ use super::entry::Entry;
 use super::finding::Finding;
 use super::ledger::Ledger;
 use super::paper_part::PaperPart;
-use super::sentences::sentences;
+use super::sentences::{resting, sentences};
 use super::verdict::Verdict;
 use crate::figures::rows::Value;
 use crate::marked::Marks;
@@ -23,10 +23,11 @@ pub fn block(ledger: &Ledger) -> String {
         .map(|verdict| format!("* **{verdict}**: {}", verdict.meaning()))
         .collect();
     format!(
-        "{}\n\n{}\n{}\n\n{} more are listed and not counted: identities, which could not have come out otherwise.\n",
+        "{}\n\n{}\n{}\n\n{}\n\n{} more are listed and not counted: identities, which could not have come out otherwise.\n",
         sentences(ledger).join("\n\n"),
         counts(ledger),
         meanings.join("\n"),
+        resting(ledger),
         ledger.entries.len() - ledger.counted()
     )
 }

@@ -3,7 +3,9 @@
 use std::fmt;
 
 use super::digits::ten_to;
+use super::readme::minus;
 use crate::paper::published::{Claim, Digits};
+use crate::readings::{ExponentSpread, Values};
 
 /// Sign of a Lyapunov exponent, zero within its error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,36 +41,6 @@ impl fmt::Display for Sign {
     }
 }
 
-/// How far an estimate moves over settings that the paper does not state.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Range {
-    /// Least finite estimate.
-    pub least: f64,
-    /// The one in the middle.
-    pub median: f64,
-    /// Largest finite estimate.
-    pub largest: f64,
-    /// Settings tried.
-    pub settings: usize,
-    /// Of these, how many leave the exponent unidentified.
-    pub unidentified: usize,
-}
-
-impl Range {
-    /// Whether a value lies in it.
-    pub fn holds(&self, value: f64) -> bool {
-        (self.least..=self.largest).contains(&value)
-    }
-
-    /// Whether it is wider than a unit of the last digit that is printed.
-    pub fn exceeds_digits(&self, claim: &Claim) -> bool {
-        match claim.digits {
-            Digits::Decimals(decimals) => self.largest - self.least > ten_to(-(decimals as f64)),
-            Digits::Exact | Digits::None => false,
-        }
-    }
-}
-
 /// What is remarked of a published exponent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Remark {
@@ -76,8 +48,8 @@ pub struct Remark {
     pub published: f64,
     /// Sign of the exponent from the corrected equations, zero within its error.
     pub sign: Sign,
-    /// Over the estimator's settings; nothing where no estimate is finite.
-    pub range: Option<Range>,
+    /// What the estimator's settings give.
+    pub spread: ExponentSpread,
 }
 
 impl Remark {
@@ -86,9 +58,52 @@ impl Remark {
         Sign::printed(self.published) == self.sign
     }
 
-    /// Whether the published number lies within what the settings give.
+    /// Whether the published number lies within what the settings give that identify the exponent.
     pub fn within_range(&self) -> bool {
-        self.range.is_some_and(|range| range.holds(self.published))
+        let within = |of: Values| (of.least..=of.largest).contains(&self.published);
+        self.spread.values.is_some_and(within)
+    }
+
+    /// Whether the settings decide it: some leave it unidentified, or the others move it by more
+    /// than a unit of the last printed digit.
+    pub fn is_undetermined(&self, claim: &Claim) -> bool {
+        let Digits::Decimals(decimals) = claim.digits else {
+            return false;
+        };
+        let wide = |of: Values| of.largest - of.least > ten_to(-(decimals as f64));
+        self.spread.unidentified > 0 || self.spread.values.is_none_or(wide)
+    }
+
+    /// What the settings give, in words.
+    pub fn sentence(&self) -> String {
+        let of = &self.spread;
+        let given = match of.values {
+            Some(values) => format!(
+                "the {} others give {} to {}, and the published value lies {}",
+                of.settings - of.unidentified,
+                rounded(values.least),
+                rounded(values.largest),
+                if self.within_range() {
+                    "inside"
+                } else {
+                    "outside of what all of these give"
+                }
+            ),
+            None => "there is no other".to_owned(),
+        };
+        format!(
+            "{} of {} settings of the estimator leave it unidentified, {given}; {} of all give the published digits",
+            of.unidentified, of.settings, of.met
+        )
+    }
+}
+
+/// Four decimals as the paper prints, two digits of what these would show as zero.
+fn rounded(value: f64) -> String {
+    if value != 0.0 && value.abs() < 1e-3 {
+        minus(&format!("{value:.1e}"))
+    } else {
+        minus(&format!("{value:.4}"))
     }
 }
 
@@ -96,31 +111,41 @@ impl Remark {
 mod tests {
     use super::*;
 
-    #[test]
-    fn a_range_is_held_against_a_unit_of_the_last_printed_digit() {
-        let claims = crate::paper::published::Claims::committed().unwrap();
-        let claim = claims.of(crate::paper::claim_id::ClaimId::Fig10Lambda1);
-        let range = |least: f64, largest: f64| Range {
+    fn of(published: f64, sign: Sign, range: Option<(f64, f64)>) -> Remark {
+        let values = range.map(|(least, largest)| Values {
             least,
             median: least,
             largest,
+        });
+        let spread = ExponentSpread {
+            values,
             settings: 2,
-            unidentified: 0,
+            unidentified: 2 * usize::from(range.is_none()),
+            doubtful: 0,
+            met: 0,
         };
-        assert!(range(-0.0002, -0.00005).exceeds_digits(claim));
-        assert!(!range(-0.0002, -0.00015).exceeds_digits(claim));
+        Remark {
+            published,
+            sign,
+            spread,
+        }
+    }
+
+    #[test]
+    fn settings_decide_where_they_move_the_last_digit_or_identify_nothing() {
+        let claims = crate::paper::published::Claims::committed().unwrap();
+        let claim = claims.of(crate::paper::claim_id::ClaimId::Fig10Lambda1);
+        let with = |range| of(-0.0004, Sign::Zero, range);
+        assert!(with(Some((-0.0002, -0.00005))).is_undetermined(claim));
+        assert!(!with(Some((-0.0002, -0.00015))).is_undetermined(claim));
+        assert!(with(None).is_undetermined(claim));
+        assert!(with(Some((-0.0005, -0.0003))).sentence().contains("inside"));
+        assert!(with(Some((0.0, 0.1))).sentence().contains("outside"));
     }
 
     #[test]
     fn a_small_negative_number_is_no_zero() {
-        let of = |published, sign| {
-            Remark {
-                published,
-                sign,
-                range: None,
-            }
-            .sign_agrees()
-        };
+        let of = |published, sign| of(published, sign, None).sign_agrees();
         assert!(of(-0.0, Sign::Zero) && of(-0.0004, Sign::Negative) && of(0.0025, Sign::Positive));
         assert!(!of(-0.0004, Sign::Zero) && !of(-0.0019, Sign::Positive));
     }

@@ -1,7 +1,7 @@
 //! The verdict in a few sentences, every number of them formatted from the run: the page and the README open with these.
 
+use super::correction::Correction;
 use super::entry::Entry;
-use super::finding::Finding;
 use super::ledger::Ledger;
 use super::matrix::Cell;
 use super::paper_part::PaperPart;
@@ -9,7 +9,8 @@ use super::verdict::Verdict;
 use crate::figures::block_and_bracket::DIVERGES;
 use crate::paper::claim_id::{ClaimId, SpectrumFigure};
 use crate::paper::reading::Reading;
-use crate::readings::{Committed, Level, Match};
+use crate::readings::{Committed, Level, Match, sources_in_words};
+use stickslip::analysis::motion::Class;
 
 /// The verdict in three sentences: of all claims, of Fig. 8, of Figs. 10–12. What else there is stands with the claims.
 pub(super) fn sentences(ledger: &Ledger) -> [String; 3] {
@@ -26,19 +27,6 @@ pub(super) fn sentences(ledger: &Ledger) -> [String; 3] {
         format!("{found} of {}", ids.len())
     };
     let by = |reading| move |entry: &Entry| entry.reading(reading).is_some_and(|one| one.agrees);
-    let parts = |id| {
-        let parts = ledger
-            .entry(id)
-            .findings
-            .iter()
-            .flat_map(Finding::parts)
-            .collect::<Vec<_>>();
-        format!(
-            "{} of {}",
-            parts.iter().filter(|holds| **holds).count(),
-            parts.len()
-        )
-    };
     let least = |property| {
         ledger
             .matrix
@@ -63,13 +51,55 @@ pub(super) fn sentences(ledger: &Ledger) -> [String; 3] {
             gives(&ClaimId::FOUR, &by(Reading::Exact)),
         ),
         format!(
-            "Of Figs. 10–12 the corrected equations give {} kinds of motion; {} exponents are undeterminable, for the settings behind them are \
-             not stated.",
-            parts(ClaimId::S5Kinds),
+            "Of Figs. 10–12 the corrected equations give {} captioned classes{}; {} exponents are undeterminable, for the settings behind \
+             them are not stated.",
+            gives(
+                &SpectrumFigure::ALL.map(SpectrumFigure::class),
+                &by(Reading::Corrected)
+            ),
+            unlike(ledger),
             gives(exponents.as_flattened(), &|entry| entry.verdict
                 == Verdict::Undeterminable),
         ),
     ]
+}
+
+/// How many verdicts stand or fall with the one corrected model of Figs. 10–12.
+pub(super) fn resting(ledger: &Ledger) -> String {
+    let with = |is: &dyn Fn(&&Entry) -> bool| ledger.entries.iter().filter(is).count();
+    let corrected = |one: &&Entry| one.verdict == Verdict::WithCorrections;
+    let model =
+        |one: &&Entry| corrected(one) && one.corrections.contains(&Correction::BracketSigns);
+    format!(
+        "{} of the {} claims {} rest on one corrected model, that of Figs. 10–12.",
+        with(&model),
+        with(&corrected),
+        Verdict::WithCorrections
+    )
+}
+
+/// The captioned classes that the corrected equations do not give, in brackets.
+fn unlike(ledger: &Ledger) -> String {
+    let of = |figure: SpectrumFigure| {
+        let entry = ledger.entry(figure.class());
+        let found = entry
+            .reading(Reading::Corrected)
+            .filter(|one| !one.agrees)?;
+        let (name, published) = (PaperPart::of(entry.claim.id).name(), &entry.claim.published);
+        let class = ledger.computed.bracket[figure as usize].exact.class;
+        Some(match (class, published.parse()) {
+            (Class::Periodic(loops), Ok(Class::Periodic(captioned))) => {
+                let plural = if loops == 1 { "" } else { "s" };
+                format!("{name} closes after {loops} loop{plural}, not {captioned}")
+            }
+            _ => format!("{name} is {}, not {published}", found.text()),
+        })
+    };
+    let all: Vec<String> = SpectrumFigure::ALL.into_iter().filter_map(of).collect();
+    match &all[..] {
+        [] => String::new(),
+        all => format!(" ({})", join(all)),
+    }
 }
 
 /// What was found of Figs. 10–12 and of the search over their readings.
@@ -95,19 +125,6 @@ pub(super) fn figs_10_to_12(ledger: &Ledger) -> String {
     let remarks = || exponents.iter().filter_map(|entry| entry.remark.as_ref());
     let signs = remarks().filter(|remark| remark.sign_agrees()).count();
     let within = remarks().filter(|remark| remark.within_range()).count();
-    let unlike: Vec<String> = classes
-        .iter()
-        .filter(|entry| entry.verdict == Verdict::NotReproduced)
-        .map(|entry| {
-            let found = entry.reading(Reading::Corrected);
-            format!(
-                " ({} is published for {}, {} found)",
-                entry.claim.published,
-                PaperPart::of(entry.claim.id).name(),
-                found.map_or_else(String::new, |one| one.text())
-            )
-        })
-        .collect();
     let diverging = classes
         .iter()
         .filter_map(|entry| entry.reading(Reading::AsPrinted))
@@ -116,13 +133,13 @@ pub(super) fn figs_10_to_12(ledger: &Ledger) -> String {
     let search = &ledger.spread.search;
     format!(
         "Figs. 10–12 publish {} classes of motion. The corrected equations give {} of them{}. With the signs as printed {diverging} of the three \
-         motions diverge. Of the {} published exponents {} are {}: settings of the estimator that the paper does not state move them by more \
-         than their digits; {}: {}. {signs} have the computed sign, {within} lie inside what {} settings can give. A search over {} ways to read and \
+         motions diverge. Of the {} published exponents {} are {}: settings of the estimator that the paper does not state decide \
+         their digits; {}: {}. {signs} have the computed sign, {within} lie inside what those of {} settings give that identify them. A search over {} ways to read and \
          evaluate the figures ({}) finds {} of its {} pairs of equations and integrator with all three captioned classes, and {} with the same \
          kinds of motion, loops aside. {} {}",
         classes.len(),
         classes.iter().filter(|entry| met(entry)).count(),
-        unlike.concat(),
+        unlike(ledger),
         exponents.len(),
         count(Verdict::Undeterminable),
         Verdict::Undeterminable,
@@ -147,17 +164,29 @@ fn lead(search: &Committed) -> String {
         .alone
         .iter()
         .enumerate()
-        .map(|(figure, one)| format!("{:.2} % for Fig. {}", percent(one), figure + 10))
+        .map(|(figure, (level, _))| {
+            format!(
+                "{:.1} % and {:.1} % for Fig. {}",
+                level.random.best_of_three(),
+                level.readings.percent(),
+                figure + 10
+            )
+        })
         .collect();
     let nearest =
         (0..3).min_by(|&a, &b| percent(&search.alone[a]).total_cmp(&percent(&search.alone[b])));
     let figure = nearest.unwrap_or(0);
     let (level, found) = &search.alone[figure];
     format!(
-        "Each figure by itself, as many random targets are met as well as its exponents: {}. Three figures were looked at, so the least of these \
-         counts as {:.1} %. Its reading ({}; {}) {}.",
+        "Each figure by itself, as many random targets (the best of three looks) and spectra of other readings are met as well as its \
+         exponents: {}. The nearest, Fig. {}, is {} match; its reading ({}; {}) {}.",
         join(&each),
-        level.random.best_of_three(),
+        figure + 10,
+        if level.is_rare(3) {
+            "a rare"
+        } else {
+            "no rare"
+        },
         found.reading,
         found.integrator,
         if (0..3).all(|f| found.classes[f].is_of_kind(f)) {
@@ -172,11 +201,14 @@ fn lead(search: &Committed) -> String {
 fn together(search: &Committed) -> String {
     let [kept, ranked] = &search.together;
     format!(
-        "Taken together, the twelve exponents single out no setting. By the {} configurations with all three kinds of motion {:.0} % of random \
-         targets and {:.0} % of the spectra of other readings are met as well; by the {} that keep all three motions {:.0} % and {:.0} %.",
+        "Taken together, the twelve exponents single out {} setting. By the {} configurations with all three kinds of motion ({}) {:.0} % of \
+         random targets and {:.1} % of the {} spectra of other readings are met as well; by the {} that keep all three motions {:.0} % and {:.1} %.",
+        if ranked.is_rare(1) { "a" } else { "no" },
         search.ranked,
+        sources_in_words(search.ranked_from),
         ranked.random.percent(),
         ranked.readings.percent(),
+        ranked.readings.of,
         search.kept,
         kept.random.percent(),
         kept.readings.percent(),

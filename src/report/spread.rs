@@ -3,7 +3,6 @@
 
 use rayon::prelude::*;
 
-use super::remark::Range;
 use crate::figures::FigureError;
 use crate::figures::block_and_bracket::{Set, compute};
 use crate::paper::claim_id::SpectrumFigure;
@@ -60,19 +59,6 @@ impl Spread {
         Ok(Spread { search, mended })
     }
 
-    /// What the settings make of an exponent, `figure` and `k` from 0; nothing where no estimate is finite.
-    pub fn range(&self, figure: usize, k: usize) -> Option<Range> {
-        let one = self.search.spread.get(figure)?.get(k)?;
-        let values = one.values?;
-        Some(Range {
-            least: values.least,
-            median: values.median,
-            largest: values.largest,
-            settings: one.settings,
-            unidentified: one.unidentified,
-        })
-    }
-
     /// What becomes of Fig. 10's class when its caption is mended.
     pub fn mended_sentence(&self) -> String {
         let each: Vec<String> = self
@@ -113,16 +99,23 @@ impl Spread {
         let corrected = |one: &&Match| {
             one.integrator == Integrator::Exact.name() && one.reading.starts_with("+x3 +T;")
         };
-        let each: Vec<String> = self
-            .search
-            .motions
-            .iter()
-            .filter(corrected)
-            .map(|one| format!("{}: {}", one.reading, one.classes[2]))
+        let all = || self.search.motions.iter().filter(corrected);
+        let words = |one: &Match| format!("{}: {}", one.reading, one.classes[2]);
+        let chaotic: Vec<&Match> = all().filter(|one| one.classes[2].is_of_kind(2)).collect();
+        let has = |one: &Match, choice: &str| one.reading.split("; ").any(|part| part == choice);
+        // What the readings that give the class have in common and others have not.
+        let choices = chaotic.first().map_or("", |one| &one.reading).split("; ");
+        let needed: Vec<&str> = choices
+            .filter(|choice| {
+                chaotic.iter().all(|one| has(one, choice)) && !all().all(|one| has(one, choice))
+            })
             .collect();
         format!(
-            "the class needs the normal force clipped and this scaling; with the signs corrected and solved exactly, the readings give {}",
-            each.join(" | ")
+            "with the signs corrected and solved exactly, {} of {} readings give the class ({}): {}",
+            chaotic.len(),
+            all().count(),
+            needed.join("; "),
+            all().map(words).collect::<Vec<_>>().join(" | ")
         )
     }
 

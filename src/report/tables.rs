@@ -93,12 +93,12 @@ fn claim(ledger: &Ledger, entry: &Entry) -> Vec<String> {
     let remark = entry.remark.as_ref();
     let said = |text: Option<String>| text.unwrap_or_default();
     row.push(said(remark.map(|one| one.sign_agrees().to_string())));
-    let range = remark.and_then(|one| one.range);
+    let range = remark.and_then(|one| one.spread.values);
     row.push(said(range.map(|range| format!("{:?}", range.least))));
     row.push(said(range.map(|range| format!("{:?}", range.median))));
     row.push(said(range.map(|range| format!("{:?}", range.largest))));
-    row.push(said(range.map(|range| range.settings.to_string())));
-    row.push(said(range.map(|range| range.unidentified.to_string())));
+    row.push(said(remark.map(|one| one.spread.settings.to_string())));
+    row.push(said(remark.map(|one| one.spread.unidentified.to_string())));
     row.push(said(remark.map(|one| one.within_range().to_string())));
     row.push(if entry.asks_for_cause() {
         ledger.cause.status().to_string()

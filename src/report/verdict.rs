@@ -62,7 +62,7 @@ impl Verdict {
             }
             Verdict::Undeterminable => {
                 "the paper does not state what the value depends on, and plausible settings, which are listed, move it by more than its printed \
-                 digits; one setting that agrees or disagrees is no evidence"
+                 digits or leave it unidentified; one setting that agrees or disagrees is no evidence"
             }
             Verdict::Identity => {
                 "it follows from other claims or from a definition, so that it is no evidence: listed and not counted"

@@ -244,7 +244,7 @@ fn golden(ledger: &Ledger) -> String {
         }
         if let Some(remark) = &entry.remark {
             writeln!(text, "  sign {} {}", remark.sign, remark.sign_agrees()).unwrap();
-            if let Some(range) = remark.range {
+            if let Some(range) = remark.spread.values {
                 writeln!(text, "  from {:?} to {:?}", range.least, range.largest).unwrap();
             }
         }

@@ -12,8 +12,6 @@ use stickslip::system::{Filippov, Mode, Side, State};
 
 /// How long before the event a run starts (s), not a multiple of any step.
 const LEAD: f64 = 0.2003;
-/// Part of a step that a single Hénon step has to make.
-const PART: f64 = 0.7;
 /// End of the run that lets the motion settle (s).
 const SETTLED: f64 = 63.3;
 
@@ -57,22 +55,26 @@ impl Arrival {
         })
     }
 
-    /// The step near `h` that cuts the way to the event into n + ½ parts, so that the last cut falls alike for all of them.
-    fn step(&self, h: f64) -> f64 {
+    /// The step near `h` of which the event comes after so many and a part, so that the last cut falls alike for all of them.
+    fn step(&self, h: f64, part: f64) -> f64 {
         let lead = self.t - self.t0;
-        lead / ((lead / h).round() + 0.5)
+        lead / ((lead / h).round() + part)
     }
 
     /// RK4 with fixed steps, then one Hénon step onto Σ from the state before the crossing.
     pub(super) fn stated(&self, model: &ForcedOscillator) -> Result<EventErrors, Error> {
-        EventErrors::measure("arrival by RK4 and Hénon step from", self.from, |h| {
-            let step = self.step(h);
-            let options = Options::default()
-                .method(Method::Rk4 { step })
-                .locator(Locator::Henon);
-            let orbit = solve(model, self.t0, self.x0, self.t + 2.0 * step, &options)?;
-            Ok((first_transition(&orbit, self.t0)? - self.t).abs())
-        })
+        EventErrors::measure(
+            "arrival by RK4 and Hénon step from",
+            self.from,
+            |h, part| {
+                let step = self.step(h, part);
+                let options = Options::default()
+                    .method(Method::Rk4 { step })
+                    .locator(Locator::Henon);
+                let orbit = solve(model, self.t0, self.x0, self.t + 2.0 * step, &options)?;
+                Ok((first_transition(&orbit, self.t0)? - self.t).abs())
+            },
+        )
     }
 
     /// The same with the step that Sect. 3 prints for it: `vp − x2` from below, `x2 − vp` from above.
@@ -80,8 +82,8 @@ impl Arrival {
         EventErrors::measure(
             "arrival by the step that Sect. 3 prints, from",
             self.from,
-            |h| {
-                let step = self.step(h);
+            |h, part| {
+                let step = self.step(h, part);
                 let mut at = Timed {
                     t: self.t0,
                     x: self.x0,
@@ -114,8 +116,8 @@ impl Arrival {
         EventErrors::measure(
             "arrival by one Hénon step of RK4 alone from",
             self.from,
-            |h| {
-                let t = self.t - PART * h;
+            |h, part| {
+                let t = self.t - part * h;
                 let x = self.orbit.at(t)?;
                 let change = model.belt_speed - x[1];
                 let mut slope = |at: &Timed<2>| in_velocity(model, self.from, at);
@@ -131,7 +133,7 @@ impl Arrival {
         method: &'static str,
         defects: Defects,
     ) -> Result<EventErrors, AccuracyError> {
-        EventErrors::measure(method, self.from, |h| {
+        EventErrors::measure(method, self.from, |h, part| {
             let params = Params {
                 t0: self.t0,
                 x1: self.x0[0],
@@ -141,7 +143,7 @@ impl Arrival {
             let outcome = run(&Setup {
                 params,
                 defects,
-                h,
+                h: self.step(h, part),
                 window_start: 0.0,
                 end: 2.0 * LEAD,
             })?;

@@ -6,6 +6,8 @@ use stickslip::system::Side;
 
 /// Steps (s) at which orders are measured: their errors are well above rounding.
 pub(super) const STEPS: [f64; 5] = [1.6e-2, 1.13e-2, 8e-3, 5.7e-3, 4e-3];
+/// Parts of a step after which the event comes; the worst of them counts.
+const PARTS: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
 /// Half a unit of the last digit to which the paper prints durations (s).
 const HALF_DIGIT: f64 = 0.5e-4;
 /// Errors within this are rounding (s); there is then no order.
@@ -18,7 +20,7 @@ pub struct EventErrors {
     pub method: &'static str,
     /// The side the orbit comes from, or that it is released to.
     pub side: Side,
-    /// Steps and errors (s).
+    /// Steps and errors (s), the worst over the part of the step after which the event comes.
     pub errors: Vec<(f64, f64)>,
     /// Slope of log error against log step.
     pub order: f64,
@@ -27,12 +29,20 @@ pub struct EventErrors {
 }
 
 impl EventErrors {
-    /// Measures `error`, of an event that the orbit comes to from a side, or is released at to one.
+    /// Measures `error` by step and the part of it after which the event comes; of an event that the orbit comes to from a side, or
+    /// is released at to one.
     pub(super) fn measure<E>(
         method: &'static str,
         side: Side,
-        error: impl Fn(f64) -> Result<f64, E>,
+        error: impl Fn(f64, f64) -> Result<f64, E>,
     ) -> Result<EventErrors, E> {
+        // An event that is not found is worse than any error.
+        let error = |h: f64| {
+            PARTS.into_iter().try_fold(0.0, |worst: f64, part| {
+                let found = error(h, part)?;
+                Ok(worst.max(if found.is_nan() { f64::INFINITY } else { found }))
+            })
+        };
         let errors = STEPS
             .into_iter()
             .map(|h| Ok((h, error(h)?)))
@@ -84,14 +94,21 @@ impl EventErrors {
 mod tests {
     use super::*;
 
-    fn of(error: impl Fn(f64) -> f64) -> EventErrors {
-        EventErrors::measure("a test", Side::Below, |h| Ok::<f64, ()>(error(h))).unwrap()
+    fn of(error: impl Fn(f64, f64) -> f64) -> EventErrors {
+        EventErrors::measure("a test", Side::Below, |h, part| {
+            Ok::<f64, ()>(error(h, part))
+        })
+        .unwrap()
     }
 
     #[test]
     fn accuracy_asks_for_size_alone() {
-        assert!(of(|h| 0.4 * h).is_accurate() && !of(|h| 0.6 * h).is_accurate());
-        assert!(!of(|_| f64::NAN).is_accurate());
-        assert!(of(|_| 0.0).is_accurate() && of(|_| 1e-16).is_exact());
+        assert!(of(|h, _| 0.4 * h).is_accurate() && !of(|h, _| 0.6 * h).is_accurate());
+        assert!(!of(|_, _| f64::NAN).is_accurate());
+        assert!(of(|_, _| 0.0).is_accurate() && of(|_, _| 1e-16).is_exact());
+        // The worst part of the step counts.
+        assert!(!of(|h, part| h * (1.0 - part)).is_accurate());
+        let lost = |_, part| if part > 0.8 { f64::NAN } else { 0.0 };
+        assert!(!of(lost).is_accurate());
     }
 }

@@ -9,8 +9,6 @@ use stickslip::models::{BeltOscillator, ForcedOscillator};
 use stickslip::ode::{Rk4, Timed, henon_step};
 use stickslip::system::{Filippov, Mode, Side, State};
 
-/// Part of the step after which the release comes.
-const PART: f64 = 0.7;
 /// Starts of model 1 on the belt (m), one in each of its stick zones.
 const ON_BELT: [f64; 3] = [-1.0, 0.0, 1.0];
 /// Time within which a body on the belt of model 1 is released (s).
@@ -87,15 +85,15 @@ fn release<S: Filippov<2>>(
     shift: impl Fn(f64, f64) -> f64,
 ) -> Result<Release, Error> {
     // The state of the stick phase before the step that passes the point, and the step h2 from there.
-    let before = |h: f64| {
-        let t = event.t - PART * h;
-        let x = State::from([event.x1 - PART * h * belt_speed, belt_speed]);
+    let before = |h: f64, part: f64| {
+        let t = event.t - part * h;
+        let x = State::from([event.x1 - part * h * belt_speed, belt_speed]);
         let target = event.x1 + shift(event.t, t + h);
         (Timed { t, x }, target - x[0])
     };
     let with = |method, side, slope: &dyn Fn(&Timed<2>) -> f64| {
-        EventErrors::measure(method, side, |h| {
-            let (at, step) = before(h);
+        EventErrors::measure(method, side, |h, part| {
+            let (at, step) = before(h, part);
             let mut swapped = |at: &Timed<2>| Timed {
                 t: slope(at),
                 x: State::from([1.0, 0.0]),
@@ -122,21 +120,26 @@ fn release<S: Filippov<2>>(
 /// The distance to the moving tangent point as independent variable.
 fn moving(model: &ForcedOscillator, event: &Event) -> Result<EventErrors, Error> {
     let rest = event.x1 - model.support(event.t);
-    EventErrors::measure("release with the distance as variable to", event.to, |h| {
-        let t = event.t - PART * h;
-        let x = State::from([event.x1 - PART * h * model.belt_speed, model.belt_speed]);
-        let gap = x[0] - rest - model.support(t);
-        let mut swapped = |at: &Timed<2>| {
-            let speed = model.amplitude * model.omega * stickslip::math::cos(model.omega * at.t);
-            let rate = 1.0 / (at.x[1] - speed);
-            Timed {
-                t: rate,
-                x: State::from([at.x[1] * rate, 0.0]),
-            }
-        };
-        let end = henon_step::<Rk4, 2>(&mut swapped, &Timed { t, x }, -gap);
-        Ok((end.t - event.t).abs())
-    })
+    EventErrors::measure(
+        "release with the distance as variable to",
+        event.to,
+        |h, part| {
+            let t = event.t - part * h;
+            let x = State::from([event.x1 - part * h * model.belt_speed, model.belt_speed]);
+            let gap = x[0] - rest - model.support(t);
+            let mut swapped = |at: &Timed<2>| {
+                let speed =
+                    model.amplitude * model.omega * stickslip::math::cos(model.omega * at.t);
+                let rate = 1.0 / (at.x[1] - speed);
+                Timed {
+                    t: rate,
+                    x: State::from([at.x[1] * rate, 0.0]),
+                }
+            };
+            let end = henon_step::<Rk4, 2>(&mut swapped, &Timed { t, x }, -gap);
+            Ok((end.t - event.t).abs())
+        },
+    )
 }
 
 /// The listing from the same state on the belt. The test of its start, which is not meant here, is mended.
@@ -150,11 +153,11 @@ fn listing(
         start_up_test: false,
         ..defects
     };
-    EventErrors::measure(method, event.to, |h| {
-        let t0 = event.t - PART * h;
+    EventErrors::measure(method, event.to, |h, part| {
+        let t0 = event.t - part * h;
         let params = Params {
             t0,
-            x1: event.x1 - PART * h * model.belt_speed,
+            x1: event.x1 - part * h * model.belt_speed,
             x2: model.belt_speed,
             ..Params::default()
         };

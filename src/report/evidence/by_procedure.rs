@@ -2,23 +2,24 @@
 
 use rayon::prelude::*;
 
-use super::shapes::Kind;
 use super::{Evidence, EvidenceError, Part};
 use crate::figures::block_and_bracket::{BlockAndBracketFigure, Set, by_rk4_and_henon};
 use crate::figures::{fig10::Fig10, fig11::Fig11, fig12::Fig12};
+use crate::readings::Verdict;
+use stickslip::analysis::motion::Class;
 use stickslip::models::Reading;
 
 /// Step of the classical Runge–Kutta method; the paper states none for Figs. 10–12.
 const STEP: f64 = 0.01;
 const SETS: [Set; 3] = [Fig10::SET, Fig11::SET, Fig12::SET];
 
-/// Kinds of motion of the captions of Figs. 10, 11 and 12.
+/// Classes of the motions of Figs. 10, 11 and 12.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ByProcedure {
     /// With the corrected equations; nothing where the orbit escapes.
-    pub corrected: Vec<Option<Kind>>,
+    pub corrected: Vec<Option<Class>>,
     /// With the equations as printed.
-    pub as_printed: Vec<Option<Kind>>,
+    pub as_printed: Vec<Option<Class>>,
 }
 
 impl ByProcedure {
@@ -32,7 +33,7 @@ impl ByProcedure {
         let kinds = runs
             .as_flattened()
             .par_iter()
-            .map(|(reading, set)| Ok(by_rk4_and_henon(set, reading, STEP)?.map(Kind::from)))
+            .map(|(reading, set)| Ok(by_rk4_and_henon(set, reading, STEP)?))
             .collect::<Result<Vec<_>, EvidenceError>>()?;
         let (corrected, as_printed) = kinds.split_at(SETS.len());
         Ok(ByProcedure {
@@ -42,16 +43,16 @@ impl ByProcedure {
     }
 }
 
-fn parts(found: &[Option<Kind>]) -> Vec<Part> {
+fn parts(found: &[Option<Class>]) -> Vec<Part> {
     let whats = [
-        "Fig. 10: a periodic motion",
-        "Fig. 11: a quasi-periodic one",
-        "Fig. 12: a chaotic one",
+        "Fig. 10: the captioned class, loops counted",
+        "Fig. 11: the captioned class",
+        "Fig. 12: the captioned class",
     ];
-    let of = whats.into_iter().zip(found.iter().zip(Kind::CAPTIONED));
-    of.map(|(what, (found, captioned))| Part {
+    let of = whats.into_iter().zip(found).enumerate();
+    of.map(|(figure, (what, found))| Part {
         what,
-        holds: *found == Some(captioned),
+        holds: found.is_some_and(|class| Verdict::Motion(class).is_published(figure)),
     })
     .collect()
 }
@@ -66,10 +67,10 @@ impl Evidence for ByProcedure {
     }
 
     fn line(&self) -> String {
-        let names = |found: &[Option<Kind>]| {
-            let names: Vec<&str> = found
+        let names = |found: &[Option<Class>]| {
+            let names: Vec<String> = found
                 .iter()
-                .map(|one| one.map_or("escapes", Kind::name))
+                .map(|one| one.map_or("escapes".to_owned(), |class| class.to_string()))
                 .collect();
             names.join(", ")
         };

@@ -18,8 +18,7 @@ pub struct OfModel {
     pub elsewhere: usize,
     /// Largest distance from the nearest of them (m).
     pub largest_distance: f64,
-    /// How many end where the field that takes over is visibly tangent when time counts in the derivative. All do: a body that is
-    /// released leaves along that field.
+    /// How many end where the field that takes over is visibly tangent when time counts in the derivative.
     pub visible_in_time: usize,
 }
 
@@ -155,8 +154,8 @@ impl Evidence for Exits {
                 holds: self.model.all() > 0 && self.model.elsewhere == 0,
             },
             Part {
-                what: "and that point is one of those that Fig. 4 calls visible (1, 3, 5)",
-                holds: self.model.all() > 0 && self.model.at_visible() == self.model.all(),
+                what: "and it is visible there, the movement of the point counted",
+                holds: self.model.all() > 0 && self.model.visible_in_time == self.model.all(),
             },
         ]
     }
@@ -166,21 +165,21 @@ impl Evidence for Exits {
         let listing = &self.listing;
         let mended = &self.both_ends_tested;
         format!(
-            "stated model: of {} ends of stick phases {} are at points 1, 3, 5 and {} at 2, 4, 6 (by number {:?}), within {} m of them; the listing \
-             tests upper ends only, so that {} of its {} are at 1, 3, 5 whatever the motion; with both ends tested {} of {} ({} and {} of no more than ten steps left out); \
-             with the movement of the points in the derivative, {} of the stated model's are visibly tangent",
+            "stated model: {} of {} ends of stick phases are visibly tangent, all within {} m of a point; in another reading, by the points that \
+             Fig. 4's caption calls visible at rest, {} are at 1, 3, 5 and {} at 2, 4, 6 (by number {:?}); the listing tests upper ends only, so that {} of \
+             its {} are at 1, 3, 5 whatever the motion; with both ends tested {} of {} ({} and {} of no more than ten steps left out)",
+            model.visible_in_time,
             model.all(),
+            small(model.largest_distance),
             model.at_visible(),
             model.at_invisible(),
             model.by_number,
-            small(model.largest_distance),
             listing.at_visible(),
             listing.all(),
             mended.at_visible(),
             mended.all(),
             listing.chatter,
             mended.chatter,
-            model.visible_in_time,
         )
     }
 }
@@ -195,7 +194,7 @@ mod tests {
         let exits = Exits::compute(&Followed::compute().unwrap()).unwrap();
         assert_eq!((exits.model.all(), exits.model.at_invisible()), (72, 24));
         assert_eq!(exits.model.visible_in_time, exits.model.all());
-        assert_eq!(exits.support(), Support::InPart);
+        assert_eq!(exits.support(), Support::Whole);
         // By construction, until the other end is tested too.
         assert_eq!(exits.listing.at_visible(), exits.listing.all());
         assert!(exits.both_ends_tested.at_visible() < exits.both_ends_tested.all());

@@ -148,7 +148,8 @@ impl Evidence for NoFriction {
     fn line(&self) -> String {
         format!(
             "model 2 at mu0 = 0 from {} starts: {} stick phases (with the friction of Fig. 8: {}), least σ on Σ {} m²/s⁴; at {} crossings the acceleration \
-             jumps by at most {} m/s² (with friction by up to {:.2} m/s²): without friction nothing deflects",
+             jumps by at most {} m/s² (with friction by up to {:.2} m/s²): without friction nothing deflects; in another reading, \
+             that deflections appear nowhere else, the sentence holds of none: it is not judged, for it says that deflections will appear",
             self.orbits,
             self.sticks,
             self.sticks_with_friction,

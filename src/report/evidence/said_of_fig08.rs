@@ -142,7 +142,7 @@ impl Evidence for Start {
 
     fn as_printed(&self) -> Vec<Part> {
         vec![Part {
-            what: "from the third tangent point the program settles on the published trajectory",
+            what: "the program settles on the published trajectory with the third point put in the place of its own start, the fourth",
             holds: self.captioned.digits == ClaimId::FOUR.len(),
         }]
     }

@@ -187,30 +187,7 @@ fn remarked(remark: &Remark) -> String {
             ", not as published"
         }
     );
-    match &remark.range {
-        Some(range) => format!(
-            "{sign}; over {} estimator settings {} to {} ({} of them leave it unidentified): published value {}",
-            range.settings,
-            rounded(range.least),
-            rounded(range.largest),
-            range.unidentified,
-            if remark.within_range() {
-                "inside"
-            } else {
-                "outside"
-            }
-        ),
-        None => sign,
-    }
-}
-
-/// Four decimals as the paper prints, two digits of what these would show as zero.
-fn rounded(value: f64) -> String {
-    if value != 0.0 && value.abs() < 1e-3 {
-        minus(&format!("{value:.1e}"))
-    } else {
-        minus(&format!("{value:.4}"))
-    }
+    format!("{sign}; {}", remark.sentence())
 }
 
 /// A reading's values and, in brackets, what they are worth.

@@ -8,7 +8,7 @@ mod text;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::ledger::Ledger;
-use super::sentences::{figs_10_to_12, sentences};
+use super::sentences::{figs_10_to_12, resting, sentences};
 
 /// A picture of the report's own.
 #[derive(Clone, Debug)]
@@ -76,6 +76,7 @@ fn document(report: &Report) -> Markup {
                     @for sentence in sentences(&report.ledger) { p.verdict { (sentence) } }
                     (figures::opening(report))
                     (claims::counts(&report.ledger))
+                    p.soft { (resting(&report.ledger)) }
                     nav aria-label="Sections" {
                         ol {
                             @for (anchor, heading) in SECTIONS { li { a href={ "#" (anchor) } { (heading) } } }
