@@ -146,7 +146,8 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
     /// transition behind it.
     ///
     /// # Errors
-    /// [`Error::NonFinite`], [`Error::StepCollapse`], [`Error::EventPileUp`], [`Error::BranchPileUp`] and [`Error::Escaped`]; [`Error::StaticBelowKinetic`]; of several contacts
+    /// [`Error::NonFinite`], [`Error::StepCollapse`], [`Error::EventPileUp`], [`Error::BranchPileUp`],
+    /// [`Error::TooMany`] and [`Error::Escaped`]; [`Error::StaticBelowKinetic`]; of several contacts
     /// [`Error::NoUniqueMode`], [`Error::TooManyContacts`], [`Error::DependentContacts`], [`Error::HoldsElsewhere`] and
     /// [`Error::NotAdditive`]. The integration stays where it has come to.
     #[inline]
