@@ -51,6 +51,7 @@ impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
         }
     }
 
+    #[inline(always)]
     fn slip_field<T: Scalar>(&self, mode: Mode, t: T, x: &[T; N]) -> Option<[T; N]> {
         match mode {
             Mode::Slip(side) => Some(self.field(side, t, x)),

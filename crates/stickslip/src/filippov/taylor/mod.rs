@@ -368,9 +368,9 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             run.reject_undefined(h)?;
             return Ok(Trial::NoStep);
         }
-        let mut event = event.map(|found| found.event);
+        let mut jump = None;
         if kink.is_some() {
-            event = jumped(flow, &at, &run.options);
+            jump = jumped(flow, &at, &run.options);
             let field = flow.velocity(at.t, &at.x) * h;
             note_turn(&mut self.turns, &at, [&slope, &field], &run.options)?;
         }
@@ -380,6 +380,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         if !self.is_clear {
             run.dense.become_series(t, h, piece.order, &piece.x);
         }
-        Ok(run.accept(at, event.as_ref()))
+        let event = event.as_ref().map(|found| &found.event);
+        Ok(run.accept(at, event.or(jump.as_ref())))
     }
 }
