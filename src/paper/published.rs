@@ -24,7 +24,8 @@ pub enum Kind {
     Curve,
     /// A sentence.
     Statement,
-    /// What could not be otherwise: it follows from other claims or from a definition. It is listed and not counted.
+    /// What could not be otherwise: it follows from other claims or from a definition. It is listed
+    /// and not counted.
     Identity,
 }
 

@@ -1,9 +1,10 @@
 //! What makes the four numbers of Fig. 8, shown by injection: three parts, none of which was chosen because it agrees.
 //!
-//! The two defects of the listing that outlast a vanishing step are put into the event-exact solver, and must make the same motion and
-//! the published numbers as far as the listing's step lets tell ([`SameMotion`]). The listing must come to those numbers as its step goes to zero, at first order
-//! ([`Approach`]). And what is left at the printed step must be the listing's own error of the step, found without the
-//! injected solver ([`StepError`]).
+//! The two defects of the listing that outlast a vanishing step are put into the event-exact
+//! solver, and must make the same motion and the published numbers as far as the listing's step
+//! lets tell ([`SameMotion`]). The listing must come to those numbers as its step goes to zero, at
+//! first order ([`Approach`]). And what is left at the printed step must be the listing's own error
+//! of the step, found without the injected solver ([`StepError`]).
 
 use std::fmt;
 
@@ -62,10 +63,12 @@ impl SameMotion {
         }
     }
 
-    /// How far the numbers of a solver without a step may be off those that the listing prints at its step (m, m, s, s): what the
-    /// listing's own numbers move by from there to a vanishing step, found without any solver, and half a printed digit.
+    /// How far the numbers of a solver without a step may be off those that the listing prints at
+    /// its step (m, m, s, s): what the listing's own numbers move by from there to a vanishing
+    /// step, found without any solver, and half a printed digit.
     pub fn most(convergence: &Convergence) -> [f64; 4] {
-        // The finest step stands for none and errs by its own part of the bound, once in the bound and once here.
+        // The finest step stands for none and errs by its own part of the bound, once in the bound
+        // and once here.
         let finest = convergence.finest().map_or(f64::NAN, |finest| finest.h);
         let own = convergence.own_approach.each_ref();
         own.map(|one| one.bound * (PRINTED_STEP + 2.0 * finest) + HALF_DIGIT)
@@ -77,7 +80,8 @@ impl SameMotion {
         injected.is_ok_and(|injected| injected.same_motion(&self.listing))
     }
 
-    /// Whether the motion is the same and the four numbers are the published ones as far as can be told.
+    /// Whether the motion is the same and the four numbers are the published ones as far as can be
+    /// told.
     pub fn holds(&self) -> bool {
         let near = |four: [f64; 4]| four.iter().zip(self.most).all(|(d, most)| d.abs() <= most);
         self.same_kind() && self.differences.is_some_and(near)

@@ -55,7 +55,8 @@ impl Entry {
         })
     }
 
-    /// The evidence, line by line: how it is judged, what each reading gives, what else was computed.
+    /// The evidence, line by line: how it is judged, what each reading gives, what else was
+    /// computed.
     pub fn lines(&self) -> Vec<String> {
         let mut lines = vec![format!("check: {}", self.check)];
         let findings = self.findings.iter();

@@ -415,7 +415,8 @@ fn exact(found: &dyn Evidence) -> Vec<Finding> {
     beside_printed(Reading::Exact, found)
 }
 
-/// A statement by one reading, and what the letter of the paper makes of it where that was looked at.
+/// A statement by one reading, and what the letter of the paper makes of it where that was looked
+/// at.
 fn beside_printed(reading: Reading, found: &dyn Evidence) -> Vec<Finding> {
     let mut findings = vec![evidence(reading, found)];
     let printed = found.as_printed();

@@ -16,7 +16,8 @@ pub const MARKS: Marks = Marks {
     end: "<!-- end of verdicts -->\n",
 };
 
-/// What stands between the marks: the verdict in three sentences, the table, and what its words mean.
+/// What stands between the marks: the verdict in three sentences, the table, and what its words
+/// mean.
 pub fn block(ledger: &Ledger) -> String {
     let meanings: Vec<String> = Verdict::ALL
         .iter()

@@ -12,7 +12,8 @@ use crate::paper::reading::Reading;
 use crate::readings::{Committed, Level, Match, sources_in_words};
 use stickslip::analysis::motion::Class;
 
-/// The verdict in three sentences: of all claims, of Fig. 8, of Figs. 10–12. What else there is stands with the claims.
+/// The verdict in three sentences: of all claims, of Fig. 8, of Figs. 10–12. What else there is
+/// stands with the claims.
 pub(super) fn sentences(ledger: &Ledger) -> [String; 3] {
     let with = |verdict| {
         ledger

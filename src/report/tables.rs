@@ -8,7 +8,8 @@ use crate::paper::claim_id::ClaimId;
 use crate::paper::published::{Digits, Kind};
 use crate::paper::reading::{Reading, Role};
 
-/// The claims: what is published, what each reading gives, verdict, corrections, remarks, evidence by reading.
+/// The claims: what is published, what each reading gives, verdict, corrections, remarks, evidence
+/// by reading.
 ///
 /// # Errors
 /// [`FigureError::Csv`] if the writer refuses a field.

@@ -154,7 +154,8 @@ pub fn warnings(findings: &Findings, source: &Table) -> Vec<String> {
     warnings
 }
 
-/// The first column whose values lie on a grid, and how many different ones it has. What repeats itself or stands still is on none.
+/// The first column whose values lie on a grid, and how many different ones it has. What repeats
+/// itself or stands still is on none.
 fn on_a_grid(source: &Table) -> Option<(&str, usize)> {
     if source.period().is_some() {
         return None;

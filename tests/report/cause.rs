@@ -75,7 +75,8 @@ fn only_both_defects_make_the_motion_and_the_numbers() {
             let without = motion(injected, published);
             assert!(!without.holds(), "{injected:?}: {}", without.sentence());
         }
-        // With another digit in the third decimal in print, the numbers are not the ones that come out.
+        // With another digit in the third decimal in print, the numbers are not the ones that come
+        // out.
         let mut other = published;
         other[1] += 1e-3;
         assert!(!motion(Injected::BOTH, other).holds());

@@ -16,7 +16,8 @@ const PROBES: usize = 16;
 /// Steps of Newton's iteration: where gradients depend on each other each halves what is left.
 const NEWTON_STEPS: usize = 60;
 
-/// Singular value of gradients of length 1 below which they depend on each other: ten times that of a run, which may come nearer.
+/// Singular value of gradients of length 1 below which they depend on each other: ten times that of
+/// a run, which may come nearer.
 const DEPENDENT: f64 = 1e-5;
 
 /// Distance from a boundary, in parts of the state, below which it is reached.
@@ -214,8 +215,9 @@ impl System {
         (0..PROBES).map(&mut probe).collect()
     }
 
-    /// Contacts whose boundaries vanish together, and a state where their gradients depend on each other, so that no run can go through it.
-    /// Looked for at the start's time, from states about the start.
+    /// Contacts whose boundaries vanish together, and a state where their gradients depend on each
+    /// other, so that no run can go through it. Looked for at the start's time, from states about
+    /// the start.
     pub fn dependent_boundaries(&self) -> Option<(Vec<usize>, Vec<f64>)> {
         // Numbers of subsets come before those of the sets.
         (1..1_usize << self.contacts()).find_map(|set| {
@@ -227,7 +229,8 @@ impl System {
         })
     }
 
-    /// Newton's iteration, by the shortest steps, to where the boundaries of these contacts vanish; the place if they depend on each other there.
+    /// Newton's iteration, by the shortest steps, to where the boundaries of these contacts vanish;
+    /// the place if they depend on each other there.
     fn dependence(&self, contacts: &[usize], mut x: Vec<f64>) -> Option<Vec<f64>> {
         for _ in 0..NEWTON_STEPS {
             let at = |i: usize, k| self.boundary_and_slope(contacts[i], self.built.t_start, &x, k);

@@ -1,9 +1,11 @@
 //! Tangent points of a contact's boundary, and where on it a contact sticks.
 //!
-//! Of a system of two states a boundary Σ is a curve, of more states a surface. It is looked at along one state. For every value of
-//! that the boundary's own equation gives another one; further states keep the values that they are given. The equation may have
-//! several solutions or none: each is followed as a branch to where Σ turns back. On a branch the rates at which the two fields
-//! approach Σ are functions of one number. Where one of them vanishes a field is tangent to Σ; where both push to Σ the contact sticks.
+//! Of a system of two states a boundary Σ is a curve, of more states a surface. It is looked at
+//! along one state. For every value of that the boundary's own equation gives another one; further
+//! states keep the values that they are given. The equation may have several solutions or none:
+//! each is followed as a branch to where Σ turns back. On a branch the rates at which the two
+//! fields approach Σ are functions of one number. Where one of them vanishes a field is tangent to
+//! Σ; where both push to Σ the contact sticks.
 
 use stickslip::analysis::Visibility;
 use stickslip::scalar::Dual;
@@ -21,7 +23,8 @@ const ACROSS: usize = 64;
 /// Halvings of a part of the range, to the rounding of its ends.
 const HALVINGS: usize = 52;
 
-/// Values of the solved state are the same within this part of their size and of the window: the root of rounding, as in a turn.
+/// Values of the solved state are the same within this part of their size and of the window: the
+/// root of rounding, as in a turn.
 const SAME: f64 = 1e-7;
 
 /// The state along the line, and the one that the boundary's equation gives.
@@ -141,8 +144,9 @@ impl Line {
         })
     }
 
-    /// The branches of the boundary, each a line as far as it reaches, by their lower ends, and what is on them. They come through the window
-    /// of the solved state: what the file shows of it, or as far from the start as the range is wide; or Newton's iteration finds them from the
+    /// The branches of the boundary, each a line as far as it reaches, by their lower ends, and
+    /// what is on them. They come through the window of the solved state: what the file shows of
+    /// it, or as far from the start as the range is wide; or Newton's iteration finds them from the
     /// start.
     pub fn scan(&self, system: &System) -> Vec<(Line, OnLine)> {
         let (start, width) = (self.x[self.solved], self.range.1 - self.range.0);

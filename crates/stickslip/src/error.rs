@@ -320,7 +320,8 @@ pub enum Error {
     },
 }
 
-/// A number for messages and headings: with an exponent where it would otherwise be a row of zeros, and zero without a sign.
+/// A number for messages and headings: with an exponent where it would otherwise be a row of zeros,
+/// and zero without a sign.
 pub fn readable(value: f64) -> String {
     if value == 0.0 {
         "0".to_owned()

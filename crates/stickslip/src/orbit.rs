@@ -32,8 +32,8 @@ pub enum Ending {
     /// The orbit has come to a two-fold, where both fields are tangent to Σ and the future is not unique (see
     /// [`crate::AtRepelling`]).
     TwoFold(TwoFold),
-    /// The orbit has shrunk to a point of Σ: it goes round there without end, and no phase moves the
-    /// state by more than the tolerance tells.
+    /// The orbit has shrunk to a point of Σ: it goes round there without end, and no phase moves
+    /// the state by more than the tolerance tells.
     Shrunk,
     /// The observer asked to stop, or there was a terminal event ([`crate::EventFunctions::is_terminal`]).
     Stopped,

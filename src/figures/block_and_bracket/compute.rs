@@ -130,8 +130,8 @@ fn literal(set: &Set) -> Result<Literal, Error> {
     }
 }
 
-/// Class of the motion by the procedure of Sect. 3: classical Runge–Kutta steps of one length, and Hénon's step onto Σ. Nothing if the
-/// orbit escapes.
+/// Class of the motion by the procedure of Sect. 3: classical Runge–Kutta steps of one length, and
+/// Hénon's step onto Σ. Nothing if the orbit escapes.
 ///
 /// # Errors
 /// Those of [`lyapunov_spectrum_watched`] except an escape.

@@ -17,7 +17,8 @@ const COLOURS: [Color; 4] = [BLUE, VERMILLION, GREEN, PURPLE];
 const MARGIN: f64 = 0.06;
 /// Running exponents before this part of the time still swing; they may leave the panel.
 const SETTLED: f64 = 0.12;
-/// Widths of the curves from data, px: broad under the equations' curves, and each narrower than the one it may cover.
+/// Widths of the curves from data, px: broad under the equations' curves, and each narrower than
+/// the one it may cover.
 const BROAD: [f64; 4] = [6.0, 4.0, 3.0, 2.0];
 /// Neighbours in size may coincide; one of two is dashed and on top.
 const DASHES: [Dash; 4] = [Dash::Solid, Dash::Dashed, Dash::Solid, Dash::Dashed];
@@ -270,7 +271,8 @@ fn four(value: f64) -> String {
     }
 }
 
-/// The places of the exponents from data as the table has them: by size, those that the data do not tell after the others.
+/// The places of the exponents from data as the table has them: by size, those that the data do not
+/// tell after the others.
 fn by_size(data: &Data) -> Vec<usize> {
     let exponents = &data.from_data.exponents;
     let is_unidentified = |i: usize| exponents[i].status == Status::Unidentified;

@@ -31,9 +31,11 @@ pub struct Data {
     pub oscillation: Oscillation,
     /// (c) Tangent points against `μ₀`.
     pub branches: Branches,
-    /// Another spring, whose `k₁` is not its `k₂`: with the paper's own, Eqs. (22) and (23) are Eqs. (12) and (13).
+    /// Another spring, whose `k₁` is not its `k₂`: with the paper's own, Eqs. (22) and (23) are
+    /// Eqs. (12) and (13).
     pub unequal: Cubic,
-    /// Zeros of its `∂σ/∂z` found by a scan and bisection, m, ascending: what Eq. (22) is held against.
+    /// Zeros of its `∂σ/∂z` found by a scan and bisection, m, ascending: what Eq. (22) is held
+    /// against.
     pub stationary: Vec<f64>,
 }
 

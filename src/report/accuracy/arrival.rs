@@ -55,7 +55,8 @@ impl Arrival {
         })
     }
 
-    /// The step near `h` of which the event comes after so many and a part, so that the last cut falls alike for all of them.
+    /// The step near `h` of which the event comes after so many and a part, so that the last cut
+    /// falls alike for all of them.
     fn step(&self, h: f64, part: f64) -> f64 {
         let lead = self.t - self.t0;
         lead / ((lead / h).round() + part)

@@ -29,8 +29,8 @@ pub struct EventErrors {
 }
 
 impl EventErrors {
-    /// Measures `error` by step and the part of it after which the event comes; of an event that the orbit comes to from a side, or
-    /// is released at to one.
+    /// Measures `error` by step and the part of it after which the event comes; of an event that
+    /// the orbit comes to from a side, or is released at to one.
     pub(super) fn measure<E>(
         method: &'static str,
         side: Side,
@@ -61,7 +61,8 @@ impl EventErrors {
         self.at_printed_step <= ROUNDING && self.errors.iter().all(|(_, error)| *error <= ROUNDING)
     }
 
-    /// "High accuracy": at the printed step the error is less than half a unit of the last digit the paper prints.
+    /// "High accuracy": at the printed step the error is less than half a unit of the last digit
+    /// the paper prints.
     pub fn is_accurate(&self) -> bool {
         self.at_printed_step < HALF_DIGIT
     }

@@ -88,7 +88,8 @@ impl Accuracy {
         ]
     }
 
-    /// `s3.release_accuracy`: release by a step of Eq. (15), of the system that Sect. 3 is about, whose tangent points stand still.
+    /// `s3.release_accuracy`: release by a step of Eq. (15), of the system that Sect. 3 is about,
+    /// whose tangent points stand still.
     pub fn release_findings(&self) -> Vec<Finding> {
         let (belt, listing) = (&self.release.belt, &self.release.listing);
         let one = |reading, what, errors| finding(reading, [(what, errors)]);
@@ -108,7 +109,8 @@ impl Accuracy {
         self.of_arrival().map(EventErrors::line)
     }
 
-    /// Every measurement of release in a line; of a tangent point that moves, which is another reading of the sentence, too.
+    /// Every measurement of release in a line; of a tangent point that moves, which is another
+    /// reading of the sentence, too.
     pub fn lines_of_release(&self) -> impl Iterator<Item = String> {
         let line = |(model, errors): (&str, &EventErrors)| format!("{model}, {}", errors.line());
         self.of_release().map(line)

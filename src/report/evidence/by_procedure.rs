@@ -1,4 +1,5 @@
-//! `s5.by_procedure`: what the procedure of Sect. 3 makes of Eq. (27), steps of RK4 with Hénon's step onto Σ.
+//! `s5.by_procedure`: what the procedure of Sect. 3 makes of Eq. (27), steps of RK4 with Hénon's
+//! step onto Σ.
 
 use rayon::prelude::*;
 

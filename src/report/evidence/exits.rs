@@ -18,7 +18,8 @@ pub struct OfModel {
     pub elsewhere: usize,
     /// Largest distance from the nearest of them (m).
     pub largest_distance: f64,
-    /// How many end where the field that takes over is visibly tangent when time counts in the derivative.
+    /// How many end where the field that takes over is visibly tangent when time counts in the
+    /// derivative.
     pub visible_in_time: usize,
 }
 

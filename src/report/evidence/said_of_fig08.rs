@@ -1,4 +1,5 @@
-//! `fig08.start` and `s4.length_is_way`: where Fig. 8's motion starts, and whether its lengths are the belt's way in its durations.
+//! `fig08.start` and `s4.length_is_way`: where Fig. 8's motion starts, and whether its lengths are
+//! the belt's way in its durations.
 
 use super::grid::{ESCAPE, TOLERANCE};
 use super::{Evidence, EvidenceError, Part, small};
@@ -15,7 +16,8 @@ use stickslip::system::State;
 
 /// Differences within this are none (s): the solver's tolerance, with room for it to grow.
 const NONE: f64 = 1e-9;
-/// Forcing periods that a start of the stated model is followed over, and the distance of states that count as equal.
+/// Forcing periods that a start of the stated model is followed over, and the distance of states
+/// that count as equal.
 const SETTLING: (usize, f64) = (60, 1e-5);
 
 /// The program and the stated model from one start on Σ.
@@ -47,9 +49,11 @@ pub struct Way {
     pub published: [f64; 2],
     /// Of the listing's settled motion.
     pub listing: [f64; 2],
-    /// What rounding of the published numbers explains: half a unit of the last printed digit in each.
+    /// What rounding of the published numbers explains: half a unit of the last printed digit in
+    /// each.
     pub rounding: f64,
-    /// Stick phases of the stated model from a grid of starts, and the largest difference among them.
+    /// Stick phases of the stated model from a grid of starts, and the largest difference among
+    /// them.
     pub model: (usize, f64),
 }
 

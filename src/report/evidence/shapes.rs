@@ -1,10 +1,12 @@
-//! `s5.shapes`, `s5.kinds`: whether exponents and sections of Figs. 10–12 tell the same kind of motion, and the published one.
+//! `s5.shapes`, `s5.kinds`: whether exponents and sections of Figs. 10–12 tell the same kind of
+//! motion, and the published one.
 //!
-//! Exponents: a positive one means chaos, two zeros a torus, one a closed orbit. A section closes when the figures' own test finds at
-//! most 64 distinct points that follow one another in the same order again and again ([`stickslip::analysis::motion::Evidence`]). A
-//! thousand points hardly tell an uneven curve from a chaotic set, so that whether a section that does not close is a curve decides
-//! nothing. It is shown beside: whether the points can be strung, that is whether in the tree of least length that joins them hardly
-//! any has more than two neighbours.
+//! Exponents: a positive one means chaos, two zeros a torus, one a closed orbit. A section closes
+//! when the figures' own test finds at most 64 distinct points that follow one another in the same
+//! order again and again ([`stickslip::analysis::motion::Evidence`]). A thousand points hardly tell
+//! an uneven curve from a chaotic set, so that whether a section that does not close is a curve
+//! decides nothing. It is shown beside: whether the points can be strung, that is whether in the
+//! tree of least length that joins them hardly any has more than two neighbours.
 
 use super::{Evidence, Part};
 use crate::figures::block_and_bracket::Data;

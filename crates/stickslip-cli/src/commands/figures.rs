@@ -64,7 +64,8 @@ const GREEK: [(&str, &str); 21] = [
     ("omega", "ω"),
 ];
 
-/// A name in mathematics: italic, digits and what follows `_` below the line, Greek letters for their names.
+/// A name in mathematics: italic, digits and what follows `_` below the line, Greek letters for
+/// their names.
 pub(super) fn symbol(name: &str) -> String {
     let (letters, index) = match name.split_once('_') {
         Some((letters, index)) if !letters.is_empty() => (letters, index),

@@ -21,11 +21,12 @@ use crate::terminal::Said;
 
 /// Tangent points and stick zones on the boundary of a contact
 ///
-/// The boundary is looked at along one state, at one time (--t-start); further states keep their values of the start, and further contacts slip on the side where these
-/// have them. Of a boundary with several values of the other state each branch
-/// is followed to where it turns back. Tangent points that are nearer to each other than
-/// 1/2000 of the range, and double ones, are not found; nor are two branches, if they stay nearer than 1/64 of what [ranges] says of the
-/// other state, or outside of that. Writes tangents.csv, zones.csv and tangents.svg.
+/// The boundary is looked at along one state, at one time (--t-start); further states keep their
+/// values of the start, and further contacts slip on the side where these have them. Of a boundary
+/// with several values of the other state each branch is followed to where it turns back. Tangent
+/// points that are nearer to each other than 1/2000 of the range, and double ones, are not found;
+/// nor are two branches, if they stay nearer than 1/64 of what [ranges] says of the other state, or
+/// outside of that. Writes tangents.csv, zones.csv and tangents.svg.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
     #[command(flatten)]

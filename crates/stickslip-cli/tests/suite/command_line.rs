@@ -634,8 +634,9 @@ fn an_output_folder_that_cannot_be_made_is_told() {
         .stderr(contains("cannot create folder taken").and(contains("--out")));
 }
 
-/// A block on another on the ground, both of mass 1: pulled by t, the ground gives way at 2 and brakes with 1 from then on. Together they would
-/// begin at 1/2 then, but the upper one is held with 0.2 only.
+/// A block on another on the ground, both of mass 1: pulled by t, the ground gives way at 2 and
+/// brakes with 1 from then on. Together they would begin at 1/2 then, but the upper one is held
+/// with 0.2 only.
 const STACKED: &str = r#"
 name = "stacked"
 [states]
@@ -707,7 +708,8 @@ fn the_times_of_a_run_are_expressions_of_parameters() {
         .stderr(contains("the end -3 does not lie after the start -2"));
 }
 
-/// A run that comes to where the boundaries of two contacts meet and are one and the same cannot go on.
+/// A run that comes to where the boundaries of two contacts meet and are one and the same cannot go
+/// on.
 #[test]
 fn boundaries_that_depend_on_each_other_are_doubted() {
     let top = folder();

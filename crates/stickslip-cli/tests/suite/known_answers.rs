@@ -150,7 +150,8 @@ y = {{ below = "y", above = "-1" }}
     line.scan(&system)
 }
 
-/// A field outwards from the middle of a circle and (1, -1) outside: inside the rate of x² + y² is 4, outside 2x - 2y, which pushes back where x < y.
+/// A field outwards from the middle of a circle and (1, -1) outside: inside the rate of x² + y² is
+/// 4, outside 2x - 2y, which pushes back where x < y.
 #[test]
 fn a_circle_has_two_branches_and_a_stick_zone_on_each() {
     let rim = 2.0_f64.sqrt();

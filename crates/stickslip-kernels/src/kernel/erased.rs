@@ -150,7 +150,8 @@ pub struct TransitionView<'a> {
 }
 
 impl TransitionView<'_> {
-    /// Tells of it, and of what happens to each other contact whose mode changes in the same instant.
+    /// Tells of it, and of what happens to each other contact whose mode changes in the same
+    /// instant.
     pub(super) fn tell(&self, watcher: &mut dyn Watcher) -> ControlFlow<()> {
         watcher.transition(self)?;
         let modes = self.from.as_slice().iter().zip(self.to.as_slice());

@@ -53,7 +53,8 @@ pub enum TransitionKind {
 }
 
 impl TransitionKind {
-    /// What a change of one contact's mode is called. At a transition of several contacts others may be let go, or stop, too.
+    /// What a change of one contact's mode is called. At a transition of several contacts others
+    /// may be let go, or stop, too.
     pub fn between(from: Mode, to: Mode) -> Self {
         kind(from, to)
     }

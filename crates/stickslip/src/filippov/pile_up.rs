@@ -11,7 +11,8 @@ const UNRESOLVED: f64 = 100.0;
 /// So many transitions within the span of a pile-up, and then a step too short for the time, are one as well.
 const FEWEST: usize = 10;
 
-/// Phases that shrink geometrically to less than this part of the first within [`FEWEST`] accumulate.
+/// Phases that shrink geometrically to less than this part of the first within [`FEWEST`]
+/// accumulate.
 const LASTS: f64 = 0.9;
 
 /// How many times something has happened within no time.
@@ -107,8 +108,8 @@ impl<const N: usize> PileUp<N> {
         }
     }
 
-    /// Whether phases that are not resolved last as long as the first of them: the orbit shrinks to a
-    /// point that it reaches in no finite time.
+    /// Whether phases that are not resolved last as long as the first of them: the orbit shrinks to
+    /// a point that it reaches in no finite time.
     pub(crate) fn shrinks(&self) -> bool {
         self.unresolved >= FEWEST && self.lasting >= FEWEST
     }

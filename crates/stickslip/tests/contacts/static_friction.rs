@@ -186,8 +186,9 @@ fn static_friction_at_two_contacts_agrees_with_a_scan() {
     }
 }
 
-/// One block on another on the ground, of mass 1 each, pulled by t. The ground gives way at 2 and brakes with 1 from then on; together both would
-/// begin at 1/2, but the upper one is held with 0.2 only.
+/// One block on another on the ground, of mass 1 each, pulled by t. The ground gives way at 2 and
+/// brakes with 1 from then on; together both would begin at 1/2, but the upper one is held with 0.2
+/// only.
 struct Stacked;
 
 impl Stacked {

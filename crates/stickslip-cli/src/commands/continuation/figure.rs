@@ -39,8 +39,8 @@ pub(super) fn diagram(told: &Told<'_>) -> Result<String, OutputError> {
     };
     let extent = |which: &str| format!("{which} {}", figures::with_unit(&first.name, &first.unit));
     let period = figures::in_time(system, "period", "");
-    // Multipliers are known to 1e-6.
-    // The greatest and the least have a scale each, on which the ways there and back of a closed branch are told apart.
+    // Multipliers are known to 1e-6. The greatest and the least have a scale each, on which the
+    // ways there and back of a closed branch are told apart.
     let extents: [(String, Value); 2] = [
         (extent("greatest"), |at| at.extremes[0].1),
         (extent("least"), |at| at.extremes[0].0),

@@ -219,8 +219,8 @@ pub(super) fn kind_of_rest<S: Switched<N, G>, const N: usize, const G: usize>(
     kind_by(system, mode, at, &jacobian)
 }
 
-/// The same by the Jacobian there, of motion along the boundaries of the contacts that stick: off them
-/// a body held at rest has a double eigenvalue zero, which rounding splits by its root.
+/// The same by the Jacobian there, of motion along the boundaries of the contacts that stick: off
+/// them a body held at rest has a double eigenvalue zero, which rounding splits by its root.
 fn kind_by<S: Switched<N, G>, const N: usize, const G: usize>(
     system: &S,
     mode: S::Mode,

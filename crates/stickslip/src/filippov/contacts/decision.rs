@@ -56,7 +56,8 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
         self.check(&decided)?;
         for &i in &decided {
             if !self.can_hold(i) {
-                // Its own side does nothing to its rate: it goes where the motion of the others leads.
+                // Its own side does nothing to its rate: it goes where the motion of the others
+                // leads.
                 self.open[i] = false;
                 if self.modes[i] == Mode::Stick {
                     self.modes[i] = Mode::Slip(Side::Above);
