@@ -40,6 +40,7 @@ pub(super) fn reached_from_one_of_many(
     let at_once = |motion| Outcome {
         motion,
         period_uncertainty: 0.0,
+        family: None,
         points: Vec::new(),
         phases: Vec::new(),
         transitions: Vec::new(),

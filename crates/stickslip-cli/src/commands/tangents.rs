@@ -14,10 +14,10 @@ use crate::file::did_you_mean;
 use crate::output::{Artifact, OutputError, csv_table};
 use crate::system::System;
 use crate::tangents::{Kind, Line, OnLine};
+use crate::terminal::Said;
 
 /// Branches of a boundary with what is on them.
 pub(super) type Branches = [(Line, OnLine)];
-use crate::terminal::Said;
 
 /// Tangent points and stick zones on the boundary of a contact
 ///

@@ -12,12 +12,18 @@ const METHODS: [&str; 2] = ["taylor", "dop853"];
 /// A transition: time, kind, contact.
 type Transition = (f64, String, String);
 
-/// What `stickslip simulate` finds of the system in `text`, and its transitions.
-fn simulated(text: &str, method: &str, arguments: &[&str]) -> (Value, Vec<Transition>) {
+/// The program, in a folder that has the system in `text` as `system.toml`.
+fn program(text: &str) -> (tempfile::TempDir, Command) {
     let top = tempfile::tempdir().unwrap();
     std::fs::write(top.path().join("system.toml"), text).unwrap();
     let mut command = Command::new(env!("CARGO_BIN_EXE_stickslip"));
     command.current_dir(top.path());
+    (top, command)
+}
+
+/// What `stickslip simulate` finds of the system in `text`, and its transitions.
+fn simulated(text: &str, method: &str, arguments: &[&str]) -> (Value, Vec<Transition>) {
+    let (top, mut command) = program(text);
     command.args([
         "simulate",
         "system.toml",
@@ -246,18 +252,14 @@ fn crossings_without_end_are_limited() {
     let text = "name = \"ocean\"\n[time]\nend = 60\n[states]\nT = \"\"\nS = \"\"\n\
         [contacts.mixing]\nboundary = \"S - 0.8*T\"\n[field]\nT = \"1 - T - by_side(mixing, 0, 1)*T\"\n\
         S = \"0.5*(1 - S) - by_side(mixing, 0, 1)*S\"\n[start]\nT = 0.9\nS = 0.6\n";
-    let top = tempfile::tempdir().unwrap();
-    std::fs::write(top.path().join("system.toml"), text).unwrap();
-    let mut command = Command::new(env!("CARGO_BIN_EXE_stickslip"));
-    command.current_dir(top.path());
+    let (_top, mut command) = program(text);
     command.args(["simulate", "system.toml", "--most-events", "2000"]);
     command
         .assert()
         .code(1)
         .stdout(contains("2000 × crossing"))
         .stderr(contains("more than 2000 transitions by t = "));
-    let mut command = Command::new(env!("CARGO_BIN_EXE_stickslip"));
-    command.current_dir(top.path());
+    let (_top, mut command) = program(text);
     command.args(["simulate", "system.toml", "--most-steps", "100"]);
     command
         .assert()
@@ -273,10 +275,7 @@ fn a_block_that_friction_holds_is_at_rest_whatever_its_spring() {
              [contacts.floor]\nboundary = \"v\"\nfriction = \"0.3\"\n[field]\nx = \"v\"\n\
              v = \"k*(1 - x) - c*v - friction(floor)\"\n[start]\nx = 1\nv = 0\n"
         );
-        let top = tempfile::tempdir().unwrap();
-        std::fs::write(top.path().join("system.toml"), text).unwrap();
-        let mut command = Command::new(env!("CARGO_BIN_EXE_stickslip"));
-        command.current_dir(top.path());
+        let (_top, mut command) = program(&text);
         command.args(["basin", "system.toml", "--json", "--grid", "6x6"]);
         command.args(["--x", "x=0.9:1.1", "--y", "v=-0.5:0.5"]);
         let output = command.assert().success().get_output().stdout.clone();

@@ -122,6 +122,8 @@ pub struct Outcome {
     pub motion: Motion,
     /// By how much its period may be off; zero where it has none.
     pub period_uncertainty: f64,
+    /// Dimension of the family of periodic orbits that it is one of, where that is known.
+    pub family: Option<usize>,
     /// Time and state at the points of the section, or at the equilibrium. Kinds that points do not tell apart have none.
     pub points: Vec<(f64, Vec<f64>)>,
     /// The phases that ended in one period. Kinds that points do not tell apart have none.
@@ -167,6 +169,7 @@ impl Outcome {
         Self {
             motion,
             period_uncertainty: reached.period_uncertainty,
+            family: reached.family,
             points: points.map(|at| (at.t, at.x.as_slice().to_vec())).collect(),
             phases: phases.map(phase).collect(),
             transitions: transitions
@@ -205,6 +208,7 @@ impl Outcome {
         Reached {
             kind,
             period_uncertainty: self.period_uncertainty,
+            family: self.family,
             points: self
                 .points
                 .iter()

@@ -36,11 +36,12 @@ impl<const N: usize> Held<N> {
     }
 }
 
-/// The parameter, and the equilibrium of a mode there, at which periodic orbits end that come ever
-/// nearer to it at their transitions, while it comes to the edge of where its mode holds: they
-/// shrink to it, or pass by it ever more slowly. The orbits are in order; `held` has the
-/// equilibrium of a mode near a state at a parameter, of which the first `free` components are
-/// states; `widest` is how far an orbit goes that is not near to it.
+/// The parameter at which periodic orbits end in an equilibrium of one mode, and that equilibrium.
+/// Their transitions come ever nearer to it, while it comes to the edge of where its mode holds.
+/// They shrink to it, or pass by it ever more slowly.
+///
+/// The orbits are in order. `held` has the equilibrium of a mode near a state at a parameter; the
+/// first `free` components of it are states. `widest` is how far an orbit goes that is not near.
 pub(super) fn ends_in<B, const N: usize, K: Copy + PartialEq>(
     orbits: &[&Known<B, N, K>],
     widest: f64,

@@ -349,10 +349,10 @@ pub(super) fn known<const N: usize>(turn: &Turn<N>, options: &Options) -> (State
     )
 }
 
-/// Solves the equations of a Newton step, of which the first are those of so many states. Where
-/// they leave directions free, to how well they are known, as the place of a block that nothing
-/// depends on or the energy of a pendulum, the solution is the one that does not go those ways; so
-/// many are left out in any case. With it goes how many these are.
+/// Solves the equations of a Newton step, of which the first are those of so many states. They may
+/// leave directions free, to how well they are known: the place of a block that nothing depends on,
+/// the energy of a pendulum. The solution does not go those ways, and at least so many are left
+/// out. With it goes how many these are.
 pub(super) fn newton_solution<const N: usize>(
     matrix: DMatrix<f64>,
     right: &DVector<f64>,

@@ -44,7 +44,7 @@ pub(super) struct Found {
 /// The number of an attractor among those known; it is added if it is new.
 pub(super) fn number(
     known: &mut Vec<Outcome>,
-    outcome: Outcome,
+    mut outcome: Outcome,
     system: &System,
     settings: &RecurrenceSettings,
     options: &Options,
@@ -54,6 +54,8 @@ pub(super) fn number(
     match known.iter().position(same) {
         Some(number) => number,
         None => {
+            // Once: each further orbit is compared with it.
+            outcome.family = Some(kernel.family(&outcome, settings, options));
             known.push(outcome);
             known.len() - 1
         }
@@ -128,7 +130,7 @@ impl Found {
             let starts = starts.count();
             let share = starts as f64 / all as f64;
             Attracting {
-                family: system.kernel().family(&outcome, &settings, &options),
+                family: outcome.family.unwrap_or(0),
                 outcome,
                 number,
                 starts,

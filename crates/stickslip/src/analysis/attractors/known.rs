@@ -68,12 +68,16 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Attractors<'a, S, N,
     }
 
     /// The number, counted from 0, of the attractor that an orbit has come to; the next one if it is a new one.
-    pub fn number(&mut self, reached: Reached<N, S::Mode>) -> usize {
+    pub fn number(&mut self, mut reached: Reached<N, S::Mode>) -> usize {
         let known = self
             .found
             .iter()
             .position(|one| self.is_same(one, &reached));
         known.unwrap_or_else(|| {
+            if matches!(reached.kind, Kind::Periodic { .. }) {
+                // Once: each further orbit is compared with it.
+                reached.family = Some(self.family(&reached));
+            }
             self.found.push(reached);
             self.found.len() - 1
         })
@@ -122,9 +126,8 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Attractors<'a, S, N,
     pub fn family(&self, reached: &Reached<N, S::Mode>) -> usize {
         let is_periodic = matches!(reached.kind, Kind::Periodic { .. });
         let first = reached.points.first().filter(|_| is_periodic);
-        first.map_or(0, |at| {
-            self.family_near(at, reached.period(), f64::INFINITY)
-        })
+        let near = |at| self.family_near(at, reached.period(), f64::INFINITY);
+        reached.family.unwrap_or_else(|| first.map_or(0, near))
     }
 
     /// Whether two periodic orbits are of one family: another one of it lies midway between them,

@@ -70,6 +70,9 @@ pub struct Reached<const N: usize, K = Mode> {
     /// By how much the period of a periodic orbit may be off, by how the last periods differ; zero
     /// of other motions.
     pub period_uncertainty: f64,
+    /// Of a periodic orbit that has a number, the dimension of the family that it is one of; see
+    /// [`super::Attractors::number`] and [`super::Attractors::family`].
+    pub family: Option<usize>,
     /// Of a periodic orbit the points of the section in one period; of an equilibrium that point alone, refined; otherwise the last points.
     pub points: Vec<SectionPoint<N>>,
     /// Of a periodic orbit the phases that ended in one period, in order of time; otherwise the last phases.

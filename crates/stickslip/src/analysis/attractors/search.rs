@@ -402,6 +402,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
         Reached {
             kind,
             period_uncertainty: self.uncertainty,
+            family: None,
             points,
             phases,
             transitions,

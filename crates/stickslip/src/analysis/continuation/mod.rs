@@ -159,9 +159,9 @@ pub enum Stop {
         /// Size of the eigenvalues: angle per unit of time.
         frequency: f64,
     },
-    /// The orbit shrinks to an equilibrium, or comes ever nearer to one, that comes to the
-    /// discontinuity boundary, or to the edge of the part of it that is slid on, at this
-    /// parameter: a boundary-equilibrium bifurcation.
+    /// A boundary-equilibrium bifurcation: the orbit shrinks to an equilibrium, or comes ever nearer
+    /// to one. At this parameter that comes to the discontinuity boundary, or to the edge of the
+    /// part of it that is slid on.
     BoundaryEquilibrium {
         /// The parameter.
         parameter: f64,

@@ -6,9 +6,9 @@ use crate::math;
 /// Standard errors within which an exponent is the true one.
 const STANDARD_ERRORS: f64 = 4.0;
 
-/// A direction may have grown by so much without a rate of growth: over a broken number of turns,
-/// or, across a family of orbits, in proportion to the time, which is 11 times as long at the end
-/// as after a transient of a tenth of it.
+/// A direction may have grown by so much without a rate of growth: over a broken number of turns.
+/// Across a family of orbits it grows in proportion to the time. That is 11 times as long at the
+/// end as after a transient of a tenth of it.
 const END_EFFECT: f64 = 30.0;
 
 /// One Lyapunov exponent.

@@ -16,9 +16,9 @@ impl<F: Flow<N>, const N: usize> OnDense<'_, F, N> {
         (again.henon_step)(&mut |at| flow.swapped(self.guard, at), from, change)
     }
 
-    /// From a state hardly off the zero, one Hénon step onto it (again where the guard is curved
-    /// and the first has left more than rounding), of order 4 where the way is short. `None` where
-    /// the guard's rate could change along the way, near grazing, and where the guard jumps.
+    /// From a state hardly off the zero, one Hénon step onto it, of order 4 where the way is short.
+    /// Another follows where the guard is curved and the first has left more than rounding. `None`
+    /// where the guard's rate could change along the way, near grazing, and where the guard jumps.
     pub(super) fn polish(&self, from: Probe<N>, limits: &Limits) -> Option<Probe<N>> {
         let mut best = from;
         for _ in 0..3 {
