@@ -32,17 +32,19 @@ pub use ensemble::{Start, ensemble};
 pub(crate) use flow::Flow;
 pub use flow::{boundary_gradient, normal_component, sliding_field};
 pub use integration::{Integration, Progress};
-pub use observer::{Observer, Phase, StepRecord, Transition, TransitionKind};
+pub use observer::{
+    Observer, Phase, PhaseOf, StepRecord, Transition, TransitionKind, TransitionOf,
+};
 pub use options::{AtRepelling, Locator, Method, Options};
 pub(crate) use rules::LieDerivatives;
 pub use rules::{Fate, Visibility, fate};
 pub use scan::first_zero;
 pub use sections::{
-    Direction, EventFunctions, EventRecord, EventSearch, Happening, OrbitWithEvents, Plane, Strobe,
+    Direction, EventFunctions, EventOf, EventRecord, EventSearch, Happening, OrbitWithEvents, Plane, Strobe,
     Watched, solve_with_events,
 };
 pub(crate) use solve::tell;
-pub use solve::{Failure, Summary, run, solve};
+pub use solve::{Failure, Summary, SummaryOf, run, solve};
 pub use switched::Switched;
 pub(crate) use switched::{GuardGradient, Settled, UseFlow, Velocity, gradient};
 pub use two_fold::{Approach, TwoFold};

@@ -1,14 +1,17 @@
 //! What a run tells while it goes: steps, transitions, phases.
 
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Sub};
 
 use super::switch::kind;
-use crate::ode::{Dense, Timed};
+use crate::ode::Dense;
 use crate::system::{Mode, State};
 
-/// A part of an orbit in one mode, between two transitions.
+/// A part of an orbit in one mode, between two transitions, of a system of `N` states.
+pub type Phase<const N: usize, K = Mode> = PhaseOf<State<N>, K>;
+
+/// A part of an orbit in one mode, between two transitions; `X` is a state, `K` what says the mode.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Phase<const N: usize, K = Mode> {
+pub struct PhaseOf<X, K> {
     /// Slip below, slip above, or stick; of several contacts, each one's.
     pub mode: K,
     /// Time at the start.
@@ -16,12 +19,12 @@ pub struct Phase<const N: usize, K = Mode> {
     /// Time at the end.
     pub t_end: f64,
     /// State at the start.
-    pub x_start: State<N>,
+    pub x_start: X,
     /// State at the end.
-    pub x_end: State<N>,
+    pub x_end: X,
 }
 
-impl<const N: usize, K> Phase<N, K> {
+impl<X, K> PhaseOf<X, K> {
     /// Length in time.
     pub fn duration(&self) -> f64 {
         self.t_end - self.t_start
@@ -29,8 +32,11 @@ impl<const N: usize, K> Phase<N, K> {
 
     /// Change of the state over the phase. For a body on a belt of speed `vp` the position's change in
     /// a stick phase is `vp · duration`.
-    pub fn displacement(&self) -> State<N> {
-        self.x_end - self.x_start
+    pub fn displacement(&self) -> X
+    where
+        for<'x> &'x X: Sub<Output = X>,
+    {
+        &self.x_end - &self.x_start
     }
 }
 
@@ -60,13 +66,16 @@ impl TransitionKind {
     }
 }
 
-/// A transition on Σ.
+/// A transition on Σ, of a system of `N` states.
+pub type Transition<const N: usize, K = Mode> = TransitionOf<State<N>, K>;
+
+/// A transition on Σ; `X` is a state, `K` what says the mode.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Transition<const N: usize, K = Mode> {
+pub struct TransitionOf<X, K> {
     /// Time.
     pub t: f64,
     /// State, on Σ.
-    pub x: State<N>,
+    pub x: X,
     /// What happened.
     pub kind: TransitionKind,
     /// Mode before.
@@ -97,25 +106,12 @@ pub struct StepRecord<const N: usize, K = Mode> {
     pub dense: Dense<N>,
 }
 
-impl<const N: usize, K: Copy> StepRecord<N, K> {
-    /// The part up to a state inside; what is left is the part behind it.
-    pub(crate) fn cut(&mut self, at: &Timed<N>) -> Self {
-        let before = StepRecord {
-            t_end: at.t,
-            x_end: at.x,
-            ..*self
-        };
-        (self.t_start, self.x_start) = (at.t, at.x);
-        before
-    }
-}
-
 /// Told of everything as it happens, in order of time; memory need not grow with the length of the run.
 ///
 /// Each method may end the run by returning [`ControlFlow::Break`].
 ///
 /// ```
-/// use std::ops::ControlFlow;
+/// use std::ops::{ControlFlow, Sub};
 /// use stickslip::{models::BeltOscillator, run, Observer, Options, State, Transition};
 ///
 /// struct Count(usize);

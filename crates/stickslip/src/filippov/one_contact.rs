@@ -13,6 +13,7 @@ use super::switch::{kind, next_mode};
 use super::switched::{Next, Switch, Switched, UseFlow, Vanishes};
 use super::two_fold::two_fold;
 use crate::dual::Dual;
+use crate::dynamics::Modes;
 use crate::error::{Error, Point};
 use crate::ode::Timed;
 use crate::orbit::Ending;
@@ -173,12 +174,17 @@ impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
         mode == Mode::Stick
     }
 
-    fn mode_of(mode: Mode, _contact: usize) -> Mode {
-        mode
+    const CONTACTS: usize = 1;
+
+    fn erased(mode: Mode, contacts: usize) -> Modes {
+        Modes::new(&[mode][..contacts.min(1)])
     }
 
-    fn with_mode_of(_mode: Mode, _contact: usize, does: Mode) -> Mode {
-        does
+    fn restored(modes: Modes) -> Mode {
+        match modes.is_empty() {
+            true => Mode::Slip(Side::Above),
+            false => modes.get(0),
+        }
     }
 }
 

@@ -8,22 +8,28 @@ use crate::error::{Error, Point};
 use crate::orbit::{Counters, Ending, Orbit};
 use crate::system::State;
 
-/// How and where a streamed run ended.
+/// How and where a streamed run ended, of a system of `N` states.
+pub type Summary<const N: usize> = SummaryOf<State<N>>;
+
+/// How and where a streamed run ended; `X` is a state.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Summary<const N: usize> {
+pub struct SummaryOf<X> {
     /// Why it ended.
     pub ending: Ending,
     /// Last time.
     pub t: f64,
     /// Last state.
-    pub x: State<N>,
+    pub x: X,
     /// Work done.
     pub counters: Counters,
 }
 
-impl<const N: usize> Summary<N> {
+impl<X> SummaryOf<X> {
     /// What an analysis fails with that needs the orbit to go on behind this end.
-    pub(crate) fn goes_no_further(&self) -> Error {
+    pub(crate) fn goes_no_further(&self) -> Error
+    where
+        for<'x> Point: From<&'x X>,
+    {
         let (t, x) = (self.t, Point::from(&self.x));
         match self.ending {
             Ending::Shrunk => Error::Shrunk { t, x },
@@ -32,8 +38,8 @@ impl<const N: usize> Summary<N> {
     }
 
     /// Of a run that failed before its first step.
-    pub(super) fn of_none(t: f64, x: State<N>) -> Self {
-        Summary {
+    pub(super) fn of_none(t: f64, x: X) -> Self {
+        SummaryOf {
             ending: Ending::Failed,
             t,
             x,

@@ -10,11 +10,12 @@ use super::options::Options;
 use super::run::Run;
 use super::uncertainty::uncertainty;
 use crate::dual::Dual;
+use crate::dynamics::Modes;
 use crate::error::Error;
 use crate::ode::Timed;
 use crate::orbit::Ending;
 use crate::scalar::Scalar;
-use crate::system::{Mode, State};
+use crate::system::State;
 
 /// A switched system: what [`crate::solve`], [`crate::run`] and the analyses take. [`crate::Filippov`] systems are of this kind, with one
 /// contact, and so is [`crate::Several`], with as many as it has; nothing else can be.
@@ -115,13 +116,17 @@ pub trait Switched<const N: usize, const G: usize> {
     #[doc(hidden)]
     fn any_sticks(mode: Self::Mode) -> bool;
 
-    /// What a contact does in a mode.
+    /// How many contacts there are.
     #[doc(hidden)]
-    fn mode_of(mode: Self::Mode, contact: usize) -> Mode;
+    const CONTACTS: usize;
 
-    /// The mode with a contact doing that instead.
+    /// The modes of the first so many contacts.
     #[doc(hidden)]
-    fn with_mode_of(mode: Self::Mode, contact: usize, does: Mode) -> Self::Mode;
+    fn erased(mode: Self::Mode, contacts: usize) -> Modes;
+
+    /// The mode again; a contact beyond those known slips above.
+    #[doc(hidden)]
+    fn restored(modes: Modes) -> Self::Mode;
 }
 
 /// The mode at a start, and how many derivatives of each of its guards vanish there, if there is a unique one.

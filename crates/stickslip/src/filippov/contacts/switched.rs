@@ -3,6 +3,7 @@
 use super::decision::Decision;
 use super::joint::{Joint, gradients};
 use super::{Contacts, Several};
+use crate::dynamics::Modes;
 use crate::error::{Error, Point};
 use crate::filippov::check::check_run;
 use crate::filippov::event::Event;
@@ -181,13 +182,15 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
         mode.contains(&Mode::Stick)
     }
 
-    fn mode_of(mode: [Mode; M], contact: usize) -> Mode {
-        mode[contact]
+    const CONTACTS: usize = M;
+
+    fn erased(mode: [Mode; M], contacts: usize) -> Modes {
+        Modes::new(&mode[..contacts.min(M)])
     }
 
-    fn with_mode_of(mut mode: [Mode; M], contact: usize, does: Mode) -> [Mode; M] {
-        mode[contact] = does;
-        mode
+    fn restored(modes: Modes) -> [Mode; M] {
+        let beyond = Mode::Slip(Side::Above);
+        std::array::from_fn(|i| if i < modes.len() { modes.get(i) } else { beyond })
     }
 }
 

@@ -99,15 +99,18 @@ impl<const N: usize> EventFunctions<N, 0> for () {
     }
 }
 
-/// An event of the user's own.
+/// An event of the user's own, of a system of `N` states.
+pub type EventRecord<const N: usize, K = Mode> = EventOf<State<N>, K>;
+
+/// An event of the user's own; `X` is a state, `K` what says the mode.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EventRecord<const N: usize, K = Mode> {
+pub struct EventOf<X, K> {
     /// Which function it is a zero of, counted from 0.
     pub number: usize,
     /// Time.
     pub t: f64,
     /// State.
-    pub x: State<N>,
+    pub x: X,
     /// Mode that the system is in; at the very end of a phase, the one that ends.
     pub mode: K,
     /// [`Direction::Rising`] or [`Direction::Falling`].

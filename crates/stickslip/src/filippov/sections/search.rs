@@ -30,7 +30,7 @@ use crate::system::State;
 /// // Where the block turns back.
 /// let section = Plane { point: [0.0, 0.0].into(), normal: [0.0, 1.0].into(), direction: Direction::Falling };
 /// let settings = SpectrumOptions::over(50.0, 500.0);
-/// let mut returns = Returns(EventSearch::new(&belt, &section, &settings.solver), 0);
+/// let mut returns = Returns(EventSearch::new(&belt, section, &settings.solver), 0);
 /// lyapunov_spectrum_watched(&belt, (0.0, [0.5, 0.1]), &settings, &mut returns)?;
 /// assert!(returns.1 > 10);
 /// # Ok::<(), stickslip::Error>(())
@@ -44,13 +44,13 @@ pub struct EventSearch<
     const G: usize = GUARDS,
 > {
     system: &'a S,
-    events: &'a V,
+    events: V,
     method: Method,
     /// Sign that each function has had last; 0 where that is not known yet.
     sides: [f64; E],
     /// How large the components of the state have been lately.
     size: State<N>,
-    pub(super) found: Vec<EventRecord<N, S::Mode>>,
+    found: Vec<EventRecord<N, S::Mode>>,
 }
 
 impl<'a, S, V, const N: usize, const E: usize, const G: usize> EventSearch<'a, S, V, N, E, G>
@@ -59,7 +59,7 @@ where
     V: EventFunctions<N, E>,
 {
     /// A search through the steps that `system` makes with `options`: successive ones of one run, from any of them on.
-    pub fn new(system: &'a S, events: &'a V, options: &Options) -> Self {
+    pub fn new(system: &'a S, events: V, options: &Options) -> Self {
         EventSearch {
             system,
             events,
@@ -81,6 +81,16 @@ where
         &self.found
     }
 
+    /// The events of the last step.
+    pub(crate) fn found(&self) -> &[EventRecord<N, S::Mode>] {
+        &self.found
+    }
+
+    /// Keeps the first events of the last step only.
+    pub(super) fn truncate(&mut self, count: usize) {
+        self.found.truncate(count);
+    }
+
     fn search(&mut self, step: &StepRecord<N, S::Mode>) {
         for i in 0..N {
             let now = f64::max(step.x_start[i].abs(), step.x_end[i].abs());
@@ -91,7 +101,7 @@ where
             let asked = self.events.direction(number);
             let over = OverStep {
                 system: self.system,
-                events: self.events,
+                events: &self.events,
                 number,
                 step,
                 method: self.method,

@@ -51,12 +51,10 @@ pub struct Watched<
     const G: usize = GUARDS,
 > {
     integration: Integration<'a, S, N, G>,
-    search: EventSearch<'a, S, V, N, E, G>,
+    search: EventSearch<'a, S, &'a V, N, E, G>,
     events: &'a V,
     /// How many events of the last step have been told.
     told: usize,
-    /// Whether a terminal event ends the run.
-    may_end: bool,
 }
 
 impl<'a, S, V, const N: usize, const E: usize, const G: usize> Watched<'a, S, V, N, E, G>
@@ -71,15 +69,6 @@ where
             integration,
             events,
             told: 0,
-            may_end: true,
-        }
-    }
-
-    /// Goes on behind terminal events, too.
-    pub(crate) fn endless(self) -> Self {
-        Watched {
-            may_end: false,
-            ..self
         }
     }
 
@@ -90,7 +79,7 @@ where
     /// Those of [`Integration::step`].
     #[inline]
     pub fn step(&mut self) -> Result<Happening<N, S::Mode>, Error> {
-        if let Some(event) = self.search.found.get(self.told) {
+        if let Some(event) = self.search.found().get(self.told) {
             self.told += 1;
             return Ok(Happening::Event(*event));
         }
@@ -107,12 +96,11 @@ where
     }
 
     fn end_at_terminal(&mut self) {
-        let found = &mut self.search.found;
-        let terminal =
-            |event: &EventRecord<N, _>| self.may_end && self.events.is_terminal(event.number);
+        let terminal = |event: &EventRecord<N, _>| self.events.is_terminal(event.number);
+        let found = self.search.found();
         if let Some(first) = found.iter().position(terminal) {
-            found.truncate(first + 1);
-            let (t, x) = (found[first].t, found[first].x);
+            let EventRecord { t, x, .. } = found[first];
+            self.search.truncate(first + 1);
             self.integration.stop_at(Timed { t, x });
         }
     }
@@ -120,11 +108,6 @@ where
     /// The integration, for what can be asked of it.
     pub fn integration(&self) -> &Integration<'a, S, N, G> {
         &self.integration
-    }
-
-    /// The integration, to be watched no longer, or otherwise.
-    pub(crate) fn into_integration(self) -> Integration<'a, S, N, G> {
-        self.integration
     }
 
     /// The last step, which ends at a terminal event, if it has one.

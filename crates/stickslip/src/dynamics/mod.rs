@@ -1,0 +1,475 @@
+//! A system with its solver, whatever its numbers of states and contacts: what the analyses take.
+//!
+//! A typed system ([`Filippov`] or [`Several`]) and one that is known at run time only are both
+//! [`Dynamics`]. A call costs a virtual call for each step, never for each evaluation of the field.
+
+mod modes;
+mod typed;
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::error::{Error, Point};
+use crate::filippov::{Contacts, Direction, Method, Options, Several, Strobe};
+use crate::filippov::{EventOf, PhaseOf, SummaryOf, TransitionOf};
+use crate::interval::Interval;
+use crate::orbit::{Counters, Ending};
+use crate::system::{Filippov, State};
+
+pub use modes::Modes;
+pub use typed::{NoSection, Typed};
+
+/// A vector of run-time length: a state, a direction, a gradient.
+pub type Vector = DVector<f64>;
+
+/// A matrix of run-time size.
+pub type Matrix = DMatrix<f64>;
+
+/// A time and the state at that time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Moment {
+    /// Time.
+    pub t: f64,
+    /// State.
+    pub x: Vector,
+}
+
+/// Part of an orbit in one mode, between two transitions.
+pub type Phase = PhaseOf<Vector, Modes>;
+
+/// A change of mode, a touch of a boundary, or a loss or gain of contact.
+pub type Transition = TransitionOf<Vector, Modes>;
+
+/// A passage of a section.
+pub type Passage = EventOf<Vector, Modes>;
+
+/// How and where a run ended.
+pub type Summary = SummaryOf<Vector>;
+
+/// An accepted step, or the part of one up to an event.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Step {
+    /// Modes during the step.
+    pub mode: Modes,
+    /// Time at the start.
+    pub t_start: f64,
+    /// Time at the end.
+    pub t_end: f64,
+    /// State at the start.
+    pub x_start: Vector,
+    /// State at the end.
+    pub x_end: Vector,
+}
+
+impl Step {
+    /// Cuts the step at a moment inside it: returns the part before, and keeps the part behind.
+    pub(crate) fn cut(&mut self, at: &Moment) -> Step {
+        let before = Step {
+            t_end: at.t,
+            x_end: at.x.clone(),
+            ..self.clone()
+        };
+        (self.t_start, self.x_start) = (at.t, at.x.clone());
+        before
+    }
+
+    /// The moment at its end.
+    pub(crate) fn end(&self) -> Moment {
+        let (t, x) = (self.t_end, self.x_end.clone());
+        Moment { t, x }
+    }
+}
+
+/// What happened in an orbit under way; see [`OrbitUnderWay::step`].
+#[derive(Clone, Debug, PartialEq)]
+pub enum Happening {
+    /// A step was taken.
+    Step,
+    /// The section was passed in the last step.
+    Passage(Passage),
+    /// A phase has ended at the end of the last step.
+    PhaseEnd(Phase),
+    /// The mode changes, or a boundary was touched, at the end of the last step.
+    Transition(Transition),
+    /// The run has ended; further calls report the same.
+    End(Summary),
+}
+
+/// A section of the state space whose passages are reported.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Section {
+    /// No section.
+    None,
+    /// A plane: `normal · (x − point)` passes through zero.
+    Plane {
+        /// A state on it.
+        point: Vector,
+        /// A vector across it, of any length.
+        normal: Vector,
+        /// Which way it is passed.
+        direction: Direction,
+    },
+    /// A flash at every whole period.
+    Strobe(Strobe),
+    /// The largest values of the first state: its rate falls through zero.
+    Turning,
+    /// The event function that the dynamics was made with.
+    Own,
+}
+
+/// A guard of a mode: a function that is positive while the mode holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Guard {
+    /// Number among the guards of the system.
+    pub number: usize,
+    /// The contact that it belongs to.
+    pub contact: usize,
+    /// Whether the mode goes on behind its zero, as where contact is lost.
+    pub goes_on: bool,
+}
+
+/// A system with its solver, of numbers of states and contacts known at run time.
+///
+/// Only the library's own types implement it: typed systems by [`AsDynamics`], and systems known
+/// at run time by [`Typed::padded`].
+pub trait Dynamics: Send + Sync {
+    /// Number of states.
+    fn states(&self) -> usize;
+
+    /// Number of contacts.
+    fn contacts(&self) -> usize;
+
+    /// Begins an orbit, of which the passages of a section are reported.
+    ///
+    /// # Errors
+    /// Those of [`crate::Integration::new`].
+    fn begin<'a>(
+        &'a self,
+        start: &Moment,
+        t_end: f64,
+        options: &Options,
+        section: &Section,
+    ) -> Result<Box<dyn OrbitUnderWay + 'a>, Error>;
+
+    /// The smooth flow of a mode, with contact lost or kept as at a moment.
+    fn flow<'a>(&'a self, mode: Modes, at: &Moment) -> Box<dyn SmoothFlow + 'a>;
+
+    /// The modes by the sides that a state lies on; exactly on a boundary, stick.
+    fn mode_by_side(&self, at: &Moment) -> Modes;
+
+    /// The contacts that stick in a mode, with the gradients of their boundary functions.
+    fn normals(&self, mode: Modes, at: &Moment) -> Vec<(usize, Vector)>;
+
+    /// The guard whose zero a transition is, where the field jumps there.
+    fn jumps_at(&self, at: &Transition) -> Option<usize>;
+
+    /// Whether no second contact comes to zero in the same instant.
+    fn is_one_at_a_time(&self, at: &Transition) -> bool;
+
+    /// The mode of a run that ends where it starts, since its future is not unique.
+    fn undecided(&self) -> Modes;
+
+    /// Gradient of a section's function in the state, and its time derivative.
+    fn section_gradient(&self, section: &Section, at: &Moment) -> (Vector, f64);
+}
+
+/// An orbit that goes on step by step.
+pub trait OrbitUnderWay {
+    /// Takes the next step and reports it, or what the last one has led to: one thing a call, in
+    /// order of time.
+    ///
+    /// # Errors
+    /// Those of [`crate::Integration::step`].
+    fn step(&mut self) -> Result<Happening, Error>;
+
+    /// Reports the passages of this section from here on.
+    fn watch(&mut self, section: &Section);
+
+    /// Time that it has come to.
+    fn t(&self) -> f64;
+
+    /// State that it has come to.
+    fn x(&self) -> &[f64];
+
+    /// The modes of the next step.
+    fn mode(&self) -> Modes;
+
+    /// The phase under way as far as it has come; `None` between phases.
+    fn phase(&self) -> Option<Phase>;
+
+    /// The work done.
+    fn counters(&self) -> Counters;
+
+    /// The last step; of no length before the first.
+    fn last_step(&mut self) -> Step;
+
+    /// The solution over the last step.
+    fn solution(&mut self) -> Box<dyn Fn(f64) -> Vector + Send + Sync>;
+}
+
+impl dyn OrbitUnderWay + '_ {
+    /// Time and state that it has come to.
+    pub fn now(&self) -> Moment {
+        let x = Vector::from_column_slice(self.x());
+        Moment { t: self.t(), x }
+    }
+}
+
+/// How tangent vectors are carried over a step.
+#[derive(Clone, Copy, Debug)]
+pub struct Carrying {
+    /// Method of the run.
+    pub method: Method,
+    /// Error aimed at in a step, in units of the vector's own size.
+    pub tolerance: f64,
+}
+
+/// The smooth flow of one mode, and the guards that end it.
+pub trait SmoothFlow {
+    /// The velocity at a moment.
+    fn velocity(&self, at: &Moment) -> Vector;
+
+    /// The derivative of the velocity along a vector of the state space, at a fixed time.
+    fn derivative(&self, at: &Moment, along: &Vector) -> Vector;
+
+    /// The state, with the rounding taken out by which it lies off the set that the flow lives on.
+    fn settled(&self, at: &Moment) -> Vector;
+
+    /// The guards of the mode.
+    fn guards(&self) -> Vec<Guard>;
+
+    /// The value of a guard.
+    fn guard(&self, number: usize, at: &Moment) -> f64;
+
+    /// Gradient of a guard in the state, and its time derivative.
+    fn guard_gradient(&self, number: usize, at: &Moment) -> (Vector, f64);
+
+    /// Value and first three time derivatives of a guard along the flow.
+    fn guard_jet(&self, number: usize, at: &Moment) -> [f64; 4];
+
+    /// A tangent vector at the end of a step, from that at its start.
+    fn carried(&self, step: &Step, vector: &Vector, how: Carrying) -> Vector;
+
+    /// Whether all guards are certain to stay positive over a range of times and states.
+    #[doc(hidden)]
+    fn is_clear(&self, t: Interval, x: &[Interval]) -> bool;
+
+    /// Bounds of the velocity over a range of times and states; `None` where a contact sticks, or
+    /// where the range does not decide a branch of the field.
+    #[doc(hidden)]
+    fn velocity_over(&self, t: Interval, x: &[Interval]) -> Option<Vec<Interval>>;
+
+    /// Bounds of the velocity's derivative by one component of the state; `None` as before.
+    #[doc(hidden)]
+    fn derivative_over(&self, t: Interval, x: &[Interval], by: usize) -> Option<Vec<Interval>>;
+}
+
+/// A dynamics that is owned or borrowed.
+pub enum DynamicsRef<'a> {
+    /// Owned.
+    Owned(Box<dyn Dynamics + 'a>),
+    /// Borrowed.
+    Borrowed(&'a dyn Dynamics),
+}
+
+impl<'a> std::ops::Deref for DynamicsRef<'a> {
+    type Target = dyn Dynamics + 'a;
+
+    fn deref(&self) -> &Self::Target {
+        match self {
+            DynamicsRef::Owned(dynamics) => &**dynamics,
+            DynamicsRef::Borrowed(dynamics) => *dynamics,
+        }
+    }
+}
+
+/// What an analysis takes: a [`Filippov`] system, [`Several`] contacts, or a [`Dynamics`]. The
+/// parameter says which of them; it is always inferred.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is no system",
+    note = "implement `Filippov` for a system of one boundary; one that implements `Contacts` goes in as `Several(system)`"
+)]
+pub trait AsDynamics<Kind> {
+    /// The dynamics.
+    fn dynamics(&self) -> DynamicsRef<'_>;
+
+    /// The dynamics, of a system that goes into it.
+    fn into_dynamics<'a>(self) -> Box<dyn Dynamics + 'a>
+    where
+        Self: Sized + 'a;
+}
+
+/// A [`Filippov`] system of `N` states, as a kind of [`AsDynamics`].
+pub struct OneContact<const N: usize>;
+
+/// [`Several`] contacts, `M`, of a system of `N` states, as a kind of [`AsDynamics`].
+pub struct SeveralContacts<const N: usize, const M: usize>;
+
+/// A [`Dynamics`], as a kind of [`AsDynamics`].
+pub struct AtRunTime;
+
+impl<S: Filippov<N> + Send + Sync, const N: usize> AsDynamics<OneContact<N>> for S {
+    fn dynamics(&self) -> DynamicsRef<'_> {
+        DynamicsRef::Owned(Box::new(Typed::<&S, S, _, N, _>::new(self)))
+    }
+
+    fn into_dynamics<'a>(self) -> Box<dyn Dynamics + 'a>
+    where
+        S: 'a,
+    {
+        Box::new(Typed::<S, S, _, N, _>::new(self))
+    }
+}
+
+impl<S, const N: usize, const M: usize> AsDynamics<SeveralContacts<N, M>> for Several<S>
+where
+    S: Contacts<N, M> + Send + Sync,
+{
+    fn dynamics(&self) -> DynamicsRef<'_> {
+        DynamicsRef::Owned(Box::new(Typed::<&Self, Self, _, N, M>::new(self)))
+    }
+
+    fn into_dynamics<'a>(self) -> Box<dyn Dynamics + 'a>
+    where
+        S: 'a,
+    {
+        Box::new(Typed::<Self, Self, _, N, M>::new(self))
+    }
+}
+
+impl<'d> AsDynamics<AtRunTime> for Box<dyn Dynamics + 'd> {
+    fn dynamics(&self) -> DynamicsRef<'_> {
+        DynamicsRef::Borrowed(&**self)
+    }
+
+    fn into_dynamics<'a>(self) -> Box<dyn Dynamics + 'a>
+    where
+        Self: 'a,
+    {
+        self
+    }
+}
+
+/// The components of a state: an array, a slice, a vector of fixed or of run-time length.
+pub trait Components {
+    /// As a vector of run-time length.
+    fn vector(self) -> Vector;
+}
+
+impl<const N: usize> Components for [f64; N] {
+    fn vector(self) -> Vector {
+        Vector::from_column_slice(&self)
+    }
+}
+
+impl Components for &[f64] {
+    fn vector(self) -> Vector {
+        Vector::from_column_slice(self)
+    }
+}
+
+impl<const N: usize> Components for State<N> {
+    fn vector(self) -> Vector {
+        Vector::from_column_slice(self.as_slice())
+    }
+}
+
+impl Components for Vector {
+    fn vector(self) -> Vector {
+        self
+    }
+}
+
+impl Components for &Vector {
+    fn vector(self) -> Vector {
+        self.clone()
+    }
+}
+
+impl From<&Vector> for Point {
+    fn from(x: &Vector) -> Self {
+        Point(x.iter().copied().collect())
+    }
+}
+
+/// Follows an orbit to its end and reports nothing on the way.
+///
+/// # Errors
+/// Those of [`crate::run`].
+pub(crate) fn run(
+    dynamics: &dyn Dynamics,
+    start: &Moment,
+    t_end: f64,
+    options: &Options,
+) -> Result<Summary, Error> {
+    let mut orbit = dynamics.begin(start, t_end, options, &Section::None)?;
+    loop {
+        if let Happening::End(summary) = orbit.step()? {
+            return Ok(summary);
+        }
+    }
+}
+
+/// A whole orbit: phases, transitions, and every step with the solution over it.
+pub(crate) struct Orbit {
+    pub phases: Vec<Phase>,
+    pub transitions: Vec<Transition>,
+    pub steps: Vec<(Step, Box<dyn Fn(f64) -> Vector + Send + Sync>)>,
+    pub start: Moment,
+    pub end: Summary,
+}
+
+impl Orbit {
+    /// Integrates and keeps everything.
+    ///
+    /// # Errors
+    /// Those of [`crate::solve`].
+    pub fn solve(
+        dynamics: &dyn Dynamics,
+        start: &Moment,
+        t_end: f64,
+        options: &Options,
+    ) -> Result<Self, Error> {
+        let mut orbit = Orbit {
+            phases: Vec::new(),
+            transitions: Vec::new(),
+            steps: Vec::new(),
+            start: start.clone(),
+            end: Summary {
+                ending: Ending::Failed,
+                t: start.t,
+                x: start.x.clone(),
+                counters: Counters::default(),
+            },
+        };
+        let mut run = dynamics.begin(start, t_end, options, &Section::None)?;
+        loop {
+            match run.step()? {
+                Happening::Step => orbit.steps.push((run.last_step(), run.solution())),
+                Happening::PhaseEnd(phase) => orbit.phases.push(phase),
+                Happening::Transition(at) => orbit.transitions.push(at),
+                Happening::Passage(_) => {}
+                Happening::End(summary) => {
+                    orbit.end = summary;
+                    return Ok(orbit);
+                }
+            }
+        }
+    }
+
+    /// The state at a time.
+    ///
+    /// # Errors
+    /// [`Error::OutsideOrbit`] where the orbit does not cover the time.
+    pub fn at(&self, t: f64) -> Result<Vector, Error> {
+        let (from, to) = (self.start.t, self.end.t);
+        if !(from..=to).contains(&t) {
+            return Err(Error::OutsideOrbit { t, from, to });
+        }
+        let index = self.steps.partition_point(|(step, _)| step.t_end < t);
+        Ok(match self.steps.get(index) {
+            Some((step, _)) if t == step.t_end => step.x_end.clone(),
+            Some((_, solution)) => solution(t),
+            None => self.end.x.clone(),
+        })
+    }
+}

@@ -1,0 +1,174 @@
+//! What the contacts of a system do, with their number known at run time.
+
+use std::fmt;
+
+use crate::system::{Mode, Side};
+
+/// The mode of each contact, of at most [`Modes::MOST`] contacts. Written as one letter a contact:
+/// `-` for slip below, `+` for slip above, `S` for stick.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Modes {
+    sticks: u64,
+    above: u64,
+    count: u8,
+}
+
+impl Modes {
+    /// Most contacts that a system can have.
+    pub const MOST: usize = 64;
+
+    /// The modes of these contacts; of the first [`Modes::MOST`] if there are more.
+    pub fn new(of: &[Mode]) -> Self {
+        let count = of.len().min(Modes::MOST);
+        let none = Modes {
+            sticks: 0,
+            above: 0,
+            count: count as u8,
+        };
+        let each = of.iter().take(count).enumerate();
+        each.fold(none, |modes, (contact, mode)| modes.with(contact, *mode))
+    }
+
+    /// The mode of a contact; stick where there is no such contact.
+    pub fn get(&self, contact: usize) -> Mode {
+        let is_set = |bits: u64| bits >> (contact % Modes::MOST) & 1 == 1;
+        match (contact < self.len(), is_set(self.sticks), is_set(self.above)) {
+            (true, false, false) => Mode::Slip(Side::Below),
+            (true, false, true) => Mode::Slip(Side::Above),
+            _ => Mode::Stick,
+        }
+    }
+
+    /// The same with another mode of one contact.
+    #[must_use]
+    pub fn with(mut self, contact: usize, mode: Mode) -> Self {
+        if contact < self.len() {
+            let bit = 1 << contact;
+            self.sticks &= !bit;
+            self.above &= !bit;
+            match mode {
+                Mode::Stick => self.sticks |= bit,
+                Mode::Slip(Side::Above) => self.above |= bit,
+                Mode::Slip(Side::Below) => {}
+            }
+        }
+        self
+    }
+
+    /// How many contacts there are.
+    pub fn len(&self) -> usize {
+        usize::from(self.count)
+    }
+
+    /// Whether there is no contact at all.
+    pub fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    /// Whether any contact sticks.
+    pub fn any_sticks(&self) -> bool {
+        self.sticks != 0
+    }
+
+    /// The modes in order of the contacts.
+    pub fn iter(&self) -> impl Iterator<Item = Mode> + use<> {
+        let modes = *self;
+        (0..self.len()).map(move |contact| modes.get(contact))
+    }
+}
+
+impl fmt::Display for Modes {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.iter().try_for_each(|mode| {
+            f.write_str(match mode {
+                Mode::Slip(Side::Below) => "-",
+                Mode::Slip(Side::Above) => "+",
+                Mode::Stick => "S",
+            })
+        })
+    }
+}
+
+impl fmt::Debug for Modes {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{self}")
+    }
+}
+
+/// Of one contact.
+impl From<Mode> for Modes {
+    fn from(mode: Mode) -> Modes {
+        Modes::new(&[mode])
+    }
+}
+
+impl<const M: usize> From<[Mode; M]> for Modes {
+    fn from(modes: [Mode; M]) -> Modes {
+        Modes::new(&modes)
+    }
+}
+
+/// With a single contact its mode can stand for all.
+impl PartialEq<Mode> for Modes {
+    fn eq(&self, mode: &Mode) -> bool {
+        *self == Modes::from(*mode)
+    }
+}
+
+impl<const M: usize> PartialEq<[Mode; M]> for Modes {
+    fn eq(&self, modes: &[Mode; M]) -> bool {
+        *self == Modes::from(*modes)
+    }
+}
+
+impl From<Modes> for String {
+    fn from(modes: Modes) -> String {
+        modes.to_string()
+    }
+}
+
+impl TryFrom<String> for Modes {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Modes, String> {
+        let mode = |letter| match letter {
+            '-' => Ok(Mode::Slip(Side::Below)),
+            '+' => Ok(Mode::Slip(Side::Above)),
+            'S' => Ok(Mode::Stick),
+            other => Err(format!("`{other}` is no mode: -, + or S is")),
+        };
+        let modes: Vec<Mode> = text.chars().map(mode).collect::<Result<_, String>>()?;
+        if modes.len() > Modes::MOST {
+            return Err(format!(
+                "`{text}` has {} modes: at most {} contacts are possible",
+                modes.len(),
+                Modes::MOST
+            ));
+        }
+        Ok(Modes::new(&modes))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn modes_read_back_what_they_write() {
+        for text in ["", "-", "S+-", &"+S".repeat(32)] {
+            let modes = Modes::try_from(text.to_owned()).unwrap();
+            assert_eq!(modes.to_string(), text);
+            assert_eq!(modes.any_sticks(), text.contains('S'));
+        }
+        assert!(Modes::try_from("x".to_owned()).is_err());
+        assert!(Modes::try_from("+".repeat(65)).is_err());
+    }
+
+    #[test]
+    fn one_contact_changes_and_the_others_stay() {
+        let modes = Modes::try_from("-+S".to_owned()).unwrap();
+        assert_eq!(modes.with(1, Mode::Stick).to_string(), "-SS");
+        assert_eq!(modes.with(2, Mode::Slip(Side::Above)).to_string(), "-++");
+        assert_eq!(modes.with(3, Mode::Stick), modes);
+    }
+}
