@@ -12,9 +12,9 @@ const WAVE: usize = 4096;
 
 /// Which attractor each start leads to.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Basin<const N: usize, K = Mode> {
+pub struct Basin {
     /// The attractors by their numbers, which are given in the order in which the starts first lead there.
-    pub attractors: Vec<Reached<N, K>>,
+    pub attractors: Vec<Reached>,
     /// For each start, in order, the number of its attractor.
     pub reached: Vec<usize>,
 }
@@ -30,7 +30,7 @@ pub struct Share {
     pub std_error: f64,
 }
 
-impl<const N: usize, K> Basin<N, K> {
+impl Basin {
     /// The part of the starts that leads to attractor `number`.
     pub fn share(&self, number: usize) -> Share {
         let starts = self.reached.iter().filter(|one| **one == number).count();
@@ -63,12 +63,12 @@ impl<const N: usize, K> Basin<N, K> {
 ///
 /// # Errors
 /// As [`attractor`], for the first start that has one.
-pub fn basin<S, const N: usize, const G: usize>(
-    system: &S,
-    starts: impl IntoIterator<Item = State<N>>,
+pub fn basin(
+    system: &dyn Dynamics,
+    starts: impl IntoIterator<Item = Vector>,
     settings: &RecurrenceSettings,
     options: &Options,
-) -> Result<Basin<N, S::Mode>, Error>
+) -> Result<Basin, Error>
 where
     S: Switched<N, G> + Sync,
 {

@@ -4,7 +4,7 @@ use super::attractors::rest::{equilibrium_near, least_guard};
 use super::critical::zero_between;
 use super::sequence::locate::Known;
 use crate::filippov::Switched;
-use crate::ode::Timed;
+use crate::dynamics::Moment;
 use crate::system::State;
 
 /// An orbit may end in an equilibrium that it comes to within this part of a wider one's extent.
@@ -17,21 +17,21 @@ const NEAR: f64 = 10.0;
 const APART: f64 = 1e-3;
 
 /// The equilibrium of a mode, and the smallest guard of that mode there: positive where it holds.
-pub(super) struct Held<const N: usize> {
-    pub x: State<N>,
+pub(super) struct Held {
+    pub x: Vector,
     pub guard: f64,
 }
 
-impl<const N: usize> Held<N> {
+impl Held {
     /// Of the equilibrium near a state, of which the first `free` components are states.
-    pub fn near<S: Switched<N, G>, const G: usize>(
-        system: &S,
-        mode: S::Mode,
-        x: &State<N>,
+    pub fn near(
+        system: &dyn Dynamics,
+        mode: Modes,
+        x: &Vector,
         free: usize,
     ) -> Option<Self> {
         let x = equilibrium_near(system, mode, 0.0, x, free)?.x;
-        let guard = least_guard(system, mode, Timed { t: 0.0, x });
+        let guard = least_guard(system, mode, Moment { t: 0.0, x });
         Some(Held { x, guard })
     }
 }
@@ -42,13 +42,13 @@ impl<const N: usize> Held<N> {
 ///
 /// The orbits are in order. `held` has the equilibrium of a mode near a state at a parameter; the
 /// first `free` components of it are states. `widest` is how far an orbit goes that is not near.
-pub(super) fn ends_in<B, const N: usize, K: Copy + PartialEq>(
-    orbits: &[&Known<B, N, K>],
+pub(super) fn ends_in<B>(
+    orbits: &[&Known<B>],
     widest: f64,
     free: usize,
-    parameter: impl Fn(&Known<B, N, K>) -> f64,
-    held: impl Fn(f64, K, &State<N>) -> Option<Held<N>>,
-) -> Option<(f64, State<N>)> {
+    parameter: impl Fn(&Known<B>) -> f64,
+    held: impl Fn(f64, K, &Vector) -> Option<Held>,
+) -> Option<(f64, Vector)> {
     let parts = &orbits.first()?.circuit.parts;
     if parts.len() < 2 {
         return None;
@@ -56,8 +56,8 @@ pub(super) fn ends_in<B, const N: usize, K: Copy + PartialEq>(
     parts.iter().find_map(|part| {
         let mode = part.mode;
         // The distance, and the state there.
-        let near = |one: &Known<B, N, K>| {
-            let away = |x: State<N>| {
+        let near = |one: &Known<B>| {
+            let away = |x: Vector| {
                 let rest = held(parameter(one), mode, &x)?.x;
                 Some(((rest - x).rows(0, free).amax(), x))
             };
@@ -66,7 +66,7 @@ pub(super) fn ends_in<B, const N: usize, K: Copy + PartialEq>(
             nearest.min_by(|a, b| a.0.total_cmp(&b.0))
         };
         // The last ones may be as near to it as they can be computed.
-        let is_near = |one: &&Known<B, N, K>| near(one).is_some_and(|at| at.0 < SMALL * widest);
+        let is_near = |one: &&Known<B>| near(one).is_some_and(|at| at.0 < SMALL * widest);
         let number = orbits.iter().position(is_near)?.max(1);
         let (before, last) = (*orbits.get(number - 1)?, *orbits.get(number)?);
         let ((further, _), (distance, mut x)) = (near(before)?, near(last)?);

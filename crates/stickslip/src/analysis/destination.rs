@@ -6,7 +6,7 @@ use crate::system::State;
 
 /// What a start leads to.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Destination<const N: usize> {
+pub enum Destination {
     /// A component passed the escape bound of the options.
     Escapes {
         /// When.
@@ -19,7 +19,7 @@ pub enum Destination<const N: usize> {
         /// Stick phases that end within one such pattern.
         sticks: usize,
         /// The last state at a whole forcing period.
-        x: State<N>,
+        x: Vector,
     },
     /// Nothing repeats within eight forcing periods.
     Unsettled,
@@ -35,14 +35,14 @@ const LONGEST_PATTERN: usize = 8;
 ///
 /// # Errors
 /// Those of [`crate::run`] except [`Error::Escaped`]; [`Error::NoUniqueFuture`] where Σ repels, and at a two-fold.
-pub fn destination<S: Switched<N, G>, const N: usize, const G: usize>(
-    system: &S,
-    (t0, x0): (f64, impl Into<State<N>>),
+pub fn destination(
+    system: &dyn Dynamics,
+    (t0, x0): (f64, impl Components),
     period: f64,
     periods: usize,
     closeness: f64,
     options: &Options,
-) -> Result<Destination<N>, Error> {
+) -> Result<Destination, Error> {
     let x0 = x0.into();
     let mut strobe = Strobe {
         t0,
@@ -62,25 +62,25 @@ pub fn destination<S: Switched<N, G>, const N: usize, const G: usize>(
 }
 
 /// States at whole forcing periods, and when stick phases ended.
-struct Strobe<const N: usize> {
+struct Strobe {
     t0: f64,
     period: f64,
-    states: Vec<State<N>>,
+    states: Vec<Vector>,
     stick_ends: Vec<f64>,
 }
 
-impl<const N: usize> Strobe<N> {
+impl Strobe {
     fn due(&self) -> f64 {
         self.t0 + self.states.len() as f64 * self.period
     }
 
-    fn follow<S: Switched<N, G>, const G: usize>(
+    fn follow(
         &mut self,
-        system: &S,
-        x0: State<N>,
+        system: &dyn Dynamics,
+        x0: Vector,
         t_end: f64,
         options: &Options,
-    ) -> Result<Summary<N>, Error> {
+    ) -> Result<Summary, Error> {
         let mut integration = Integration::new(system, self.t0, x0, t_end, options)?;
         loop {
             match integration.step()? {
@@ -91,7 +91,7 @@ impl<const N: usize> Strobe<N> {
                         self.states.push(state);
                     }
                 }
-                Progress::PhaseEnd(phase) if S::any_sticks(phase.mode) => {
+                Progress::PhaseEnd(phase) if phase.mode.any_sticks() => {
                     self.stick_ends.push(phase.t_end);
                 }
                 Progress::Step | Progress::PhaseEnd(_) | Progress::Transition(_) => {}
@@ -100,7 +100,7 @@ impl<const N: usize> Strobe<N> {
         }
     }
 
-    fn verdict(&self, closeness: f64) -> Destination<N> {
+    fn verdict(&self, closeness: f64) -> Destination {
         let states = &self.states;
         let repeats = |&p: &usize| {
             // Twice over, so that a chance passage does not count.

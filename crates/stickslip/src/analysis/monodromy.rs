@@ -1,25 +1,24 @@
 //! The derivative of the flow map, through slips, sticks and the transitions between them.
 
-use nalgebra::SMatrix;
-
 use super::anchor::velocity_in;
 use super::tangent::{Tangent, flatten};
-use crate::error::Error;
-use crate::filippov::{
-    Integration, Options, Progress, StepRecord, Summary, Switched, Transition, TransitionKind,
+use crate::dynamics::{
+    AsDynamics, Components, Dynamics, Happening, Matrix, Modes, Moment, Section, Step, Summary,
+    Transition, Vector,
 };
-use crate::ode::Timed;
-use crate::system::{Mode, Side, State};
+use crate::error::Error;
+use crate::filippov::{Options, TransitionKind};
+use crate::system::{Mode, Side};
 
 /// The derivative ∂x(t)/∂x(t0) of the flow map along one orbit.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Monodromy<const N: usize> {
-    /// The derivative, `N` × `N`: column `j` is the change of the end state with component `j` of the start.
-    pub matrix: SMatrix<f64, N, N>,
+#[derive(Clone, Debug, PartialEq)]
+pub struct Monodromy {
+    /// The derivative, square in the states: column `j` is the change of the end state with component `j` of the start.
+    pub matrix: Matrix,
     /// How many times the orbit entered stick; the first such entry takes one from the rank; so does stick at the start, which is no entry.
     pub stick_entries: usize,
     /// How the run that carried it ended.
-    pub summary: Summary<N>,
+    pub summary: Summary,
 }
 
 /// The monodromy matrix from `(t0, x0)` to `t_end`: every step is run again on dual numbers, every
@@ -29,27 +28,27 @@ pub struct Monodromy<const N: usize> {
 /// # Errors
 /// Those of [`crate::run`]; [`Error::NoUniqueFuture`] where Σ repels, and at a two-fold; [`Error::TangentSingular`] where the orbit grazes Σ, or
 /// two contacts come to zero in the same instant.
-pub fn monodromy<S: Switched<N, G>, const N: usize, const G: usize>(
-    system: &S,
+pub fn monodromy<Kind>(
+    system: &impl AsDynamics<Kind>,
     t0: f64,
-    x0: impl Into<State<N>>,
+    x0: impl Components,
     t_end: f64,
     options: &Options,
-) -> Result<Monodromy<N>, Error> {
-    let start = Timed {
+) -> Result<Monodromy, Error> {
+    let start = Moment {
         t: t0,
-        x: x0.into(),
+        x: x0.vector(),
     };
-    Ok(turn(system, &start, t_end, options, false)?.monodromy)
+    Ok(turn(&*system.dynamics(), &start, t_end, options, false)?.monodromy)
 }
 
 /// An orbit from a start to an end, as shooting needs it.
-pub(super) struct Turn<const N: usize> {
-    pub monodromy: Monodromy<N>,
+pub(super) struct Turn {
+    pub monodromy: Monodromy,
     /// The vector that moves the end state, of the mode that the orbit is in.
-    pub velocity: State<N>,
+    pub velocity: Vector,
     /// How far each component has gone from the start.
-    pub reach: State<N>,
+    pub reach: Vector,
 }
 
 /// The monodromy matrix and the velocity at the end. The flow of a system that does not depend on time carries its own direction along exactly.
@@ -58,35 +57,32 @@ pub(super) struct Turn<const N: usize> {
 ///
 /// # Errors
 /// As [`monodromy`].
-pub(super) fn turn<S: Switched<N, G>, const N: usize, const G: usize>(
-    system: &S,
-    start: &Timed<N>,
+pub(super) fn turn(
+    system: &dyn Dynamics,
+    start: &Moment,
     t_end: f64,
     options: &Options,
     is_autonomous: bool,
-) -> Result<Turn<N>, Error> {
+) -> Result<Turn, Error> {
     let tangent = Tangent::new(system, options);
-    let mut integration = Integration::new(system, start.t, start.x, t_end, options)?;
-    let mut map = TangentMap::identity();
-    map.begin(system, integration.mode(), start);
+    let mut orbit = system.begin(start, t_end, options, &Section::None)?;
+    let mut map = TangentMap::identity(system.states());
+    map.begin(system, orbit.mode(), start);
     if is_autonomous {
-        map.take_out(&velocity_in(system, integration.mode(), start));
+        map.take_out(&velocity_in(system, orbit.mode(), start));
     }
-    let mut reach = State::zeros();
+    let mut reach = Vector::zeros(system.states());
     loop {
-        match integration.step()? {
-            Progress::Step => {
-                map.through_step(&tangent, &integration.last_step());
-                reach = (integration.x() - start.x).abs().sup(&reach);
+        match orbit.step()? {
+            Happening::Step => {
+                let step = orbit.last_step();
+                map.through_step(&tangent, &step);
+                reach = (step.x_end - &start.x).abs().sup(&reach);
             }
-            Progress::Transition(at) => map.through_transition(&tangent, &at)?,
-            Progress::PhaseEnd(_) => {}
-            Progress::End(summary) => {
-                let end = Timed {
-                    t: summary.t,
-                    x: summary.x,
-                };
-                let velocity = velocity_in(system, integration.mode(), &end);
+            Happening::Transition(at) => map.through_transition(&tangent, &at)?,
+            Happening::PhaseEnd(_) | Happening::Passage(_) => {}
+            Happening::End(summary) => {
+                let velocity = velocity_in(system, orbit.mode(), &orbit.now());
                 return Ok(Turn {
                     monodromy: Monodromy {
                         matrix: map.whole(&velocity),
@@ -102,108 +98,94 @@ pub(super) fn turn<S: Switched<N, G>, const N: usize, const G: usize>(
 }
 
 /// The derivative of the flow map from a start to where a run has come.
-pub(super) struct TangentMap<const N: usize> {
-    pub(super) matrix: SMatrix<f64, N, N>,
+pub(super) struct TangentMap {
+    /// Its columns.
+    columns: Vec<Vector>,
     stick_entries: usize,
     /// How much of the velocity was taken out of each column, where it is.
-    along: Option<State<N>>,
+    along: Option<Vector>,
 }
 
-impl<const N: usize> TangentMap<N> {
-    pub(super) fn identity() -> Self {
+impl TangentMap {
+    pub(super) fn identity(states: usize) -> Self {
+        let matrix = Matrix::identity(states, states);
         TangentMap {
-            matrix: SMatrix::from_fn(|i, j| f64::from(u8::from(i == j))),
+            columns: matrix.column_iter().map(|column| column.into_owned()).collect(),
             stick_entries: 0,
             along: None,
         }
     }
 
+    /// The derivative as a matrix.
+    pub(super) fn matrix(&self) -> Matrix {
+        Matrix::from_columns(&self.columns)
+    }
+
     /// Takes the direction of this velocity out of all columns.
-    fn take_out(&mut self, velocity: &State<N>) {
+    fn take_out(&mut self, velocity: &Vector) {
         let square = velocity.norm_squared();
         // At rest there is no direction.
         if square == 0.0 {
             return;
         }
-        let parts = self.matrix.tr_mul(velocity) / square;
-        self.matrix -= velocity * parts.transpose();
-        *self.along.get_or_insert_with(State::zeros) += parts;
+        let count = self.columns.len();
+        let along = self.along.get_or_insert_with(|| Vector::zeros(count));
+        for (column, along) in self.columns.iter_mut().zip(along.iter_mut()) {
+            let part = column.dot(velocity) / square;
+            *column -= velocity * part;
+            *along += part;
+        }
     }
 
     /// With what was taken out.
-    fn whole(&self, velocity: &State<N>) -> SMatrix<f64, N, N> {
-        match self.along {
-            Some(along) => self.matrix + velocity * along.transpose(),
-            None => self.matrix,
+    fn whole(&self, velocity: &Vector) -> Matrix {
+        match &self.along {
+            Some(along) => self.matrix() + velocity * along.transpose(),
+            None => self.matrix(),
         }
     }
 
     /// An orbit that begins in stick is taken to have been on Σ before: of a change across it nothing is left.
-    pub(super) fn begin<S: Switched<N, G>, const G: usize>(
-        &mut self,
-        system: &S,
-        mode: S::Mode,
-        at: &Timed<N>,
-    ) {
+    pub(super) fn begin(&mut self, system: &dyn Dynamics, mode: Modes, at: &Moment) {
         for (contact, normal) in system.normals(mode, at) {
             // The way back to Σ is along that by which one side's field differs from that of stick, which lies between both sides'.
-            let [below, above] = [Side::Below, Side::Above].map(|side| {
-                let slips = S::with_mode_of(mode, contact, Mode::Slip(side));
-                velocity_in(system, slips, at)
-            });
+            let [below, above] = [Side::Below, Side::Above]
+                .map(|side| velocity_in(system, mode.with(contact, Mode::Slip(side)), at));
             let way = above - below;
             let across = normal.dot(&way);
             if across != 0.0 {
-                on_columns(&mut self.matrix, |column| {
-                    *column -= way * (normal.dot(column) / across);
+                for column in &mut self.columns {
+                    *column -= &way * (normal.dot(column) / across);
                     flatten(&normal, column);
-                });
+                }
             }
         }
     }
 
-    pub(super) fn through_step<S: Switched<N, G>, const G: usize>(
-        &mut self,
-        tangent: &Tangent<'_, S>,
-        step: &StepRecord<N, S::Mode>,
-    ) {
-        on_columns(&mut self.matrix, |column| {
-            *column = tangent.carried(step, column)
-        });
+    pub(super) fn through_step(&mut self, tangent: &Tangent<'_>, step: &Step) {
+        tangent.carry(step, &mut self.columns);
         if self.along.is_some() {
-            let end = Timed {
-                t: step.t_end,
-                x: step.x_end,
-            };
-            self.take_out(&velocity_in(tangent.system, step.mode, &end));
+            self.take_out(&velocity_in(tangent.system, step.mode, &step.end()));
         }
     }
 
-    pub(super) fn through_transition<S: Switched<N, G>, const G: usize>(
+    pub(super) fn through_transition(
         &mut self,
-        tangent: &Tangent<'_, S>,
-        at: &Transition<N, S::Mode>,
+        tangent: &Tangent<'_>,
+        at: &Transition,
     ) -> Result<(), Error> {
         let Some(jump) = tangent.jump(at)? else {
             return Ok(());
         };
-        self.matrix = jump.matrix * self.matrix;
-        if at.kind == TransitionKind::StickEntry {
-            self.stick_entries += 1;
+        let enters = at.kind == TransitionKind::StickEntry;
+        self.stick_entries += usize::from(enters);
+        for column in &mut self.columns {
+            *column = &jump.matrix * &*column;
             // On Σ there is nothing across it; rounding would leave something.
-            on_columns(&mut self.matrix, |column| flatten(&jump.gradient, column));
+            if enters {
+                flatten(&jump.gradient, column);
+            }
         }
         Ok(())
-    }
-}
-
-fn on_columns<const N: usize>(
-    matrix: &mut SMatrix<f64, N, N>,
-    mut change: impl FnMut(&mut State<N>),
-) {
-    for j in 0..N {
-        let mut column = matrix.column(j).into_owned();
-        change(&mut column);
-        matrix.set_column(j, &column);
     }
 }

@@ -1,6 +1,8 @@
 //! Eigenvalues of monodromy matrices.
 
-use nalgebra::{Complex, DMatrix, SMatrix, Schur};
+use nalgebra::{Complex, Schur};
+
+use crate::dynamics::Matrix;
 
 /// Multipliers of a periodic orbit: the eigenvalues of its monodromy matrix, the one nearest to 1 first (the trivial one of a
 /// system that does not depend on time), then by falling size. Not numbers where the matrix is not finite.
@@ -9,42 +11,30 @@ use nalgebra::{Complex, DMatrix, SMatrix, Schur};
 ///
 /// ```
 /// use stickslip::analysis::multipliers;
-/// use stickslip::nalgebra::Matrix3;
+/// use stickslip::dynamics::Matrix;
 ///
 /// // A quarter turn about an axis along which all halves.
-/// let matrix = Matrix3::new(0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.5);
-/// let [first, second, third] = multipliers(&matrix);
-/// assert!((first.re - 0.5).abs() < 1e-15);
-/// assert!((second.im.abs() - 1.0).abs() < 1e-15 && (second + third).norm() < 1e-15);
+/// let matrix = Matrix::from_row_slice(3, 3, &[0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.5]);
+/// let found = multipliers(&matrix);
+/// assert!((found[0].re - 0.5).abs() < 1e-15);
+/// assert!((found[1].im.abs() - 1.0).abs() < 1e-15 && (found[1] + found[2]).norm() < 1e-15);
 /// ```
-pub fn multipliers<const N: usize>(matrix: &SMatrix<f64, N, N>) -> [Complex<f64>; N] {
-    let mut found = [Complex::new(f64::NAN, f64::NAN); N];
-    if matrix.iter().all(|v| v.is_finite()) {
-        if N == 2 {
-            let pair = planar(
-                matrix[(0, 0)],
-                matrix[(0, 1)],
-                matrix[(1, 0)],
-                matrix[(1, 1)],
-            );
-            found.copy_from_slice(&pair);
-            return found;
-        }
-        let dynamic = DMatrix::from_fn(N, N, |i, j| matrix[(i, j)]);
-        if let Some(values) = by_schur(dynamic) {
-            found = std::array::from_fn(|i| values[i]);
-        }
+pub fn multipliers(matrix: &Matrix) -> Vec<Complex<f64>> {
+    let mut found = eigenvalues(matrix);
+    // The closed form has the nearer one of two real ones first, and a pair in its order.
+    if found.len() == 2 {
+        return found;
     }
     found.sort_by(|a, b| b.norm_sqr().total_cmp(&a.norm_sqr()));
     let off = |i: usize| (found[i] - 1.0).norm_sqr();
-    if let Some(nearest) = (0..N).min_by(|&i, &j| off(i).total_cmp(&off(j))) {
+    if let Some(nearest) = (0..found.len()).min_by(|&i, &j| off(i).total_cmp(&off(j))) {
         found[..=nearest].rotate_right(1);
     }
     found
 }
 
 /// Eigenvalues of a square matrix in no order; not numbers where it is not finite.
-pub(super) fn eigenvalues(matrix: &DMatrix<f64>) -> Vec<Complex<f64>> {
+pub(super) fn eigenvalues(matrix: &Matrix) -> Vec<Complex<f64>> {
     let unknown = || vec![Complex::new(f64::NAN, f64::NAN); matrix.nrows()];
     if !matrix.iter().all(|v| v.is_finite()) {
         return unknown();
@@ -62,7 +52,7 @@ pub(super) fn eigenvalues(matrix: &DMatrix<f64>) -> Vec<Complex<f64>> {
     }
 }
 
-fn by_schur(matrix: DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
+fn by_schur(matrix: Matrix) -> Option<Vec<Complex<f64>>> {
     let size = matrix.nrows();
     // Ever more iterations mean rounding, which no sum of them takes away.
     let schur = Schur::try_new(matrix, f64::EPSILON, 100 * size)?;

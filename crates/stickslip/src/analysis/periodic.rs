@@ -1,29 +1,26 @@
 //! Periodic orbits by shooting.
 
-use nalgebra::{DMatrix, DVector, SMatrix};
-
 use super::anchor::Anchor;
 use super::monodromy::{Monodromy, Turn, turn};
 use super::sequence::determined::Closing;
-use crate::error::Error;
-use crate::filippov::{
-    Direction, Happening, Integration, Options, Plane, Progress, Switched, Watched,
+use crate::dynamics::{
+    AsDynamics, Components, Dynamics, Happening, Matrix, Moment, Section, Vector,
 };
-use crate::ode::Timed;
+use crate::error::Error;
+use crate::filippov::{Direction, Options};
 use crate::orbit::Ending;
-use crate::system::State;
 
 /// A periodic orbit.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PeriodicOrbit<const N: usize> {
+#[derive(Clone, Debug, PartialEq)]
+pub struct PeriodicOrbit {
     /// Time at which the orbit is at `x`.
     pub t: f64,
     /// A state on it.
-    pub x: State<N>,
+    pub x: Vector,
     /// Period.
     pub period: f64,
     /// Monodromy matrix over one period; its eigenvalues are the Floquet multipliers.
-    pub monodromy: SMatrix<f64, N, N>,
+    pub monodromy: Matrix,
     /// Largest component of `x(t + period) − x`.
     pub residual: f64,
     /// Dimension of the family of periodic orbits that it is one of; 0 where it is isolated. So
@@ -46,15 +43,16 @@ const ULPS: f64 = 16.0;
 ///
 /// # Errors
 /// Those of [`crate::run`]; [`Error::NoUniqueFuture`] and [`Error::TangentSingular`] as for [`crate::analysis::monodromy`]; [`Error::NotConverged`] when the iteration reaches neither 100 tolerances nor what rounding leaves.
-pub fn periodic_orbit_forced<S: Switched<N, G>, const N: usize, const G: usize>(
-    system: &S,
+pub fn periodic_orbit_forced<Kind>(
+    system: &impl AsDynamics<Kind>,
     t: f64,
-    x: impl Into<State<N>>,
+    x: impl Components,
     period: f64,
     options: &Options,
-) -> Result<PeriodicOrbit<N>, Error> {
-    let at = Timed { t, x: x.into() };
-    let start = Anchor::at_start(system, &at, t + period, options)?;
+) -> Result<PeriodicOrbit, Error> {
+    let system = &*system.dynamics();
+    let at = Moment { t, x: x.vector() };
+    let start = Anchor::at_start(system, at, t + period, options)?;
     Ok(shoot(system, &start, period, true, options)?.0)
 }
 
@@ -68,21 +66,22 @@ pub fn periodic_orbit_forced<S: Switched<N, G>, const N: usize, const G: usize>(
 /// use stickslip::{analysis::{periodic_orbit, multipliers}, models::BeltOscillator, Options};
 /// let belt = BeltOscillator::default();
 /// let cycle = periodic_orbit(&belt, [-0.27, -0.73], 7.7, &Options::tol(1e-12))?;
-/// let [trivial, other] = multipliers(&cycle.monodromy);
-/// assert!((trivial.re - 1.0).abs() < 1e-9 && other.re.abs() < 1.0); // stable
+/// let found = multipliers(&cycle.monodromy);
+/// assert!((found[0].re - 1.0).abs() < 1e-9 && found[1].re.abs() < 1.0); // stable
 /// # Ok::<(), stickslip::Error>(())
 /// ```
-pub fn periodic_orbit<S: Switched<N, G>, const N: usize, const G: usize>(
-    system: &S,
-    x: impl Into<State<N>>,
+pub fn periodic_orbit<Kind>(
+    system: &impl AsDynamics<Kind>,
+    x: impl Components,
     period: f64,
     options: &Options,
-) -> Result<PeriodicOrbit<N>, Error> {
-    let at = Timed {
+) -> Result<PeriodicOrbit, Error> {
+    let system = &*system.dynamics();
+    let at = Moment {
         t: 0.0,
-        x: x.into(),
+        x: x.vector(),
     };
-    let start = Anchor::at_start(system, &at, period, options)?;
+    let start = Anchor::at_start(system, at, period, options)?;
     Ok(shoot(system, &start, period, false, options)?.0)
 }
 
@@ -102,70 +101,71 @@ pub fn periodic_orbit<S: Switched<N, G>, const N: usize, const G: usize>(
 /// assert!(cycle.residual < 1e-10);
 /// # Ok::<(), stickslip::Error>(())
 /// ```
-pub fn find_periodic_orbit<S: Switched<N, G>, const N: usize, const G: usize>(
-    system: &S,
-    x0: impl Into<State<N>>,
+pub fn find_periodic_orbit<Kind>(
+    system: &impl AsDynamics<Kind>,
+    x0: impl Components,
     transient: f64,
     longest: f64,
     options: &Options,
-) -> Result<PeriodicOrbit<N>, Error> {
-    let mut integration = Integration::new(system, 0.0, x0, transient + longest, options)?;
+) -> Result<PeriodicOrbit, Error> {
+    let system = &*system.dynamics();
+    let (at, t_end) = (
+        Moment {
+            t: 0.0,
+            x: x0.vector(),
+        },
+        transient + longest,
+    );
+    let mut orbit = system.begin(&at, t_end, options, &Section::None)?;
     let not_found = || Error::NotFound {
         what: "a return of the orbit",
         t: transient,
         span: longest,
     };
-    let mut fewest: Option<(usize, Anchor<N, S::Mode>)> = None;
+    let mut fewest: Option<(usize, Anchor)> = None;
     let start = loop {
-        match integration.step()? {
-            Progress::Step => {
-                let step = integration.last_step();
+        match orbit.step()? {
+            Happening::Step => {
+                let step = orbit.last_step();
                 let length = step.t_end - step.t_start;
                 if step.t_start < transient || length <= 0.0 {
                     continue;
                 }
                 let t = step.t_start + 0.5 * length;
-                let x = step.dense.at_time(t);
-                let here = Anchor::of(&Timed { t, x }, step.mode);
-                let stick = system.normals(step.mode, &here.at()).len();
+                let here = Anchor::new(t, orbit.solution()(t), step.mode);
+                let stick = system.normals(step.mode, &here).len();
                 // In the middle of a slip it is not on Σ.
                 if stick == 0 {
                     break here;
                 }
-                if fewest.is_none_or(|(least, _)| stick < least) {
+                if fewest.as_ref().is_none_or(|(least, _)| stick < *least) {
                     fewest = Some((stick, here.settled(system)));
                 }
             }
-            Progress::PhaseEnd(_) | Progress::Transition(_) => {}
-            Progress::End(summary) if summary.ending == Ending::EndTime => {
-                let moves = |(_, here): &(usize, Anchor<N, S::Mode>)| {
+            Happening::End(summary) if summary.ending == Ending::EndTime => {
+                let moves = |(_, here): &(usize, Anchor)| {
                     here.velocity(system).amax() * longest > f64::EPSILON * here.x.amax()
                 };
                 let (_, here) = fewest.filter(moves).ok_or_else(not_found)?;
-                let t_end = transient + longest;
-                integration = Integration::new(system, here.t, here.x, t_end, options)?;
+                orbit = system.begin(&here, t_end, options, &Section::None)?;
                 break here;
             }
-            Progress::End(summary) => return Err(summary.goes_no_further()),
+            Happening::End(summary) => return Err(summary.goes_no_further()),
+            Happening::PhaseEnd(_) | Happening::Transition(_) | Happening::Passage(_) => {}
         }
     };
-    let section = Plane {
-        point: start.x,
+    orbit.watch(&Section::Plane {
+        point: start.x.clone(),
         normal: start.velocity(system),
         direction: Direction::Rising,
-    };
-    let mut watched = Watched::new(integration, &section);
+    });
     let mut returns = Vec::new();
     loop {
-        match watched.step()? {
-            Happening::Event(event) => {
-                returns.push((event.t - start.t, (event.x - start.x).norm()))
-            }
-            Happening::Progress(Progress::End(summary)) if summary.ending == Ending::EndTime => {
-                break;
-            }
-            Happening::Progress(Progress::End(summary)) => return Err(summary.goes_no_further()),
-            Happening::Progress(_) => {}
+        match orbit.step()? {
+            Happening::Passage(at) => returns.push((at.t - start.t, (at.x - &start.x).norm())),
+            Happening::End(summary) if summary.ending == Ending::EndTime => break,
+            Happening::End(summary) => return Err(summary.goes_no_further()),
+            Happening::Step | Happening::PhaseEnd(_) | Happening::Transition(_) => {}
         }
     }
     let nearest = returns.iter().map(|r| r.1).fold(f64::INFINITY, f64::min);
@@ -174,21 +174,20 @@ pub fn find_periodic_orbit<S: Switched<N, G>, const N: usize, const G: usize>(
     let near = 2.0 * nearest.max(TOLERANCES * blurred);
     let first = returns.iter().find(|r| r.1 <= near);
     let &(period, _) = first.ok_or_else(not_found)?;
-    let start = Anchor { t: 0.0, ..start };
-    Ok(shoot(system, &start, period, false, options)?.0)
+    Ok(shoot(system, &start.at_time(0.0), period, false, options)?.0)
 }
 
 /// Newton's iteration from a guess; unless the system is driven, with that period, the period is unknown too, and along the flow at the
 /// guess no correction is made. A guess in stick is kept on its boundary. With it goes how it
 /// closes. Of a family the orbit is found that is nearest to the guess: the iteration goes along no
 /// direction that is free, which away from the orbit only the outcome tells.
-pub(super) fn shoot<S: Switched<N, G>, const N: usize, const G: usize>(
-    system: &S,
-    guess: &Anchor<N, S::Mode>,
+pub(super) fn shoot(
+    system: &dyn Dynamics,
+    guess: &Anchor,
     guessed: f64,
     is_forced: bool,
     options: &Options,
-) -> Result<(PeriodicOrbit<N>, Closing<N>), Error> {
+) -> Result<(PeriodicOrbit, Closing), Error> {
     let with_free = |free| iterate(system, guess, guessed, is_forced, options, free);
     match with_free(0) {
         Ok(found) if found.0.family > 0 => with_free(found.0.family).or(Ok(found)),
@@ -201,26 +200,26 @@ pub(super) fn shoot<S: Switched<N, G>, const N: usize, const G: usize>(
 }
 
 /// The same with so many directions that it does not go along.
-fn iterate<S: Switched<N, G>, const N: usize, const G: usize>(
-    system: &S,
-    guess: &Anchor<N, S::Mode>,
+fn iterate(
+    system: &dyn Dynamics,
+    guess: &Anchor,
     guessed: f64,
     is_forced: bool,
     options: &Options,
     free: usize,
-) -> Result<(PeriodicOrbit<N>, Closing<N>), Error> {
+) -> Result<(PeriodicOrbit, Closing), Error> {
     let by_tolerance = TOLERANCES * options.atol.max(options.rtol);
     let (mut residual, mut wanted) = (f64::INFINITY, by_tolerance);
-    let mut at = guess.begun(system, guess.t + guessed, options)?;
+    let mut at = guess.clone().begun(system, guess.t + guessed, options)?;
     let mut period = guessed;
     let phase = (!is_forced).then(|| at.velocity(system));
     for _ in 0..MOST {
-        let turn = turn(system, &at.at(), at.t + period, options, !is_forced)?;
+        let turn = turn(system, &at, at.t + period, options, !is_forced)?;
         let Turn { monodromy, .. } = &turn;
         if monodromy.summary.ending != Ending::EndTime {
             return Err(monodromy.summary.goes_no_further());
         }
-        let gap = monodromy.summary.x - at.x;
+        let gap = &monodromy.summary.x - &at.x;
         let size = gap.amax();
         wanted = by_tolerance.max(rounding(monodromy, &at.x));
         let speed = phase.map_or(f64::INFINITY, |_| at.velocity(system).amax());
@@ -234,8 +233,8 @@ fn iterate<S: Switched<N, G>, const N: usize, const G: usize>(
             let solved = correction(&turn, &gap, phase.as_ref(), options, 0);
             let family = solved.map_or(0, |(_, free)| free);
             let closing = Closing {
-                states: N,
-                matrix: monodromy.matrix,
+                states: at.x.len(),
+                matrix: monodromy.matrix.clone(),
                 flow: phase.map(|_| at.velocity(system)),
                 by_rounding: left(&gap, wanted, monodromy, &at.x),
                 by_tolerance: by_tolerance_of(&at.x, options),
@@ -243,9 +242,9 @@ fn iterate<S: Switched<N, G>, const N: usize, const G: usize>(
             };
             let cycle = PeriodicOrbit {
                 t: at.t,
-                x: at.x,
+                x: at.x.clone(),
                 period,
-                monodromy: monodromy.matrix,
+                monodromy: monodromy.matrix.clone(),
                 residual: size,
                 family,
             };
@@ -259,7 +258,7 @@ fn iterate<S: Switched<N, G>, const N: usize, const G: usize>(
         let Some(((dx, change), _)) = correction(&turn, &gap, phase.as_ref(), options, free) else {
             break;
         };
-        let moved = guess.moved(at.x + dx);
+        let moved = guess.moved(&at.x + dx);
         period += change;
         // A bad guess may ask for any period, and as long a run.
         let is_near = (period - guessed).abs() < guessed;
@@ -278,21 +277,21 @@ fn iterate<S: Switched<N, G>, const N: usize, const G: usize>(
 
 /// What rounding may leave of a turn's gap: some units in the last place of the state for every step (the weights of a step of
 /// order 8 add up to 14), enlarged as far as the turn enlarges what is off at its start.
-pub(super) fn rounding<const N: usize>(turn: &Monodromy<N>, x: &State<N>) -> f64 {
+pub(super) fn rounding(turn: &Monodromy, x: &Vector) -> f64 {
     let size = x.amax().max(turn.summary.x.amax());
     ULPS * f64::EPSILON * turn.summary.counters.steps as f64 * size * turn.matrix.amax().max(1.0)
 }
 
 /// What may be left of an orbit's gap: where the iteration came to rounding, a few units of that or what it shows; where it did not, all that is allowed.
-pub(super) fn left<const N: usize>(
-    gap: &State<N>,
+pub(super) fn left(
+    gap: &Vector,
     wanted: f64,
-    turn: &Monodromy<N>,
-    x: &State<N>,
-) -> State<N> {
+    turn: &Monodromy,
+    x: &Vector,
+) -> Vector {
     const ULPS: f64 = 4.0;
     if gap.amax() > rounding(turn, x) {
-        return State::repeat(wanted);
+        return Vector::repeat(x.len(), wanted);
     }
     let unit = ULPS * f64::EPSILON * turn.summary.counters.steps as f64;
     let size = x.abs().sup(&turn.summary.x.abs());
@@ -300,44 +299,45 @@ pub(super) fn left<const N: usize>(
 }
 
 /// What the tolerances may have the return map off by: some of what a step may err by, which its length keeps below that.
-pub(super) fn by_tolerance_of<const N: usize>(x: &State<N>, options: &Options) -> State<N> {
+pub(super) fn by_tolerance_of(x: &Vector, options: &Options) -> Vector {
     const TIMES: f64 = 10.0;
     (x.abs() * options.rtol).add_scalar(options.atol) * TIMES
 }
 
 /// Newton's correction of state and period, and in how many directions it is free.
-fn correction<const N: usize>(
-    turn: &Turn<N>,
-    gap: &State<N>,
-    phase: Option<&State<N>>,
+fn correction(
+    turn: &Turn,
+    gap: &Vector,
+    phase: Option<&Vector>,
     options: &Options,
     free: usize,
-) -> Option<((State<N>, f64), usize)> {
-    let unknowns = N + usize::from(phase.is_some());
-    let mut matrix = DMatrix::<f64>::zeros(unknowns, unknowns);
-    let mut right = DVector::<f64>::zeros(unknowns);
-    for i in 0..N {
-        for j in 0..N {
+) -> Option<((Vector, f64), usize)> {
+    let states = gap.len();
+    let unknowns = states + usize::from(phase.is_some());
+    let mut matrix = Matrix::zeros(unknowns, unknowns);
+    let mut right = Vector::zeros(unknowns);
+    for i in 0..states {
+        for j in 0..states {
             matrix[(i, j)] = turn.monodromy.matrix[(i, j)] - f64::from(u8::from(i == j));
         }
         right[i] = -gap[i];
     }
     if let Some(direction) = phase {
-        for i in 0..N {
-            matrix[(i, N)] = turn.velocity[i];
-            matrix[(N, i)] = direction[i];
+        for i in 0..states {
+            matrix[(i, states)] = turn.velocity[i];
+            matrix[(states, i)] = direction[i];
         }
     }
-    let (solution, free) = newton_solution(matrix, &right, (N, free), known(turn, options))?;
-    let dx = State::from_fn(|i, _| solution[i]);
-    let change = if phase.is_some() { solution[N] } else { 0.0 };
+    let (solution, free) = newton_solution(matrix, &right, (states, free), known(turn, options))?;
+    let dx = solution.rows(0, states).into_owned();
+    let change = solution.get(states).copied().unwrap_or(0.0);
     Some(((dx, change), free))
 }
 
 /// How far the components go in a turn, of one that goes no way as far as the others; and how well
 /// its derivative is known, in parts of its largest singular value: by what tolerances and rounding
 /// leave of an orbit's gap.
-pub(super) fn known<const N: usize>(turn: &Turn<N>, options: &Options) -> (State<N>, f64) {
+pub(super) fn known(turn: &Turn, options: &Options) -> (Vector, f64) {
     let by_tolerance = TOLERANCES * options.atol.max(options.rtol);
     let most = turn.reach.amax();
     let other = if most > by_tolerance { most } else { 1.0 };
@@ -353,15 +353,15 @@ pub(super) fn known<const N: usize>(turn: &Turn<N>, options: &Options) -> (State
 /// leave directions free, to how well they are known: the place of a block that nothing depends on,
 /// the energy of a pendulum. The solution does not go those ways, and at least so many are left
 /// out. With it goes how many these are.
-pub(super) fn newton_solution<const N: usize>(
-    matrix: DMatrix<f64>,
-    right: &DVector<f64>,
+pub(super) fn newton_solution(
+    matrix: Matrix,
+    right: &Vector,
     (states, least_free): (usize, usize),
-    (sizes, error): (State<N>, f64),
-) -> Option<(DVector<f64>, usize)> {
+    (sizes, error): (Vector, f64),
+) -> Option<(Vector, usize)> {
     let count = matrix.nrows();
     let mut scaled = matrix.clone();
-    let mut units = DVector::repeat(count, 1.0);
+    let mut units = Vector::repeat(count, 1.0);
     let mut right_scaled = right.clone();
     for (k, size) in sizes.iter().take(states).enumerate() {
         units[k] = *size;

@@ -1,28 +1,26 @@
 //! The map that takes each passage of a section to the next one.
 
-use nalgebra::SMatrix;
-
+use super::anchor::velocity_in;
 use super::monodromy::TangentMap;
 use super::tangent::{Tangent, singular};
-use crate::error::Error;
-use crate::filippov::{
-    EventFunctions, EventRecord, Happening, Integration, Options, Progress, StepRecord, Switched,
-    Velocity, Watched, gradient,
+use crate::dynamics::{
+    Components, Dynamics, DynamicsRef, Happening, Matrix, Modes, Moment, OrbitUnderWay, Passage,
+    Section, Step, Typed, Vector, watched,
 };
-use crate::ode::Timed;
-use crate::system::{Mode, State, components};
+use crate::error::Error;
+use crate::filippov::{EventFunctions, Options, Switched};
 
 /// A return to a section.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Return<const N: usize, K = Mode> {
+#[derive(Clone, Debug, PartialEq)]
+pub struct Return {
     /// Which return it is, counted from 1.
     pub number: usize,
     /// Time.
     pub t: f64,
     /// State, on the section.
-    pub x: State<N>,
+    pub x: Vector,
     /// Mode that the section is passed in; at the very end of a phase, the one that ends.
-    pub mode: K,
+    pub mode: Modes,
 }
 
 /// Part of what it is summed from below which the rate of a passage is rounding.
@@ -50,64 +48,87 @@ const ROUNDING: f64 = 1e-12;
 /// assert!((derivative.trace() - 0.12629).abs() < 1e-4);
 /// # Ok::<(), stickslip::Error>(())
 /// ```
-pub struct PoincareMap<'a, S: Switched<N, G>, V, const N: usize, const G: usize> {
-    watched: Watched<'a, S, V, N, 1, G>,
-    system: &'a S,
-    section: &'a V,
-    tangent: Tangent<'a, S>,
+pub struct PoincareMap<'a> {
+    dynamics: DynamicsRef<'a>,
+    orbit: Box<dyn OrbitUnderWay + 'a>,
+    section: Section,
+    options: Options,
     /// The longest time that a return may take.
     longest: f64,
     /// Where the map stands.
-    at: Timed<N>,
+    at: Moment,
     number: usize,
     /// The part of the last step that lies behind the last return.
-    rest: Option<StepRecord<N, S::Mode>>,
+    rest: Option<Step>,
     has_failed: bool,
 }
 
-impl<'a, S, V, const N: usize, const G: usize> PoincareMap<'a, S, V, N, G>
-where
-    S: Switched<N, G>,
-    V: EventFunctions<N, 1>,
-{
+impl<'a> PoincareMap<'a> {
     /// The map from `start` (time and state), on the section or off it. A return that takes more time than `longest` is none.
     /// Whether the section is terminal plays no part.
     ///
     /// # Errors
-    /// Those of [`Integration::new`]; [`Error::Option`] where `longest` is not positive.
-    pub fn new(
+    /// Those of [`crate::Integration::new`]; [`Error::Option`] where `longest` is not positive.
+    pub fn new<S, V, const N: usize, const G: usize>(
         system: &'a S,
         section: &'a V,
-        start: (f64, impl Into<State<N>>),
+        start: (f64, impl Components),
+        longest: f64,
+        options: &Options,
+    ) -> Result<Self, Error>
+    where
+        S: Switched<N, G> + Send + Sync,
+        V: EventFunctions<N, 1> + Send + Sync,
+    {
+        let typed = Typed::<&S, S, &V, N, G>::with_section(system, section);
+        let at = moment(start);
+        let options = bounded(longest, options)?;
+        let orbit = watched(&typed, &at, &options)?;
+        let dynamics = DynamicsRef::Owned(Box::new(typed));
+        Ok(PoincareMap::of(dynamics, orbit, Section::Own, at, longest, options))
+    }
+
+    /// The map of a system that is known at run time.
+    ///
+    /// # Errors
+    /// As [`PoincareMap::new`].
+    pub fn at_run_time(
+        dynamics: &'a dyn Dynamics,
+        section: Section,
+        start: (f64, impl Components),
         longest: f64,
         options: &Options,
     ) -> Result<Self, Error> {
-        if !(longest > 0.0 && longest.is_finite()) {
-            return Err(Error::Option {
-                name: "longest",
-                value: longest,
-                bound: "positive and finite",
-            });
-        }
-        let (t, x) = (start.0, start.1.into());
-        // No step need be longer than a return.
-        let options = options.longest_step(options.longest_step.min(longest));
-        let integration = Integration::new(system, t, x, f64::MAX, &options)?;
-        Ok(PoincareMap {
-            watched: Watched::new(integration, section).endless(),
-            system,
+        let at = moment(start);
+        let options = bounded(longest, options)?;
+        let orbit = dynamics.begin(&at, f64::MAX, &options, &section)?;
+        let dynamics = DynamicsRef::Borrowed(dynamics);
+        Ok(PoincareMap::of(dynamics, orbit, section, at, longest, options))
+    }
+
+    fn of(
+        dynamics: DynamicsRef<'a>,
+        orbit: Box<dyn OrbitUnderWay + 'a>,
+        section: Section,
+        at: Moment,
+        longest: f64,
+        options: Options,
+    ) -> Self {
+        PoincareMap {
+            dynamics,
+            orbit,
             section,
-            tangent: Tangent::new(system, &options),
+            options,
             longest,
-            at: Timed { t, x },
+            at,
             number: 0,
             rest: None,
             has_failed: false,
-        })
+        }
     }
 
     /// The state at the last return, or the start.
-    pub fn state(&self) -> &State<N> {
+    pub fn state(&self) -> &Vector {
         &self.at.x
     }
 
@@ -124,14 +145,14 @@ where
     /// The next return.
     ///
     /// # Errors
-    /// Those of [`Integration::step`]; [`Error::NotFound`] where there is no return within the longest time, and
+    /// Those of [`crate::Integration::step`]; [`Error::NotFound`] where there is no return within the longest time, and
     /// [`Error::NoUniqueFuture`] where Σ repels or the orbit comes to a two-fold.
-    pub fn step(&mut self) -> Result<Return<N, S::Mode>, Error> {
-        let event = self.advance(None)?;
-        Ok(self.arrive(&event))
+    pub fn step(&mut self) -> Result<Return, Error> {
+        let passage = self.advance(None)?;
+        Ok(self.arrive(passage))
     }
 
-    /// The next return, and the derivative of its state with respect to the state at the last one, or the start: `N` × `N`, column `j` for
+    /// The next return, and the derivative of its state with respect to the state at the last one, or the start: square in the states, column `j` for
     /// its component `j`.
     ///
     /// It is `(I − f ∇gᵀ/(∂g/∂t + ∇g·f)) Φ`, with the tangent flow Φ from there to here, the field `f` here, and the section
@@ -143,82 +164,76 @@ where
     /// # Errors
     /// As [`PoincareMap::step`]; [`Error::TangentSingular`] where the orbit does not pass through the section with a rate, which is a return
     /// all the same and the start of the next derivative, and where the flow up to there has no derivative.
-    pub fn step_with_derivative(
-        &mut self,
-    ) -> Result<(Return<N, S::Mode>, SMatrix<f64, N, N>), Error> {
-        let mut map = TangentMap::identity();
-        let mode = self.watched.integration().mode();
-        map.begin(self.system, mode, &self.at);
-        let event = self.advance(Some(&mut map))?;
-        let flow = map.matrix;
-        let here = Velocity(event.t, components(&event.x));
-        let velocity = self
-            .system
-            .with_flow(event.mode, S::Branch::default(), here);
-        let velocity = State::from(velocity);
-        let (t, x) = (event.t, event.x);
-        let (normal, in_time) = gradient(|t, x| self.section.values(t, x)[0], &Timed { t, x });
+    pub fn step_with_derivative(&mut self) -> Result<(Return, Matrix), Error> {
+        let mut map = TangentMap::identity(self.dynamics.states());
+        map.begin(&*self.dynamics, self.orbit.mode(), &self.at);
+        let passage = self.advance(Some(&mut map))?;
+        let flow = map.matrix();
+        let here = Moment {
+            t: passage.t,
+            x: passage.x.clone(),
+        };
+        let velocity = velocity_in(&*self.dynamics, passage.mode, &here);
+        let (normal, in_time) = self.dynamics.section_gradient(&self.section, &here);
         let rate = in_time + normal.dot(&velocity);
-        let derivative = flow - velocity * (normal.transpose() * flow) / rate;
+        let derivative = &flow - &velocity * (normal.transpose() * &flow) / rate;
         // An exit from stick at a tangent point passes a section that is Σ with no rate but rounding's.
         let size = in_time.abs() + normal.norm() * velocity.norm();
-        let arrived = self.arrive(&event);
+        let arrived = self.arrive(passage);
         if rate.abs() <= ROUNDING * size || derivative.iter().any(|v| !v.is_finite()) {
-            return Err(singular(t, &x));
+            return Err(singular(here.t, &here.x));
         }
         Ok((arrived, derivative))
     }
 
     /// Goes on to the next passage, with the tangent flow from here to there if it is asked for.
-    fn advance(
-        &mut self,
-        mut map: Option<&mut TangentMap<N>>,
-    ) -> Result<EventRecord<N, S::Mode>, Error> {
+    fn advance(&mut self, mut map: Option<&mut TangentMap>) -> Result<Passage, Error> {
+        let tangent = Tangent::new(&*self.dynamics, &self.options);
         loop {
-            let progress = match self.watched.step()? {
-                Happening::Event(event) => {
-                    if event.t - self.at.t > self.longest {
+            let happening = match self.orbit.step()? {
+                Happening::Passage(passage) => {
+                    if passage.t - self.at.t > self.longest {
                         return Err(self.no_return());
                     }
-                    let here = Timed {
-                        t: event.t,
-                        x: event.x,
+                    let here = Moment {
+                        t: passage.t,
+                        x: passage.x.clone(),
                     };
                     if let Some(step) = &mut self.rest {
                         let before = step.cut(&here);
                         if let Some(map) = &mut map {
-                            map.through_step(&self.tangent, &before);
+                            map.through_step(&tangent, &before);
                         }
                     }
-                    return Ok(event);
+                    return Ok(passage);
                 }
-                Happening::Progress(progress) => progress,
+                other => other,
             };
             if let (Some(step), Some(map)) = (self.rest.take(), &mut map) {
-                map.through_step(&self.tangent, &step);
+                map.through_step(&tangent, &step);
             }
-            match progress {
-                Progress::Step => {
-                    let step = self.watched.last_step();
+            match happening {
+                Happening::Step => {
+                    let step = self.orbit.last_step();
                     if step.t_start - self.at.t > self.longest {
                         return Err(self.no_return());
                     }
                     self.rest = Some(step);
                 }
-                Progress::Transition(at) => {
+                Happening::Transition(at) => {
                     if let Some(map) = &mut map {
-                        map.through_transition(&self.tangent, &at)?;
+                        map.through_transition(&tangent, &at)?;
                     }
                 }
-                Progress::PhaseEnd(_) => {}
-                Progress::End(summary) => return Err(summary.goes_no_further()),
+                Happening::PhaseEnd(_) | Happening::Passage(_) => {}
+                Happening::End(summary) => return Err(summary.goes_no_further()),
             }
         }
     }
 
-    fn arrive(&mut self, event: &EventRecord<N, S::Mode>) -> Return<N, S::Mode> {
-        let EventRecord { t, x, mode, .. } = *event;
-        self.at = Timed { t, x };
+    fn arrive(&mut self, passage: Passage) -> Return {
+        let Passage { t, x, mode, .. } = passage;
+        self.at = Moment { t, x: x.clone() };
         self.number += 1;
         Return {
             number: self.number,
@@ -237,12 +252,24 @@ where
     }
 }
 
-impl<S, V, const N: usize, const G: usize> Iterator for PoincareMap<'_, S, V, N, G>
-where
-    S: Switched<N, G>,
-    V: EventFunctions<N, 1>,
-{
-    type Item = Result<Return<N, S::Mode>, Error>;
+fn moment((t, x): (f64, impl Components)) -> Moment {
+    Moment { t, x: x.vector() }
+}
+
+/// The options, where a return may take so long: no step need be longer.
+fn bounded(longest: f64, options: &Options) -> Result<Options, Error> {
+    if !(longest > 0.0 && longest.is_finite()) {
+        return Err(Error::Option {
+            name: "longest",
+            value: longest,
+            bound: "positive and finite",
+        });
+    }
+    Ok(options.longest_step(options.longest_step.min(longest)))
+}
+
+impl Iterator for PoincareMap<'_> {
+    type Item = Result<Return, Error>;
 
     fn next(&mut self) -> Option<Self::Item> {
         if self.has_failed {

@@ -63,8 +63,7 @@ where
 {
     /// The system with an event function of its own.
     pub fn with_section(system: T, section: V) -> Self {
-        let contacts = S::CONTACTS;
-        Typed::padded((system, section), N, contacts)
+        Typed::padded((system, section), N, S::CONTACTS)
     }
 
     /// A system and its own event function, of fewer states and contacts than the type has room
@@ -79,10 +78,33 @@ where
         }
     }
 
-    fn system(&self) -> &S {
-        self.system.borrow()
+    fn view(&self) -> View<'_, S, V, N, G> {
+        View {
+            system: self.system.borrow(),
+            own: &self.section,
+            states: self.states,
+            contacts: self.contacts,
+        }
     }
+}
 
+/// A typed system as it is seen from outside: conversions there and back.
+struct View<'a, S, V, const N: usize, const G: usize> {
+    system: &'a S,
+    own: &'a V,
+    states: usize,
+    contacts: usize,
+}
+
+impl<S, V, const N: usize, const G: usize> Clone for View<'_, S, V, N, G> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<S, V, const N: usize, const G: usize> Copy for View<'_, S, V, N, G> {}
+
+impl<'a, S: Switched<N, G>, V, const N: usize, const G: usize> View<'a, S, V, N, G> {
     /// Of a wrong number of components none is a number, which every run refuses.
     fn state(&self, x: &[f64]) -> State<N> {
         let is_right = x.len() == self.states;
@@ -102,10 +124,6 @@ where
 
     fn vector(&self, x: &State<N>) -> Vector {
         Vector::from_column_slice(&x.as_slice()[..self.states])
-    }
-
-    fn mode(&self, mode: Modes) -> S::Mode {
-        S::restored(mode)
     }
 
     fn modes(&self, mode: S::Mode) -> Modes {
@@ -139,8 +157,8 @@ where
             t: at.t,
             x: self.state(at.x.as_slice()),
             kind: at.kind,
-            from: self.mode(at.from),
-            to: self.mode(at.to),
+            from: S::restored(at.from),
+            to: S::restored(at.to),
             contact: at.contact,
             residual: at.residual,
         }
@@ -166,7 +184,7 @@ where
         }
     }
 
-    fn typed_section<'a>(&'a self, section: &Section) -> TypedSection<'a, S, V, N, G> {
+    fn section(&self, section: &Section) -> TypedSection<'a, S, V, N, G> {
         let what = match section {
             Section::None => What::Nothing,
             Section::Plane {
@@ -183,8 +201,8 @@ where
             Section::Own => What::Own,
         };
         TypedSection {
-            system: self.system(),
-            own: &self.section,
+            system: self.system,
+            own: self.own,
             what,
         }
     }
@@ -211,11 +229,73 @@ where
         options: &Options,
         section: &Section,
     ) -> Result<Box<dyn OrbitUnderWay + 'a>, Error> {
+        self.view().begin(start, t_end, options, section)
+    }
+
+    fn flow<'a>(&'a self, mode: Modes, at: &Moment) -> Box<dyn SmoothFlow + 'a> {
+        let of = self.view();
+        Box::new(TypedFlow {
+            of,
+            mode: S::restored(mode),
+            at: of.timed(at),
+            branch: OnceCell::new(),
+        })
+    }
+
+    fn mode_by_side(&self, at: &Moment) -> Modes {
+        let of = self.view();
+        let Timed { t, x } = of.timed(at);
+        of.modes(of.system.mode_by_side(t, &x))
+    }
+
+    fn normals(&self, mode: Modes, at: &Moment) -> Vec<(usize, Vector)> {
+        if !mode.any_sticks() {
+            return Vec::new();
+        }
+        let of = self.view();
+        let normals = of.system.normals(S::restored(mode), &of.timed(at));
+        let normals = normals.into_iter();
+        normals.map(|(i, normal)| (i, of.vector(&normal))).collect()
+    }
+
+    fn jumps_at(&self, at: &Transition) -> Option<usize> {
+        let of = self.view();
+        of.system.jumps_at(&of.typed_transition(at))
+    }
+
+    fn is_one_at_a_time(&self, at: &Transition) -> bool {
+        let of = self.view();
+        of.system.is_one_at_a_time(&of.typed_transition(at))
+    }
+
+    fn undecided(&self) -> Modes {
+        self.view().modes(S::UNDECIDED)
+    }
+
+    fn section_gradient(&self, section: &Section, at: &Moment) -> (Vector, f64) {
+        let of = self.view();
+        let section = of.section(section);
+        let (normal, in_time) = gradient(|t, x| section.values(t, x)[0], &of.timed(at));
+        (of.vector(&normal), in_time)
+    }
+}
+
+impl<'a, S, V, const N: usize, const G: usize> View<'a, S, V, N, G>
+where
+    S: Switched<N, G>,
+    V: EventFunctions<N, 1>,
+{
+    fn begin(
+        self,
+        start: &Moment,
+        t_end: f64,
+        options: &Options,
+        section: &Section,
+    ) -> Result<Box<dyn OrbitUnderWay + 'a>, Error> {
         let Timed { t, x } = self.timed(start);
-        let integration = Integration::new(self.system(), t, x, t_end, options)?;
         let mut run = Run {
             of: self,
-            integration,
+            integration: Integration::new(self.system, t, x, t_end, options)?,
             options: *options,
             search: None,
             reported: 0,
@@ -223,47 +303,25 @@ where
         run.watch(section);
         Ok(Box::new(run))
     }
+}
 
-    fn flow<'a>(&'a self, mode: Modes, at: &Moment) -> Box<dyn SmoothFlow + 'a> {
-        Box::new(TypedFlow {
-            of: self,
-            mode: self.mode(mode),
-            at: self.timed(at),
-            branch: OnceCell::new(),
-        })
-    }
-
-    fn mode_by_side(&self, at: &Moment) -> Modes {
-        let Timed { t, x } = self.timed(at);
-        self.modes(self.system().mode_by_side(t, &x))
-    }
-
-    fn normals(&self, mode: Modes, at: &Moment) -> Vec<(usize, Vector)> {
-        if !mode.any_sticks() {
-            return Vec::new();
-        }
-        let normals = self.system().normals(self.mode(mode), &self.timed(at));
-        let normals = normals.into_iter();
-        normals.map(|(i, normal)| (i, self.vector(&normal))).collect()
-    }
-
-    fn jumps_at(&self, at: &Transition) -> Option<usize> {
-        self.system().jumps_at(&self.typed_transition(at))
-    }
-
-    fn is_one_at_a_time(&self, at: &Transition) -> bool {
-        self.system().is_one_at_a_time(&self.typed_transition(at))
-    }
-
-    fn undecided(&self) -> Modes {
-        self.modes(S::UNDECIDED)
-    }
-
-    fn section_gradient(&self, section: &Section, at: &Moment) -> (Vector, f64) {
-        let section = self.typed_section(section);
-        let (normal, in_time) = gradient(|t, x| section.values(t, x)[0], &self.timed(at));
-        (self.vector(&normal), in_time)
-    }
+/// An orbit of a borrowed system, of which the passages of a section of its own are reported.
+pub(crate) fn watched<'a, S, V, const N: usize, const G: usize>(
+    of: &Typed<&'a S, S, &'a V, N, G>,
+    start: &Moment,
+    options: &Options,
+) -> Result<Box<dyn OrbitUnderWay + 'a>, Error>
+where
+    S: Switched<N, G>,
+    V: EventFunctions<N, 1>,
+{
+    let view = View {
+        system: of.system,
+        own: of.section,
+        states: of.states,
+        contacts: of.contacts,
+    };
+    view.begin(start, f64::MAX, options, &Section::Own)
 }
 
 /// A section over typed states.
@@ -322,8 +380,8 @@ where
 }
 
 /// An integration under way, with the search for passages of a section.
-struct Run<'a, T, S: Switched<N, G>, V, const N: usize, const G: usize> {
-    of: &'a Typed<T, S, V, N, G>,
+struct Run<'a, S: Switched<N, G>, V, const N: usize, const G: usize> {
+    of: View<'a, S, V, N, G>,
     integration: Integration<'a, S, N, G>,
     options: Options,
     search: Option<EventSearch<'a, S, TypedSection<'a, S, V, N, G>, N, 1, G>>,
@@ -331,9 +389,8 @@ struct Run<'a, T, S: Switched<N, G>, V, const N: usize, const G: usize> {
     reported: usize,
 }
 
-impl<T, S, V, const N: usize, const G: usize> OrbitUnderWay for Run<'_, T, S, V, N, G>
+impl<S, V, const N: usize, const G: usize> OrbitUnderWay for Run<'_, S, V, N, G>
 where
-    T: Borrow<S>,
     S: Switched<N, G>,
     V: EventFunctions<N, 1>,
 {
@@ -362,8 +419,7 @@ where
     fn watch(&mut self, section: &Section) {
         self.reported = 0;
         self.search = (*section != Section::None).then(|| {
-            let section = self.of.typed_section(section);
-            EventSearch::new(self.of.system(), section, &self.options)
+            EventSearch::new(self.of.system, self.of.section(section), &self.options)
         });
     }
 
@@ -407,27 +463,26 @@ where
 }
 
 /// The flow of one mode of a typed system.
-struct TypedFlow<'a, T, S: Switched<N, G>, V, const N: usize, const G: usize> {
-    of: &'a Typed<T, S, V, N, G>,
+struct TypedFlow<'a, S: Switched<N, G>, V, const N: usize, const G: usize> {
+    of: View<'a, S, V, N, G>,
     mode: S::Mode,
     /// Where contact is asked for.
     at: Timed<N>,
     branch: OnceCell<S::Branch>,
 }
 
-impl<T, S, V, const N: usize, const G: usize> TypedFlow<'_, T, S, V, N, G>
+impl<S, V, const N: usize, const G: usize> TypedFlow<'_, S, V, N, G>
 where
-    T: Borrow<S>,
     S: Switched<N, G>,
 {
     /// The velocity depends on no branch.
     fn of_field<U: UseFlow<N>>(&self, user: U) -> U::Output {
         let branch = S::Branch::default();
-        self.of.system().with_flow(self.mode, branch, user)
+        self.of.system.with_flow(self.mode, branch, user)
     }
 
     fn of_guards<U: UseFlow<N>>(&self, user: U) -> U::Output {
-        let system = self.of.system();
+        let system = self.of.system;
         let branch = *self.branch.get_or_init(|| system.branch(&self.at));
         system.with_flow(self.mode, branch, user)
     }
@@ -439,9 +494,8 @@ where
     }
 }
 
-impl<T, S, V, const N: usize, const G: usize> SmoothFlow for TypedFlow<'_, T, S, V, N, G>
+impl<S, V, const N: usize, const G: usize> SmoothFlow for TypedFlow<'_, S, V, N, G>
 where
-    T: Borrow<S>,
     S: Switched<N, G>,
 {
     fn velocity(&self, at: &Moment) -> Vector {
@@ -464,7 +518,7 @@ where
     }
 
     fn guards(&self) -> Vec<Guard> {
-        let system = self.of.system();
+        let system = self.of.system;
         let guard = |number: usize| Guard {
             number,
             contact: S::contact_of(number),
@@ -517,7 +571,7 @@ where
 
     fn velocity_over(&self, t: Interval, x: &[Interval]) -> Option<Vec<Interval>> {
         let x = self.ranges(x);
-        let velocity = || self.of.system().slip_field(self.mode, t, &x);
+        let velocity = || self.of.system.slip_field(self.mode, t, &x);
         let mut velocity = Vec::from(Interval::decided(velocity).flatten()?);
         velocity.truncate(self.of.states);
         Some(velocity)
@@ -528,7 +582,7 @@ where
         let [zero, one] = [0.0, 1.0].map(|value| Interval::around(value, 0.0));
         let seeded = std::array::from_fn(|i| Dual::new(x[i], if i == by { one } else { zero }));
         let time = Dual::new(t, zero);
-        let velocity = || self.of.system().slip_field(self.mode, time, &seeded);
+        let velocity = || self.of.system.slip_field(self.mode, time, &seeded);
         let velocity = Interval::decided(velocity).flatten()?;
         let derivatives = velocity.iter().take(self.of.states);
         Some(derivatives.map(|component| component.eps).collect())

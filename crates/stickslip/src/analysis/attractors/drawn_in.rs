@@ -8,7 +8,7 @@ use crate::dual::Dual;
 use crate::filippov::{Flow, Switched, UseFlow};
 use crate::interval::Interval;
 use crate::math;
-use crate::ode::Timed;
+use crate::dynamics::Moment;
 use crate::system::State;
 
 /// The ellipsoid is larger than the orbit needs by this, which leaves room for rounding.
@@ -29,28 +29,28 @@ const STEPS: u32 = 16;
 const MOST_STATES: usize = 12;
 
 /// Whether no guard comes near zero in a box, ever.
-struct StaysClear<'a, const N: usize>(Interval, &'a [Interval; N]);
+struct StaysClear<'a>(Interval, &'a [Interval; N]);
 
-impl<const N: usize> UseFlow<N> for StaysClear<'_, N> {
+impl UseFlow for StaysClear<'_, N> {
     type Output = bool;
 
-    fn with<F: Flow<N>>(self, flow: &F) -> bool {
+    fn with<F: Flow>(self, flow: &F) -> bool {
         F::GUARDS.iter().all(|&i| flow.is_clear(i, self.0, self.1))
     }
 }
 
 /// A neighbourhood of an equilibrium out of which no orbit in slip gets: each comes to the equilibrium without another event, though it may be
 /// far from it yet.
-pub(super) struct Trap<const N: usize> {
+pub(super) struct Trap {
     /// The equilibrium.
-    pub x: State<N>,
+    pub x: Vector,
     falling: Falling,
     level: f64,
     /// Where the orbit was when it was looked for.
     from: f64,
 }
 
-impl<const N: usize> Trap<N> {
+impl Trap {
     /// The largest of some sizes that is proven around an equilibrium near `at`; the first is that which the orbit there needs. States stay
     /// within `escape`.
     ///
@@ -59,14 +59,14 @@ impl<const N: usize> Trap<N> {
     /// from `J`. Over the box around an ellipsoid on which `V` is constant, intervals tell by how much it differs, and that no boundary is met.
     /// The ellipsoid then is never left, and `V` falls to what rounding leaves. Bounds of intervals are not rounded outward; a tenth of the decay
     /// is room for that.
-    pub fn near<S: Switched<N, G>, const G: usize>(
-        system: &S,
-        mode: S::Mode,
-        at: &Timed<N>,
+    pub fn near(
+        system: &dyn Dynamics,
+        mode: Modes,
+        at: &Moment,
         escape: f64,
     ) -> Option<Self> {
         // While a contact sticks, what ends that takes derivatives, which intervals do not have.
-        if S::any_sticks(mode) || N > MOST_STATES {
+        if mode.any_sticks() || N > MOST_STATES {
             return None;
         }
         let Rest { x, jacobian } = equilibrium_near(system, mode, at.t, &at.x, N)?;
@@ -74,7 +74,7 @@ impl<const N: usize> Trap<N> {
             return None;
         }
         let falling = Falling::along(&DMatrix::from_fn(N, N, |i, j| jacobian[(i, j)]))?;
-        let there = Timed { t: at.t, x };
+        let there = Moment { t: at.t, x };
         let velocities = velocities_from(system, mode, &there)?;
         if velocities.iter().any(|v| v.low != v.high) {
             return None;
@@ -99,16 +99,16 @@ impl<const N: usize> Trap<N> {
     }
 
     /// Whether a state, of the same mode and of no earlier time, is in it.
-    pub fn holds(&self, x: &State<N>) -> bool {
+    pub fn holds(&self, x: &Vector) -> bool {
         self.level_of(x) <= self.level
     }
 
     /// Whether an orbit at this state has come nearer since the trap was looked for.
-    pub fn draws(&self, x: &State<N>) -> bool {
+    pub fn draws(&self, x: &Vector) -> bool {
         self.level_of(x) < self.from
     }
 
-    fn level_of(&self, x: &State<N>) -> f64 {
+    fn level_of(&self, x: &Vector) -> f64 {
         ROOM * self.falling.at((x - self.x).as_slice())
     }
 }
@@ -135,15 +135,15 @@ fn largest(from: f64, claim: impl Fn(f64) -> bool) -> Option<f64> {
 }
 
 /// A box around a state.
-fn around<const N: usize>(x: &State<N>, radius: &[f64; N], part: f64) -> [Interval; N] {
+fn around(x: &Vector, radius: &[f64; N], part: f64) -> [Interval; N] {
     std::array::from_fn(|i| Interval::around(x[i], part * radius[i]))
 }
 
 /// Whether no guard comes near zero in a box, ever.
-fn stays_clear<S: Switched<N, G>, const N: usize, const G: usize>(
-    system: &S,
-    mode: S::Mode,
-    at: &Timed<N>,
+fn stays_clear(
+    system: &dyn Dynamics,
+    mode: Modes,
+    at: &Moment,
     radius: &[f64; N],
 ) -> bool {
     let ever = Interval::new(at.t, f64::INFINITY);
@@ -153,12 +153,12 @@ fn stays_clear<S: Switched<N, G>, const N: usize, const G: usize>(
 
 /// By how much the mean of the Jacobian on a straight way from a state into the box around it differs from the one given: each part of the ways
 /// lies in a smaller box.
-fn differs<S: Switched<N, G>, const N: usize, const G: usize>(
-    system: &S,
-    mode: S::Mode,
-    at: &Timed<N>,
+fn differs(
+    system: &dyn Dynamics,
+    mode: Modes,
+    at: &Moment,
     radius: &[f64; N],
-    jacobian: &SMatrix<f64, N, N>,
+    jacobian: &Matrix,
 ) -> Option<DMatrix<f64>> {
     let time = Dual::new(
         Interval::new(at.t, f64::INFINITY),
@@ -192,7 +192,7 @@ fn differs<S: Switched<N, G>, const N: usize, const G: usize>(
 }
 
 /// Whether all eigenvalues are to the left of zero for certain.
-fn attracts<const N: usize>(jacobian: &SMatrix<f64, N, N>) -> bool {
+fn attracts(jacobian: &Matrix) -> bool {
     let bound = -ZERO * jacobian.amax();
     multipliers(jacobian).iter().all(|value| value.re < bound)
 }

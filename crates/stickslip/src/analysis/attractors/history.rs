@@ -6,14 +6,14 @@ use super::recurrence::Count;
 use crate::filippov::{Phase, Transition, TransitionKind};
 
 /// As many as there is room for, and how many there have been.
-pub(super) struct History<const N: usize, K> {
-    phases: VecDeque<Phase<N, K>>,
+pub(super) struct History {
+    phases: VecDeque<Phase>,
     transitions: VecDeque<(TransitionKind, usize)>,
     most: usize,
     count: Count,
 }
 
-impl<const N: usize, K: Copy> History<N, K> {
+impl History {
     /// That keeps so many of each.
     pub fn of(most: usize) -> Self {
         History {
@@ -28,17 +28,17 @@ impl<const N: usize, K: Copy> History<N, K> {
         self.count
     }
 
-    pub fn phase(&mut self, phase: Phase<N, K>) {
+    pub fn phase(&mut self, phase: Phase) {
         push(&mut self.phases, phase, self.most);
         self.count.phases += 1;
     }
 
-    pub fn transition(&mut self, at: &Transition<N, K>) {
+    pub fn transition(&mut self, at: &Transition) {
         push(&mut self.transitions, (at.kind, at.contact), self.most);
         self.count.transitions += 1;
     }
 
-    pub fn last_phase(&self) -> Option<&Phase<N, K>> {
+    pub fn last_phase(&self) -> Option<&Phase> {
         self.phases.back()
     }
 
@@ -66,7 +66,7 @@ impl<const N: usize, K: Copy> History<N, K> {
         (whole > 0.0).then_some(stuck / whole)
     }
 
-    pub fn into_parts(self) -> (Vec<Phase<N, K>>, Vec<(TransitionKind, usize)>) {
+    pub fn into_parts(self) -> (Vec<Phase>, Vec<(TransitionKind, usize)>) {
         (exact(self.phases), exact(self.transitions))
     }
 }

@@ -6,7 +6,7 @@ use super::rest::{holds, off_by};
 use crate::analysis::periodic::shoot;
 use crate::analysis::sequence::circuit_from;
 use crate::filippov::{Options, Settled, Switched, Velocity};
-use crate::ode::Timed;
+use crate::dynamics::Moment;
 use crate::system::{State, components};
 
 /// Points between two of a set of equilibria that must be of it.
@@ -44,20 +44,20 @@ const MOMENTS: usize = 32;
 /// assert!(!known.found().is_empty());
 /// # Ok::<(), stickslip::Error>(())
 /// ```
-pub struct Attractors<'a, S: Switched<N, G>, const N: usize, const G: usize> {
-    system: &'a S,
+pub struct Attractors<'a> {
+    system: &'a dyn Dynamics,
     closeness: f64,
     forcing: Option<f64>,
     options: Options,
-    found: Vec<Reached<N, S::Mode>>,
+    found: Vec<Reached>,
 }
 
 /// Closenesses within which points are the same: each of the two was found to one of them.
 const TIMES: f64 = 10.0;
 
-impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Attractors<'a, S, N, G> {
+impl<'a> Attractors<'a> {
     /// None yet, of this system.
-    pub fn new(system: &'a S, settings: &super::RecurrenceSettings, options: &Options) -> Self {
+    pub fn new(system: &'a dyn Dynamics, settings: &super::RecurrenceSettings, options: &Options) -> Self {
         Attractors {
             system,
             options: *options,
@@ -68,7 +68,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Attractors<'a, S, N,
     }
 
     /// The number, counted from 0, of the attractor that an orbit has come to; the next one if it is a new one.
-    pub fn number(&mut self, mut reached: Reached<N, S::Mode>) -> usize {
+    pub fn number(&mut self, mut reached: Reached) -> usize {
         let known = self
             .found
             .iter()
@@ -84,17 +84,17 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Attractors<'a, S, N,
     }
 
     /// The attractors in the order of their numbers, each as the first orbit has come to it.
-    pub fn found(&self) -> &[Reached<N, S::Mode>] {
+    pub fn found(&self) -> &[Reached] {
         &self.found
     }
 
     /// The attractors, as [`Attractors::found`].
-    pub fn into_found(self) -> Vec<Reached<N, S::Mode>> {
+    pub fn into_found(self) -> Vec<Reached> {
         self.found
     }
 
     /// Whether two orbits have come to the same attractor.
-    pub fn is_same(&self, one: &Reached<N, S::Mode>, other: &Reached<N, S::Mode>) -> bool {
+    pub fn is_same(&self, one: &Reached, other: &Reached) -> bool {
         match (&one.kind, &other.kind) {
             (Kind::Equilibrium, Kind::Equilibrium) => {
                 one.mode == other.mode
@@ -123,7 +123,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Attractors<'a, S, N,
 
     /// Dimension of the family of periodic orbits that the one is of that an orbit has come to; 0
     /// of an isolated one, and of other kinds of motion.
-    pub fn family(&self, reached: &Reached<N, S::Mode>) -> usize {
+    pub fn family(&self, reached: &Reached) -> usize {
         let is_periodic = matches!(reached.kind, Kind::Periodic { .. });
         let first = reached.points.first().filter(|_| is_periodic);
         let near = |at| self.family_near(at, reached.period(), f64::INFINITY);
@@ -132,11 +132,11 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Attractors<'a, S, N,
 
     /// Whether two periodic orbits are of one family: another one of it lies midway between them,
     /// nearer to there than to them.
-    fn are_of_one_family(&self, one: &Reached<N, S::Mode>, other: &Reached<N, S::Mode>) -> bool {
+    fn are_of_one_family(&self, one: &Reached, other: &Reached) -> bool {
         let Some(a) = one.points.first() else {
             return false;
         };
-        let away = |b: &SectionPoint<N>| (b.x - a.x).norm();
+        let away = |b: &dyn DynamicsectionPoint| (b.x - a.x).norm();
         let nearest = other
             .points
             .iter()
@@ -151,9 +151,9 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Attractors<'a, S, N,
 
     /// Dimension of the family of the periodic orbit near a point, with a period near one, if it is
     /// nearer than half of a distance.
-    fn family_near(&self, at: &SectionPoint<N>, period: f64, distance: f64) -> usize {
+    fn family_near(&self, at: &dyn DynamicsectionPoint, period: f64, distance: f64) -> usize {
         let found = || {
-            let start = Timed { t: at.t, x: at.x };
+            let start = Moment { t: at.t, x: at.x };
             let guess = circuit_from(self.system, &start, period, &self.options)?;
             let is_forced = self.forcing.is_some();
             let found = shoot(self.system, &guess.anchor, period, is_forced, &self.options);
@@ -165,25 +165,25 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Attractors<'a, S, N,
     }
 
     /// Whether the points are the same, some turn apart.
-    fn is_near(&self, one: &[SectionPoint<N>], other: &[SectionPoint<N>]) -> bool {
+    fn is_near(&self, one: &[SectionPoint], other: &[SectionPoint]) -> bool {
         let size = State::<N>::from_fn(|i, _| {
             let sizes = one.iter().map(|point| point.x[i].abs());
             sizes.fold(0.0, f64::max)
         });
         // A component that is always zero has no size of its own.
         let least = 1e-3 * size.amax();
-        let same = move |a: &SectionPoint<N>, b: &SectionPoint<N>| {
+        let same = move |a: &dyn DynamicsectionPoint, b: &dyn DynamicsectionPoint| {
             (0..N).all(|i| (a.x[i] - b.x[i]).abs() <= self.closeness * size[i].max(least))
         };
         turns(one, other, same).next().is_some()
     }
 
     /// Whether two equilibria are one, to what each is off. At zero they have no size that tells.
-    fn are_one(&self, one: &Reached<N, S::Mode>, other: &Reached<N, S::Mode>) -> bool {
+    fn are_one(&self, one: &Reached, other: &Reached) -> bool {
         let ([a], [b]) = (one.points.as_slice(), other.points.as_slice()) else {
             return false;
         };
-        let [a, b] = [a, b].map(|point| Timed {
+        let [a, b] = [a, b].map(|point| Moment {
             t: point.t,
             x: point.x,
         });
@@ -194,9 +194,9 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Attractors<'a, S, N,
     /// Whether there is rest all the way from one point to the other.
     fn are_joined(
         &self,
-        one: &[SectionPoint<N>],
-        other: &[SectionPoint<N>],
-        mode: S::Mode,
+        one: &[SectionPoint],
+        other: &[SectionPoint],
+        mode: Modes,
     ) -> bool {
         let (Some(one), Some(other)) = (one.first(), other.first()) else {
             return false;
@@ -205,23 +205,23 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Attractors<'a, S, N,
         (1..BETWEEN).all(|k| {
             let part = k as f64 / BETWEEN as f64;
             let x = one.x + (other.x - one.x) * part;
-            let x = self.system.with_flow(mode, branch, Settled(Timed { t, x }));
+            let x = self.system.with_flow(mode, branch, Settled(Moment { t, x }));
             let velocity = self
                 .system
                 .with_flow(mode, branch, Velocity(t, components(&x)));
             let rests = State::from(velocity).amax() <= self.closeness * x.amax();
-            rests && self.holds(mode, Timed { t, x })
+            rests && self.holds(mode, Moment { t, x })
         })
     }
 
     /// Whether a mode holds at a point of rest, with a drive through its whole period: at as many moments of it.
-    fn holds(&self, mode: S::Mode, at: Timed<N>) -> bool {
+    fn holds(&self, mode: Modes, at: Moment) -> bool {
         let Some(period) = self.forcing else {
             return holds(self.system, mode, at);
         };
         (0..MOMENTS).all(|k| {
             let t = at.t + period * k as f64 / MOMENTS as f64;
-            holds(self.system, mode, Timed { t, x: at.x })
+            holds(self.system, mode, Moment { t, x: at.x })
         })
     }
 }

@@ -112,12 +112,12 @@ impl RecurrenceSettings {
 /// }
 /// # Ok::<(), stickslip::Error>(())
 /// ```
-pub fn attractor<S: Switched<N, G>, const N: usize, const G: usize>(
-    system: &S,
-    x0: impl Into<State<N>>,
+pub fn attractor(
+    system: &dyn Dynamics,
+    x0: impl Components,
     settings: &RecurrenceSettings,
     options: &Options,
-) -> Result<Reached<N, S::Mode>, Error> {
+) -> Result<Reached, Error> {
     match settings.forcing {
         Some(period) => {
             let strobe = Strobe { first: 0.0, period };
@@ -134,26 +134,24 @@ pub fn attractor<S: Switched<N, G>, const N: usize, const G: usize>(
 ///
 /// # Errors
 /// As [`attractor`].
-pub fn attractor_on<S: Switched<N, G>, V: EventFunctions<N, 1>, const N: usize, const G: usize>(
-    system: &S,
+pub fn attractor_on<S: Switched<N, G>, V: EventFunctions<N, 1>>(
+    system: &dyn Dynamics,
     section: &V,
-    x0: impl Into<State<N>>,
+    x0: impl Components,
     settings: &RecurrenceSettings,
     options: &Options,
-) -> Result<Reached<N, S::Mode>, Error> {
+) -> Result<Reached, Error> {
     seek(system, section, By::Events, x0.into(), settings, options)
 }
 
 fn seek<S, V, const N: usize, const E: usize, const G: usize>(
-    system: &S,
+    system: &dyn Dynamics,
     section: &V,
     by: By,
-    x0: State<N>,
+    x0: Vector,
     settings: &RecurrenceSettings,
     options: &Options,
-) -> Result<Reached<N, S::Mode>, Error>
-where
-    S: Switched<N, G>,
+) -> Result<Reached, Error>
     V: EventFunctions<N, E>,
 {
     settings.check()?;

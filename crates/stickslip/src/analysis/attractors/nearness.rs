@@ -29,24 +29,24 @@ impl Nearness {
 
 /// Smallest and largest value of each component at the ends of steps.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Extent<const N: usize> {
-    pub low: State<N>,
-    pub high: State<N>,
+pub(super) struct Extent {
+    pub low: Vector,
+    pub high: Vector,
 }
 
-impl<const N: usize> Extent<N> {
-    pub fn of(x: &State<N>) -> Self {
+impl Extent {
+    pub fn of(x: &Vector) -> Self {
         Extent { low: *x, high: *x }
     }
 
-    pub fn include(&mut self, x: &State<N>) {
+    pub fn include(&mut self, x: &Vector) {
         for i in 0..N {
             self.low[i] = self.low[i].min(x[i]);
             self.high[i] = self.high[i].max(x[i]);
         }
     }
 
-    pub fn join(&mut self, other: &Self) {
+    pub fn join(&mut self, other: &dyn Dynamicself) {
         self.include(&other.low);
         self.include(&other.high);
     }

@@ -8,11 +8,11 @@ use crate::system::{Mode, State};
 
 /// A point of a section.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SectionPoint<const N: usize> {
+pub struct SectionPoint {
     /// Time.
     pub t: f64,
     /// State.
-    pub x: State<N>,
+    pub x: Vector,
 }
 
 /// What kind of motion an orbit has come to.
@@ -64,7 +64,7 @@ impl fmt::Display for Kind {
 
 /// What an orbit has come to, with the evidence.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Reached<const N: usize, K = Mode> {
+pub struct Reached {
     /// The kind of motion.
     pub kind: Kind,
     /// By how much the period of a periodic orbit may be off, by how the last periods differ; zero
@@ -74,9 +74,9 @@ pub struct Reached<const N: usize, K = Mode> {
     /// [`super::Attractors::number`] and [`super::Attractors::family`].
     pub family: Option<usize>,
     /// Of a periodic orbit the points of the section in one period; of an equilibrium that point alone, refined; otherwise the last points.
-    pub points: Vec<SectionPoint<N>>,
+    pub points: Vec<SectionPoint>,
     /// Of a periodic orbit the phases that ended in one period, in order of time; otherwise the last phases.
-    pub phases: Vec<Phase<N, K>>,
+    pub phases: Vec<Phase>,
     /// The transitions of these phases with the contact that each begins at; in several contacts, and where contact is lost and gained, there is
     /// more to them than to the modes.
     pub transitions: Vec<(TransitionKind, usize)>,
@@ -89,10 +89,10 @@ pub struct Reached<const N: usize, K = Mode> {
     pub t: f64,
     /// State at that time. Where it is certain that the orbit comes to an equilibrium which it is still far from, it is moved there but for
     /// [`crate::analysis::RecurrenceSettings::closeness`].
-    pub x: State<N>,
+    pub x: Vector,
 }
 
-impl<const N: usize, K: Copy + PartialEq> Reached<N, K> {
+impl Reached {
     /// The modes gone through in the phases; where none ended, the mode at the end alone.
     pub fn sequence(&self) -> Vec<K> {
         if self.phases.is_empty() {
@@ -110,7 +110,7 @@ impl<const N: usize, K: Copy + PartialEq> Reached<N, K> {
     }
 
     /// Whether two periodic orbits have the same cycle of phases and transitions.
-    pub fn has_sequence_of(&self, other: &Self) -> bool {
+    pub fn has_sequence_of(&self, other: &dyn Dynamicself) -> bool {
         is_same_cycle(&self.sequence(), &other.sequence())
             && is_same_cycle(&self.transitions, &other.transitions)
     }

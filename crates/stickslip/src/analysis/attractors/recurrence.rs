@@ -39,32 +39,32 @@ pub(super) struct Count {
 
 /// A point with what is compared of it and what lies between it and the one before.
 #[derive(Clone, Copy, Debug)]
-struct Passage<const N: usize> {
-    at: SectionPoint<N>,
+struct Passage {
+    at: SectionPoint,
     /// Stands for the transitions since the last point.
     tag: u64,
     /// Time modulo the forcing's period, in periods.
     beat: f64,
     /// What had happened before.
     count: Count,
-    extent: Extent<N>,
+    extent: Extent,
 }
 
 /// The last points of a section, and how long they have repeated with every lag.
-pub(super) struct Recurrence<const N: usize> {
+pub(super) struct Recurrence {
     near: Nearness,
     forcing: Option<f64>,
-    passages: VecDeque<Passage<N>>,
+    passages: VecDeque<Passage>,
     kept: usize,
     /// For every lag, counted from 1, how many points in a row are near those as many before.
     runs: Vec<usize>,
     /// Size of every component lately.
-    scale: State<N>,
+    scale: Vector,
 }
 
 /// A pattern of the last points that repeats.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Pattern<const N: usize> {
+pub(super) struct Pattern {
     pub returns: usize,
     pub period: f64,
     /// By how much that may be off.
@@ -72,10 +72,10 @@ pub(super) struct Pattern<const N: usize> {
     /// What had happened before it and at its end.
     pub counts: (Count, Count),
     /// What the orbit covers in it.
-    pub extent: Extent<N>,
+    pub extent: Extent,
 }
 
-impl<const N: usize> Recurrence<N> {
+impl Recurrence {
     pub fn new(near: Nearness, forcing: Option<f64>, most: usize, kept: usize) -> Self {
         let kept = kept.max((SHRINKING.0 + 1) * most + 1);
         Recurrence {
@@ -94,12 +94,12 @@ impl<const N: usize> Recurrence<N> {
         self.scale = State::zeros();
     }
 
-    pub fn points(&self) -> impl ExactSizeIterator<Item = &SectionPoint<N>> {
+    pub fn points(&self) -> impl ExactSizeIterator<Item = &dyn DynamicsectionPoint> {
         self.passages.iter().map(|passage| &passage.at)
     }
 
     /// The last `count` points.
-    pub fn last(&self, count: usize) -> Vec<SectionPoint<N>> {
+    pub fn last(&self, count: usize) -> Vec<SectionPoint> {
         let from = self.passages.len().saturating_sub(count);
         self.points().skip(from).copied().collect()
     }
@@ -138,11 +138,11 @@ impl<const N: usize> Recurrence<N> {
     /// Takes the next point; the shortest pattern that has now repeated often enough, if there is one.
     pub fn pass(
         &mut self,
-        at: SectionPoint<N>,
+        at: SectionPoint,
         tag: u64,
         count: Count,
-        extent: Extent<N>,
-    ) -> Option<Pattern<N>> {
+        extent: Extent,
+    ) -> Option<Pattern> {
         for i in 0..N {
             self.scale[i] = extent.size(i).max(KEPT * self.scale[i]);
         }
@@ -179,7 +179,7 @@ impl<const N: usize> Recurrence<N> {
         found
     }
 
-    fn is_same(&self, one: &Passage<N>, other: &Passage<N>) -> bool {
+    fn is_same(&self, one: &Passage, other: &Passage) -> bool {
         let rounding = Nearness {
             closeness: 0.0,
             atol: 0.0,
@@ -189,7 +189,7 @@ impl<const N: usize> Recurrence<N> {
     }
 
     /// Largest difference of two points in units of what is allowed.
-    fn apart(&self, one: &Passage<N>, other: &Passage<N>, near: &Nearness) -> f64 {
+    fn apart(&self, one: &Passage, other: &Passage, near: &Nearness) -> f64 {
         let mut most = 0.0_f64;
         for i in 0..N {
             let allowed = near.allowed(self.scale[i]);
@@ -261,7 +261,7 @@ impl<const N: usize> Recurrence<N> {
     }
 
     /// A pattern, to which so much of the way is left, in differences of points.
-    fn pattern(&self, last: usize, lag: usize, left: f64) -> Pattern<N> {
+    fn pattern(&self, last: usize, lag: usize, left: f64) -> Pattern {
         let (here, there) = (&self.passages[last], &self.passages[last - lag]);
         let mut extent = here.extent;
         for passage in self.passages.range(last + 1 - lag..last) {
@@ -296,7 +296,7 @@ impl<const N: usize> Recurrence<N> {
 
     /// Whether what is left of the way is little of what the orbit covers as well: an orbit that winds up around a point of rest also repeats
     /// itself ever better.
-    fn is_wide(&self, pattern: &Pattern<N>, left: f64) -> bool {
+    fn is_wide(&self, pattern: &Pattern, left: f64) -> bool {
         let last = self.passages.len() - 1;
         let (here, there) = (&self.passages[last], &self.passages[last - pattern.returns]);
         let Extent { low, high } = pattern.extent;

@@ -8,7 +8,7 @@ use crate::analysis::multipliers;
 use crate::dual::Dual;
 use crate::filippov::{Flow, Settled, Switched, UseFlow, Velocity};
 use crate::interval::Interval;
-use crate::ode::Timed;
+use crate::dynamics::Moment;
 use crate::system::{State, components};
 
 /// Newton steps allowed.
@@ -25,26 +25,26 @@ const ON_EDGE: f64 = 1e-14;
 
 /// A point of rest.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Rest<const N: usize> {
-    pub x: State<N>,
+pub(crate) struct Rest {
+    pub x: Vector,
     /// The Jacobian of the mode's field there.
-    pub jacobian: SMatrix<f64, N, N>,
+    pub jacobian: Matrix,
 }
 
 /// The equilibrium of a mode near `x` by Newton's iteration with the Jacobian's pseudo-inverse, so that of a set of equilibria the nearest
 /// is found; `None` where it does not converge. Only the first `free` states are changed: behind them may be a parameter.
-pub(crate) fn equilibrium_near<S: Switched<N, G>, const N: usize, const G: usize>(
-    system: &S,
-    mode: S::Mode,
+pub(crate) fn equilibrium_near(
+    system: &dyn Dynamics,
+    mode: Modes,
     t: f64,
-    x: &State<N>,
+    x: &Vector,
     free: usize,
-) -> Option<Rest<N>> {
+) -> Option<Rest> {
     let mut x = *x;
     let mut smallest = f64::INFINITY;
     for _ in 0..MOST {
         let jacobian = jacobian_of(system, mode, t, &x);
-        let step = newton_step(system, mode, &Timed { t, x }, &jacobian, free)?;
+        let step = newton_step(system, mode, &Moment { t, x }, &jacobian, free)?;
         let size = step.amax();
         // The last step is rounding once it is no smaller than the one before.
         if size == 0.0 || size >= 0.5 * smallest {
@@ -60,11 +60,11 @@ pub(crate) fn equilibrium_near<S: Switched<N, G>, const N: usize, const G: usize
 }
 
 /// How far two points, each an equilibrium to rounding, are off by their own Newton steps: further apart they are two.
-pub(super) fn off_by<S: Switched<N, G>, const N: usize, const G: usize>(
-    system: &S,
-    mode: S::Mode,
-    points: [&Timed<N>; 2],
-) -> Option<State<N>> {
+pub(super) fn off_by(
+    system: &dyn Dynamics,
+    mode: Modes,
+    points: [&Moment; 2],
+) -> Option<Vector> {
     let [one, other] = points.map(|at| {
         let jacobian = jacobian_of(system, mode, at.t, &at.x);
         newton_step(system, mode, at, &jacobian, N)
@@ -73,19 +73,19 @@ pub(super) fn off_by<S: Switched<N, G>, const N: usize, const G: usize>(
 }
 
 /// Newton's step towards an equilibrium.
-fn newton_step<S: Switched<N, G>, const N: usize, const G: usize>(
-    system: &S,
-    mode: S::Mode,
-    at: &Timed<N>,
-    jacobian: &SMatrix<f64, N, N>,
+fn newton_step(
+    system: &dyn Dynamics,
+    mode: Modes,
+    at: &Moment,
+    jacobian: &Matrix,
     free: usize,
-) -> Option<State<N>> {
-    let Timed { t, x } = *at;
+) -> Option<Vector> {
+    let Moment { t, x } = *at;
     let branch = S::Branch::default();
     let velocity = system.with_flow(mode, branch, Velocity(t, components(&x)));
     // The sliding field has no component across the boundary, there or beside it: that the equilibrium lies on it is an equation of its own.
     let onto = system.with_flow(mode, branch, Settled(*at)) - x;
-    let length = |normal: &State<N>| normal.rows(0, free).norm();
+    let length = |normal: &Vector| normal.rows(0, free).norm();
     let mut normals = system.normals(mode, at);
     normals.retain(|(_, normal)| length(normal) > 0.0);
     let mut matrix = DMatrix::zeros(free + normals.len(), free);
@@ -119,12 +119,12 @@ fn newton_step<S: Switched<N, G>, const N: usize, const G: usize>(
 }
 
 /// The Jacobian of a mode's field, by dual numbers.
-fn jacobian_of<S: Switched<N, G>, const N: usize, const G: usize>(
-    system: &S,
-    mode: S::Mode,
+fn jacobian_of(
+    system: &dyn Dynamics,
+    mode: Modes,
     t: f64,
-    x: &State<N>,
-) -> SMatrix<f64, N, N> {
+    x: &Vector,
+) -> Matrix {
     let mut jacobian = SMatrix::zeros();
     for j in 0..N {
         let seeded = std::array::from_fn(|i| Dual::new(x[i], f64::from(u8::from(i == j))));
@@ -138,42 +138,42 @@ fn jacobian_of<S: Switched<N, G>, const N: usize, const G: usize>(
 }
 
 /// The smallest guard of a mode at a point.
-struct LeastGuard<const N: usize>(Timed<N>);
+struct LeastGuard(Moment);
 
-impl<const N: usize> UseFlow<N> for LeastGuard<N> {
+impl UseFlow for LeastGuard {
     type Output = f64;
 
-    fn with<F: Flow<N>>(self, flow: &F) -> f64 {
-        let Timed { t, x } = self.0;
+    fn with<F: Flow>(self, flow: &F) -> f64 {
+        let Moment { t, x } = self.0;
         let guards = F::GUARDS.iter().map(|&i| flow.guard_at(i, t, &x));
         guards.fold(f64::INFINITY, f64::min)
     }
 }
 
 /// The smallest guard of a mode at a point.
-pub(crate) fn least_guard<S: Switched<N, G>, const N: usize, const G: usize>(
-    system: &S,
-    mode: S::Mode,
-    at: Timed<N>,
+pub(crate) fn least_guard(
+    system: &dyn Dynamics,
+    mode: Modes,
+    at: Moment,
 ) -> f64 {
     system.with_flow(mode, system.branch(&at), LeastGuard(at))
 }
 
 /// Whether a mode holds at a point.
-pub(crate) fn holds<S: Switched<N, G>, const N: usize, const G: usize>(
-    system: &S,
-    mode: S::Mode,
-    at: Timed<N>,
+pub(crate) fn holds(
+    system: &dyn Dynamics,
+    mode: Modes,
+    at: Moment,
 ) -> bool {
     least_guard(system, mode, at) > 0.0
 }
 
 /// All velocities at a point from a time on, if all contacts slip: of no width, unless the field depends on time. `None` where intervals do
 /// not decide.
-pub(super) fn velocities_from<S: Switched<N, G>, const N: usize, const G: usize>(
-    system: &S,
-    mode: S::Mode,
-    at: &Timed<N>,
+pub(super) fn velocities_from(
+    system: &dyn Dynamics,
+    mode: Modes,
+    at: &Moment,
 ) -> Option<[Interval; N]> {
     let ever = Interval::new(at.t, f64::INFINITY);
     let point: [Interval; N] = std::array::from_fn(|i| Interval::around(at.x[i], 0.0));
@@ -182,13 +182,13 @@ pub(super) fn velocities_from<S: Switched<N, G>, const N: usize, const G: usize>
 
 /// The point of rest that an orbit at `x` is about to reach, and whether it is one of a set; `None` where there is none that near, or one
 /// that does not attract.
-pub(super) fn rest_at<S: Switched<N, G>, const N: usize, const G: usize>(
-    system: &S,
-    mode: S::Mode,
-    at: &Timed<N>,
-    scale: &State<N>,
+pub(super) fn rest_at(
+    system: &dyn Dynamics,
+    mode: Modes,
+    at: &Moment,
+    scale: &Vector,
     near: &Nearness,
-) -> Option<(Kind, State<N>)> {
+) -> Option<(Kind, Vector)> {
     let Rest { x, jacobian } = equilibrium_near(system, mode, at.t, &at.x, N)?;
     // The orbit may turn about it some steps wide.
     const TURN: f64 = 10.0;
@@ -196,24 +196,24 @@ pub(super) fn rest_at<S: Switched<N, G>, const N: usize, const G: usize>(
     if !(0..N).all(is_near) {
         return None;
     }
-    let guard = least_guard(system, mode, Timed { t: at.t, x });
+    let guard = least_guard(system, mode, Moment { t: at.t, x });
     let is_on_edge = guard.abs() <= ON_EDGE * x.amax();
     if guard <= 0.0 && !is_on_edge {
         return None;
     }
-    let velocities = velocities_from(system, mode, &Timed { t: at.t, x });
+    let velocities = velocities_from(system, mode, &Moment { t: at.t, x });
     if velocities.is_some_and(|all| all.iter().any(|v| v.high > v.low)) {
         return None;
     }
-    let kind = kind_by(system, mode, &Timed { t: at.t, x }, &jacobian)?;
+    let kind = kind_by(system, mode, &Moment { t: at.t, x }, &jacobian)?;
     (guard > 0.0 || kind == Kind::Equilibrium).then_some((kind, x))
 }
 
 /// Whether a state of rest is one of a set; `None` where it does not attract.
-pub(super) fn kind_of_rest<S: Switched<N, G>, const N: usize, const G: usize>(
-    system: &S,
-    mode: S::Mode,
-    at: &Timed<N>,
+pub(super) fn kind_of_rest(
+    system: &dyn Dynamics,
+    mode: Modes,
+    at: &Moment,
 ) -> Option<Kind> {
     let jacobian = jacobian_of(system, mode, at.t, &at.x);
     kind_by(system, mode, at, &jacobian)
@@ -221,11 +221,11 @@ pub(super) fn kind_of_rest<S: Switched<N, G>, const N: usize, const G: usize>(
 
 /// The same by the Jacobian there, of motion along the boundaries of the contacts that stick: off
 /// them a body held at rest has a double eigenvalue zero, which rounding splits by its root.
-fn kind_by<S: Switched<N, G>, const N: usize, const G: usize>(
-    system: &S,
-    mode: S::Mode,
-    at: &Timed<N>,
-    jacobian: &SMatrix<f64, N, N>,
+fn kind_by(
+    system: &dyn Dynamics,
+    mode: Modes,
+    at: &Moment,
+    jacobian: &Matrix,
 ) -> Option<Kind> {
     let bound = ZERO * jacobian.amax();
     let normals = system.normals(mode, at);

@@ -15,7 +15,7 @@ use crate::filippov::{
     EventFunctions, Happening, Integration, Options, Progress, Summary, Switched, Transition,
     TransitionKind, Watched,
 };
-use crate::ode::Timed;
+use crate::dynamics::Moment;
 use crate::orbit::Ending;
 use crate::system::State;
 
@@ -42,29 +42,29 @@ pub(super) enum By {
 }
 
 /// How far one stage has brought it.
-enum Stage<const N: usize> {
+enum Stage {
     /// Nothing has happened for long.
     Quiet,
     /// It is known, or the run is over.
-    Done(Kind, Vec<SectionPoint<N>>),
+    Done(Kind, Vec<SectionPoint>),
 }
 
 /// What is noted of an orbit.
-pub(super) struct Search<'a, S: Switched<N, G>, const N: usize, const G: usize> {
-    system: &'a S,
+pub(super) struct Search<'a> {
+    system: &'a dyn Dynamics,
     settings: &'a RecurrenceSettings,
     near: Nearness,
     by: By,
-    by_transition: Recurrence<N>,
-    by_event: Recurrence<N>,
-    history: History<N, S::Mode>,
+    by_transition: Recurrence,
+    by_event: Recurrence,
+    history: History,
     /// What has happened since the last point of either kind.
     tag: DefaultHasher,
     /// Where the orbit has been since the last point, and since its start.
-    lately: Extent<N>,
-    ever: Extent<N>,
+    lately: Extent,
+    ever: Extent,
     /// State at the step before.
-    before: State<N>,
+    before: Vector,
     /// Steps since the last transition.
     quiet: usize,
     /// How many steps a look for a point of rest is put off, and how many are left of that.
@@ -72,18 +72,18 @@ pub(super) struct Search<'a, S: Switched<N, G>, const N: usize, const G: usize> 
     /// Steps since the last transition at which a trap is looked for next.
     asked_at: usize,
     /// The one that was found in this phase.
-    trap: Option<Trap<N>>,
+    trap: Option<Trap>,
     escape: f64,
     /// Where it is said to be left, if not where it is.
-    left_at: Option<(Timed<N>, S::Mode)>,
+    left_at: Option<(Moment, Modes)>,
     /// By how much the period that was found may be off.
     uncertainty: f64,
 }
 
-impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> {
+impl<'a> Search<'a> {
     pub fn new(
-        system: &'a S,
-        x: &State<N>,
+        system: &'a dyn Dynamics,
+        x: &Vector,
         by: By,
         settings: &'a RecurrenceSettings,
         options: &Options,
@@ -120,9 +120,9 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
     /// Follows the orbit to the end.
     pub fn follow<V: EventFunctions<N, E>, const E: usize>(
         mut self,
-        integration: Integration<'a, S, N, G>,
+        integration: Integration<'a>,
         section: &V,
-    ) -> Reached<N, S::Mode> {
+    ) -> Reached {
         let mut watched = Watched::new(integration, section).endless();
         let may_be_quiet = E == 0 && self.settings.forcing.is_none();
         match self.stage(&mut watched, may_be_quiet) {
@@ -144,7 +144,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
         &mut self,
         watched: &mut Watched<'w, S, V, N, E, G>,
         may_be_quiet: bool,
-    ) -> Stage<N> {
+    ) -> Stage {
         loop {
             let happening = match watched.step() {
                 Ok(happening) => happening,
@@ -161,7 +161,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
                 Happening::Progress(Progress::Step) => {
                     let integration = watched.integration();
                     let mode = integration.mode();
-                    let at = Timed {
+                    let at = Moment {
                         t: integration.t(),
                         x: *integration.x(),
                     };
@@ -187,7 +187,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
         }
     }
 
-    fn step(&mut self, mode: S::Mode, at: &Timed<N>) -> Option<(Kind, Vec<SectionPoint<N>>)> {
+    fn step(&mut self, mode: Modes, at: &Moment) -> Option<(Kind, Vec<SectionPoint>)> {
         self.lately.include(&at.x);
         self.ever.include(&at.x);
         let moved = at.x - self.before;
@@ -202,7 +202,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
             && trap.holds(&at.x)
         {
             let x = trap.x;
-            let left = Timed {
+            let left = Moment {
                 t: at.t,
                 x: self.near_to(&x, &at.x),
             };
@@ -227,13 +227,13 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
     }
 
     /// The state on the way from `x` to an equilibrium at which the two count as the same.
-    fn near_to(&self, equilibrium: &State<N>, x: &State<N>) -> State<N> {
+    fn near_to(&self, equilibrium: &Vector, x: &Vector) -> Vector {
         let away = x - equilibrium;
         let parts = (0..N).map(|i| self.near.allowed(self.ever.size(i)) / away[i].abs());
         equilibrium + away * parts.fold(1.0, f64::min)
     }
 
-    fn transition(&mut self, at: &Transition<N, S::Mode>) -> Option<(Kind, Vec<SectionPoint<N>>)> {
+    fn transition(&mut self, at: &Transition) -> Option<(Kind, Vec<SectionPoint>)> {
         if at.kind == TransitionKind::Touch {
             return None;
         }
@@ -257,16 +257,16 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
 
     fn event(
         &mut self,
-        at: SectionPoint<N>,
-        mode: S::Mode,
-    ) -> Option<(Kind, Vec<SectionPoint<N>>)> {
+        at: SectionPoint,
+        mode: Modes,
+    ) -> Option<(Kind, Vec<SectionPoint>)> {
         if self.by == By::Transitions && self.quiet <= QUIET {
             return None;
         }
         let (tag, extent) = self.since_last(&at.x);
         let found = self.by_event.pass(at, tag, self.history.count(), extent);
         let is_held = found.is_some_and(|pattern| self.rests(&pattern, mode));
-        let here = Timed { t: at.t, x: at.x };
+        let here = Moment { t: at.t, x: at.x };
         if is_held && let Some(kind) = kind_of_rest(self.system, mode, &here) {
             return Some((kind, vec![at]));
         }
@@ -274,16 +274,16 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
     }
 
     /// Whether friction has held the orbit in one place while the drive went through its period: then it does so for ever.
-    fn rests(&self, pattern: &Pattern<N>, mode: S::Mode) -> bool {
+    fn rests(&self, pattern: &Pattern, mode: Modes) -> bool {
         let Pattern { extent, counts, .. } = pattern;
         let moves = extent.high - extent.low;
         let stays = |i: usize| moves[i] <= self.near.rounding(extent.size(i));
-        let is_held = S::any_sticks(mode) && counts.0.transitions == counts.1.transitions;
+        let is_held = mode.any_sticks() && counts.0.transitions == counts.1.transitions;
         self.settings.forcing.is_some() && is_held && (0..N).all(stays)
     }
 
     /// What has happened since the last point, and where the orbit has been; from here it counts anew.
-    fn since_last(&mut self, x: &State<N>) -> (u64, Extent<N>) {
+    fn since_last(&mut self, x: &Vector) -> (u64, Extent) {
         let tag = self.tag.finish();
         self.tag = DefaultHasher::new();
         let mut extent = self.lately;
@@ -294,9 +294,9 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
 
     fn closes(
         &mut self,
-        found: Option<Pattern<N>>,
+        found: Option<Pattern>,
         by: By,
-    ) -> Option<(Kind, Vec<SectionPoint<N>>)> {
+    ) -> Option<(Kind, Vec<SectionPoint>)> {
         let pattern = found?;
         let recurrence = match by {
             By::Transitions => &self.by_transition,
@@ -308,11 +308,11 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
         // come.
         let ended = self.history.last_phase().filter(|_| by == By::Transitions);
         self.left_at = ended.and_then(|last| {
-            let begin = Timed {
+            let begin = Moment {
                 t: last.t_start,
                 x: last.x_start,
             };
-            S::any_sticks(last.mode).then_some((begin, last.mode))
+            last.mode.any_sticks().then_some((begin, last.mode))
         });
         self.uncertainty = pattern.uncertainty;
         let kind = Kind::Periodic {
@@ -322,13 +322,13 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
         Some((kind, points))
     }
 
-    fn ended(&mut self, summary: &Summary<N>, mode: S::Mode) -> (Kind, Vec<SectionPoint<N>>) {
+    fn ended(&mut self, summary: &dyn Dynamicsummary, mode: Modes) -> (Kind, Vec<SectionPoint>) {
         let Summary { t, x, .. } = *summary;
         let kind = match summary.ending {
             Ending::Repelling => Kind::Repelling,
             Ending::TwoFold(which) => Kind::TwoFold(which),
             Ending::Shrunk => {
-                let rest = self.rest_on_boundary(mode, &Timed { t, x });
+                let rest = self.rest_on_boundary(mode, &Moment { t, x });
                 let (kind, x) = rest.unwrap_or((Kind::Equilibrium, x));
                 return (kind, vec![SectionPoint { t, x }]);
             }
@@ -339,14 +339,14 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
 
     /// The equilibrium at a point of the boundary. Its rounding is on either side, and of neither
     /// side's is it said which the last phase was beside.
-    fn rest_on_boundary(&self, mode: S::Mode, at: &Timed<N>) -> Option<(Kind, State<N>)> {
+    fn rest_on_boundary(&self, mode: Modes, at: &Moment) -> Option<(Kind, Vector)> {
         let scale = State::from_fn(|i, _| self.ever.size(i));
         let mut modes = [mode].into_iter().chain(self.history.modes());
         modes.find_map(|mode| rest_at(self.system, mode, at, &scale, &self.near))
     }
 
     /// Nothing has closed in the longest time.
-    fn open(&mut self) -> (Kind, Vec<SectionPoint<N>>) {
+    fn open(&mut self) -> (Kind, Vec<SectionPoint>) {
         let uses_events = self.by == By::Events || self.quiet > QUIET;
         let recurrence = if uses_events {
             &self.by_event
@@ -365,11 +365,11 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
         (kind, points)
     }
 
-    fn failed(&mut self, error: Error, integration: &Integration<'_, S, N, G>) -> Stage<N> {
+    fn failed(&mut self, error: Error, integration: &Integration<'_>) -> Stage {
         match error {
             Error::Escaped { .. } => Stage::Done(Kind::Escape, Vec::new()),
             Error::EventPileUp { .. } if self.settings.forcing.is_none() => {
-                let at = Timed {
+                let at = Moment {
                     t: integration.t(),
                     x: *integration.x(),
                 };
@@ -385,10 +385,10 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
     fn reached(
         self,
         kind: Kind,
-        points: Vec<SectionPoint<N>>,
-        integration: &Integration<'_, S, N, G>,
-    ) -> Reached<N, S::Mode> {
-        let now = Timed {
+        points: Vec<SectionPoint>,
+        integration: &Integration<'_>,
+    ) -> Reached {
+        let now = Moment {
             t: integration.t(),
             x: *integration.x(),
         };
@@ -397,7 +397,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Search<'a, S, N, G> 
         let by_phases = self.history.in_stick(S::any_sticks);
         let in_stick = by_phases
             .filter(|_| !rests)
-            .unwrap_or_else(|| f64::from(u8::from(S::any_sticks(mode))));
+            .unwrap_or_else(|| f64::from(u8::from(mode.any_sticks())));
         let (phases, transitions) = self.history.into_parts();
         Reached {
             kind,

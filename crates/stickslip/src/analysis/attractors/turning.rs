@@ -7,16 +7,16 @@ use crate::system::State;
 /// The largest values of the first state: where its rate falls through zero. Unlike a plane laid across an orbit they are the same points
 /// of an attractor whatever start has led there.
 pub(super) struct Turning<'a, S, const G: usize> {
-    system: &'a S,
+    system: &'a dyn Dynamics,
 }
 
 impl<'a, S, const G: usize> Turning<'a, S, G> {
-    pub fn of(system: &'a S) -> Self {
+    pub fn of(system: &'a dyn Dynamics) -> Self {
         Turning { system }
     }
 }
 
-impl<S: Switched<N, G>, const N: usize, const G: usize> EventFunctions<N, 1> for Turning<'_, S, G> {
+impl EventFunctions<N, 1> for Turning<'_, S, G> {
     #[inline(always)]
     fn values<T: Scalar>(&self, t: T, x: &[T; N]) -> [T; 1] {
         let state = State::from(x.map(Scalar::value));

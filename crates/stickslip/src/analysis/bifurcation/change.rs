@@ -15,7 +15,7 @@ use crate::analysis::sequence::{
     Orbits, Place, SequenceBifurcation, SequenceChange, circuit_from, describe,
 };
 use crate::filippov::{Options, Switched};
-use crate::ode::Timed;
+use crate::dynamics::Moment;
 use crate::system::State;
 
 /// Part of the interval to which a change is located.
@@ -35,15 +35,15 @@ const SHORTER: f64 = 0.1;
 const STUCK: f64 = 1e-3;
 
 /// A value of the parameter and what was found there.
-type End<'a, const N: usize, K> = (f64, &'a Reached<N, K>);
+type End<'a> = (f64, &'a Reached);
 
 /// What becomes of the attractor between two values: where it ends, and, if that is another place and not the same change, where the other one begins.
-pub(super) fn locate<S: Switched<N, G>, const N: usize, const G: usize>(
-    family: &impl Fn(f64) -> S,
-    ends: [End<'_, N, S::Mode>; 2],
+pub(super) fn locate(
+    family: Family<'_>,
+    ends: [End<'_>; 2],
     forcing: Option<f64>,
     options: &Options,
-) -> Vec<WhatChanges<N, S::Mode>> {
+) -> Vec<WhatChanges> {
     let [one, other] = ends;
     let first = Seen::from(family, (one, other), forcing, options);
     let second = Seen::from(family, (other, one), forcing, options).turned_round();
@@ -70,19 +70,19 @@ pub(super) fn locate<S: Switched<N, G>, const N: usize, const G: usize>(
 }
 
 /// What is seen of a change from one of its sides.
-struct Seen<const N: usize, K> {
+struct Seen {
     /// By an event function that vanishes, or the loss of an equilibrium.
-    named: Option<WhatChanges<N, K>>,
+    named: Option<WhatChanges>,
     /// By a multiplier.
-    smooth: Option<WhatChanges<N, K>>,
+    smooth: Option<WhatChanges>,
     /// By other phases only.
-    unnamed: Option<WhatChanges<N, K>>,
+    unnamed: Option<WhatChanges>,
 }
 
-impl<const N: usize, K: Copy + PartialEq> Seen<N, K> {
-    fn from<S: Switched<N, G, Mode = K>, const G: usize>(
-        family: &impl Fn(f64) -> S,
-        (from, to): (End<'_, N, K>, End<'_, N, K>),
+impl Seen {
+    fn from(
+        family: Family<'_>,
+        (from, to): (End<'_>, End<'_>),
         forcing: Option<f64>,
         options: &Options,
     ) -> Self {
@@ -154,7 +154,7 @@ impl<const N: usize, K: Copy + PartialEq> Seen<N, K> {
     }
 
     /// Whether it is a change of the phases of one attractor into those of the other, or what has no such sides.
-    fn joins(&self, ends: [&Reached<N, K>; 2]) -> bool {
+    fn joins(&self, ends: [&Reached; 2]) -> bool {
         match &self.named {
             Some(WhatChanges::Sequence(change)) => {
                 let sides = [&change.before, &change.after];
@@ -168,13 +168,13 @@ impl<const N: usize, K: Copy + PartialEq> Seen<N, K> {
         }
     }
 
-    fn best(self) -> Option<WhatChanges<N, K>> {
+    fn best(self) -> Option<WhatChanges> {
         self.named.or(self.smooth)
     }
 }
 
 /// Periodic orbits of a family by shooting.
-pub(super) struct Shooting<'a, F> {
+pub(super) struct Shooting<'a> {
     pub(super) family: &'a F,
     /// The period, where it is that of the forcing.
     pub(super) forced: Option<f64>,
@@ -182,16 +182,16 @@ pub(super) struct Shooting<'a, F> {
 }
 
 /// An orbit followed from one value towards another, as far as its phases stay the same.
-pub(super) struct Way<const N: usize, K> {
-    pub(super) good: Vec<Known<(), N, K>>,
+pub(super) struct Way {
+    pub(super) good: Vec<Known<()>>,
     /// Where it has other phases, or is not found, next to the last of these; none where it goes on all the way.
     pub(super) bad: Option<f64>,
     /// With other phases.
-    behind: Option<Known<(), N, K>>,
+    behind: Option<Known<()>>,
     resolution: f64,
 }
 
-impl<F> Shooting<'_, F> {
+impl<F> Shooting<'_> {
     /// The same with a tenth of the tolerances.
     pub(super) fn finer(&self) -> Self {
         Shooting {
@@ -201,24 +201,22 @@ impl<F> Shooting<'_, F> {
     }
 
     /// Follows the orbit on the way to another value.
-    fn follow<S: Switched<N, G>, const N: usize, const G: usize>(
+    fn follow(
         &self,
-        from: End<'_, N, S::Mode>,
+        from: End<'_>,
         period: f64,
         to: f64,
-    ) -> Option<Way<N, S::Mode>>
-    where
-        F: Fn(f64) -> S,
+    ) -> Option<Way>
     {
         let start = self.start(from.1)?;
         let rough = circuit_from(&(self.family)(from.0), &start, period, &self.options)?;
         let first = self.orbit(from.0, &rough.anchor, rough.period)?;
         let mut good = vec![first];
-        let behind: RefCell<Option<Known<(), N, S::Mode>>> = RefCell::new(None);
-        let mut solve = |s: f64, good: &[Known<(), N, S::Mode>]| {
+        let behind: RefCell<Option<Known<()>>> = RefCell::new(None);
+        let mut solve = |s: f64, good: &[Known<()>]| {
             let found = self.by_line(s, good);
             let first = good.first()?;
-            let is_other = |one: &Known<(), N, S::Mode>| {
+            let is_other = |one: &Known<()>| {
                 !is_same(&one.circuit.sequence(), &first.circuit.sequence())
                     && first.is_as_certain(one)
             };
@@ -268,12 +266,10 @@ impl<F> Shooting<'_, F> {
     }
 
     /// Where its phases change, if they do.
-    fn change<S: Switched<N, G>, const N: usize, const G: usize>(
+    fn change(
         &self,
-        way: &Way<N, S::Mode>,
-    ) -> Option<SequenceChange<N, S::Mode>>
-    where
-        F: Fn(f64) -> S,
+        way: &Way,
+    ) -> Option<SequenceChange>
     {
         let (bad, last) = (way.bad?, way.good.last()?);
         let system = (self.family)(last.s);
@@ -291,7 +287,7 @@ impl<F> Shooting<'_, F> {
             .filter(|one| one.circuit.parts.len() < last.circuit.parts.len());
         let there = simple.and_then(|simple| self.back_from(last, simple, way.resolution));
         // An unstable orbit there may be lost further away than this one here.
-        let is_nearer = |one: &SequenceChange<N, _>, other: &SequenceChange<N, _>| {
+        let is_nearer = |one: &dyn DynamicsequenceChange<N, _>, other: &dyn DynamicsequenceChange<N, _>| {
             one.bifurcation == other.bifurcation && one.uncertainty < NEARER * other.uncertainty
         };
         match (there, here) {
@@ -303,13 +299,11 @@ impl<F> Shooting<'_, F> {
 
     /// Where it ends in an equilibrium of one of several modes on the way to another value, if it
     /// does.
-    fn boundary_equilibrium<S: Switched<N, G>, const N: usize, const G: usize>(
+    fn boundary_equilibrium(
         &self,
-        way: &Way<N, S::Mode>,
+        way: &Way,
         to: f64,
-    ) -> Option<WhatChanges<N, S::Mode>>
-    where
-        F: Fn(f64) -> S,
+    ) -> Option<WhatChanges>
     {
         let first = way.good.first()?;
         if way.bad.is_none() || self.forced.is_some() {
@@ -317,7 +311,7 @@ impl<F> Shooting<'_, F> {
         }
         let orbits: Vec<_> = way.good.iter().collect();
         let held =
-            |parameter: f64, mode, x: &State<N>| Held::near(&(self.family)(parameter), mode, x, N);
+            |parameter: f64, mode, x: &Vector| Held::near(&(self.family)(parameter), mode, x, N);
         let (parameter, x) = ends_in(&orbits, first.circuit.extent, N, |one| one.s, held)?;
         let part = (parameter - first.s) / (to - first.s);
         let is_on_way = part > 0.0 && part <= 1.0 + NEXT_TO;
@@ -326,22 +320,20 @@ impl<F> Shooting<'_, F> {
 
     /// A state of the orbit: where a phase begins in which all contacts slip, for stick forgets what came before, and with it by how much the
     /// start is off; where there is none, or with a forcing, where the section or the strobe sees it.
-    fn start<S: Switched<N, G>, const N: usize, const G: usize>(
+    fn start(
         &self,
-        reached: &Reached<N, S::Mode>,
-    ) -> Option<Timed<N>>
-    where
-        F: Fn(f64) -> S,
+        reached: &Reached,
+    ) -> Option<Moment>
     {
         let mut phases = reached.phases.iter();
-        let slip = phases.find(|phase| self.forced.is_none() && !S::any_sticks(phase.mode));
-        slip.map(|phase| Timed {
+        let slip = phases.find(|phase| self.forced.is_none() && !phase.mode.any_sticks());
+        slip.map(|phase| Moment {
             t: phase.t_start,
             x: phase.x_start,
         })
         .or_else(|| {
             let first = reached.points.first()?;
-            Some(Timed {
+            Some(Moment {
                 t: first.t,
                 x: first.x,
             })
@@ -349,14 +341,12 @@ impl<F> Shooting<'_, F> {
     }
 
     /// The change as it is seen from an orbit with fewer phases on the other side of it, or beside it where the branch turns back.
-    fn back_from<S: Switched<N, G>, const N: usize, const G: usize>(
+    fn back_from(
         &self,
-        edge: &Known<(), N, S::Mode>,
-        simple: &Known<(), N, S::Mode>,
+        edge: &Known<()>,
+        simple: &Known<()>,
         resolution: f64,
-    ) -> Option<SequenceChange<N, S::Mode>>
-    where
-        F: Fn(f64) -> S,
+    ) -> Option<SequenceChange>
     {
         let way = edge.s - simple.s;
         let way = way.abs().max(1e4 * resolution) * way.signum();
@@ -378,26 +368,22 @@ impl<F> Shooting<'_, F> {
     }
 
     /// The orbit at a parameter by those known.
-    fn by_line<S: Switched<N, G>, const N: usize, const G: usize>(
+    fn by_line(
         &self,
         parameter: f64,
-        good: &[Known<(), N, S::Mode>],
-    ) -> Option<Known<(), N, S::Mode>>
-    where
-        F: Fn(f64) -> S,
+        good: &[Known<()>],
+    ) -> Option<Known<()>>
     {
         let (guess, period) = extrapolated(good, parameter)?;
         self.orbit(parameter, &guess, period)
     }
 
-    pub(super) fn orbit<S: Switched<N, G>, const N: usize, const G: usize>(
+    pub(super) fn orbit(
         &self,
         parameter: f64,
-        guess: &Anchor<N, S::Mode>,
+        guess: &Anchor,
         period: f64,
-    ) -> Option<Known<(), N, S::Mode>>
-    where
-        F: Fn(f64) -> S,
+    ) -> Option<Known<()>>
     {
         let system = (self.family)(parameter);
         let is_forced = self.forced.is_some();
@@ -423,21 +409,19 @@ impl<F> Shooting<'_, F> {
 }
 
 /// The orbits up to a change.
-struct About<'a, F, S: Switched<N, G>, const N: usize, const G: usize> {
-    shooting: &'a Shooting<'a, F>,
-    good: &'a [Known<(), N, S::Mode>],
+struct About<'a, F, S: Switched<N, G>> {
+    shooting: &'a dyn Dynamicshooting<'a>,
+    good: &'a [Known<()>],
 }
 
-impl<F, S, const N: usize, const G: usize> Orbits<(), N, S::Mode> for About<'_, F, S, N, G>
-where
-    F: Fn(f64) -> S,
+impl<F, S> Orbits<()> for About<'_, F, S, N, G>
     S: Switched<N, G>,
 {
-    fn at(&self, parameter: f64, new: &[Known<(), N, S::Mode>]) -> Option<Known<(), N, S::Mode>> {
+    fn at(&self, parameter: f64, new: &[Known<()>]) -> Option<Known<()>> {
         self.shooting.by_line(parameter, &[self.good, new].concat())
     }
 
-    fn finer(&self, orbit: &Known<(), N, S::Mode>) -> Option<Circuit<N, S::Mode>> {
+    fn finer(&self, orbit: &Known<()>) -> Option<Circuit> {
         let Circuit { anchor, period, .. } = orbit.circuit;
         Some(
             self.shooting
@@ -449,10 +433,10 @@ where
 }
 
 /// Where the orbit is expected by those known: on the line through two of them, no further than they are apart.
-pub(in crate::analysis) fn extrapolated<B, const N: usize, K: Copy + PartialEq>(
-    good: &[Known<B, N, K>],
+pub(in crate::analysis) fn extrapolated<B>(
+    good: &[Known<B>],
     s: f64,
-) -> Option<(Anchor<N, K>, f64)> {
+) -> Option<(Anchor, f64)> {
     let last = good.last()?;
     let Some(([one, two], part)) = pair_for(good, s) else {
         return Some((last.circuit.anchor, last.circuit.period));
@@ -468,15 +452,15 @@ pub(in crate::analysis) fn extrapolated<B, const N: usize, K: Copy + PartialEq>(
 
 /// The last orbit, one before it that is at least as far from it as the place is, if there is such a one, and how far beyond the last the place is, in
 /// parts of the way between the two.
-pub(in crate::analysis) fn pair_for<B, const N: usize, K>(
-    good: &[Known<B, N, K>],
+pub(in crate::analysis) fn pair_for<B>(
+    good: &[Known<B>],
     s: f64,
-) -> Option<([&Known<B, N, K>; 2], f64)> {
+) -> Option<([&Known<B>; 2], f64)> {
     let (two, before) = good.split_last()?;
-    let is_apart = |one: &&Known<B, N, K>| (one.s - two.s).abs() >= (s - two.s).abs();
+    let is_apart = |one: &&Known<B>| (one.s - two.s).abs() >= (s - two.s).abs();
     let apart = before.iter().rev().find(is_apart);
     let one = apart.or_else(|| {
-        let away = |one: &&Known<B, N, K>| (one.s - two.s).abs();
+        let away = |one: &&Known<B>| (one.s - two.s).abs();
         before.iter().max_by(|a, b| away(a).total_cmp(&away(b)))
     })?;
     let part = (s - two.s) / (two.s - one.s);

@@ -46,36 +46,36 @@ impl SweepSettings {
 
 /// What was found at one value of the parameter.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SweepPoint<const N: usize, K = Mode> {
+pub struct SweepPoint {
     /// The parameter.
     pub parameter: f64,
     /// The attractor: section points, phases with the sticks' durations and lengths, and their sequence.
-    pub reached: Reached<N, K>,
+    pub reached: Reached,
     /// The largest Lyapunov exponent, if it was asked for and could be measured.
     pub exponent: Option<Exponent>,
 }
 
 /// A difference between the attractors at two neighbouring values of the parameter.
 #[derive(Clone, Debug, PartialEq)]
-pub struct AttractorChange<const N: usize, K = Mode> {
+pub struct AttractorChange {
     /// The two values, in the order of the sweep.
     pub between: (f64, f64),
     /// What it is.
-    pub what: WhatChanges<N, K>,
+    pub what: WhatChanges,
 }
 
 /// What becomes of an attractor between two values of a parameter.
 #[derive(Clone, Debug, PartialEq)]
-pub enum WhatChanges<const N: usize, K = Mode> {
+pub enum WhatChanges {
     /// The phases of a periodic orbit.
-    Sequence(SequenceChange<N, K>),
+    Sequence(SequenceChange),
     /// An equilibrium loses its stability, in the direction of the sweep or against it: a pair of eigenvalues of its field crosses the imaginary
     /// axis, or one passes through zero.
     Equilibrium {
         /// The parameter.
         parameter: f64,
         /// The equilibrium there.
-        x: State<N>,
+        x: Vector,
         /// Size of the imaginary part of the eigenvalues that cross: 0 where it is one, and otherwise a Hopf bifurcation.
         frequency: f64,
     },
@@ -84,7 +84,7 @@ pub enum WhatChanges<const N: usize, K = Mode> {
         /// The parameter.
         parameter: f64,
         /// The equilibrium there.
-        x: State<N>,
+        x: Vector,
     },
     /// A periodic orbit keeps its phases and has a multiplier on the unit circle: it doubles its period or sheds a torus, meets another branch, or
     /// ends in a fold.
@@ -94,9 +94,9 @@ pub enum WhatChanges<const N: usize, K = Mode> {
         /// By how much that may be off.
         uncertainty: f64,
         /// Which: never [`Special::Sequence`].
-        what: Special<N, K>,
+        what: Special,
         /// A state on the orbit.
-        x: State<N>,
+        x: Vector,
         /// Its period.
         period: f64,
     },
@@ -106,12 +106,12 @@ pub enum WhatChanges<const N: usize, K = Mode> {
 
 /// A sweep of a parameter.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Sweep<const N: usize, K = Mode> {
+pub struct Sweep {
     /// What was found, in the order of the parameters.
-    pub points: Vec<SweepPoint<N, K>>,
+    pub points: Vec<SweepPoint>,
     /// Where it is not the same kind of motion, with the same phases or the same mode of rest, as at the value before: one, or where one orbit
     /// ends and another one begins that has nothing to do with it, both.
-    pub changes: Vec<AttractorChange<N, K>>,
+    pub changes: Vec<AttractorChange>,
 }
 
 /// Follows an attractor through `parameters`, in their order, from the state that was reached at the one before: up, down or as they come.
@@ -128,7 +128,7 @@ pub struct Sweep<const N: usize, K = Mode> {
 ///
 /// let family = |belt_speed| BeltOscillator { belt_speed, ..BeltOscillator::default() };
 /// let speeds = (0..5).map(|k| 0.2 + 0.05 * f64::from(k));
-/// let found = sweep(family, speeds, [0.5, 0.1], &SweepSettings::within(500.0), &Options::default())?;
+/// let found = sweep(family, speeds, [0.5, 0.1], &dyn DynamicsweepSettings::within(500.0), &Options::default())?;
 /// for point in &found.points {
 ///     println!("{}: {}, {:.3} of the time in stick", point.parameter, point.reached.kind, point.reached.in_stick);
 /// }
@@ -138,15 +138,15 @@ pub struct Sweep<const N: usize, K = Mode> {
 ///
 /// # Errors
 /// As [`attractor`], for the first parameter that has one.
-pub fn sweep<S: Switched<N, G>, const N: usize, const G: usize>(
-    family: impl Fn(f64) -> S,
+pub fn sweep(
+    family: Family<'_>,
     parameters: impl IntoIterator<Item = f64>,
-    x0: impl Into<State<N>>,
-    settings: &SweepSettings,
+    x0: impl Components,
+    settings: &dyn DynamicsweepSettings,
     options: &Options,
-) -> Result<Sweep<N, S::Mode>, Error> {
+) -> Result<Sweep, Error> {
     let mut x = x0.into();
-    let mut points: Vec<SweepPoint<N, S::Mode>> = Vec::new();
+    let mut points: Vec<SweepPoint> = Vec::new();
     let mut changes = Vec::new();
     for parameter in parameters {
         let system = family(parameter);
@@ -180,10 +180,10 @@ pub fn sweep<S: Switched<N, G>, const N: usize, const G: usize>(
 }
 
 /// The state from which the next parameter's run begins; none after an escape or a failure.
-fn carried_on<const N: usize, K>(
-    reached: &Reached<N, K>,
+fn carried_on(
+    reached: &Reached,
     settings: &RecurrenceSettings,
-) -> Option<State<N>> {
+) -> Option<Vector> {
     match reached.kind {
         Kind::Escape | Kind::Failure(_) | Kind::Repelling | Kind::TwoFold(_) => None,
         // At a flash of the strobe, at which the next run begins, too.
@@ -192,9 +192,9 @@ fn carried_on<const N: usize, K>(
     }
 }
 
-fn is_change<const N: usize, K: Copy + PartialEq>(
-    one: &Reached<N, K>,
-    other: &Reached<N, K>,
+fn is_change(
+    one: &Reached,
+    other: &Reached,
 ) -> bool {
     match (&one.kind, &other.kind) {
         (Kind::Periodic { .. }, Kind::Periodic { .. }) => !one.has_sequence_of(other),

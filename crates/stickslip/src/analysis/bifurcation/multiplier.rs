@@ -14,14 +14,12 @@ use crate::filippov::Switched;
 /// At an end of the orbit located to 1e-10 a multiplier that goes to 1 like a root is some 1e-5 from it.
 const NEAR_ONE: f64 = 1e-3;
 
-impl<F> Shooting<'_, F> {
+impl<F> Shooting<'_> {
     /// The first of its multipliers to reach the unit circle on the way.
-    pub(super) fn multiplier<S: Switched<N, G>, const N: usize, const G: usize>(
+    pub(super) fn multiplier(
         &self,
-        way: &Way<N, S::Mode>,
-    ) -> Option<WhatChanges<N, S::Mode>>
-    where
-        F: Fn(f64) -> S,
+        way: &Way,
+    ) -> Option<WhatChanges>
     {
         const ONE: usize = 0;
         const MINUS_ONE: usize = 1;
@@ -88,13 +86,11 @@ impl<F> Shooting<'_, F> {
     }
 
     /// By how much the tolerances may have a function of the multipliers off.
-    fn by_tolerance<S: Switched<N, G>, const N: usize, const G: usize>(
+    fn by_tolerance(
         &self,
-        orbit: &Known<(), N, S::Mode>,
+        orbit: &Known<()>,
         function: impl Fn(&Critical) -> Option<f64>,
     ) -> Option<f64>
-    where
-        F: Fn(f64) -> S,
     {
         let finer = self.finer();
         let anchor = &orbit.circuit.anchor;
@@ -104,18 +100,16 @@ impl<F> Shooting<'_, F> {
     }
 
     /// By how much the tolerances may have a fold off at the end of the way: there the square of the multipliers' function goes to zero like the parameter.
-    fn fold_by_tolerance<S: Switched<N, G>, const N: usize, const G: usize>(
+    fn fold_by_tolerance(
         &self,
-        way: &Way<N, S::Mode>,
+        way: &Way,
         critical: &[Option<Critical>],
     ) -> f64
-    where
-        F: Fn(f64) -> S,
     {
         let square = |at: &Critical| Some(at.one * at.one);
         let known = way.good.iter().zip(critical);
         let known = known.filter_map(|(orbit, at)| Some((orbit, square(at.as_ref()?)?)));
-        let known: Vec<(&Known<(), N, S::Mode>, f64)> = known.collect();
+        let known: Vec<(&Known<()>, f64)> = known.collect();
         let shift = |k: usize| {
             let (orbit, value) = known[k];
             let apart = known[..k]
@@ -134,12 +128,10 @@ impl<F> Shooting<'_, F> {
         })
     }
 
-    fn critical<S: Switched<N, G>, const N: usize, const G: usize>(
+    fn critical(
         &self,
-        orbit: &Known<(), N, S::Mode>,
+        orbit: &Known<()>,
     ) -> Option<Critical>
-    where
-        F: Fn(f64) -> S,
     {
         let system = (self.family)(orbit.s);
         let (start, options) = (orbit.circuit.anchor, &self.options);
@@ -154,11 +146,11 @@ impl<F> Shooting<'_, F> {
     }
 }
 
-fn changes<const N: usize, K: Copy + PartialEq>(
+fn changes(
     (parameter, uncertainty): (f64, f64),
-    what: Special<N, K>,
-    orbit: &Known<(), N, K>,
-) -> WhatChanges<N, K> {
+    what: Special,
+    orbit: &Known<()>,
+) -> WhatChanges {
     WhatChanges::Multiplier {
         parameter,
         uncertainty,

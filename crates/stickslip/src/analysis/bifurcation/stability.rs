@@ -4,7 +4,7 @@ use super::{Reached, WhatChanges};
 use crate::analysis::attractors::rest::{ZERO, equilibrium_near, least_guard};
 use crate::analysis::multipliers;
 use crate::filippov::Switched;
-use crate::ode::Timed;
+use crate::dynamics::Moment;
 use crate::system::State;
 
 /// How far behind a value of the sweep its change is looked for where that value hits it, as a part of the way between two.
@@ -28,19 +28,19 @@ struct Leading {
 }
 
 /// Where the equilibrium loses its stability on the way to another value, or comes to the edge of where its mode holds.
-pub(super) fn loss_of_stability<S: Switched<N, G>, const N: usize, const G: usize>(
-    family: &impl Fn(f64) -> S,
-    from: (f64, &Reached<N, S::Mode>),
+pub(super) fn loss_of_stability(
+    family: Family<'_>,
+    from: (f64, &Reached),
     to: f64,
-) -> Option<WhatChanges<N, S::Mode>> {
+) -> Option<WhatChanges> {
     let mode = from.1.mode;
     let begin = from.1.points.first()?.x;
     // Of stick the zeros across the boundary do not count.
-    let leading = |parameter: f64, x: &mut State<N>| {
+    let leading = |parameter: f64, x: &mut Vector| {
         let system = family(parameter);
         let rest = equilibrium_near(&system, mode, 0.0, x, N)?;
         *x = rest.x;
-        let at = Timed { t: 0.0, x: rest.x };
+        let at = Moment { t: 0.0, x: rest.x };
         let across = system.normals(mode, &at).len();
         let mut values = multipliers(&rest.jacobian);
         values.sort_by(|a, b| a.norm().total_cmp(&b.norm()));

@@ -32,27 +32,27 @@ const SAME: f64 = 1e-9;
 const NEAR: f64 = 1e-3;
 
 /// What was found around a change of phases.
-pub(super) struct Behind<'a, S: Switched<N, G>, const N: usize, const G: usize> {
-    pub corrector: &'a Corrector<'a, S>,
+pub(super) struct Behind<'a> {
+    pub corrector: &'a Corrector<'a>,
     /// The orbits up to it.
-    pub good: &'a [OnBranch<N, S::Mode>],
+    pub good: &'a [OnBranch],
     /// Orbits with other phases, the nearest one first.
-    pub found: &'a [OnBranch<N, S::Mode>],
+    pub found: &'a [OnBranch],
     /// Width of the parameter's range.
     pub width: f64,
 }
 
 /// The change and two orbits behind it, the nearer one first.
-pub(super) struct Entered<const N: usize, K> {
-    pub change: SequenceChange<N, K>,
+pub(super) struct Entered {
+    pub change: SequenceChange,
     /// A state on the orbit at the change.
-    pub x: State<N>,
-    pub orbits: Option<[OnBranch<N, K>; 2]>,
+    pub x: Vector,
+    pub orbits: Option<[OnBranch; 2]>,
 }
 
-impl<S: Switched<N, G>, const N: usize, const G: usize> Behind<'_, S, N, G> {
+impl Behind<'_> {
     /// Describes the change, which was located, and gets behind it.
-    pub fn enter(&self, place: Place) -> Option<Entered<N, S::Mode>> {
+    pub fn enter(&self, place: Place) -> Option<Entered> {
         let edge = self.good.last()?;
         let mut around = None;
         let mut other = self.found.first().cloned();
@@ -62,7 +62,7 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Behind<'_, S, N, G> {
         }
         // From the side with fewer phases all event functions are smooth, and a graze is no root.
         let is_simple =
-            |one: &&OnBranch<N, S::Mode>| one.circuit.parts.len() < edge.circuit.parts.len();
+            |one: &&OnBranch| one.circuit.parts.len() < edge.circuit.parts.len();
         let simple = self.found.iter().chain(other.as_ref()).filter(is_simple);
         let mut simple: Vec<_> = simple.collect();
         // Those next to it may have some of the phases only, of two changes at once.
@@ -83,7 +83,7 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Behind<'_, S, N, G> {
             place,
             &About::of(self.corrector, self.good),
         )?;
-        let is_apart = |one: &&OnBranch<N, S::Mode>| one.s - edge.s > RESOLVED;
+        let is_apart = |one: &&OnBranch| one.s - edge.s > RESOLVED;
         let near = self.found.iter().find(is_apart).cloned();
         let far = near.as_ref().and_then(|near| {
             let is_same = |one: &&OnBranch<N, _>| {
@@ -107,9 +107,9 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Behind<'_, S, N, G> {
     /// Comes back to the change from an orbit with fewer phases behind it, by so many orbits at least.
     fn back_from(
         &self,
-        simple: &OnBranch<N, S::Mode>,
+        simple: &OnBranch,
         fewest: usize,
-    ) -> Option<Entered<N, S::Mode>> {
+    ) -> Option<Entered> {
         let edge = self.good.last()?;
         let corner = edge.circuit.anchor.x[N - 1];
         let here = simple.circuit.anchor.x[N - 1];
@@ -119,7 +119,7 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Behind<'_, S, N, G> {
             let mut first = simple.clone();
             first.s = here;
             let by_parameter =
-                |s: f64, good: &[OnBranch<N, S::Mode>]| self.corrector.by_parameter(good, s);
+                |s: f64, good: &[OnBranch]| self.corrector.by_parameter(good, s);
             let resolution = RESOLUTION * self.width;
             let Some((good, bad)) = approach(first, step, resolution, by_parameter) else {
                 continue;
@@ -160,18 +160,18 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Behind<'_, S, N, G> {
     }
 
     /// Two orbits next to the last one with other phases than it, the nearer one first.
-    fn around(&self) -> Option<[OnBranch<N, S::Mode>; 2]> {
+    fn around(&self) -> Option<[OnBranch; 2]> {
         let corner = self.good.last()?;
         let at = &corner.circuit.anchor;
         let here = at.x[N - 1];
-        let is_apart = |one: &&OnBranch<N, S::Mode>| {
+        let is_apart = |one: &&OnBranch| {
             (one.circuit.anchor.x[N - 1] - here).abs() > 1e-6 * self.width
         };
         let before = self.good.iter().rev().find(is_apart)?;
         let way = self.corrector.way(&before.circuit.anchor, at);
         let slope = way / way[N - 1];
         let old = corner.circuit.sequence();
-        let orbit = |x: State<N>, period: f64| {
+        let orbit = |x: Vector, period: f64| {
             let guess = Guess::at_parameter(at.moved(x), period, x[N - 1]);
             let found = self.corrector.orbit(&guess, x[N - 1])?;
             let is_other = found.circuit.sequence() != old && corner.is_as_certain(&found);
@@ -217,9 +217,9 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Behind<'_, S, N, G> {
     /// another one.
     fn leads_on(
         &self,
-        at: &Anchor<N, S::Mode>,
-        near: &OnBranch<N, S::Mode>,
-        far: &OnBranch<N, S::Mode>,
+        at: &Anchor,
+        near: &OnBranch,
+        far: &OnBranch,
     ) -> bool {
         let [first, second] = [near, far].map(|one| one.branch.start.x);
         let is_forced = self.corrector.forced.is_some();
@@ -246,14 +246,14 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Behind<'_, S, N, G> {
 }
 
 /// The orbits up to a change, each with the parameter as its place.
-struct About<'a, S: Switched<N, G>, const N: usize, const G: usize> {
-    corrector: &'a Corrector<'a, S>,
-    good: Vec<OnBranch<N, S::Mode>>,
+struct About<'a> {
+    corrector: &'a Corrector<'a>,
+    good: Vec<OnBranch>,
 }
 
-impl<'a, S: Switched<N, G>, const N: usize, const G: usize> About<'a, S, N, G> {
-    fn of(corrector: &'a Corrector<'a, S>, good: &[OnBranch<N, S::Mode>]) -> Self {
-        let by_parameter = |one: &OnBranch<N, S::Mode>| Known {
+impl<'a> About<'a> {
+    fn of(corrector: &'a Corrector<'a>, good: &[OnBranch]) -> Self {
+        let by_parameter = |one: &OnBranch| Known {
             s: one.circuit.anchor.x[N - 1],
             ..one.clone()
         };
@@ -264,17 +264,15 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> About<'a, S, N, G> {
     }
 }
 
-impl<S, const N: usize, const G: usize> Orbits<Solved<N, S::Mode>, N, S::Mode>
-    for About<'_, S, N, G>
-where
-    S: Switched<N, G>,
+impl Orbits<Solved, N, Modes>
+    for About<'_>
 {
-    fn at(&self, parameter: f64, new: &[OnBranch<N, S::Mode>]) -> Option<OnBranch<N, S::Mode>> {
+    fn at(&self, parameter: f64, new: &[OnBranch]) -> Option<OnBranch> {
         self.corrector
             .by_parameter(&[&self.good, new].concat(), parameter)
     }
 
-    fn finer(&self, orbit: &OnBranch<N, S::Mode>) -> Option<Circuit<N, S::Mode>> {
+    fn finer(&self, orbit: &OnBranch) -> Option<Circuit> {
         let Circuit { anchor, period, .. } = orbit.circuit;
         let guess = Guess::at_parameter(anchor, period, anchor.x[N - 1]);
         Some(self.corrector.finer(&guess, orbit.s)?.circuit)

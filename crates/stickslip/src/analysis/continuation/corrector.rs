@@ -34,18 +34,18 @@ const MOST_PERIODS: f64 = 2.0;
 
 /// What the branch needs of a periodic orbit besides its circuit.
 #[derive(Clone, Debug)]
-pub(super) struct Solved<const N: usize, K> {
+pub(super) struct Solved {
     /// The derivative of the flow map over the period, that with respect to the parameter in the last column.
-    pub matrix: SMatrix<f64, N, N>,
+    pub matrix: Matrix,
     /// The start, and the direction of the flow there.
-    pub start: Anchor<N, K>,
-    pub slope: State<N>,
+    pub start: Anchor,
+    pub slope: Vector,
     pub iterations: usize,
     /// Dimension of the family of orbits at its parameter that it is one of.
     pub family: usize,
 }
 
-impl<const N: usize, K> Solved<N, K> {
+impl Solved {
     /// The functions of its multipliers.
     pub fn critical(&self, is_forced: bool) -> Critical {
         let states = N - 1;
@@ -56,20 +56,20 @@ impl<const N: usize, K> Solved<N, K> {
 }
 
 /// An orbit on a branch.
-pub(super) type OnBranch<const N: usize, K> = Known<Solved<N, K>, N, K>;
+pub(super) type OnBranch = Known<Solved, N, K>;
 
 /// Where an orbit is sought: near a state with its time and period, and where `row · x` has a value.
 #[derive(Clone, Copy)]
-pub(super) struct Guess<const N: usize, K> {
-    pub at: Anchor<N, K>,
+pub(super) struct Guess {
+    pub at: Anchor,
     pub period: f64,
-    pub row: State<N>,
+    pub row: Vector,
     pub value: f64,
 }
 
-impl<const N: usize, K> Guess<N, K> {
+impl Guess {
     /// At a given parameter, near a state.
-    pub fn at_parameter(mut at: Anchor<N, K>, period: f64, parameter: f64) -> Self {
+    pub fn at_parameter(mut at: Anchor, period: f64, parameter: f64) -> Self {
         at.x[N - 1] = parameter;
         Guess {
             at,
@@ -81,8 +81,8 @@ impl<const N: usize, K> Guess<N, K> {
 }
 
 /// A system whose last state is a parameter.
-pub(super) struct Corrector<'a, S> {
-    pub system: &'a S,
+pub(super) struct Corrector<'a> {
+    pub system: &'a dyn Dynamics,
     /// The period, where it is the forcing's.
     pub forced: Option<f64>,
     /// How far the widest orbit goes that is known.
@@ -92,16 +92,14 @@ pub(super) struct Corrector<'a, S> {
     pub options: &'a Options,
 }
 
-impl<S> Corrector<'_, S> {
+impl<S> Corrector<'_> {
     /// The next orbit of a branch at another parameter. Newton's iteration begins at the orbit itself, so that its first step is along the tangent:
     /// states and period go with the parameter while the orbit closes.
-    pub fn next_at<const N: usize, const G: usize>(
+    pub fn next_at(
         &self,
-        from: &OnBranch<N, S::Mode>,
+        from: &OnBranch,
         parameter: f64,
-    ) -> Option<OnBranch<N, S::Mode>>
-    where
-        S: Switched<N, G>,
+    ) -> Option<OnBranch>
     {
         let start = from.branch.start;
         let guess = Guess {
@@ -112,39 +110,33 @@ impl<S> Corrector<'_, S> {
     }
 
     /// The orbit at a parameter, which is its place, by those known.
-    pub fn by_parameter<const N: usize, const G: usize>(
+    pub fn by_parameter(
         &self,
-        good: &[OnBranch<N, S::Mode>],
+        good: &[OnBranch],
         parameter: f64,
-    ) -> Option<OnBranch<N, S::Mode>>
-    where
-        S: Switched<N, G>,
+    ) -> Option<OnBranch>
     {
         let (at, period) = extrapolated(good, parameter)?;
         self.orbit(&Guess::at_parameter(at, period, parameter), parameter)
     }
 
     /// The orbit near a guess with a tenth of the tolerances.
-    pub fn finer<const N: usize, const G: usize>(
+    pub fn finer(
         &self,
-        guess: &Guess<N, S::Mode>,
+        guess: &Guess,
         s: f64,
-    ) -> Option<OnBranch<N, S::Mode>>
-    where
-        S: Switched<N, G>,
+    ) -> Option<OnBranch>
     {
         let options = &self.options.finer();
         Corrector { options, ..*self }.orbit(guess, s)
     }
 
     /// The way from one orbit of a branch to the next, across the flow; with a forcing, at the second one's time.
-    pub fn way<const N: usize, const G: usize>(
+    pub fn way(
         &self,
-        from: &Anchor<N, S::Mode>,
-        to: &Anchor<N, S::Mode>,
-    ) -> State<N>
-    where
-        S: Switched<N, G>,
+        from: &Anchor,
+        to: &Anchor,
+    ) -> Vector
     {
         let way = to.x - from.x;
         let [before, flow] = [from, to].map(|at| at.velocity(self.system));
@@ -155,25 +147,23 @@ impl<S> Corrector<'_, S> {
         }
         // Along the flow it is the same orbit.
         let across =
-            |way: State<N>, flow: State<N>| way - flow * (flow.dot(&way) / flow.norm_squared());
+            |way: Vector, flow: Vector| way - flow * (flow.dot(&way) / flow.norm_squared());
         across(across(way, mean), flow)
     }
 
     /// The options for a run from a state, which is left where it goes far.
-    fn bounded<const N: usize>(&self, x: &State<N>) -> Options {
+    fn bounded(&self, x: &Vector) -> Options {
         let reach = x.amax() + FAR * self.extent;
         self.options.escape(self.options.escape.min(reach))
     }
 
     /// After what time, of about a period, the orbit from a state is first back within a distance of it.
-    pub fn comes_back<const N: usize, const G: usize>(
+    pub fn comes_back(
         &self,
-        from: &Anchor<N, S::Mode>,
+        from: &Anchor,
         period: f64,
         distance: f64,
     ) -> Option<f64>
-    where
-        S: Switched<N, G>,
     {
         if self.forced.is_some() {
             return None;
@@ -200,12 +190,12 @@ impl<S> Corrector<'_, S> {
 
     /// The matrix of Newton's iteration, of state, parameter and, where it is not the forcing's, period: that an orbit closes, `row · x` and where along the flow
     /// it begins.
-    fn newton<const N: usize>(
+    fn newton(
         &self,
-        turn: &SMatrix<f64, N, N>,
-        velocity: &State<N>,
-        slope: &State<N>,
-        row: &State<N>,
+        turn: &Matrix,
+        velocity: &Vector,
+        slope: &Vector,
+        row: &Vector,
     ) -> DMatrix<f64> {
         let unknowns = N + usize::from(self.forced.is_none());
         let mut matrix = DMatrix::<f64>::zeros(unknowns, unknowns);
@@ -227,11 +217,11 @@ impl<S> Corrector<'_, S> {
     }
 
     /// How state, parameter and period change along the branch at an orbit, where `row · x` changes by 1.
-    pub fn tangent<const N: usize, K>(
+    pub fn tangent(
         &self,
-        orbit: &OnBranch<N, K>,
-        row: &State<N>,
-    ) -> Option<(State<N>, f64)> {
+        orbit: &OnBranch,
+        row: &Vector,
+    ) -> Option<(Vector, f64)> {
         let Solved { matrix, slope, .. } = &orbit.branch;
         let matrix = self.newton(matrix, slope, slope, row);
         let mut right = DVector::<f64>::zeros(matrix.nrows());
@@ -246,16 +236,14 @@ impl<S> Corrector<'_, S> {
     }
 
     /// The orbit near a guess; `s` is its place on the branch.
-    pub fn orbit<const N: usize, const G: usize>(
+    pub fn orbit(
         &self,
-        guess: &Guess<N, S::Mode>,
+        guess: &Guess,
         s: f64,
-    ) -> Option<OnBranch<N, S::Mode>>
-    where
-        S: Switched<N, G>,
+    ) -> Option<OnBranch>
     {
         let mut period = self.forced.unwrap_or(guess.period);
-        let begun = |at: Anchor<N, S::Mode>, period: f64| {
+        let begun = |at: Anchor, period: f64| {
             at.begun(self.system, at.t + period, self.options).ok()
         };
         let mut at = begun(guess.at, period)?;

@@ -25,9 +25,9 @@ const AT_END: f64 = 10.0 * RESOLUTION;
 /// Two orbits at one parameter that differ by less than this part are one.
 const SAME: f64 = 1e-6;
 
-impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
+impl Walk<'_> {
     /// Whether the next orbit lies outside the range; the last one is then that at its end.
-    pub(super) fn leaves_range(&mut self, next: &OnBranch<N, S::Mode>) -> Option<Stop> {
+    pub(super) fn leaves_range(&mut self, next: &OnBranch) -> Option<Stop> {
         let (low, high) = self.settings.range;
         let (here, there) = (self.parameter(), next.circuit.anchor.x[N - 1]);
         if (low..=high).contains(&there) {
@@ -37,7 +37,7 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
         let part = ((end - here) / (there - here)).clamp(0.0, 1.0);
         let (a, b) = (&self.last.circuit, &next.circuit);
         let at = self.between(&a.anchor, &b.anchor, part);
-        let is_same = |found: &OnBranch<N, S::Mode>| found.circuit.sequence() == a.sequence();
+        let is_same = |found: &OnBranch| found.circuit.sequence() == a.sequence();
         let corrector = &self.corrector;
         let found = corrector
             .orbit(&Guess::at_parameter(at, b.period, end), 0.0)
@@ -65,10 +65,10 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
     /// A part of the way from one orbit to the next, at the time of the second.
     fn between(
         &self,
-        from: &Anchor<N, S::Mode>,
-        to: &Anchor<N, S::Mode>,
+        from: &Anchor,
+        to: &Anchor,
         part: f64,
-    ) -> Anchor<N, S::Mode> {
+    ) -> Anchor {
         to.moved(to.x - self.corrector.way(from, to) * (1.0 - part))
     }
 
@@ -99,16 +99,16 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
 
     /// The parameter at which orbits end in an equilibrium that comes to the edge of where its mode
     /// holds.
-    pub(super) fn boundary_equilibrium(&self, orbits: &[&OnBranch<N, S::Mode>]) -> Option<Stop> {
+    pub(super) fn boundary_equilibrium(&self, orbits: &[&OnBranch]) -> Option<Stop> {
         if self.settings.forced.is_some() {
             return None;
         }
-        let held = |parameter: f64, mode, x: &State<N>| {
+        let held = |parameter: f64, mode, x: &Vector| {
             let mut x = *x;
             x[N - 1] = parameter;
             Held::near(self.corrector.system, mode, &x, N - 1)
         };
-        let of = |one: &OnBranch<N, S::Mode>| one.circuit.anchor.x[N - 1];
+        let of = |one: &OnBranch| one.circuit.anchor.x[N - 1];
         let (parameter, _) = ends_in(orbits, self.widest, N - 1, of, held)?;
         let (low, high) = self.settings.range;
         (low..=high)
@@ -119,7 +119,7 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
     /// Whether an orbit a step further on begins where the last one sticks, and does so all the time.
     fn rests_further_on(&self) -> bool {
         let circuit = &self.last.circuit;
-        let stick = circuit.parts.iter().find(|part| S::any_sticks(part.mode));
+        let stick = circuit.parts.iter().find(|part| part.mode.any_sticks());
         let Some(stuck) = stick.and_then(|part| part.first) else {
             return false;
         };
@@ -131,7 +131,7 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
         let Ok(orbit) = solve(system, stuck.t, x, end, options) else {
             return false;
         };
-        orbit.transitions.is_empty() && orbit.phases.iter().all(|phase| S::any_sticks(phase.mode))
+        orbit.transitions.is_empty() && orbit.phases.iter().all(|phase| phase.mode.any_sticks())
     }
 
     /// Whether the branch has come back to the first orbit, which is then its last.
@@ -163,12 +163,12 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
     }
 
     /// Whether an orbit at the first one's parameter is the first one.
-    fn is_first(&self, found: &OnBranch<N, S::Mode>) -> bool {
+    fn is_first(&self, found: &OnBranch) -> bool {
         let is_forced = self.settings.forced.is_some();
         let first = &self.first;
         let agree = |a: f64, b: f64| (a - b).abs() <= SAME * (1.0 + b.abs());
         if is_forced {
-            let off = |x: State<N>| (x - first.circuit.anchor.x).amax();
+            let off = |x: Vector| (x - first.circuit.anchor.x).amax();
             return self
                 .at_time(found, first.circuit.anchor.t)
                 .is_some_and(|x| off(x) <= SAME * first.circuit.extent);
@@ -181,7 +181,7 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
     }
 
     /// The state of a driven orbit at a time or whole periods of its own from it.
-    fn at_time(&self, orbit: &OnBranch<N, S::Mode>, t: f64) -> Option<State<N>> {
+    fn at_time(&self, orbit: &OnBranch, t: f64) -> Option<Vector> {
         // So little of a period that the state is the same.
         const SAME_TIME: f64 = 1e-9;
         let (at, period) = (&orbit.circuit.anchor, orbit.circuit.period);
@@ -195,7 +195,7 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
     }
 
     /// How near an orbit comes to a state: the mirror image of the first orbit is like it, but elsewhere.
-    fn comes_by(&self, found: &OnBranch<N, S::Mode>, place: &State<N>) -> f64 {
+    fn comes_by(&self, found: &OnBranch, place: &Vector) -> f64 {
         const PARTS: u32 = 128;
         let Anchor { t, x, .. } = found.circuit.anchor;
         let (mut nearest, mut here) = ((x - place).norm(), x);

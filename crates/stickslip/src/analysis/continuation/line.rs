@@ -8,24 +8,24 @@ use crate::filippov::Switched;
 use crate::system::State;
 
 /// The line through the last two orbits, along which the next is sought.
-pub(super) struct Line<const N: usize, K> {
-    pub base: Anchor<N, K>,
+pub(super) struct Line {
+    pub base: Anchor,
     pub period: f64,
     /// Changes for a step of length 1, at the same time.
-    pub direction: State<N>,
+    pub direction: Vector,
     pub of_period: f64,
     /// Distance between the two.
     pub length: f64,
     /// Weights of the components.
-    pub weights: State<N>,
+    pub weights: Vector,
     /// Whether orbits are sought at a parameter: of a family at each, the nearest one. Elsewhere in
     /// the plane across the line.
     is_of_families: bool,
 }
 
-impl<const N: usize, K: Copy> Line<N, K> {
+impl Line {
     /// Where the orbit is sought at a place on it.
-    pub fn guess(&self, s: f64) -> Guess<N, K> {
+    pub fn guess(&self, s: f64) -> Guess {
         let at = self.base.moved(self.base.x + self.direction * s);
         let period = self.period + self.of_period * s;
         if self.is_of_families {
@@ -41,8 +41,8 @@ impl<const N: usize, K: Copy> Line<N, K> {
     }
 }
 
-impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
-    pub(super) fn line(&self) -> Line<N, S::Mode> {
+impl Walk<'_> {
+    pub(super) fn line(&self) -> Line {
         let (a, b) = (&self.before.circuit, &self.last.circuit);
         let (state, parameter) = (1.0 / self.size, 1.0 / self.width);
         let weights = State::from_fn(|i, _| {
@@ -68,7 +68,7 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
     }
 
     /// The line through the last orbit along the branch's own tangent there.
-    pub(super) fn tangent(&self, line: &Line<N, S::Mode>) -> Option<Line<N, S::Mode>> {
+    pub(super) fn tangent(&self, line: &Line) -> Option<Line> {
         let row = line.direction.component_mul(&line.weights);
         let (way, of_period) = self.corrector.tangent(&self.last, &row)?;
         let length = way.component_mul(&way).dot(&line.weights).sqrt();
@@ -89,17 +89,17 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
 
     /// The orbit next to a place on the line, if there is one no farther from it than the place is from the last orbit; between the last
     /// two, than these are from each other.
-    pub(super) fn on(&self, line: &Line<N, S::Mode>, s: f64) -> Option<OnBranch<N, S::Mode>> {
+    pub(super) fn on(&self, line: &Line, s: f64) -> Option<OnBranch> {
         self.on_across(line, line.guess(s), s)
     }
 
     /// The same, sought where those lead to that were found on it: next to a change a guess that is a little off lies behind it.
     pub(super) fn on_beyond(
         &self,
-        line: &Line<N, S::Mode>,
-        good: &[OnBranch<N, S::Mode>],
+        line: &Line,
+        good: &[OnBranch],
         s: f64,
-    ) -> Option<OnBranch<N, S::Mode>> {
+    ) -> Option<OnBranch> {
         let ([one, two], part) = pair_for(good, s)?;
         let [a, b] = [one, two].map(|one| {
             if one.s > 0.0 {
@@ -120,10 +120,10 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
 
     fn on_across(
         &self,
-        line: &Line<N, S::Mode>,
-        guess: Guess<N, S::Mode>,
+        line: &Line,
+        guess: Guess,
         s: f64,
-    ) -> Option<OnBranch<N, S::Mode>> {
+    ) -> Option<OnBranch> {
         let found = self.corrector.orbit(&guess, s)?;
         let off = found.branch.start.x - guess.at.x;
         let distance = off.component_mul(&off).dot(&line.weights).sqrt();

@@ -85,13 +85,13 @@ impl ContinuationSettings {
 
 /// A periodic orbit on a branch.
 #[derive(Clone, Debug, PartialEq)]
-pub struct BranchPoint<const N: usize, K = Mode> {
+pub struct BranchPoint {
     /// The parameter.
     pub parameter: f64,
     /// A time and a state on the orbit, in the middle of a phase, which is not the same all along the branch; the last component is the parameter.
     pub t: f64,
     /// See `t`.
-    pub x: State<N>,
+    pub x: Vector,
     /// Period.
     pub period: f64,
     /// The multipliers by falling size, without the trivial one of a system that does not depend on time.
@@ -100,7 +100,7 @@ pub struct BranchPoint<const N: usize, K = Mode> {
     pub sequence: Vec<K>,
 }
 
-impl<const N: usize, K> BranchPoint<N, K> {
+impl BranchPoint {
     /// What the multipliers say of it.
     pub fn stability(&self) -> Stability {
         Stability::of(&self.multipliers)
@@ -109,7 +109,7 @@ impl<const N: usize, K> BranchPoint<N, K> {
 
 /// What is special about an orbit on a branch.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Special<const N: usize, K = Mode> {
+pub enum Special {
     /// The branch turns back: a multiplier is 1.
     Fold,
     /// A multiplier is 1, and the branch goes on: another one meets it.
@@ -122,23 +122,23 @@ pub enum Special<const N: usize, K = Mode> {
         angle: f64,
     },
     /// The phases change.
-    Sequence(Box<SequenceChange<N, K>>),
+    Sequence(Box<SequenceChange>),
 }
 
 /// A special orbit on a branch.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SpecialPoint<const N: usize, K = Mode> {
+pub struct SpecialPoint {
     /// The parameter.
     pub parameter: f64,
     /// By how much that may be off: of a change of phases, its own; of the others, what the multipliers' function lacks of zero there and what rounding
     /// leaves of it, over its slope along the branch, and what the tolerances do, as in [`SequenceChange::uncertainty`].
     pub uncertainty: f64,
     /// What is special.
-    pub what: Special<N, K>,
+    pub what: Special,
     /// Behind how many points of the branch it lies.
     pub behind: usize,
     /// A state on the orbit, or on the nearest one that was computed.
-    pub x: State<N>,
+    pub x: Vector,
     /// Its period.
     pub period: f64,
 }
@@ -197,11 +197,11 @@ pub enum Stop {
 
 /// A branch of periodic orbits.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Branch<const N: usize, K = Mode> {
+pub struct Branch {
     /// The orbits, in the order in which they were found.
-    pub points: Vec<BranchPoint<N, K>>,
+    pub points: Vec<BranchPoint>,
     /// The special ones between them, in the same order.
-    pub special: Vec<SpecialPoint<N, K>>,
+    pub special: Vec<SpecialPoint>,
     /// Why there are no more.
     pub stop: Stop,
 }
@@ -244,15 +244,15 @@ pub struct Branch<const N: usize, K = Mode> {
 /// assert!((branch.special[0].parameter + 1.0).abs() < 1e-9);
 /// # Ok::<(), stickslip::Error>(())
 /// ```
-pub fn continue_periodic_orbit<S: Switched<N, G>, const N: usize, const G: usize>(
-    system: &S,
-    x: impl Into<State<N>>,
+pub fn continue_periodic_orbit(
+    system: &dyn Dynamics,
+    x: impl Components,
     period: f64,
     upwards: bool,
     settings: &ContinuationSettings,
     options: &Options,
-) -> Result<Branch<N, S::Mode>, Error> {
-    let all = |_: &BranchPoint<N, S::Mode>| ControlFlow::Continue(());
+) -> Result<Branch, Error> {
+    let all = |_: &BranchPoint| ControlFlow::Continue(());
     continue_periodic_orbit_while(system, x, period, upwards, settings, options, all)
 }
 
@@ -260,15 +260,15 @@ pub fn continue_periodic_orbit<S: Switched<N, G>, const N: usize, const G: usize
 ///
 /// # Errors
 /// Those of [`continue_periodic_orbit`].
-pub fn continue_periodic_orbit_while<S: Switched<N, G>, const N: usize, const G: usize>(
-    system: &S,
-    x: impl Into<State<N>>,
+pub fn continue_periodic_orbit_while(
+    system: &dyn Dynamics,
+    x: impl Components,
     period: f64,
     upwards: bool,
     settings: &ContinuationSettings,
     options: &Options,
-    seen: impl FnMut(&BranchPoint<N, S::Mode>) -> ControlFlow<()>,
-) -> Result<Branch<N, S::Mode>, Error> {
+    seen: impl FnMut(&BranchPoint) -> ControlFlow<()>,
+) -> Result<Branch, Error> {
     settings.check()?;
     let mut walk = Walk::begin(system, x.into(), period, settings, options)?;
     let stop = walk.go(upwards, seen);

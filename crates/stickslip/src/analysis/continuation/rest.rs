@@ -13,7 +13,7 @@ use crate::analysis::critical::zero_between;
 use crate::analysis::multipliers::eigenvalues;
 use crate::filippov::{Integration, Progress, Switched};
 use crate::math;
-use crate::ode::Timed;
+use crate::dynamics::Moment;
 use crate::system::State;
 
 /// An orbit passes a saddle where, at its least speed, it would go this part of its extent in a period.
@@ -23,9 +23,9 @@ const SLOW: f64 = 1e-1;
 const CLOSE: f64 = 1e-2;
 
 /// The parameter near to the orbit's at which the equilibrium inside it has imaginary eigenvalues, and their size.
-pub(super) fn hopf<S: Switched<N, G>, const N: usize, const G: usize>(
-    system: &S,
-    orbit: &OnBranch<N, S::Mode>,
+pub(super) fn hopf(
+    system: &dyn Dynamics,
+    orbit: &OnBranch,
     width: f64,
 ) -> Option<(f64, f64)> {
     let mode = orbit.circuit.parts.last()?.mode;
@@ -62,13 +62,13 @@ pub(super) fn hopf<S: Switched<N, G>, const N: usize, const G: usize>(
 }
 
 /// A saddle, and how fast orbits leave it and come to it at the slowest.
-struct Saddle<const N: usize> {
-    x: State<N>,
+struct Saddle {
+    x: Vector,
     leaves: f64,
     comes: f64,
 }
 
-impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
+impl Walk<'_> {
     /// Whether the last orbit is about to be a homoclinic one: slower than the one before it, and close to a saddle, or to several.
     pub(super) fn homoclinic(&self) -> Option<Stop> {
         let circuit = &self.last.circuit;
@@ -99,7 +99,7 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
         let here = self.parameter();
         let period = self.last.circuit.period;
         let is_further =
-            |point: &&BranchPoint<N, S::Mode>| rate * (period - point.period) >= math::ln(TIMES);
+            |point: &&BranchPoint| rate * (period - point.period) >= math::ln(TIMES);
         let Some(other) = self.points.iter().rev().find(is_further) else {
             return (here, f64::NAN);
         };
@@ -109,7 +109,7 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
     }
 
     /// The saddles that the last orbit passes by slowly.
-    fn saddles(&self) -> Option<Vec<Saddle<N>>> {
+    fn saddles(&self) -> Option<Vec<Saddle>> {
         let circuit = &self.last.circuit;
         let (system, options) = (self.corrector.system, self.corrector.options);
         let slow = SLOW * circuit.extent / circuit.period;
@@ -117,17 +117,17 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
         let start = circuit.anchor;
         let t_end = start.t + circuit.period;
         let mut integration = Integration::new(system, start.t, start.x, t_end, options).ok()?;
-        let mut saddles: Vec<Saddle<N>> = Vec::new();
+        let mut saddles: Vec<Saddle> = Vec::new();
         loop {
             match integration.step().ok()? {
                 Progress::Step => {
                     let (mode, x) = (integration.mode(), *integration.x());
-                    let at = Timed {
+                    let at = Moment {
                         t: integration.t(),
                         x,
                     };
                     let is_slow = velocity_in(system, mode, &at).norm() < slow;
-                    let is_new = |saddle: &Saddle<N>| (saddle.x - x).norm() > 2.0 * near;
+                    let is_new = |saddle: &dyn Dynamicsaddle| (saddle.x - x).norm() > 2.0 * near;
                     if is_slow
                         && saddles.iter().all(is_new)
                         && let Some(saddle) = self.saddle_near(mode, &at)
@@ -143,10 +143,10 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
     }
 
     /// The equilibrium of a mode near a state, if the mode holds there and orbits both come to it and leave it.
-    fn saddle_near(&self, mode: S::Mode, at: &Timed<N>) -> Option<Saddle<N>> {
+    fn saddle_near(&self, mode: Modes, at: &Moment) -> Option<Saddle> {
         let free = N - 1;
         let rest = equilibrium_near(self.corrector.system, mode, at.t, &at.x, free)?;
-        let there = Timed { t: at.t, x: rest.x };
+        let there = Moment { t: at.t, x: rest.x };
         if !holds(self.corrector.system, mode, there) {
             return None;
         }
@@ -163,7 +163,7 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
             // On the boundary orbits come to it from across in finite time.
             comes: match nearest(-1.0) {
                 Some(rate) => -rate,
-                None if S::any_sticks(mode) => f64::NEG_INFINITY,
+                None if mode.any_sticks() => f64::NEG_INFINITY,
                 None => return None,
             },
         })

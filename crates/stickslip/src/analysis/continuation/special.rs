@@ -10,14 +10,14 @@ use crate::analysis::sequence::of_tolerance;
 use crate::filippov::Switched;
 use crate::system::State;
 
-impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
+impl Walk<'_> {
     /// Goes on from this orbit, and tells what is special between the last one and it, by the multipliers.
-    pub(super) fn follow(&mut self, next: OnBranch<N, S::Mode>) {
+    pub(super) fn follow(&mut self, next: OnBranch) {
         let behind = self.points.len();
         self.take(next);
         let line = self.line();
         let is_forced = self.settings.forced.is_some();
-        let of = |orbit: &OnBranch<N, S::Mode>| orbit.branch.critical(is_forced);
+        let of = |orbit: &OnBranch| orbit.branch.critical(is_forced);
         let (here, there) = (of(&self.before), of(&self.last));
         type Function = fn(&Critical) -> Option<f64>;
         let functions: [Function; 3] = [|c| Some(c.one), |c| Some(c.minus_one), |c| c.circle];
@@ -75,14 +75,14 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
     /// The place of an orbit at which a function of the multipliers is zero, with what the function lacks of it over its slope.
     fn with_uncertainty(
         &self,
-        line: &Line<N, S::Mode>,
-        at: &OnBranch<N, S::Mode>,
-        function: impl Fn(&OnBranch<N, S::Mode>) -> Option<f64>,
-    ) -> Place<N> {
+        line: &Line,
+        at: &OnBranch,
+        function: impl Fn(&OnBranch) -> Option<f64>,
+    ) -> Place {
         const APART: f64 = 1e-4;
         let way = APART * line.length;
-        let parameter = |one: &OnBranch<N, S::Mode>| one.circuit.anchor.x[N - 1];
-        let value = |orbit: &OnBranch<N, S::Mode>| {
+        let parameter = |one: &OnBranch| one.circuit.anchor.x[N - 1];
+        let value = |orbit: &OnBranch| {
             Some(Value {
                 function: function(orbit)?,
                 parameter: parameter(orbit),
@@ -106,12 +106,12 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
     /// By how much the tolerances may have a function of the multipliers and the parameter off, at an orbit's place.
     fn by_tolerance(
         &self,
-        line: &Line<N, S::Mode>,
-        at: &OnBranch<N, S::Mode>,
-        function: impl Fn(&OnBranch<N, S::Mode>) -> Option<f64>,
+        line: &Line,
+        at: &OnBranch,
+        function: impl Fn(&OnBranch) -> Option<f64>,
     ) -> Option<Value> {
         let finer = self.corrector.finer(&line.guess(at.s), at.s)?;
-        let parameter = |one: &OnBranch<N, S::Mode>| one.circuit.anchor.x[N - 1];
+        let parameter = |one: &OnBranch| one.circuit.anchor.x[N - 1];
         Some(Value {
             function: of_tolerance(function(at)?, function(&finer)?),
             parameter: of_tolerance(parameter(at), parameter(&finer)),
@@ -119,7 +119,7 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
     }
 
     /// The orbit at a place, or, where another branch meets this one and Newton's matrix is singular, next to it.
-    fn next_to(&self, line: &Line<N, S::Mode>, s: f64) -> Option<OnBranch<N, S::Mode>> {
+    fn next_to(&self, line: &Line, s: f64) -> Option<OnBranch> {
         const PARTS: [f64; 5] = [0.0, 1e-10, -1e-10, 1e-9, -1e-9];
         let mut places = PARTS.iter().map(|part| s + part * line.length);
         places.find_map(|place| self.on(line, place))
@@ -129,16 +129,16 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
     /// is singular, and no orbit is found next to it.
     fn interpolated(
         &self,
-        line: &Line<N, S::Mode>,
+        line: &Line,
         rough: f64,
-        function: impl Fn(&OnBranch<N, S::Mode>) -> Option<f64>,
-    ) -> Option<Place<N>> {
+        function: impl Fn(&OnBranch) -> Option<f64>,
+    ) -> Option<Place> {
         // So far apart, in parts of the distance between the last two orbits, and so many each way.
         const APART: f64 = 0.15;
         const EACH_WAY: i32 = 4;
         const FEWEST: usize = 5;
         let wanted = self.last.circuit.sequence();
-        let mut nodes: Vec<(f64, Place<N>)> = Vec::new();
+        let mut nodes: Vec<(f64, Place)> = Vec::new();
         let mut shift = None;
         for k in (-EACH_WAY..=EACH_WAY).filter(|k| *k != 0) {
             let s = rough + APART * line.length * f64::from(k);
@@ -154,7 +154,7 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
             return None;
         }
         let place = zero_of_polynomial(&nodes)?;
-        let parameter = |place: &Place<N>| place.x[N - 1];
+        let parameter = |place: &Place| place.x[N - 1];
         let known = || {
             let fewer = zero_of_polynomial(nodes.get(1..nodes.len() - 1)?)?;
             let (first, last) = (nodes.first()?, nodes.last()?);
@@ -175,7 +175,7 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
     }
 
     /// An uncertainty, which is no less than what Newton's iteration leaves of a parameter's last places; where there is none, the place lies between the last two.
-    fn at_least(&self, x: &State<N>, uncertainty: Option<f64>) -> f64 {
+    fn at_least(&self, x: &Vector, uncertainty: Option<f64>) -> f64 {
         const ROUNDING: f64 = 16.0 * f64::EPSILON;
         let [before, last] = [&self.before, &self.last].map(|one| one.circuit.anchor.x[N - 1]);
         let uncertainty = uncertainty.unwrap_or((last - before).abs());
@@ -183,10 +183,10 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
     }
 
     /// Whether the parameter turns back at a place between the last two orbits.
-    fn fold_or_branch(&self, line: &Line<N, S::Mode>, at: &Place<N>) -> Special<N, S::Mode> {
+    fn fold_or_branch(&self, line: &Line, at: &Place) -> Special {
         // Not next to it: there another branch may be.
         let away = 0.5 * line.length;
-        let parameter = |s: f64, end: &OnBranch<N, S::Mode>| {
+        let parameter = |s: f64, end: &OnBranch| {
             let found = self.on(line, s);
             let orbit = found.filter(|one| one.circuit.sequence() == end.circuit.sequence());
             orbit.as_ref().unwrap_or(end).circuit.anchor.x[N - 1]
@@ -203,16 +203,16 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Walk<'_, S, N, G> {
 }
 
 /// A place on the branch.
-struct Place<const N: usize> {
+struct Place {
     s: f64,
     uncertainty: f64,
     /// A state on the orbit there.
-    x: State<N>,
+    x: Vector,
     period: f64,
 }
 
-impl<const N: usize> Place<N> {
-    fn of<K>(orbit: &OnBranch<N, K>) -> Self {
+impl Place {
+    fn of<K>(orbit: &OnBranch) -> Self {
         Place {
             s: orbit.s,
             uncertainty: 0.0,
@@ -223,7 +223,7 @@ impl<const N: usize> Place<N> {
 }
 
 /// Where the polynomial through values of a function is zero between two of them.
-fn zero_of_polynomial<const N: usize>(nodes: &[(f64, Place<N>)]) -> Option<Place<N>> {
+fn zero_of_polynomial(nodes: &[(f64, Place)]) -> Option<Place> {
     let places: Vec<f64> = nodes.iter().map(|(_, place)| place.s).collect();
     let value = |s: f64| -> f64 {
         let terms = weights(&places, s).into_iter().zip(nodes);

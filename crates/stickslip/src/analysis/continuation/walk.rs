@@ -14,7 +14,7 @@ use crate::analysis::sequence::circuit::anchor;
 use crate::analysis::sequence::locate::locate;
 use crate::error::Error;
 use crate::filippov::{Options, Switched, run};
-use crate::ode::Timed;
+use crate::dynamics::Moment;
 use crate::system::State;
 
 /// A change of phases is located to this part of the range.
@@ -30,34 +30,34 @@ const BEHIND: f64 = 0.02;
 const OF_EXTENT: f64 = 0.1;
 
 /// A branch under way.
-pub(super) struct Walk<'a, S: Switched<N, G>, const N: usize, const G: usize> {
-    pub(super) corrector: Corrector<'a, S>,
+pub(super) struct Walk<'a> {
+    pub(super) corrector: Corrector<'a>,
     pub(super) settings: &'a ContinuationSettings,
     /// Width of the range.
     pub(super) width: f64,
     /// Size of the first orbit.
     pub(super) size: f64,
     /// The first orbit.
-    pub(super) first: OnBranch<N, S::Mode>,
+    pub(super) first: OnBranch,
     /// Extent of the widest orbit yet.
     pub(super) widest: f64,
     /// The last two orbits.
-    pub(super) before: OnBranch<N, S::Mode>,
-    pub(super) last: OnBranch<N, S::Mode>,
+    pub(super) before: OnBranch,
+    pub(super) last: OnBranch,
     pub(super) step: f64,
-    pub(super) points: Vec<BranchPoint<N, S::Mode>>,
-    pub(super) special: Vec<SpecialPoint<N, S::Mode>>,
+    pub(super) points: Vec<BranchPoint>,
+    pub(super) special: Vec<SpecialPoint>,
 }
 
-impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
+impl<'a> Walk<'a> {
     pub fn begin(
-        system: &'a S,
-        x: State<N>,
+        system: &'a dyn Dynamics,
+        x: Vector,
         period: f64,
         settings: &'a ContinuationSettings,
         options: &'a Options,
     ) -> Result<Self, Error> {
-        let start = Timed { t: 0.0, x };
+        let start = Moment { t: 0.0, x };
         let period = settings.forced.unwrap_or(period);
         let rate = Anchor::at_start(system, &start, period, options)?.velocity(system)[N - 1];
         if rate != 0.0 {
@@ -110,7 +110,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
         Ok(walk)
     }
 
-    pub fn into_branch(self, stop: Stop) -> Branch<N, S::Mode> {
+    pub fn into_branch(self, stop: Stop) -> Branch {
         Branch {
             points: self.points,
             special: self.special,
@@ -122,7 +122,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
     pub fn go(
         &mut self,
         upwards: bool,
-        mut seen: impl FnMut(&BranchPoint<N, S::Mode>) -> ControlFlow<()>,
+        mut seen: impl FnMut(&BranchPoint) -> ControlFlow<()>,
     ) -> Stop {
         let mut stop = self.second(if upwards { 1.0 } else { -1.0 });
         let mut told = 0;
@@ -176,7 +176,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
 
     /// Whether the system is none that can be followed from an orbit's state at a parameter next to
     /// it, and why.
-    fn refused(&self, orbit: &OnBranch<N, S::Mode>, parameter: f64) -> Option<Stop> {
+    fn refused(&self, orbit: &OnBranch, parameter: f64) -> Option<Stop> {
         let Anchor { t, mut x, .. } = orbit.circuit.anchor;
         x[N - 1] = parameter;
         let (system, options) = (self.corrector.system, self.corrector.options);
@@ -224,9 +224,9 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
     }
 
     /// The way back along the parameter from the last orbit before a change to one that is apart from it.
-    fn away_from(&self, good: &[OnBranch<N, S::Mode>]) -> f64 {
+    fn away_from(&self, good: &[OnBranch]) -> f64 {
         const APART: f64 = 1e-8;
-        let parameter = |one: &OnBranch<N, S::Mode>| one.circuit.anchor.x[N - 1];
+        let parameter = |one: &OnBranch| one.circuit.anchor.x[N - 1];
         let last = good.last().map_or(f64::NAN, parameter);
         let ways = good.iter().rev().map(|one| parameter(one) - last);
         let mut apart = ways.filter(|way| way.abs() > APART * self.width);
@@ -244,12 +244,12 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
     }
 
     /// The function of an orbit's multipliers that is zero at a fold.
-    fn to_fold(&self, orbit: &OnBranch<N, S::Mode>) -> f64 {
+    fn to_fold(&self, orbit: &OnBranch) -> f64 {
         orbit.branch.critical(self.settings.forced.is_some()).one
     }
 
     /// Whether the next orbit lies back along the parameter though no multiplier has passed 1: the way that has come was found again.
-    fn turns_without_fold(&self, next: &OnBranch<N, S::Mode>) -> bool {
+    fn turns_without_fold(&self, next: &OnBranch) -> bool {
         let way = next.circuit.anchor.x[N - 1] - self.parameter();
         let turns = self.heading().is_some_and(|heading| way * heading < 0.0);
         turns && self.to_fold(&self.last) * self.to_fold(next) > 0.0
@@ -267,9 +267,9 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
     /// The phases change within the step, or it is too long.
     fn get_behind(
         &mut self,
-        line: &Line<N, S::Mode>,
+        line: &Line,
         step: f64,
-        trial: Option<OnBranch<N, S::Mode>>,
+        trial: Option<OnBranch>,
     ) -> Option<Stop> {
         let wanted = self.last.circuit.sequence();
         let (mut before, mut last) = (self.before.clone(), self.last.clone());
@@ -376,7 +376,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
             let refused = places.find_map(|place| self.refused(&self.last, place));
             return refused.or(Some(Stop::SequenceEnds));
         };
-        let is_outside = |one: &OnBranch<N, S::Mode>| {
+        let is_outside = |one: &OnBranch| {
             let parameter = one.circuit.anchor.x[N - 1];
             !(low..=high).contains(&parameter)
         };
@@ -392,13 +392,13 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
 
     /// An orbit with the same phases along the branch's tangent behind a fold: where it turns by more than a right angle no orbit is ahead on the line of the
     /// last two.
-    fn round_a_bend(&self, line: &Line<N, S::Mode>, step: f64) -> Option<OnBranch<N, S::Mode>> {
+    fn round_a_bend(&self, line: &Line, step: f64) -> Option<OnBranch> {
         const TIMES: [f64; 3] = [1.0, 0.3, 0.1];
         if self.heading().is_some() {
             return None;
         }
         let tangent = self.tangent(line)?;
-        let is_next = |next: &OnBranch<N, S::Mode>| {
+        let is_next = |next: &OnBranch| {
             self.last.goes_on_in(next) && !self.turns_without_fold(next)
         };
         TIMES
@@ -409,12 +409,12 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
     /// An orbit with the same phases a little further on than a step leads: next to where another branch meets this one none is found.
     fn beyond_branch_point(
         &self,
-        line: &Line<N, S::Mode>,
+        line: &Line,
         step: f64,
-    ) -> Option<OnBranch<N, S::Mode>> {
+    ) -> Option<OnBranch> {
         const TIMES: [f64; 3] = [2.0, 4.0, 8.0];
         let last = self.to_fold(&self.last);
-        let is_beyond = |next: &OnBranch<N, S::Mode>| {
+        let is_beyond = |next: &OnBranch| {
             let way = next.circuit.anchor.x[N - 1] - self.parameter();
             let goes_on = self.heading().is_some_and(|heading| way * heading > 0.0);
             goes_on && last * self.to_fold(next) < 0.0 && self.last.goes_on_in(next)
@@ -428,9 +428,9 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
     /// badly.
     fn anchored_anew(
         &self,
-        before: &OnBranch<N, S::Mode>,
-        last: &OnBranch<N, S::Mode>,
-    ) -> Option<[OnBranch<N, S::Mode>; 2]> {
+        before: &OnBranch,
+        last: &OnBranch,
+    ) -> Option<[OnBranch; 2]> {
         let Corrector {
             system, options, ..
         } = self.corrector;
@@ -439,7 +439,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
         if before.circuit.sequence() != old {
             return None;
         }
-        let anew = |one: &OnBranch<N, S::Mode>| {
+        let anew = |one: &OnBranch| {
             let at = one.circuit.anchor_in(system, part, options)?;
             let guess = Guess::at_parameter(at, one.circuit.period, at.x[N - 1]);
             self.corrector.orbit(&guess, one.s)
@@ -450,7 +450,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Walk<'a, S, N, G> {
     }
 
     /// Goes on from this orbit.
-    pub(super) fn take(&mut self, next: OnBranch<N, S::Mode>) {
+    pub(super) fn take(&mut self, next: OnBranch) {
         self.widest = self.widest.max(next.circuit.extent);
         self.corrector.extent = self.widest;
         self.corrector.family = next.branch.family;

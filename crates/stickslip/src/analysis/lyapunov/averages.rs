@@ -7,7 +7,7 @@ use super::spectrum::{Exponent, Running};
 /// exponents, their blocks and their running means. For growth that is measured otherwise than [`crate::analysis::lyapunov_spectrum`]
 /// does.
 #[derive(Clone, Debug)]
-pub struct Growth<const N: usize> {
+pub struct Growth {
     /// Time measuring began.
     begin: f64,
     /// Sums of the logarithms; −∞ for an annihilated vector.
@@ -23,12 +23,12 @@ pub struct Growth<const N: usize> {
     blocks: usize,
     mean: [f64; N],
     squares: [f64; N],
-    running: Vec<Running<N>>,
+    running: Vec<Running>,
 }
 
-impl<const N: usize> Growth<N> {
+impl Growth {
     /// Measures from time `begin` on, with the duration, blocks and samples of `settings`.
-    pub fn new(begin: f64, settings: &SpectrumOptions) -> Self {
+    pub fn new(begin: f64, settings: &dyn DynamicspectrumOptions) -> Self {
         Growth {
             begin,
             logs: [0.0; N],
@@ -79,7 +79,7 @@ impl<const N: usize> Growth<N> {
     }
 
     /// The time measured up to `t`, the exponents in descending order, and the running ones in the same order.
-    pub fn finish(mut self, t: f64) -> (f64, [Exponent; N], Vec<Running<N>>) {
+    pub fn finish(mut self, t: f64) -> (f64, [Exponent; N], Vec<Running>) {
         let elapsed = t - self.begin;
         // Rounding can leave the last block a hair too short to count on its own.
         if elapsed - self.block_start.0 > 0.5 * self.block_length {

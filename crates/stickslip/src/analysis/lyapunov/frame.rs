@@ -10,12 +10,12 @@ const IN_SPAN: f64 = 1e-12;
 /// `N` orthonormal vectors, of which some may have been annihilated. Those that have not are in the order of
 /// their exponents; those that have complete the basis and carry nothing but the normal of the space of the others.
 #[derive(Clone, Debug)]
-pub(super) struct Frame<const N: usize> {
-    columns: [State<N>; N],
+pub(super) struct Frame {
+    columns: [Vector; N],
     alive: [bool; N],
 }
 
-impl<const N: usize> Frame<N> {
+impl Frame {
     /// A frame in general position, the same every time. Along the axes it could lie in invariant subspaces of a system whose
     /// equations decouple, and never find the largest exponent.
     pub(super) fn generic() -> Self {
@@ -43,26 +43,26 @@ impl<const N: usize> Frame<N> {
     }
 
     /// Indices of the vectors: those alive in order, then the others.
-    fn order(&self) -> impl Iterator<Item = usize> + Clone + use<N> {
+    fn order(&self) -> impl Iterator<Item = usize> + Clone + use {
         let alive = self.alive;
         let first = (0..N).filter(move |&j| alive[j]);
         first.chain((0..N).filter(move |&j| !alive[j]))
     }
 
-    fn living(&self) -> impl Iterator<Item = usize> + Clone + use<N> {
+    fn living(&self) -> impl Iterator<Item = usize> + Clone + use {
         let alive = self.alive;
         (0..N).filter(move |&j| alive[j])
     }
 
     /// Applies a linear map to all vectors.
-    pub(super) fn apply(&mut self, mut map: impl FnMut(&State<N>) -> State<N>) {
+    pub(super) fn apply(&mut self, mut map: impl FnMut(&Vector) -> Vector) {
         for column in &mut self.columns {
             *column = map(column);
         }
     }
 
     /// Changes the vectors alive.
-    pub(super) fn change_living(&mut self, change: impl Fn(&mut State<N>)) {
+    pub(super) fn change_living(&mut self, change: impl Fn(&mut Vector)) {
         for j in self.living() {
             change(&mut self.columns[j]);
         }
@@ -100,7 +100,7 @@ impl<const N: usize> Frame<N> {
     }
 
     /// What of `vector` lies outside the span of the vectors alive: its length.
-    pub(super) fn height(&self, vector: &State<N>) -> f64 {
+    pub(super) fn height(&self, vector: &Vector) -> f64 {
         let mut rest = *vector;
         for j in self.living() {
             rest -= self.columns[j] * self.columns[j].dot(&rest);
@@ -110,7 +110,7 @@ impl<const N: usize> Frame<N> {
 
     /// Declares dead the vector that a projection along the unit vector `kernel` annihilates: the first that together
     /// with those before it has `kernel` in its span. `None` if the span of all does not hold it.
-    pub(super) fn collapse(&mut self, kernel: &State<N>) -> Option<usize> {
+    pub(super) fn collapse(&mut self, kernel: &Vector) -> Option<usize> {
         let mut rest = *kernel;
         for j in self.living() {
             rest -= self.columns[j] * self.columns[j].dot(&rest);
@@ -125,7 +125,7 @@ impl<const N: usize> Frame<N> {
     /// Replaces the dead vectors by ones that complete those alive to an orthonormal basis.
     fn complete(&mut self) {
         let dead = self.order().skip(self.living().count());
-        let mut known: Vec<State<N>> = self.living().map(|j| self.columns[j]).collect();
+        let mut known: Vec<Vector> = self.living().map(|j| self.columns[j]).collect();
         for j in dead {
             // The axis that stands out most: by at least 1/√N.
             let rest = |i: usize| {
@@ -135,7 +135,7 @@ impl<const N: usize> Frame<N> {
             };
             let longest = (0..N)
                 .map(rest)
-                .fold(State::zeros(), |best: State<N>, rest| {
+                .fold(State::zeros(), |best: Vector, rest| {
                     if rest.norm() > best.norm() {
                         rest
                     } else {
@@ -148,7 +148,7 @@ impl<const N: usize> Frame<N> {
     }
 }
 
-fn axis<const N: usize>(i: usize) -> State<N> {
+fn axis(i: usize) -> Vector {
     State::from_fn(|k, _| f64::from(u8::from(k == i)))
 }
 

@@ -7,20 +7,20 @@ use super::settings::SpectrumOptions;
 use super::spectrum::Spectrum;
 use super::volume::growth;
 use crate::error::Error;
-use crate::filippov::{StepRecord, Summary, Switched, Transition, TransitionKind};
+use crate::filippov::{Step, Summary, Switched, Transition, TransitionKind};
 use crate::math;
-use crate::ode::Timed;
+use crate::dynamics::Moment;
 use crate::system::State;
 
 /// Part of its length by which a vector may be off the boundary of what sticks: its length is then off by the square of that.
 const OFF: f64 = 1e-12;
 
 /// The frame, and what is summed up of it.
-pub(super) struct Measurement<'a, S, const N: usize> {
-    tangent: Tangent<'a, S>,
-    settings: &'a SpectrumOptions,
-    frame: Frame<N>,
-    growth: Growth<N>,
+pub(super) struct Measurement<'a> {
+    tangent: Tangent<'a>,
+    settings: &'a dyn DynamicspectrumOptions,
+    frame: Frame,
+    growth: Growth,
     /// Logarithm of the volume that the vectors alive span, by Liouville's formula.
     log_volume: f64,
     /// Integral of the divergence.
@@ -34,8 +34,8 @@ pub(super) struct Measurement<'a, S, const N: usize> {
     is_settling: bool,
 }
 
-impl<'a, S, const N: usize> Measurement<'a, S, N> {
-    pub(super) fn new(system: &'a S, settings: &'a SpectrumOptions) -> Self {
+impl<'a> Measurement<'a, S, N> {
+    pub(super) fn new(system: &'a dyn Dynamics, settings: &'a dyn DynamicspectrumOptions) -> Self {
         Measurement {
             tangent: Tangent::new(system, &settings.solver),
             settings,
@@ -64,7 +64,7 @@ impl<'a, S, const N: usize> Measurement<'a, S, N> {
         self.is_settling = false;
     }
 
-    pub(super) fn finish(self, summary: Summary<N>) -> Spectrum<N> {
+    pub(super) fn finish(self, summary: Summary) -> Spectrum {
         let (duration, exponents, convergence) = self.growth.finish(summary.t);
         Spectrum {
             exponents,
@@ -97,7 +97,7 @@ impl<'a, S, const N: usize> Measurement<'a, S, N> {
 
     /// Takes out the direction that a projection along the unit vector `kernel` annihilates, if the frame spans it. The
     /// volume of the others is that of all, less the height over it.
-    fn collapse(&mut self, kernel: &State<N>) {
+    fn collapse(&mut self, kernel: &Vector) {
         if let Some(j) = self.frame.collapse(kernel) {
             self.log_volume -= self.growth.logs[j];
             self.growth.logs[j] = f64::NEG_INFINITY;
@@ -110,9 +110,9 @@ impl<'a, S, const N: usize> Measurement<'a, S, N> {
     /// the vectors' own volume changes as their distance to the tip of `kernel` before and after.
     fn project(
         &mut self,
-        kernel: &State<N>,
-        gradient: &State<N>,
-        mut map: impl FnMut(&State<N>) -> State<N>,
+        kernel: &Vector,
+        gradient: &Vector,
+        mut map: impl FnMut(&Vector) -> Vector,
     ) -> Option<()> {
         self.collapse(kernel);
         let before = self.frame.height(kernel);
@@ -131,7 +131,7 @@ impl<'a, S, const N: usize> Measurement<'a, S, N> {
         Some(())
     }
 
-    fn enter_stick(&mut self, jump: &Jump<N>) -> Option<()> {
+    fn enter_stick(&mut self, jump: &Jump) -> Option<()> {
         let size = jump.kick.norm();
         if !(size > 0.0 && size.is_finite()) {
             return None;
@@ -141,15 +141,13 @@ impl<'a, S, const N: usize> Measurement<'a, S, N> {
     }
 }
 
-impl<S, const N: usize> Measurement<'_, S, N> {
+impl<S> Measurement<'_, S, N> {
     /// A run that begins in stick was on Σ before: nothing across it survives. (From where it came decides along which
     /// direction it was projected, and no exponent depends on that.)
-    fn begin_on_boundary<const G: usize>(&mut self, step: &StepRecord<N, S::Mode>) -> Option<()>
-    where
-        S: Switched<N, G>,
+    fn begin_on_boundary(&mut self, step: &dyn DynamicstepRecord) -> Option<()>
     {
         let (t, x) = (step.t_start, step.x_start);
-        for gradient in self.gradients(step.mode, &Timed { t, x }) {
+        for gradient in self.gradients(step.mode, &Moment { t, x }) {
             let kernel = gradient / gradient.norm();
             self.project(&kernel, &gradient, |q| *q)?;
         }
@@ -163,11 +161,9 @@ impl<S, const N: usize> Measurement<'_, S, N> {
     }
 
     /// Gradients of the boundaries of what sticks, made orthogonal.
-    fn gradients<const G: usize>(&self, mode: S::Mode, at: &Timed<N>) -> Vec<State<N>>
-    where
-        S: Switched<N, G>,
+    fn gradients(&self, mode: Modes, at: &Moment) -> Vec<Vector>
     {
-        let mut across: Vec<State<N>> = Vec::new();
+        let mut across: Vec<Vector> = Vec::new();
         for (_, mut gradient) in self.tangent.system.normals(mode, at) {
             for before in &across {
                 flatten(before, &mut gradient);
@@ -179,12 +175,10 @@ impl<S, const N: usize> Measurement<'_, S, N> {
 
     /// Lays the vectors alive onto the boundaries of what sticks, where rounding has taken them off. Across a boundary the sliding flow lets be,
     /// so that in a long stick a vector that shrinks along it would become what rounding has left across.
-    fn stay_on_boundary<const G: usize>(&mut self, step: &StepRecord<N, S::Mode>)
-    where
-        S: Switched<N, G>,
+    fn stay_on_boundary(&mut self, step: &dyn DynamicstepRecord)
     {
         let (t, x) = (step.t_end, step.x_end);
-        let gradients = self.gradients(step.mode, &Timed { t, x });
+        let gradients = self.gradients(step.mode, &Moment { t, x });
         self.frame.change_living(|q| {
             for gradient in &gradients {
                 if gradient.dot(q).abs() > OFF * gradient.norm() * q.norm() {
@@ -194,11 +188,9 @@ impl<S, const N: usize> Measurement<'_, S, N> {
         });
     }
 
-    fn take<const G: usize>(&mut self, step: &StepRecord<N, S::Mode>) -> Option<()>
-    where
-        S: Switched<N, G>,
+    fn take(&mut self, step: &dyn DynamicstepRecord) -> Option<()>
     {
-        let is_stick = S::any_sticks(step.mode);
+        let is_stick = step.mode.any_sticks();
         if std::mem::take(&mut self.is_fresh) && is_stick {
             self.begin_on_boundary(step)?;
         }
@@ -217,12 +209,10 @@ impl<S, const N: usize> Measurement<'_, S, N> {
     }
 
     /// Takes the frame over a step.
-    pub(super) fn step<const G: usize>(
+    pub(super) fn step(
         &mut self,
-        step: &StepRecord<N, S::Mode>,
+        step: &dyn DynamicstepRecord,
     ) -> Result<(), Error>
-    where
-        S: Switched<N, G>,
     {
         self.take(step)
             .ok_or_else(|| singular(step.t_end, &step.x_end))?;
@@ -233,12 +223,10 @@ impl<S, const N: usize> Measurement<'_, S, N> {
     }
 
     /// Takes the frame through a transition.
-    pub(super) fn transition<const G: usize>(
+    pub(super) fn transition(
         &mut self,
-        at: &Transition<N, S::Mode>,
+        at: &Transition,
     ) -> Result<(), Error>
-    where
-        S: Switched<N, G>,
     {
         let enters = at.kind == TransitionKind::StickEntry;
         self.stick_entries += usize::from(enters);

@@ -70,11 +70,11 @@ use measurement::Measurement;
 /// [`Error::Option`]; those of [`crate::run`]; [`Error::NoUniqueFuture`] where the orbit ends on a repelling part of Σ or at a two-fold;
 /// [`Error::TangentSingular`] where it grazes Σ so exactly that tangent vectors have no image, or two
 /// contacts come to zero in the same instant.
-pub fn lyapunov_spectrum<S: Switched<N, G>, const N: usize, const G: usize>(
-    system: &S,
-    start: (f64, impl Into<State<N>>),
-    settings: &SpectrumOptions,
-) -> Result<Spectrum<N>, Error> {
+pub fn lyapunov_spectrum(
+    system: &dyn Dynamics,
+    start: (f64, impl Components),
+    settings: &dyn DynamicspectrumOptions,
+) -> Result<Spectrum, Error> {
     lyapunov_spectrum_watched(system, start, settings, &mut ())
 }
 
@@ -83,15 +83,13 @@ pub fn lyapunov_spectrum<S: Switched<N, G>, const N: usize, const G: usize>(
 ///
 /// # Errors
 /// As [`lyapunov_spectrum`].
-pub fn lyapunov_spectrum_watched<S, O, const N: usize, const G: usize>(
-    system: &S,
-    (t0, x0): (f64, impl Into<State<N>>),
-    settings: &SpectrumOptions,
+pub fn lyapunov_spectrum_watched<S, O>(
+    system: &dyn Dynamics,
+    (t0, x0): (f64, impl Components),
+    settings: &dyn DynamicspectrumOptions,
     watcher: &mut O,
-) -> Result<Spectrum<N>, Error>
-where
-    S: Switched<N, G>,
-    O: Observer<N, S::Mode> + ?Sized,
+) -> Result<Spectrum, Error>
+    O: Observer + ?Sized,
 {
     settings.check()?;
     // Where an orbit rests, one step would be as long as all blocks.
@@ -112,17 +110,15 @@ where
 }
 
 /// Goes along an orbit with the frame first and `watcher` behind it.
-fn follow<S, O, const N: usize, const G: usize>(
-    system: &S,
-    (t, x): (f64, State<N>),
+fn follow<S, O>(
+    system: &dyn Dynamics,
+    (t, x): (f64, Vector),
     t_end: f64,
-    settings: &SpectrumOptions,
+    settings: &dyn DynamicspectrumOptions,
     measurement: &mut Measurement<'_, S, N>,
     watcher: &mut O,
-) -> Result<Summary<N>, Error>
-where
-    S: Switched<N, G>,
-    O: Observer<N, S::Mode> + ?Sized,
+) -> Result<Summary, Error>
+    O: Observer + ?Sized,
 {
     let mut integration = Integration::new(system, t, x, t_end, &settings.solver)?;
     let mut is_stopping = false;

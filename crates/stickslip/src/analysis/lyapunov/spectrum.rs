@@ -54,7 +54,7 @@ impl Exponent {
 
 /// The exponents as they stood at one time.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Running<const N: usize> {
+pub struct Running {
     /// Time since measuring began.
     pub elapsed: f64,
     /// Means over that time, in the order of the final exponents; −∞ from the entry into stick that annihilated the
@@ -64,11 +64,11 @@ pub struct Running<const N: usize> {
 
 /// A Lyapunov spectrum.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Spectrum<const N: usize> {
+pub struct Spectrum {
     /// The exponents in descending order, annihilated ones last.
     pub exponents: [Exponent; N],
     /// The running exponents, equally spaced in time as far as steps allow; the last entry is the result.
-    pub convergence: Vec<Running<N>>,
+    pub convergence: Vec<Running>,
     /// Rate at which the volume spanned by the surviving directions grows, from divergence and saltation instead of the frame's
     /// lengths; see [`Spectrum::defect`].
     pub volume_rate: f64,
@@ -86,10 +86,10 @@ pub struct Spectrum<const N: usize> {
     /// Time measured.
     pub duration: f64,
     /// How the measured run ended, where, and the work it took.
-    pub summary: Summary<N>,
+    pub summary: Summary,
 }
 
-impl<const N: usize> Spectrum<N> {
+impl Spectrum {
     /// Sum of the finite exponents.
     pub fn sum(&self) -> f64 {
         let finite = self.exponents.iter().map(Exponent::value);

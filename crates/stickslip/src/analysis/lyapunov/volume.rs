@@ -2,7 +2,7 @@
 
 use crate::dual::Dual;
 
-use crate::filippov::{StepRecord, Switched, Velocity};
+use crate::filippov::{Step, Switched, Velocity};
 use crate::system::State;
 
 /// Nodes in `[0, 1]` and weights of Gauss and Legendre's rule of five points: exact to degree 9.
@@ -15,11 +15,11 @@ const GAUSS: [(f64, f64); 5] = [
 ];
 
 /// Divergence of the field that rules in `mode`.
-fn divergence<S: Switched<N, G>, const N: usize, const G: usize>(
-    system: &S,
-    mode: S::Mode,
+fn divergence(
+    system: &dyn Dynamics,
+    mode: Modes,
     t: f64,
-    x: &State<N>,
+    x: &Vector,
 ) -> f64 {
     let frozen = Dual::new(t, 0.0);
     (0..N)
@@ -33,9 +33,9 @@ fn divergence<S: Switched<N, G>, const N: usize, const G: usize>(
 }
 
 /// Integral of the divergence over a step: the logarithm of the factor by which it changes volumes.
-pub(super) fn growth<S: Switched<N, G>, const N: usize, const G: usize>(
-    system: &S,
-    step: &StepRecord<N, S::Mode>,
+pub(super) fn growth(
+    system: &dyn Dynamics,
+    step: &dyn DynamicstepRecord,
 ) -> f64 {
     let length = step.t_end - step.t_start;
     let mean: f64 = GAUSS

@@ -5,28 +5,28 @@ use super::minima::minima;
 use crate::analysis::anchor::Anchor;
 use crate::error::Error;
 use crate::filippov::{Options, Phase, Summary, Switched, Transition, TransitionKind, run, solve};
-use crate::ode::Timed;
+use crate::dynamics::Moment;
 use crate::orbit::{Ending, Orbit};
 use crate::system::State;
 
 /// A part of the period between two transitions.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Part<const N: usize, K> {
+pub(crate) struct Part {
     pub mode: K,
     /// What it begins with; the whole period begins with nothing where there is no transition.
-    pub first: Option<Transition<N, K>>,
+    pub first: Option<Transition>,
     pub duration: f64,
 }
 
-impl<const N: usize, K> Part<N, K> {
+impl Part {
     /// The state in its middle, on the boundary of what sticks, of an orbit that is followed from somewhere within a period before it.
-    fn middle<S: Switched<N, G, Mode = K>, const G: usize>(
+    fn middle(
         &self,
-        system: &S,
-        from: &Timed<N>,
+        system: &dyn Dynamics,
+        from: &Moment,
         period: f64,
         options: &Options,
-    ) -> Result<Anchor<N, K>, Error>
+    ) -> Result<Anchor, Error>
     where
         K: Copy,
     {
@@ -35,7 +35,7 @@ impl<const N: usize, K> Part<N, K> {
         // A period earlier it is the same.
         let before = t - from.t > 0.5 * period;
         let t = if before { t - period } else { t };
-        Ok(Anchor::of(&Timed { t, x }, self.mode).settled(system))
+        Ok(Anchor::of(&Moment { t, x }, self.mode).settled(system))
     }
 }
 
@@ -44,31 +44,31 @@ pub(crate) type Kind<K> = (K, Option<(TransitionKind, usize)>);
 
 /// One period.
 #[derive(Clone, Debug)]
-pub(crate) struct Circuit<const N: usize, K> {
+pub(crate) struct Circuit {
     /// The parts in order of time; the start lies in the last one.
-    pub parts: Vec<Part<N, K>>,
-    pub margins: Vec<Margin<N, K>>,
+    pub parts: Vec<Part>,
+    pub margins: Vec<Margin>,
     /// The state in the middle of the part that the start lies in.
-    pub anchor: Anchor<N, K>,
+    pub anchor: Anchor,
     pub period: f64,
     /// By how much the component that moves most does so.
     pub extent: f64,
     /// By how much each does.
-    pub sizes: State<N>,
+    pub sizes: Vector,
     /// Whether its phases are the same wherever its state may be, for all that rounding and the tolerances leave open.
     pub is_certain: bool,
 }
 
-impl<const N: usize, K: Copy + PartialEq> Circuit<N, K> {
+impl Circuit {
     /// Follows the orbit from `start`, in the middle of a phase, for a period. Where that phase is so short that the start, as well as it is
     /// known, lies in the one beside it, the orbit is followed from the middle of that phase; where the start cuts one that begins just there,
     /// from the middle of the longest.
     ///
     /// # Errors
     /// Those of [`solve`]; [`Error::NoUniqueFuture`].
-    pub fn follow<S: Switched<N, G, Mode = K>, const G: usize>(
-        system: &S,
-        start: &Anchor<N, K>,
+    pub fn follow(
+        system: &dyn Dynamics,
+        start: &Anchor,
         period: f64,
         options: &Options,
     ) -> Result<Self, Error> {
@@ -82,17 +82,17 @@ impl<const N: usize, K: Copy + PartialEq> Circuit<N, K> {
 
     /// The number of the part that it would better be anchored in, if there is one: of the parts that last, the longest of those in which the
     /// fewest contacts stick. Left is one in which more do, or that is about to vanish.
-    pub fn better_part<S: Switched<N, G, Mode = K>, const G: usize>(
+    pub fn better_part(
         &self,
-        system: &S,
+        system: &dyn Dynamics,
     ) -> Option<usize> {
         const LASTING: f64 = 0.1;
         const BRIEF: f64 = 0.01;
         let durations = self.parts.iter().map(|part| part.duration);
         let most = durations.fold(0.0, f64::max);
-        let stick = |part: &Part<N, K>| {
+        let stick = |part: &Part| {
             let at = part.first.as_ref()?;
-            let at = Timed { t: at.t, x: at.x };
+            let at = Moment { t: at.t, x: at.x };
             Some(system.normals(part.mode, &at).len())
         };
         let lasting = self.parts.iter().enumerate();
@@ -107,34 +107,34 @@ impl<const N: usize, K: Copy + PartialEq> Circuit<N, K> {
     }
 
     /// The anchor in the middle of a part.
-    pub fn anchor_in<S: Switched<N, G, Mode = K>, const G: usize>(
+    pub fn anchor_in(
         &self,
-        system: &S,
+        system: &dyn Dynamics,
         part: usize,
         options: &Options,
-    ) -> Option<Anchor<N, K>> {
+    ) -> Option<Anchor> {
         let part = self.parts.get(part)?;
         part.middle(system, &self.anchor.at(), self.period, options)
             .ok()
     }
 
     /// The phase next to the start, where that is in this mode and the start is not.
-    fn beside(&self, mode: K) -> Option<&Part<N, K>> {
+    fn beside(&self, mode: K) -> Option<&Part> {
         let (last, others) = self.parts.split_last()?;
-        let is_meant = |part: &&Part<N, K>| part.mode == mode && last.mode != mode;
+        let is_meant = |part: &&Part| part.mode == mode && last.mode != mode;
         let beside = [others.first()?, others.last()?];
         beside.into_iter().find(is_meant)
     }
 
     /// The longest phase, where one begins in a mode that the one before it does not have: the cut at the start is within rounding of
     /// a transition.
-    fn beside_cut(&self) -> Option<&Part<N, K>> {
+    fn beside_cut(&self) -> Option<&Part> {
         let before = self
             .parts
             .iter()
             .cycle()
             .skip(self.parts.len().checked_sub(1)?);
-        let is_cut = |(before, part): (&Part<N, K>, &Part<N, K>)| {
+        let is_cut = |(before, part): (&Part, &Part)| {
             part.first.is_some_and(|at| at.from != before.mode)
         };
         let longest = || {
@@ -144,15 +144,15 @@ impl<const N: usize, K: Copy + PartialEq> Circuit<N, K> {
         before.zip(&self.parts).any(is_cut).then(longest)?
     }
 
-    fn from<S: Switched<N, G, Mode = K>, const G: usize>(
-        system: &S,
-        start: &Timed<N>,
+    fn from(
+        system: &dyn Dynamics,
+        start: &Moment,
         period: f64,
         options: &Options,
     ) -> Result<Self, Error> {
         let orbit = whole(system, start, period, options)?;
         let turns: Vec<_> = transitions(&orbit).copied().collect();
-        let mut parts: Vec<Part<N, K>> = Vec::with_capacity(turns.len().max(1));
+        let mut parts: Vec<Part> = Vec::with_capacity(turns.len().max(1));
         for (k, at) in turns.iter().enumerate() {
             let next = turns.get(k + 1);
             let end = next.map_or_else(|| turns[0].t + period, |next| next.t);
@@ -190,7 +190,7 @@ impl<const N: usize, K: Copy + PartialEq> Circuit<N, K> {
                     incoming: at.from,
                     contact: at.contact,
                     other: (next != at.contact).then_some(next),
-                    at: Timed { t: at.t, x: at.x },
+                    at: Moment { t: at.t, x: at.x },
                     is_contact_function: is_of_contact(at.kind),
                 });
             }
@@ -212,7 +212,7 @@ impl<const N: usize, K: Copy + PartialEq> Circuit<N, K> {
 
     /// What the parts are.
     pub fn sequence(&self) -> Vec<Kind<K>> {
-        let kind = |part: &Part<N, K>| (part.mode, part.first.map(|at| (at.kind, at.contact)));
+        let kind = |part: &Part| (part.mode, part.first.map(|at| (at.kind, at.contact)));
         self.parts.iter().map(kind).collect()
     }
 
@@ -222,10 +222,10 @@ impl<const N: usize, K: Copy + PartialEq> Circuit<N, K> {
     }
 
     /// The margin of the same kind as one of another orbit near by, at about the same time: rounding may see one of several minima twice, or not.
-    pub fn margin_like(&self, other: &Margin<N, K>) -> Option<&Margin<N, K>> {
+    pub fn margin_like(&self, other: &Margin) -> Option<&Margin> {
         const SAME_TIME: f64 = 1e-3;
         let kind = |key: &Key| (key.part, key.site);
-        let off = |margin: &&Margin<N, K>| {
+        let off = |margin: &&Margin| {
             let way = (margin.at.t - other.at.t) / self.period;
             (way - way.round()).abs()
         };
@@ -236,7 +236,7 @@ impl<const N: usize, K: Copy + PartialEq> Circuit<N, K> {
     }
 
     /// The margin with this key.
-    pub fn margin(&self, key: Key) -> Option<&Margin<N, K>> {
+    pub fn margin(&self, key: Key) -> Option<&Margin> {
         self.margins.iter().find(|margin| margin.key == key)
     }
 }
@@ -250,23 +250,23 @@ const SHORT: f64 = 1e-6;
 ///
 /// # Errors
 /// As [`Circuit::follow`]; [`Error::NotFound`] where there is no phase.
-pub(crate) fn anchor<S: Switched<N, G>, const N: usize, const G: usize>(
-    system: &S,
-    start: &Timed<N>,
+pub(crate) fn anchor(
+    system: &dyn Dynamics,
+    start: &Moment,
     period: f64,
     options: &Options,
-) -> Result<(Anchor<N, S::Mode>, f64), Error> {
+) -> Result<(Anchor, f64), Error> {
     let orbit = whole(system, start, period, options)?;
     let durations = orbit.phases.iter().map(Phase::duration);
     let longest = durations.fold(0.0, f64::max);
-    let mut best: Option<(usize, &Phase<N, S::Mode>)> = None;
+    let mut best: Option<(usize, &Phase)> = None;
     for phase in &orbit.phases {
-        let end = Timed {
+        let end = Moment {
             t: phase.t_end,
             x: phase.x_end,
         };
         let stick = system.normals(phase.mode, &end).len();
-        let is_better = |(least, before): (usize, &Phase<N, S::Mode>)| {
+        let is_better = |(least, before): (usize, &Phase)| {
             stick < least || stick == least && phase.duration() >= before.duration()
         };
         if phase.duration() >= SHORT * longest && best.is_none_or(is_better) {
@@ -279,16 +279,16 @@ pub(crate) fn anchor<S: Switched<N, G>, const N: usize, const G: usize>(
         span: period,
     })?;
     let t = phase.t_start + 0.5 * phase.duration();
-    let middle = Anchor::of(&Timed { t, x: orbit.at(t)? }, phase.mode);
+    let middle = Anchor::of(&Moment { t, x: orbit.at(t)? }, phase.mode);
     Ok((middle.settled(system), sizes(&orbit).amax()))
 }
 
-fn whole<S: Switched<N, G>, const N: usize, const G: usize>(
-    system: &S,
-    start: &Timed<N>,
+fn whole(
+    system: &dyn Dynamics,
+    start: &Moment,
     period: f64,
     options: &Options,
-) -> Result<Orbit<N, S::Mode>, Error> {
+) -> Result<Orbit, Error> {
     let orbit = solve(system, start.t, start.x, start.t + period, options)?;
     if orbit.ending == Ending::EndTime {
         return Ok(orbit);
@@ -302,7 +302,7 @@ fn whole<S: Switched<N, G>, const N: usize, const G: usize>(
     Err(end.goes_no_further())
 }
 
-fn transitions<const N: usize, K>(orbit: &Orbit<N, K>) -> impl Iterator<Item = &Transition<N, K>> {
+fn transitions(orbit: &Orbit) -> impl Iterator<Item = &Transition> {
     let all = orbit.transitions.iter();
     all.filter(|at| at.kind != TransitionKind::Touch)
 }
@@ -315,24 +315,24 @@ pub(super) fn is_of_contact(kind: TransitionKind) -> bool {
 }
 
 /// The middle of the part that the start lies in.
-fn middle<const N: usize, K>(
-    orbit: &Orbit<N, K>,
-    turns: &[Transition<N, K>],
-    start: &Timed<N>,
+fn middle(
+    orbit: &Orbit,
+    turns: &[Transition],
+    start: &Moment,
     period: f64,
-) -> Result<Timed<N>, Error> {
+) -> Result<Moment, Error> {
     let (Some(first), Some(last)) = (turns.first(), turns.last()) else {
         return Ok(*start);
     };
     // By the forcing's period it may be taken to lie before the start.
     let t = 0.5 * (first.t + last.t - period);
     let inside = if t < orbit.t_start { t + period } else { t };
-    let x: State<N> = orbit.at(inside.min(orbit.t_end))?;
-    Ok(Timed { t, x })
+    let x: Vector = orbit.at(inside.min(orbit.t_end))?;
+    Ok(Moment { t, x })
 }
 
 /// How far the components go, at the ends of steps.
-fn sizes<const N: usize, K>(orbit: &Orbit<N, K>) -> State<N> {
+fn sizes(orbit: &Orbit) -> Vector {
     let (mut low, mut high) = (orbit.x_start, orbit.x_start);
     for step in &orbit.steps {
         for i in 0..N {

@@ -21,15 +21,15 @@ const DOUBLINGS: i32 = 32;
 
 /// How an orbit closes, of which the first so many components are states, and the others are given.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Closing<const N: usize> {
+pub(crate) struct Closing {
     pub states: usize,
     /// The derivative of the flow map over the period.
-    pub matrix: SMatrix<f64, N, N>,
+    pub matrix: Matrix,
     /// The vector that moves the start, along which an orbit of a system that does not depend on time closes anyway.
-    pub flow: Option<State<N>>,
+    pub flow: Option<Vector>,
     /// What rounding may leave of the gap, and what the tolerances may have the return map off by.
-    pub by_rounding: State<N>,
-    pub by_tolerance: State<N>,
+    pub by_rounding: Vector,
+    pub by_tolerance: Vector,
     /// Dimension of the family of orbits that it is one of.
     pub family: usize,
 }
@@ -42,19 +42,19 @@ const NEARLY_SINGULAR: f64 = 1e-2;
 const CLEAR: f64 = 1e3;
 
 /// A direction in which a state and its period may be off, for a displacement of length 1 in parts of how far the components go.
-struct Direction<const N: usize> {
-    x: State<N>,
+struct Direction {
+    x: Vector,
     period: f64,
     /// By how much the orbit may be off, by the linear estimate: what rounding leaves, and that with what the tolerances do.
     by_rounding: f64,
     both: f64,
 }
 
-impl<const N: usize> Closing<N> {
+impl Closing {
     /// The directions in which the orbit may be off by more than [`LEAST`], where rounding leaves so much of its gap, and the tolerances as much with it, in parts of
     /// how far the components go.
     /// Those of a family are left out, as a Newton step leaves them out.
-    fn open(&self, sizes: &State<N>, by_rounding: f64, both: f64) -> Vec<Direction<N>> {
+    fn open(&self, sizes: &Vector, by_rounding: f64, both: f64) -> Vec<Direction> {
         let states = self.states;
         let unknowns = states + usize::from(self.flow.is_some());
         let mut matrix = DMatrix::<f64>::zeros(unknowns, unknowns);
@@ -105,20 +105,20 @@ impl<const N: usize> Closing<N> {
     }
 }
 
-impl<const N: usize, K: Copy + PartialEq> Circuit<N, K> {
+impl Circuit {
     /// Notes by how much the margins may be off, and whether the phases may be others, for an orbit that was followed from `start`.
-    pub fn that_closes<S: Switched<N, G, Mode = K>, const G: usize>(
+    pub fn that_closes(
         mut self,
-        system: &S,
-        start: &Anchor<N, K>,
-        closing: &Closing<N>,
+        system: &dyn Dynamics,
+        start: &Anchor,
+        closing: &Closing,
         options: &Options,
     ) -> Self {
         let extent = self.extent;
         let sizes = self
             .sizes
             .map(|size| if size > 0.0 { size } else { extent });
-        let part = |left: &State<N>| {
+        let part = |left: &Vector| {
             let parts = left.component_div(&sizes);
             parts.rows(0, closing.states).amax()
         };
@@ -138,7 +138,7 @@ impl<const N: usize, K: Copy + PartialEq> Circuit<N, K> {
             }
             for sign in [1.0, -1.0] {
                 let displaced = |left: f64| {
-                    let closes = |gap: &State<N>| {
+                    let closes = |gap: &Vector| {
                         let gap = gap.component_div(&sizes);
                         gap.rows(0, closing.states).amax() <= CLOSED * left
                     };
@@ -172,14 +172,14 @@ impl<const N: usize, K: Copy + PartialEq> Circuit<N, K> {
     }
 
     /// The state and period farthest away in a direction, one way, by doublings of [`LEAST`], from which an orbit closes so well.
-    fn farthest<S: Switched<N, G, Mode = K>, const G: usize>(
+    fn farthest(
         &self,
-        system: &S,
-        start: &Anchor<N, K>,
-        (direction, sign): (&Direction<N>, f64),
+        system: &dyn Dynamics,
+        start: &Anchor,
+        (direction, sign): (&Direction, f64),
         options: &Options,
-        closes: impl Fn(&State<N>) -> bool,
-    ) -> Option<(Anchor<N, K>, f64)> {
+        closes: impl Fn(&Vector) -> bool,
+    ) -> Option<(Anchor, f64)> {
         let displaced = |by: f64| {
             let moved = start.moved(start.x + direction.x * by).settled(system);
             let period = self.period + direction.period * by;

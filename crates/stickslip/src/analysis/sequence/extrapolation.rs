@@ -16,20 +16,20 @@ const TOGETHER: usize = 7;
 
 /// A zero in the parameter.
 #[derive(Clone, Copy)]
-pub(super) struct Zero<const N: usize> {
+pub(super) struct Zero {
     pub parameter: f64,
     pub uncertainty: f64,
     /// Where on the orbit.
-    pub x: State<N>,
+    pub x: Vector,
 }
 
 /// An orbit's parameter, from that of the first one, and its event function with what that may be off by.
 #[derive(Clone, Copy)]
-struct Node<const N: usize> {
+struct Node {
     parameter: f64,
     value: f64,
     off: f64,
-    x: State<N>,
+    x: Vector,
 }
 
 /// Where the event function is zero beyond the last orbit before a change, whose place is the parameter; `lacks` is how far beyond about, `away` the direction in which orbits have
@@ -37,13 +37,13 @@ struct Node<const N: usize> {
 ///
 /// The parameter as a function of the event function's value is smooth where that vanishes, also where it grows as a root. So a polynomial through some orbits leads to it, by
 /// those for which what rounding leaves and what the polynomial lacks are least together; the same orbits with a tenth of the tolerances tell what the tolerances do.
-pub(super) fn zero_beyond<B: Clone, const N: usize, K: Copy + PartialEq>(
-    last: Known<B, N, K>,
+pub(super) fn zero_beyond<B: Clone>(
+    last: Known<B>,
     key: Key,
     lacks: f64,
     away: f64,
-    about: &impl Orbits<B, N, K>,
-) -> Option<Zero<N>> {
+    about: &impl Orbits<B>,
+) -> Option<Zero> {
     let origin = last.s;
     let mut orbits = vec![last];
     let mut distance = lacks;
@@ -58,7 +58,7 @@ pub(super) fn zero_beyond<B: Clone, const N: usize, K: Copy + PartialEq>(
             None => break,
         }
     }
-    let node = |one: &Known<B, N, K>, margin: &Margin<N, K>| Node {
+    let node = |one: &Known<B>, margin: &Margin| Node {
         parameter: one.s - origin,
         value: margin.value,
         // Less than that is not looked for.
@@ -68,8 +68,8 @@ pub(super) fn zero_beyond<B: Clone, const N: usize, K: Copy + PartialEq>(
     let nodes = orbits
         .iter()
         .map_while(|one| Some(node(one, one.circuit.margin(key)?)));
-    let nodes: Vec<Node<N>> = nodes.collect();
-    let zeros: Vec<Option<Zero<N>>> = nodes.windows(TOGETHER).map(zero).collect();
+    let nodes: Vec<Node> = nodes.collect();
+    let zeros: Vec<Option<Zero>> = nodes.windows(TOGETHER).map(zero).collect();
     // One that the next orbits lead to as well is no accident.
     let pairs = zeros.windows(2).enumerate();
     let agreed = pairs.filter_map(|(begin, two)| {
@@ -81,16 +81,16 @@ pub(super) fn zero_beyond<B: Clone, const N: usize, K: Copy + PartialEq>(
         let is_near = one.parameter.abs() <= reach.abs() && one.parameter * away <= 0.0;
         is_near.then_some((begin, Zero { uncertainty, ..one }))
     });
-    let mut agreed: Vec<(usize, Zero<N>)> = agreed.collect();
+    let mut agreed: Vec<(usize, Zero)> = agreed.collect();
     agreed.sort_by(|a, b| a.1.uncertainty.total_cmp(&b.1.uncertainty));
-    let with_tolerance = |(begin, best): (usize, Zero<N>)| {
+    let with_tolerance = |(begin, best): (usize, Zero)| {
         let finer = orbits.get(begin..begin + TOGETHER)?.iter().map(|one| {
             let finer = about.finer(one)?;
             let same = is_same(&finer.sequence(), &one.circuit.sequence());
             let margin = finer.margin(key).filter(|_| same)?;
             Some(node(one, margin))
         });
-        let finer: Vec<Node<N>> = finer.collect::<Option<_>>()?;
+        let finer: Vec<Node> = finer.collect::<Option<_>>()?;
         let by_tolerance = of_tolerance(best.parameter, at_zero(&finer));
         Some(Zero {
             parameter: origin + best.parameter,
@@ -113,8 +113,8 @@ pub(super) fn zero_beyond<B: Clone, const N: usize, K: Copy + PartialEq>(
 }
 
 /// By the polynomial through all of the nodes, of which the last one is farthest away.
-fn zero<const N: usize>(nodes: &[Node<N>]) -> Option<Zero<N>> {
-    let rises = |two: &[Node<N>]| {
+fn zero(nodes: &[Node]) -> Option<Zero> {
+    let rises = |two: &[Node]| {
         two[0].value.abs() < two[1].value.abs() && two[0].value * two[1].value > 0.0
     };
     if !nodes.windows(2).all(rises) {
@@ -141,12 +141,12 @@ fn zero<const N: usize>(nodes: &[Node<N>]) -> Option<Zero<N>> {
     })
 }
 
-fn at_zero<const N: usize>(nodes: &[Node<N>]) -> f64 {
+fn at_zero(nodes: &[Node]) -> f64 {
     let weights = weights_at_zero(nodes).into_iter().zip(nodes);
     weights.map(|(weight, node)| weight * node.parameter).sum()
 }
 
-fn weights_at_zero<const N: usize>(nodes: &[Node<N>]) -> Vec<f64> {
+fn weights_at_zero(nodes: &[Node]) -> Vec<f64> {
     let values: Vec<f64> = nodes.iter().map(|node| node.value).collect();
     weights(&values, 0.0)
 }

@@ -5,22 +5,22 @@ use super::margin::{Margin, Site};
 
 /// A periodic orbit on a branch.
 #[derive(Clone, Debug)]
-pub(crate) struct Known<B, const N: usize, K> {
+pub(crate) struct Known<B> {
     /// Place on the branch.
     pub s: f64,
-    pub circuit: Circuit<N, K>,
+    pub circuit: Circuit,
     /// What the branch itself needs of it.
     pub branch: B,
 }
 
-impl<B, const N: usize, K: Copy + PartialEq> Known<B, N, K> {
+impl<B> Known<B> {
     /// Whether the other orbit's phases are as well known as this one's.
-    pub fn is_as_certain(&self, next: &Self) -> bool {
+    pub fn is_as_certain(&self, next: &dyn Dynamicself) -> bool {
         next.circuit.is_certain || !self.circuit.is_certain
     }
 
     /// Whether the branch goes on in the next orbit without a change of phases.
-    pub fn goes_on_in(&self, next: &Self) -> bool {
+    pub fn goes_on_in(&self, next: &dyn Dynamicself) -> bool {
         is_same(&next.circuit.sequence(), &self.circuit.sequence()) && self.is_as_certain(next)
     }
 }
@@ -44,11 +44,11 @@ pub(crate) fn is_same<K: PartialEq>(one: &[Kind<K>], other: &[Kind<K>]) -> bool 
 
 /// The last orbit before the phases change or the branch ends, which it does between it and `bad`, to `resolution` in the place; and where the
 /// first trial behind it was. `good` holds one orbit or more, in order; `solve` finds one at a place, given those known.
-pub(crate) fn locate<B, const N: usize, K: Copy + PartialEq>(
-    good: &mut Vec<Known<B, N, K>>,
+pub(crate) fn locate<B>(
+    good: &mut Vec<Known<B>>,
     mut bad: f64,
     resolution: f64,
-    mut solve: impl FnMut(f64, &[Known<B, N, K>]) -> Option<Known<B, N, K>>,
+    mut solve: impl FnMut(f64, &[Known<B>]) -> Option<Known<B>>,
 ) -> f64 {
     for trial in 0..MOST {
         let [.., last] = good.as_slice() else { break };
@@ -85,12 +85,12 @@ pub(crate) fn locate<B, const N: usize, K: Copy + PartialEq>(
 
 /// Follows a branch from `first`, by steps that begin with `step`, to the last orbit before its phases change; `None` where they do not within
 /// some dozens of steps.
-pub(crate) fn approach<B, const N: usize, K: Copy + PartialEq>(
-    first: Known<B, N, K>,
+pub(crate) fn approach<B>(
+    first: Known<B>,
     step: f64,
     resolution: f64,
-    mut solve: impl FnMut(f64, &[Known<B, N, K>]) -> Option<Known<B, N, K>>,
-) -> Option<(Vec<Known<B, N, K>>, f64)> {
+    mut solve: impl FnMut(f64, &[Known<B>]) -> Option<Known<B>>,
+) -> Option<(Vec<Known<B>>, f64)> {
     const STEPS: usize = 40;
     const GROWTH: f64 = 1.3;
     let mut good = vec![first];
@@ -112,8 +112,8 @@ pub(crate) fn approach<B, const N: usize, K: Copy + PartialEq>(
 
 /// Where the first of the margins would be zero that are falling, by the last two orbits; those of short phases and of the rate at which the
 /// boundary is come to by their squares if asked: what begins at a graze grows as a root.
-fn estimate<B, const N: usize, K: Copy + PartialEq>(
-    good: &[Known<B, N, K>],
+fn estimate<B>(
+    good: &[Known<B>],
     bad: f64,
     by_squares: bool,
 ) -> Option<f64> {
@@ -140,10 +140,10 @@ fn estimate<B, const N: usize, K: Copy + PartialEq>(
 }
 
 /// The margin that has come nearest to zero. If a phase is vanishing it is that, for at its end other functions vanish with it.
-pub(crate) fn least<const N: usize, K: Copy + PartialEq>(
-    circuit: &Circuit<N, K>,
-) -> Option<&Margin<N, K>> {
-    let nearest = |is_asked: fn(&Margin<N, K>) -> bool| {
+pub(crate) fn least(
+    circuit: &Circuit,
+) -> Option<&Margin> {
+    let nearest = |is_asked: fn(&Margin) -> bool| {
         let asked = circuit.margins.iter().filter(|margin| is_asked(margin));
         asked.min_by(|a, b| a.relative().total_cmp(&b.relative()))
     };
@@ -155,11 +155,11 @@ pub(crate) fn least<const N: usize, K: Copy + PartialEq>(
 
 /// How far behind the last of the orbits a function is zero that has come near to it there, going on as before. Where orbits
 /// can be computed to the change itself that is nothing; where they cannot, it is what the location lacks.
-pub(super) fn shortfall<B, const N: usize, K: Copy + PartialEq>(
-    good: &[Known<B, N, K>],
-    margin: &Margin<N, K>,
+pub(super) fn shortfall<B>(
+    good: &[Known<B>],
+    margin: &Margin,
 ) -> f64 {
-    let value = |one: &Known<B, N, K>| one.circuit.margin(margin.key).map(|m| m.value.abs());
+    let value = |one: &Known<B>| one.circuit.margin(margin.key).map(|m| m.value.abs());
     let values = good.iter().filter_map(|one| Some((one.s, value(one)?)));
     let values: Vec<(f64, f64)> = values.collect();
     let Some(&(end, last)) = values.last() else {

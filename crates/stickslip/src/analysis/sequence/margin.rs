@@ -3,7 +3,7 @@
 use super::circuit::is_of_contact;
 use super::locate::VANISHING;
 use crate::filippov::{Flow, Switched, Transition, TransitionKind, UseFlow};
-use crate::ode::Timed;
+use crate::dynamics::Moment;
 use crate::system::{Mode, Side};
 
 /// Where on an orbit a change of its phases may begin.
@@ -34,7 +34,7 @@ pub(crate) struct Key {
 
 /// The value of an event function that a change of the phases would make zero.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Margin<const N: usize, K> {
+pub(crate) struct Margin {
     pub key: Key,
     pub value: f64,
     /// Size that such values have on this orbit.
@@ -47,11 +47,11 @@ pub(crate) struct Margin<const N: usize, K> {
     pub contact: usize,
     /// The contact that ends a part, where it is not the one that begins it; or beside whose transition a guard is smallest.
     pub other: Option<usize>,
-    pub at: Timed<N>,
+    pub at: Moment,
     pub is_contact_function: bool,
 }
 
-impl<const N: usize, K> Margin<N, K> {
+impl Margin {
     /// Part of its scale.
     pub fn relative(&self) -> f64 {
         self.value.abs() / self.scale
@@ -90,15 +90,15 @@ impl Rates {
     }
 
     /// At a point of the boundary that a slip on `side` comes to.
-    pub fn at<S: Switched<N, G>, const N: usize, const G: usize>(
-        system: &S,
-        mode: S::Mode,
+    pub fn at(
+        system: &dyn Dynamics,
+        mode: Modes,
         contact: usize,
         side: Side,
-        at: &Timed<N>,
+        at: &Moment,
     ) -> Self {
         let of = |side| {
-            let mode = S::with_mode_of(mode, contact, Mode::Slip(side));
+            let mode = mode.with(contact, Mode::Slip(side));
             let [_, first, second, _] =
                 system.with_flow(mode, S::Branch::default(), Jet(contact, *at));
             [first, second]
@@ -111,27 +111,27 @@ impl Rates {
 }
 
 /// Value and derivatives in time of a guard.
-struct Jet<const N: usize>(usize, Timed<N>);
+struct Jet(usize, Moment);
 
-impl<const N: usize> UseFlow<N> for Jet<N> {
+impl UseFlow for Jet {
     type Output = [f64; 4];
 
-    fn with<F: Flow<N>>(self, flow: &F) -> [f64; 4] {
+    fn with<F: Flow>(self, flow: &F) -> [f64; 4] {
         flow.jet(self.0, self.1.t, &self.1.x)
     }
 }
 
 /// The smallest of a contact's guards of stick at a point: positive where it would stick.
-struct Hold<'a, S, const N: usize, const G: usize> {
-    system: &'a S,
+struct Hold<'a> {
+    system: &'a dyn Dynamics,
     contact: usize,
-    at: Timed<N>,
+    at: Moment,
 }
 
-impl<S: Switched<N, G>, const N: usize, const G: usize> UseFlow<N> for Hold<'_, S, N, G> {
+impl UseFlow for Hold<'_> {
     type Output = f64;
 
-    fn with<F: Flow<N>>(self, flow: &F) -> f64 {
+    fn with<F: Flow>(self, flow: &F) -> f64 {
         let of_contact =
             |i: &usize| S::contact_of(*i) == self.contact && !is_contact_function(self.system, *i);
         let guards = F::GUARDS.iter().copied().filter(of_contact);
@@ -141,26 +141,26 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> UseFlow<N> for Hold<'_, 
 }
 
 /// Whether a guard is the contact function, at which the mode goes on.
-pub(super) fn is_contact_function<S: Switched<N, G>, const N: usize, const G: usize>(
-    system: &S,
+pub(super) fn is_contact_function(
+    system: &dyn Dynamics,
     guard: usize,
 ) -> bool {
     system.passed(guard, &mut S::Branch::default()).is_some()
 }
 
 /// Where a slip ends on the boundary: whether it sticks there, and how fast it comes.
-pub(super) fn landing<S: Switched<N, G>, const N: usize, const G: usize>(
-    system: &S,
+pub(super) fn landing(
+    system: &dyn Dynamics,
     part: usize,
-    at: &Transition<N, S::Mode>,
-) -> Option<[Margin<N, S::Mode>; 2]> {
+    at: &Transition,
+) -> Option<[Margin; 2]> {
     let (Mode::Slip(side), TransitionKind::Crossing | TransitionKind::StickEntry) =
-        (S::mode_of(at.from, at.contact), at.kind)
+        (at.from.get(at.contact), at.kind)
     else {
         return None;
     };
-    let here = Timed { t: at.t, x: at.x };
-    let stuck = S::with_mode_of(at.from, at.contact, Mode::Stick);
+    let here = Moment { t: at.t, x: at.x };
+    let stuck = at.from.with(at.contact, Mode::Stick);
     let hold = Hold::<S, N, G> {
         system,
         contact: at.contact,

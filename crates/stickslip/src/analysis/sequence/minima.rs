@@ -1,8 +1,8 @@
 //! The smallest values of the guards within the phases of a periodic orbit, and at their ends where these are another contact's.
 
 use super::margin::{Key, Margin, Site, is_contact_function};
-use crate::filippov::{Flow, StepRecord, Switched, Transition, UseFlow};
-use crate::ode::Timed;
+use crate::filippov::{Flow, Step, Switched, Transition, UseFlow};
+use crate::dynamics::Moment;
 use crate::orbit::Orbit;
 
 /// Samples of a step by which the minima of its guards are sought.
@@ -12,12 +12,12 @@ const SAMPLES: usize = 8;
 const NEXT_TO: f64 = 1e-6;
 
 /// The smallest values of all guards within the phases, and at their ends where these are another contact's.
-pub(super) fn minima<S: Switched<N, G>, const N: usize, const G: usize>(
-    system: &S,
-    orbit: &Orbit<N, S::Mode>,
-    turns: &[Transition<N, S::Mode>],
-) -> Vec<Margin<N, S::Mode>> {
-    let mut found: Vec<Margin<N, S::Mode>> = Vec::new();
+pub(super) fn minima(
+    system: &dyn Dynamics,
+    orbit: &Orbit,
+    turns: &[Transition],
+) -> Vec<Margin> {
+    let mut found: Vec<Margin> = Vec::new();
     let last = turns.len().saturating_sub(1);
     // The period is cut in the middle of a phase: what ends with the last step goes on with the first.
     let mut rates = match (orbit.steps.first(), orbit.steps.last()) {
@@ -45,10 +45,10 @@ pub(super) fn minima<S: Switched<N, G>, const N: usize, const G: usize>(
         } in of_step.minima
         {
             let same =
-                |margin: &&Margin<N, S::Mode>| margin.key.part == part && margin.key.site == site;
+                |margin: &&Margin| margin.key.part == part && margin.key.site == site;
             // At the end of a step rounding may have seen it, and sees it again at the beginning of the next.
             let near = NEXT_TO * (step.t_end - step.t_start);
-            let is_near = |margin: &Margin<N, S::Mode>| (margin.at.t - at.t).abs() <= near;
+            let is_near = |margin: &Margin| (margin.at.t - at.t).abs() <= near;
             if found.iter().rfind(same).is_some_and(is_near) {
                 continue;
             }
@@ -57,7 +57,7 @@ pub(super) fn minima<S: Switched<N, G>, const N: usize, const G: usize>(
             // What another contact's switch lets go, or what switches with it, leaves zero or comes to it.
             let switches = match site {
                 Site::Begin(_) => turns_at(at.t)
-                    .any(|turn| S::mode_of(turn.from, contact) != S::mode_of(turn.to, contact)),
+                    .any(|turn| turn.from.get(contact) != turn.to.get(contact)),
                 Site::End(_) => turns_at(at.t).any(|turn| turn.contact == contact),
                 _ => false,
             };
@@ -84,15 +84,15 @@ pub(super) fn minima<S: Switched<N, G>, const N: usize, const G: usize>(
 }
 
 /// Those of a step; see [`Minima`].
-fn minima_of<S: Switched<N, G>, const N: usize, const G: usize>(
-    system: &S,
-    step: &StepRecord<N, S::Mode>,
+fn minima_of(
+    system: &dyn Dynamics,
+    step: &dyn DynamicstepRecord,
     before: &[f64],
     ends: [Option<usize>; 2],
-) -> OfStep<N> {
+) -> OfStep {
     let t = 0.5 * (step.t_start + step.t_end);
     let x = step.dense.at_time(t);
-    let branch = system.branch(&Timed { t, x });
+    let branch = system.branch(&Moment { t, x });
     let search = Minima {
         step,
         ends,
@@ -103,27 +103,27 @@ fn minima_of<S: Switched<N, G>, const N: usize, const G: usize>(
 }
 
 /// What is found in a step.
-struct OfStep<const N: usize> {
-    minima: Vec<Minimum<N>>,
+struct OfStep {
+    minima: Vec<Minimum>,
     /// The rates of the guards at its end.
     rates: Vec<f64>,
 }
 
 /// The smallest value of a guard among those around it.
-struct Minimum<const N: usize> {
+struct Minimum {
     site: Site,
     guard: usize,
     /// The contact beside whose transition it is.
     other: Option<usize>,
-    at: Timed<N>,
+    at: Moment,
     value: f64,
     /// The largest size that the guard has in the step.
     scale: f64,
 }
 
 /// The minima of the guards of a step's mode within it.
-struct Minima<'a, K, const N: usize> {
-    step: &'a StepRecord<N, K>,
+struct Minima<'a, K> {
+    step: &'a dyn DynamicstepRecord,
     /// The contacts with whose transitions a phase begins with the step, and ends with it.
     ends: [Option<usize>; 2],
     /// The rates of the guards at the end of the step before, where it is of the same phase.
@@ -132,22 +132,22 @@ struct Minima<'a, K, const N: usize> {
     contact_of: fn(usize) -> usize,
 }
 
-impl<K, const N: usize> UseFlow<N> for Minima<'_, K, N> {
-    type Output = OfStep<N>;
+impl<K> UseFlow for Minima<'_, K, N> {
+    type Output = OfStep;
 
-    fn with<F: Flow<N>>(self, flow: &F) -> Self::Output {
+    fn with<F: Flow>(self, flow: &F) -> Self::Output {
         let step = self.step;
         let length = step.t_end - step.t_start;
         let place = |s: f64| {
             let t = step.t_start + s * length;
             let x = step.dense.at_time(t);
-            Timed { t, x }
+            Moment { t, x }
         };
         let mut found = Vec::new();
         let mut rates = Vec::new();
         for (k, &guard) in F::GUARDS.iter().enumerate() {
             let jet = |s: f64| {
-                let Timed { t, x } = place(s);
+                let Moment { t, x } = place(s);
                 flow.jet(guard, t, &x)
             };
             // A guard may leave zero without a rate where a phase begins.

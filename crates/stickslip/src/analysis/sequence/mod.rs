@@ -10,7 +10,7 @@ mod name;
 mod tolerance;
 
 use crate::filippov::{Options, Switched};
-use crate::ode::Timed;
+use crate::dynamics::Moment;
 use crate::system::{Mode, State};
 use circuit::Circuit;
 use determined::LEAST;
@@ -22,7 +22,7 @@ pub(super) use tolerance::of_tolerance;
 
 /// A change of the phases of a periodic orbit.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SequenceChange<const N: usize, K = Mode> {
+pub struct SequenceChange {
     /// The parameter: where the event function is zero, if that could be sought from both sides, or of the last orbit before the change.
     pub parameter: f64,
     /// Between that orbit and the nearest parameter that was seen with other phases, or without such an orbit; or, where orbits could not be computed
@@ -34,7 +34,7 @@ pub struct SequenceChange<const N: usize, K = Mode> {
     /// The contacts whose event function vanishes, counted from 0: two at a coincidence, none where the change has no name, or else one.
     pub contacts: Vec<usize>,
     /// Where on the orbit, on the boundary to rounding.
-    pub x: State<N>,
+    pub x: Vector,
     /// The event function there on the orbit that it was located from, in units of the size that it has on this orbit.
     pub residual: f64,
     /// First and second derivative in time of the contact's distance from the boundary there, along the field that the orbit comes by; not
@@ -68,7 +68,7 @@ pub(super) struct Place {
 
 impl Place {
     /// Behind the last of some orbits whose places are the parameter.
-    pub fn in_parameter<B, const N: usize, K>(good: &[Known<B, N, K>], bad: f64) -> Option<Self> {
+    pub fn in_parameter<B>(good: &[Known<B>], bad: f64) -> Option<Self> {
         let (first, last) = (good.first()?, good.last()?);
         let away = first.s - last.s;
         Some(Place {
@@ -81,24 +81,22 @@ impl Place {
 }
 
 /// Periodic orbits about a change.
-pub(super) trait Orbits<B, const N: usize, K> {
+pub(super) trait Orbits<B> {
     /// The orbit at a parameter, which is its place; `new` have been found so already.
-    fn at(&self, parameter: f64, new: &[Known<B, N, K>]) -> Option<Known<B, N, K>>;
+    fn at(&self, parameter: f64, new: &[Known<B>]) -> Option<Known<B>>;
 
     /// An orbit with a tenth of the tolerances, at the same parameter.
-    fn finer(&self, orbit: &Known<B, N, K>) -> Option<Circuit<N, K>>;
+    fn finer(&self, orbit: &Known<B>) -> Option<Circuit>;
 }
 
 /// Describes the change behind the last orbit of `good`.
-pub(super) fn describe<S, B: Clone, const N: usize, const G: usize>(
-    system: &S,
-    good: &[Known<B, N, S::Mode>],
-    after: Vec<S::Mode>,
+pub(super) fn describe<S, B: Clone>(
+    system: &dyn Dynamics,
+    good: &[Known<B>],
+    after: Vec<Modes>,
     place: Place,
-    orbits: &impl Orbits<B, N, S::Mode>,
-) -> Option<SequenceChange<N, S::Mode>>
-where
-    S: Switched<N, G>,
+    orbits: &impl Orbits<B>,
+) -> Option<SequenceChange>
 {
     let last = good.last()?;
     let margin = least(&last.circuit)?;
@@ -147,12 +145,12 @@ where
 }
 
 /// The circuit of a periodic orbit through `start`, begun in the middle of its longest slip, or where the fewest contacts stick.
-pub(super) fn circuit_from<S: Switched<N, G>, const N: usize, const G: usize>(
-    system: &S,
-    start: &Timed<N>,
+pub(super) fn circuit_from(
+    system: &dyn Dynamics,
+    start: &Moment,
     period: f64,
     options: &Options,
-) -> Option<Circuit<N, S::Mode>> {
+) -> Option<Circuit> {
     let (anchor, _) = circuit::anchor(system, start, period, options).ok()?;
     Circuit::follow(system, &anchor, period, options).ok()
 }

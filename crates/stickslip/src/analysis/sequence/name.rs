@@ -54,9 +54,9 @@ impl fmt::Display for SequenceBifurcation {
 const AGREE: f64 = 1e-6;
 
 /// The name, and the first and second rates of the contact's distance along the fields of both sides.
-pub(super) fn name<S: Switched<N, G>, const N: usize, const G: usize>(
-    system: &S,
-    margin: &Margin<N, S::Mode>,
+pub(super) fn name(
+    system: &dyn Dynamics,
+    margin: &Margin,
 ) -> (SequenceBifurcation, Rates) {
     if !margin.vanishes() {
         return (SequenceBifurcation::Unnamed, Rates::none());
@@ -67,7 +67,7 @@ pub(super) fn name<S: Switched<N, G>, const N: usize, const G: usize>(
     if margin.is_contact_function {
         return (SequenceBifurcation::ContactGrazing, Rates::none());
     }
-    let Mode::Slip(side) = S::mode_of(margin.incoming, margin.contact) else {
+    let Mode::Slip(side) = margin.incoming.get(margin.contact) else {
         return (SequenceBifurcation::AddingSliding, Rates::none());
     };
     let rates = Rates::at(system, margin.incoming, margin.contact, side, &margin.at);

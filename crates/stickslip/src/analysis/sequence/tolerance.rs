@@ -17,8 +17,8 @@ pub(in crate::analysis) fn of_tolerance(value: f64, finer: f64) -> f64 {
 
 /// The zero of an event function next to the last orbit, whose place is the parameter.
 pub(super) struct Near<'a, B, const N: usize, K, O> {
-    pub last: &'a Known<B, N, K>,
-    pub margin: &'a Margin<N, K>,
+    pub last: &'a Known<B>,
+    pub margin: &'a Margin,
     /// The way back to an orbit that is apart from it, or zero where there is none.
     pub away: f64,
     /// What the location lacks.
@@ -26,9 +26,9 @@ pub(super) struct Near<'a, B, const N: usize, K, O> {
     pub about: &'a O,
 }
 
-impl<B, const N: usize, K: Copy + PartialEq, O: Orbits<B, N, K>> Near<'_, B, N, K, O> {
+impl<B, const N: usize, K: Copy + PartialEq, O: Orbits<B>> Near<'_, B, N, K, O> {
     /// An orbit with the same phases so far away.
-    fn orbit(&self, way: f64) -> Option<Known<B, N, K>> {
+    fn orbit(&self, way: f64) -> Option<Known<B>> {
         let one = self.about.at(self.last.s + way, &[])?;
         self.last.goes_on_in(&one).then_some(one)
     }
