@@ -202,14 +202,14 @@
 //! `data`: Lyapunov spectra from time series, `analysis::data_spectrum`. Off by default: it takes the compiler a minute, and a Fourier transform is among
 //! its dependencies. `data-rows`: `data_spectrum_of_rows` alone, without that minute and that dependency; other names in its docs need `data`.
 
-//pub mod analysis;
+pub mod analysis;
 mod dual;
 pub mod dynamics;
 pub mod error;
 pub mod filippov;
 mod interval;
 pub mod math;
-//pub mod models;
+pub mod models;
 pub mod ode;
 pub mod orbit;
 pub mod scalar;

@@ -2,10 +2,10 @@
 
 use rayon::prelude::*;
 
-use super::attractors::{Attractors, Reached, RecurrenceSettings, attractor};
+use super::attractors::{Attractors, Reached, RecurrenceSettings, attractor_of};
+use crate::dynamics::{AsDynamics, Components};
 use crate::error::Error;
-use crate::filippov::{Options, Switched};
-use crate::system::{Mode, State};
+use crate::filippov::Options;
 
 /// Starts whose outcomes are held at the same time: what bounds the memory.
 const WAVE: usize = 4096;
@@ -63,18 +63,16 @@ impl Basin {
 ///
 /// # Errors
 /// As [`attractor`], for the first start that has one.
-pub fn basin(
-    system: &dyn Dynamics,
-    starts: impl IntoIterator<Item = Vector>,
+pub fn basin<Kind>(
+    system: &impl AsDynamics<Kind>,
+    starts: impl IntoIterator<Item = impl Components>,
     settings: &RecurrenceSettings,
     options: &Options,
-) -> Result<Basin, Error>
-where
-    S: Switched<N, G> + Sync,
-{
+) -> Result<Basin, Error> {
     let mut known = Attractors::new(system, settings, options);
+    let dynamics = system.dynamics();
     let mut reached = Vec::new();
-    let mut starts = starts.into_iter();
+    let mut starts = starts.into_iter().map(Components::vector);
     loop {
         let wave: Vec<_> = starts.by_ref().take(WAVE).collect();
         if wave.is_empty() {
@@ -83,7 +81,7 @@ where
         let outcomes: Vec<_> = wave
             .into_par_iter()
             .with_max_len(16)
-            .map(|x| attractor(system, x, settings, options))
+            .map(|x| attractor_of(&*dynamics, x, settings, options))
             .collect();
         for outcome in outcomes {
             reached.push(known.number(outcome?));

@@ -1,11 +1,13 @@
 //! Where an orbit of a periodically forced system ends up.
 
+use crate::dynamics::{
+    AsDynamics, Components, Dynamics, Happening, Moment, Section, Summary, Vector,
+};
 use crate::error::Error;
-use crate::filippov::{Integration, Options, Progress, Summary, Switched};
-use crate::system::State;
+use crate::filippov::Options;
 
 /// What a start leads to.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Destination {
     /// A component passed the escape bound of the options.
     Escapes {
@@ -35,25 +37,28 @@ const LONGEST_PATTERN: usize = 8;
 ///
 /// # Errors
 /// Those of [`crate::run`] except [`Error::Escaped`]; [`Error::NoUniqueFuture`] where Σ repels, and at a two-fold.
-pub fn destination(
-    system: &dyn Dynamics,
+pub fn destination<Kind>(
+    system: &impl AsDynamics<Kind>,
     (t0, x0): (f64, impl Components),
     period: f64,
     periods: usize,
     closeness: f64,
     options: &Options,
 ) -> Result<Destination, Error> {
-    let x0 = x0.into();
+    let start = Moment {
+        t: t0,
+        x: x0.vector(),
+    };
     let mut strobe = Strobe {
         t0,
         period,
         states: Vec::with_capacity(periods + 1),
         stick_ends: Vec::new(),
     };
-    strobe.states.push(x0);
+    strobe.states.push(start.x.clone());
     // A little beyond the last whole period, so that rounding cannot leave it out.
     let t_end = t0 + (periods as f64 + 1e-6) * period;
-    match strobe.follow(system, x0, t_end, options) {
+    match strobe.follow(&*system.dynamics(), &start, t_end, options) {
         Ok(summary) if summary.ending.is_final() => Err(summary.goes_no_further()),
         Ok(_) => Ok(strobe.verdict(closeness)),
         Err(Error::Escaped { t, .. }) => Ok(Destination::Escapes { t }),
@@ -77,25 +82,24 @@ impl Strobe {
     fn follow(
         &mut self,
         system: &dyn Dynamics,
-        x0: Vector,
+        start: &Moment,
         t_end: f64,
         options: &Options,
     ) -> Result<Summary, Error> {
-        let mut integration = Integration::new(system, self.t0, x0, t_end, options)?;
+        let mut orbit = system.begin(start, t_end, options, &Section::None)?;
         loop {
-            match integration.step()? {
-                Progress::Step if self.due() <= integration.t() => {
-                    let step = integration.last_step();
-                    while self.due() <= step.t_end {
-                        let state = step.dense.at_time(self.due());
-                        self.states.push(state);
+            match orbit.step()? {
+                Happening::Step if self.due() <= orbit.t() => {
+                    let solution = orbit.solution();
+                    while self.due() <= orbit.t() {
+                        self.states.push(solution(self.due()));
                     }
                 }
-                Progress::PhaseEnd(phase) if phase.mode.any_sticks() => {
+                Happening::PhaseEnd(phase) if phase.mode.any_sticks() => {
                     self.stick_ends.push(phase.t_end);
                 }
-                Progress::Step | Progress::PhaseEnd(_) | Progress::Transition(_) => {}
-                Progress::End(summary) => return Ok(summary),
+                Happening::End(summary) => return Ok(summary),
+                _ => {}
             }
         }
     }
@@ -107,7 +111,7 @@ impl Strobe {
             states.len() > 2 * p
                 && (0..p).all(|k| {
                     let last = states.len() - 1 - k;
-                    (states[last] - states[last - p]).amax() <= closeness
+                    (&states[last] - &states[last - p]).amax() <= closeness
                 })
         };
         match (1..=LONGEST_PATTERN).find(repeats) {
@@ -119,7 +123,7 @@ impl Strobe {
                 Destination::Periodic {
                     period,
                     sticks: self.stick_ends.iter().filter(within).count(),
-                    x: states[states.len() - 1],
+                    x: states[states.len() - 1].clone(),
                 }
             }
         }

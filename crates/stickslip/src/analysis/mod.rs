@@ -24,8 +24,7 @@ mod tangency;
 mod tangent;
 
 pub use attractors::{
-    Attractors, Kind, Reached, RecurrenceSettings, SectionPoint, attractor, attractor_on,
-    is_same_cycle,
+    Attractors, Kind, Reached, RecurrenceSettings, attractor, attractor_on, is_same_cycle,
 };
 pub use basin::{Basin, Share, basin};
 pub use bifurcation::{AttractorChange, Sweep, SweepPoint, SweepSettings, WhatChanges, sweep};

@@ -118,7 +118,7 @@ pub struct Evidence {
 impl Evidence {
     /// From the points `(t, x)` of the section in the order of time and the exponents, descending, as measured over `duration`.
     /// Without exponents only a periodic motion can be told.
-    pub fn gather(
+    pub fn gather<const N: usize>(
         section: &[(f64, [f64; N])],
         (of, exponents, duration): (Of, &[Exponent], f64),
         criterion: &Criterion,
@@ -170,7 +170,7 @@ impl Evidence {
 }
 
 /// For each point of the section the number of the distinct point it is, these being counted as they come.
-fn labels(section: &[(f64, [f64; N])], same: f64) -> Vec<usize> {
+fn labels<const N: usize>(section: &[(f64, [f64; N])], same: f64) -> Vec<usize> {
     let extent = (0..N)
         .map(|i| {
             let values = || section.iter().map(|(_, x)| x[i]);

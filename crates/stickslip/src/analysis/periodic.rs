@@ -222,7 +222,7 @@ fn iterate(
         let gap = &monodromy.summary.x - &at.x;
         let size = gap.amax();
         wanted = by_tolerance.max(rounding(monodromy, &at.x));
-        let speed = phase.map_or(f64::INFINITY, |_| at.velocity(system).amax());
+        let speed = phase.as_ref().map_or(f64::INFINITY, |_| at.velocity(system).amax());
         // What moves no further in a turn than it may be off repeats itself because it rests.
         if speed * period <= wanted {
             residual = size;
@@ -235,7 +235,7 @@ fn iterate(
             let closing = Closing {
                 states: at.x.len(),
                 matrix: monodromy.matrix.clone(),
-                flow: phase.map(|_| at.velocity(system)),
+                flow: phase.as_ref().map(|_| at.velocity(system)),
                 by_rounding: left(&gap, wanted, monodromy, &at.x),
                 by_tolerance: by_tolerance_of(&at.x, options),
                 family,

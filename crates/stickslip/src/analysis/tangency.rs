@@ -17,11 +17,11 @@ use crate::system::{Filippov, Side, State};
 /// assert_eq!(tangency(&belt, Side::Below, 0.0, &x), Some(Visibility::Visible));
 /// assert_eq!(tangency(&belt, Side::Above, 0.0, &x), None);
 /// ```
-pub fn tangency<S: Filippov>(
-    system: &dyn Dynamics,
+pub fn tangency<S: Filippov<N>, const N: usize>(
+    system: &S,
     side: Side,
     t: f64,
-    x: &Vector,
+    x: &State<N>,
 ) -> Option<Visibility> {
     let lie = LieDerivatives::new(system, side, t, x, 0.0);
     let is_tangent = lie.values[1].abs() <= lie.floors[1];
@@ -29,11 +29,11 @@ pub fn tangency<S: Filippov>(
 }
 
 /// How the field of `side` lies at a point where it is known to be tangent.
-pub fn visibility<S: Filippov>(
-    system: &dyn Dynamics,
+pub fn visibility<S: Filippov<N>, const N: usize>(
+    system: &S,
     side: Side,
     t: f64,
-    x: &Vector,
+    x: &State<N>,
 ) -> Visibility {
     LieDerivatives::new(system, side, t, x, 0.0).visibility(side)
 }

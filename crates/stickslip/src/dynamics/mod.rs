@@ -16,7 +16,7 @@ use crate::orbit::{Counters, Ending};
 use crate::system::{Filippov, State};
 
 pub use modes::Modes;
-pub(crate) use typed::watched;
+pub(crate) use typed::{observed, watched};
 pub use typed::{NoSection, Typed};
 
 /// A vector of run-time length: a state, a direction, a gradient.

@@ -12,8 +12,8 @@ use crate::dual::Dual;
 use crate::error::Error;
 use crate::filippov::{
     Direction, EventFunctions, EventOf, EventRecord, EventSearch, Flow, GuardGradient, Integration,
-    Method, Options, PhaseOf, Progress, Settled, SummaryOf, Switched, TransitionOf, UseFlow,
-    Velocity, gradient,
+    Method, Observer, Options, PhaseOf, Progress, Settled, SummaryOf, Switched, TransitionOf,
+    UseFlow, Velocity, gradient, tell,
 };
 use crate::interval::Interval;
 use crate::ode::control::squared_error;
@@ -292,17 +292,51 @@ where
         options: &Options,
         section: &Section,
     ) -> Result<Box<dyn OrbitUnderWay + 'a>, Error> {
+        let mut run = self.run(start, t_end, options)?;
+        run.watch(section);
+        Ok(Box::new(run))
+    }
+
+    fn run(
+        self,
+        start: &Moment,
+        t_end: f64,
+        options: &Options,
+    ) -> Result<Run<'a, S, V, N, G>, Error> {
         let Timed { t, x } = self.timed(start);
-        let mut run = Run {
+        Ok(Run {
             of: self,
             integration: Integration::new(self.system, t, x, t_end, options)?,
             options: *options,
             search: None,
             reported: 0,
-        };
-        run.watch(section);
-        Ok(Box::new(run))
+            observer: None,
+            unobserved: None,
+            is_stopping: false,
+        })
     }
+}
+
+/// An orbit of a borrowed system that an observer is told of as well; of each thing when the next
+/// one is asked for.
+pub(crate) fn observed<'a, S, const N: usize, const G: usize>(
+    system: &'a S,
+    (start, t_end): (&Moment, f64),
+    options: &Options,
+    observer: &'a mut dyn Observer<N, S::Mode>,
+) -> Result<Box<dyn OrbitUnderWay + 'a>, Error>
+where
+    S: Switched<N, G>,
+{
+    let view = View {
+        system,
+        own: &NoSection,
+        states: N,
+        contacts: S::CONTACTS,
+    };
+    let mut run = view.run(start, t_end, options)?;
+    run.observer = Some(observer);
+    Ok(Box::new(run))
 }
 
 /// An orbit of a borrowed system, of which the passages of a section of its own are reported.
@@ -387,6 +421,10 @@ struct Run<'a, S: Switched<N, G>, V, const N: usize, const G: usize> {
     search: Option<EventSearch<'a, S, TypedSection<'a, S, V, N, G>, N, 1, G>>,
     /// How many passages of the last step have been reported.
     reported: usize,
+    observer: Option<&'a mut dyn Observer<N, S::Mode>>,
+    /// What the observer has yet to be told.
+    unobserved: Option<Progress<N, S::Mode>>,
+    is_stopping: bool,
 }
 
 impl<S, V, const N: usize, const G: usize> OrbitUnderWay for Run<'_, S, V, N, G>
@@ -401,7 +439,14 @@ where
             self.reported += 1;
             return Ok(Happening::Passage(self.of.passage(passage)));
         }
+        if let (Some(observer), Some(progress)) = (&mut self.observer, self.unobserved.take()) {
+            let (integration, is_stopping) = (&mut self.integration, &mut self.is_stopping);
+            if let Some(summary) = tell(integration, &progress, *observer, is_stopping)? {
+                return Ok(Happening::End(self.of.summary(&summary)));
+            }
+        }
         let progress = self.integration.step()?;
+        self.unobserved = self.observer.is_some().then_some(progress);
         Ok(match &progress {
             Progress::Step => {
                 if let Some(search) = &mut self.search {

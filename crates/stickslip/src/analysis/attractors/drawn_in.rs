@@ -1,15 +1,12 @@
 //! Whether an orbit that slips can no longer get away from an equilibrium.
 
-use nalgebra::{Cholesky, DMatrix, DVector, SMatrix};
+use nalgebra::Cholesky;
 
 use super::rest::{Rest, ZERO, equilibrium_near, velocities_from};
 use crate::analysis::multipliers;
-use crate::dual::Dual;
-use crate::filippov::{Flow, Switched, UseFlow};
+use crate::dynamics::{Dynamics, Matrix, Modes, Moment, Vector};
 use crate::interval::Interval;
 use crate::math;
-use crate::dynamics::Moment;
-use crate::system::State;
 
 /// The ellipsoid is larger than the orbit needs by this, which leaves room for rounding.
 const ROOM: f64 = 1.0 + 1e-6;
@@ -27,17 +24,6 @@ const STEPS: u32 = 16;
 
 /// Systems of more states are not asked: the equations for `P` are as many as its entries.
 const MOST_STATES: usize = 12;
-
-/// Whether no guard comes near zero in a box, ever.
-struct StaysClear<'a>(Interval, &'a [Interval; N]);
-
-impl UseFlow for StaysClear<'_, N> {
-    type Output = bool;
-
-    fn with<F: Flow>(self, flow: &F) -> bool {
-        F::GUARDS.iter().all(|&i| flow.is_clear(i, self.0, self.1))
-    }
-}
 
 /// A neighbourhood of an equilibrium out of which no orbit in slip gets: each comes to the equilibrium without another event, though it may be
 /// far from it yet.
@@ -59,21 +45,17 @@ impl Trap {
     /// from `J`. Over the box around an ellipsoid on which `V` is constant, intervals tell by how much it differs, and that no boundary is met.
     /// The ellipsoid then is never left, and `V` falls to what rounding leaves. Bounds of intervals are not rounded outward; a tenth of the decay
     /// is room for that.
-    pub fn near(
-        system: &dyn Dynamics,
-        mode: Modes,
-        at: &Moment,
-        escape: f64,
-    ) -> Option<Self> {
+    pub fn near(system: &dyn Dynamics, mode: Modes, at: &Moment, escape: f64) -> Option<Self> {
+        let n = system.states();
         // While a contact sticks, what ends that takes derivatives, which intervals do not have.
-        if mode.any_sticks() || N > MOST_STATES {
+        if mode.any_sticks() || n > MOST_STATES {
             return None;
         }
-        let Rest { x, jacobian } = equilibrium_near(system, mode, at.t, &at.x, N)?;
+        let Rest { x, jacobian } = equilibrium_near(system, mode, at.t, &at.x, n)?;
         if !attracts(&jacobian) {
             return None;
         }
-        let falling = Falling::along(&DMatrix::from_fn(N, N, |i, j| jacobian[(i, j)]))?;
+        let falling = Falling::along(&jacobian)?;
         let there = Moment { t: at.t, x };
         let velocities = velocities_from(system, mode, &there)?;
         if velocities.iter().any(|v| v.low != v.high) {
@@ -81,17 +63,17 @@ impl Trap {
         }
         let velocity = velocities.iter().map(|v| v.low * v.low).sum::<f64>().sqrt();
         let is_trap = |level: f64| {
-            let radius: [f64; N] = std::array::from_fn(|i| falling.reach(level, i));
-            (0..N).all(|i| x[i].abs() + radius[i] <= escape)
+            let radius: Vec<f64> = (0..n).map(|i| falling.reach(level, i)).collect();
+            (0..n).all(|i| there.x[i].abs() + radius[i] <= escape)
                 && falling.outweighs(velocity, level)
                 && stays_clear(system, mode, &there, &radius)
                 && differs(system, mode, &there, &radius, &jacobian)
                     .is_some_and(|differs| falling.withstands(&differs))
         };
-        let from = ROOM * falling.at((at.x - x).as_slice());
+        let from = ROOM * falling.at((&at.x - &there.x).as_slice());
         let level = largest(from, is_trap)?;
         Some(Trap {
-            x,
+            x: there.x,
             falling,
             level,
             from,
@@ -109,7 +91,7 @@ impl Trap {
     }
 
     fn level_of(&self, x: &Vector) -> f64 {
-        ROOM * self.falling.at((x - self.x).as_slice())
+        ROOM * self.falling.at((x - &self.x).as_slice())
     }
 }
 
@@ -135,20 +117,15 @@ fn largest(from: f64, claim: impl Fn(f64) -> bool) -> Option<f64> {
 }
 
 /// A box around a state.
-fn around(x: &Vector, radius: &[f64; N], part: f64) -> [Interval; N] {
-    std::array::from_fn(|i| Interval::around(x[i], part * radius[i]))
+fn around(x: &Vector, radius: &[f64], part: f64) -> Vec<Interval> {
+    let sides = x.iter().zip(radius);
+    sides.map(|(x, radius)| Interval::around(*x, part * radius)).collect()
 }
 
 /// Whether no guard comes near zero in a box, ever.
-fn stays_clear(
-    system: &dyn Dynamics,
-    mode: Modes,
-    at: &Moment,
-    radius: &[f64; N],
-) -> bool {
+fn stays_clear(system: &dyn Dynamics, mode: Modes, at: &Moment, radius: &[f64]) -> bool {
     let ever = Interval::new(at.t, f64::INFINITY);
-    let over = around(&at.x, radius, 1.0);
-    system.with_flow(mode, system.branch(at), StaysClear(ever, &over))
+    system.flow(mode, at).is_clear(ever, &around(&at.x, radius, 1.0))
 }
 
 /// By how much the mean of the Jacobian on a straight way from a state into the box around it differs from the one given: each part of the ways
@@ -157,26 +134,21 @@ fn differs(
     system: &dyn Dynamics,
     mode: Modes,
     at: &Moment,
-    radius: &[f64; N],
+    radius: &[f64],
     jacobian: &Matrix,
-) -> Option<DMatrix<f64>> {
-    let time = Dual::new(
-        Interval::new(at.t, f64::INFINITY),
-        Interval::around(0.0, 0.0),
-    );
-    let mut low = DMatrix::<f64>::zeros(N, N);
+) -> Option<Matrix> {
+    let n = system.states();
+    let flow = system.flow(mode, at);
+    let ever = Interval::new(at.t, f64::INFINITY);
+    let mut low = Matrix::zeros(n, n);
     let mut high = low.clone();
     for part in 1..=PARTS {
         let over = around(&at.x, radius, f64::from(part) / f64::from(PARTS));
-        for j in 0..N {
-            let seeded = std::array::from_fn(|i| {
-                let unit = if i == j { 1.0 } else { 0.0 };
-                Dual::new(over[i], Interval::around(unit, 0.0))
-            });
-            let column = Interval::decided(|| system.slip_field(mode, time, &seeded)).flatten()?;
-            for i in 0..N {
-                low[(i, j)] += column[i].eps.low / f64::from(PARTS);
-                high[(i, j)] += column[i].eps.high / f64::from(PARTS);
+        for j in 0..n {
+            let column = flow.derivative_over(ever, &over, j)?;
+            for i in 0..n {
+                low[(i, j)] += column[i].low / f64::from(PARTS);
+                high[(i, j)] += column[i].high / f64::from(PARTS);
             }
         }
     }
@@ -185,7 +157,7 @@ fn differs(
         .chain(&high)
         .all(|bound| bound.is_finite())
         .then(|| {
-            DMatrix::from_fn(N, N, |i, j| {
+            Matrix::from_fn(n, n, |i, j| {
                 (high[(i, j)] - jacobian[(i, j)]).max(jacobian[(i, j)] - low[(i, j)])
             })
         })
@@ -199,8 +171,8 @@ fn attracts(jacobian: &Matrix) -> bool {
 
 /// A quadratic function that falls along a linear flow: `P` of `JᵀP + PJ = −1`. Of any number of states, so that it is compiled once.
 struct Falling {
-    weights: DMatrix<f64>,
-    inverse: DMatrix<f64>,
+    weights: Matrix,
+    inverse: Matrix,
     /// No less than the norm of `P`.
     norm: f64,
     /// By how much rounding misses the equation.
@@ -209,11 +181,11 @@ struct Falling {
 
 impl Falling {
     /// That of a Jacobian; `None` where there is none that is positive.
-    fn along(jacobian: &DMatrix<f64>) -> Option<Self> {
+    fn along(jacobian: &Matrix) -> Option<Self> {
         let n = jacobian.nrows();
         let place = |i: usize, j: usize| i * n + j;
-        let mut equations = DMatrix::zeros(n * n, n * n);
-        let mut right = DVector::zeros(n * n);
+        let mut equations = Matrix::zeros(n * n, n * n);
+        let mut right = Vector::zeros(n * n);
         for i in 0..n {
             for j in 0..n {
                 let row = place(i, j);
@@ -226,9 +198,9 @@ impl Falling {
         }
         let solution = equations.lu().solve(&right)?;
         let entry = |i, j| 0.5 * (solution[place(i, j)] + solution[place(j, i)]);
-        let weights = DMatrix::from_fn(n, n, entry);
+        let weights = Matrix::from_fn(n, n, entry);
         let half = &weights * jacobian;
-        let rounded = norm(&(&half + half.transpose() + DMatrix::identity(n, n)));
+        let rounded = norm(&(&half + half.transpose() + Matrix::identity(n, n)));
         let inverse = Cholesky::new(weights.clone())?.inverse();
         rounded.is_finite().then(|| Falling {
             norm: norm(&weights),
@@ -261,14 +233,14 @@ impl Falling {
     }
 
     /// Whether it falls along every linear flow that differs by no more.
-    fn withstands(&self, differs: &DMatrix<f64>) -> bool {
+    fn withstands(&self, differs: &Matrix) -> bool {
         let taken = self.weights.abs() * differs;
         norm(&(&taken + taken.transpose())) + self.rounded <= MOST_TAKEN
     }
 }
 
 /// The largest sum of a row of sizes: no less than the norm of a symmetric matrix.
-fn norm(matrix: &DMatrix<f64>) -> f64 {
+fn norm(matrix: &Matrix) -> f64 {
     let sums = matrix.row_iter().map(|row| row.abs().sum());
     sums.fold(0.0, f64::max)
 }

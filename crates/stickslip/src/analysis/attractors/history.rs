@@ -3,7 +3,8 @@
 use std::collections::VecDeque;
 
 use super::recurrence::Count;
-use crate::filippov::{Phase, Transition, TransitionKind};
+use crate::dynamics::{Modes, Phase, Transition};
+use crate::filippov::TransitionKind;
 
 /// As many as there is room for, and how many there have been.
 pub(super) struct History {
@@ -43,7 +44,7 @@ impl History {
     }
 
     /// The modes of the last phases.
-    pub fn modes(&self) -> impl Iterator<Item = K> {
+    pub fn modes(&self) -> impl Iterator<Item = Modes> {
         const LAST: usize = 4;
         self.phases.iter().rev().take(LAST).map(|phase| phase.mode)
     }
@@ -55,7 +56,7 @@ impl History {
     }
 
     /// Part of the time of the phases in which the mode is one that sticks; none without phases.
-    pub fn in_stick(&self, sticks: impl Fn(K) -> bool) -> Option<f64> {
+    pub fn in_stick(&self, sticks: impl Fn(Modes) -> bool) -> Option<f64> {
         let (mut whole, mut stuck) = (0.0, 0.0);
         for phase in &self.phases {
             whole += phase.duration();

@@ -1,13 +1,12 @@
 //! Which attractors have been met before.
 
-use super::reached::{Kind, Reached, SectionPoint, turns};
+use super::reached::{Kind, Reached, turns};
 use super::recurrent::is_same_set;
 use super::rest::{holds, off_by};
 use crate::analysis::periodic::shoot;
 use crate::analysis::sequence::circuit_from;
-use crate::filippov::{Options, Settled, Switched, Velocity};
-use crate::dynamics::Moment;
-use crate::system::{State, components};
+use crate::dynamics::{AsDynamics, DynamicsRef, Modes, Moment, Vector};
+use crate::filippov::Options;
 
 /// Points between two of a set of equilibria that must be of it.
 const BETWEEN: usize = 16;
@@ -45,7 +44,7 @@ const MOMENTS: usize = 32;
 /// # Ok::<(), stickslip::Error>(())
 /// ```
 pub struct Attractors<'a> {
-    system: &'a dyn Dynamics,
+    system: DynamicsRef<'a>,
     closeness: f64,
     forcing: Option<f64>,
     options: Options,
@@ -57,9 +56,13 @@ const TIMES: f64 = 10.0;
 
 impl<'a> Attractors<'a> {
     /// None yet, of this system.
-    pub fn new(system: &'a dyn Dynamics, settings: &super::RecurrenceSettings, options: &Options) -> Self {
+    pub fn new<Kind>(
+        system: &'a impl AsDynamics<Kind>,
+        settings: &super::RecurrenceSettings,
+        options: &Options,
+    ) -> Self {
         Attractors {
-            system,
+            system: system.dynamics(),
             options: *options,
             closeness: TIMES * settings.closeness,
             forcing: settings.forcing,
@@ -136,14 +139,14 @@ impl<'a> Attractors<'a> {
         let Some(a) = one.points.first() else {
             return false;
         };
-        let away = |b: &dyn DynamicsectionPoint| (b.x - a.x).norm();
+        let away = |b: &Moment| (&b.x - &a.x).norm();
         let nearest = other
             .points
             .iter()
             .min_by(|b, c| away(b).total_cmp(&away(c)));
         nearest.is_some_and(|b| {
-            let x = (a.x + b.x) * 0.5;
-            let middle = SectionPoint { t: a.t, x };
+            let x = (&a.x + &b.x) * 0.5;
+            let middle = Moment { t: a.t, x };
             let period = 0.5 * (one.period() + other.period());
             self.family(one) > 0 && self.family_near(&middle, period, away(b)) > 0
         })
@@ -151,29 +154,30 @@ impl<'a> Attractors<'a> {
 
     /// Dimension of the family of the periodic orbit near a point, with a period near one, if it is
     /// nearer than half of a distance.
-    fn family_near(&self, at: &dyn DynamicsectionPoint, period: f64, distance: f64) -> usize {
+    fn family_near(&self, at: &Moment, period: f64, distance: f64) -> usize {
         let found = || {
-            let start = Moment { t: at.t, x: at.x };
-            let guess = circuit_from(self.system, &start, period, &self.options)?;
+            let (system, options) = (&*self.system, &self.options);
+            let guess = circuit_from(system, at, period, options)?;
             let is_forced = self.forcing.is_some();
-            let found = shoot(self.system, &guess.anchor, period, is_forced, &self.options);
+            let found = shoot(system, &guess.anchor, period, is_forced, options);
             let orbit = found.ok()?.0;
-            let is_near = (orbit.x - guess.anchor.x).norm() < 0.5 * distance;
+            let is_near = (orbit.x - &guess.anchor.x).norm() < 0.5 * distance;
             is_near.then_some(orbit.family)
         };
         found().unwrap_or(0)
     }
 
     /// Whether the points are the same, some turn apart.
-    fn is_near(&self, one: &[SectionPoint], other: &[SectionPoint]) -> bool {
-        let size = State::<N>::from_fn(|i, _| {
+    fn is_near(&self, one: &[Moment], other: &[Moment]) -> bool {
+        let states = self.system.states();
+        let size = Vector::from_fn(states, |i, _| {
             let sizes = one.iter().map(|point| point.x[i].abs());
             sizes.fold(0.0, f64::max)
         });
         // A component that is always zero has no size of its own.
         let least = 1e-3 * size.amax();
-        let same = move |a: &dyn DynamicsectionPoint, b: &dyn DynamicsectionPoint| {
-            (0..N).all(|i| (a.x[i] - b.x[i]).abs() <= self.closeness * size[i].max(least))
+        let same = move |a: &Moment, b: &Moment| {
+            (0..states).all(|i| (a.x[i] - b.x[i]).abs() <= self.closeness * size[i].max(least))
         };
         turns(one, other, same).next().is_some()
     }
@@ -183,45 +187,43 @@ impl<'a> Attractors<'a> {
         let ([a], [b]) = (one.points.as_slice(), other.points.as_slice()) else {
             return false;
         };
-        let [a, b] = [a, b].map(|point| Moment {
-            t: point.t,
-            x: point.x,
-        });
-        let off = off_by(self.system, one.mode, [&a, &b]);
-        off.is_some_and(|off| (a.x - b.x).amax() <= TIMES * off.amax())
+        let off = off_by(&*self.system, one.mode, [a, b]);
+        off.is_some_and(|off| (&a.x - &b.x).amax() <= TIMES * off.amax())
     }
 
     /// Whether there is rest all the way from one point to the other.
     fn are_joined(
         &self,
-        one: &[SectionPoint],
-        other: &[SectionPoint],
+        one: &[Moment],
+        other: &[Moment],
         mode: Modes,
     ) -> bool {
         let (Some(one), Some(other)) = (one.first(), other.first()) else {
             return false;
         };
-        let (branch, t) = (S::Branch::default(), one.t);
+        let way = &other.x - &one.x;
         (1..BETWEEN).all(|k| {
             let part = k as f64 / BETWEEN as f64;
-            let x = one.x + (other.x - one.x) * part;
-            let x = self.system.with_flow(mode, branch, Settled(Moment { t, x }));
-            let velocity = self
-                .system
-                .with_flow(mode, branch, Velocity(t, components(&x)));
-            let rests = State::from(velocity).amax() <= self.closeness * x.amax();
-            rests && self.holds(mode, Moment { t, x })
+            let mut at = Moment {
+                t: one.t,
+                x: &one.x + &way * part,
+            };
+            let flow = self.system.flow(mode, &at);
+            at.x = flow.settled(&at);
+            let rests = flow.velocity(&at).amax() <= self.closeness * at.x.amax();
+            rests && self.holds(mode, &at)
         })
     }
 
     /// Whether a mode holds at a point of rest, with a drive through its whole period: at as many moments of it.
-    fn holds(&self, mode: Modes, at: Moment) -> bool {
+    fn holds(&self, mode: Modes, at: &Moment) -> bool {
         let Some(period) = self.forcing else {
-            return holds(self.system, mode, at);
+            return holds(&*self.system, mode, at);
         };
         (0..MOMENTS).all(|k| {
             let t = at.t + period * k as f64 / MOMENTS as f64;
-            holds(self.system, mode, Moment { t, x: at.x })
+            let x = at.x.clone();
+            holds(&*self.system, mode, &Moment { t, x })
         })
     }
 }

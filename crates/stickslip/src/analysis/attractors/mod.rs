@@ -9,15 +9,14 @@ mod recurrence;
 mod recurrent;
 pub(super) mod rest;
 mod search;
-mod turning;
 
 pub use known::Attractors;
-pub use reached::{Kind, Reached, SectionPoint, is_same_cycle};
+pub use reached::{Kind, Reached, is_same_cycle};
 
+use crate::dynamics::{AsDynamics, Components, Dynamics, Moment, Section, Typed, Vector};
 use crate::error::Error;
-use crate::filippov::{EventFunctions, Integration, Options, Strobe, Switched};
-use crate::system::State;
-use search::{By, Search};
+use crate::filippov::{EventFunctions, Options, Strobe, Switched};
+use search::Search;
 
 /// When an orbit is said to have come to an attractor.
 ///
@@ -112,21 +111,31 @@ impl RecurrenceSettings {
 /// }
 /// # Ok::<(), stickslip::Error>(())
 /// ```
-pub fn attractor(
-    system: &dyn Dynamics,
+pub fn attractor<Kind>(
+    system: &impl AsDynamics<Kind>,
     x0: impl Components,
+    settings: &RecurrenceSettings,
+    options: &Options,
+) -> Result<Reached, Error> {
+    attractor_of(&*system.dynamics(), x0.vector(), settings, options)
+}
+
+/// As [`attractor`].
+pub(super) fn attractor_of(
+    system: &dyn Dynamics,
+    x0: Vector,
     settings: &RecurrenceSettings,
     options: &Options,
 ) -> Result<Reached, Error> {
     match settings.forcing {
         Some(period) => {
-            let strobe = Strobe { first: 0.0, period };
+            let strobe = Section::Strobe(Strobe { first: 0.0, period });
             // A step must not pass over two flashes.
             let longest = options.longest_step.min(0.5 * period);
             let options = options.longest_step(longest);
-            attractor_on(system, &strobe, x0, settings, &options)
+            seek(system, &strobe, x0, settings, &options)
         }
-        None => seek(system, &(), By::Transitions, x0.into(), settings, options),
+        None => seek(system, &Section::None, x0, settings, options),
     }
 }
 
@@ -134,28 +143,31 @@ pub fn attractor(
 ///
 /// # Errors
 /// As [`attractor`].
-pub fn attractor_on<S: Switched<N, G>, V: EventFunctions<N, 1>>(
-    system: &dyn Dynamics,
+pub fn attractor_on<S, V, const N: usize, const G: usize>(
+    system: &S,
     section: &V,
     x0: impl Components,
     settings: &RecurrenceSettings,
     options: &Options,
-) -> Result<Reached, Error> {
-    seek(system, section, By::Events, x0.into(), settings, options)
+) -> Result<Reached, Error>
+where
+    S: Switched<N, G> + Send + Sync,
+    V: EventFunctions<N, 1> + Send + Sync,
+{
+    let typed = Typed::<&S, S, &V, N, G>::with_section(system, section);
+    seek(&typed, &Section::Own, x0.vector(), settings, options)
 }
 
-fn seek<S, V, const N: usize, const E: usize, const G: usize>(
+fn seek(
     system: &dyn Dynamics,
-    section: &V,
-    by: By,
+    section: &Section,
     x0: Vector,
     settings: &RecurrenceSettings,
     options: &Options,
-) -> Result<Reached, Error>
-    V: EventFunctions<N, E>,
-{
+) -> Result<Reached, Error> {
     settings.check()?;
-    let integration = Integration::new(system, 0.0, x0, settings.longest, options)?;
-    let search = Search::new(system, &x0, by, settings, options);
-    Ok(search.follow(integration, section))
+    let start = Moment { t: 0.0, x: x0 };
+    let orbit = system.begin(&start, settings.longest, options, section)?;
+    let search = Search::new(system, &start.x, section, settings, options);
+    Ok(search.follow(orbit))
 }

@@ -1,6 +1,6 @@
 //! When two states count as the same, and where an orbit has been.
 
-use crate::system::State;
+use crate::dynamics::Vector;
 
 /// Tolerances by which two points may differ that the solver cannot tell apart.
 pub(super) const OF_SOLVER: f64 = 100.0;
@@ -28,27 +28,31 @@ impl Nearness {
 }
 
 /// Smallest and largest value of each component at the ends of steps.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Extent {
     pub low: Vector,
     pub high: Vector,
 }
 
 impl Extent {
-    pub fn of(x: &Vector) -> Self {
-        Extent { low: *x, high: *x }
-    }
-
-    pub fn include(&mut self, x: &Vector) {
-        for i in 0..N {
-            self.low[i] = self.low[i].min(x[i]);
-            self.high[i] = self.high[i].max(x[i]);
+    pub fn of(x: &[f64]) -> Self {
+        let x = Vector::from_column_slice(x);
+        Extent {
+            low: x.clone(),
+            high: x,
         }
     }
 
-    pub fn join(&mut self, other: &dyn Dynamicself) {
-        self.include(&other.low);
-        self.include(&other.high);
+    pub fn include(&mut self, x: &[f64]) {
+        for (i, x) in x.iter().enumerate() {
+            self.low[i] = self.low[i].min(*x);
+            self.high[i] = self.high[i].max(*x);
+        }
+    }
+
+    pub fn join(&mut self, other: &Self) {
+        self.include(other.low.as_slice());
+        self.include(other.high.as_slice());
     }
 
     /// Largest size of a component.

@@ -2,18 +2,9 @@
 
 use std::fmt;
 
+use crate::dynamics::{Modes, Moment, Phase, Vector};
 use crate::error::Error;
-use crate::filippov::{Phase, TransitionKind, TwoFold};
-use crate::system::{Mode, State};
-
-/// A point of a section.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SectionPoint {
-    /// Time.
-    pub t: f64,
-    /// State.
-    pub x: Vector,
-}
+use crate::filippov::{TransitionKind, TwoFold};
 
 /// What kind of motion an orbit has come to.
 #[derive(Clone, Debug, PartialEq)]
@@ -74,7 +65,7 @@ pub struct Reached {
     /// [`super::Attractors::number`] and [`super::Attractors::family`].
     pub family: Option<usize>,
     /// Of a periodic orbit the points of the section in one period; of an equilibrium that point alone, refined; otherwise the last points.
-    pub points: Vec<SectionPoint>,
+    pub points: Vec<Moment>,
     /// Of a periodic orbit the phases that ended in one period, in order of time; otherwise the last phases.
     pub phases: Vec<Phase>,
     /// The transitions of these phases with the contact that each begins at; in several contacts, and where contact is lost and gained, there is
@@ -83,7 +74,7 @@ pub struct Reached {
     /// Part of the time of these phases in which a contact sticks; at rest, and without phases, 1 or 0 by the mode at the end.
     pub in_stick: f64,
     /// Mode at that time.
-    pub mode: K,
+    pub mode: Modes,
     /// Time at which the orbit was left; where the phase that ended then is one in which a contact sticks, that of its beginning, from which it is
     /// better to go on.
     pub t: f64,
@@ -94,7 +85,7 @@ pub struct Reached {
 
 impl Reached {
     /// The modes gone through in the phases; where none ended, the mode at the end alone.
-    pub fn sequence(&self) -> Vec<K> {
+    pub fn sequence(&self) -> Vec<Modes> {
         if self.phases.is_empty() {
             return vec![self.mode];
         }
@@ -110,7 +101,7 @@ impl Reached {
     }
 
     /// Whether two periodic orbits have the same cycle of phases and transitions.
-    pub fn has_sequence_of(&self, other: &dyn Dynamicself) -> bool {
+    pub fn has_sequence_of(&self, other: &Self) -> bool {
         is_same_cycle(&self.sequence(), &other.sequence())
             && is_same_cycle(&self.transitions, &other.transitions)
     }

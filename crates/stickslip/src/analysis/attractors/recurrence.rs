@@ -2,9 +2,8 @@
 
 use std::collections::VecDeque;
 
-use super::SectionPoint;
 use super::nearness::{Extent, Nearness, OF_SOLVER};
-use crate::system::State;
+use crate::dynamics::{Moment, Vector};
 
 /// Part of the scale that is kept from point to point: of a long way to the attractor nothing is left after some returns.
 const KEPT: f64 = 0.9;
@@ -38,9 +37,9 @@ pub(super) struct Count {
 }
 
 /// A point with what is compared of it and what lies between it and the one before.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 struct Passage {
-    at: SectionPoint,
+    at: Moment,
     /// Stands for the transitions since the last point.
     tag: u64,
     /// Time modulo the forcing's period, in periods.
@@ -63,7 +62,7 @@ pub(super) struct Recurrence {
 }
 
 /// A pattern of the last points that repeats.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Pattern {
     pub returns: usize,
     pub period: f64,
@@ -76,7 +75,12 @@ pub(super) struct Pattern {
 }
 
 impl Recurrence {
-    pub fn new(near: Nearness, forcing: Option<f64>, most: usize, kept: usize) -> Self {
+    pub fn new(
+        states: usize,
+        near: Nearness,
+        forcing: Option<f64>,
+        (most, kept): (usize, usize),
+    ) -> Self {
         let kept = kept.max((SHRINKING.0 + 1) * most + 1);
         Recurrence {
             near,
@@ -84,24 +88,24 @@ impl Recurrence {
             passages: VecDeque::new(),
             kept,
             runs: vec![0; most],
-            scale: State::zeros(),
+            scale: Vector::zeros(states),
         }
     }
 
     pub fn clear(&mut self) {
         self.passages.clear();
         self.runs.fill(0);
-        self.scale = State::zeros();
+        self.scale.fill(0.0);
     }
 
-    pub fn points(&self) -> impl ExactSizeIterator<Item = &dyn DynamicsectionPoint> {
+    pub fn points(&self) -> impl ExactSizeIterator<Item = &Moment> {
         self.passages.iter().map(|passage| &passage.at)
     }
 
     /// The last `count` points.
-    pub fn last(&self, count: usize) -> Vec<SectionPoint> {
+    pub fn last(&self, count: usize) -> Vec<Moment> {
         let from = self.passages.len().saturating_sub(count);
-        self.points().skip(from).copied().collect()
+        self.points().skip(from).cloned().collect()
     }
 
     /// Whether the orbit is still on its way to a pattern, or away from one: with some lag all of the last points came near to those before,
@@ -138,12 +142,12 @@ impl Recurrence {
     /// Takes the next point; the shortest pattern that has now repeated often enough, if there is one.
     pub fn pass(
         &mut self,
-        at: SectionPoint,
+        at: Moment,
         tag: u64,
         count: Count,
         extent: Extent,
     ) -> Option<Pattern> {
-        for i in 0..N {
+        for i in 0..self.scale.len() {
             self.scale[i] = extent.size(i).max(KEPT * self.scale[i]);
         }
         if self.passages.len() == self.kept {
@@ -191,7 +195,7 @@ impl Recurrence {
     /// Largest difference of two points in units of what is allowed.
     fn apart(&self, one: &Passage, other: &Passage, near: &Nearness) -> f64 {
         let mut most = 0.0_f64;
-        for i in 0..N {
+        for i in 0..self.scale.len() {
             let allowed = near.allowed(self.scale[i]);
             most = most.max((one.at.x[i] - other.at.x[i]).abs() / allowed);
         }
@@ -263,7 +267,7 @@ impl Recurrence {
     /// A pattern, to which so much of the way is left, in differences of points.
     fn pattern(&self, last: usize, lag: usize, left: f64) -> Pattern {
         let (here, there) = (&self.passages[last], &self.passages[last - lag]);
-        let mut extent = here.extent;
+        let mut extent = here.extent.clone();
         for passage in self.passages.range(last + 1 - lag..last) {
             extent.join(&passage.extent);
         }
@@ -299,9 +303,9 @@ impl Recurrence {
     fn is_wide(&self, pattern: &Pattern, left: f64) -> bool {
         let last = self.passages.len() - 1;
         let (here, there) = (&self.passages[last], &self.passages[last - pattern.returns]);
-        let Extent { low, high } = pattern.extent;
+        let Extent { low, high } = &pattern.extent;
         let mut moves = false;
-        for i in 0..N {
+        for i in 0..low.len() {
             let width = high[i] - low[i];
             let rounding = self.near.rounding(pattern.extent.size(i));
             if width > rounding {

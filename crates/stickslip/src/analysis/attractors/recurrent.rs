@@ -1,6 +1,6 @@
 //! Whether points that do not repeat have filled what they fill.
 
-use super::SectionPoint;
+use crate::dynamics::Moment;
 
 /// Part of their extent within which points count as near.
 pub(super) const PART: f64 = 0.05;
@@ -9,36 +9,38 @@ pub(super) const PART: f64 = 0.05;
 const MOST: f64 = 0.95;
 
 /// Whether the last quarter of the points lies near to the half before it: no new ground is won.
-pub(super) fn returns_everywhere(points: &[SectionPoint]) -> bool {
+pub(super) fn returns_everywhere(points: &[Moment]) -> bool {
     let (middle, last) = (points.len() / 4, 3 * points.len() / 4);
     lies_in(&points[last..], &points[middle..last], &extent(points))
 }
 
 /// Whether two recurrent sets of points are one: each lies near to the other.
 pub(super) fn is_same_set(
-    one: &[SectionPoint],
-    other: &[SectionPoint],
+    one: &[Moment],
+    other: &[Moment],
 ) -> bool {
     let (a, b) = (extent(one), extent(other));
-    let wider = std::array::from_fn(|i| a[i].max(b[i]));
+    let wider: Vec<f64> = a.iter().zip(b).map(|(a, b)| a.max(b)).collect();
     lies_in(one, other, &wider) && lies_in(other, one, &wider)
 }
 
 fn lies_in(
-    these: &[SectionPoint],
-    those: &[SectionPoint],
-    extent: &[f64; N],
+    these: &[Moment],
+    those: &[Moment],
+    extent: &[f64],
 ) -> bool {
-    let near = |one: &dyn DynamicsectionPoint, other: &dyn DynamicsectionPoint| {
-        (0..N).all(|i| (one.x[i] - other.x[i]).abs() <= PART * extent[i])
+    let near = |one: &Moment, other: &Moment| {
+        (0..extent.len()).all(|i| (one.x[i] - other.x[i]).abs() <= PART * extent[i])
     };
-    let inside = |one: &&dyn DynamicsectionPoint| those.iter().any(|other| near(one, other));
+    let inside = |one: &&Moment| those.iter().any(|other| near(one, other));
     these.iter().filter(inside).count() as f64 >= MOST * these.len() as f64
 }
 
-fn extent(points: &[SectionPoint]) -> [f64; N] {
-    std::array::from_fn(|i| {
+fn extent(points: &[Moment]) -> Vec<f64> {
+    let states = points.first().map_or(0, |point| point.x.len());
+    let extent = |i: usize| {
         let values = || points.iter().map(|point| point.x[i]);
         values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min)
-    })
+    };
+    (0..states).map(extent).collect()
 }

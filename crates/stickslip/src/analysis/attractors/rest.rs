@@ -1,15 +1,10 @@
 //! Whether an orbit comes to rest, and where.
 
-use nalgebra::{DMatrix, DVector, SMatrix};
-
 use super::nearness::Nearness;
 use super::reached::Kind;
 use crate::analysis::multipliers;
-use crate::dual::Dual;
-use crate::filippov::{Flow, Settled, Switched, UseFlow, Velocity};
+use crate::dynamics::{Dynamics, Matrix, Modes, Moment, Vector};
 use crate::interval::Interval;
-use crate::dynamics::Moment;
-use crate::system::{State, components};
 
 /// Newton steps allowed.
 const MOST: usize = 30;
@@ -24,7 +19,7 @@ const ROUNDING: f64 = 64.0 * f64::EPSILON;
 const ON_EDGE: f64 = 1e-14;
 
 /// A point of rest.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Rest {
     pub x: Vector,
     /// The Jacobian of the mode's field there.
@@ -40,21 +35,21 @@ pub(crate) fn equilibrium_near(
     x: &Vector,
     free: usize,
 ) -> Option<Rest> {
-    let mut x = *x;
+    let mut at = Moment { t, x: x.clone() };
     let mut smallest = f64::INFINITY;
     for _ in 0..MOST {
-        let jacobian = jacobian_of(system, mode, t, &x);
-        let step = newton_step(system, mode, &Moment { t, x }, &jacobian, free)?;
+        let jacobian = jacobian_of(system, mode, &at);
+        let step = newton_step(system, mode, &at, &jacobian, free)?;
         let size = step.amax();
         // The last step is rounding once it is no smaller than the one before.
         if size == 0.0 || size >= 0.5 * smallest {
-            let rounding = 1e-12 * x.amax().max(f64::MIN_POSITIVE) + f64::MIN_POSITIVE;
+            let rounding = 1e-12 * at.x.amax().max(f64::MIN_POSITIVE) + f64::MIN_POSITIVE;
             // A subnormal number is what rounding left of zero.
-            let x = x.map(|v| if v.abs() < f64::MIN_POSITIVE { 0.0 } else { v });
+            let x = at.x.map(|v| if v.abs() < f64::MIN_POSITIVE { 0.0 } else { v });
             return (size <= rounding.max(1e-12)).then_some(Rest { x, jacobian });
         }
         smallest = size;
-        x += step;
+        at.x += step;
     }
     None
 }
@@ -66,8 +61,8 @@ pub(super) fn off_by(
     points: [&Moment; 2],
 ) -> Option<Vector> {
     let [one, other] = points.map(|at| {
-        let jacobian = jacobian_of(system, mode, at.t, &at.x);
-        newton_step(system, mode, at, &jacobian, N)
+        let jacobian = jacobian_of(system, mode, at);
+        newton_step(system, mode, at, &jacobian, system.states())
     });
     Some(one?.abs() + other?.abs())
 }
@@ -80,16 +75,15 @@ fn newton_step(
     jacobian: &Matrix,
     free: usize,
 ) -> Option<Vector> {
-    let Moment { t, x } = *at;
-    let branch = S::Branch::default();
-    let velocity = system.with_flow(mode, branch, Velocity(t, components(&x)));
+    let flow = system.flow(mode, at);
+    let velocity = flow.velocity(at);
     // The sliding field has no component across the boundary, there or beside it: that the equilibrium lies on it is an equation of its own.
-    let onto = system.with_flow(mode, branch, Settled(*at)) - x;
+    let onto = flow.settled(at) - &at.x;
     let length = |normal: &Vector| normal.rows(0, free).norm();
     let mut normals = system.normals(mode, at);
     normals.retain(|(_, normal)| length(normal) > 0.0);
-    let mut matrix = DMatrix::zeros(free + normals.len(), free);
-    let mut right = DVector::zeros(matrix.nrows());
+    let mut matrix = Matrix::zeros(free + normals.len(), free);
+    let mut right = Vector::zeros(matrix.nrows());
     for i in 0..free {
         for j in 0..free {
             matrix[(i, j)] = jacobian[(i, j)];
@@ -115,56 +109,30 @@ fn newton_step(
         *right *= per_size;
     }
     let step = matrix.svd(true, true).solve(&right, ZERO).ok()?;
-    Some(State::from_fn(|i, _| if i < free { step[i] } else { 0.0 }))
+    Some(step.resize_vertically(system.states(), 0.0))
 }
 
 /// The Jacobian of a mode's field, by dual numbers.
-fn jacobian_of(
-    system: &dyn Dynamics,
-    mode: Modes,
-    t: f64,
-    x: &Vector,
-) -> Matrix {
-    let mut jacobian = SMatrix::zeros();
-    for j in 0..N {
-        let seeded = std::array::from_fn(|i| Dual::new(x[i], f64::from(u8::from(i == j))));
-        let here = Velocity(Dual::new(t, 0.0), &seeded);
-        let column = system.with_flow(mode, S::Branch::default(), here);
-        for i in 0..N {
-            jacobian[(i, j)] = column[i].eps;
-        }
-    }
-    jacobian
+fn jacobian_of(system: &dyn Dynamics, mode: Modes, at: &Moment) -> Matrix {
+    let flow = system.flow(mode, at);
+    let axes = Matrix::identity(system.states(), system.states());
+    let columns: Vec<Vector> = axes
+        .column_iter()
+        .map(|axis| flow.derivative(at, &axis.into_owned()))
+        .collect();
+    Matrix::from_columns(&columns)
 }
 
 /// The smallest guard of a mode at a point.
-struct LeastGuard(Moment);
-
-impl UseFlow for LeastGuard {
-    type Output = f64;
-
-    fn with<F: Flow>(self, flow: &F) -> f64 {
-        let Moment { t, x } = self.0;
-        let guards = F::GUARDS.iter().map(|&i| flow.guard_at(i, t, &x));
-        guards.fold(f64::INFINITY, f64::min)
-    }
-}
-
-/// The smallest guard of a mode at a point.
-pub(crate) fn least_guard(
-    system: &dyn Dynamics,
-    mode: Modes,
-    at: Moment,
-) -> f64 {
-    system.with_flow(mode, system.branch(&at), LeastGuard(at))
+pub(crate) fn least_guard(system: &dyn Dynamics, mode: Modes, at: &Moment) -> f64 {
+    let flow = system.flow(mode, at);
+    let guards = flow.guards().into_iter();
+    let values = guards.map(|guard| flow.guard(guard.number, at));
+    values.fold(f64::INFINITY, f64::min)
 }
 
 /// Whether a mode holds at a point.
-pub(crate) fn holds(
-    system: &dyn Dynamics,
-    mode: Modes,
-    at: Moment,
-) -> bool {
+pub(crate) fn holds(system: &dyn Dynamics, mode: Modes, at: &Moment) -> bool {
     least_guard(system, mode, at) > 0.0
 }
 
@@ -174,10 +142,10 @@ pub(super) fn velocities_from(
     system: &dyn Dynamics,
     mode: Modes,
     at: &Moment,
-) -> Option<[Interval; N]> {
+) -> Option<Vec<Interval>> {
     let ever = Interval::new(at.t, f64::INFINITY);
-    let point: [Interval; N] = std::array::from_fn(|i| Interval::around(at.x[i], 0.0));
-    Interval::decided(|| system.slip_field(mode, ever, &point)).flatten()
+    let point: Vec<Interval> = at.x.iter().map(|x| Interval::around(*x, 0.0)).collect();
+    system.flow(mode, at).velocity_over(ever, &point)
 }
 
 /// The point of rest that an orbit at `x` is about to reach, and whether it is one of a set; `None` where there is none that near, or one
@@ -186,37 +154,33 @@ pub(super) fn rest_at(
     system: &dyn Dynamics,
     mode: Modes,
     at: &Moment,
-    scale: &Vector,
+    scale: impl Fn(usize) -> f64,
     near: &Nearness,
 ) -> Option<(Kind, Vector)> {
-    let Rest { x, jacobian } = equilibrium_near(system, mode, at.t, &at.x, N)?;
+    let Rest { x, jacobian } = equilibrium_near(system, mode, at.t, &at.x, system.states())?;
     // The orbit may turn about it some steps wide.
     const TURN: f64 = 10.0;
-    let is_near = |i: usize| (x[i] - at.x[i]).abs() <= TURN * near.allowed(scale[i]);
-    if !(0..N).all(is_near) {
+    let is_near = |i: usize| (x[i] - at.x[i]).abs() <= TURN * near.allowed(scale(i));
+    if !(0..x.len()).all(is_near) {
         return None;
     }
-    let guard = least_guard(system, mode, Moment { t: at.t, x });
-    let is_on_edge = guard.abs() <= ON_EDGE * x.amax();
+    let there = Moment { t: at.t, x };
+    let guard = least_guard(system, mode, &there);
+    let is_on_edge = guard.abs() <= ON_EDGE * there.x.amax();
     if guard <= 0.0 && !is_on_edge {
         return None;
     }
-    let velocities = velocities_from(system, mode, &Moment { t: at.t, x });
+    let velocities = velocities_from(system, mode, &there);
     if velocities.is_some_and(|all| all.iter().any(|v| v.high > v.low)) {
         return None;
     }
-    let kind = kind_by(system, mode, &Moment { t: at.t, x }, &jacobian)?;
-    (guard > 0.0 || kind == Kind::Equilibrium).then_some((kind, x))
+    let kind = kind_by(system, mode, &there, &jacobian)?;
+    (guard > 0.0 || kind == Kind::Equilibrium).then_some((kind, there.x))
 }
 
 /// Whether a state of rest is one of a set; `None` where it does not attract.
-pub(super) fn kind_of_rest(
-    system: &dyn Dynamics,
-    mode: Modes,
-    at: &Moment,
-) -> Option<Kind> {
-    let jacobian = jacobian_of(system, mode, at.t, &at.x);
-    kind_by(system, mode, at, &jacobian)
+pub(super) fn kind_of_rest(system: &dyn Dynamics, mode: Modes, at: &Moment) -> Option<Kind> {
+    kind_by(system, mode, at, &jacobian_of(system, mode, at))
 }
 
 /// The same by the Jacobian there, of motion along the boundaries of the contacts that stick: off
@@ -229,14 +193,15 @@ fn kind_by(
 ) -> Option<Kind> {
     let bound = ZERO * jacobian.amax();
     let normals = system.normals(mode, at);
-    let gradients = DMatrix::from_fn(N, normals.len(), |i, k| normals[k].1[i]);
+    let n = system.states();
+    let gradients = Matrix::from_fn(n, normals.len(), |i, k| normals[k].1[i]);
     let across = gradients.qr().q();
-    let along = SMatrix::<f64, N, N>::from_fn(|i, j| {
+    let along = Matrix::from_fn(n, n, |i, j| {
         let normal = across.row(i).dot(&across.row(j));
         f64::from(u8::from(i == j)) - normal
     });
     let mut zeros = 0;
-    for value in multipliers(&(along * jacobian * along)) {
+    for value in multipliers(&(&along * jacobian * &along)) {
         if value.norm() <= bound {
             zeros += 1;
         } else if value.re >= -bound {

@@ -6,18 +6,16 @@ use std::hash::{Hash, Hasher};
 use super::drawn_in::Trap;
 use super::history::History;
 use super::nearness::{Extent, Nearness};
-use super::reached::{Kind, Reached, SectionPoint};
+use super::reached::{Kind, Reached};
 use super::recurrence::{Pattern, Recurrence};
 use super::rest::{kind_of_rest, rest_at};
-use super::{RecurrenceSettings, recurrent, turning::Turning};
-use crate::error::Error;
-use crate::filippov::{
-    EventFunctions, Happening, Integration, Options, Progress, Summary, Switched, Transition,
-    TransitionKind, Watched,
+use super::{RecurrenceSettings, recurrent};
+use crate::dynamics::{
+    Dynamics, Happening, Modes, Moment, OrbitUnderWay, Section, Summary, Transition, Vector,
 };
-use crate::dynamics::Moment;
+use crate::error::Error;
+use crate::filippov::{Options, TransitionKind};
 use crate::orbit::Ending;
-use crate::system::State;
 
 /// Steps without a transition after which the turning points of the first state are watched.
 const QUIET: usize = 100;
@@ -39,14 +37,6 @@ pub(super) enum By {
     Transitions,
     /// A section of the user's.
     Events,
-}
-
-/// How far one stage has brought it.
-enum Stage {
-    /// Nothing has happened for long.
-    Quiet,
-    /// It is known, or the run is over.
-    Done(Kind, Vec<SectionPoint>),
 }
 
 /// What is noted of an orbit.
@@ -84,7 +74,7 @@ impl<'a> Search<'a> {
     pub fn new(
         system: &'a dyn Dynamics,
         x: &Vector,
-        by: By,
+        section: &Section,
         settings: &'a RecurrenceSettings,
         options: &Options,
     ) -> Self {
@@ -94,19 +84,23 @@ impl<'a> Search<'a> {
             atol: options.atol,
         };
         let most = settings.most_returns;
-        let recurrence = || Recurrence::new(near, settings.forcing, most, settings.kept);
+        let (states, limits) = (x.len(), (most, settings.kept));
+        let recurrence = || Recurrence::new(states, near, settings.forcing, limits);
         Search {
             system,
             settings,
             near,
-            by,
+            by: match section {
+                Section::None => By::Transitions,
+                _ => By::Events,
+            },
             by_transition: recurrence(),
             by_event: recurrence(),
             history: History::of(PHASES * most.max(settings.kept)),
             tag: DefaultHasher::new(),
-            lately: Extent::of(x),
-            ever: Extent::of(x),
-            before: *x,
+            lately: Extent::of(x.as_slice()),
+            ever: Extent::of(x.as_slice()),
+            before: x.clone(),
             quiet: 0,
             patience: (1, 0),
             asked_at: CALM,
@@ -118,100 +112,67 @@ impl<'a> Search<'a> {
     }
 
     /// Follows the orbit to the end.
-    pub fn follow<V: EventFunctions<N, E>, const E: usize>(
-        mut self,
-        integration: Integration<'a>,
-        section: &V,
-    ) -> Reached {
-        let mut watched = Watched::new(integration, section).endless();
-        let may_be_quiet = E == 0 && self.settings.forcing.is_none();
-        match self.stage(&mut watched, may_be_quiet) {
-            Stage::Done(kind, points) => self.reached(kind, points, watched.integration()),
-            Stage::Quiet => {
-                let turning = Turning::of(self.system);
-                let mut watched = Watched::new(watched.into_integration(), &turning).endless();
-                match self.stage(&mut watched, false) {
-                    Stage::Done(kind, points) => self.reached(kind, points, watched.integration()),
-                    Stage::Quiet => {
-                        self.reached(Kind::Undecided, Vec::new(), watched.integration())
-                    }
-                }
-            }
-        }
-    }
-
-    fn stage<'w, V: EventFunctions<N, E>, const E: usize>(
-        &mut self,
-        watched: &mut Watched<'w, S, V, N, E, G>,
-        may_be_quiet: bool,
-    ) -> Stage {
+    pub fn follow(mut self, mut orbit: Box<dyn OrbitUnderWay + 'a>) -> Reached {
+        let mut may_be_quiet = self.by == By::Transitions && self.settings.forcing.is_none();
         loop {
-            let happening = match watched.step() {
-                Ok(happening) => happening,
-                Err(error) => return self.failed(error, watched.integration()),
-            };
-            let done = match happening {
-                Happening::Event(event) => {
-                    let at = SectionPoint {
-                        t: event.t,
-                        x: event.x,
-                    };
-                    self.event(at, event.mode)
-                }
-                Happening::Progress(Progress::Step) => {
-                    let integration = watched.integration();
-                    let mode = integration.mode();
-                    let at = Moment {
-                        t: integration.t(),
-                        x: *integration.x(),
-                    };
+            let done = match orbit.step() {
+                Ok(Happening::Passage(at)) => self.event(Moment { t: at.t, x: at.x }, at.mode),
+                Ok(Happening::Step) => {
                     self.quiet += 1;
                     if may_be_quiet && self.quiet > QUIET {
-                        return Stage::Quiet;
+                        // Nothing has happened for long.
+                        may_be_quiet = false;
+                        orbit.watch(&Section::Turning);
+                        continue;
                     }
-                    self.step(mode, &at)
+                    self.step(orbit.mode(), orbit.t(), orbit.x())
                 }
-                Happening::Progress(Progress::PhaseEnd(phase)) => {
+                Ok(Happening::PhaseEnd(phase)) => {
                     self.history.phase(phase);
                     None
                 }
-                Happening::Progress(Progress::Transition(at)) => self.transition(&at),
-                Happening::Progress(Progress::End(summary)) => {
-                    let mode = watched.integration().mode();
-                    Some(self.ended(&summary, mode))
-                }
+                Ok(Happening::Transition(at)) => self.transition(&at),
+                Ok(Happening::End(summary)) => Some(self.ended(summary, orbit.mode())),
+                Err(error) => Some(self.failed(error, &*orbit)),
             };
             if let Some((kind, points)) = done {
-                return Stage::Done(kind, points);
+                return self.reached(kind, points, &*orbit);
             }
         }
     }
 
-    fn step(&mut self, mode: Modes, at: &Moment) -> Option<(Kind, Vec<SectionPoint>)> {
-        self.lately.include(&at.x);
-        self.ever.include(&at.x);
-        let moved = at.x - self.before;
-        self.before = at.x;
-        if self.settings.forcing.is_none() && self.quiet >= self.asked_at {
+    fn step(&mut self, mode: Modes, t: f64, x: &[f64]) -> Option<(Kind, Vec<Moment>)> {
+        self.lately.include(x);
+        self.ever.include(x);
+        let stays = |i: usize| {
+            (x[i] - self.before[i]).abs() <= self.near.allowed(self.ever.size(i))
+        };
+        let has_stayed = (0..x.len()).all(stays);
+        self.before.copy_from_slice(x);
+        if self.settings.forcing.is_some() {
+            return None;
+        }
+        let here = || Moment {
+            t,
+            x: Vector::from_column_slice(x),
+        };
+        if self.quiet >= self.asked_at {
             self.asked_at += self.asked_at / 2;
+            let at = here();
             if !self.trap.as_ref().is_some_and(|trap| trap.draws(&at.x)) {
-                self.trap = Trap::near(self.system, mode, at, self.escape);
+                self.trap = Trap::near(self.system, mode, &at, self.escape);
             }
         }
-        if let Some(trap) = &self.trap
-            && trap.holds(&at.x)
-        {
-            let x = trap.x;
-            let left = Moment {
-                t: at.t,
-                x: self.near_to(&x, &at.x),
-            };
-            self.left_at = Some((left, mode));
-            return Some((Kind::Equilibrium, vec![SectionPoint { t: at.t, x }]));
+        if let Some(trap) = &self.trap {
+            let at = here();
+            if trap.holds(&at.x) {
+                let left = self.near_to(&trap.x, &at.x);
+                let x = trap.x.clone();
+                self.left_at = Some((Moment { t, x: left }, mode));
+                return Some((Kind::Equilibrium, vec![Moment { t, x }]));
+            }
         }
-        let scale = State::from_fn(|i, _| self.ever.size(i));
-        let stays = |i: usize| moved[i].abs() <= self.near.allowed(scale[i]);
-        if self.settings.forcing.is_some() || !(0..N).all(stays) {
+        if !has_stayed {
             return None;
         }
         let (patience, left) = &mut self.patience;
@@ -222,18 +183,20 @@ impl<'a> Search<'a> {
         // A step may be short for another reason: the next look comes after twice as many.
         *left = *patience;
         *patience = (2 * *patience).min(MOST_PATIENT);
-        let (kind, x) = rest_at(self.system, mode, at, &scale, &self.near)?;
-        Some((kind, vec![SectionPoint { t: at.t, x }]))
+        let scale = |i| self.ever.size(i);
+        let (kind, x) = rest_at(self.system, mode, &here(), scale, &self.near)?;
+        Some((kind, vec![Moment { t, x }]))
     }
 
     /// The state on the way from `x` to an equilibrium at which the two count as the same.
     fn near_to(&self, equilibrium: &Vector, x: &Vector) -> Vector {
         let away = x - equilibrium;
-        let parts = (0..N).map(|i| self.near.allowed(self.ever.size(i)) / away[i].abs());
-        equilibrium + away * parts.fold(1.0, f64::min)
+        let parts = (0..x.len()).map(|i| self.near.allowed(self.ever.size(i)) / away[i].abs());
+        let part = parts.fold(1.0, f64::min);
+        equilibrium + away * part
     }
 
-    fn transition(&mut self, at: &Transition) -> Option<(Kind, Vec<SectionPoint>)> {
+    fn transition(&mut self, at: &Transition) -> Option<(Kind, Vec<Moment>)> {
         if at.kind == TransitionKind::Touch {
             return None;
         }
@@ -247,8 +210,11 @@ impl<'a> Search<'a> {
         }
         // Turning points count where there is nothing else for long.
         self.by_event.clear();
-        let (tag, extent) = self.since_last(&at.x);
-        let at = SectionPoint { t: at.t, x: at.x };
+        let (tag, extent) = self.since_last(at.x.as_slice());
+        let at = Moment {
+            t: at.t,
+            x: at.x.clone(),
+        };
         let found = self
             .by_transition
             .pass(at, tag, self.history.count(), extent);
@@ -257,17 +223,17 @@ impl<'a> Search<'a> {
 
     fn event(
         &mut self,
-        at: SectionPoint,
+        at: Moment,
         mode: Modes,
-    ) -> Option<(Kind, Vec<SectionPoint>)> {
+    ) -> Option<(Kind, Vec<Moment>)> {
         if self.by == By::Transitions && self.quiet <= QUIET {
             return None;
         }
-        let (tag, extent) = self.since_last(&at.x);
-        let found = self.by_event.pass(at, tag, self.history.count(), extent);
-        let is_held = found.is_some_and(|pattern| self.rests(&pattern, mode));
-        let here = Moment { t: at.t, x: at.x };
-        if is_held && let Some(kind) = kind_of_rest(self.system, mode, &here) {
+        let (tag, extent) = self.since_last(at.x.as_slice());
+        let count = self.history.count();
+        let found = self.by_event.pass(at.clone(), tag, count, extent);
+        let is_held = found.as_ref().is_some_and(|pattern| self.rests(pattern, mode));
+        if is_held && let Some(kind) = kind_of_rest(self.system, mode, &at) {
             return Some((kind, vec![at]));
         }
         self.closes(found, By::Events)
@@ -276,19 +242,17 @@ impl<'a> Search<'a> {
     /// Whether friction has held the orbit in one place while the drive went through its period: then it does so for ever.
     fn rests(&self, pattern: &Pattern, mode: Modes) -> bool {
         let Pattern { extent, counts, .. } = pattern;
-        let moves = extent.high - extent.low;
-        let stays = |i: usize| moves[i] <= self.near.rounding(extent.size(i));
+        let stays = |i: usize| extent.high[i] - extent.low[i] <= self.near.rounding(extent.size(i));
         let is_held = mode.any_sticks() && counts.0.transitions == counts.1.transitions;
-        self.settings.forcing.is_some() && is_held && (0..N).all(stays)
+        self.settings.forcing.is_some() && is_held && (0..extent.low.len()).all(stays)
     }
 
     /// What has happened since the last point, and where the orbit has been; from here it counts anew.
-    fn since_last(&mut self, x: &Vector) -> (u64, Extent) {
+    fn since_last(&mut self, x: &[f64]) -> (u64, Extent) {
         let tag = self.tag.finish();
         self.tag = DefaultHasher::new();
-        let mut extent = self.lately;
+        let mut extent = std::mem::replace(&mut self.lately, Extent::of(x));
         extent.include(x);
-        self.lately = Extent::of(x);
         (tag, extent)
     }
 
@@ -296,7 +260,7 @@ impl<'a> Search<'a> {
         &mut self,
         found: Option<Pattern>,
         by: By,
-    ) -> Option<(Kind, Vec<SectionPoint>)> {
+    ) -> Option<(Kind, Vec<Moment>)> {
         let pattern = found?;
         let recurrence = match by {
             By::Transitions => &self.by_transition,
@@ -310,7 +274,7 @@ impl<'a> Search<'a> {
         self.left_at = ended.and_then(|last| {
             let begin = Moment {
                 t: last.t_start,
-                x: last.x_start,
+                x: last.x_start.clone(),
             };
             last.mode.any_sticks().then_some((begin, last.mode))
         });
@@ -322,31 +286,32 @@ impl<'a> Search<'a> {
         Some((kind, points))
     }
 
-    fn ended(&mut self, summary: &dyn Dynamicsummary, mode: Modes) -> (Kind, Vec<SectionPoint>) {
-        let Summary { t, x, .. } = *summary;
-        let kind = match summary.ending {
+    fn ended(&mut self, summary: Summary, mode: Modes) -> (Kind, Vec<Moment>) {
+        let Summary { t, x, ending, .. } = summary;
+        let kind = match ending {
             Ending::Repelling => Kind::Repelling,
             Ending::TwoFold(which) => Kind::TwoFold(which),
             Ending::Shrunk => {
-                let rest = self.rest_on_boundary(mode, &Moment { t, x });
-                let (kind, x) = rest.unwrap_or((Kind::Equilibrium, x));
-                return (kind, vec![SectionPoint { t, x }]);
+                let at = Moment { t, x };
+                let rest = self.rest_on_boundary(mode, &at);
+                let (kind, x) = rest.unwrap_or((Kind::Equilibrium, at.x));
+                return (kind, vec![Moment { t, x }]);
             }
             Ending::EndTime | Ending::Stopped | Ending::Failed => return self.open(),
         };
-        (kind, vec![SectionPoint { t, x }])
+        (kind, vec![Moment { t, x }])
     }
 
     /// The equilibrium at a point of the boundary. Its rounding is on either side, and of neither
     /// side's is it said which the last phase was beside.
     fn rest_on_boundary(&self, mode: Modes, at: &Moment) -> Option<(Kind, Vector)> {
-        let scale = State::from_fn(|i, _| self.ever.size(i));
+        let scale = |i| self.ever.size(i);
         let mut modes = [mode].into_iter().chain(self.history.modes());
-        modes.find_map(|mode| rest_at(self.system, mode, at, &scale, &self.near))
+        modes.find_map(|mode| rest_at(self.system, mode, at, scale, &self.near))
     }
 
     /// Nothing has closed in the longest time.
-    fn open(&mut self) -> (Kind, Vec<SectionPoint>) {
+    fn open(&mut self) -> (Kind, Vec<Moment>) {
         let uses_events = self.by == By::Events || self.quiet > QUIET;
         let recurrence = if uses_events {
             &self.by_event
@@ -365,36 +330,24 @@ impl<'a> Search<'a> {
         (kind, points)
     }
 
-    fn failed(&mut self, error: Error, integration: &Integration<'_>) -> Stage {
+    fn failed(&mut self, error: Error, orbit: &dyn OrbitUnderWay) -> (Kind, Vec<Moment>) {
         match error {
-            Error::Escaped { .. } => Stage::Done(Kind::Escape, Vec::new()),
+            Error::Escaped { .. } => (Kind::Escape, Vec::new()),
             Error::EventPileUp { .. } if self.settings.forcing.is_none() => {
-                let at = Moment {
-                    t: integration.t(),
-                    x: *integration.x(),
-                };
-                match self.rest_on_boundary(integration.mode(), &at) {
-                    Some((kind, x)) => Stage::Done(kind, vec![SectionPoint { t: at.t, x }]),
-                    None => Stage::Done(Kind::Failure(error), Vec::new()),
+                let at = orbit.now();
+                match self.rest_on_boundary(orbit.mode(), &at) {
+                    Some((kind, x)) => (kind, vec![Moment { t: at.t, x }]),
+                    None => (Kind::Failure(error), Vec::new()),
                 }
             }
-            other => Stage::Done(Kind::Failure(other), Vec::new()),
+            other => (Kind::Failure(other), Vec::new()),
         }
     }
 
-    fn reached(
-        self,
-        kind: Kind,
-        points: Vec<SectionPoint>,
-        integration: &Integration<'_>,
-    ) -> Reached {
-        let now = Moment {
-            t: integration.t(),
-            x: *integration.x(),
-        };
-        let (left, mode) = self.left_at.unwrap_or((now, integration.mode()));
+    fn reached(self, kind: Kind, points: Vec<Moment>, orbit: &dyn OrbitUnderWay) -> Reached {
+        let (left, mode) = self.left_at.unwrap_or((orbit.now(), orbit.mode()));
         let rests = matches!(kind, Kind::Equilibrium | Kind::EquilibriumSet);
-        let by_phases = self.history.in_stick(S::any_sticks);
+        let by_phases = self.history.in_stick(|mode| mode.any_sticks());
         let in_stick = by_phases
             .filter(|_| !rests)
             .unwrap_or_else(|| f64::from(u8::from(mode.any_sticks())));

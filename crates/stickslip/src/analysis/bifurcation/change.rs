@@ -287,7 +287,7 @@ impl<F> Shooting<'_> {
             .filter(|one| one.circuit.parts.len() < last.circuit.parts.len());
         let there = simple.and_then(|simple| self.back_from(last, simple, way.resolution));
         // An unstable orbit there may be lost further away than this one here.
-        let is_nearer = |one: &dyn DynamicsequenceChange<N, _>, other: &dyn DynamicsequenceChange<N, _>| {
+        let is_nearer = |one: &SequenceChange<N, _>, other: &SequenceChange<N, _>| {
             one.bifurcation == other.bifurcation && one.uncertainty < NEARER * other.uncertainty
         };
         match (there, here) {
@@ -410,7 +410,7 @@ impl<F> Shooting<'_> {
 
 /// The orbits up to a change.
 struct About<'a, F, S: Switched<N, G>> {
-    shooting: &'a dyn Dynamicshooting<'a>,
+    shooting: &'a Shooting<'a>,
     good: &'a [Known<()>],
 }
 

@@ -128,7 +128,7 @@ pub struct Sweep {
 ///
 /// let family = |belt_speed| BeltOscillator { belt_speed, ..BeltOscillator::default() };
 /// let speeds = (0..5).map(|k| 0.2 + 0.05 * f64::from(k));
-/// let found = sweep(family, speeds, [0.5, 0.1], &dyn DynamicsweepSettings::within(500.0), &Options::default())?;
+/// let found = sweep(family, speeds, [0.5, 0.1], &SweepSettings::within(500.0), &Options::default())?;
 /// for point in &found.points {
 ///     println!("{}: {}, {:.3} of the time in stick", point.parameter, point.reached.kind, point.reached.in_stick);
 /// }
@@ -142,7 +142,7 @@ pub fn sweep(
     family: Family<'_>,
     parameters: impl IntoIterator<Item = f64>,
     x0: impl Components,
-    settings: &dyn DynamicsweepSettings,
+    settings: &SweepSettings,
     options: &Options,
 ) -> Result<Sweep, Error> {
     let mut x = x0.into();

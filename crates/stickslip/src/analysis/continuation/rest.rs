@@ -127,7 +127,7 @@ impl Walk<'_> {
                         x,
                     };
                     let is_slow = velocity_in(system, mode, &at).norm() < slow;
-                    let is_new = |saddle: &dyn Dynamicsaddle| (saddle.x - x).norm() > 2.0 * near;
+                    let is_new = |saddle: &Saddle| (saddle.x - x).norm() > 2.0 * near;
                     if is_slow
                         && saddles.iter().all(is_new)
                         && let Some(saddle) = self.saddle_near(mode, &at)

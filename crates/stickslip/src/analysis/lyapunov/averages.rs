@@ -11,35 +11,36 @@ pub struct Growth {
     /// Time measuring began.
     begin: f64,
     /// Sums of the logarithms; −∞ for an annihilated vector.
-    pub logs: [f64; N],
+    pub logs: Vec<f64>,
     block_length: f64,
     sample_length: f64,
     /// Number of the sample that is due next.
     next_sample: usize,
     /// Start of the block under way: time since the beginning, and sums there.
-    block_start: (f64, [f64; N]),
+    block_start: (f64, Vec<f64>),
     next_block: usize,
     /// Blocks completed, and for each vector the mean of their rates and the sum of squared deviations (Welford).
     blocks: usize,
-    mean: [f64; N],
-    squares: [f64; N],
+    mean: Vec<f64>,
+    squares: Vec<f64>,
     running: Vec<Running>,
 }
 
 impl Growth {
-    /// Measures from time `begin` on, with the duration, blocks and samples of `settings`.
-    pub fn new(begin: f64, settings: &dyn DynamicspectrumOptions) -> Self {
+    /// Measures so many vectors from time `begin` on, with the duration, blocks and samples of `settings`.
+    pub fn new(count: usize, begin: f64, settings: &SpectrumOptions) -> Self {
+        let zeros = || vec![0.0; count];
         Growth {
             begin,
-            logs: [0.0; N],
+            logs: zeros(),
             block_length: settings.duration / settings.blocks as f64,
             sample_length: settings.duration / settings.samples as f64,
             next_sample: 1,
-            block_start: (0.0, [0.0; N]),
+            block_start: (0.0, zeros()),
             next_block: 1,
             blocks: 0,
-            mean: [0.0; N],
-            squares: [0.0; N],
+            mean: zeros(),
+            squares: zeros(),
             running: Vec::new(),
         }
     }
@@ -58,8 +59,7 @@ impl Growth {
     }
 
     fn end_block(&mut self, elapsed: f64) {
-        let (from, before) = self.block_start;
-        self.block_start = (elapsed, self.logs);
+        let (from, before) = std::mem::replace(&mut self.block_start, (elapsed, self.logs.clone()));
         self.blocks += 1;
         for (j, before) in before.iter().enumerate() {
             if self.logs[j].is_finite() {
@@ -74,12 +74,16 @@ impl Growth {
     fn sample(&mut self, elapsed: f64) {
         self.running.push(Running {
             elapsed,
-            exponents: self.logs.map(|log| log / elapsed),
+            exponents: self.rates(elapsed),
         });
     }
 
+    fn rates(&self, elapsed: f64) -> Vec<f64> {
+        self.logs.iter().map(|log| log / elapsed).collect()
+    }
+
     /// The time measured up to `t`, the exponents in descending order, and the running ones in the same order.
-    pub fn finish(mut self, t: f64) -> (f64, [Exponent; N], Vec<Running>) {
+    pub fn finish(mut self, t: f64) -> (f64, Vec<Exponent>, Vec<Running>) {
         let elapsed = t - self.begin;
         // Rounding can leave the last block a hair too short to count on its own.
         if elapsed - self.block_start.0 > 0.5 * self.block_length {
@@ -91,12 +95,15 @@ impl Growth {
             .is_none_or(|last| last.elapsed < elapsed)
         {
             self.sample(elapsed);
-        } else if let Some(last) = self.running.last_mut() {
-            last.exponents = self.logs.map(|log| log / elapsed);
+        } else {
+            let rates = self.rates(elapsed);
+            if let Some(last) = self.running.last_mut() {
+                last.exponents = rates;
+            }
         }
-        let mut order: [usize; N] = std::array::from_fn(|j| j);
+        let mut order: Vec<usize> = (0..self.logs.len()).collect();
         order.sort_by(|&i, &j| self.logs[j].total_cmp(&self.logs[i]));
-        let exponents = order.map(|j| {
+        let exponents = order.iter().map(|&j| {
             if self.logs[j] == f64::NEG_INFINITY {
                 Exponent::Annihilated
             } else {
@@ -106,8 +113,9 @@ impl Growth {
                 }
             }
         });
+        let exponents = exponents.collect();
         for entry in &mut self.running {
-            entry.exponents = order.map(|j| entry.exponents[j]);
+            entry.exponents = order.iter().map(|&j| entry.exponents[j]).collect();
         }
         (elapsed, exponents, self.running)
     }

@@ -1,34 +1,35 @@
 //! The orthonormal frame.
 
 use crate::math;
-use crate::system::State;
+use crate::dynamics::Vector;
 
 /// Sines of the angle between a unit vector and a space below this are rounding: the vector lies in the space. Frames are
 /// orthonormal to a few units of 1e-16; an angle as small by chance comes once in 1e12 entries into stick.
 const IN_SPAN: f64 = 1e-12;
 
-/// `N` orthonormal vectors, of which some may have been annihilated. Those that have not are in the order of
+/// Orthonormal vectors, as many as there are states, of which some may have been annihilated. Those that have not are in the order of
 /// their exponents; those that have complete the basis and carry nothing but the normal of the space of the others.
 #[derive(Clone, Debug)]
 pub(super) struct Frame {
-    columns: [Vector; N],
-    alive: [bool; N],
+    columns: Vec<Vector>,
+    alive: Vec<bool>,
 }
 
 impl Frame {
     /// A frame in general position, the same every time. Along the axes it could lie in invariant subspaces of a system whose
     /// equations decouple, and never find the largest exponent.
-    pub(super) fn generic() -> Self {
+    pub(super) fn generic(states: usize) -> Self {
         let entry = |i: usize, j: usize| {
-            let k = (1 + i + N * j) as f64;
+            let k = (1 + i + states * j) as f64;
             math::sin(k * k)
         };
+        let column = |j| Vector::from_fn(states, |i, _| entry(i, j));
         let mut frame = Frame {
-            columns: std::array::from_fn(|j| State::from_fn(|i, _| entry(i, j))),
-            alive: [true; N],
+            columns: (0..states).map(column).collect(),
+            alive: vec![true; states],
         };
         if frame.orthonormalise().is_none() {
-            frame.columns = std::array::from_fn(axis);
+            frame.columns = (0..states).map(|j| axis(states, j)).collect();
         }
         frame
     }
@@ -37,28 +38,29 @@ impl Frame {
         self.alive[j]
     }
 
+    /// The number of vectors.
+    pub(super) fn len(&self) -> usize {
+        self.columns.len()
+    }
+
     /// Every direction counts again.
     pub(super) fn revive(&mut self) {
-        self.alive = [true; N];
+        self.alive.fill(true);
     }
 
     /// Indices of the vectors: those alive in order, then the others.
-    fn order(&self) -> impl Iterator<Item = usize> + Clone + use {
-        let alive = self.alive;
-        let first = (0..N).filter(move |&j| alive[j]);
-        first.chain((0..N).filter(move |&j| !alive[j]))
+    fn order(&self) -> Vec<usize> {
+        let dead = (0..self.len()).filter(|&j| !self.alive[j]);
+        self.living().into_iter().chain(dead).collect()
     }
 
-    fn living(&self) -> impl Iterator<Item = usize> + Clone + use {
-        let alive = self.alive;
-        (0..N).filter(move |&j| alive[j])
+    fn living(&self) -> Vec<usize> {
+        (0..self.len()).filter(|&j| self.alive[j]).collect()
     }
 
-    /// Applies a linear map to all vectors.
-    pub(super) fn apply(&mut self, mut map: impl FnMut(&Vector) -> Vector) {
-        for column in &mut self.columns {
-            *column = map(column);
-        }
+    /// All vectors.
+    pub(super) fn columns_mut(&mut self) -> &mut [Vector] {
+        &mut self.columns
     }
 
     /// Changes the vectors alive.
@@ -70,24 +72,24 @@ impl Frame {
 
     /// Modified Gram–Schmidt; returns the length of what is left of each vector after those before it are
     /// taken out, or `None` if one of them is zero or not finite.
-    pub(super) fn orthonormalise(&mut self) -> Option<[f64; N]> {
-        self.gram_schmidt(N)
+    pub(super) fn orthonormalise(&mut self) -> Option<Vec<f64>> {
+        self.gram_schmidt(self.len())
     }
 
     /// The same for the vectors alive; the others become whatever completes the basis.
-    pub(super) fn orthonormalise_living(&mut self) -> Option<[f64; N]> {
-        let lengths = self.gram_schmidt(self.living().count())?;
+    pub(super) fn orthonormalise_living(&mut self) -> Option<Vec<f64>> {
+        let lengths = self.gram_schmidt(self.living().len())?;
         self.complete();
         Some(lengths)
     }
 
-    fn gram_schmidt(&mut self, count: usize) -> Option<[f64; N]> {
-        let mut lengths = [0.0; N];
+    fn gram_schmidt(&mut self, count: usize) -> Option<Vec<f64>> {
+        let mut lengths = vec![0.0; self.len()];
         let order = self.order();
-        for (place, j) in order.clone().take(count).enumerate() {
-            let mut column = self.columns[j];
-            for i in order.clone().take(place) {
-                column -= self.columns[i] * self.columns[i].dot(&column);
+        for (place, &j) in order.iter().take(count).enumerate() {
+            let mut column = std::mem::take(&mut self.columns[j]);
+            for &i in &order[..place] {
+                take_out(&self.columns[i], &mut column);
             }
             let length = column.norm();
             if !(length > 0.0 && length.is_finite()) {
@@ -101,9 +103,9 @@ impl Frame {
 
     /// What of `vector` lies outside the span of the vectors alive: its length.
     pub(super) fn height(&self, vector: &Vector) -> f64 {
-        let mut rest = *vector;
+        let mut rest = vector.clone();
         for j in self.living() {
-            rest -= self.columns[j] * self.columns[j].dot(&rest);
+            take_out(&self.columns[j], &mut rest);
         }
         rest.norm()
     }
@@ -111,9 +113,9 @@ impl Frame {
     /// Declares dead the vector that a projection along the unit vector `kernel` annihilates: the first that together
     /// with those before it has `kernel` in its span. `None` if the span of all does not hold it.
     pub(super) fn collapse(&mut self, kernel: &Vector) -> Option<usize> {
-        let mut rest = *kernel;
+        let mut rest = kernel.clone();
         for j in self.living() {
-            rest -= self.columns[j] * self.columns[j].dot(&rest);
+            take_out(&self.columns[j], &mut rest);
             if rest.norm() <= IN_SPAN {
                 self.alive[j] = false;
                 return Some(j);
@@ -124,47 +126,57 @@ impl Frame {
 
     /// Replaces the dead vectors by ones that complete those alive to an orthonormal basis.
     fn complete(&mut self) {
-        let dead = self.order().skip(self.living().count());
-        let mut known: Vec<Vector> = self.living().map(|j| self.columns[j]).collect();
+        let states = self.len();
+        let living = self.living();
+        let dead = self.order().split_off(living.len());
+        let mut known: Vec<Vector> = living.iter().map(|&j| self.columns[j].clone()).collect();
         for j in dead {
             // The axis that stands out most: by at least 1/√N.
             let rest = |i: usize| {
-                known
-                    .iter()
-                    .fold(axis(i), |rest, q| rest - q * q.dot(&rest))
+                let mut rest = axis(states, i);
+                for column in &known {
+                    take_out(column, &mut rest);
+                }
+                rest
             };
-            let longest = (0..N)
-                .map(rest)
-                .fold(State::zeros(), |best: Vector, rest| {
-                    if rest.norm() > best.norm() {
-                        rest
-                    } else {
-                        best
-                    }
-                });
-            self.columns[j] = longest / longest.norm();
-            known.push(self.columns[j]);
+            let longest = (0..states).map(rest).fold(Vector::zeros(states), |best, rest| {
+                if rest.norm() > best.norm() {
+                    rest
+                } else {
+                    best
+                }
+            });
+            self.columns[j] = &longest / longest.norm();
+            known.push(self.columns[j].clone());
         }
     }
 }
 
-fn axis(i: usize) -> Vector {
-    State::from_fn(|k, _| f64::from(u8::from(k == i)))
+/// Takes the direction of a unit vector out of another vector.
+fn take_out(unit: &Vector, vector: &mut Vector) {
+    let part = unit.dot(vector);
+    *vector -= unit * part;
+}
+
+fn axis(states: usize, i: usize) -> Vector {
+    Vector::from_fn(states, |k, _| f64::from(u8::from(k == i)))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn unit(x: [f64; 3]) -> State<3> {
-        let x = State::from(x);
-        x / x.norm()
+    fn unit(x: [f64; 3]) -> Vector {
+        let x = Vector::from_column_slice(&x);
+        &x / x.norm()
     }
 
     #[test]
     fn gram_schmidt_finds_lengths_and_leaves_an_orthonormal_frame() {
-        let mut frame = Frame::<3>::generic();
-        frame.apply(|q| State::from([2.0 * q[0] + q[2], 3.0 * q[1], 0.5 * q[2]]));
+        let mut frame = Frame::generic(3);
+        for q in frame.columns_mut() {
+            *q = Vector::from_column_slice(&[2.0 * q[0] + q[2], 3.0 * q[1], 0.5 * q[2]]);
+        }
         let lengths = frame.orthonormalise().unwrap();
         // The map's determinant.
         approx::assert_relative_eq!(lengths.iter().product::<f64>(), 3.0, max_relative = 1e-14);
@@ -178,7 +190,7 @@ mod tests {
 
     #[test]
     fn a_full_frame_loses_its_last_vector_and_then_none() {
-        let mut frame = Frame::<3>::generic();
+        let mut frame = Frame::generic(3);
         let kernel = unit([0.2, -1.0, 0.4]);
         assert_eq!(frame.collapse(&kernel), Some(2));
         frame.orthonormalise_living().unwrap();
@@ -187,18 +199,18 @@ mod tests {
 
     #[test]
     fn a_kernel_within_the_span_of_the_first_vectors_takes_one_of_them() {
-        let mut frame = Frame::<3>::generic();
-        let kernel = frame.columns[0] * 0.6 - frame.columns[1] * 0.8;
+        let mut frame = Frame::generic(3);
+        let kernel = &frame.columns[0] * 0.6 - &frame.columns[1] * 0.8;
         assert_eq!(frame.collapse(&kernel), Some(1));
         assert!(frame.is_alive(0) && frame.is_alive(2));
     }
 
     #[test]
     fn dead_vectors_are_completed_to_a_basis() {
-        let mut frame = Frame::<3>::generic();
-        frame.alive = [true, false, false];
-        frame.columns[1] = frame.columns[0];
-        frame.columns[2] = State::zeros();
+        let mut frame = Frame::generic(3);
+        frame.alive = vec![true, false, false];
+        frame.columns[1] = frame.columns[0].clone();
+        frame.columns[2].fill(0.0);
         frame.orthonormalise_living().unwrap();
         let lengths = frame.orthonormalise().unwrap();
         for length in lengths {
@@ -208,8 +220,8 @@ mod tests {
 
     #[test]
     fn a_vanished_vector_is_reported() {
-        let mut frame = Frame::<3>::generic();
-        frame.apply(|_| State::zeros());
+        let mut frame = Frame::generic(3);
+        frame.columns_mut()[1].fill(0.0);
         assert_eq!(frame.orthonormalise(), None);
     }
 }

@@ -6,11 +6,10 @@ use super::frame::Frame;
 use super::settings::SpectrumOptions;
 use super::spectrum::Spectrum;
 use super::volume::growth;
+use crate::dynamics::{Dynamics, Modes, Moment, Step, Summary, Transition, Vector};
 use crate::error::Error;
-use crate::filippov::{Step, Summary, Switched, Transition, TransitionKind};
+use crate::filippov::TransitionKind;
 use crate::math;
-use crate::dynamics::Moment;
-use crate::system::State;
 
 /// Part of its length by which a vector may be off the boundary of what sticks: its length is then off by the square of that.
 const OFF: f64 = 1e-12;
@@ -18,7 +17,7 @@ const OFF: f64 = 1e-12;
 /// The frame, and what is summed up of it.
 pub(super) struct Measurement<'a> {
     tangent: Tangent<'a>,
-    settings: &'a dyn DynamicspectrumOptions,
+    settings: &'a SpectrumOptions,
     frame: Frame,
     growth: Growth,
     /// Logarithm of the volume that the vectors alive span, by Liouville's formula.
@@ -34,13 +33,13 @@ pub(super) struct Measurement<'a> {
     is_settling: bool,
 }
 
-impl<'a> Measurement<'a, S, N> {
-    pub(super) fn new(system: &'a dyn Dynamics, settings: &'a dyn DynamicspectrumOptions) -> Self {
+impl<'a> Measurement<'a> {
+    pub(super) fn new(system: &'a dyn Dynamics, settings: &'a SpectrumOptions) -> Self {
         Measurement {
             tangent: Tangent::new(system, &settings.solver),
             settings,
-            frame: Frame::generic(),
-            growth: Growth::new(0.0, settings),
+            frame: Frame::generic(system.states()),
+            growth: Growth::new(system.states(), 0.0, settings),
             log_volume: 0.0,
             divergence: 0.0,
             stick_time: 0.0,
@@ -54,7 +53,7 @@ impl<'a> Measurement<'a, S, N> {
     /// Forgets what has been summed up so far and keeps the frame.
     pub(super) fn begin_measuring(&mut self, t: f64) {
         self.frame.revive();
-        self.growth = Growth::new(t, self.settings);
+        self.growth = Growth::new(self.frame.len(), t, self.settings);
         self.log_volume = 0.0;
         self.divergence = 0.0;
         self.stick_time = 0.0;
@@ -112,15 +111,14 @@ impl<'a> Measurement<'a, S, N> {
         &mut self,
         kernel: &Vector,
         gradient: &Vector,
-        mut map: impl FnMut(&Vector) -> Vector,
+        map: impl Fn(&mut Vector),
     ) -> Option<()> {
         self.collapse(kernel);
         let before = self.frame.height(kernel);
-        self.frame.apply(|q| {
-            let mut image = map(q);
-            flatten(gradient, &mut image);
-            image
-        });
+        for q in self.frame.columns_mut() {
+            map(q);
+            flatten(gradient, q);
+        }
         let lengths = self.frame.orthonormalise_living()?;
         for (j, length) in lengths.iter().enumerate() {
             if self.frame.is_alive(j) {
@@ -136,22 +134,22 @@ impl<'a> Measurement<'a, S, N> {
         if !(size > 0.0 && size.is_finite()) {
             return None;
         }
-        let kernel = jump.kick / size;
-        self.project(&kernel, &jump.gradient, |q| jump.matrix * q)
+        let kernel = &jump.kick / size;
+        self.project(&kernel, &jump.gradient, |q| *q = &jump.matrix * &*q)
     }
 }
 
-impl<S> Measurement<'_, S, N> {
+impl Measurement<'_> {
     /// A run that begins in stick was on Σ before: nothing across it survives. (From where it came decides along which
     /// direction it was projected, and no exponent depends on that.)
-    fn begin_on_boundary(&mut self, step: &dyn DynamicstepRecord) -> Option<()>
+    fn begin_on_boundary(&mut self, step: &Step) -> Option<()>
     {
-        let (t, x) = (step.t_start, step.x_start);
+        let (t, x) = (step.t_start, step.x_start.clone());
         for gradient in self.gradients(step.mode, &Moment { t, x }) {
-            let kernel = gradient / gradient.norm();
-            self.project(&kernel, &gradient, |q| *q)?;
+            let kernel = &gradient / gradient.norm();
+            self.project(&kernel, &gradient, |_| ())?;
         }
-        for j in 0..N {
+        for j in 0..self.frame.len() {
             if self.frame.is_alive(j) {
                 self.growth.logs[j] = 0.0;
             }
@@ -175,10 +173,9 @@ impl<S> Measurement<'_, S, N> {
 
     /// Lays the vectors alive onto the boundaries of what sticks, where rounding has taken them off. Across a boundary the sliding flow lets be,
     /// so that in a long stick a vector that shrinks along it would become what rounding has left across.
-    fn stay_on_boundary(&mut self, step: &dyn DynamicstepRecord)
+    fn stay_on_boundary(&mut self, step: &Step)
     {
-        let (t, x) = (step.t_end, step.x_end);
-        let gradients = self.gradients(step.mode, &Moment { t, x });
+        let gradients = self.gradients(step.mode, &step.end());
         self.frame.change_living(|q| {
             for gradient in &gradients {
                 if gradient.dot(q).abs() > OFF * gradient.norm() * q.norm() {
@@ -188,17 +185,16 @@ impl<S> Measurement<'_, S, N> {
         });
     }
 
-    fn take(&mut self, step: &dyn DynamicstepRecord) -> Option<()>
-    {
+    fn take(&mut self, step: &Step, solution: &dyn Fn(f64) -> Vector) -> Option<()> {
         let is_stick = step.mode.any_sticks();
         if std::mem::take(&mut self.is_fresh) && is_stick {
             self.begin_on_boundary(step)?;
         }
-        self.frame.apply(|q| self.tangent.carried(step, q));
+        self.tangent.carry(step, self.frame.columns_mut());
         let growth = if self.is_settling {
             0.0
         } else {
-            growth(self.tangent.system, step)
+            growth(self.tangent.system, step, solution)
         };
         self.divergence += growth;
         if is_stick {
@@ -211,10 +207,10 @@ impl<S> Measurement<'_, S, N> {
     /// Takes the frame over a step.
     pub(super) fn step(
         &mut self,
-        step: &dyn DynamicstepRecord,
-    ) -> Result<(), Error>
-    {
-        self.take(step)
+        step: &Step,
+        solution: &dyn Fn(f64) -> Vector,
+    ) -> Result<(), Error> {
+        self.take(step, solution)
             .ok_or_else(|| singular(step.t_end, &step.x_end))?;
         if !self.is_settling {
             self.growth.tick(step.t_end);
@@ -223,11 +219,7 @@ impl<S> Measurement<'_, S, N> {
     }
 
     /// Takes the frame through a transition.
-    pub(super) fn transition(
-        &mut self,
-        at: &Transition,
-    ) -> Result<(), Error>
-    {
+    pub(super) fn transition(&mut self, at: &Transition) -> Result<(), Error> {
         let enters = at.kind == TransitionKind::StickEntry;
         self.stick_entries += usize::from(enters);
         let Some(jump) = self.tangent.jump(at)? else {
@@ -237,7 +229,9 @@ impl<S> Measurement<'_, S, N> {
             self.collapses += 1;
             self.enter_stick(&jump)
         } else {
-            self.frame.apply(|q| jump.matrix * q);
+            for q in self.frame.columns_mut() {
+                *q = &jump.matrix * &*q;
+            }
             // det(I + u vᵀ) = 1 + v·u.
             self.book(math::ln((jump.rate_after / jump.rate_before).abs()))
         };

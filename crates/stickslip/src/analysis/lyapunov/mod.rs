@@ -36,9 +36,12 @@ pub use averages::Growth;
 pub use settings::SpectrumOptions;
 pub use spectrum::{Exponent, Running, Spectrum};
 
+use crate::dynamics::{
+    AsDynamics, Components, Dynamics, Happening, Moment, OrbitUnderWay, Section, Summary, Typed,
+    observed,
+};
 use crate::error::Error;
-use crate::filippov::{Integration, Observer, Progress, Summary, Switched, tell};
-use crate::system::State;
+use crate::filippov::{Observer, Options, Switched};
 use measurement::Measurement;
 
 /// The Lyapunov spectrum of the orbit from `(t0, x0)`; memory does not grow with the length of the run.
@@ -70,12 +73,25 @@ use measurement::Measurement;
 /// [`Error::Option`]; those of [`crate::run`]; [`Error::NoUniqueFuture`] where the orbit ends on a repelling part of Σ or at a two-fold;
 /// [`Error::TangentSingular`] where it grazes Σ so exactly that tangent vectors have no image, or two
 /// contacts come to zero in the same instant.
-pub fn lyapunov_spectrum(
-    system: &dyn Dynamics,
-    start: (f64, impl Components),
-    settings: &dyn DynamicspectrumOptions,
+pub fn lyapunov_spectrum<Kind>(
+    system: &impl AsDynamics<Kind>,
+    (t, x): (f64, impl Components),
+    settings: &SpectrumOptions,
 ) -> Result<Spectrum, Error> {
-    lyapunov_spectrum_watched(system, start, settings, &mut ())
+    let start = Moment { t, x: x.vector() };
+    spectrum_of(&*system.dynamics(), start, settings)
+}
+
+/// As [`lyapunov_spectrum`].
+pub(super) fn spectrum_of(
+    system: &dyn Dynamics,
+    start: Moment,
+    settings: &SpectrumOptions,
+) -> Result<Spectrum, Error> {
+    let begin = |at: &Moment, t_end: f64, options: &Options| {
+        system.begin(at, t_end, options, &Section::None)
+    };
+    measured(system, start, settings, begin)
 }
 
 /// [`lyapunov_spectrum`] with an observer of the measured part of the run as well, for minima, sections and
@@ -83,58 +99,62 @@ pub fn lyapunov_spectrum(
 ///
 /// # Errors
 /// As [`lyapunov_spectrum`].
-pub fn lyapunov_spectrum_watched<S, O>(
-    system: &dyn Dynamics,
-    (t0, x0): (f64, impl Components),
-    settings: &dyn DynamicspectrumOptions,
+pub fn lyapunov_spectrum_watched<S, O, const N: usize, const G: usize>(
+    system: &S,
+    (t, x): (f64, impl Components),
+    settings: &SpectrumOptions,
     watcher: &mut O,
 ) -> Result<Spectrum, Error>
-    O: Observer + ?Sized,
+where
+    S: Switched<N, G> + Send + Sync,
+    O: Observer<N, S::Mode>,
 {
+    let start = Moment { t, x: x.vector() };
+    let dynamics = Typed::<&S, S, _, N, G>::new(system);
+    measured(&dynamics, start, settings, |at, t_end, options| {
+        observed(system, (at, t_end), options, watcher)
+    })
+}
+
+/// The spectrum, of which `begin` begins the part of the run that is measured.
+fn measured<'a>(
+    system: &dyn Dynamics,
+    mut start: Moment,
+    settings: &SpectrumOptions,
+    begin: impl FnOnce(&Moment, f64, &Options) -> Result<Box<dyn OrbitUnderWay + 'a>, Error>,
+) -> Result<Spectrum, Error> {
     settings.check()?;
     // Where an orbit rests, one step would be as long as all blocks.
     let block = settings.duration / settings.blocks as f64;
     let solver = settings.solver;
     let settings = &settings.solver(solver.longest_step(solver.longest_step.min(block)));
     let mut measurement = Measurement::new(system, settings);
-    let mut begin = (t0, x0.into());
     if settings.transient > 0.0 {
-        let t_end = t0 + settings.transient;
-        let reached = follow(system, begin, t_end, settings, &mut measurement, &mut ())?;
-        begin = (reached.t, reached.x);
+        let t_end = start.t + settings.transient;
+        let orbit = system.begin(&start, t_end, &settings.solver, &Section::None)?;
+        let Summary { t, x, .. } = follow(orbit, &mut measurement)?;
+        start = Moment { t, x };
     }
-    measurement.begin_measuring(begin.0);
-    let t_end = begin.0 + settings.duration;
-    let summary = follow(system, begin, t_end, settings, &mut measurement, watcher)?;
+    measurement.begin_measuring(start.t);
+    let orbit = begin(&start, start.t + settings.duration, &settings.solver)?;
+    let summary = follow(orbit, &mut measurement)?;
     Ok(measurement.finish(summary))
 }
 
-/// Goes along an orbit with the frame first and `watcher` behind it.
-fn follow<S, O>(
-    system: &dyn Dynamics,
-    (t, x): (f64, Vector),
-    t_end: f64,
-    settings: &dyn DynamicspectrumOptions,
-    measurement: &mut Measurement<'_, S, N>,
-    watcher: &mut O,
-) -> Result<Summary, Error>
-    O: Observer + ?Sized,
-{
-    let mut integration = Integration::new(system, t, x, t_end, &settings.solver)?;
-    let mut is_stopping = false;
+/// Goes along an orbit with the frame.
+fn follow(
+    mut orbit: Box<dyn OrbitUnderWay + '_>,
+    measurement: &mut Measurement<'_>,
+) -> Result<Summary, Error> {
     loop {
-        let progress = integration.step()?;
-        match &progress {
-            Progress::Step => measurement.step(&integration.last_step())?,
-            Progress::Transition(at) => measurement.transition(at)?,
-            Progress::PhaseEnd(_) => {}
-            Progress::End(summary) if summary.ending.is_final() => {
+        match orbit.step()? {
+            Happening::Step => measurement.step(&orbit.last_step(), &*orbit.solution())?,
+            Happening::Transition(at) => measurement.transition(&at)?,
+            Happening::PhaseEnd(_) | Happening::Passage(_) => {}
+            Happening::End(summary) if summary.ending.is_final() => {
                 return Err(summary.goes_no_further());
             }
-            Progress::End(_) => {}
-        }
-        if let Some(summary) = tell(&mut integration, &progress, watcher, &mut is_stopping)? {
-            return Ok(summary);
+            Happening::End(summary) => return Ok(summary),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The result.
 
-use crate::filippov::Summary;
+use crate::dynamics::Summary;
 use crate::math;
 
 /// Standard errors within which an exponent is the true one.
@@ -53,20 +53,20 @@ impl Exponent {
 }
 
 /// The exponents as they stood at one time.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Running {
     /// Time since measuring began.
     pub elapsed: f64,
     /// Means over that time, in the order of the final exponents; −∞ from the entry into stick that annihilated the
     /// direction.
-    pub exponents: [f64; N],
+    pub exponents: Vec<f64>,
 }
 
 /// A Lyapunov spectrum.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spectrum {
     /// The exponents in descending order, annihilated ones last.
-    pub exponents: [Exponent; N],
+    pub exponents: Vec<Exponent>,
     /// The running exponents, equally spaced in time as far as steps allow; the last entry is the result.
     pub convergence: Vec<Running>,
     /// Rate at which the volume spanned by the surviving directions grows, from divergence and saltation instead of the frame's

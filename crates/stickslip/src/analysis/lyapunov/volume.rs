@@ -1,9 +1,6 @@
 //! Growth of volumes by Liouville's formula.
 
-use crate::dual::Dual;
-
-use crate::filippov::{Step, Switched, Velocity};
-use crate::system::State;
+use crate::dynamics::{Dynamics, Matrix, Moment, Step, Vector};
 
 /// Nodes in `[0, 1]` and weights of Gauss and Legendre's rule of five points: exact to degree 9.
 const GAUSS: [(f64, f64); 5] = [
@@ -14,35 +11,25 @@ const GAUSS: [(f64, f64); 5] = [
     (0.953_089_922_969_332, 0.118_463_442_528_094_54),
 ];
 
-/// Divergence of the field that rules in `mode`.
-fn divergence(
-    system: &dyn Dynamics,
-    mode: Modes,
-    t: f64,
-    x: &Vector,
-) -> f64 {
-    let frozen = Dual::new(t, 0.0);
-    (0..N)
-        .map(|i| {
-            let seed = |j: usize| f64::from(u8::from(i == j));
-            let seeded = std::array::from_fn(|j| Dual::new(x[j], seed(j)));
-            let here = Velocity(frozen, &seeded);
-            system.with_flow(mode, S::Branch::default(), here)[i].eps
-        })
-        .sum()
-}
-
-/// Integral of the divergence over a step: the logarithm of the factor by which it changes volumes.
+/// Integral of the divergence over a step with its solution: the logarithm of the factor by which it changes volumes.
 pub(super) fn growth(
     system: &dyn Dynamics,
-    step: &dyn DynamicstepRecord,
+    step: &Step,
+    solution: &dyn Fn(f64) -> Vector,
 ) -> f64 {
     let length = step.t_end - step.t_start;
+    let flow = system.flow(step.mode, &step.end());
+    let axes = Matrix::identity(system.states(), system.states());
+    let divergence = |at: &Moment| -> f64 {
+        let axes = axes.column_iter().map(|axis| axis.into_owned());
+        let own = axes.enumerate().map(|(i, axis)| flow.derivative(at, &axis)[i]);
+        own.sum()
+    };
     let mean: f64 = GAUSS
         .iter()
         .map(|&(node, weight)| {
             let t = step.t_start + node * length;
-            weight * divergence(system, step.mode, t, &step.dense.at_time(t))
+            weight * divergence(&Moment { t, x: solution(t) })
         })
         .sum();
     mean * length

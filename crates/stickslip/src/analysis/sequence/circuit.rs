@@ -3,16 +3,15 @@
 use super::margin::{Key, Margin, Site, landing};
 use super::minima::minima;
 use crate::analysis::anchor::Anchor;
+use crate::dynamics::{Dynamics, Modes, Moment, Orbit, Phase, Transition, Vector, run};
 use crate::error::Error;
-use crate::filippov::{Options, Phase, Summary, Switched, Transition, TransitionKind, run, solve};
-use crate::dynamics::Moment;
-use crate::orbit::{Ending, Orbit};
-use crate::system::State;
+use crate::filippov::{Options, TransitionKind};
+use crate::orbit::Ending;
 
 /// A part of the period between two transitions.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Part {
-    pub mode: K,
+    pub mode: Modes,
     /// What it begins with; the whole period begins with nothing where there is no transition.
     pub first: Option<Transition>,
     pub duration: f64,
@@ -26,21 +25,18 @@ impl Part {
         from: &Moment,
         period: f64,
         options: &Options,
-    ) -> Result<Anchor, Error>
-    where
-        K: Copy,
-    {
+    ) -> Result<Anchor, Error> {
         let t = self.first.as_ref().map_or(from.t, |at| at.t) + 0.5 * self.duration;
-        let x = run(system, from.t, from.x, t, options, &mut ())?.x;
+        let x = run(system, from, t, options)?.x;
         // A period earlier it is the same.
         let before = t - from.t > 0.5 * period;
         let t = if before { t - period } else { t };
-        Ok(Anchor::of(&Moment { t, x }, self.mode).settled(system))
+        Ok(Anchor::new(t, x, self.mode).settled(system))
     }
 }
 
 /// What a part is, apart from its length: sequences of these are compared.
-pub(crate) type Kind<K> = (K, Option<(TransitionKind, usize)>);
+pub(crate) type Kind = (Modes, Option<(TransitionKind, usize)>);
 
 /// One period.
 #[derive(Clone, Debug)]
@@ -65,19 +61,19 @@ impl Circuit {
     /// from the middle of the longest.
     ///
     /// # Errors
-    /// Those of [`solve`]; [`Error::NoUniqueFuture`].
+    /// Those of [`crate::solve`]; [`Error::NoUniqueFuture`].
     pub fn follow(
         system: &dyn Dynamics,
         start: &Anchor,
         period: f64,
         options: &Options,
     ) -> Result<Self, Error> {
-        let found = Circuit::from(system, &start.at(), period, options)?;
+        let found = Circuit::from(system, start, period, options)?;
         let Some(part) = found.beside(start.mode).or_else(|| found.beside_cut()) else {
             return Ok(found);
         };
-        let middle = part.middle(system, &start.at(), period, options)?;
-        Circuit::from(system, &middle.at(), period, options)
+        let middle = part.middle(system, start, period, options)?;
+        Circuit::from(system, &middle, period, options)
     }
 
     /// The number of the part that it would better be anchored in, if there is one: of the parts that last, the longest of those in which the
@@ -92,7 +88,10 @@ impl Circuit {
         let most = durations.fold(0.0, f64::max);
         let stick = |part: &Part| {
             let at = part.first.as_ref()?;
-            let at = Moment { t: at.t, x: at.x };
+            let at = Moment {
+                t: at.t,
+                x: at.x.clone(),
+            };
             Some(system.normals(part.mode, &at).len())
         };
         let lasting = self.parts.iter().enumerate();
@@ -114,12 +113,12 @@ impl Circuit {
         options: &Options,
     ) -> Option<Anchor> {
         let part = self.parts.get(part)?;
-        part.middle(system, &self.anchor.at(), self.period, options)
+        part.middle(system, &self.anchor, self.period, options)
             .ok()
     }
 
     /// The phase next to the start, where that is in this mode and the start is not.
-    fn beside(&self, mode: K) -> Option<&Part> {
+    fn beside(&self, mode: Modes) -> Option<&Part> {
         let (last, others) = self.parts.split_last()?;
         let is_meant = |part: &&Part| part.mode == mode && last.mode != mode;
         let beside = [others.first()?, others.last()?];
@@ -135,7 +134,8 @@ impl Circuit {
             .cycle()
             .skip(self.parts.len().checked_sub(1)?);
         let is_cut = |(before, part): (&Part, &Part)| {
-            part.first.is_some_and(|at| at.from != before.mode)
+            let first = part.first.as_ref();
+            first.is_some_and(|at| at.from != before.mode)
         };
         let longest = || {
             let parts = self.parts.iter();
@@ -151,14 +151,14 @@ impl Circuit {
         options: &Options,
     ) -> Result<Self, Error> {
         let orbit = whole(system, start, period, options)?;
-        let turns: Vec<_> = transitions(&orbit).copied().collect();
+        let turns: Vec<_> = transitions(&orbit).cloned().collect();
         let mut parts: Vec<Part> = Vec::with_capacity(turns.len().max(1));
         for (k, at) in turns.iter().enumerate() {
             let next = turns.get(k + 1);
             let end = next.map_or_else(|| turns[0].t + period, |next| next.t);
             parts.push(Part {
                 mode: at.to,
-                first: Some(*at),
+                first: Some(at.clone()),
                 duration: end - at.t,
             });
         }
@@ -190,15 +190,18 @@ impl Circuit {
                     incoming: at.from,
                     contact: at.contact,
                     other: (next != at.contact).then_some(next),
-                    at: Moment { t: at.t, x: at.x },
+                    at: Moment {
+                        t: at.t,
+                        x: at.x.clone(),
+                    },
                     is_contact_function: is_of_contact(at.kind),
                 });
             }
         }
         let middle = middle(&orbit, &turns, start, period)?;
-        let mode = parts.last().map_or(S::UNDECIDED, |part| part.mode);
+        let mode = parts.last().map_or(system.undecided(), |part| part.mode);
         let sizes = sizes(&orbit);
-        let anchor = Anchor::of(&middle, mode).settled(system);
+        let anchor = Anchor { at: middle, mode }.settled(system);
         Ok(Circuit {
             parts,
             margins,
@@ -211,13 +214,16 @@ impl Circuit {
     }
 
     /// What the parts are.
-    pub fn sequence(&self) -> Vec<Kind<K>> {
-        let kind = |part: &Part| (part.mode, part.first.map(|at| (at.kind, at.contact)));
+    pub fn sequence(&self) -> Vec<Kind> {
+        let kind = |part: &Part| {
+            let first = part.first.as_ref();
+            (part.mode, first.map(|at| (at.kind, at.contact)))
+        };
         self.parts.iter().map(kind).collect()
     }
 
     /// The modes gone through.
-    pub fn modes(&self) -> Vec<K> {
+    pub fn modes(&self) -> Vec<Modes> {
         self.parts.iter().map(|part| part.mode).collect()
     }
 
@@ -263,7 +269,7 @@ pub(crate) fn anchor(
     for phase in &orbit.phases {
         let end = Moment {
             t: phase.t_end,
-            x: phase.x_end,
+            x: phase.x_end.clone(),
         };
         let stick = system.normals(phase.mode, &end).len();
         let is_better = |(least, before): (usize, &Phase)| {
@@ -279,7 +285,7 @@ pub(crate) fn anchor(
         span: period,
     })?;
     let t = phase.t_start + 0.5 * phase.duration();
-    let middle = Anchor::of(&Moment { t, x: orbit.at(t)? }, phase.mode);
+    let middle = Anchor::new(t, orbit.at(t)?, phase.mode);
     Ok((middle.settled(system), sizes(&orbit).amax()))
 }
 
@@ -289,17 +295,11 @@ fn whole(
     period: f64,
     options: &Options,
 ) -> Result<Orbit, Error> {
-    let orbit = solve(system, start.t, start.x, start.t + period, options)?;
-    if orbit.ending == Ending::EndTime {
+    let orbit = Orbit::solve(system, start, start.t + period, options)?;
+    if orbit.end.ending == Ending::EndTime {
         return Ok(orbit);
     }
-    let end = Summary {
-        ending: orbit.ending,
-        t: orbit.t_end,
-        x: orbit.x_end,
-        counters: orbit.counters,
-    };
-    Err(end.goes_no_further())
+    Err(orbit.end.goes_no_further())
 }
 
 fn transitions(orbit: &Orbit) -> impl Iterator<Item = &Transition> {
@@ -322,20 +322,20 @@ fn middle(
     period: f64,
 ) -> Result<Moment, Error> {
     let (Some(first), Some(last)) = (turns.first(), turns.last()) else {
-        return Ok(*start);
+        return Ok(start.clone());
     };
     // By the forcing's period it may be taken to lie before the start.
     let t = 0.5 * (first.t + last.t - period);
-    let inside = if t < orbit.t_start { t + period } else { t };
-    let x: Vector = orbit.at(inside.min(orbit.t_end))?;
+    let inside = if t < orbit.start.t { t + period } else { t };
+    let x = orbit.at(inside.min(orbit.end.t))?;
     Ok(Moment { t, x })
 }
 
 /// How far the components go, at the ends of steps.
 fn sizes(orbit: &Orbit) -> Vector {
-    let (mut low, mut high) = (orbit.x_start, orbit.x_start);
-    for step in &orbit.steps {
-        for i in 0..N {
+    let (mut low, mut high) = (orbit.start.x.clone(), orbit.start.x.clone());
+    for (step, _) in &orbit.steps {
+        for i in 0..low.len() {
             low[i] = low[i].min(step.x_end[i]);
             high[i] = high[i].max(step.x_end[i]);
         }

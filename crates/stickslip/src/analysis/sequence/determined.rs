@@ -1,14 +1,12 @@
 //! How well the phases of a periodic orbit are determined: next to one with a multiplier of 1, rounding leaves its state open.
 
-use nalgebra::{DMatrix, SMatrix};
-
 use super::circuit::Circuit;
 use super::locate::is_same;
 use super::margin::Margin;
 use crate::analysis::anchor::Anchor;
-use crate::filippov::{Options, Switched, run};
+use crate::dynamics::{Dynamics, Matrix, Vector, run};
+use crate::filippov::Options;
 use crate::math;
-use crate::system::State;
 
 /// A state that may be off by less than this part of how far its components go is as good as known.
 pub(super) const LEAST: f64 = 1e-11;
@@ -20,7 +18,7 @@ const CLOSED: f64 = 2.0;
 const DOUBLINGS: i32 = 32;
 
 /// How an orbit closes, of which the first so many components are states, and the others are given.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Closing {
     pub states: usize,
     /// The derivative of the flow map over the period.
@@ -57,7 +55,7 @@ impl Closing {
     fn open(&self, sizes: &Vector, by_rounding: f64, both: f64) -> Vec<Direction> {
         let states = self.states;
         let unknowns = states + usize::from(self.flow.is_some());
-        let mut matrix = DMatrix::<f64>::zeros(unknowns, unknowns);
+        let mut matrix = Matrix::zeros(unknowns, unknowns);
         for i in 0..states {
             for j in 0..states {
                 let own = f64::from(u8::from(i == j));
@@ -65,7 +63,7 @@ impl Closing {
             }
         }
         let mut speed = 1.0;
-        if let Some(flow) = self.flow {
+        if let Some(flow) = &self.flow {
             let flow = flow.component_div(sizes);
             speed = flow.rows(0, states).norm();
             for i in 0..states {
@@ -88,7 +86,10 @@ impl Closing {
         let values = parts.singular_values.iter().zip(directions.row_iter());
         let values = values.filter(|(value, _)| **value > bound);
         let directions = values.map(|(&value, row)| Direction {
-            x: State::from_fn(|i, _| if i < states { row[i] * sizes[i] } else { 0.0 }),
+            x: Vector::from_fn(sizes.len(), |i, _| match i < states {
+                true => row[i] * sizes[i],
+                false => 0.0,
+            }),
             period: if unknowns > states {
                 row[states] / speed
             } else {
@@ -181,11 +182,11 @@ impl Circuit {
         closes: impl Fn(&Vector) -> bool,
     ) -> Option<(Anchor, f64)> {
         let displaced = |by: f64| {
-            let moved = start.moved(start.x + direction.x * by).settled(system);
+            let moved = start.moved(&start.x + &direction.x * by).settled(system);
             let period = self.period + direction.period * by;
             let t_end = moved.t + period;
-            let end = run(system, moved.t, moved.x, t_end, options, &mut ()).ok()?;
-            closes(&(end.x - moved.x)).then_some((moved, period))
+            let end = run(system, &moved, t_end, options).ok()?;
+            closes(&(end.x - &moved.x)).then_some((moved, period))
         };
         let ways = (0..DOUBLINGS).map(|k| sign * LEAST * math::powi(2.0, k));
         ways.map_while(displaced).last()

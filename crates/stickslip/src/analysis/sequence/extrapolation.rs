@@ -5,7 +5,7 @@ use super::locate::{Known, is_same};
 use super::margin::{Key, Margin};
 use super::{Orbits, of_tolerance};
 use crate::analysis::lagrange::weights;
-use crate::system::State;
+use crate::dynamics::Vector;
 
 /// The first orbits are so many times farther away as what the location lacks, each next one farther than the one before.
 const GROWTH: f64 = std::f64::consts::SQRT_2;
@@ -15,7 +15,7 @@ const MOST: usize = 40;
 const TOGETHER: usize = 7;
 
 /// A zero in the parameter.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub(super) struct Zero {
     pub parameter: f64,
     pub uncertainty: f64,
@@ -24,7 +24,7 @@ pub(super) struct Zero {
 }
 
 /// An orbit's parameter, from that of the first one, and its event function with what that may be off by.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 struct Node {
     parameter: f64,
     value: f64,
@@ -63,7 +63,7 @@ pub(super) fn zero_beyond<B: Clone>(
         value: margin.value,
         // Less than that is not looked for.
         off: margin.by_rounding.max(LEAST * margin.scale),
-        x: margin.at.x,
+        x: margin.at.x.clone(),
     };
     let nodes = orbits
         .iter()
@@ -73,13 +73,13 @@ pub(super) fn zero_beyond<B: Clone>(
     // One that the next orbits lead to as well is no accident.
     let pairs = zeros.windows(2).enumerate();
     let agreed = pairs.filter_map(|(begin, two)| {
-        let (one, next) = (two[0]?, two[1]?);
+        let (one, next) = (two[0].as_ref()?, two[1].as_ref()?);
         let differs = (one.parameter - next.parameter).abs();
         let uncertainty = one.uncertainty.max(differs);
         // Not farther beyond than the orbits lie away.
         let reach = nodes.get(begin + TOGETHER - 1)?.parameter;
         let is_near = one.parameter.abs() <= reach.abs() && one.parameter * away <= 0.0;
-        is_near.then_some((begin, Zero { uncertainty, ..one }))
+        is_near.then_some((begin, Zero { uncertainty, ..one.clone() }))
     });
     let mut agreed: Vec<(usize, Zero)> = agreed.collect();
     agreed.sort_by(|a, b| a.1.uncertainty.total_cmp(&b.1.uncertainty));
@@ -107,7 +107,7 @@ pub(super) fn zero_beyond<B: Clone>(
         Some(Zero {
             parameter: origin,
             uncertainty: (most * per_value).abs().max(lacks),
-            x: one.x,
+            x: one.x.clone(),
         })
     })
 }
@@ -137,7 +137,7 @@ fn zero(nodes: &[Node]) -> Option<Zero> {
     Some(Zero {
         parameter: all,
         uncertainty: by_rounding + (all - fewer).abs(),
-        x: weighted().map(|(weight, node)| node.x * weight).sum(),
+        x: weighted().map(|(weight, node)| &node.x * weight).sum(),
     })
 }
 
@@ -156,14 +156,14 @@ mod tests {
     use super::*;
 
     /// Orbits before a change at the parameter 0, the values of which are off by so much one way and the other.
-    fn nodes(nearest: f64, parameter: impl Fn(f64) -> f64, off: f64) -> Vec<Node<1>> {
+    fn nodes(nearest: f64, parameter: impl Fn(f64) -> f64, off: f64) -> Vec<Node> {
         let node = |k: usize| {
             let value = nearest * crate::math::powi(GROWTH, k as i32);
             Node {
                 parameter: parameter(value),
                 value: value + if k.is_multiple_of(2) { off } else { -off },
                 off,
-                x: State::from([1.0 + value]),
+                x: Vector::from_element(1, 1.0 + value),
             }
         };
         (0..TOGETHER).map(node).collect()

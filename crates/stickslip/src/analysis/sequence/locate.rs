@@ -15,12 +15,12 @@ pub(crate) struct Known<B> {
 
 impl<B> Known<B> {
     /// Whether the other orbit's phases are as well known as this one's.
-    pub fn is_as_certain(&self, next: &dyn Dynamicself) -> bool {
+    pub fn is_as_certain(&self, next: &Self) -> bool {
         next.circuit.is_certain || !self.circuit.is_certain
     }
 
     /// Whether the branch goes on in the next orbit without a change of phases.
-    pub fn goes_on_in(&self, next: &dyn Dynamicself) -> bool {
+    pub fn goes_on_in(&self, next: &Self) -> bool {
         is_same(&next.circuit.sequence(), &self.circuit.sequence()) && self.is_as_certain(next)
     }
 }
@@ -38,7 +38,7 @@ const MOST: usize = 200;
 const SHORT: f64 = 1e-3;
 
 /// Whether two orbits have the same phases, the same part being the first.
-pub(crate) fn is_same<K: PartialEq>(one: &[Kind<K>], other: &[Kind<K>]) -> bool {
+pub(crate) fn is_same(one: &[Kind], other: &[Kind]) -> bool {
     one.len() == other.len() && one == other
 }
 

@@ -2,8 +2,8 @@
 
 use super::circuit::is_of_contact;
 use super::locate::VANISHING;
-use crate::filippov::{Flow, Switched, Transition, TransitionKind, UseFlow};
-use crate::dynamics::Moment;
+use crate::dynamics::{Dynamics, Modes, Moment, Transition};
+use crate::filippov::TransitionKind;
 use crate::system::{Mode, Side};
 
 /// Where on an orbit a change of its phases may begin.
@@ -33,7 +33,7 @@ pub(crate) struct Key {
 }
 
 /// The value of an event function that a change of the phases would make zero.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Margin {
     pub key: Key,
     pub value: f64,
@@ -43,7 +43,7 @@ pub(crate) struct Margin {
     pub by_rounding: f64,
     pub off: f64,
     /// Mode before.
-    pub incoming: K,
+    pub incoming: Modes,
     pub contact: usize,
     /// The contact that ends a part, where it is not the one that begins it; or beside whose transition a guard is smallest.
     pub other: Option<usize>,
@@ -100,7 +100,7 @@ impl Rates {
         let of = |side| {
             let mode = mode.with(contact, Mode::Slip(side));
             let [_, first, second, _] =
-                system.with_flow(mode, S::Branch::default(), Jet(contact, *at));
+                system.flow(mode, at).guard_jet(contact, at);
             [first, second]
         };
         Rates {
@@ -108,44 +108,6 @@ impl Rates {
             other: of(side.opposite()),
         }
     }
-}
-
-/// Value and derivatives in time of a guard.
-struct Jet(usize, Moment);
-
-impl UseFlow for Jet {
-    type Output = [f64; 4];
-
-    fn with<F: Flow>(self, flow: &F) -> [f64; 4] {
-        flow.jet(self.0, self.1.t, &self.1.x)
-    }
-}
-
-/// The smallest of a contact's guards of stick at a point: positive where it would stick.
-struct Hold<'a> {
-    system: &'a dyn Dynamics,
-    contact: usize,
-    at: Moment,
-}
-
-impl UseFlow for Hold<'_> {
-    type Output = f64;
-
-    fn with<F: Flow>(self, flow: &F) -> f64 {
-        let of_contact =
-            |i: &usize| S::contact_of(*i) == self.contact && !is_contact_function(self.system, *i);
-        let guards = F::GUARDS.iter().copied().filter(of_contact);
-        let values = guards.map(|i| flow.guard_at(i, self.at.t, &self.at.x));
-        values.fold(f64::INFINITY, f64::min)
-    }
-}
-
-/// Whether a guard is the contact function, at which the mode goes on.
-pub(super) fn is_contact_function(
-    system: &dyn Dynamics,
-    guard: usize,
-) -> bool {
-    system.passed(guard, &mut S::Branch::default()).is_some()
 }
 
 /// Where a slip ends on the boundary: whether it sticks there, and how fast it comes.
@@ -159,14 +121,17 @@ pub(super) fn landing(
     else {
         return None;
     };
-    let here = Moment { t: at.t, x: at.x };
-    let stuck = at.from.with(at.contact, Mode::Stick);
-    let hold = Hold::<S, N, G> {
-        system,
-        contact: at.contact,
-        at: here,
+    let here = Moment {
+        t: at.t,
+        x: at.x.clone(),
     };
-    let value = system.with_flow(stuck, S::Branch::default(), hold);
+    let stuck = at.from.with(at.contact, Mode::Stick);
+    // The smallest of the contact's guards of stick: positive where it would stick.
+    let flow = system.flow(stuck, &here);
+    let guards = flow.guards().into_iter();
+    let of_contact = guards.filter(|guard| guard.contact == at.contact && !guard.goes_on);
+    let values = of_contact.map(|guard| flow.guard(guard.number, &here));
+    let value = values.fold(f64::INFINITY, f64::min);
     let rates = Rates::at(system, at.from, at.contact, side, &here);
     let margin = |site, value| Margin {
         key: Key {
@@ -181,7 +146,7 @@ pub(super) fn landing(
         incoming: at.from,
         contact: at.contact,
         other: None,
-        at: here,
+        at: here.clone(),
         is_contact_function: is_of_contact(at.kind),
     };
     Some([

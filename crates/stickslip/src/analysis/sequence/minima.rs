@@ -1,9 +1,7 @@
 //! The smallest values of the guards within the phases of a periodic orbit, and at their ends where these are another contact's.
 
-use super::margin::{Key, Margin, Site, is_contact_function};
-use crate::filippov::{Flow, Step, Switched, Transition, UseFlow};
-use crate::dynamics::Moment;
-use crate::orbit::Orbit;
+use super::margin::{Key, Margin, Site};
+use crate::dynamics::{Dynamics, Guard, Moment, Orbit, Step, Transition, Vector};
 
 /// Samples of a step by which the minima of its guards are sought.
 const SAMPLES: usize = 8;
@@ -21,19 +19,19 @@ pub(super) fn minima(
     let last = turns.len().saturating_sub(1);
     // The period is cut in the middle of a phase: what ends with the last step goes on with the first.
     let mut rates = match (orbit.steps.first(), orbit.steps.last()) {
-        (Some(first), Some(last)) if first.mode == last.mode => {
-            minima_of(system, last, &[], [None; 2]).rates
+        (Some((first, _)), Some((last, solution))) if first.mode == last.mode => {
+            minima_of(system, (last, solution), &[], [None; 2]).rates
         }
         _ => Vec::new(),
     };
     let switched = |t: f64| turns.iter().find(|at| at.t == t).map(|at| at.contact);
-    for step in &orbit.steps {
+    for (step, solution) in &orbit.steps {
         // Before the first transition it is the last part that goes on.
         let passed = turns.iter().filter(|at| at.t <= step.t_start).count();
         let part = passed.checked_sub(1).unwrap_or(last);
         let ends = [step.t_start, step.t_end].map(switched);
         let before = if ends[0].is_some() { &[][..] } else { &rates };
-        let of_step = minima_of(system, step, before, ends);
+        let of_step = minima_of(system, (step, solution), before, ends);
         rates = of_step.rates;
         for Minimum {
             site,
@@ -52,7 +50,7 @@ pub(super) fn minima(
             if found.iter().rfind(same).is_some_and(is_near) {
                 continue;
             }
-            let contact = S::contact_of(guard);
+            let contact = guard.contact;
             let turns_at = |t: f64| turns.iter().filter(move |turn| turn.t == t);
             // What another contact's switch lets go, or what switches with it, leaves zero or comes to it.
             let switches = match site {
@@ -65,7 +63,6 @@ pub(super) fn minima(
                 continue;
             }
             let count = found.iter().filter(same).count();
-            let of_contact = is_contact_function(system, guard);
             found.push(Margin {
                 key: Key { part, site, count },
                 value,
@@ -76,30 +73,95 @@ pub(super) fn minima(
                 contact,
                 other,
                 at,
-                is_contact_function: of_contact,
+                is_contact_function: guard.goes_on,
             });
         }
     }
     found
 }
 
-/// Those of a step; see [`Minima`].
+/// The minima of the guards of a step's mode within it, of a step with its solution. `before` has
+/// the rates of the guards at the end of the step before, where that is of the same phase; `ends`
+/// the contacts with whose transitions a phase begins with the step, and ends with it.
 fn minima_of(
     system: &dyn Dynamics,
-    step: &dyn DynamicstepRecord,
+    (step, solution): (&Step, &dyn Fn(f64) -> Vector),
     before: &[f64],
     ends: [Option<usize>; 2],
 ) -> OfStep {
-    let t = 0.5 * (step.t_start + step.t_end);
-    let x = step.dense.at_time(t);
-    let branch = system.branch(&Moment { t, x });
-    let search = Minima {
-        step,
-        ends,
-        before,
-        contact_of: S::contact_of,
-    };
-    system.with_flow(step.mode, branch, search)
+    let length = step.t_end - step.t_start;
+    let moment = |t: f64| Moment { t, x: solution(t) };
+    let place = |s: f64| moment(step.t_start + s * length);
+    let middle = moment(0.5 * (step.t_start + step.t_end));
+    let flow = system.flow(step.mode, &middle);
+    let mut found = Vec::new();
+    let mut rates = Vec::new();
+    for (k, guard) in flow.guards().into_iter().enumerate() {
+        let jet = |s: f64| flow.guard_jet(guard.number, &place(s));
+        // A guard may leave zero without a rate where a phase begins.
+        let first = usize::from(ends[0].is_some());
+        let samples: Vec<_> = (first..=SAMPLES)
+            .map(|k| {
+                let s = k as f64 / SAMPLES as f64;
+                (s, jet(s))
+            })
+            .collect();
+        let sizes = samples.iter().map(|(_, jet)| jet[0].abs());
+        let scale = sizes.fold(f64::MIN_POSITIVE, f64::max);
+        // A step may end at a minimum, and rounding take its rate there for one of either sign.
+        let falls = before.get(k).is_some_and(|rate| *rate < 0.0);
+        let minimum = |site, other, s: f64| Minimum {
+            site,
+            guard,
+            other,
+            at: place(s),
+            value: jet(s)[0],
+            scale,
+        };
+        if falls && samples[0].1[1] >= 0.0 {
+            found.push(minimum(Site::Minimum(guard.number), None, 0.0));
+        }
+        // Where another contact switches it may jump.
+        let others = ends.map(|one| one.filter(|one| *one != guard.contact));
+        if others[0].is_some() && jet(0.0)[1] > 0.0 {
+            found.push(minimum(Site::Begin(guard.number), others[0], 0.0));
+        }
+        if others[1].is_some() && jet(1.0)[1] < 0.0 {
+            found.push(minimum(Site::End(guard.number), others[1], 1.0));
+        }
+        rates.extend(samples.last().map(|(_, jet)| jet[1]));
+        for pair in samples.windows(2) {
+            let ((mut a, before), (mut b, behind)) = (pair[0], pair[1]);
+            if !(before[1] < 0.0 && behind[1] >= 0.0) {
+                continue;
+            }
+            let mut s = 0.5 * (a + b);
+            // Newton's iteration on the rate, held between the samples by bisection.
+            for _ in 0..60 {
+                let [_, rate, second, _] = jet(s);
+                if rate < 0.0 {
+                    a = s;
+                } else {
+                    b = s;
+                }
+                let newton = s - rate / (second * length);
+                let next = if newton > a && newton < b {
+                    newton
+                } else {
+                    0.5 * (a + b)
+                };
+                if (next - s).abs() <= f64::EPSILON {
+                    break;
+                }
+                s = next;
+            }
+            found.push(minimum(Site::Minimum(guard.number), None, s));
+        }
+    }
+    OfStep {
+        minima: found,
+        rates,
+    }
 }
 
 /// What is found in a step.
@@ -112,109 +174,11 @@ struct OfStep {
 /// The smallest value of a guard among those around it.
 struct Minimum {
     site: Site,
-    guard: usize,
+    guard: Guard,
     /// The contact beside whose transition it is.
     other: Option<usize>,
     at: Moment,
     value: f64,
     /// The largest size that the guard has in the step.
     scale: f64,
-}
-
-/// The minima of the guards of a step's mode within it.
-struct Minima<'a, K> {
-    step: &'a dyn DynamicstepRecord,
-    /// The contacts with whose transitions a phase begins with the step, and ends with it.
-    ends: [Option<usize>; 2],
-    /// The rates of the guards at the end of the step before, where it is of the same phase.
-    before: &'a [f64],
-    /// The contact of a guard.
-    contact_of: fn(usize) -> usize,
-}
-
-impl<K> UseFlow for Minima<'_, K, N> {
-    type Output = OfStep;
-
-    fn with<F: Flow>(self, flow: &F) -> Self::Output {
-        let step = self.step;
-        let length = step.t_end - step.t_start;
-        let place = |s: f64| {
-            let t = step.t_start + s * length;
-            let x = step.dense.at_time(t);
-            Moment { t, x }
-        };
-        let mut found = Vec::new();
-        let mut rates = Vec::new();
-        for (k, &guard) in F::GUARDS.iter().enumerate() {
-            let jet = |s: f64| {
-                let Moment { t, x } = place(s);
-                flow.jet(guard, t, &x)
-            };
-            // A guard may leave zero without a rate where a phase begins.
-            let first = usize::from(self.ends[0].is_some());
-            let samples: Vec<_> = (first..=SAMPLES)
-                .map(|k| {
-                    let s = k as f64 / SAMPLES as f64;
-                    (s, jet(s))
-                })
-                .collect();
-            let sizes = samples.iter().map(|(_, jet)| jet[0].abs());
-            let scale = sizes.fold(f64::MIN_POSITIVE, f64::max);
-            // A step may end at a minimum, and rounding take its rate there for one of either sign.
-            let falls = self.before.get(k).is_some_and(|rate| *rate < 0.0);
-            let minimum = |site, other, s: f64| Minimum {
-                site,
-                guard,
-                other,
-                at: place(s),
-                value: jet(s)[0],
-                scale,
-            };
-            if falls && samples[0].1[1] >= 0.0 {
-                found.push(minimum(Site::Minimum(guard), None, 0.0));
-            }
-            // Where another contact switches it may jump.
-            let others = self
-                .ends
-                .map(|one| one.filter(|one| *one != (self.contact_of)(guard)));
-            if others[0].is_some() && jet(0.0)[1] > 0.0 {
-                found.push(minimum(Site::Begin(guard), others[0], 0.0));
-            }
-            if others[1].is_some() && jet(1.0)[1] < 0.0 {
-                found.push(minimum(Site::End(guard), others[1], 1.0));
-            }
-            rates.extend(samples.last().map(|(_, jet)| jet[1]));
-            for pair in samples.windows(2) {
-                let ((mut a, before), (mut b, behind)) = (pair[0], pair[1]);
-                if !(before[1] < 0.0 && behind[1] >= 0.0) {
-                    continue;
-                }
-                let mut s = 0.5 * (a + b);
-                // Newton's iteration on the rate, held between the samples by bisection.
-                for _ in 0..60 {
-                    let [_, rate, second, _] = jet(s);
-                    if rate < 0.0 {
-                        a = s;
-                    } else {
-                        b = s;
-                    }
-                    let newton = s - rate / (second * length);
-                    let next = if newton > a && newton < b {
-                        newton
-                    } else {
-                        0.5 * (a + b)
-                    };
-                    if (next - s).abs() <= f64::EPSILON {
-                        break;
-                    }
-                    s = next;
-                }
-                found.push(minimum(Site::Minimum(guard), None, s));
-            }
-        }
-        OfStep {
-            minima: found,
-            rates,
-        }
-    }
 }

@@ -9,9 +9,8 @@ mod minima;
 mod name;
 mod tolerance;
 
-use crate::filippov::{Options, Switched};
-use crate::dynamics::Moment;
-use crate::system::{Mode, State};
+use crate::dynamics::{Dynamics, Modes, Moment, Vector};
+use crate::filippov::Options;
 use circuit::Circuit;
 use determined::LEAST;
 use extrapolation::zero_beyond;
@@ -47,10 +46,10 @@ pub struct SequenceChange {
     pub period: f64,
     /// The modes before it: coming from where the branch was followed; of a sweep, on the side of the value before. None where the orbit was
     /// followed from the other side and none was found on this one.
-    pub before: Vec<K>,
+    pub before: Vec<Modes>,
     /// The modes behind it, of the orbit that was found next to it: the one that it becomes there, or, where the branch turns back, the one that it
     /// meets; none where none was found.
-    pub after: Vec<K>,
+    pub after: Vec<Modes>,
 }
 
 /// Where a change was located on a branch.
@@ -90,7 +89,7 @@ pub(super) trait Orbits<B> {
 }
 
 /// Describes the change behind the last orbit of `good`.
-pub(super) fn describe<S, B: Clone>(
+pub(super) fn describe<B: Clone>(
     system: &dyn Dynamics,
     good: &[Known<B>],
     after: Vec<Modes>,
@@ -103,7 +102,7 @@ pub(super) fn describe<S, B: Clone>(
     let (bifurcation, rates) = name::name(system, margin);
     let is_named = bifurcation != SequenceBifurcation::Unnamed;
     let (mut parameter, mut uncertainty) = (place.parameter, place.scale * place.bracket);
-    let mut x = margin.at.x;
+    let mut x = margin.at.x.clone();
     // Where it has no name, no event function tells how far it is.
     if is_named {
         uncertainty = uncertainty.max(place.scale * shortfall(good, margin));

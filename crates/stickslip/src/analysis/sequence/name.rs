@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::margin::{Margin, Rates, Site};
-use crate::filippov::Switched;
+use crate::dynamics::Dynamics;
 use crate::system::Mode;
 
 /// A change of the phases of a periodic orbit where one of its event functions comes to zero.

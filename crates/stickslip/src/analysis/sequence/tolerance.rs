@@ -16,7 +16,7 @@ pub(in crate::analysis) fn of_tolerance(value: f64, finer: f64) -> f64 {
 }
 
 /// The zero of an event function next to the last orbit, whose place is the parameter.
-pub(super) struct Near<'a, B, const N: usize, K, O> {
+pub(super) struct Near<'a, B, O> {
     pub last: &'a Known<B>,
     pub margin: &'a Margin,
     /// The way back to an orbit that is apart from it, or zero where there is none.
@@ -26,7 +26,7 @@ pub(super) struct Near<'a, B, const N: usize, K, O> {
     pub about: &'a O,
 }
 
-impl<B, const N: usize, K: Copy + PartialEq, O: Orbits<B>> Near<'_, B, N, K, O> {
+impl<B, O: Orbits<B>> Near<'_, B, O> {
     /// An orbit with the same phases so far away.
     fn orbit(&self, way: f64) -> Option<Known<B>> {
         let one = self.about.at(self.last.s + way, &[])?;
