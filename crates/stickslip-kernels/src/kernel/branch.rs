@@ -4,7 +4,7 @@ use stickslip::analysis::{Branch, Special, Stability, Stop};
 use stickslip::nalgebra::Complex;
 
 use super::change::Change;
-use super::erased::{Erase, Modes};
+use stickslip::dynamics::Modes;
 
 /// A periodic orbit on a branch: as [`stickslip::analysis::BranchPoint`], the parameter being the last component of `x`.
 #[derive(Clone, Debug, PartialEq)]
@@ -72,7 +72,7 @@ pub struct BranchFound {
 }
 
 impl BranchFound {
-    pub(super) fn of<const N: usize, K: Erase>(branch: &Branch<N, K>, contacts: usize) -> Self {
+    pub(super) fn of(branch: &Branch) -> Self {
         let points = branch.points.iter().map(|at| OrbitThere {
             parameter: at.parameter,
             t: at.t,
@@ -80,11 +80,7 @@ impl BranchFound {
             period: at.period,
             multipliers: at.multipliers.clone(),
             stability: at.stability(),
-            phases: at
-                .sequence
-                .iter()
-                .map(|mode| mode.erased(contacts))
-                .collect(),
+            phases: at.sequence.clone(),
         });
         let special = branch.special.iter().map(|at| SpecialThere {
             parameter: at.parameter,
@@ -95,7 +91,7 @@ impl BranchFound {
                 Special::Flip => SpecialKind::Flip,
                 Special::NeimarkSacker { angle } => SpecialKind::NeimarkSacker { angle: *angle },
                 Special::Sequence(change) => {
-                    SpecialKind::Sequence(Change::of_sequence(change, contacts))
+                    SpecialKind::Sequence(Change::of_sequence(change))
                 }
             },
             behind: at.behind,

@@ -1,10 +1,9 @@
 //! What becomes of an attractor between two values of a parameter, without the number of states and contacts in its type, and on disk.
 
 use serde::{Deserialize, Serialize};
-use stickslip::Several;
 use stickslip::analysis::{AttractorChange, SequenceChange, Special, WhatChanges};
+use stickslip::dynamics::Modes;
 
-use super::erased::{Erase, Modes};
 use super::system::{ManyContacts, OneContact};
 
 /// The equations of a system of any kind.
@@ -18,29 +17,6 @@ pub enum Equations {
 
 /// The equations at each value of a parameter; `None` where there are none.
 pub type Family<'a> = dyn Fn(f64) -> Option<Equations> + 'a;
-
-/// A kind of system that a kernel is made for.
-pub(super) trait OfEquations: Clone {
-    fn of(equations: Equations) -> Option<Self>;
-}
-
-impl OfEquations for OneContact {
-    fn of(equations: Equations) -> Option<Self> {
-        match equations {
-            Equations::OneContact(system) => Some(*system),
-            Equations::ManyContacts(_) => None,
-        }
-    }
-}
-
-impl OfEquations for Several<ManyContacts> {
-    fn of(equations: Equations) -> Option<Self> {
-        match equations {
-            Equations::OneContact(_) => None,
-            Equations::ManyContacts(system) => Some(Several(system)),
-        }
-    }
-}
 
 /// What becomes of an attractor between two neighbouring values of a parameter.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -99,12 +75,9 @@ pub enum Change {
 }
 
 impl Change {
-    pub(super) fn of<const N: usize, K: Erase>(
-        change: &AttractorChange<N, K>,
-        contacts: usize,
-    ) -> Self {
+    pub(super) fn of(change: &AttractorChange) -> Self {
         match &change.what {
-            WhatChanges::Sequence(change) => Change::of_sequence(change, contacts),
+            WhatChanges::Sequence(change) => Change::of_sequence(change),
             WhatChanges::Equilibrium {
                 parameter,
                 x,
@@ -135,11 +108,7 @@ impl Change {
         }
     }
 
-    pub(super) fn of_sequence<const N: usize, K: Erase>(
-        change: &SequenceChange<N, K>,
-        contacts: usize,
-    ) -> Self {
-        let erased = |modes: &[K]| modes.iter().map(|mode| mode.erased(contacts)).collect();
+    pub(super) fn of_sequence(change: &SequenceChange) -> Self {
         Change::Sequence {
             parameter: change.parameter,
             uncertainty: change.uncertainty,
@@ -147,14 +116,14 @@ impl Change {
             contacts: change.contacts.clone(),
             x: change.x.as_slice().to_vec(),
             period: change.period,
-            before: erased(&change.before),
-            after: erased(&change.after),
+            before: change.before.clone(),
+            after: change.after.clone(),
         }
     }
 }
 
 /// What a special orbit is called.
-fn special_name<const N: usize, K>(what: &Special<N, K>) -> String {
+fn special_name(what: &Special) -> String {
     match what {
         Special::Fold => "fold".to_owned(),
         Special::BranchPoint => "branch point".to_owned(),

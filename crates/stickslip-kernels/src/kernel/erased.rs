@@ -2,98 +2,10 @@
 
 use std::ops::ControlFlow;
 
-use serde::{Deserialize, Serialize};
 use stickslip::analysis::Exponent;
+use stickslip::dynamics::Modes;
 use stickslip::nalgebra::Complex;
-use stickslip::{Counters, Direction, Ending, Mode, Side, TransitionKind};
-
-use super::MOST_CONTACTS;
-
-/// What each contact does.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(into = "String", try_from = "String")]
-pub struct Modes {
-    modes: [Mode; MOST_CONTACTS],
-    count: u8,
-}
-
-impl Modes {
-    /// Of these contacts; of the first [`MOST_CONTACTS`] if there are more.
-    pub fn new(of: &[Mode]) -> Self {
-        let mut modes = [Mode::Stick; MOST_CONTACTS];
-        let count = of.len().min(MOST_CONTACTS);
-        modes[..count].copy_from_slice(&of[..count]);
-        Modes {
-            modes,
-            count: count as u8,
-        }
-    }
-
-    /// One for each contact.
-    pub fn as_slice(&self) -> &[Mode] {
-        &self.modes[..usize::from(self.count)]
-    }
-}
-
-/// A sign for each contact, as in tables.
-impl From<Modes> for String {
-    fn from(modes: Modes) -> String {
-        let letter = |mode: &Mode| match mode {
-            Mode::Slip(Side::Below) => '-',
-            Mode::Slip(Side::Above) => '+',
-            Mode::Stick => 'S',
-        };
-        modes.as_slice().iter().map(letter).collect()
-    }
-}
-
-impl TryFrom<String> for Modes {
-    type Error = String;
-
-    fn try_from(text: String) -> Result<Modes, String> {
-        let mode = |letter| match letter {
-            '-' => Ok(Mode::Slip(Side::Below)),
-            '+' => Ok(Mode::Slip(Side::Above)),
-            'S' => Ok(Mode::Stick),
-            other => Err(format!("`{other}` is no mode: -, + or S is")),
-        };
-        let modes: Vec<Mode> = text.chars().map(mode).collect::<Result<_, String>>()?;
-        if modes.is_empty() || modes.len() > MOST_CONTACTS {
-            return Err(format!(
-                "`{text}` is not the modes of 1 to {MOST_CONTACTS} contacts"
-            ));
-        }
-        Ok(Modes::new(&modes))
-    }
-}
-
-/// The modes that the library has for a system.
-pub(super) trait Erase: Copy + PartialEq {
-    fn erased(self, contacts: usize) -> Modes;
-    /// The library's again. A contact that only fills up the number has no side that would matter.
-    fn restored(modes: &Modes) -> Self;
-}
-
-impl Erase for Mode {
-    fn erased(self, _contacts: usize) -> Modes {
-        Modes::new(&[self])
-    }
-
-    fn restored(modes: &Modes) -> Mode {
-        modes.modes[0]
-    }
-}
-
-impl<const M: usize> Erase for [Mode; M] {
-    fn erased(self, contacts: usize) -> Modes {
-        Modes::new(&self[..contacts.min(M)])
-    }
-
-    fn restored(modes: &Modes) -> [Mode; M] {
-        let known = modes.as_slice();
-        std::array::from_fn(|i| known.get(i).copied().unwrap_or(Mode::Slip(Side::Above)))
-    }
-}
+use stickslip::{Counters, Direction, Ending, TransitionKind};
 
 /// An accepted step.
 pub struct StepView<'a> {
@@ -154,8 +66,8 @@ impl TransitionView<'_> {
     /// instant.
     pub(super) fn tell(&self, watcher: &mut dyn Watcher) -> ControlFlow<()> {
         watcher.transition(self)?;
-        let modes = self.from.as_slice().iter().zip(self.to.as_slice());
-        for (contact, (&from, &to)) in modes.enumerate() {
+        let modes = self.from.iter().zip(self.to.iter());
+        for (contact, (from, to)) in modes.enumerate() {
             if contact != self.contact && from != to {
                 let kind = TransitionKind::between(from, to);
                 watcher.transition(&TransitionView {

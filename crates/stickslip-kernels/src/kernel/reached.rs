@@ -1,11 +1,9 @@
 //! What an orbit has come to, without the number of states and contacts in its type, and on disk.
 
 use serde::{Deserialize, Serialize};
-use stickslip::analysis::{Attractors, Kind, Reached, RecurrenceSettings, SectionPoint};
-use stickslip::{Error, Options, Phase, Switched, TransitionKind};
-
-use super::compiled::state;
-use super::erased::{Erase, Modes};
+use stickslip::analysis::{Attractors, Kind, Reached};
+use stickslip::dynamics::{Modes, Moment, Phase, Vector};
+use stickslip::{Error, TransitionKind};
 
 /// What kind of motion an orbit has come to: as [`stickslip::analysis::Kind`], which says more of each.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -149,9 +147,8 @@ impl Outcome {
         }
     }
 
-    pub(super) fn of<const N: usize, K: Erase>(
-        reached: &Reached<N, K>,
-        contacts: usize,
+    pub(super) fn of(
+        reached: &Reached,
         told: &dyn Fn(&Error) -> String,
     ) -> Self {
         let motion = Motion::of(&reached.kind, told);
@@ -159,8 +156,8 @@ impl Outcome {
         let points = reached.points.iter().filter(|_| told_by_points);
         let phases = reached.phases.iter().filter(|_| told_by_points);
         let transitions = reached.transitions.iter().filter(|_| told_by_points);
-        let phase = |phase: &Phase<N, K>| PhaseThere {
-            modes: phase.mode.erased(contacts),
+        let phase = |phase: &Phase| PhaseThere {
+            modes: phase.*mode,
             t_start: phase.t_start,
             t_end: phase.t_end,
             x_start: phase.x_start.as_slice().to_vec(),
@@ -176,74 +173,48 @@ impl Outcome {
                 .map(|&(kind, contact)| TransitionThere { kind, contact })
                 .collect(),
             in_stick: reached.in_stick,
-            modes: reached.mode.erased(contacts),
+            modes: reached.*mode,
             left_at: (reached.t, reached.x.as_slice().to_vec()),
         }
     }
 
     /// Dimension of the family of periodic orbits that it is one of.
-    pub(super) fn family<S, const N: usize, const G: usize>(
-        &self,
-        system: &S,
-        settings: &RecurrenceSettings,
-        options: &Options,
-    ) -> usize
-    where
-        S: Switched<N, G>,
-        S::Mode: Erase,
-    {
-        let known = Attractors::new(system, settings, options);
+    pub(super) fn family(&self, known: &Attractors<'_>) -> usize {
         let kind = self.motion.kind();
         kind.map_or(0, |kind| known.family(&self.restored(kind)))
     }
 
-    fn restored<const N: usize, K: Erase>(&self, kind: Kind) -> Reached<N, K> {
+    fn restored(&self, kind: Kind) -> Reached {
         let phase = |phase: &PhaseThere| Phase {
-            mode: K::restored(&phase.modes),
+            mode: phase.modes,
             t_start: phase.t_start,
             t_end: phase.t_end,
-            x_start: state(&phase.x_start),
-            x_end: state(&phase.x_end),
+            x_start: Vector::from_column_slice(&phase.x_start),
+            x_end: Vector::from_column_slice(&phase.x_end),
         };
+        let point = |(t, x): &(f64, Vec<f64>)| Moment {
+            t: *t,
+            x: Vector::from_column_slice(x),
+        };
+        let transitions = self.transitions.iter();
         Reached {
             kind,
             period_uncertainty: self.period_uncertainty,
             family: self.family,
-            points: self
-                .points
-                .iter()
-                .map(|(t, x)| SectionPoint { t: *t, x: state(x) })
-                .collect(),
+            points: self.points.iter().map(point).collect(),
             phases: self.phases.iter().map(phase).collect(),
-            transitions: self
-                .transitions
-                .iter()
-                .map(|at| (at.kind, at.contact))
-                .collect(),
+            transitions: transitions.map(|at| (at.kind, at.contact)).collect(),
             in_stick: self.in_stick,
-            mode: K::restored(&self.modes),
+            mode: self.modes,
             t: self.left_at.0,
-            x: state(&self.left_at.1),
+            x: Vector::from_column_slice(&self.left_at.1),
         }
     }
 
     /// Whether it is the same attractor of the system as the other.
-    pub(super) fn is_same<S, const N: usize, const G: usize>(
-        &self,
-        other: &Outcome,
-        system: &S,
-        settings: &RecurrenceSettings,
-        options: &Options,
-    ) -> bool
-    where
-        S: Switched<N, G>,
-        S::Mode: Erase,
-    {
+    pub(super) fn is_same(&self, other: &Outcome, known: &Attractors<'_>) -> bool {
         match (self.motion.kind(), other.motion.kind()) {
-            (Some(one), Some(two)) => {
-                let known = Attractors::new(system, settings, options);
-                known.is_same(&self.restored(one), &other.restored(two))
-            }
+            (Some(one), Some(two)) => known.is_same(&self.restored(one), &other.restored(two)),
             (None, None) => self.motion.word() == other.motion.word(),
             _ => false,
         }

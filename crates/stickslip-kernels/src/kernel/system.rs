@@ -118,13 +118,21 @@ pub struct Section {
     pub direction: Direction,
 }
 
-impl<const N: usize> EventFunctions<N, 1> for Section {
+/// The section that a system has, if it has one.
+#[derive(Clone, Debug)]
+pub(super) struct OwnSection(pub Option<Section>);
+
+impl<const N: usize> EventFunctions<N, 1> for OwnSection {
     #[inline(always)]
     fn values<T: Scalar>(&self, t: T, x: &[T; N]) -> [T; 1] {
-        values(&self.function, t, x)
+        match &self.0 {
+            Some(section) => values(&section.function, t, x),
+            None => [T::one()],
+        }
     }
 
     fn direction(&self, _number: usize) -> Direction {
-        self.direction
+        let own = self.0.as_ref();
+        own.map_or(Direction::Both, |section| section.direction)
     }
 }

@@ -7,6 +7,8 @@ use crate::system::{Mode, Side};
 /// The mode of each contact, of at most [`Modes::MOST`] contacts. Written as one letter a contact:
 /// `-` for slip below, `+` for slip above, `S` for stick.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(into = "String", try_from = "String"))]
 pub struct Modes {
     sticks: u64,
     above: u64,
