@@ -157,7 +157,7 @@ impl Outcome {
         let phases = reached.phases.iter().filter(|_| told_by_points);
         let transitions = reached.transitions.iter().filter(|_| told_by_points);
         let phase = |phase: &Phase| PhaseThere {
-            modes: phase.*mode,
+            modes: phase.mode,
             t_start: phase.t_start,
             t_end: phase.t_end,
             x_start: phase.x_start.as_slice().to_vec(),
@@ -173,7 +173,7 @@ impl Outcome {
                 .map(|&(kind, contact)| TransitionThere { kind, contact })
                 .collect(),
             in_stick: reached.in_stick,
-            modes: reached.*mode,
+            modes: reached.mode,
             left_at: (reached.t, reached.x.as_slice().to_vec()),
         }
     }
