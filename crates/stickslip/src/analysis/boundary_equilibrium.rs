@@ -55,7 +55,8 @@ pub(super) fn ends_in<B>(
                 let rest = held(parameter(one), mode, x)?.x;
                 Some(((rest - x).rows(0, free).amax(), x.clone()))
             };
-            let ends = one.circuit.parts.iter().filter_map(|part| part.first.as_ref());
+            let parts = one.circuit.parts.iter();
+            let ends = parts.filter_map(|part| part.first.as_ref());
             let nearest = ends.filter_map(|at| away(&at.x));
             nearest.min_by(|a, b| a.0.total_cmp(&b.0))
         };

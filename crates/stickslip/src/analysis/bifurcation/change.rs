@@ -263,12 +263,13 @@ impl Shooting<'_> {
         let (bad, last) = (way.bad?, way.good.last()?);
         let system = (self.family)(last.s);
         let after = way.behind.as_ref().map(|other| other.circuit.modes());
+        let after = after.unwrap_or_default();
         let place = Place::in_parameter(&way.good, bad)?;
         let about = About {
             shooting: self,
             good: &way.good,
         };
-        let here = describe(&*system, &way.good, after.unwrap_or_default(), place, &about);
+        let here = describe(&*system, &way.good, after, place, &about);
         // From the side with fewer phases all event functions are smooth, and a graze is no root.
         let simple = way
             .behind
@@ -398,10 +399,7 @@ pub(in crate::analysis) fn extrapolated<B>(good: &[Known<B>], s: f64) -> Option<
 
 /// The last orbit, one before it that is at least as far from it as the place is, if there is such a one, and how far beyond the last the place is, in
 /// parts of the way between the two.
-pub(in crate::analysis) fn pair_for<B>(
-    good: &[Known<B>],
-    s: f64,
-) -> Option<([&Known<B>; 2], f64)> {
+pub(in crate::analysis) fn pair_for<B>(good: &[Known<B>], s: f64) -> Option<([&Known<B>; 2], f64)> {
     let (two, before) = good.split_last()?;
     let is_apart = |one: &&Known<B>| (one.s - two.s).abs() >= (s - two.s).abs();
     let apart = before.iter().rev().find(is_apart);

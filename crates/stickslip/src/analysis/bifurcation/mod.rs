@@ -169,8 +169,8 @@ fn sweep_of<'a>(
             x.clone_from(next);
         }
         let exponent = settings.spectrum.and_then(|spectrum| {
-            let start = Moment { t: 0.0, x: x.clone() };
-            let spectrum = spectrum_of(&*system, start, &spectrum).ok()?;
+            let (t, x) = (0.0, x.clone());
+            let spectrum = spectrum_of(&*system, Moment { t, x }, &spectrum).ok()?;
             spectrum.exponents.first().copied()
         });
         if let (Some(before), Some(locating)) = (points.last(), &settings.locating)

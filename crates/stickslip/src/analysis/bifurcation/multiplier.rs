@@ -126,11 +126,7 @@ impl Shooting<'_> {
     }
 }
 
-fn changes(
-    (parameter, uncertainty): (f64, f64),
-    what: Special,
-    orbit: &Known<()>,
-) -> WhatChanges {
+fn changes((parameter, uncertainty): (f64, f64), what: Special, orbit: &Known<()>) -> WhatChanges {
     WhatChanges::Multiplier {
         parameter,
         uncertainty,

@@ -95,8 +95,7 @@ impl Walk<'_> {
         const TIMES: f64 = 2.0;
         let here = self.parameter();
         let period = self.last.circuit.period;
-        let is_further =
-            |point: &&BranchPoint| rate * (period - point.period) >= math::ln(TIMES);
+        let is_further = |point: &&BranchPoint| rate * (period - point.period) >= math::ln(TIMES);
         let Some(other) = self.points.iter().rev().find(is_further) else {
             return (here, f64::NAN);
         };

@@ -230,11 +230,12 @@ fn zero_of_polynomial(nodes: &[(f64, Place)]) -> Option<Place> {
     let ends = pairs.find(|two| two[0].0 * two[1].0 < 0.0)?;
     let [a, b] = [&ends[0], &ends[1]].map(|(value, place)| (place.s, *value));
     let s = zero_between(a, b, |s| Some(value(s)))?;
+    let states = nodes.first()?.1.x.len();
     let weighted = || weights(&places, s).into_iter().zip(nodes);
     Some(Place {
         s,
         uncertainty: 0.0,
-        x: weighted().fold(Vector::zeros(ends[0].1.x.len()), |sum, (weight, (_, place))| {
+        x: weighted().fold(Vector::zeros(states), |sum, (weight, (_, place))| {
             sum + &place.x * weight
         }),
         period: weighted()

@@ -390,9 +390,8 @@ impl<'a> Walk<'a> {
             return None;
         }
         let tangent = self.tangent(line)?;
-        let is_next = |next: &OnBranch| {
-            self.last.goes_on_in(next) && !self.turns_without_fold(next)
-        };
+        let is_next =
+            |next: &OnBranch| self.last.goes_on_in(next) && !self.turns_without_fold(next);
         TIMES
             .into_iter()
             .find_map(|times| self.on(&tangent, times * step).filter(is_next))
