@@ -3,9 +3,7 @@
 use super::attractors::rest::{equilibrium_near, least_guard};
 use super::critical::zero_between;
 use super::sequence::locate::Known;
-use crate::filippov::Switched;
-use crate::dynamics::Moment;
-use crate::system::State;
+use crate::dynamics::{Dynamics, Modes, Moment, Vector};
 
 /// An orbit may end in an equilibrium that it comes to within this part of a wider one's extent.
 const SMALL: f64 = 1e-2;
@@ -24,15 +22,11 @@ pub(super) struct Held {
 
 impl Held {
     /// Of the equilibrium near a state, of which the first `free` components are states.
-    pub fn near(
-        system: &dyn Dynamics,
-        mode: Modes,
-        x: &Vector,
-        free: usize,
-    ) -> Option<Self> {
+    pub fn near(system: &dyn Dynamics, mode: Modes, x: &Vector, free: usize) -> Option<Self> {
         let x = equilibrium_near(system, mode, 0.0, x, free)?.x;
-        let guard = least_guard(system, mode, Moment { t: 0.0, x });
-        Some(Held { x, guard })
+        let at = Moment { t: 0.0, x };
+        let guard = least_guard(system, mode, &at);
+        Some(Held { x: at.x, guard })
     }
 }
 
@@ -47,7 +41,7 @@ pub(super) fn ends_in<B>(
     widest: f64,
     free: usize,
     parameter: impl Fn(&Known<B>) -> f64,
-    held: impl Fn(f64, K, &Vector) -> Option<Held>,
+    held: impl Fn(f64, Modes, &Vector) -> Option<Held>,
 ) -> Option<(f64, Vector)> {
     let parts = &orbits.first()?.circuit.parts;
     if parts.len() < 2 {
@@ -57,12 +51,13 @@ pub(super) fn ends_in<B>(
         let mode = part.mode;
         // The distance, and the state there.
         let near = |one: &Known<B>| {
-            let away = |x: Vector| {
-                let rest = held(parameter(one), mode, &x)?.x;
-                Some(((rest - x).rows(0, free).amax(), x))
+            let away = |x: &Vector| {
+                let rest = held(parameter(one), mode, x)?.x;
+                Some(((rest - x).rows(0, free).amax(), x.clone()))
             };
-            let ends = one.circuit.parts.iter().filter_map(|part| part.first);
-            let nearest = ends.filter_map(|at| away(at.x));
+            let parts = one.circuit.parts.iter();
+            let ends = parts.filter_map(|part| part.first.as_ref());
+            let nearest = ends.filter_map(|at| away(&at.x));
             nearest.min_by(|a, b| a.0.total_cmp(&b.0))
         };
         // The last ones may be as near to it as they can be computed.
@@ -75,7 +70,7 @@ pub(super) fn ends_in<B>(
         if distance * (1.0 + APART) >= further || distance >= SMALL * widest || way == 0.0 {
             return None;
         }
-        let start = x;
+        let start = x.clone();
         let mut guard = |parameter: f64| {
             let found = held(parameter, mode, &x)?;
             x = found.x;
@@ -88,7 +83,7 @@ pub(super) fn ends_in<B>(
         }
         let end = zero_between((here, one), (beyond, other), &mut guard)?;
         guard(end)?;
-        let off = (x - start).rows(0, free).amax();
+        let off = (&x - start).rows(0, free).amax();
         (off <= NEAR * last.circuit.extent).then_some((end, x))
     })
 }

@@ -1,8 +1,9 @@
 //! The functions of an orbit's multipliers that vanish where it branches, folds, flips or sheds a torus.
 
-use nalgebra::{Complex, DMatrix, DVector};
+use nalgebra::Complex;
 
 use super::multipliers::eigenvalues;
+use crate::dynamics::{Matrix, Vector};
 
 /// The functions at one orbit.
 #[derive(Clone, Debug)]
@@ -23,9 +24,9 @@ impl Critical {
     /// Of a monodromy matrix, square in the states; of a system that does not depend on time with
     /// the vector that moves the orbit at its start. Of an orbit of a family of some dimension as
     /// many multipliers are 1 wherever it is, and tell nothing.
-    pub fn of(matrix: &DMatrix<f64>, flow: Option<&DVector<f64>>, family: usize) -> Self {
+    pub fn of(matrix: &Matrix, flow: Option<&Vector>, family: usize) -> Self {
         let states = matrix.nrows();
-        let shifted = |by: f64| matrix + DMatrix::identity(states, states) * by;
+        let shifted = |by: f64| matrix + Matrix::identity(states, states) * by;
         let one = match flow {
             _ if family > 0 => 0.0,
             None => shifted(-1.0).determinant(),

@@ -4,7 +4,7 @@ use stickslip::Filippov;
 
 /// A system that is one of those below.
 pub trait Listed<const N: usize>: Filippov<N> {
-    type Any<'a>: Filippov<N>
+    type Any<'a>: Filippov<N> + Send + Sync
     where
         Self: 'a;
     fn any(&self) -> Self::Any<'_>;

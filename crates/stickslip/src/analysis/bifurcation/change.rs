@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 
 use super::stability::{NEXT_TO, loss_of_stability};
-use super::{Reached, WhatChanges};
+use super::{Family, Reached, WhatChanges};
 use crate::analysis::anchor::Anchor;
 use crate::analysis::attractors::{Kind, is_same_cycle};
 use crate::analysis::boundary_equilibrium::{Held, ends_in};
@@ -14,9 +14,8 @@ use crate::analysis::sequence::locate::{self, Known, is_same, least};
 use crate::analysis::sequence::{
     Orbits, Place, SequenceBifurcation, SequenceChange, circuit_from, describe,
 };
-use crate::filippov::{Options, Switched};
-use crate::dynamics::Moment;
-use crate::system::State;
+use crate::dynamics::{Modes, Moment, Vector};
+use crate::filippov::Options;
 
 /// Part of the interval to which a change is located.
 const RESOLUTION: f64 = 1e-10;
@@ -38,8 +37,8 @@ const STUCK: f64 = 1e-3;
 type End<'a> = (f64, &'a Reached);
 
 /// What becomes of the attractor between two values: where it ends, and, if that is another place and not the same change, where the other one begins.
-pub(super) fn locate(
-    family: Family<'_>,
+pub(super) fn locate<'a>(
+    family: &'a Family<'a>,
     ends: [End<'_>; 2],
     forcing: Option<f64>,
     options: &Options,
@@ -80,8 +79,8 @@ struct Seen {
 }
 
 impl Seen {
-    fn from(
-        family: Family<'_>,
+    fn from<'a>(
+        family: &'a Family<'a>,
         (from, to): (End<'_>, End<'_>),
         forcing: Option<f64>,
         options: &Options,
@@ -159,7 +158,7 @@ impl Seen {
             Some(WhatChanges::Sequence(change)) => {
                 let sides = [&change.before, &change.after];
                 sides.into_iter().zip(ends).all(|(modes, end)| {
-                    let phases: Vec<K> = end.phases.iter().map(|phase| phase.mode).collect();
+                    let phases: Vec<Modes> = end.phases.iter().map(|phase| phase.mode).collect();
                     is_same_cycle(modes, &phases)
                 })
             }
@@ -175,7 +174,7 @@ impl Seen {
 
 /// Periodic orbits of a family by shooting.
 pub(super) struct Shooting<'a> {
-    pub(super) family: &'a F,
+    pub(super) family: &'a Family<'a>,
     /// The period, where it is that of the forcing.
     pub(super) forced: Option<f64>,
     pub(super) options: Options,
@@ -191,7 +190,7 @@ pub(super) struct Way {
     resolution: f64,
 }
 
-impl<F> Shooting<'_> {
+impl Shooting<'_> {
     /// The same with a tenth of the tolerances.
     pub(super) fn finer(&self) -> Self {
         Shooting {
@@ -201,15 +200,9 @@ impl<F> Shooting<'_> {
     }
 
     /// Follows the orbit on the way to another value.
-    fn follow(
-        &self,
-        from: End<'_>,
-        period: f64,
-        to: f64,
-    ) -> Option<Way>
-    {
+    fn follow(&self, from: End<'_>, period: f64, to: f64) -> Option<Way> {
         let start = self.start(from.1)?;
-        let rough = circuit_from(&(self.family)(from.0), &start, period, &self.options)?;
+        let rough = circuit_from(&*(self.family)(from.0), &start, period, &self.options)?;
         let first = self.orbit(from.0, &rough.anchor, rough.period)?;
         let mut good = vec![first];
         let behind: RefCell<Option<Known<()>>> = RefCell::new(None);
@@ -266,20 +259,17 @@ impl<F> Shooting<'_> {
     }
 
     /// Where its phases change, if they do.
-    fn change(
-        &self,
-        way: &Way,
-    ) -> Option<SequenceChange>
-    {
+    fn change(&self, way: &Way) -> Option<SequenceChange> {
         let (bad, last) = (way.bad?, way.good.last()?);
         let system = (self.family)(last.s);
         let after = way.behind.as_ref().map(|other| other.circuit.modes());
+        let after = after.unwrap_or_default();
         let place = Place::in_parameter(&way.good, bad)?;
-        let about = About::<F, S, N, G> {
+        let about = About {
             shooting: self,
             good: &way.good,
         };
-        let here = describe(&system, &way.good, after.unwrap_or_default(), place, &about);
+        let here = describe(&*system, &way.good, after, place, &about);
         // From the side with fewer phases all event functions are smooth, and a graze is no root.
         let simple = way
             .behind
@@ -287,7 +277,11 @@ impl<F> Shooting<'_> {
             .filter(|one| one.circuit.parts.len() < last.circuit.parts.len());
         let there = simple.and_then(|simple| self.back_from(last, simple, way.resolution));
         // An unstable orbit there may be lost further away than this one here.
+<<<<<<< HEAD
         let is_nearer = |one: &SequenceChange<N, _>, other: &SequenceChange<N, _>| {
+=======
+        let is_nearer = |one: &SequenceChange, other: &SequenceChange| {
+>>>>>>> f5c2b162c53372c12347976da03fdfbbad984cb0
             one.bifurcation == other.bifurcation && one.uncertainty < NEARER * other.uncertainty
         };
         match (there, here) {
@@ -299,20 +293,18 @@ impl<F> Shooting<'_> {
 
     /// Where it ends in an equilibrium of one of several modes on the way to another value, if it
     /// does.
-    fn boundary_equilibrium(
-        &self,
-        way: &Way,
-        to: f64,
-    ) -> Option<WhatChanges>
-    {
+    fn boundary_equilibrium(&self, way: &Way, to: f64) -> Option<WhatChanges> {
         let first = way.good.first()?;
         if way.bad.is_none() || self.forced.is_some() {
             return None;
         }
         let orbits: Vec<_> = way.good.iter().collect();
-        let held =
-            |parameter: f64, mode, x: &Vector| Held::near(&(self.family)(parameter), mode, x, N);
-        let (parameter, x) = ends_in(&orbits, first.circuit.extent, N, |one| one.s, held)?;
+        let held = |parameter: f64, mode, x: &Vector| {
+            Held::near(&*(self.family)(parameter), mode, x, x.len())
+        };
+        let states = first.circuit.sizes.len();
+        let widest = first.circuit.extent;
+        let (parameter, x) = ends_in(&orbits, widest, states, |one| one.s, held)?;
         let part = (parameter - first.s) / (to - first.s);
         let is_on_way = part > 0.0 && part <= 1.0 + NEXT_TO;
         is_on_way.then_some(WhatChanges::BoundaryEquilibrium { parameter, x })
@@ -320,24 +312,12 @@ impl<F> Shooting<'_> {
 
     /// A state of the orbit: where a phase begins in which all contacts slip, for stick forgets what came before, and with it by how much the
     /// start is off; where there is none, or with a forcing, where the section or the strobe sees it.
-    fn start(
-        &self,
-        reached: &Reached,
-    ) -> Option<Moment>
-    {
+    fn start(&self, reached: &Reached) -> Option<Moment> {
         let mut phases = reached.phases.iter();
         let slip = phases.find(|phase| self.forced.is_none() && !phase.mode.any_sticks());
-        slip.map(|phase| Moment {
-            t: phase.t_start,
-            x: phase.x_start,
-        })
-        .or_else(|| {
-            let first = reached.points.first()?;
-            Some(Moment {
-                t: first.t,
-                x: first.x,
-            })
-        })
+        let begin = slip.map(|phase| (phase.t_start, &phase.x_start));
+        let (t, x) = begin.or_else(|| reached.points.first().map(|at| (at.t, &at.x)))?;
+        Some(Moment { t, x: x.clone() })
     }
 
     /// The change as it is seen from an orbit with fewer phases on the other side of it, or beside it where the branch turns back.
@@ -346,8 +326,7 @@ impl<F> Shooting<'_> {
         edge: &Known<()>,
         simple: &Known<()>,
         resolution: f64,
-    ) -> Option<SequenceChange>
-    {
+    ) -> Option<SequenceChange> {
         let way = edge.s - simple.s;
         let way = way.abs().max(1e4 * resolution) * way.signum();
         [0.3 * way, -0.3 * way].into_iter().find_map(|step| {
@@ -356,50 +335,33 @@ impl<F> Shooting<'_> {
             let last = good.last()?;
             let place = Place::in_parameter(&good, bad)?;
             let after = last.circuit.modes();
-            let about = About::<F, S, N, G> {
+            let about = About {
                 shooting: self,
                 good: &good,
             };
             let system = (self.family)(last.s);
-            let mut found = describe(&system, &good, after, place, &about)?;
+            let mut found = describe(&*system, &good, after, place, &about)?;
             (found.before, found.after) = (edge.circuit.modes(), found.before);
             (found.bifurcation != SequenceBifurcation::Unnamed).then_some(found)
         })
     }
 
     /// The orbit at a parameter by those known.
-    fn by_line(
-        &self,
-        parameter: f64,
-        good: &[Known<()>],
-    ) -> Option<Known<()>>
-    {
+    fn by_line(&self, parameter: f64, good: &[Known<()>]) -> Option<Known<()>> {
         let (guess, period) = extrapolated(good, parameter)?;
         self.orbit(parameter, &guess, period)
     }
 
-    pub(super) fn orbit(
-        &self,
-        parameter: f64,
-        guess: &Anchor,
-        period: f64,
-    ) -> Option<Known<()>>
-    {
-        let system = (self.family)(parameter);
+    pub(super) fn orbit(&self, parameter: f64, guess: &Anchor, period: f64) -> Option<Known<()>> {
+        let system = &*(self.family)(parameter);
         let is_forced = self.forced.is_some();
         let period = self.forced.unwrap_or(period);
-        let at = Anchor {
-            // Only the forcing knows the time.
-            t: if is_forced { guess.t } else { 0.0 },
-            ..*guess
-        };
-        let (cycle, closing) = shoot(&system, &at, period, is_forced, &self.options).ok()?;
-        let start = Anchor {
-            t: cycle.t,
-            ..guess.moved(cycle.x)
-        };
-        let circuit = Circuit::follow(&system, &start, cycle.period, &self.options).ok()?;
-        let circuit = circuit.that_closes(&system, &start, &closing, &self.options);
+        // Only the forcing knows the time.
+        let at = guess.at_time(if is_forced { guess.t } else { 0.0 });
+        let (cycle, closing) = shoot(system, &at, period, is_forced, &self.options).ok()?;
+        let start = Anchor::new(cycle.t, cycle.x, guess.mode);
+        let circuit = Circuit::follow(system, &start, cycle.period, &self.options).ok()?;
+        let circuit = circuit.that_closes(system, &start, &closing, &self.options);
         Some(Known {
             s: parameter,
             circuit,
@@ -409,53 +371,45 @@ impl<F> Shooting<'_> {
 }
 
 /// The orbits up to a change.
+<<<<<<< HEAD
 struct About<'a, F, S: Switched<N, G>> {
     shooting: &'a Shooting<'a>,
     good: &'a [Known<()>],
+=======
+struct About<'b, 'a> {
+    shooting: &'b Shooting<'a>,
+    good: &'b [Known<()>],
+>>>>>>> f5c2b162c53372c12347976da03fdfbbad984cb0
 }
 
-impl<F, S> Orbits<()> for About<'_, F, S, N, G>
-    S: Switched<N, G>,
-{
+impl Orbits<()> for About<'_, '_> {
     fn at(&self, parameter: f64, new: &[Known<()>]) -> Option<Known<()>> {
         self.shooting.by_line(parameter, &[self.good, new].concat())
     }
 
     fn finer(&self, orbit: &Known<()>) -> Option<Circuit> {
-        let Circuit { anchor, period, .. } = orbit.circuit;
-        Some(
-            self.shooting
-                .finer()
-                .orbit(orbit.s, &anchor, period)?
-                .circuit,
-        )
+        let Circuit { anchor, period, .. } = &orbit.circuit;
+        let finer = self.shooting.finer().orbit(orbit.s, anchor, *period);
+        Some(finer?.circuit)
     }
 }
 
 /// Where the orbit is expected by those known: on the line through two of them, no further than they are apart.
-pub(in crate::analysis) fn extrapolated<B>(
-    good: &[Known<B>],
-    s: f64,
-) -> Option<(Anchor, f64)> {
+pub(in crate::analysis) fn extrapolated<B>(good: &[Known<B>], s: f64) -> Option<(Anchor, f64)> {
     let last = good.last()?;
     let Some(([one, two], part)) = pair_for(good, s) else {
-        return Some((last.circuit.anchor, last.circuit.period));
+        return Some((last.circuit.anchor.clone(), last.circuit.period));
     };
     let (a, b) = (&one.circuit, &two.circuit);
-    let guess = Anchor {
-        t: b.anchor.t + part * (b.anchor.t - a.anchor.t),
-        x: b.anchor.x + (b.anchor.x - a.anchor.x) * part,
-        mode: b.anchor.mode,
-    };
+    let t = b.anchor.t + part * (b.anchor.t - a.anchor.t);
+    let x = &b.anchor.x + (&b.anchor.x - &a.anchor.x) * part;
+    let guess = Anchor::new(t, x, b.anchor.mode);
     Some((guess, b.period + part * (b.period - a.period)))
 }
 
 /// The last orbit, one before it that is at least as far from it as the place is, if there is such a one, and how far beyond the last the place is, in
 /// parts of the way between the two.
-pub(in crate::analysis) fn pair_for<B>(
-    good: &[Known<B>],
-    s: f64,
-) -> Option<([&Known<B>; 2], f64)> {
+pub(in crate::analysis) fn pair_for<B>(good: &[Known<B>], s: f64) -> Option<([&Known<B>; 2], f64)> {
     let (two, before) = good.split_last()?;
     let is_apart = |one: &&Known<B>| (one.s - two.s).abs() >= (s - two.s).abs();
     let apart = before.iter().rev().find(is_apart);

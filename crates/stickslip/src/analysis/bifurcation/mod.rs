@@ -4,14 +4,17 @@ mod change;
 mod multiplier;
 mod stability;
 
-use super::attractors::{Kind, Reached, RecurrenceSettings, attractor};
+use super::attractors::{Kind, Reached, RecurrenceSettings, attractor_of};
 use super::continuation::Special;
-use super::lyapunov::{Exponent, SpectrumOptions, lyapunov_spectrum};
+use super::lyapunov::{Exponent, SpectrumOptions, spectrum_of};
 use super::sequence::SequenceChange;
+use crate::dynamics::{AsDynamics, Components, Dynamics, Moment, Vector};
 use crate::error::Error;
-use crate::filippov::{Options, Switched};
-use crate::system::{Mode, State};
+use crate::filippov::Options;
 pub(super) use change::{extrapolated, pair_for};
+
+/// Makes the system of each parameter.
+type Family<'a> = dyn Fn(f64) -> Box<dyn Dynamics + 'a> + 'a;
 
 /// How a parameter is swept.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -137,38 +140,47 @@ pub struct Sweep {
 /// ```
 ///
 /// # Errors
-/// As [`attractor`], for the first parameter that has one.
-pub fn sweep(
-    family: Family<'_>,
+/// As [`super::attractor`], for the first parameter that has one.
+pub fn sweep<S: AsDynamics<Kind>, Kind>(
+    family: impl Fn(f64) -> S,
     parameters: impl IntoIterator<Item = f64>,
     x0: impl Components,
     settings: &SweepSettings,
     options: &Options,
 ) -> Result<Sweep, Error> {
-    let mut x = x0.into();
+    let family = |parameter| family(parameter).into_dynamics();
+    let mut parameters = parameters.into_iter();
+    sweep_of(&family, &mut parameters, x0.vector(), settings, options)
+}
+
+fn sweep_of<'a>(
+    family: &'a Family<'a>,
+    parameters: &mut dyn Iterator<Item = f64>,
+    mut x: Vector,
+    settings: &SweepSettings,
+    options: &Options,
+) -> Result<Sweep, Error> {
     let mut points: Vec<SweepPoint> = Vec::new();
     let mut changes = Vec::new();
     for parameter in parameters {
         let system = family(parameter);
-        let reached = attractor(&system, x, &settings.recurrence, options)?;
+        let reached = attractor_of(&*system, x.clone(), &settings.recurrence, options)?;
         if let Some(next) = carried_on(&reached, &settings.recurrence) {
-            x = next;
+            x.clone_from(next);
         }
         let exponent = settings.spectrum.and_then(|spectrum| {
-            let spectrum = lyapunov_spectrum(&system, (0.0, x), &spectrum).ok()?;
+            let (t, x) = (0.0, x.clone());
+            let spectrum = spectrum_of(&*system, Moment { t, x }, &spectrum).ok()?;
             spectrum.exponents.first().copied()
         });
         if let (Some(before), Some(locating)) = (points.last(), &settings.locating)
             && is_change(&before.reached, &reached)
         {
             let ends = [(before.parameter, &before.reached), (parameter, &reached)];
-            let found = change::locate(&family, ends, settings.recurrence.forcing, locating);
+            let found = change::locate(family, ends, settings.recurrence.forcing, locating);
             let between = (before.parameter, parameter);
-            changes.extend(
-                found
-                    .into_iter()
-                    .map(|what| AttractorChange { between, what }),
-            );
+            let found = found.into_iter();
+            changes.extend(found.map(|what| AttractorChange { between, what }));
         }
         points.push(SweepPoint {
             parameter,
@@ -180,22 +192,16 @@ pub fn sweep(
 }
 
 /// The state from which the next parameter's run begins; none after an escape or a failure.
-fn carried_on(
-    reached: &Reached,
-    settings: &RecurrenceSettings,
-) -> Option<Vector> {
+fn carried_on<'r>(reached: &'r Reached, settings: &RecurrenceSettings) -> Option<&'r Vector> {
     match reached.kind {
         Kind::Escape | Kind::Failure(_) | Kind::Repelling | Kind::TwoFold(_) => None,
         // At a flash of the strobe, at which the next run begins, too.
-        _ if settings.forcing.is_some() => reached.points.last().map(|point| point.x),
-        _ => Some(reached.x),
+        _ if settings.forcing.is_some() => reached.points.last().map(|point| &point.x),
+        _ => Some(&reached.x),
     }
 }
 
-fn is_change(
-    one: &Reached,
-    other: &Reached,
-) -> bool {
+fn is_change(one: &Reached, other: &Reached) -> bool {
     match (&one.kind, &other.kind) {
         (Kind::Periodic { .. }, Kind::Periodic { .. }) => !one.has_sequence_of(other),
         // In slip or on the boundary.

@@ -1,7 +1,5 @@
 //! Where an orbit that keeps its phases loses its stability, or ends, by one of its multipliers.
 
-use nalgebra::{DMatrix, DVector};
-
 use super::WhatChanges;
 use super::change::{Shooting, Way, extrapolated};
 use crate::analysis::continuation::Special;
@@ -9,18 +7,13 @@ use crate::analysis::critical::{Critical, Value, uncertainty_of_zero, zero_betwe
 use crate::analysis::monodromy::turn;
 use crate::analysis::sequence::locate::Known;
 use crate::analysis::sequence::of_tolerance;
-use crate::filippov::Switched;
 
 /// At an end of the orbit located to 1e-10 a multiplier that goes to 1 like a root is some 1e-5 from it.
 const NEAR_ONE: f64 = 1e-3;
 
-impl<F> Shooting<'_> {
+impl Shooting<'_> {
     /// The first of its multipliers to reach the unit circle on the way.
-    pub(super) fn multiplier(
-        &self,
-        way: &Way,
-    ) -> Option<WhatChanges>
-    {
+    pub(super) fn multiplier(&self, way: &Way) -> Option<WhatChanges> {
         const ONE: usize = 0;
         const MINUS_ONE: usize = 1;
         type Function = fn(&Critical) -> Option<f64>;
@@ -90,8 +83,7 @@ impl<F> Shooting<'_> {
         &self,
         orbit: &Known<()>,
         function: impl Fn(&Critical) -> Option<f64>,
-    ) -> Option<f64>
-    {
+    ) -> Option<f64> {
         let finer = self.finer();
         let anchor = &orbit.circuit.anchor;
         let same = finer.orbit(orbit.s, anchor, orbit.circuit.period)?;
@@ -100,12 +92,7 @@ impl<F> Shooting<'_> {
     }
 
     /// By how much the tolerances may have a fold off at the end of the way: there the square of the multipliers' function goes to zero like the parameter.
-    fn fold_by_tolerance(
-        &self,
-        way: &Way,
-        critical: &[Option<Critical>],
-    ) -> f64
-    {
+    fn fold_by_tolerance(&self, way: &Way, critical: &[Option<Critical>]) -> f64 {
         let square = |at: &Critical| Some(at.one * at.one);
         let known = way.good.iter().zip(critical);
         let known = known.filter_map(|(orbit, at)| Some((orbit, square(at.as_ref()?)?)));
@@ -128,34 +115,23 @@ impl<F> Shooting<'_> {
         })
     }
 
-    fn critical(
-        &self,
-        orbit: &Known<()>,
-    ) -> Option<Critical>
-    {
+    fn critical(&self, orbit: &Known<()>) -> Option<Critical> {
         let system = (self.family)(orbit.s);
-        let (start, options) = (orbit.circuit.anchor, &self.options);
+        let (start, options) = (&orbit.circuit.anchor, &self.options);
         let t_end = start.t + orbit.circuit.period;
         let is_autonomous = self.forced.is_none();
-        let turn = turn(&system, &start.at(), t_end, options, is_autonomous).ok()?;
-        let matrix = &turn.monodromy.matrix;
-        let matrix = DMatrix::from_fn(N, N, |i, j| matrix[(i, j)]);
-        let velocity = start.velocity(&system);
-        let flow = DVector::from_fn(N, |i, _| velocity[i]);
-        Some(Critical::of(&matrix, is_autonomous.then_some(&flow), 0))
+        let turn = turn(&*system, start, t_end, options, is_autonomous).ok()?;
+        let flow = is_autonomous.then(|| start.velocity(&*system));
+        Some(Critical::of(&turn.monodromy.matrix, flow.as_ref(), 0))
     }
 }
 
-fn changes(
-    (parameter, uncertainty): (f64, f64),
-    what: Special,
-    orbit: &Known<()>,
-) -> WhatChanges {
+fn changes((parameter, uncertainty): (f64, f64), what: Special, orbit: &Known<()>) -> WhatChanges {
     WhatChanges::Multiplier {
         parameter,
         uncertainty,
         what,
-        x: orbit.circuit.anchor.x,
+        x: orbit.circuit.anchor.x.clone(),
         period: orbit.circuit.period,
     }
 }

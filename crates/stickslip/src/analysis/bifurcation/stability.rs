@@ -1,11 +1,9 @@
 //! Where an equilibrium loses its stability, or its mode no longer holds.
 
-use super::{Reached, WhatChanges};
+use super::{Family, Reached, WhatChanges};
 use crate::analysis::attractors::rest::{ZERO, equilibrium_near, least_guard};
 use crate::analysis::multipliers;
-use crate::filippov::Switched;
-use crate::dynamics::Moment;
-use crate::system::State;
+use crate::dynamics::{Moment, Vector};
 
 /// How far behind a value of the sweep its change is looked for where that value hits it, as a part of the way between two.
 const BEHIND: f64 = 1.0 / 64.0;
@@ -29,17 +27,17 @@ struct Leading {
 
 /// Where the equilibrium loses its stability on the way to another value, or comes to the edge of where its mode holds.
 pub(super) fn loss_of_stability(
-    family: Family<'_>,
+    family: &Family<'_>,
     from: (f64, &Reached),
     to: f64,
 ) -> Option<WhatChanges> {
     let mode = from.1.mode;
-    let begin = from.1.points.first()?.x;
+    let begin = &from.1.points.first()?.x;
     // Of stick the zeros across the boundary do not count.
     let leading = |parameter: f64, x: &mut Vector| {
         let system = family(parameter);
-        let rest = equilibrium_near(&system, mode, 0.0, x, N)?;
-        *x = rest.x;
+        let rest = equilibrium_near(&*system, mode, 0.0, x, x.len())?;
+        x.clone_from(&rest.x);
         let at = Moment { t: 0.0, x: rest.x };
         let across = system.normals(mode, &at).len();
         let mut values = multipliers(&rest.jacobian);
@@ -50,16 +48,16 @@ pub(super) fn loss_of_stability(
             rate: first.re,
             frequency: first.im.abs(),
             noise: ZERO * rest.jacobian.amax(),
-            guard: least_guard(&system, mode, at),
+            guard: least_guard(&*system, mode, &at),
         })
     };
     let way = (from.0, to);
-    let mut x = begin;
+    let mut x = begin.clone();
     let guard = ROUNDING * leading(from.0, &mut x)?.guard.abs();
     let edge = zero_on(way, |parameter| {
         Some((leading(parameter, &mut x)?.guard, guard))
     });
-    let mut crosses = begin;
+    let mut crosses = begin.clone();
     let rate = zero_on(way, |parameter| {
         let Leading { rate, noise, .. } = leading(parameter, &mut crosses)?;
         Some((rate, noise))

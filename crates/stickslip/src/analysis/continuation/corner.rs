@@ -1,13 +1,12 @@
 //! The branch behind a change of phases, where the line through its orbits may not lead to it: it may turn back.
 
-use super::corrector::{Corrector, Guess, OnBranch, Solved};
+use super::corrector::{Corrector, Guess, OnBranch, Solved, parameter, with_parameter};
 use super::walk::RESOLUTION;
 use crate::analysis::anchor::Anchor;
 use crate::analysis::sequence::circuit::Circuit;
 use crate::analysis::sequence::locate::{Known, approach};
 use crate::analysis::sequence::{Orbits, Place, SequenceBifurcation, SequenceChange, describe};
-use crate::filippov::Switched;
-use crate::system::State;
+use crate::dynamics::Vector;
 
 /// Distances in the parameter, as parts of its range, at which orbits with other phases are tried.
 pub(super) const DISTANCES: [f64; 4] = [1e-5, 1e-4, 1e-3, 1e-2];
@@ -61,8 +60,7 @@ impl Behind<'_> {
             other = around.as_ref().map(|[near, _]| near.clone());
         }
         // From the side with fewer phases all event functions are smooth, and a graze is no root.
-        let is_simple =
-            |one: &&OnBranch| one.circuit.parts.len() < edge.circuit.parts.len();
+        let is_simple = |one: &&OnBranch| one.circuit.parts.len() < edge.circuit.parts.len();
         let simple = self.found.iter().chain(other.as_ref()).filter(is_simple);
         let mut simple: Vec<_> = simple.collect();
         // Those next to it may have some of the phases only, of two changes at once.
@@ -86,40 +84,34 @@ impl Behind<'_> {
         let is_apart = |one: &&OnBranch| one.s - edge.s > RESOLVED;
         let near = self.found.iter().find(is_apart).cloned();
         let far = near.as_ref().and_then(|near| {
-            let is_same = |one: &&OnBranch<N, _>| {
+            let is_same = |one: &&OnBranch| {
                 one.circuit.sequence() == near.circuit.sequence() && one.s - near.s > 1e-7
             };
             self.found.iter().rev().find(is_same).cloned()
         });
         if !self.found.is_empty() {
-            let at = edge.circuit.anchor;
+            let at = &edge.circuit.anchor;
             let pair = || {
                 let (near, far) = (near?, far?);
-                self.leads_on(&at, &near, &far).then_some([near, far])
+                self.leads_on(at, &near, &far).then_some([near, far])
             };
             around = self.around().or_else(pair);
         }
         let orbits = around;
-        let x = edge.circuit.anchor.x;
+        let x = edge.circuit.anchor.x.clone();
         Some(Entered { change, orbits, x })
     }
 
     /// Comes back to the change from an orbit with fewer phases behind it, by so many orbits at least.
-    fn back_from(
-        &self,
-        simple: &OnBranch,
-        fewest: usize,
-    ) -> Option<Entered> {
+    fn back_from(&self, simple: &OnBranch, fewest: usize) -> Option<Entered> {
         let edge = self.good.last()?;
-        let corner = edge.circuit.anchor.x[N - 1];
-        let here = simple.circuit.anchor.x[N - 1];
+        let (corner, here) = (edge.parameter(), simple.parameter());
         let least = 1e-6 * self.width;
         let way = (corner - here).abs().max(least) * (corner - here).signum();
         for step in [0.3 * way, -0.3 * way] {
             let mut first = simple.clone();
             first.s = here;
-            let by_parameter =
-                |s: f64, good: &[OnBranch]| self.corrector.by_parameter(good, s);
+            let by_parameter = |s: f64, good: &[OnBranch]| self.corrector.by_parameter(good, s);
             let resolution = RESOLUTION * self.width;
             let Some((good, bad)) = approach(first, step, resolution, by_parameter) else {
                 continue;
@@ -153,7 +145,7 @@ impl Behind<'_> {
             };
             let far = apart.cloned().or_else(further);
             let orbits = far.map(|far| [last.clone(), far]);
-            let x = last.circuit.anchor.x;
+            let x = last.circuit.anchor.x.clone();
             return Some(Entered { change, orbits, x });
         }
         None
@@ -163,33 +155,33 @@ impl Behind<'_> {
     fn around(&self) -> Option<[OnBranch; 2]> {
         let corner = self.good.last()?;
         let at = &corner.circuit.anchor;
-        let here = at.x[N - 1];
-        let is_apart = |one: &&OnBranch| {
-            (one.circuit.anchor.x[N - 1] - here).abs() > 1e-6 * self.width
-        };
+        let here = corner.parameter();
+        let is_apart = |one: &&OnBranch| (one.parameter() - here).abs() > 1e-6 * self.width;
         let before = self.good.iter().rev().find(is_apart)?;
         let way = self.corrector.way(&before.circuit.anchor, at);
-        let slope = way / way[N - 1];
+        let heading = parameter(&way);
+        let slope = way / heading;
         let old = corner.circuit.sequence();
         let orbit = |x: Vector, period: f64| {
-            let guess = Guess::at_parameter(at.moved(x), period, x[N - 1]);
-            let found = self.corrector.orbit(&guess, x[N - 1])?;
+            let parameter = parameter(&x);
+            let guess = Guess::at_parameter(&at.moved(x), period, parameter);
+            let found = self.corrector.orbit(&guess, parameter)?;
             let is_other = found.circuit.sequence() != old && corner.is_as_certain(&found);
             is_other.then_some(found)
         };
-        for distance in DISTANCES.map(|part| part * self.width * way[N - 1].signum()) {
+        for distance in DISTANCES.map(|part| part * self.width * heading.signum()) {
             for offset in [distance, -distance] {
                 for part in PARTS {
-                    let mut guess = at.x + slope * (offset * part);
-                    guess[N - 1] = here + offset;
+                    let guess = &at.x + &slope * (offset * part);
+                    let guess = with_parameter(guess, here + offset);
                     let pair = |period: f64| {
-                        let near = orbit(guess, period)?;
+                        let near = orbit(guess.clone(), period)?;
                         // Another orbit with other phases may be at the same parameter, but further off.
-                        let off = near.branch.start.x - at.x;
+                        let off = &near.branch.start.x - &at.x;
                         if off.norm() > FURTHEST * offset.abs() * slope.norm() {
                             return None;
                         }
-                        let further = near.branch.start.x + (guess - at.x) * 0.5;
+                        let further = &near.branch.start.x + (&guess - &at.x) * 0.5;
                         let far = orbit(further, near.circuit.period)?;
                         let is_same = far.circuit.sequence() == near.circuit.sequence();
                         (is_same && self.leads_on(at, &near, &far)).then_some([near, far])
@@ -197,10 +189,10 @@ impl Behind<'_> {
                     let period = corner.circuit.period;
                     // Where static friction lets go, the orbit and its period change by a jump behind the same state.
                     let by_return = || {
-                        let states = slope.rows(0, N - 1).norm();
+                        let states = slope.rows(0, slope.len() - 1).norm();
                         let distance = FURTHEST * offset.abs() * states;
                         let distance = distance.max(SAME * self.corrector.extent);
-                        let there = at.moved(guess);
+                        let there = at.moved(guess.clone());
                         pair(self.corrector.comes_back(&there, period, distance)?)
                     };
                     if let Some(orbits) = pair(period).or_else(by_return) {
@@ -215,33 +207,22 @@ impl Behind<'_> {
     /// Whether the way from the last orbit's state goes by the first of two to the second, with no fold between these, and they lead back to it: by
     /// the line through them, or as a root does. All three are where Newton's iteration was at this state's time: the middle of a phase may be of
     /// another one.
-    fn leads_on(
-        &self,
-        at: &Anchor,
-        near: &OnBranch,
-        far: &OnBranch,
-    ) -> bool {
-        let [first, second] = [near, far].map(|one| one.branch.start.x);
+    fn leads_on(&self, at: &Anchor, near: &OnBranch, far: &OnBranch) -> bool {
+        let [first, second] = [near, far].map(|one| &one.branch.start.x);
         let is_forced = self.corrector.forced.is_some();
         let [a, b] = [near, far].map(|one| one.branch.critical(is_forced).one);
-        let scale = State::from_fn(|i, _| {
-            let size = if i + 1 < N {
-                self.corrector.extent
-            } else {
-                self.width
-            };
-            size.recip()
-        });
-        let (way, on) = (first - at.x, second - first);
+        let scale = Vector::repeat(first.len(), self.corrector.extent.recip());
+        let scale = with_parameter(scale, self.width.recip());
+        let (way, on) = (first - &at.x, second - first);
         let (way, on) = (way.component_mul(&scale), on.component_mul(&scale));
         // How many times as far the second is along the parameter.
-        let times = 1.0 + on[N - 1] / way[N - 1];
+        let times = 1.0 + parameter(&on) / parameter(&way);
         if way.dot(&on) <= 0.0 || a * b <= 0.0 || !(times > 1.0 && times.is_finite()) {
             return false;
         }
         let by_line = on / (times - 1.0);
         let of_root = 1.0 - 1.0 / (times.sqrt() + 1.0);
-        (way - by_line).norm() <= (OFF + of_root) * way.norm()
+        (&way - by_line).norm() <= (OFF + of_root) * way.norm()
     }
 }
 
@@ -254,7 +235,7 @@ struct About<'a> {
 impl<'a> About<'a> {
     fn of(corrector: &'a Corrector<'a>, good: &[OnBranch]) -> Self {
         let by_parameter = |one: &OnBranch| Known {
-            s: one.circuit.anchor.x[N - 1],
+            s: one.parameter(),
             ..one.clone()
         };
         About {
@@ -264,17 +245,15 @@ impl<'a> About<'a> {
     }
 }
 
-impl Orbits<Solved, N, Modes>
-    for About<'_>
-{
+impl Orbits<Solved> for About<'_> {
     fn at(&self, parameter: f64, new: &[OnBranch]) -> Option<OnBranch> {
         self.corrector
             .by_parameter(&[&self.good, new].concat(), parameter)
     }
 
     fn finer(&self, orbit: &OnBranch) -> Option<Circuit> {
-        let Circuit { anchor, period, .. } = orbit.circuit;
-        let guess = Guess::at_parameter(anchor, period, anchor.x[N - 1]);
+        let Circuit { anchor, period, .. } = &orbit.circuit;
+        let guess = Guess::at_parameter(anchor, *period, orbit.parameter());
         Some(self.corrector.finer(&guess, orbit.s)?.circuit)
     }
 }

@@ -1,7 +1,5 @@
 //! Newton's iteration for a periodic orbit and a parameter together.
 
-use nalgebra::{DMatrix, DVector, SMatrix};
-
 use crate::analysis::anchor::Anchor;
 use crate::analysis::bifurcation::extrapolated;
 use crate::analysis::critical::Critical;
@@ -10,11 +8,9 @@ use crate::analysis::periodic::{by_tolerance_of, known, left, newton_solution, r
 use crate::analysis::sequence::circuit::Circuit;
 use crate::analysis::sequence::determined::Closing;
 use crate::analysis::sequence::locate::Known;
-use crate::filippov::{
-    Direction, Happening, Integration, Options, Plane, Progress, Switched, Watched,
-};
+use crate::dynamics::{Dynamics, Happening, Matrix, Section, Vector};
+use crate::filippov::{Direction, Options};
 use crate::orbit::Ending;
-use crate::system::State;
 
 /// Iterations allowed.
 const MOST: usize = 12;
@@ -48,18 +44,36 @@ pub(super) struct Solved {
 impl Solved {
     /// The functions of its multipliers.
     pub fn critical(&self, is_forced: bool) -> Critical {
-        let states = N - 1;
-        let matrix = DMatrix::from_fn(states, states, |i, j| self.matrix[(i, j)]);
-        let flow = DVector::from_fn(states, |i, _| self.slope[i]);
+        let states = self.slope.len() - 1;
+        let matrix = self.matrix.view((0, 0), (states, states)).into_owned();
+        let flow = self.slope.rows(0, states).into_owned();
         Critical::of(&matrix, (!is_forced).then_some(&flow), self.family)
     }
 }
 
 /// An orbit on a branch.
-pub(super) type OnBranch = Known<Solved, N, K>;
+pub(super) type OnBranch = Known<Solved>;
+
+impl OnBranch {
+    pub fn parameter(&self) -> f64 {
+        parameter(&self.circuit.anchor.x)
+    }
+}
+
+/// The parameter, which is the last state.
+pub(super) fn parameter(x: &Vector) -> f64 {
+    x[x.len() - 1]
+}
+
+/// A state at another parameter.
+pub(super) fn with_parameter(mut x: Vector, parameter: f64) -> Vector {
+    let last = x.len() - 1;
+    x[last] = parameter;
+    x
+}
 
 /// Where an orbit is sought: near a state with its time and period, and where `row · x` has a value.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub(super) struct Guess {
     pub at: Anchor,
     pub period: f64,
@@ -69,12 +83,11 @@ pub(super) struct Guess {
 
 impl Guess {
     /// At a given parameter, near a state.
-    pub fn at_parameter(mut at: Anchor, period: f64, parameter: f64) -> Self {
-        at.x[N - 1] = parameter;
+    pub fn at_parameter(at: &Anchor, period: f64, parameter: f64) -> Self {
         Guess {
-            at,
+            at: at.moved(with_parameter(at.x.clone(), parameter)),
             period,
-            row: State::from_fn(|i, _| f64::from(u8::from(i == N - 1))),
+            row: with_parameter(Vector::zeros(at.x.len()), 1.0),
             value: parameter,
         }
     }
@@ -92,63 +105,45 @@ pub(super) struct Corrector<'a> {
     pub options: &'a Options,
 }
 
-impl<S> Corrector<'_> {
+impl Corrector<'_> {
     /// The next orbit of a branch at another parameter. Newton's iteration begins at the orbit itself, so that its first step is along the tangent:
     /// states and period go with the parameter while the orbit closes.
-    pub fn next_at(
-        &self,
-        from: &OnBranch,
-        parameter: f64,
-    ) -> Option<OnBranch>
-    {
-        let start = from.branch.start;
+    pub fn next_at(&self, from: &OnBranch, value: f64) -> Option<OnBranch> {
+        let start = &from.branch.start;
         let guess = Guess {
-            value: parameter,
-            ..Guess::at_parameter(start, from.circuit.period, start.x[N - 1])
+            value,
+            ..Guess::at_parameter(start, from.circuit.period, parameter(&start.x))
         };
-        self.orbit(&guess, parameter)
+        self.orbit(&guess, value)
     }
 
     /// The orbit at a parameter, which is its place, by those known.
-    pub fn by_parameter(
-        &self,
-        good: &[OnBranch],
-        parameter: f64,
-    ) -> Option<OnBranch>
-    {
+    pub fn by_parameter(&self, good: &[OnBranch], parameter: f64) -> Option<OnBranch> {
         let (at, period) = extrapolated(good, parameter)?;
-        self.orbit(&Guess::at_parameter(at, period, parameter), parameter)
+        self.orbit(&Guess::at_parameter(&at, period, parameter), parameter)
     }
 
     /// The orbit near a guess with a tenth of the tolerances.
-    pub fn finer(
-        &self,
-        guess: &Guess,
-        s: f64,
-    ) -> Option<OnBranch>
-    {
+    pub fn finer(&self, guess: &Guess, s: f64) -> Option<OnBranch> {
         let options = &self.options.finer();
         Corrector { options, ..*self }.orbit(guess, s)
     }
 
     /// The way from one orbit of a branch to the next, across the flow; with a forcing, at the second one's time.
-    pub fn way(
-        &self,
-        from: &Anchor,
-        to: &Anchor,
-    ) -> Vector
-    {
-        let way = to.x - from.x;
+    pub fn way(&self, from: &Anchor, to: &Anchor) -> Vector {
+        let way = &to.x - &from.x;
         let [before, flow] = [from, to].map(|at| at.velocity(self.system));
         // What one orbit moves while the other is waited for, by the trapezium rule: next to a graze orbits differ by the square of that time.
-        let mean = (before + flow) * 0.5;
+        let mean = (before + &flow) * 0.5;
         if self.forced.is_some() {
             return way - mean * (to.t - from.t);
         }
         // Along the flow it is the same orbit.
-        let across =
-            |way: Vector, flow: Vector| way - flow * (flow.dot(&way) / flow.norm_squared());
-        across(across(way, mean), flow)
+        let across = |way: Vector, flow: &Vector| {
+            let part = flow.dot(&way) / flow.norm_squared();
+            way - flow * part
+        };
+        across(across(way, &mean), &flow)
     }
 
     /// The options for a run from a state, which is left where it goes far.
@@ -158,31 +153,24 @@ impl<S> Corrector<'_> {
     }
 
     /// After what time, of about a period, the orbit from a state is first back within a distance of it.
-    pub fn comes_back(
-        &self,
-        from: &Anchor,
-        period: f64,
-        distance: f64,
-    ) -> Option<f64>
-    {
+    pub fn comes_back(&self, from: &Anchor, period: f64, distance: f64) -> Option<f64> {
         if self.forced.is_some() {
             return None;
         }
-        let section = Plane {
-            point: from.x,
+        let section = Section::Plane {
+            point: from.x.clone(),
             normal: from.velocity(self.system),
             direction: Direction::Rising,
         };
         let t_end = from.t + MOST_PERIODS * period;
         let options = self.bounded(&from.x);
-        let begun = Integration::new(self.system, from.t, from.x, t_end, &options).ok()?;
-        let mut watched = Watched::new(begun, &section);
+        let mut orbit = self.system.begin(from, t_end, &options, &section).ok()?;
         loop {
-            match watched.step().ok()? {
-                Happening::Event(event) if (event.x - from.x).norm() <= distance => {
-                    return Some(event.t - from.t);
+            match orbit.step().ok()? {
+                Happening::Passage(at) if (&at.x - &from.x).norm() <= distance => {
+                    return Some(at.t - from.t);
                 }
-                Happening::Progress(Progress::End(_)) => return None,
+                Happening::End(_) => return None,
                 _ => {}
             }
         }
@@ -190,105 +178,92 @@ impl<S> Corrector<'_> {
 
     /// The matrix of Newton's iteration, of state, parameter and, where it is not the forcing's, period: that an orbit closes, `row · x` and where along the flow
     /// it begins.
-    fn newton(
-        &self,
-        turn: &Matrix,
-        velocity: &Vector,
-        slope: &Vector,
-        row: &Vector,
-    ) -> DMatrix<f64> {
-        let unknowns = N + usize::from(self.forced.is_none());
-        let mut matrix = DMatrix::<f64>::zeros(unknowns, unknowns);
-        for i in 0..N - 1 {
-            for j in 0..N {
+    fn newton(&self, turn: &Matrix, velocity: &Vector, slope: &Vector, row: &Vector) -> Matrix {
+        let n = row.len();
+        let unknowns = n + usize::from(self.forced.is_none());
+        let mut matrix = Matrix::zeros(unknowns, unknowns);
+        for i in 0..n - 1 {
+            for j in 0..n {
                 matrix[(i, j)] = turn[(i, j)] - f64::from(u8::from(i == j));
             }
         }
-        for j in 0..N {
-            matrix[(N - 1, j)] = row[j];
+        for j in 0..n {
+            matrix[(n - 1, j)] = row[j];
         }
         if self.forced.is_none() {
-            for i in 0..N - 1 {
-                matrix[(i, N)] = velocity[i];
-                matrix[(N, i)] = slope[i];
+            for i in 0..n - 1 {
+                matrix[(i, n)] = velocity[i];
+                matrix[(n, i)] = slope[i];
             }
         }
         matrix
     }
 
     /// How state, parameter and period change along the branch at an orbit, where `row · x` changes by 1.
-    pub fn tangent(
-        &self,
-        orbit: &OnBranch,
-        row: &Vector,
-    ) -> Option<(Vector, f64)> {
+    pub fn tangent(&self, orbit: &OnBranch, row: &Vector) -> Option<(Vector, f64)> {
+        let n = row.len();
         let Solved { matrix, slope, .. } = &orbit.branch;
         let matrix = self.newton(matrix, slope, slope, row);
-        let mut right = DVector::<f64>::zeros(matrix.nrows());
-        right[N - 1] = 1.0;
+        let mut right = Vector::zeros(matrix.nrows());
+        right[n - 1] = 1.0;
         let sizes = orbit.circuit.sizes.map(|size| match size {
             0.0 => orbit.circuit.extent,
             size => size,
         });
-        let (change, _) = newton_solution(matrix, &right, (N - 1, 0), (sizes, 0.0))?;
-        let of_period = change.get(N).copied().unwrap_or(0.0);
-        Some((State::from_fn(|i, _| change[i]), of_period))
+        let (change, _) = newton_solution(matrix, &right, (n - 1, 0), (sizes, 0.0))?;
+        let of_period = change.get(n).copied().unwrap_or(0.0);
+        Some((change.rows(0, n).into_owned(), of_period))
     }
 
     /// The orbit near a guess; `s` is its place on the branch.
-    pub fn orbit(
-        &self,
-        guess: &Guess,
-        s: f64,
-    ) -> Option<OnBranch>
-    {
+    pub fn orbit(&self, guess: &Guess, s: f64) -> Option<OnBranch> {
+        let n = guess.row.len();
+        let is_autonomous = self.forced.is_none();
         let mut period = self.forced.unwrap_or(guess.period);
         let begun = |at: Anchor, period: f64| {
-            at.begun(self.system, at.t + period, self.options).ok()
+            let t_end = at.t + period;
+            at.begun(self.system, t_end, self.options).ok()
         };
-        let mut at = begun(guess.at, period)?;
+        let mut at = begun(guess.at.clone(), period)?;
         let slope = at.velocity(self.system);
         let by_tolerance = 100.0 * self.options.atol.max(self.options.rtol);
         let bounded = self.bounded(&at.x);
         let mut residual = f64::INFINITY;
         for iterations in 1..=MOST {
-            let is_autonomous = self.forced.is_none();
-            let end = at.t + period;
-            let turn = turn(self.system, &at.at(), end, &bounded, is_autonomous).ok()?;
+            let turn = turn(self.system, &at, at.t + period, &bounded, is_autonomous).ok()?;
             let known = known(&turn, self.options);
             let (velocity, turn) = (turn.velocity, turn.monodromy);
             if turn.summary.ending != Ending::EndTime {
                 return None;
             }
-            let mut gap = turn.summary.x - at.x;
-            gap[N - 1] = 0.0;
+            let gap = with_parameter(&turn.summary.x - &at.x, 0.0);
             let off = guess.value - guess.row.dot(&at.x);
             let size = gap.amax();
             let wanted = by_tolerance.max(rounding(&turn, &at.x));
             let is_on = off.abs() <= by_tolerance.min(1e-12) * guess.row.amax();
             let matrix = self.newton(&turn.matrix, &velocity, &slope, &guess.row);
-            let mut right = DVector::<f64>::zeros(matrix.nrows());
-            for i in 0..N - 1 {
+            let mut right = Vector::zeros(matrix.nrows());
+            for i in 0..n - 1 {
                 right[i] = -gap[i];
             }
-            right[N - 1] = off;
-            if self.forced.is_none() {
+            right[n - 1] = off;
+            if is_autonomous {
                 // Along the flow nothing is corrected.
-                let back = guess.at.x - at.x;
-                right[N] = slope.dot(&back) - slope[N - 1] * back[N - 1];
+                let back = &guess.at.x - &at.x;
+                right[n] = slope.dot(&back) - slope[n - 1] * back[n - 1];
             }
             let closes = size <= wanted && is_on && (size >= 0.5 * residual || size == 0.0);
             let free = if closes { 0 } else { self.family };
-            let solved = newton_solution(matrix, &right, (N - 1, free), known);
+            let solved = newton_solution(matrix, &right, (n - 1, free), known);
             if closes {
                 let family = solved.map_or(0, |(_, free)| free);
                 let start = at.velocity(self.system);
-                let meant = guess.at.moved(at.x);
+                let meant = guess.at.moved(at.x.clone());
                 let circuit = Circuit::follow(self.system, &meant, period, self.options).ok()?;
                 let closing = Closing {
-                    states: N - 1,
-                    matrix: turn.matrix,
-                    flow: is_autonomous.then_some(start),
+                    states: n - 1,
+                    matrix: turn.matrix.clone(),
+                    flow: is_autonomous.then(|| start.clone()),
                     by_rounding: left(&gap, wanted, &turn, &at.x),
                     by_tolerance: by_tolerance_of(&at.x, self.options),
                     family,
@@ -296,8 +271,8 @@ impl<S> Corrector<'_> {
                 let circuit = circuit.that_closes(self.system, &meant, &closing, self.options);
                 // The period of another orbit, or a point of rest.
                 let is_near = (period - guess.period).abs() <= 0.3 * guess.period;
-                let is_same = self.forced.is_some()
-                    || (velocity - start).norm()
+                let is_same = !is_autonomous
+                    || (velocity - &start).norm()
                         <= SAME_VELOCITY.max(TIMES * by_tolerance) * start.norm();
                 let branch = Solved {
                     matrix: turn.matrix,
@@ -314,9 +289,9 @@ impl<S> Corrector<'_> {
             }
             residual = size;
             let (change, _) = solved?;
-            let moved = guess.at.moved(at.x + State::<N>::from_fn(|i, _| change[i]));
-            if self.forced.is_none() {
-                period += change[N];
+            let moved = guess.at.moved(&at.x + change.rows(0, n));
+            if is_autonomous {
+                period += change[n];
             }
             // A bad guess may ask for any period, and as long a run.
             let is_possible = (period - guess.period).abs() < guess.period;

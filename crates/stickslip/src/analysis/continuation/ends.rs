@@ -1,14 +1,13 @@
 //! Where a branch ends.
 
 use super::Stop;
-use super::corrector::{Guess, OnBranch};
+use super::corrector::{Guess, OnBranch, parameter, with_parameter};
 use super::rest::hopf;
 use super::walk::{RESOLUTION, Walk};
 use crate::analysis::anchor::Anchor;
 use crate::analysis::attractors::is_same_cycle;
 use crate::analysis::boundary_equilibrium::{Held, ends_in};
-use crate::filippov::{Switched, run, solve};
-use crate::system::State;
+use crate::dynamics::{Moment, Orbit, Vector, run};
 
 /// An orbit of less than this part of the widest one's extent is about to be an equilibrium.
 const SMALL: f64 = 0.04;
@@ -29,7 +28,7 @@ impl Walk<'_> {
     /// Whether the next orbit lies outside the range; the last one is then that at its end.
     pub(super) fn leaves_range(&mut self, next: &OnBranch) -> Option<Stop> {
         let (low, high) = self.settings.range;
-        let (here, there) = (self.parameter(), next.circuit.anchor.x[N - 1]);
+        let (here, there) = (self.parameter(), next.parameter());
         if (low..=high).contains(&there) {
             return None;
         }
@@ -40,7 +39,7 @@ impl Walk<'_> {
         let is_same = |found: &OnBranch| found.circuit.sequence() == a.sequence();
         let corrector = &self.corrector;
         let found = corrector
-            .orbit(&Guess::at_parameter(at, b.period, end), 0.0)
+            .orbit(&Guess::at_parameter(&at, b.period, end), 0.0)
             .filter(is_same)
             .or_else(|| corrector.next_at(&self.last, end).filter(is_same))
             .or_else(|| corrector.next_at(next, end).filter(is_same));
@@ -57,19 +56,14 @@ impl Walk<'_> {
     /// Whether the branch has come to an end of the range, to what a parameter is located to: beyond it the system may not exist.
     pub(super) fn is_at_end(&self) -> bool {
         let (low, high) = self.settings.range;
-        let [before, here] = [&self.before, &self.last].map(|one| one.circuit.anchor.x[N - 1]);
+        let [before, here] = [&self.before, &self.last].map(OnBranch::parameter);
         let end = if here > before { high } else { low };
         here != before && (end - here).abs() <= AT_END * self.width
     }
 
     /// A part of the way from one orbit to the next, at the time of the second.
-    fn between(
-        &self,
-        from: &Anchor,
-        to: &Anchor,
-        part: f64,
-    ) -> Anchor {
-        to.moved(to.x - self.corrector.way(from, to) * (1.0 - part))
+    fn between(&self, from: &Anchor, to: &Anchor, part: f64) -> Anchor {
+        to.moved(&to.x - self.corrector.way(from, to) * (1.0 - part))
     }
 
     /// Whether the orbit is about to be an equilibrium, or at rest.
@@ -103,13 +97,12 @@ impl Walk<'_> {
         if self.settings.forced.is_some() {
             return None;
         }
+        let system = self.corrector.system;
+        let states = system.states() - 1;
         let held = |parameter: f64, mode, x: &Vector| {
-            let mut x = *x;
-            x[N - 1] = parameter;
-            Held::near(self.corrector.system, mode, &x, N - 1)
+            Held::near(system, mode, &with_parameter(x.clone(), parameter), states)
         };
-        let of = |one: &OnBranch| one.circuit.anchor.x[N - 1];
-        let (parameter, _) = ends_in(orbits, self.widest, N - 1, of, held)?;
+        let (parameter, _) = ends_in(orbits, self.widest, states, OnBranch::parameter, held)?;
         let (low, high) = self.settings.range;
         (low..=high)
             .contains(&parameter)
@@ -120,15 +113,17 @@ impl Walk<'_> {
     fn rests_further_on(&self) -> bool {
         let circuit = &self.last.circuit;
         let stick = circuit.parts.iter().find(|part| part.mode.any_sticks());
-        let Some(stuck) = stick.and_then(|part| part.first) else {
+        let Some(stuck) = stick.and_then(|part| part.first.as_ref()) else {
             return false;
         };
-        let way = circuit.anchor.x[N - 1] - self.before.circuit.anchor.x[N - 1];
-        let mut x = stuck.x;
-        x[N - 1] += way.signum() * self.settings.step * self.width;
+        let way = self.parameter() - self.before.parameter();
+        let further = way.signum() * self.settings.step * self.width;
+        let start = Moment {
+            t: stuck.t,
+            x: with_parameter(stuck.x.clone(), parameter(&stuck.x) + further),
+        };
         let (system, options) = (self.corrector.system, self.corrector.options);
-        let end = stuck.t + circuit.period;
-        let Ok(orbit) = solve(system, stuck.t, x, end, options) else {
+        let Ok(orbit) = Orbit::solve(system, &start, stuck.t + circuit.period, options) else {
             return false;
         };
         orbit.transitions.is_empty() && orbit.phases.iter().all(|phase| phase.mode.any_sticks())
@@ -138,8 +133,8 @@ impl Walk<'_> {
     pub(super) fn closes(&mut self) -> Option<Stop> {
         let first = &self.first;
         let (a, b) = (&self.before.circuit, &self.last.circuit);
-        let begin = first.circuit.anchor.x[N - 1];
-        let (from, to) = (a.anchor.x[N - 1], b.anchor.x[N - 1]);
+        let begin = first.parameter();
+        let (from, to) = (self.before.parameter(), self.last.parameter());
         let passes = (from - begin) * (to - begin) <= 0.0 && from != to;
         // Either may be anchored in another phase.
         let is_alike = || is_same_cycle(&b.sequence(), &first.circuit.sequence());
@@ -148,7 +143,7 @@ impl Walk<'_> {
         }
         let part = (begin - from) / (to - from);
         let at = self.between(&a.anchor, &b.anchor, part);
-        let guess = Guess::at_parameter(at, b.period, begin);
+        let guess = Guess::at_parameter(&at, b.period, begin);
         let found = self.corrector.orbit(&guess, 0.0)?;
         if !self.is_first(&found) {
             return None;
@@ -168,7 +163,7 @@ impl Walk<'_> {
         let first = &self.first;
         let agree = |a: f64, b: f64| (a - b).abs() <= SAME * (1.0 + b.abs());
         if is_forced {
-            let off = |x: Vector| (x - first.circuit.anchor.x).amax();
+            let off = |x: Vector| (x - &first.circuit.anchor.x).amax();
             return self
                 .at_time(found, first.circuit.anchor.t)
                 .is_some_and(|x| off(x) <= SAME * first.circuit.extent);
@@ -187,26 +182,25 @@ impl Walk<'_> {
         let (at, period) = (&orbit.circuit.anchor, orbit.circuit.period);
         let away = (t - at.t).rem_euclid(period);
         if away.min(period - away) <= SAME_TIME * period {
-            return Some(at.x);
+            return Some(at.x.clone());
         }
-        let t = at.t + away;
         let (system, options) = (self.corrector.system, self.corrector.options);
-        Some(run(system, at.t, at.x, t, options, &mut ()).ok()?.x)
+        Some(run(system, at, at.t + away, options).ok()?.x)
     }
 
     /// How near an orbit comes to a state: the mirror image of the first orbit is like it, but elsewhere.
     fn comes_by(&self, found: &OnBranch, place: &Vector) -> f64 {
         const PARTS: u32 = 128;
-        let Anchor { t, x, .. } = found.circuit.anchor;
-        let (mut nearest, mut here) = ((x - place).norm(), x);
-        for k in 0..PARTS {
-            let at = |k: u32| t + found.circuit.period * f64::from(k) / f64::from(PARTS);
-            let (system, options) = (self.corrector.system, self.corrector.options);
-            let Ok(part) = run(system, at(k), here, at(k + 1), options, &mut ()) else {
+        let start = &found.circuit.anchor;
+        let (mut nearest, mut here) = ((&start.x - place).norm(), start.at.clone());
+        let (system, options) = (self.corrector.system, self.corrector.options);
+        for k in 1..=PARTS {
+            let t = start.t + found.circuit.period * f64::from(k) / f64::from(PARTS);
+            let Ok(part) = run(system, &here, t, options) else {
                 return f64::INFINITY;
             };
-            here = part.x;
-            nearest = nearest.min((here - place).norm());
+            here = Moment { t, x: part.x };
+            nearest = nearest.min((&here.x - place).norm());
         }
         nearest
     }

@@ -15,9 +15,9 @@ use nalgebra::Complex;
 
 use super::sequence::SequenceChange;
 use super::stability::Stability;
+use crate::dynamics::{AsDynamics, Components, Modes, Vector};
 use crate::error::Error;
-use crate::filippov::{Options, Switched};
-use crate::system::{Mode, State};
+use crate::filippov::Options;
 use walk::Walk;
 
 /// How far and how finely a branch is followed.
@@ -97,7 +97,7 @@ pub struct BranchPoint {
     /// The multipliers by falling size, without the trivial one of a system that does not depend on time.
     pub multipliers: Vec<Complex<f64>>,
     /// The modes gone through in one period.
-    pub sequence: Vec<K>,
+    pub sequence: Vec<Modes>,
 }
 
 impl BranchPoint {
@@ -244,8 +244,8 @@ pub struct Branch {
 /// assert!((branch.special[0].parameter + 1.0).abs() < 1e-9);
 /// # Ok::<(), stickslip::Error>(())
 /// ```
-pub fn continue_periodic_orbit(
-    system: &dyn Dynamics,
+pub fn continue_periodic_orbit<Kind>(
+    system: &impl AsDynamics<Kind>,
     x: impl Components,
     period: f64,
     upwards: bool,
@@ -260,17 +260,18 @@ pub fn continue_periodic_orbit(
 ///
 /// # Errors
 /// Those of [`continue_periodic_orbit`].
-pub fn continue_periodic_orbit_while(
-    system: &dyn Dynamics,
+pub fn continue_periodic_orbit_while<Kind>(
+    system: &impl AsDynamics<Kind>,
     x: impl Components,
     period: f64,
     upwards: bool,
     settings: &ContinuationSettings,
     options: &Options,
-    seen: impl FnMut(&BranchPoint) -> ControlFlow<()>,
+    mut seen: impl FnMut(&BranchPoint) -> ControlFlow<()>,
 ) -> Result<Branch, Error> {
     settings.check()?;
-    let mut walk = Walk::begin(system, x.into(), period, settings, options)?;
-    let stop = walk.go(upwards, seen);
+    let system = &*system.dynamics();
+    let mut walk = Walk::begin(system, x.vector(), period, settings, options)?;
+    let stop = walk.go(upwards, &mut seen);
     Ok(walk.into_branch(stop))
 }

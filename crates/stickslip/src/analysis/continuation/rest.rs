@@ -2,19 +2,15 @@
 
 use std::num::NonZeroUsize;
 
-use nalgebra::DMatrix;
-
-use super::corrector::OnBranch;
+use super::corrector::{OnBranch, with_parameter};
 use super::walk::{RESOLUTION, Walk};
 use super::{BranchPoint, Stop};
 use crate::analysis::anchor::velocity_in;
 use crate::analysis::attractors::rest::{ZERO, equilibrium_near, holds};
 use crate::analysis::critical::zero_between;
 use crate::analysis::multipliers::eigenvalues;
-use crate::filippov::{Integration, Progress, Switched};
+use crate::dynamics::{Dynamics, Happening, Matrix, Modes, Moment, Section, Vector};
 use crate::math;
-use crate::dynamics::Moment;
-use crate::system::State;
 
 /// An orbit passes a saddle where, at its least speed, it would go this part of its extent in a period.
 const SLOW: f64 = 1e-1;
@@ -22,28 +18,29 @@ const SLOW: f64 = 1e-1;
 /// The saddle is no farther away than this part of the orbit's extent.
 const CLOSE: f64 = 1e-2;
 
+/// The equilibrium of a mode near a moment, and the Jacobian of the states there.
+fn rest_near(system: &dyn Dynamics, mode: Modes, t: f64, x: &Vector) -> Option<(Vector, Matrix)> {
+    let free = x.len() - 1;
+    let rest = equilibrium_near(system, mode, t, x, free)?;
+    let jacobian = rest.jacobian.view((0, 0), (free, free)).into_owned();
+    Some((rest.x, jacobian))
+}
+
 /// The parameter near to the orbit's at which the equilibrium inside it has imaginary eigenvalues, and their size.
-pub(super) fn hopf(
-    system: &dyn Dynamics,
-    orbit: &OnBranch,
-    width: f64,
-) -> Option<(f64, f64)> {
+pub(super) fn hopf(system: &dyn Dynamics, orbit: &OnBranch, width: f64) -> Option<(f64, f64)> {
     let mode = orbit.circuit.parts.last()?.mode;
-    let mut x = orbit.circuit.anchor.x;
-    let free = N - 1;
+    let mut x = orbit.circuit.anchor.x.clone();
     let mut frequency = 0.0;
     let mut leading = |parameter: f64| {
-        x[free] = parameter;
-        let rest = equilibrium_near(system, mode, 0.0, &x, free)?;
-        x = rest.x;
-        let jacobian = DMatrix::from_fn(free, free, |i, j| rest.jacobian[(i, j)]);
+        let (rest, jacobian) = rest_near(system, mode, 0.0, &with_parameter(x.clone(), parameter))?;
+        x = rest;
         let values = eigenvalues(&jacobian);
         let pair = values.iter().filter(|value| value.im > 0.0);
         let first = pair.min_by(|a, b| a.re.abs().total_cmp(&b.re.abs()))?;
         frequency = first.im;
         Some(first.re)
     };
-    let here = orbit.circuit.anchor.x[free];
+    let here = orbit.parameter();
     let at_here = leading(here)?;
     // The nearest change of sign on either side.
     let mut way = 1e-4 * width;
@@ -98,8 +95,7 @@ impl Walk<'_> {
         const TIMES: f64 = 2.0;
         let here = self.parameter();
         let period = self.last.circuit.period;
-        let is_further =
-            |point: &&BranchPoint| rate * (period - point.period) >= math::ln(TIMES);
+        let is_further = |point: &&BranchPoint| rate * (period - point.period) >= math::ln(TIMES);
         let Some(other) = self.points.iter().rev().find(is_further) else {
             return (here, f64::NAN);
         };
@@ -114,43 +110,37 @@ impl Walk<'_> {
         let (system, options) = (self.corrector.system, self.corrector.options);
         let slow = SLOW * circuit.extent / circuit.period;
         let near = CLOSE * circuit.extent;
-        let start = circuit.anchor;
+        let start = &circuit.anchor;
         let t_end = start.t + circuit.period;
-        let mut integration = Integration::new(system, start.t, start.x, t_end, options).ok()?;
+        let mut orbit = system.begin(start, t_end, options, &Section::None).ok()?;
         let mut saddles: Vec<Saddle> = Vec::new();
         loop {
-            match integration.step().ok()? {
-                Progress::Step => {
-                    let (mode, x) = (integration.mode(), *integration.x());
-                    let at = Moment {
-                        t: integration.t(),
-                        x,
-                    };
-                    let is_slow = velocity_in(system, mode, &at).norm() < slow;
-                    let is_new = |saddle: &Saddle| (saddle.x - x).norm() > 2.0 * near;
-                    if is_slow
-                        && saddles.iter().all(is_new)
+            match orbit.step().ok()? {
+                Happening::Step => {
+                    let (mode, at) = (orbit.mode(), orbit.now());
+                    let away = |saddle: &Saddle| (&saddle.x - &at.x).norm();
+                    if velocity_in(system, mode, &at).norm() < slow
+                        && saddles.iter().all(|saddle| away(saddle) > 2.0 * near)
                         && let Some(saddle) = self.saddle_near(mode, &at)
-                        && (saddle.x - x).norm() <= near
+                        && away(&saddle) <= near
                     {
                         saddles.push(saddle);
                     }
                 }
-                Progress::Transition(_) | Progress::PhaseEnd(_) => {}
-                Progress::End(_) => return Some(saddles),
+                Happening::Transition(_) | Happening::PhaseEnd(_) | Happening::Passage(_) => {}
+                Happening::End(_) => return Some(saddles),
             }
         }
     }
 
     /// The equilibrium of a mode near a state, if the mode holds there and orbits both come to it and leave it.
     fn saddle_near(&self, mode: Modes, at: &Moment) -> Option<Saddle> {
-        let free = N - 1;
-        let rest = equilibrium_near(self.corrector.system, mode, at.t, &at.x, free)?;
-        let there = Moment { t: at.t, x: rest.x };
-        if !holds(self.corrector.system, mode, there) {
+        let system = self.corrector.system;
+        let (x, jacobian) = rest_near(system, mode, at.t, &at.x)?;
+        let there = Moment { t: at.t, x };
+        if !holds(system, mode, &there) {
             return None;
         }
-        let jacobian = DMatrix::from_fn(free, free, |i, j| rest.jacobian[(i, j)]);
         let values = eigenvalues(&jacobian);
         let zero = ZERO * jacobian.amax();
         let nearest = |sign: f64| {
@@ -158,7 +148,7 @@ impl Walk<'_> {
             rates.filter(|&rate| rate > zero).min_by(f64::total_cmp)
         };
         Some(Saddle {
-            x: rest.x,
+            x: there.x,
             leaves: nearest(1.0)?,
             // On the boundary orbits come to it from across in finite time.
             comes: match nearest(-1.0) {

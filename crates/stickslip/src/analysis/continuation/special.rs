@@ -1,14 +1,13 @@
 //! The special orbits between two on a branch, by their multipliers.
 
-use super::corrector::OnBranch;
+use super::corrector::{OnBranch, parameter};
 use super::line::Line;
 use super::walk::Walk;
 use super::{Special, SpecialPoint};
 use crate::analysis::critical::{Critical, Value, uncertainty_of_zero, zero_between};
 use crate::analysis::lagrange::weights;
 use crate::analysis::sequence::of_tolerance;
-use crate::filippov::Switched;
-use crate::system::State;
+use crate::dynamics::Vector;
 
 impl Walk<'_> {
     /// Goes on from this orbit, and tells what is special between the last one and it, by the multipliers.
@@ -58,7 +57,7 @@ impl Walk<'_> {
             found.push((
                 place.s,
                 SpecialPoint {
-                    parameter: place.x[N - 1],
+                    parameter: parameter(&place.x),
                     uncertainty: place.uncertainty,
                     what,
                     behind,
@@ -81,11 +80,10 @@ impl Walk<'_> {
     ) -> Place {
         const APART: f64 = 1e-4;
         let way = APART * line.length;
-        let parameter = |one: &OnBranch| one.circuit.anchor.x[N - 1];
         let value = |orbit: &OnBranch| {
             Some(Value {
                 function: function(orbit)?,
-                parameter: parameter(orbit),
+                parameter: orbit.parameter(),
             })
         };
         let beside = |way: f64| value(&self.on(line, at.s + way)?);
@@ -111,10 +109,9 @@ impl Walk<'_> {
         function: impl Fn(&OnBranch) -> Option<f64>,
     ) -> Option<Value> {
         let finer = self.corrector.finer(&line.guess(at.s), at.s)?;
-        let parameter = |one: &OnBranch| one.circuit.anchor.x[N - 1];
         Some(Value {
             function: of_tolerance(function(at)?, function(&finer)?),
-            parameter: of_tolerance(parameter(at), parameter(&finer)),
+            parameter: of_tolerance(at.parameter(), finer.parameter()),
         })
     }
 
@@ -154,7 +151,7 @@ impl Walk<'_> {
             return None;
         }
         let place = zero_of_polynomial(&nodes)?;
-        let parameter = |place: &Place| place.x[N - 1];
+        let parameter = |place: &Place| parameter(&place.x);
         let known = || {
             let fewer = zero_of_polynomial(nodes.get(1..nodes.len() - 1)?)?;
             let (first, last) = (nodes.first()?, nodes.last()?);
@@ -177,23 +174,23 @@ impl Walk<'_> {
     /// An uncertainty, which is no less than what Newton's iteration leaves of a parameter's last places; where there is none, the place lies between the last two.
     fn at_least(&self, x: &Vector, uncertainty: Option<f64>) -> f64 {
         const ROUNDING: f64 = 16.0 * f64::EPSILON;
-        let [before, last] = [&self.before, &self.last].map(|one| one.circuit.anchor.x[N - 1]);
+        let [before, last] = [&self.before, &self.last].map(OnBranch::parameter);
         let uncertainty = uncertainty.unwrap_or((last - before).abs());
-        uncertainty.max(ROUNDING * x[N - 1].abs().max(self.width))
+        uncertainty.max(ROUNDING * parameter(x).abs().max(self.width))
     }
 
     /// Whether the parameter turns back at a place between the last two orbits.
     fn fold_or_branch(&self, line: &Line, at: &Place) -> Special {
         // Not next to it: there another branch may be.
         let away = 0.5 * line.length;
-        let parameter = |s: f64, end: &OnBranch| {
+        let at_place = |s: f64, end: &OnBranch| {
             let found = self.on(line, s);
             let orbit = found.filter(|one| one.circuit.sequence() == end.circuit.sequence());
-            orbit.as_ref().unwrap_or(end).circuit.anchor.x[N - 1]
+            orbit.as_ref().unwrap_or(end).parameter()
         };
-        let before = parameter(at.s - away, &self.before);
-        let behind = parameter(at.s + away, &self.last);
-        let here = at.x[N - 1];
+        let before = at_place(at.s - away, &self.before);
+        let behind = at_place(at.s + away, &self.last);
+        let here = parameter(&at.x);
         if (before - here) * (behind - here) < 0.0 {
             Special::BranchPoint
         } else {
@@ -212,11 +209,11 @@ struct Place {
 }
 
 impl Place {
-    fn of<K>(orbit: &OnBranch) -> Self {
+    fn of(orbit: &OnBranch) -> Self {
         Place {
             s: orbit.s,
             uncertainty: 0.0,
-            x: orbit.circuit.anchor.x,
+            x: orbit.circuit.anchor.x.clone(),
             period: orbit.circuit.period,
         }
     }
@@ -233,13 +230,14 @@ fn zero_of_polynomial(nodes: &[(f64, Place)]) -> Option<Place> {
     let ends = pairs.find(|two| two[0].0 * two[1].0 < 0.0)?;
     let [a, b] = [&ends[0], &ends[1]].map(|(value, place)| (place.s, *value));
     let s = zero_between(a, b, |s| Some(value(s)))?;
+    let states = nodes.first()?.1.x.len();
     let weighted = || weights(&places, s).into_iter().zip(nodes);
     Some(Place {
         s,
         uncertainty: 0.0,
-        x: weighted()
-            .map(|(weight, (_, place))| place.x * weight)
-            .sum(),
+        x: weighted().fold(Vector::zeros(states), |sum, (weight, (_, place))| {
+            sum + &place.x * weight
+        }),
         period: weighted()
             .map(|(weight, (_, place))| weight * place.period)
             .sum(),

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use super::corner::{Behind, DISTANCES};
-use super::corrector::{Corrector, Guess, OnBranch};
+use super::corrector::{Corrector, Guess, OnBranch, parameter, with_parameter};
 use super::line::Line;
 use super::{Branch, BranchPoint, ContinuationSettings, Special, SpecialPoint, Stop};
 use crate::analysis::anchor::Anchor;
@@ -12,10 +12,9 @@ use crate::analysis::sequence::Place;
 use crate::analysis::sequence::SequenceBifurcation;
 use crate::analysis::sequence::circuit::anchor;
 use crate::analysis::sequence::locate::locate;
+use crate::dynamics::{Dynamics, Moment, Vector, run};
 use crate::error::Error;
-use crate::filippov::{Options, Switched, run};
-use crate::dynamics::Moment;
-use crate::system::State;
+use crate::filippov::Options;
 
 /// A change of phases is located to this part of the range.
 pub(super) const RESOLUTION: f64 = 1e-11;
@@ -57,9 +56,9 @@ impl<'a> Walk<'a> {
         settings: &'a ContinuationSettings,
         options: &'a Options,
     ) -> Result<Self, Error> {
-        let start = Moment { t: 0.0, x };
         let period = settings.forced.unwrap_or(period);
-        let rate = Anchor::at_start(system, &start, period, options)?.velocity(system)[N - 1];
+        let start = Anchor::at_start(system, Moment { t: 0.0, x }, period, options)?;
+        let (rate, value) = (parameter(&start.velocity(system)), parameter(&start.x));
         if rate != 0.0 {
             return Err(Error::Parameter {
                 name: "the last state's rate",
@@ -68,10 +67,10 @@ impl<'a> Walk<'a> {
             });
         }
         let (low, high) = settings.range;
-        if !(low..=high).contains(&x[N - 1]) {
+        if !(low..=high).contains(&value) {
             return Err(Error::Parameter {
                 name: "the last state",
-                value: x[N - 1],
+                value,
                 bound: "in the range of the continuation",
             });
         }
@@ -83,7 +82,7 @@ impl<'a> Walk<'a> {
             family: 0,
             options,
         };
-        let first = corrector.orbit(&Guess::at_parameter(at, period, x[N - 1]), 0.0);
+        let first = corrector.orbit(&Guess::at_parameter(&at, period, value), 0.0);
         let first = first.ok_or(Error::NotFound {
             what: "a periodic orbit near the start of the branch",
             t: at.t,
@@ -122,7 +121,7 @@ impl<'a> Walk<'a> {
     pub fn go(
         &mut self,
         upwards: bool,
-        mut seen: impl FnMut(&BranchPoint) -> ControlFlow<()>,
+        seen: &mut dyn FnMut(&BranchPoint) -> ControlFlow<()>,
     ) -> Stop {
         let mut stop = self.second(if upwards { 1.0 } else { -1.0 });
         let mut told = 0;
@@ -130,7 +129,7 @@ impl<'a> Walk<'a> {
             // One step may find several.
             let new = self.points.get(told..).unwrap_or_default();
             told = self.points.len();
-            let is_asked = new.iter().try_for_each(&mut seen).is_break();
+            let is_asked = new.iter().try_for_each(&mut *seen).is_break();
             if let Some(stop) = stop {
                 return stop;
             }
@@ -161,7 +160,7 @@ impl<'a> Walk<'a> {
         let mut way = room.min(0.1 * self.settings.step * self.width) * direction;
         for _ in 0..12 {
             let circuit = &self.last.circuit;
-            let guess = Guess::at_parameter(circuit.anchor, circuit.period, here + way);
+            let guess = Guess::at_parameter(&circuit.anchor, circuit.period, here + way);
             if let Some(next) = self.corrector.orbit(&guess, 0.0)
                 && self.last.goes_on_in(&next)
             {
@@ -177,11 +176,13 @@ impl<'a> Walk<'a> {
     /// Whether the system is none that can be followed from an orbit's state at a parameter next to
     /// it, and why.
     fn refused(&self, orbit: &OnBranch, parameter: f64) -> Option<Stop> {
-        let Anchor { t, mut x, .. } = orbit.circuit.anchor;
-        x[N - 1] = parameter;
+        let Moment { t, x } = &orbit.circuit.anchor.at;
+        let start = Moment {
+            t: *t,
+            x: with_parameter(x.clone(), parameter),
+        };
         let (system, options) = (self.corrector.system, self.corrector.options);
-        let once = run(system, t, x, t + orbit.circuit.period, options, &mut ());
-        let error = once.err()?.error;
+        let error = run(system, &start, t + orbit.circuit.period, options).err()?;
         let is_of_friction = matches!(
             error,
             Error::StaticBelowKinetic { .. }
@@ -192,7 +193,7 @@ impl<'a> Walk<'a> {
     }
 
     pub(super) fn parameter(&self) -> f64 {
-        self.last.circuit.anchor.x[N - 1]
+        self.last.parameter()
     }
 
     /// Takes a step, or gets behind a change of phases.
@@ -226,9 +227,8 @@ impl<'a> Walk<'a> {
     /// The way back along the parameter from the last orbit before a change to one that is apart from it.
     fn away_from(&self, good: &[OnBranch]) -> f64 {
         const APART: f64 = 1e-8;
-        let parameter = |one: &OnBranch| one.circuit.anchor.x[N - 1];
-        let last = good.last().map_or(f64::NAN, parameter);
-        let ways = good.iter().rev().map(|one| parameter(one) - last);
+        let last = good.last().map_or(f64::NAN, OnBranch::parameter);
+        let ways = good.iter().rev().map(|one| one.parameter() - last);
         let mut apart = ways.filter(|way| way.abs() > APART * self.width);
         apart.next().unwrap_or(0.0)
     }
@@ -238,7 +238,7 @@ impl<'a> Walk<'a> {
     fn heading(&self) -> Option<f64> {
         let [before, last] = [&self.before, &self.last];
         let is_smooth = before.circuit.sequence() == last.circuit.sequence();
-        let [a, b] = [before, last].map(|orbit| orbit.circuit.anchor.x[N - 1]);
+        let [a, b] = [before, last].map(OnBranch::parameter);
         let no_fold = self.to_fold(before) * self.to_fold(last) > 0.0;
         (is_smooth && no_fold && a != b).then_some((b - a).signum())
     }
@@ -250,7 +250,7 @@ impl<'a> Walk<'a> {
 
     /// Whether the next orbit lies back along the parameter though no multiplier has passed 1: the way that has come was found again.
     fn turns_without_fold(&self, next: &OnBranch) -> bool {
-        let way = next.circuit.anchor.x[N - 1] - self.parameter();
+        let way = next.parameter() - self.parameter();
         let turns = self.heading().is_some_and(|heading| way * heading < 0.0);
         turns && self.to_fold(&self.last) * self.to_fold(next) > 0.0
     }
@@ -265,12 +265,7 @@ impl<'a> Walk<'a> {
     }
 
     /// The phases change within the step, or it is too long.
-    fn get_behind(
-        &mut self,
-        line: &Line,
-        step: f64,
-        trial: Option<OnBranch>,
-    ) -> Option<Stop> {
+    fn get_behind(&mut self, line: &Line, step: f64, trial: Option<OnBranch>) -> Option<Stop> {
         let wanted = self.last.circuit.sequence();
         let (mut before, mut last) = (self.before.clone(), self.last.clone());
         (before.s, last.s) = (-line.length, 0.0);
@@ -304,7 +299,7 @@ impl<'a> Walk<'a> {
         }
         behind.sort_by(|a, b| a.s.total_cmp(&b.s));
         let edge = good.last()?.clone();
-        let refused = self.refused(&edge, line.guess(bad).at.x[N - 1]);
+        let refused = self.refused(&edge, parameter(&line.guess(bad).at.x));
         let end = refused.or_else(|| self.boundary_equilibrium(&good.iter().collect::<Vec<_>>()));
         if let Some(stop) = end {
             if edge.s > 0.0 {
@@ -313,7 +308,7 @@ impl<'a> Walk<'a> {
             return Some(stop);
         }
         let place = Place {
-            parameter: edge.circuit.anchor.x[N - 1],
+            parameter: edge.parameter(),
             bracket: (bad - edge.s).abs(),
             scale: self.width,
             away: self.away_from(&good),
@@ -369,17 +364,14 @@ impl<'a> Walk<'a> {
             what: Special::Sequence(Box::new(next.change)),
         });
         let Some([near, far]) = next.orbits else {
-            let heading = line.direction[N - 1].signum() * self.width;
+            let heading = parameter(&line.direction).signum() * self.width;
             let mut places = DISTANCES
                 .iter()
                 .map(|part| self.parameter() + part * heading);
             let refused = places.find_map(|place| self.refused(&self.last, place));
             return refused.or(Some(Stop::SequenceEnds));
         };
-        let is_outside = |one: &OnBranch| {
-            let parameter = one.circuit.anchor.x[N - 1];
-            !(low..=high).contains(&parameter)
-        };
+        let is_outside = |one: &OnBranch| !(low..=high).contains(&one.parameter());
         if is_outside(&near) || is_outside(&far) {
             return Some(Stop::Range);
         }
@@ -398,24 +390,19 @@ impl<'a> Walk<'a> {
             return None;
         }
         let tangent = self.tangent(line)?;
-        let is_next = |next: &OnBranch| {
-            self.last.goes_on_in(next) && !self.turns_without_fold(next)
-        };
+        let is_next =
+            |next: &OnBranch| self.last.goes_on_in(next) && !self.turns_without_fold(next);
         TIMES
             .into_iter()
             .find_map(|times| self.on(&tangent, times * step).filter(is_next))
     }
 
     /// An orbit with the same phases a little further on than a step leads: next to where another branch meets this one none is found.
-    fn beyond_branch_point(
-        &self,
-        line: &Line,
-        step: f64,
-    ) -> Option<OnBranch> {
+    fn beyond_branch_point(&self, line: &Line, step: f64) -> Option<OnBranch> {
         const TIMES: [f64; 3] = [2.0, 4.0, 8.0];
         let last = self.to_fold(&self.last);
         let is_beyond = |next: &OnBranch| {
-            let way = next.circuit.anchor.x[N - 1] - self.parameter();
+            let way = next.parameter() - self.parameter();
             let goes_on = self.heading().is_some_and(|heading| way * heading > 0.0);
             goes_on && last * self.to_fold(next) < 0.0 && self.last.goes_on_in(next)
         };
@@ -426,11 +413,7 @@ impl<'a> Walk<'a> {
 
     /// Two orbits with the same phases, anchored in another one where that suits the second better: the end of the anchor's own phase is located
     /// badly.
-    fn anchored_anew(
-        &self,
-        before: &OnBranch,
-        last: &OnBranch,
-    ) -> Option<[OnBranch; 2]> {
+    fn anchored_anew(&self, before: &OnBranch, last: &OnBranch) -> Option<[OnBranch; 2]> {
         let Corrector {
             system, options, ..
         } = self.corrector;
@@ -441,7 +424,7 @@ impl<'a> Walk<'a> {
         }
         let anew = |one: &OnBranch| {
             let at = one.circuit.anchor_in(system, part, options)?;
-            let guess = Guess::at_parameter(at, one.circuit.period, at.x[N - 1]);
+            let guess = Guess::at_parameter(&at, one.circuit.period, parameter(&at.x));
             self.corrector.orbit(&guess, one.s)
         };
         let orbits = [anew(before)?, anew(last)?];
@@ -462,11 +445,12 @@ impl<'a> Walk<'a> {
         let OnBranch {
             circuit, branch, ..
         } = &self.last;
+        let Moment { t, x } = circuit.anchor.at.clone();
         let is_forced = self.settings.forced.is_some();
         self.points.push(BranchPoint {
-            parameter: circuit.anchor.x[N - 1],
-            t: circuit.anchor.t,
-            x: circuit.anchor.x,
+            parameter: parameter(&x),
+            t,
+            x,
             period: circuit.period,
             multipliers: branch.critical(is_forced).multipliers,
             sequence: circuit.modes(),

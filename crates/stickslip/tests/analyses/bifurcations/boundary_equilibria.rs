@@ -89,7 +89,7 @@ fn an_equilibrium_that_goes_over_into_sliding_is_located_there() {
         let [change] = found.changes.as_slice() else {
             panic!("{:?}", found.changes);
         };
-        let WhatChanges::BoundaryEquilibrium { parameter, x } = change.what else {
+        let WhatChanges::BoundaryEquilibrium { parameter, x } = change.what.clone() else {
             panic!("{change:?}");
         };
         assert!(

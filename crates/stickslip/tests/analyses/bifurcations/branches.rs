@@ -34,7 +34,7 @@ fn branch<S: Listed<3>>(
     x: [f64; 3],
     (period, upwards): (f64, bool),
     settings: &ContinuationSettings,
-) -> Branch<3> {
+) -> Branch {
     let options = Options::tol(1e-13);
     continue_periodic_orbit(&system.any(), x, period, upwards, settings, &options).unwrap()
 }
@@ -72,7 +72,7 @@ fn a_fold_of_cycles_and_the_focus_that_the_inner_one_shrinks_to() {
             off <= fold.uncertainty && fold.uncertainty < 1e-9,
             "{off:e}"
         );
-        assert!((fold.x.xy().norm() - 1.0).abs() < 1e-6);
+        assert!((fold.x.rows(0, 2).norm() - 1.0).abs() < 1e-6);
         // The boundary is left where r = 0.3, and met by nothing from there on.
         let exact = -(2.0 * 0.09 - 0.09 * 0.09);
         match others {
@@ -83,12 +83,13 @@ fn a_fold_of_cycles_and_the_focus_that_the_inner_one_shrinks_to() {
                     panic!("{left:?}");
                 };
                 assert_eq!(change.bifurcation, SequenceBifurcation::Grazing);
-                assert_eq!((change.after.as_slice(), place), (&[BELOW][..], 0.3));
+                assert_eq!(change.after, [BELOW]);
+                assert_eq!(place, 0.3);
             }
             more => panic!("{more:?}"),
         }
         for (k, point) in found.points.iter().enumerate() {
-            let square = point.x.xy().norm_squared();
+            let square = point.x.rows(0, 2).norm_squared();
             let exact = square_of_radius(k < fold.behind, point.parameter);
             assert!((square - exact).abs() < 1e-6, "{k}: {square} {exact}");
             assert_eq!(point.stability(), expected(k < fold.behind), "{k}");
@@ -272,9 +273,9 @@ fn a_closed_branch_is_followed_once() {
         }
         let (first, last) = (&found.points[0], found.points.last().unwrap());
         assert!((last.parameter - p).abs() < 1e-12 && (first.parameter - p).abs() < 1e-12);
-        assert!((last.x.xy().norm() - radius).abs() < 1e-9);
+        assert!((last.x.rows(0, 2).norm() - radius).abs() < 1e-9);
         for point in &found.points {
-            let square = point.x.xy().norm_squared();
+            let square = point.x.rows(0, 2).norm_squared();
             let off = (square - 1.0) * (square - 1.0) + point.parameter * point.parameter - 0.25;
             assert!(off.abs() < 1e-9, "{off}");
         }
@@ -346,7 +347,7 @@ fn a_flip_and_a_torus_are_located_and_named() {
         for point in &found.points {
             assert_eq!(point.stability(), expected(point.parameter < 0.0));
             let on_circle = State::from([math::cos(point.t), math::sin(point.t)]);
-            assert!((point.x.xy() - on_circle).amax() < 1e-9);
+            assert!((point.x.rows(0, 2) - on_circle).amax() < 1e-9);
         }
     }
 }
@@ -380,7 +381,7 @@ fn where_another_branch_meets_it_the_branch_goes_on_and_the_point_is_named() {
         assert!((found.points.last().unwrap().parameter - to).abs() < 1e-12);
         for point in &found.points {
             // It is the circle all the way, and not one of the two that meet it.
-            assert!((point.x.xy().norm() - 1.0).abs() < 1e-9 && point.x[2].abs() < 1e-9);
+            assert!((point.x.rows(0, 2).norm() - 1.0).abs() < 1e-9 && point.x[2].abs() < 1e-9);
             let beside = math::exp(2.0 * PI * point.parameter);
             let within = math::exp(-4.0 * PI);
             let [one, other] = [0, 1].map(|k| point.multipliers[k].re);
@@ -534,10 +535,10 @@ fn watched<S: Listed<3>>(
     x: [f64; 3],
     settings: &ContinuationSettings,
     most: usize,
-) -> (Branch<3>, Vec<BranchPoint<3>>) {
+) -> (Branch, Vec<BranchPoint>) {
     let mut seen = Vec::new();
     let (system, options, period) = (system.any(), Options::tol(1e-13), 2.0 * PI);
-    let see = |point: &BranchPoint<3>| {
+    let see = |point: &BranchPoint| {
         seen.push(point.clone());
         if seen.len() == most {
             ControlFlow::Break(())

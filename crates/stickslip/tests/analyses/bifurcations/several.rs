@@ -7,14 +7,15 @@ use stickslip::analysis::{
     SequenceChange, Special, Stop, SweepSettings, WhatChanges, attractor, continue_periodic_orbit,
     is_same_cycle, periodic_orbit_forced, sweep,
 };
-use stickslip::{Mode, Options, Several, Side, math, solve};
+use stickslip::dynamics::Modes;
+use stickslip::{Mode, Options, Several, Side, State, math, solve};
 
 use super::systems::{Beat, Duet, DuetFamily, Released, Rhythm, Stack};
 
 const ABOVE: Mode = Mode::Slip(Side::Above);
 const BELOW: Mode = Mode::Slip(Side::Below);
 
-type Change = SequenceChange<2, [Mode; 2]>;
+type Change = SequenceChange;
 
 /// The changes on the way from one value to another of the parameter of one of two.
 fn changes(rhythms: [Rhythm; 2], other: f64, varied: usize, (from, to): (f64, f64)) -> Vec<Change> {
@@ -28,7 +29,7 @@ fn changes(rhythms: [Rhythm; 2], other: f64, varied: usize, (from, to): (f64, f6
     let settings = SweepSettings::within(400.0).forced(2.0 * PI);
     let start = [-0.5, -0.4];
     let found = sweep(family, [from, to], start, &settings, &Options::tol(1e-11)).unwrap();
-    let change = |change: AttractorChange<2, [Mode; 2]>| match change.what {
+    let change = |change: AttractorChange| match change.what {
         WhatChanges::Sequence(change) => change,
         other => panic!("{other:?}"),
     };
@@ -61,8 +62,8 @@ fn each_change_is_located_and_told_at_its_contact() {
                     error < 1e-9 && change.uncertainty < 1e-9,
                     "{rhythm:?} of {varied}: {error:e}, {change:?}"
                 );
-                let of = |modes: &[[Mode; 2]]| {
-                    let mut of: Vec<Mode> = modes.iter().map(|modes| modes[varied]).collect();
+                let of = |modes: &[Modes]| {
+                    let mut of: Vec<Mode> = modes.iter().map(|modes| modes.get(varied)).collect();
                     of.dedup();
                     of
                 };
@@ -99,7 +100,7 @@ fn contacts_that_change_places_coincide_and_do_not_graze() {
                 cycle[3][1 - of] = ABOVE;
                 cycle
             };
-            let is = |modes: &[[Mode; 2]], of| is_same_cycle(modes, &first(of));
+            let is = |modes: &[Modes], of| is_same_cycle(modes, &first(of));
             let (a, b) = (&change.before, &change.after);
             assert!(is(a, 0) && is(b, 1) || is(a, 1) && is(b, 0), "{change:?}");
         }
@@ -122,7 +123,7 @@ fn the_attractor_of_two_is_that_of_each() {
         let ends = |contact: usize, mode: Mode| {
             let phases = found.phases.windows(2);
             let mut left = phases
-                .filter(move |pair| pair[0].mode[contact] == mode && pair[1].mode[contact] != mode);
+                .filter(move |pair| pair[0].mode.get(contact) == mode && pair[1].mode.get(contact) != mode);
             left.next().map(|pair| pair[0].t_end.rem_euclid(2.0 * PI))
         };
         // √2 sin(t + π/4) = 1/2, falling; the tangent of that angle is 1/√7.
@@ -209,7 +210,7 @@ fn a_contact_that_always_sticks_does_not_hide_what_the_other_does() {
                     point
                         .sequence
                         .iter()
-                        .all(|modes| modes[1 - varied] == Mode::Stick)
+                        .all(|modes| modes.get(1 - varied) == Mode::Stick)
                 );
                 let off = point.x[1 - varied] - math::sin(point.t);
                 assert!(off.abs() < 1e-14, "{off:e}");
@@ -229,7 +230,7 @@ fn a_slip_about_the_switch_of_another_contact_vanishes_at_a_known_friction() {
     let along = [0.0, 0.0, 0.0, 0.6];
     let along = solve(&system, 0.0, along, 40.0 * period, &options).unwrap();
     let along = periodic_orbit_forced(&system, 0.0, along.x_end, period, &options).unwrap();
-    let orbit = solve(&system, 0.0, along.x, period, &options).unwrap();
+    let orbit = solve(&system, 0.0, State::from_column_slice(along.x.as_slice()), period, &options).unwrap();
     let back = orbit.transitions.last().unwrap();
     let Mode::Slip(side) = back.from[0] else {
         panic!("{back:?}");

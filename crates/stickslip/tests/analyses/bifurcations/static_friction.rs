@@ -6,6 +6,7 @@ use stickslip::analysis::{
     ContinuationSettings, SequenceBifurcation, Special, Stop, SweepSettings, WhatChanges,
     continue_periodic_orbit, sweep,
 };
+use stickslip::dynamics::Modes;
 use stickslip::{Mode, Options, Side, math, solve};
 
 use super::sweeps::kept;
@@ -160,7 +161,7 @@ fn start_of_cycle(start: [f64; 3]) -> [f64; 3] {
 }
 
 /// The phases from the slip above on.
-fn rotated(phases: &[Mode]) -> Vec<Mode> {
+fn rotated(phases: &[Modes]) -> Vec<Modes> {
     let first = phases.iter().position(|mode| *mode == ABOVE).unwrap();
     let mut phases = phases.to_vec();
     phases.rotate_left(first);

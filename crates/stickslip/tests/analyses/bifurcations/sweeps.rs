@@ -22,7 +22,7 @@ pub(super) fn kept<S>(system: S) -> &'static S {
 }
 
 /// The only change in a sweep, which is one of phases.
-fn only<const N: usize>(found: &Sweep<N>) -> &SequenceChange<N> {
+fn only(found: &Sweep) -> &SequenceChange {
     let [change] = found.changes.as_slice() else {
         panic!("{:?}", found.changes);
     };
@@ -38,7 +38,7 @@ fn values(from: f64, to: f64, steps: u32) -> impl Iterator<Item = f64> {
 }
 
 /// The change between two values, met on the way up and on the way down.
-fn both_ways(rhythm: Rhythm, from: f64, to: f64) -> [SequenceChange<1>; 2] {
+fn both_ways(rhythm: Rhythm, from: f64, to: f64) -> [SequenceChange; 2] {
     [(from, to), (to, from)].map(|(from, to)| {
         let settings = SweepSettings::within(400.0).forced(2.0 * PI);
         let family = |p| kept(Beat { rhythm, p }).any();
@@ -48,7 +48,7 @@ fn both_ways(rhythm: Rhythm, from: f64, to: f64) -> [SequenceChange<1>; 2] {
     })
 }
 
-fn check<const N: usize>(change: &SequenceChange<N>, name: SequenceBifurcation, exact: f64) {
+fn check(change: &SequenceChange, name: SequenceBifurcation, exact: f64) {
     assert_eq!(change.bifurcation, name, "{change:?}");
     let error = (change.parameter - exact).abs();
     assert!(error < 1e-9, "{} for {exact}: {error:e}", change.parameter);
@@ -59,7 +59,7 @@ fn check<const N: usize>(change: &SequenceChange<N>, name: SequenceBifurcation, 
 }
 
 /// The only change in a sweep, which is by a multiplier: where, within what, and which.
-fn multiplier(found: &Sweep<2>) -> ([f64; 2], &Special<2>) {
+fn multiplier(found: &Sweep) -> ([f64; 2], &Special) {
     let [change] = found.changes.as_slice() else {
         panic!("{:?}", found.changes);
     };
@@ -278,7 +278,7 @@ fn the_ends_of_bistability_are_found_by_sweeps_up_and_down() {
     assert!(is_same_cycle(&touch.before, &[Mode::Stick, BELOW]));
     assert_eq!(touch.after, [BELOW], "the unstable cycle of slip alone");
     // Between the two it depends on where one comes from.
-    let at = |found: &Sweep<2>, vd: f64| {
+    let at = |found: &Sweep, vd: f64| {
         let point = found
             .points
             .iter()
