@@ -277,11 +277,7 @@ impl Shooting<'_> {
             .filter(|one| one.circuit.parts.len() < last.circuit.parts.len());
         let there = simple.and_then(|simple| self.back_from(last, simple, way.resolution));
         // An unstable orbit there may be lost further away than this one here.
-<<<<<<< HEAD
-        let is_nearer = |one: &SequenceChange<N, _>, other: &SequenceChange<N, _>| {
-=======
         let is_nearer = |one: &SequenceChange, other: &SequenceChange| {
->>>>>>> f5c2b162c53372c12347976da03fdfbbad984cb0
             one.bifurcation == other.bifurcation && one.uncertainty < NEARER * other.uncertainty
         };
         match (there, here) {
@@ -371,15 +367,9 @@ impl Shooting<'_> {
 }
 
 /// The orbits up to a change.
-<<<<<<< HEAD
-struct About<'a, F, S: Switched<N, G>> {
-    shooting: &'a Shooting<'a>,
-    good: &'a [Known<()>],
-=======
 struct About<'b, 'a> {
     shooting: &'b Shooting<'a>,
     good: &'b [Known<()>],
->>>>>>> f5c2b162c53372c12347976da03fdfbbad984cb0
 }
 
 impl Orbits<()> for About<'_, '_> {
