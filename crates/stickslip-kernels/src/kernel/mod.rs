@@ -16,7 +16,7 @@ use stickslip::analysis::{
     lyapunov_spectrum, multipliers, periodic_orbit, periodic_orbit_forced, sweep,
 };
 use stickslip::dynamics::{
-    Dynamics, Happening, Moment, OrbitUnderWay, Phase, Section as Watched, Vector,
+    Dynamics, DynamicsRef, Happening, Moment, OrbitUnderWay, Phase, Section as Watched, Vector,
 };
 use stickslip::{Ending, Error, Options};
 
@@ -74,7 +74,7 @@ pub enum Shooting {
 
 /// A system of equations ready to be integrated. It can be shared between threads.
 pub struct Kernel {
-    dynamics: Box<dyn Dynamics>,
+    dynamics: DynamicsRef<'static>,
 }
 
 impl Kernel {
@@ -91,7 +91,8 @@ impl Kernel {
             Equations::OneContact(system) => compiled::of_one_contact(*system, section, size),
             Equations::ManyContacts(system) => compiled::of_many_contacts(system, section, size),
         };
-        dynamics.map(|dynamics| Kernel { dynamics })
+        let dynamics = DynamicsRef::Owned(dynamics?);
+        Some(Kernel { dynamics })
     }
 
     /// Its dynamics, which the library's analyses take.
@@ -241,22 +242,19 @@ impl Kernel {
         settings: &SweepSettings,
         options: &Options,
     ) -> Result<Vec<Change>, Error> {
-        // Where there is no system, the search goes on with the first one, and what it finds is not told.
+        // Where there is no system, the search goes on with this one, and what it finds is not told.
         let complete = Cell::new(true);
         let size = (self.dynamics.states(), self.dynamics.contacts());
-        let at = |parameter| {
-            let equations = family(parameter)?;
-            Some(Kernel::new(equations, None, size)?.dynamics)
-        };
         let system = |parameter| {
-            at(parameter).or_else(|| {
-                complete.set(false);
-                at(from)
-            })
+            let kernel = family(parameter).and_then(|one| Kernel::new(one, None, size));
+            kernel.map_or_else(
+                || {
+                    complete.set(false);
+                    DynamicsRef::Borrowed(&*self.dynamics)
+                },
+                |kernel| kernel.dynamics,
+            )
         };
-        if at(from).is_none() {
-            return Ok(vec![Change::Unlocated]);
-        }
         let found = sweep(system, [from, to], x, settings, options)?;
         if !complete.get() {
             return Ok(vec![Change::Unlocated]);

@@ -294,7 +294,7 @@ pub trait AsDynamics<Kind> {
     fn dynamics(&self) -> DynamicsRef<'_>;
 
     /// The dynamics, of a system that goes into it.
-    fn into_dynamics<'a>(self) -> Box<dyn Dynamics + 'a>
+    fn into_dynamics<'a>(self) -> DynamicsRef<'a>
     where
         Self: Sized + 'a;
 }
@@ -313,11 +313,11 @@ impl<S: Filippov<N> + Send + Sync, const N: usize> AsDynamics<OneContact<N>> for
         DynamicsRef::Owned(Box::new(Typed::<&S, S, _, N, _>::new(self)))
     }
 
-    fn into_dynamics<'a>(self) -> Box<dyn Dynamics + 'a>
+    fn into_dynamics<'a>(self) -> DynamicsRef<'a>
     where
         S: 'a,
     {
-        Box::new(Typed::<S, S, _, N, _>::new(self))
+        DynamicsRef::Owned(Box::new(Typed::<S, S, _, N, _>::new(self)))
     }
 }
 
@@ -329,20 +329,20 @@ where
         DynamicsRef::Owned(Box::new(Typed::<&Self, Self, _, N, M>::new(self)))
     }
 
-    fn into_dynamics<'a>(self) -> Box<dyn Dynamics + 'a>
+    fn into_dynamics<'a>(self) -> DynamicsRef<'a>
     where
         S: 'a,
     {
-        Box::new(Typed::<Self, Self, _, N, M>::new(self))
+        DynamicsRef::Owned(Box::new(Typed::<Self, Self, _, N, M>::new(self)))
     }
 }
 
-impl<'d> AsDynamics<AtRunTime> for Box<dyn Dynamics + 'd> {
+impl<'d> AsDynamics<AtRunTime> for DynamicsRef<'d> {
     fn dynamics(&self) -> DynamicsRef<'_> {
         DynamicsRef::Borrowed(&**self)
     }
 
-    fn into_dynamics<'a>(self) -> Box<dyn Dynamics + 'a>
+    fn into_dynamics<'a>(self) -> DynamicsRef<'a>
     where
         Self: 'a,
     {

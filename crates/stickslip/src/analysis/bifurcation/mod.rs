@@ -8,13 +8,13 @@ use super::attractors::{Kind, Reached, RecurrenceSettings, attractor_of};
 use super::continuation::Special;
 use super::lyapunov::{Exponent, SpectrumOptions, spectrum_of};
 use super::sequence::SequenceChange;
-use crate::dynamics::{AsDynamics, Components, Dynamics, Moment, Vector};
+use crate::dynamics::{AsDynamics, Components, DynamicsRef, Moment, Vector};
 use crate::error::Error;
 use crate::filippov::Options;
 pub(super) use change::{extrapolated, pair_for};
 
 /// Makes the system of each parameter.
-type Family<'a> = dyn Fn(f64) -> Box<dyn Dynamics + 'a> + 'a;
+type Family<'a> = dyn Fn(f64) -> DynamicsRef<'a> + 'a;
 
 /// How a parameter is swept.
 #[derive(Clone, Copy, Debug, PartialEq)]
