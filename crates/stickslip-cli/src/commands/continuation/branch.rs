@@ -13,8 +13,8 @@ use stickslip_kernels::kernel::{
 use super::super::Failure;
 use super::super::extremes::Extremes;
 use super::super::range::ParameterRange;
-use crate::system::System;
 use crate::terminal::Telling;
+use stickslip_kernels::file::System;
 
 /// An orbit of the branch.
 pub(super) struct Point {

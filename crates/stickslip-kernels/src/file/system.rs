@@ -1,12 +1,13 @@
 //! A system ready to run: a file, and values for its parameters.
 
-use stickslip::Direction;
 use stickslip::nalgebra::{DMatrix, DVector};
+use stickslip::scalar::Dual;
 use stickslip::statistics::SplitMix;
+use stickslip::{Direction, Scalar};
 
-use crate::file::{Built, FileError, SystemFile, Variant, did_you_mean};
-use crate::problem::{Problem, Source};
-use stickslip_kernels::kernel::{
+use super::build::{self, Built, Variant};
+use super::{FileError, Problem, Source, SystemFile, did_you_mean};
+use crate::kernel::{
     Equations, Kernel, ManyContacts, OneContact, Section, of_many_contacts, of_one_contact,
 };
 
@@ -78,14 +79,14 @@ impl SystemFile {
     /// # Errors
     /// [`SettingError`] for a name that there is not, a value outside the parameter's range, or one with which an expression is no number.
     pub fn with(&self, settings: &[(String, f64)]) -> Result<System, SettingError> {
-        let mut values = crate::file::values(self);
+        let mut values = build::values(self);
         for (i, (name, value)) in settings.iter().enumerate() {
             let known = || {
                 self.parameters
                     .iter()
                     .map(|parameter| parameter.name.as_str())
             };
-            let plain = stickslip_kernels::expression::normal(name);
+            let plain = crate::expression::normal(name);
             let Some(number) = known().position(|known| known == plain) else {
                 let help = did_you_mean(name, known()).unwrap_or_else(|| {
                     let all: Vec<&str> = known().collect();
@@ -276,17 +277,34 @@ impl System {
         self.file.contacts.len()
     }
 
-    /// Height of the state over the boundary of a contact.
-    pub fn height(&self, contact: usize, t: f64, x: &[f64]) -> f64 {
-        let mut heights = vec![f64::NAN; self.contacts()];
+    /// The boundary function of a contact on any number.
+    pub fn boundary<T: Scalar>(&self, contact: usize, t: T, x: &[T]) -> T {
+        let mut heights = vec![T::zero(); self.contacts()];
         self.built.boundaries.evaluate(t, x, &mut heights);
         heights[contact]
+    }
+
+    /// The boundary function of a contact, and its derivative by one state.
+    pub fn boundary_and_slope(
+        &self,
+        contact: usize,
+        t: f64,
+        x: &[f64],
+        state: usize,
+    ) -> (f64, f64) {
+        let seeded: Vec<Dual<f64>> = x
+            .iter()
+            .enumerate()
+            .map(|(k, &x)| Dual::new(x, if k == state { 1.0 } else { 0.0 }))
+            .collect();
+        let height = self.boundary(contact, Dual::constant(t), &seeded);
+        (height.re, height.eps)
     }
 }
 
 /// The tapes, or what is wrong with the file.
 fn built(file: &SystemFile, values: &[f64], variant: Variant) -> Result<Built, FileError> {
-    crate::file::built(file, values, variant).map_err(|problem| wrong(problem, &file.source))
+    build::built(file, values, variant).map_err(|problem| wrong(problem, &file.source))
 }
 
 fn wrong(problem: Problem, source: &Source) -> FileError {
