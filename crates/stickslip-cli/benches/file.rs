@@ -7,8 +7,8 @@ use std::time::{Duration, Instant};
 use criterion::{Criterion, criterion_group, criterion_main};
 use stickslip::models::{BeltOscillator, BlockAndBracket, Caption, ForcedOscillator, Reading};
 use stickslip::{Filippov, Method, Options, State, run};
-use stickslip_cli::file::SystemFile;
-use stickslip_cli::system::System;
+use stickslip_kernels::file::System;
+use stickslip_kernels::file::SystemFile;
 use stickslip_kernels::kernel::Run;
 
 /// Time that each orbit is followed for.

@@ -1,11 +1,7 @@
-//! Systems from files, and what the program `stickslip` does with them.
+//! What the program `stickslip` does with systems from files.
 
 pub mod commands;
-pub mod file;
 pub mod output;
-pub mod problem;
-pub mod shipped;
 pub mod sweep;
-pub mod system;
 pub mod tangents;
 mod terminal;

@@ -11,8 +11,8 @@ use stickslip::analysis::Visibility;
 use stickslip::scalar::Dual;
 use stickslip::{Scalar, Side};
 
-use crate::system::System;
 use stickslip_kernels::expression::Tape;
+use stickslip_kernels::file::System;
 
 /// How many values the range is divided into: two tangent points nearer than one of these are not told apart from none.
 const FINENESS: usize = 2000;
@@ -359,7 +359,7 @@ impl Line {
                 .map(|(&x, &v)| Dual::new(x, v))
                 .collect();
             system
-                .boundary_of(self.contact, Dual::new(self.t, 1.0), &moving)
+                .boundary(self.contact, Dual::new(self.t, 1.0), &moving)
                 .eps
         });
         rates.iter().all(|rate| rate.is_finite()).then_some(rates)
@@ -372,7 +372,7 @@ impl Line {
             let is_above = if contact == self.contact {
                 side == Side::Above
             } else {
-                system.height(contact, self.t, x) > 0.0
+                system.boundary(contact, self.t, x) > 0.0
             };
             above |= usize::from(is_above) << contact;
         }
@@ -444,7 +444,7 @@ impl Line {
             .map(|(&x, &v)| Dual::new(x, v))
             .collect();
         let time = Dual::new(Dual::new(self.t, 1.0), Dual::one());
-        let bending = system.boundary_of(self.contact, time, &twice).eps.eps;
+        let bending = system.boundary(self.contact, time, &twice).eps.eps;
         // What is left of two terms of the acceleration that cancel.
         let size: f64 = rates.iter().map(|rate| rate.eps.abs()).fold(1.0, f64::max);
         if bending.abs() <= 64.0 * f64::EPSILON * size {
@@ -462,30 +462,4 @@ fn rates_of(field: &Tape, t: f64, x: &[f64]) -> Vec<f64> {
     let mut rates = vec![f64::NAN; x.len()];
     field.evaluate(t, x, &mut rates);
     rates
-}
-
-impl System {
-    /// The boundary function of a contact on any number.
-    fn boundary_of<T: Scalar>(&self, contact: usize, t: T, x: &[T]) -> T {
-        let mut heights = vec![T::zero(); self.contacts()];
-        self.built.boundaries.evaluate(t, x, &mut heights);
-        heights[contact]
-    }
-
-    /// The boundary function of a contact, and its derivative by one state.
-    pub(crate) fn boundary_and_slope(
-        &self,
-        contact: usize,
-        t: f64,
-        x: &[f64],
-        state: usize,
-    ) -> (f64, f64) {
-        let seeded: Vec<Dual<f64>> = x
-            .iter()
-            .enumerate()
-            .map(|(k, &x)| Dual::new(x, if k == state { 1.0 } else { 0.0 }))
-            .collect();
-        let height = self.boundary_of(contact, Dual::constant(t), &seeded);
-        (height.re, height.eps)
-    }
 }

@@ -7,10 +7,10 @@ use serde::{Deserialize, Serialize};
 use stickslip::{AtRepelling, Method, Options};
 
 use super::{Failure, Found};
-use crate::file::{SystemFile, did_you_mean, number};
 use crate::output::OutputError;
-use crate::system::System;
 use crate::terminal::Said;
+use stickslip_kernels::file::System;
+use stickslip_kernels::file::{SystemFile, did_you_mean, number};
 
 /// The value of an option that counts something.
 pub(super) fn count(text: &str) -> Result<NonZeroUsize, String> {

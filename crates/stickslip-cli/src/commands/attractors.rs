@@ -7,7 +7,7 @@ use stickslip::{Error, Mode, Options};
 use super::Failure;
 use super::tables::{exact, known, letters, place as within, state_json};
 use super::told::told;
-use crate::system::System;
+use stickslip_kernels::file::System;
 use stickslip_kernels::kernel::{Modes, Motion, Outcome};
 
 /// What the orbit from `x` at time 0 comes to.

@@ -6,7 +6,7 @@ use stickslip::analysis::{Exponent, SpectrumOptions};
 use stickslip_kernels::kernel::Outcome;
 
 use super::tables::exact;
-use crate::system::System;
+use stickslip_kernels::file::System;
 
 /// Exponents of an orbit nearer to zero than so many of their standard errors are zero.
 const ERRORS: f64 = 3.0;

@@ -5,7 +5,7 @@ use stickslip::Mode;
 
 use super::recording::{Phase, Recording};
 use crate::output::OutputError;
-use crate::system::System;
+use stickslip_kernels::file::System;
 
 /// Colours of curves, in order.
 const COLOURS: [Color; 4] = [BLUE, VERMILLION, GREEN, PURPLE];

@@ -9,8 +9,8 @@ use stickslip::analysis::{Exponent, SpectrumOptions};
 use super::arguments::{Ready, RunArguments};
 use super::{Failure, Found, figures, tables};
 use crate::output::{Artifact, OutputError, csv_table};
-use crate::system::System;
 use crate::terminal::{Said, patiently};
+use stickslip_kernels::file::System;
 use stickslip_kernels::kernel::SpectrumFound;
 
 /// Lyapunov exponents of an orbit, from the equations, through slips, sticks and crossings

@@ -28,12 +28,12 @@ use std::process::ExitCode;
 
 use clap::{Arg, CommandFactory, FromArgMatches, Parser, Subcommand};
 
-use crate::file::FileError;
 use crate::output::{Artifact, OutputError, png, write_all_by};
 use crate::sweep::SweepError;
-use crate::system::{SettingError, System};
 use crate::terminal::{Said, finish};
 use arguments::OutputArguments;
+use stickslip_kernels::file::FileError;
+use stickslip_kernels::file::{SettingError, System};
 use told::{told, told_of_any};
 
 /// Dry-friction systems from files: orbits with exact transitions between slip and stick, tangent points, periodic orbits, Lyapunov spectra

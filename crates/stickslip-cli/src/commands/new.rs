@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use serde_json::json;
+use stickslip_kernels::file::EXAMPLE;
 
 use super::Failure;
 use crate::output::{Artifact, OutputError, write_all};
@@ -19,9 +20,6 @@ pub(super) struct Arguments {
     #[arg(long)]
     json: bool,
 }
-
-/// The example.
-const EXAMPLE: &str = include_str!("../../systems/example.toml");
 
 pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
     let path = &arguments.file;

@@ -11,10 +11,10 @@ use super::recording::{Phase, Recording};
 use super::search::SearchArguments;
 use super::{Failure, Found, figures, tables};
 use crate::output::csv_table;
-use crate::system::System;
 use crate::terminal::{Patience, Said};
 use stickslip::analysis::Stability;
 use stickslip::error::readable;
+use stickslip_kernels::file::System;
 use stickslip_kernels::kernel::{Modes, Periodic, Run};
 
 /// Find a periodic orbit: from a run, refined by shooting; period, multipliers, sequence of phases

@@ -5,8 +5,8 @@ use std::num::NonZeroUsize;
 use serde::{Deserialize, Serialize};
 
 use super::Failure;
-use crate::file::{did_you_mean, number};
-use crate::system::System;
+use stickslip_kernels::file::System;
+use stickslip_kernels::file::{did_you_mean, number};
 
 /// A range of a state.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

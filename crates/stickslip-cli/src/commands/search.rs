@@ -7,8 +7,8 @@ use stickslip_kernels::kernel::{Motion, Periodic, Run, Shooting};
 use super::extremes::Extremes;
 use super::sweeping::check_period;
 use super::{Failure, attractors};
-use crate::system::System;
 use crate::terminal::patiently;
+use stickslip_kernels::file::System;
 
 /// How a periodic orbit is looked for.
 #[derive(Debug, clap::Args)]

@@ -10,8 +10,8 @@ use super::arguments::{Ready, RunArguments};
 use super::recording::{Recording, kind_name};
 use super::told::told;
 use super::{Failure, Found, figures, tables};
-use crate::system::System;
 use crate::terminal::{Patience, Said};
+use stickslip_kernels::file::System;
 use stickslip_kernels::kernel::{Ended, Run};
 
 /// Follow an orbit: phases of slip and stick, transitions, passages of the section

@@ -10,11 +10,11 @@ use serde_json::json;
 
 use super::Failure;
 use super::arguments::{OutputArguments, count};
-use crate::file::SystemFile;
-use crate::problem::Source;
 use crate::sweep::{BlockError, Computed, Plan, Progress, Share, Store, SweepError, Task, run};
-use crate::system::System;
 use crate::terminal::Said;
+use stickslip_kernels::file::Source;
+use stickslip_kernels::file::System;
+use stickslip_kernels::file::SystemFile;
 
 /// How much of a sweep to compute, and by how many.
 #[derive(Debug, clap::Args)]

@@ -7,7 +7,7 @@ use super::recording::{
     Crossed, Phase, Recording, Transition, direction_name, kind_name, mode_name,
 };
 use crate::output::{Artifact, OutputError, csv_table};
-use crate::system::System;
+use stickslip_kernels::file::System;
 use stickslip_kernels::kernel::{Change, Modes};
 
 /// A number that reads back to the last bit.

@@ -10,11 +10,11 @@ use stickslip::error::readable;
 
 use super::arguments::{OutputArguments, StartArguments, SystemArguments};
 use super::{Failure, Found, figures, tables};
-use crate::file::did_you_mean;
 use crate::output::{Artifact, OutputError, csv_table};
-use crate::system::System;
 use crate::tangents::{Kind, Line, OnLine};
 use crate::terminal::Said;
+use stickslip_kernels::file::System;
+use stickslip_kernels::file::did_you_mean;
 
 /// Branches of a boundary with what is on them.
 pub(super) type Branches = [(Line, OnLine)];

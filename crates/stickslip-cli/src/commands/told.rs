@@ -4,7 +4,7 @@ use stickslip::Error;
 use stickslip::error::readable;
 
 use super::tables::contact_name;
-use crate::system::System;
+use stickslip_kernels::file::System;
 
 /// An error of the library in words.
 pub(super) fn told(error: &Error, system: &System) -> String {

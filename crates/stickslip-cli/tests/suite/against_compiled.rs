@@ -2,7 +2,7 @@
 
 use stickslip::models::{BeltOscillator, BlockAndBracket, Caption, ForcedOscillator, Reading};
 use stickslip::{Contacts, Counters, Filippov, Scalar, Several, Side, State, solve};
-use stickslip_cli::system::System;
+use stickslip_kernels::file::System;
 
 use super::recorded::{Event, methods, open, read, run};
 

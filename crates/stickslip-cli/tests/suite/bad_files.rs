@@ -1,7 +1,7 @@
 //! Files with one thing wrong, each with what is said about it, and where.
 
-use stickslip_cli::file::{FileError, SystemFile};
-use stickslip_cli::problem::{Problem, Source};
+use stickslip_kernels::file::{FileError, SystemFile};
+use stickslip_kernels::file::{Problem, Source};
 
 /// A good file, of which each case changes one place.
 const GOOD: &str = r#"name = "test"

@@ -382,7 +382,7 @@ fn a_branch_goes_back_only_where_it_folds() {
 #[test]
 fn a_period_that_is_missing_or_wrong_is_told() {
     let top = tempfile::tempdir().unwrap();
-    let text = include_str!("../../systems/den-hartog.toml");
+    let text = include_str!("../../../stickslip-kernels/systems/den-hartog.toml");
     let without = text.replace("period = \"2*pi/O\"", "");
     let wrong = text.replace("2*pi/O", "2.1*pi/O");
     assert!(without != text && wrong != text);

@@ -317,7 +317,7 @@ x = 1
 #[test]
 fn the_examples_of_the_documentation_are_good_files() {
     let readme = include_str!("../../README.md").to_owned();
-    let module = include_str!("../../src/file/mod.rs").lines();
+    let module = include_str!("../../../stickslip-kernels/src/file/mod.rs").lines();
     let module: Vec<&str> = module
         .map(|line| line.trim_start_matches("//!").trim_start())
         .collect();

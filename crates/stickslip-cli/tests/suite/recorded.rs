@@ -3,9 +3,9 @@
 use std::ops::ControlFlow;
 
 use stickslip::{Method, Options, TransitionKind};
-use stickslip_cli::file::SystemFile;
-use stickslip_cli::problem::Source;
-use stickslip_cli::system::System;
+use stickslip_kernels::file::Source;
+use stickslip_kernels::file::System;
+use stickslip_kernels::file::SystemFile;
 use stickslip_kernels::kernel::{Ended, Run, TransitionView, Watcher};
 
 /// A transition: kind, contact, time and state.

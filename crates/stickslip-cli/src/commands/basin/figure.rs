@@ -10,7 +10,7 @@ use super::found::{Attracting, Found};
 use super::request::Basin;
 use super::starts::Points;
 use crate::output::OutputError;
-use crate::system::System;
+use stickslip_kernels::file::System;
 use stickslip_kernels::kernel::Motion;
 
 /// Colours of attractors, in the order of their shares.

@@ -14,8 +14,8 @@ use super::figure;
 use super::request::{Basin, Reached};
 use crate::output::{Artifact, OutputError, csv_table};
 use crate::sweep::{Store, SweepError, write_whole};
-use crate::system::System;
 use crate::terminal::Said;
+use stickslip_kernels::file::System;
 use stickslip_kernels::kernel::{Motion, Outcome};
 
 /// An attractor and the starts that lead to it; or the starts that lead to none in one way, as by escape.

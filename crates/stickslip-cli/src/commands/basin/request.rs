@@ -13,8 +13,8 @@ use super::super::sweeping::{Sweep, to_content};
 use super::starts::Points;
 use super::{Arguments, found};
 use crate::sweep::{BlockError, Store};
-use crate::system::System;
 use crate::terminal::Said;
+use stickslip_kernels::file::System;
 use stickslip_kernels::kernel::Outcome;
 
 /// Seed where none is given.

@@ -6,7 +6,7 @@ use super::super::figures;
 use super::found::{Found, Way};
 use super::request::Bifurcation;
 use crate::output::OutputError;
-use crate::system::System;
+use stickslip_kernels::file::System;
 
 /// Points of one way through the range, as parameter and value.
 type Points = Vec<(f64, f64)>;

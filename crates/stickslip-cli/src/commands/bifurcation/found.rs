@@ -16,8 +16,8 @@ use super::figure;
 use super::request::{At, Between, Bifurcation, Part};
 use crate::output::{Artifact, OutputError, csv_table};
 use crate::sweep::{Store, write_whole};
-use crate::system::System;
 use crate::terminal::Said;
+use stickslip_kernels::file::System;
 
 /// What the figure shows of one way through the range, as points of parameter and value.
 #[derive(Default)]

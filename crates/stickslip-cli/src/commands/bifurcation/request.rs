@@ -15,8 +15,8 @@ use super::super::range::{ParameterRange, not_too_many};
 use super::super::sweeping::{Sweep, check_duration, from_content, to_content};
 use super::{Arguments, found};
 use crate::sweep::{BlockError, Store};
-use crate::system::System;
 use crate::terminal::Said;
+use stickslip_kernels::file::System;
 
 /// Values of the parameter in a block.
 const IN_BLOCK: usize = 10;

@@ -6,8 +6,8 @@ use stickslip::error::Point;
 use super::super::sweeping::check_period;
 use super::super::tables::rounded;
 use super::super::told::told;
-use crate::system::System;
 use crate::tangents::{Jumps, Line};
+use stickslip_kernels::file::System;
 
 /// A period that is none; friction that pushes the wrong way, and static friction below that in slip: asked on every contact's boundary, next to the
 /// start; boundaries of several contacts that vanish together and depend on each other there.

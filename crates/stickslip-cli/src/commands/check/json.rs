@@ -4,9 +4,9 @@ use serde_json::{Value, json};
 
 use super::super::{recording, tables, tangents};
 use super::whereabouts;
-use crate::file::{Contact, Formula, Rate};
-use crate::system::System;
 use crate::tangents::{Line, OnLine};
+use stickslip_kernels::file::System;
+use stickslip_kernels::file::{Contact, Formula, Rate};
 
 /// The text of an expression that may be missing.
 fn text(formula: Option<&Formula>) -> Option<&str> {
@@ -82,7 +82,7 @@ pub(super) fn understood(
 
 fn contact(system: &System, number: usize, contact: &Contact) -> Value {
     let start = system.built.start.as_deref().map(|start| {
-        let height = system.height(number, system.built.t_start, start);
+        let height = system.boundary(number, system.built.t_start, start);
         json!({ "side": whereabouts(height), "height": height })
     });
     json!({

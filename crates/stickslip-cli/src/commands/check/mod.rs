@@ -6,9 +6,9 @@ mod words;
 
 use super::Failure;
 use super::arguments::SystemArguments;
-use crate::system::System;
 use crate::tangents::{Line, OnLine};
 use crate::terminal::Said;
+use stickslip_kernels::file::System;
 
 /// Say what was understood of a file
 #[derive(Debug, clap::Args)]

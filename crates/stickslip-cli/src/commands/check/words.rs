@@ -5,9 +5,9 @@ use std::fmt::Write;
 use stickslip::error::readable;
 
 use super::whereabouts;
-use crate::file::Rate;
-use crate::system::System;
 use crate::tangents::{Line, OnLine};
+use stickslip_kernels::file::Rate;
+use stickslip_kernels::file::System;
 
 /// A line with a title in front.
 fn entry(text: &mut String, title: &str, content: &str) {
@@ -155,7 +155,7 @@ pub(super) fn understood(
             &mut text,
             "start",
             file.contacts.iter().enumerate().map(|(k, contact)| {
-                let height = system.height(k, t, start);
+                let height = system.boundary(k, t, start);
                 format!(
                     "{} the boundary of {} ({} = {})",
                     whereabouts(height),

@@ -13,8 +13,8 @@ use stickslip_kernels::kernel::{
 use super::super::Failure;
 use super::super::extremes::Extremes;
 use super::super::range::ParameterRange;
-use crate::system::System;
 use crate::terminal::Telling;
+use stickslip_kernels::file::System;
 
 /// An orbit of the branch.
 pub(super) struct Point {
@@ -41,7 +41,7 @@ pub(super) struct Begin<'a> {
     /// The parameter's value.
     value: f64,
     /// The system with the parameter as a state.
-    along: Box<dyn Kernel>,
+    along: Kernel,
 }
 
 impl<'a> Begin<'a> {

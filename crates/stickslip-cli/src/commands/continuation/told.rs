@@ -14,7 +14,7 @@ use super::super::{Failure, Found, tables};
 use super::branch::{Branch, Point};
 use super::figure;
 use crate::output::{Artifact, OutputError, csv_table};
-use crate::system::System;
+use stickslip_kernels::file::System;
 
 /// A branch, and what it is of.
 pub(super) struct Told<'a> {

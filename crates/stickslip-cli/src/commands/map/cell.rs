@@ -8,7 +8,7 @@ use stickslip_kernels::kernel::Motion;
 use super::super::exponent::Largest;
 use super::super::tables::{exact, known};
 use super::super::{Failure, attractors};
-use crate::system::System;
+use stickslip_kernels::file::System;
 
 /// What is found at one pair of parameters.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

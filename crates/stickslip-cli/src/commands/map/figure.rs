@@ -10,7 +10,7 @@ use super::super::figures;
 use super::found::{Found, Shown};
 use super::request::Map;
 use crate::output::OutputError;
-use crate::system::System;
+use stickslip_kernels::file::System;
 
 /// Colours of classes, in the order of their sizes.
 const COLOURS: [Color; 6] = [BLUE, ORANGE, GREEN, PURPLE, SKY, VERMILLION];

@@ -14,8 +14,8 @@ use super::figure;
 use super::request::Map;
 use crate::output::OutputError;
 use crate::sweep::{Store, write_whole};
-use crate::system::System;
 use crate::terminal::Said;
+use stickslip_kernels::file::System;
 
 /// What the figure shows of a cell.
 #[derive(Clone, Copy)]

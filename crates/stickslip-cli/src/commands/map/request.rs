@@ -12,8 +12,8 @@ use super::super::sweeping::{Sweep, check_duration, to_content};
 use super::cell::Cell;
 use super::{Arguments, found};
 use crate::sweep::{BlockError, Store};
-use crate::system::System;
 use crate::terminal::Said;
+use stickslip_kernels::file::System;
 
 /// Everything that a map depends on besides the system.
 #[derive(Clone, Debug, Serialize, Deserialize)]

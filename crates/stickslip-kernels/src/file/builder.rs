@@ -3,11 +3,9 @@
 use std::ops::Range;
 
 use super::names::{FURTHER_FUNCTIONS, Meaning, did_you_mean, is_function};
+use super::problem::Problem;
 use super::{Formula, Rate, SystemFile};
-use crate::problem::Problem;
-use stickslip_kernels::expression::{
-    Binary, Expression, FUNCTIONS, Function, Graph, Id, Kind, NotANumber,
-};
+use crate::expression::{Binary, Expression, FUNCTIONS, Function, Graph, Id, Kind, NotANumber};
 
 /// What may occur in an expression.
 #[derive(Clone, Copy, Debug, PartialEq)]

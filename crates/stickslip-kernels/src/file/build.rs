@@ -1,9 +1,9 @@
 //! From the expressions of a file to tapes.
 
 use super::builder::{Builder, Inputs, Scope, no_number};
+use super::problem::Problem;
 use super::{Formula, Rate, SystemFile};
-use crate::problem::Problem;
-use stickslip_kernels::expression::{Binary, Graph, Id, NotANumber, Tape, TooLarge};
+use crate::expression::{Binary, Graph, Id, NotANumber, Tape, TooLarge};
 
 /// The tapes of a system.
 #[derive(Clone, Debug)]

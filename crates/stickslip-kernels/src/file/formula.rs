@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-use crate::problem::{Problem, Source};
-use stickslip_kernels::expression::{Expression, Kind, parse};
+use super::problem::{Problem, Source};
+use crate::expression::{Expression, Kind, parse};
 
 /// An expression of the file.
 #[derive(Clone, Debug, PartialEq)]

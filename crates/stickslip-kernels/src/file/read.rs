@@ -4,11 +4,11 @@ use stickslip::Direction;
 use toml::de::DeTable;
 
 use super::names::{Meaning, Names, did_you_mean};
+use super::problem::{Problem, Source};
 use super::table::{Entry, Table, listed};
 use super::{Contact, Named, Parameter, Rate, SectionEntry, StateEntry, SystemFile, Time};
-use crate::problem::{Problem, Source};
-use stickslip_kernels::expression::normal;
-use stickslip_kernels::kernel::{MOST_CONTACTS, MOST_STATES};
+use crate::expression::normal;
+use crate::kernel::{MOST_CONTACTS, MOST_STATES};
 
 /// The tables and entries of a file.
 const ENTRIES: [&str; 11] = [

@@ -3,8 +3,8 @@
 use std::collections::HashMap;
 use std::ops::Range;
 
-use crate::problem::Problem;
-use stickslip_kernels::expression::{FUNCTIONS, begins_name, is_in_name, normal};
+use super::problem::Problem;
+use crate::expression::{FUNCTIONS, begins_name, is_in_name, normal};
 
 /// What a name of the file stands for; numbers count the entries of each kind from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

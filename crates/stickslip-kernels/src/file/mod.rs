@@ -36,20 +36,34 @@ mod build;
 mod builder;
 mod formula;
 mod names;
+mod problem;
 mod read;
+mod system;
 mod table;
 
 pub use build::{Built, Fields};
-pub(crate) use build::{Variant, built, values};
 pub use formula::Formula;
 pub use names::{Meaning, Names, did_you_mean};
+pub use problem::{Problem, Source};
+pub use system::{SettingError, System};
 
 use std::ops::Range;
 use std::path::Path;
 
 use stickslip::Direction;
 
-use crate::problem::{Problem, Source};
+/// The models that come with the crate: names and files, in the order in which they are listed.
+const SHIPPED: [(&str, &str); 6] = [
+    ("belt", include_str!("../../systems/belt.toml")),
+    ("forced", include_str!("../../systems/forced.toml")),
+    ("bracket", include_str!("../../systems/bracket.toml")),
+    ("leine", include_str!("../../systems/leine.toml")),
+    ("basins", include_str!("../../systems/basins.toml")),
+    ("den-hartog", include_str!("../../systems/den-hartog.toml")),
+];
+
+/// A file to begin with, with a comment on everything that can be in it.
+pub const EXAMPLE: &str = include_str!("../../systems/example.toml");
 
 /// What a file says, its names known to be right.
 #[derive(Clone, Debug, PartialEq)]
@@ -222,7 +236,7 @@ pub fn number(text: &str) -> Result<f64, String> {
 }
 
 fn unreadable(path: &str, cause: &std::io::Error) -> FileError {
-    let shipped = crate::shipped::names();
+    let shipped = SHIPPED.map(|(name, _)| name);
     // Of a file that is there somebody means that file.
     let is_missing = cause.kind() == std::io::ErrorKind::NotFound;
     let meant = is_missing.then(|| did_you_mean(path, shipped.iter().copied()));
@@ -253,9 +267,9 @@ impl SystemFile {
     /// # Errors
     /// [`FileError`].
     pub fn open(path: &str) -> Result<SystemFile, FileError> {
-        let shipped = crate::shipped::named(path).filter(|_| !Path::new(path).is_file());
-        let text = match shipped {
-            Some(text) => text.to_owned(),
+        let shipped = SHIPPED.iter().find(|(name, _)| *name == path);
+        let text = match shipped.filter(|_| !Path::new(path).is_file()) {
+            Some((_, text)) => (*text).to_owned(),
             None => {
                 let bytes = std::fs::read(path).map_err(|cause| unreadable(path, &cause))?;
                 String::from_utf8(bytes).map_err(|wrong| not_utf8(path, &wrong))?

@@ -1,13 +1,14 @@
 //! A system ready to run: a file, and values for its parameters.
 
-use stickslip::Direction;
 use stickslip::nalgebra::{DMatrix, DVector};
+use stickslip::scalar::Dual;
 use stickslip::statistics::SplitMix;
+use stickslip::{Direction, Scalar};
 
-use crate::file::{Built, FileError, SystemFile, Variant, did_you_mean};
-use crate::problem::{Problem, Source};
-use stickslip_kernels::kernel::{
-    Equations, Kernel, ManyContacts, OneContact, Section, of_many_contacts, of_one_contact,
+use super::build::{self, Built, Variant};
+use super::{FileError, Problem, Source, SystemFile, did_you_mean};
+use crate::kernel::{
+    Equations, Kernel, ManyContacts, OneContact, Section,
 };
 
 /// States at which a period is tried.
@@ -34,7 +35,7 @@ pub struct System {
     pub values: Vec<f64>,
     /// Its equations.
     pub built: Built,
-    kernel: Box<dyn Kernel>,
+    kernel: Kernel,
     section: Option<Section>,
 }
 
@@ -78,14 +79,14 @@ impl SystemFile {
     /// # Errors
     /// [`SettingError`] for a name that there is not, a value outside the parameter's range, or one with which an expression is no number.
     pub fn with(&self, settings: &[(String, f64)]) -> Result<System, SettingError> {
-        let mut values = crate::file::values(self);
+        let mut values = build::values(self);
         for (i, (name, value)) in settings.iter().enumerate() {
             let known = || {
                 self.parameters
                     .iter()
                     .map(|parameter| parameter.name.as_str())
             };
-            let plain = stickslip_kernels::expression::normal(name);
+            let plain = crate::expression::normal(name);
             let Some(number) = known().position(|known| known == plain) else {
                 let help = did_you_mean(name, known()).unwrap_or_else(|| {
                     let all: Vec<&str> = known().collect();
@@ -123,8 +124,17 @@ impl System {
     fn new(file: SystemFile, values: Vec<f64>) -> Result<System, FileError> {
         let built = built(&file, &values, Variant::AsWritten)?;
         let states = file.states.len();
-        let Some(kernel) = compiled(&built, states) else {
-            // The reader lets no file through that has more states or contacts than there are kernels for, save one of
+        let direction = file
+            .section
+            .as_ref()
+            .map_or(Direction::Both, |section| section.direction);
+        let section = built.section.clone().map(|function| Section {
+            function,
+            direction,
+        });
+        let size = (states, file.contacts.len());
+        let Some(kernel) = Kernel::new(equations(&built), section.clone(), size) else {
+            // The reader lets no file through that has more states or contacts than the solver has room for, save one of
             // more contacts than states.
             let problem = Problem::new(
                 format!(
@@ -135,14 +145,6 @@ impl System {
             );
             return Err(wrong(problem, &file.source));
         };
-        let direction = file
-            .section
-            .as_ref()
-            .map_or(Direction::Both, |section| section.direction);
-        let section = built.section.clone().map(|function| Section {
-            function,
-            direction,
-        });
         Ok(System {
             file,
             values,
@@ -157,9 +159,10 @@ impl System {
     ///
     /// # Errors
     /// [`SettingError::File`] where the expressions are too large with one more state.
-    pub fn along(&self, parameter: usize) -> Result<Option<Box<dyn Kernel>>, SettingError> {
+    pub fn along(&self, parameter: usize) -> Result<Option<Kernel>, SettingError> {
         let built = built(&self.file, &self.values, Variant::Free(parameter))?;
-        Ok(compiled(&built, self.states() + 1))
+        let size = (self.states() + 1, self.contacts());
+        Ok(Kernel::new(equations(&built), None, size))
     }
 
     /// Its equations alone, in a time in which the period, if it has one, is the one given.
@@ -257,8 +260,8 @@ impl System {
     }
 
     /// The compiled solver for it.
-    pub fn kernel(&self) -> &dyn Kernel {
-        &*self.kernel
+    pub fn kernel(&self) -> &Kernel {
+        &self.kernel
     }
 
     /// The section that the file has.
@@ -276,30 +279,40 @@ impl System {
         self.file.contacts.len()
     }
 
-    /// Height of the state over the boundary of a contact.
-    pub fn height(&self, contact: usize, t: f64, x: &[f64]) -> f64 {
-        let mut heights = vec![f64::NAN; self.contacts()];
+    /// The boundary function of a contact on any number.
+    pub fn boundary<T: Scalar>(&self, contact: usize, t: T, x: &[T]) -> T {
+        let mut heights = vec![T::zero(); self.contacts()];
         self.built.boundaries.evaluate(t, x, &mut heights);
         heights[contact]
+    }
+
+    /// The boundary function of a contact, and its derivative by one state.
+    pub fn boundary_and_slope(
+        &self,
+        contact: usize,
+        t: f64,
+        x: &[f64],
+        state: usize,
+    ) -> (f64, f64) {
+        let seeded: Vec<Dual<f64>> = x
+            .iter()
+            .enumerate()
+            .map(|(k, &x)| Dual::new(x, if k == state { 1.0 } else { 0.0 }))
+            .collect();
+        let height = self.boundary(contact, Dual::constant(t), &seeded);
+        (height.re, height.eps)
     }
 }
 
 /// The tapes, or what is wrong with the file.
 fn built(file: &SystemFile, values: &[f64], variant: Variant) -> Result<Built, FileError> {
-    crate::file::built(file, values, variant).map_err(|problem| wrong(problem, &file.source))
+    build::built(file, values, variant).map_err(|problem| wrong(problem, &file.source))
 }
 
 fn wrong(problem: Problem, source: &Source) -> FileError {
     FileError::Wrong {
         problem: Box::new(problem),
         source_text: Box::new(source.clone()),
-    }
-}
-
-fn compiled(built: &Built, states: usize) -> Option<Box<dyn Kernel>> {
-    match equations(built) {
-        Equations::OneContact(system) => of_one_contact(*system, states),
-        Equations::ManyContacts(system) => of_many_contacts(system, states),
     }
 }
 

@@ -7,7 +7,7 @@ use toml::de::{DeTable, DeValue};
 
 use super::formula::Formula;
 use super::names::did_you_mean;
-use crate::problem::{Problem, Source};
+use super::problem::{Problem, Source};
 
 /// A value and where it stands.
 #[derive(Clone, Copy)]
