@@ -206,7 +206,7 @@ pub(super) fn portrait(system: &System, recording: &Recording) -> Result<String,
         recording
             .phases
             .iter()
-            .filter(|phase| phase.modes.as_slice().contains(&Mode::Stick))
+            .filter(|phase| phase.modes.to_vec().contains(&Mode::Stick))
             .count()
     );
     let title = format!("{}: phase portrait", system.file.name);
@@ -222,7 +222,7 @@ fn standing(recording: &Recording, contact: usize) -> Vec<(f64, f64)> {
         let (low, high) = extremes(points.iter().map(|point| point.x[k]));
         high - low
     });
-    let is_stick = |phase: &&Phase| phase.modes.as_slice().get(contact) == Some(&Mode::Stick);
+    let is_stick = |phase: &&Phase| phase.modes.to_vec().get(contact) == Some(&Mode::Stick);
     let stands = recording.phases.iter().filter(is_stick).filter(|phase| {
         let from = points.partition_point(|point| point.t < phase.t_start);
         let end = points.partition_point(|point| point.t <= phase.t_end);

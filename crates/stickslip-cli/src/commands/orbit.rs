@@ -92,7 +92,7 @@ impl Orbit<'_> {
 
     /// Time in stick in one period.
     fn stick_time(&self) -> f64 {
-        let sticks = |phase: &&Phase| phase.modes.as_slice().contains(&stickslip::Mode::Stick);
+        let sticks = |phase: &&Phase| phase.modes.to_vec().contains(&stickslip::Mode::Stick);
         self.recording
             .phases
             .iter()

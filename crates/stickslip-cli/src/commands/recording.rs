@@ -126,7 +126,7 @@ impl Recording {
     pub(super) fn sticks_of(&self, contact: usize) -> Vec<(f64, f64)> {
         let mut sticks: Vec<(f64, f64)> = Vec::new();
         for phase in &self.phases {
-            if phase.modes.as_slice().get(contact) != Some(&Mode::Stick) {
+            if phase.modes.to_vec().get(contact) != Some(&Mode::Stick) {
                 continue;
             }
             match sticks.last_mut() {

@@ -96,7 +96,7 @@ fn numbers(values: &[f64]) -> Vec<String> {
 
 fn modes(modes: &Modes) -> Vec<String> {
     modes
-        .as_slice()
+        .to_vec()
         .iter()
         .map(|&mode| mode_name(mode).to_owned())
         .collect()
@@ -217,7 +217,7 @@ pub(super) fn state_json(system: &System, x: &[f64]) -> Value {
 /// The modes of a phase in a few letters, of several contacts separated by `|`: `+` and `-` for slip above and below, `S` for stick.
 pub(super) fn letters(modes: &Modes) -> String {
     let letters: Vec<&str> = modes
-        .as_slice()
+        .to_vec()
         .iter()
         .map(|mode| match mode {
             Mode::Stick => "S",

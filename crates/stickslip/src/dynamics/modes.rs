@@ -57,6 +57,11 @@ impl Modes {
         self
     }
 
+    /// The modes in order of the contacts, as a list.
+    pub fn to_vec(&self) -> Vec<Mode> {
+        self.iter().collect()
+    }
+
     /// How many contacts there are.
     pub fn len(&self) -> usize {
         usize::from(self.count)

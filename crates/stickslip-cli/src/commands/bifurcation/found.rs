@@ -280,7 +280,7 @@ impl Way {
 fn sticks(at: &At) -> impl Iterator<Item = &stickslip_kernels::kernel::PhaseThere> {
     let is_periodic = matches!(at.outcome.motion, Motion::Periodic { .. });
     let phases = at.outcome.phases.iter().filter(move |_| is_periodic);
-    phases.filter(|phase| phase.modes.as_slice().contains(&Mode::Stick))
+    phases.filter(|phase| phase.modes.to_vec().contains(&Mode::Stick))
 }
 
 /// Where a change is.
