@@ -128,6 +128,7 @@ pub(crate) fn flatten(gradient: &Vector, vector: &mut Vector) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::dynamics::AsDynamics;
     use crate::filippov::TransitionKind;
     use crate::scalar::Scalar;
     use crate::system::{Mode, Side};
@@ -150,23 +151,19 @@ mod tests {
         // At rest at the origin: with friction the block sticks; without, Σ is nothing to it and its formula reads 0/0.
         let entry = Transition {
             t: 0.0,
-            x: State::from([0.0, 0.0]),
+            x: Vector::zeros(2),
             kind: TransitionKind::StickEntry,
-            from: Mode::Slip(Side::Below),
-            to: Mode::Stick,
+            from: Mode::Slip(Side::Below).into(),
+            to: Mode::Stick.into(),
             contact: 0,
             residual: 0.0,
         };
-        let options = Options::default();
-        let rough = Block { friction: 0.4 };
-        let jump = Tangent::new(&rough, &options).jump(&entry);
-        assert_eq!(jump.unwrap().unwrap().matrix.determinant(), 0.0);
-        let smooth = Block { friction: 0.0 };
-        assert!(
-            Tangent::new(&smooth, &options)
-                .jump(&entry)
-                .unwrap()
-                .is_none()
-        );
+        let jump = |friction: f64| {
+            let block = Block { friction };
+            let jump = Tangent::new(&*block.dynamics(), &Options::default()).jump(&entry);
+            jump.unwrap()
+        };
+        assert_eq!(jump(0.4).unwrap().matrix.determinant(), 0.0);
+        assert!(jump(0.0).is_none());
     }
 }
