@@ -122,8 +122,9 @@ fn the_attractor_of_two_is_that_of_each() {
         );
         let ends = |contact: usize, mode: Mode| {
             let phases = found.phases.windows(2);
-            let mut left = phases
-                .filter(move |pair| pair[0].mode.get(contact) == mode && pair[1].mode.get(contact) != mode);
+            let mut left = phases.filter(move |pair| {
+                pair[0].mode.get(contact) == mode && pair[1].mode.get(contact) != mode
+            });
             left.next().map(|pair| pair[0].t_end.rem_euclid(2.0 * PI))
         };
         // √2 sin(t + π/4) = 1/2, falling; the tangent of that angle is 1/√7.
@@ -230,7 +231,8 @@ fn a_slip_about_the_switch_of_another_contact_vanishes_at_a_known_friction() {
     let along = [0.0, 0.0, 0.0, 0.6];
     let along = solve(&system, 0.0, along, 40.0 * period, &options).unwrap();
     let along = periodic_orbit_forced(&system, 0.0, along.x_end, period, &options).unwrap();
-    let orbit = solve(&system, 0.0, State::from_column_slice(along.x.as_slice()), period, &options).unwrap();
+    let start = State::from_column_slice(along.x.as_slice());
+    let orbit = solve(&system, 0.0, start, period, &options).unwrap();
     let back = orbit.transitions.last().unwrap();
     let Mode::Slip(side) = back.from[0] else {
         panic!("{back:?}");
