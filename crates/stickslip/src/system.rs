@@ -1,6 +1,6 @@
 //! What a user writes: a smooth field on either side of a discontinuity boundary.
 
-use nalgebra::SVector;
+use nalgebra::{DVector, SVector};
 
 use crate::error::Error;
 use crate::scalar::Scalar;
@@ -12,6 +12,41 @@ pub type State<const N: usize> = SVector<f64, N>;
 #[inline(always)]
 pub fn components<const N: usize>(x: &State<N>) -> &[f64; N] {
     &x.data.0[0]
+}
+
+/// The components of a state of `N`: an array, a vector of fixed length, or one of run-time length
+/// as the analyses return them. Of one of another length no component is a number, which every run
+/// refuses.
+pub trait IntoState<const N: usize> {
+    /// As a state.
+    fn into_state(self) -> State<N>;
+}
+
+impl<const N: usize> IntoState<N> for [f64; N] {
+    fn into_state(self) -> State<N> {
+        State::from(self)
+    }
+}
+
+impl<const N: usize> IntoState<N> for State<N> {
+    fn into_state(self) -> State<N> {
+        self
+    }
+}
+
+impl<const N: usize> IntoState<N> for &DVector<f64> {
+    fn into_state(self) -> State<N> {
+        match self.len() == N {
+            true => State::from_column_slice(self.as_slice()),
+            false => State::repeat(f64::NAN),
+        }
+    }
+}
+
+impl<const N: usize> IntoState<N> for DVector<f64> {
+    fn into_state(self) -> State<N> {
+        (&self).into_state()
+    }
 }
 
 /// Side of the discontinuity boundary Σ = {h = 0}.

@@ -12,7 +12,7 @@ use super::switched::{Next, Settled, Switched, UseFlow, Velocity};
 use crate::error::Error;
 use crate::ode::{Dense, Timed};
 use crate::orbit::{Counters, Ending};
-use crate::system::{Mode, State, components};
+use crate::system::{IntoState, Mode, State, components};
 
 /// What happened in an integration; see [`Integration::step`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -90,13 +90,13 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
     pub fn new(
         system: &'a S,
         t0: f64,
-        x0: impl Into<State<N>>,
+        x0: impl IntoState<N>,
         t_end: f64,
         options: &Options,
     ) -> Result<Self, Error> {
         let start = Timed {
             t: t0,
-            x: x0.into(),
+            x: x0.into_state(),
         };
         Self::with_stepper(system, start, t_end, options, Stepper::new(options))
     }

@@ -6,7 +6,7 @@ use super::options::Options;
 use super::switched::Switched;
 use crate::error::{Error, Point};
 use crate::orbit::{Counters, Ending, Orbit};
-use crate::system::State;
+use crate::system::{IntoState, State};
 
 /// How and where a streamed run ended, of a system of `N` states.
 pub type Summary<const N: usize> = SummaryOf<State<N>>;
@@ -95,11 +95,11 @@ impl<R> Failure<R> {
 pub fn solve<S: Switched<N, G>, const N: usize, const G: usize>(
     system: &S,
     t0: f64,
-    x0: impl Into<State<N>>,
+    x0: impl IntoState<N>,
     t_end: f64,
     options: &Options,
 ) -> Result<Orbit<N, S::Mode>, Failure<Orbit<N, S::Mode>>> {
-    let x0 = x0.into();
+    let x0 = x0.into_state();
     let mut orbit = Orbit::of_none(t0, x0);
     match follow(system, t_end, options, &mut orbit) {
         Ok(()) => Ok(orbit),
@@ -162,12 +162,12 @@ pub(super) fn keep<S: Switched<N, G>, const N: usize, const G: usize>(
 pub fn run<S: Switched<N, G>, O: Observer<N, S::Mode> + ?Sized, const N: usize, const G: usize>(
     system: &S,
     t0: f64,
-    x0: impl Into<State<N>>,
+    x0: impl IntoState<N>,
     t_end: f64,
     options: &Options,
     observer: &mut O,
 ) -> Result<Summary<N>, Failure<Summary<N>>> {
-    let x0 = x0.into();
+    let x0 = x0.into_state();
     let mut integration = match Integration::new(system, t0, x0, t_end, options) {
         Ok(integration) => integration,
         Err(error) => return Err(Failure::new(error, Summary::of_none(t0, x0))),

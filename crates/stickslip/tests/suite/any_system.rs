@@ -2,11 +2,14 @@
 //! every system. It is asked for orbits and spectra as the library is, by functions of the same names.
 
 use stickslip::analysis::{Monodromy, PeriodicOrbit, Spectrum, SpectrumOptions};
+use stickslip::dynamics::Components;
 use stickslip::models::{BeltOscillator, BlockAndBracket, ForcedOscillator};
 use stickslip::{
     Error, Failure, Filippov, Observer, Options, Orbit, OrbitWithEvents, Scalar, Side, State,
     Summary, analysis,
 };
+
+use stickslip::system::IntoState;
 
 use crate::corners::{CornerOfBoundary, CornerOfField, Creep, EqualInStick, Weaker};
 use crate::den_hartog::DenHartog;
@@ -53,87 +56,87 @@ systems!(Any4, 4: Bracket(BlockAndBracket), Pressed(Pressed), Weaker(Weaker));
 pub fn solve<S: Listed<N>, const N: usize>(
     system: &S,
     t0: f64,
-    x0: impl Into<State<N>>,
+    x0: impl IntoState<N>,
     t_end: f64,
     options: &Options,
 ) -> Result<Orbit<N>, Failure<Orbit<N>>> {
-    stickslip::solve(&system.any(), t0, x0.into(), t_end, options)
+    stickslip::solve(&system.any(), t0, x0.into_state(), t_end, options)
 }
 
 pub fn solve_with_events<S: Listed<N>, const N: usize, const E: usize>(
     system: &S,
     events: &Watches<E>,
     t0: f64,
-    x0: impl Into<State<N>>,
+    x0: impl IntoState<N>,
     t_end: f64,
     options: &Options,
 ) -> Result<OrbitWithEvents<N>, Failure<OrbitWithEvents<N>>> {
-    stickslip::solve_with_events(&system.any(), events, t0, x0.into(), t_end, options)
+    stickslip::solve_with_events(&system.any(), events, t0, x0.into_state(), t_end, options)
 }
 
 pub fn run<S: Listed<N>, const N: usize>(
     system: &S,
     t0: f64,
-    x0: impl Into<State<N>>,
+    x0: impl IntoState<N>,
     t_end: f64,
     options: &Options,
     observer: &mut dyn Observer<N>,
 ) -> Result<Summary<N>, Failure<Summary<N>>> {
-    stickslip::run(&system.any(), t0, x0.into(), t_end, options, observer)
+    stickslip::run(&system.any(), t0, x0.into_state(), t_end, options, observer)
 }
 
 pub fn monodromy<S: Listed<N>, const N: usize>(
     system: &S,
     t0: f64,
-    x0: impl Into<State<N>>,
+    x0: impl Components,
     t_end: f64,
     options: &Options,
-) -> Result<Monodromy<N>, Error> {
-    analysis::monodromy(&system.any(), t0, x0.into(), t_end, options)
+) -> Result<Monodromy, Error> {
+    analysis::monodromy(&system.any(), t0, x0, t_end, options)
 }
 
 pub fn periodic_orbit<S: Listed<N>, const N: usize>(
     system: &S,
-    x: impl Into<State<N>>,
+    x: impl Components,
     period: f64,
     options: &Options,
-) -> Result<PeriodicOrbit<N>, Error> {
-    analysis::periodic_orbit(&system.any(), x.into(), period, options)
+) -> Result<PeriodicOrbit, Error> {
+    analysis::periodic_orbit(&system.any(), x, period, options)
 }
 
 pub fn find_periodic_orbit<S: Listed<N>, const N: usize>(
     system: &S,
-    x0: impl Into<State<N>>,
+    x0: impl Components,
     transient: f64,
     longest: f64,
     options: &Options,
-) -> Result<PeriodicOrbit<N>, Error> {
-    analysis::find_periodic_orbit(&system.any(), x0.into(), transient, longest, options)
+) -> Result<PeriodicOrbit, Error> {
+    analysis::find_periodic_orbit(&system.any(), x0, transient, longest, options)
 }
 
 pub fn periodic_orbit_forced<S: Listed<N>, const N: usize>(
     system: &S,
     t: f64,
-    x: impl Into<State<N>>,
+    x: impl Components,
     period: f64,
     options: &Options,
-) -> Result<PeriodicOrbit<N>, Error> {
-    analysis::periodic_orbit_forced(&system.any(), t, x.into(), period, options)
+) -> Result<PeriodicOrbit, Error> {
+    analysis::periodic_orbit_forced(&system.any(), t, x, period, options)
 }
 
 pub fn lyapunov_spectrum<S: Listed<N>, const N: usize>(
     system: &S,
-    start: (f64, State<N>),
+    start: (f64, impl Components),
     settings: &SpectrumOptions,
-) -> Result<Spectrum<N>, Error> {
+) -> Result<Spectrum, Error> {
     lyapunov_spectrum_watched(system, start, settings, &mut ())
 }
 
 pub fn lyapunov_spectrum_watched<S: Listed<N>, const N: usize>(
     system: &S,
-    start: (f64, State<N>),
+    start: (f64, impl Components),
     settings: &SpectrumOptions,
-    watcher: &mut dyn Observer<N>,
-) -> Result<Spectrum<N>, Error> {
+    watcher: &mut impl Observer<N>,
+) -> Result<Spectrum, Error> {
     analysis::lyapunov_spectrum_watched(&system.any(), start, settings, watcher)
 }

@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use nalgebra::{Matrix2, Matrix4, SMatrix};
+use stickslip::dynamics::Matrix;
 use stickslip::analysis::{Destination, destination, multipliers};
 use stickslip::{Error, Method, Options, State, math};
 
@@ -19,7 +20,7 @@ fn the_cycle_with_stick_is_found_without_a_guess() {
         let start = [0.04, -0.01];
         let cycle = find_periodic_orbit(&decaying_friction(), start, 20.0, 30.0, &options).unwrap();
         assert!((cycle.period - 9.230_770_458_082_98).abs() < 1e-11);
-        let [along, across] = multipliers(&cycle.monodromy);
+        let [along, across]: [_; 2] = multipliers(&cycle.monodromy).try_into().unwrap();
         assert!((along.re - 1.0).abs() < 1e-9 && across.norm() < 1e-9);
     }
 }
@@ -59,7 +60,7 @@ fn of_two_returns_in_a_turn_the_one_that_comes_back_is_the_period() {
     let cycle = find_periodic_orbit(&TwiceRound, start, 20.0, 10.0, &Options::tol(1e-12)).unwrap();
     assert!((cycle.period - 2.0 * PI).abs() < 1e-9, "{}", cycle.period);
     // Along the cycle, across it in the plane, and towards 3 cos 2θ.
-    let [along, across, towards] = multipliers(&cycle.monodromy);
+    let [along, across, towards]: [_; 3] = multipliers(&cycle.monodromy).try_into().unwrap();
     assert!((along.re - 1.0).abs() < 1e-8);
     assert!((across.re - math::exp(-4.0 * PI)).abs() < 1e-9 && towards.norm() < 1e-9);
 }
@@ -84,7 +85,7 @@ fn den_hartog_s_orbits_are_refined_to_what_rounding_allows() {
                 let settled = run(&system, 0.0, start, 40.0 * period, &options, &mut ()).unwrap();
                 let cycle =
                     periodic_orbit_forced(&system, 0.0, settled.x, period, &options).unwrap();
-                let turn = solve(&system, 0.0, cycle.x, period, &options).unwrap();
+                let turn = solve(&system, 0.0, &cycle.x, period, &options).unwrap();
                 assert_eq!(turn.transitions.len(), 2);
                 for turned in &turn.transitions {
                     let off = (turned.x[0].abs() - exact).abs();
@@ -117,18 +118,19 @@ fn the_multipliers_of_a_matrix_are_its_eigenvalues_the_nearest_to_1_first() {
         }
     });
     let matrix = shear * blocks * shear.try_inverse().unwrap();
-    let [first, second, third, fourth] = multipliers(&matrix);
+    let matrix = Matrix::from_column_slice(4, 4, matrix.as_slice());
+    let [first, second, third, fourth]: [_; 4] = multipliers(&matrix).try_into().unwrap();
     assert!((first - 1.02).norm() < 1e-12, "{first}");
     assert!((second.re - c).abs() < 1e-12 && (second.im.abs() - s).abs() < 1e-12);
     assert!((second - third.conj()).norm() < 1e-12);
     assert!((fourth + 0.3).norm() < 1e-12, "{fourth}");
-    let [one, other] = multipliers(&Matrix2::new(c, -2.0 * s, 0.5 * s, c));
+    let [one, other]: [_; 2] = multipliers(&Matrix::from_row_slice(2, 2, &[c, -2.0 * s, 0.5 * s, c])).try_into().unwrap();
     assert!(
         (one.re - c).abs() < 1e-15 && (one.im.abs() - s).abs() < 1e-15,
         "{one}"
     );
     assert_eq!(other, one.conj());
-    let none = SMatrix::<f64, 3, 3>::from_element(f64::NAN);
+    let none = Matrix::from_element(3, 3, f64::NAN);
     assert!(multipliers(&none).iter().all(|m| m.re.is_nan()));
 }
 
@@ -151,9 +153,9 @@ fn a_forced_orbit_comes_to_den_hartog_s_in_one_period() {
     else {
         panic!("{found:?}");
     };
-    let cycle = periodic_orbit_forced(&system, t0, x, period, &options).unwrap();
-    assert!((cycle.x - x).amax() < 1e-5, "{} {x}", cycle.x);
-    let turn = solve(&system, t0, x, t0 + period, &options).unwrap();
+    let cycle = periodic_orbit_forced(&system, t0, &x, period, &options).unwrap();
+    assert!((&cycle.x - &x).amax() < 1e-5, "{} {x}", cycle.x);
+    let turn = solve(&system, t0, &x, t0 + period, &options).unwrap();
     for turned in &turn.transitions {
         assert!((turned.x[0].abs() - 1.927_774_517_9).abs() < 1e-4);
     }

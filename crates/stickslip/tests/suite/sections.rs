@@ -3,6 +3,8 @@
 use std::f64::consts::PI;
 
 use nalgebra::Matrix2;
+use stickslip::dynamics::{Matrix, Vector};
+use stickslip::system::IntoState;
 use stickslip::Direction::{Both, Falling, Rising};
 use stickslip::analysis::{PoincareMap, multipliers};
 use stickslip::models::BeltOscillator;
@@ -315,17 +317,17 @@ fn the_cycle_with_stick_returns_after_its_period_and_forgets_where_it_was() {
             let mut last = map.by_ref().nth(1).unwrap().unwrap();
             for number in 3..6 {
                 let (next, derivative) = map.step_with_derivative().unwrap();
-                assert_eq!((next.number, next.mode), (number, mode));
+                assert_eq!((next.number, next.mode), (number, mode.into()));
                 assert!(
                     (next.t - last.t - PERIOD).abs() < 10.0 * allowed,
                     "{}",
                     next.t - last.t
                 );
-                assert!((next.x - last.x).amax() < 10.0 * allowed);
+                assert!((&next.x - &last.x).amax() < 10.0 * allowed);
                 assert!(derivative.amax() < 1e-9, "{derivative}");
                 assert_eq!(
-                    (map.time(), *map.state(), map.number()),
-                    (next.t, next.x, number)
+                    (map.time(), map.state(), map.number()),
+                    (next.t, &next.x, number)
                 );
                 last = next;
             }
@@ -339,7 +341,7 @@ fn first_return<S: Listed<2>>(
     section: &Plane<2>,
     start: State<2>,
     options: &Options,
-) -> (State<2>, Matrix2<f64>) {
+) -> (Vector, Matrix) {
     let any = system.any();
     let mut map = PoincareMap::new(&any, section, (0.0, start), 30.0, options).unwrap();
     let (first, derivative) = map.step_with_derivative().unwrap();
@@ -371,11 +373,12 @@ fn the_derivative_is_that_of_differences() {
             let near = moved(CHANGE) - moved(-CHANGE);
             let far = moved(2.0 * CHANGE) - moved(-2.0 * CHANGE);
             let slope = (near * 8.0 - far) / (12.0 * CHANGE);
-            let off = (found.column(j) - slope).amax();
+            let off = (found.column(j) - &slope).amax();
             assert!(off < 1e-7 * found.amax().max(1.0), "{found} {slope}");
         }
         // It leads into the section.
-        assert!((section.normal.transpose() * found).amax() < 1e-13 * found.amax());
+        let normal = Vector::from_column_slice(section.normal.as_slice());
+        assert!((normal.transpose() * &found).amax() < 1e-13 * found.amax());
     }
 }
 
@@ -384,14 +387,14 @@ fn on_a_cycle_it_has_the_cycle_s_multiplier() {
     let belt = BeltOscillator::default();
     let options = Options::tol(1e-13);
     let cycle = periodic_orbit(&belt, [-0.27, -0.73], 7.7, &options).unwrap();
-    let [_, other] = multipliers(&cycle.monodromy);
+    let [_, other]: [_; 2] = multipliers(&cycle.monodromy).try_into().unwrap();
     let section = Plane {
-        point: cycle.x,
+        point: cycle.x.clone().into_state(),
         normal: State::from([1.0, 0.0]),
         direction: Both,
     };
     let system = belt.any();
-    let start = (0.0, cycle.x);
+    let start = (0.0, &cycle.x);
     let mut map = PoincareMap::new(&system, &section, start, 20.0, &options).unwrap();
     // The block passes the place once each way.
     let (_, half) = map.step_with_derivative().unwrap();
@@ -427,13 +430,13 @@ fn an_exit_at_a_tangent_point_passes_a_section_that_is_the_boundary_with_no_deri
             );
             // It is a return all the same, and the next derivative starts there.
             assert_eq!(map.number(), 2);
-            let left = (map.time(), *map.state());
+            let left = (map.time(), map.state().clone());
             let Ok((_, derivative)) = map.step_with_derivative() else {
                 continue;
             };
             let mut again = PoincareMap::new(&system, &section, left, 20.0, &options).unwrap();
             let (_, anew) = again.step_with_derivative().unwrap();
-            assert!((derivative - anew).amax() < 1e-8, "{derivative} {anew}");
+            assert!((&derivative - &anew).amax() < 1e-8, "{derivative} {anew}");
             derivatives += 1;
         }
     }
@@ -457,7 +460,7 @@ fn a_strobe_is_a_section_of_time() {
     let start = [1.0, 0.3];
     let mut map = PoincareMap::new(&any, &strobe, (0.0, start), 20.0, &options).unwrap();
     for k in 1..4 {
-        let from = *map.state();
+        let from = map.state().clone();
         let t0 = map.time();
         let (next, derivative) = map.step_with_derivative().unwrap();
         assert!((next.t - f64::from(k) * period).abs() < 1e-14 * next.t);

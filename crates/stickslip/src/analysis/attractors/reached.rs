@@ -108,10 +108,10 @@ impl Reached {
 }
 
 /// By how many places `other` must be turned to have the elements of `one`, for every way that there is.
-pub(crate) fn turns<'a, T>(
-    one: &'a [T],
-    other: &'a [T],
-    same: impl Fn(&T, &T) -> bool + 'a,
+pub(crate) fn turns<'a, A, B>(
+    one: &'a [A],
+    other: &'a [B],
+    same: impl Fn(&A, &B) -> bool + 'a,
 ) -> impl Iterator<Item = usize> + 'a {
     let length = if one.len() == other.len() {
         one.len()
@@ -122,6 +122,6 @@ pub(crate) fn turns<'a, T>(
 }
 
 /// Whether two sequences are the same but for where they begin.
-pub fn is_same_cycle<T: PartialEq>(one: &[T], other: &[T]) -> bool {
+pub fn is_same_cycle<A: PartialEq<B>, B>(one: &[A], other: &[B]) -> bool {
     one.is_empty() && other.is_empty() || turns(one, other, |a, b| a == b).next().is_some()
 }

@@ -6,7 +6,7 @@ use crate::filippov::options::Options;
 use crate::filippov::solve::{Failure, keep};
 use crate::filippov::switched::Switched;
 use crate::orbit::Orbit;
-use crate::system::{Mode, State};
+use crate::system::{IntoState, Mode};
 
 /// An orbit, and the events that were watched for along it.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,7 +25,7 @@ pub fn solve_with_events<S, V, const N: usize, const E: usize, const G: usize>(
     system: &S,
     events: &V,
     t0: f64,
-    x0: impl Into<State<N>>,
+    x0: impl IntoState<N>,
     t_end: f64,
     options: &Options,
 ) -> Result<OrbitWithEvents<N, S::Mode>, Failure<OrbitWithEvents<N, S::Mode>>>
@@ -33,7 +33,7 @@ where
     S: Switched<N, G>,
     V: EventFunctions<N, E>,
 {
-    let x0 = x0.into();
+    let x0 = x0.into_state();
     let mut found = OrbitWithEvents {
         orbit: Orbit::of_none(t0, x0),
         events: Vec::new(),

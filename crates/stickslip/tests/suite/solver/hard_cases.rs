@@ -1,7 +1,7 @@
 //! Cases that are easy to get wrong: on Σ to rounding only, at two-folds, at the edge of a field's domain, where
 //! transitions pile up, and where a step is long against what happens in it.
 
-use std::cell::Cell;
+use std::sync::atomic::AtomicU64;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::ops::ControlFlow;
 
@@ -129,7 +129,7 @@ fn the_step_on_which_a_run_escapes_is_kept() {
 #[test]
 fn a_step_whose_dense_output_is_not_finite_is_not_searched_for_ever() {
     let system = Rest {
-        looks: Cell::new(0),
+        looks: AtomicU64::new(0),
     };
     // Until time 2 the solution is 1 - (1 - t/2)², and then it rests at 1, at the edge of the field's domain: the run goes
     // on there or ends there, promptly.

@@ -169,7 +169,7 @@ fn assert_streams_alike<S: Listed<2>>(system: &S, x0: State<2>, orbit: &Orbit<2>
 /// of infinity would allow anything.
 fn growth<S: Listed<2>>(system: &S, t0: f64, x0: State<2>, t_end: f64) -> f64 {
     let options = super::tol(TOLERANCE).escape(20.0);
-    stickslip::analysis::monodromy(system, t0, x0, t_end, &options)
+    stickslip::analysis::monodromy(&system.any(), t0, x0, t_end, &options)
         .expect("runs")
         .matrix
         .amax()
