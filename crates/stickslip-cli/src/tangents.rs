@@ -11,8 +11,8 @@ use stickslip::analysis::Visibility;
 use stickslip::scalar::Dual;
 use stickslip::{Scalar, Side};
 
-use stickslip_kernels::expression::Tape;
 use stickslip_kernels::file::System;
+use stickslip_kernels::kernel::Combination;
 
 /// How many values the range is divided into: two tangent points nearer than one of these are not told apart from none.
 const FINENESS: usize = 2000;
@@ -351,8 +351,7 @@ impl Line {
     fn rates(&self, system: &System, fields: Fields, s: f64) -> Option<[f64; 2]> {
         let x = self.state(system, s)?;
         let rates = [Side::Below, Side::Above].map(|side| {
-            let tape = self.field(system, fields, side, &x);
-            let velocity = rates_of(tape, self.t, &x);
+            let velocity = self.velocity(system, (fields, side), &x, (self.t, &x[..]));
             let moving: Vec<Dual<f64>> = x
                 .iter()
                 .zip(&velocity)
@@ -365,22 +364,31 @@ impl Line {
         rates.iter().all(|rate| rate.is_finite()).then_some(rates)
     }
 
-    /// The field with the contact on this side and the others where the state has them.
-    fn field<'a>(&self, system: &'a System, fields: Fields, side: Side, x: &[f64]) -> &'a Tape {
+    /// The velocity with the contact on this side and the others where the state has them.
+    fn velocity<T: Scalar>(
+        &self,
+        system: &System,
+        (fields, side): (Fields, Side),
+        at: &[f64],
+        (t, x): (T, &[T]),
+    ) -> Vec<T> {
         let mut above = 0;
         for contact in 0..system.contacts() {
             let is_above = if contact == self.contact {
                 side == Side::Above
             } else {
-                system.boundary(contact, self.t, x) > 0.0
+                system.boundary(contact, self.t, at) > 0.0
             };
             above |= usize::from(is_above) << contact;
         }
-        let held = system.built.fields.holding.get(1 << self.contact);
-        match (fields, held) {
-            (Fields::Holding, Some(holding)) => &holding[above],
-            _ => &system.built.fields.slip[above],
-        }
+        let held = match fields {
+            Fields::Holding if system.built.has_static => 1 << self.contact,
+            _ => 0,
+        };
+        let mut velocity = vec![T::zero(); x.len()];
+        let combination = Combination { above, held };
+        system.built.fields.evaluate(combination, t, x, &mut velocity);
+        velocity
     }
 
     /// Where the rate of one side changes its sign, by bisection.
@@ -429,15 +437,14 @@ impl Line {
 
     /// By the sign of the second derivative of the boundary function along the field.
     fn visibility(&self, system: &System, side: Side, x: &[f64]) -> Visibility {
-        let tape = self.field(system, Fields::Slip, side, x);
-        let velocity = rates_of(tape, self.t, x);
+        let of = (Fields::Slip, side);
+        let velocity = self.velocity(system, of, x, (self.t, x));
         let moving: Vec<Dual<f64>> = x
             .iter()
             .zip(&velocity)
             .map(|(&x, &v)| Dual::new(x, v))
             .collect();
-        let mut rates = vec![Dual::zero(); x.len()];
-        tape.evaluate(Dual::new(self.t, 1.0), &moving, &mut rates);
+        let rates = self.velocity(system, of, x, (Dual::new(self.t, 1.0), &moving[..]));
         let twice: Vec<Dual<Dual<f64>>> = moving
             .iter()
             .zip(&rates)
@@ -457,9 +464,3 @@ impl Line {
     }
 }
 
-/// The rates of all states.
-fn rates_of(field: &Tape, t: f64, x: &[f64]) -> Vec<f64> {
-    let mut rates = vec![f64::NAN; x.len()];
-    field.evaluate(t, x, &mut rates);
-    rates
-}

@@ -6,9 +6,10 @@ use super::functions::Function;
 use super::graph::{Graph, Id, Node};
 
 /// How many numbers a tape can hold at once, time and states among them.
-pub const MOST_REGISTERS: usize = 64;
+pub const MOST_REGISTERS: usize = 1024;
 
-/// How many the short tapes hold: most systems need no more, and a number's room must be made at every evaluation.
+/// How many the short tapes hold, a power of two: most systems need no more, and have their room on
+/// the stack.
 const FEW_REGISTERS: usize = 16;
 
 /// An expression needs more than [`MOST_REGISTERS`] numbers at once.
@@ -30,9 +31,9 @@ pub struct Tape {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Step {
     operation: Operation,
-    a: u8,
-    b: u8,
-    to: u8,
+    a: u16,
+    b: u16,
+    to: u16,
     constant: f64,
 }
 
@@ -70,7 +71,7 @@ enum Other {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Output {
-    Register(u8),
+    Register(u16),
     Constant(f64),
 }
 
@@ -92,26 +93,35 @@ impl Tape {
     #[inline(always)]
     pub fn evaluate<T: Scalar>(&self, t: T, x: &[T], out: &mut [T]) {
         if self.registers <= FEW_REGISTERS {
-            self.run::<T, FEW_REGISTERS>(t, x, out);
+            self.run_few(t, x, out);
         } else {
-            self.run::<T, MOST_REGISTERS>(t, x, out);
+            self.run_many(t, x, out);
         }
     }
 
-    /// One of these for each kind of number, however many kinds of systems there are: inlined into the solver it would be compiled for
-    /// each of them.
     #[inline(never)]
-    fn run<T: Scalar, const R: usize>(&self, t: T, x: &[T], out: &mut [T]) {
-        let mut registers = [T::zero(); R];
+    fn run_few<T: Scalar>(&self, t: T, x: &[T], out: &mut [T]) {
+        // All places are less than this power of two: the mask tells the compiler.
+        self.run(&mut [T::zero(); FEW_REGISTERS], FEW_REGISTERS - 1, (t, x), out);
+    }
+
+    #[inline(never)]
+    fn run_many<T: Scalar>(&self, t: T, x: &[T], out: &mut [T]) {
+        self.run(&mut vec![T::zero(); self.registers], usize::MAX, (t, x), out);
+    }
+
+    /// One of each of the two callers for each kind of number, however many kinds of systems there
+    /// are: inlined into the solver it would be compiled for each of them.
+    #[inline(always)]
+    fn run<T: Scalar>(&self, registers: &mut [T], mask: usize, (t, x): (T, &[T]), out: &mut [T]) {
         registers[0] = t;
         for (register, &component) in registers[1..].iter_mut().zip(x) {
             *register = component;
         }
         for step in &self.steps {
-            // All are less than R, a power of two: this tells the compiler.
-            let [a, b, to] = [step.a, step.b, step.to].map(|k| usize::from(k) & (R - 1));
+            let [a, b, to] = [step.a, step.b, step.to].map(|k| usize::from(k) & mask);
             let constant = step.constant;
-            let r = &mut registers;
+            let r = &mut *registers;
             // Each writes its result itself. One place for all would have it put together first and copied then, which takes longer than
             // most operations.
             match step.operation {
@@ -133,7 +143,7 @@ impl Tape {
         }
         for (out, output) in out.iter_mut().zip(&self.outputs) {
             *out = match *output {
-                Output::Register(k) => registers[usize::from(k) & (R - 1)],
+                Output::Register(k) => registers[usize::from(k) & mask],
                 // Numbers that fold know these two without looking at them.
                 Output::Constant(0.0) => T::zero(),
                 Output::Constant(1.0) => T::one(),
@@ -169,8 +179,8 @@ struct Layout<'a> {
     reached: Vec<bool>,
     /// By number, the last that is made of it; its own where it is an output, which lasts.
     last_use: Vec<usize>,
-    register: Vec<Option<u8>>,
-    free: Vec<u8>,
+    register: Vec<Option<u16>>,
+    free: Vec<u16>,
     given: usize,
     steps: Vec<Step>,
 }
@@ -224,7 +234,7 @@ impl<'a> Layout<'a> {
             // Where it is used, it stands in the operation; where it cannot, it is loaded there.
             Node::Constant(_) => return Ok(()),
             Node::Input(k) => {
-                self.register[i] = Some(k);
+                self.register[i] = Some(u16::from(k));
                 return Ok(());
             }
             Node::Negative(a) => (Op::Negate, a, None, 0.0),
@@ -319,7 +329,7 @@ impl<'a> Layout<'a> {
     }
 
     /// The register of an operand; a constant is loaded into one.
-    fn operand(&mut self, operand: Id) -> Result<u8, TooLarge> {
+    fn operand(&mut self, operand: Id) -> Result<u16, TooLarge> {
         if let Some(register) = self.register[operand.index()] {
             return Ok(register);
         }
@@ -335,7 +345,7 @@ impl<'a> Layout<'a> {
         Ok(to)
     }
 
-    fn take(&mut self) -> Result<u8, TooLarge> {
+    fn take(&mut self) -> Result<u16, TooLarge> {
         if let Some(register) = self.free.pop() {
             return Ok(register);
         }
@@ -343,7 +353,7 @@ impl<'a> Layout<'a> {
             return Err(TooLarge);
         }
         self.given += 1;
-        Ok((self.given - 1) as u8)
+        Ok((self.given - 1) as u16)
     }
 
     /// Takes back the registers of what `user` is the last to use; the inputs keep theirs.
@@ -452,7 +462,8 @@ mod tests {
                 .fold(2.0, |sum, k| sum + 2.0 * (k as f64 + 0.5));
             assert_eq!(value(&tape, 0.0, &[2.0]), [wanted]);
         }
-        assert_eq!(chain(100), Err(TooLarge));
+        assert!(chain(100).is_ok());
+        assert_eq!(chain(1200), Err(TooLarge));
     }
 
     #[test]

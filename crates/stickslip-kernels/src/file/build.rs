@@ -1,15 +1,20 @@
 //! From the expressions of a file to tapes.
 
+use std::sync::Arc;
+
 use super::builder::{Builder, Inputs, Scope, no_number};
 use super::problem::Problem;
 use super::{Formula, Rate, SystemFile};
 use crate::expression::{Binary, Graph, Id, NotANumber, Tape, TooLarge};
+use crate::kernel::{Combination, Fields, sides_to_check};
 
 /// The tapes of a system.
 #[derive(Clone, Debug)]
 pub struct Built {
     /// The fields.
     pub fields: Fields,
+    /// Whether a contact has static friction of its own.
+    pub has_static: bool,
     /// The boundary functions of all contacts.
     pub boundaries: Tape,
     /// The normal force of the only contact, where contact can be lost.
@@ -28,15 +33,6 @@ pub struct Built {
     pub depends_on_time: bool,
 }
 
-/// The fields of all combinations of sides.
-#[derive(Clone, Debug)]
-pub struct Fields {
-    /// In slip: bit `i` of the index is set where contact `i` is above.
-    pub slip: Vec<Tape>,
-    /// While contacts hold (those whose bits are set in the first index); empty where nothing differs then.
-    pub holding: Vec<Vec<Tape>>,
-}
-
 /// The value of an expression of numbers alone.
 pub(super) fn value(formula: &Formula) -> Result<f64, Problem> {
     let mut graph = Graph::new();
@@ -46,7 +42,7 @@ pub(super) fn value(formula: &Formula) -> Result<f64, Problem> {
 }
 
 /// Finds what is wrong with any expression of the file, used or not.
-pub(super) fn check(file: &SystemFile) -> Result<(), Problem> {
+pub(super) fn check(file: &Arc<SystemFile>) -> Result<(), Problem> {
     let mut graph = Graph::new();
     let values = values(file);
     let scope = Scope::Sides { above: 0, held: 0 };
@@ -124,48 +120,35 @@ pub(crate) enum Variant {
 ///
 /// # Errors
 /// [`Problem`] where a constant part of an expression is no number with them, or an expression is too large.
-pub(crate) fn built(file: &SystemFile, values: &[f64], variant: Variant) -> Result<Built, Problem> {
-    let free = match variant {
-        Variant::Free(parameter) => Some(parameter),
-        Variant::AsWritten | Variant::InPeriod(_) => None,
-    };
+pub(crate) fn built(
+    file: &Arc<SystemFile>,
+    values: &[f64],
+    variant: Variant,
+) -> Result<Built, Problem> {
     let mut graph = Graph::new();
     let period = period(file, values)?;
-    let inputs = Inputs::free(values, free);
-    let reference = match variant {
-        Variant::InPeriod(reference) => Some(reference),
-        Variant::AsWritten | Variant::Free(_) => period,
-    };
-    let inputs = inputs.paced(pace(file, inputs, reference, &mut graph)?);
-    let states = file.states.len() + usize::from(free.is_some());
+    let inputs = inputs(file, values, variant, &mut graph)?;
+    let states = file.states.len() + usize::from(inputs.has_free());
     let tape = |graph: &Graph, roots: &[Id]| -> Result<Tape, Problem> {
         let too_large = |error: TooLarge| Problem::new(error.to_string(), 0..0);
         Tape::new(graph, roots, states).map_err(too_large)
     };
     let contacts = file.contacts.len();
-    let combinations = 1 << contacts;
     let mut depends_on_time = false;
 
-    let mut fields_of = |graph: &mut Graph, held: usize| -> Result<Vec<Tape>, Problem> {
-        let mut tapes = Vec::with_capacity(combinations);
-        for above in 0..combinations {
+    let has_static = file.contacts.iter().any(|contact| contact.holding.is_some());
+    for above in sides_to_check(contacts) {
+        let all = (1 << contacts) - 1;
+        for held in if has_static { vec![0, all] } else { vec![0] } {
             let scope = Scope::Sides { above, held };
-            let rates = Builder::new(file, inputs, graph, scope).field()?;
+            let rates = Builder::new(file, inputs, &mut graph, scope).field()?;
             depends_on_time |= rates.iter().any(|&rate| graph.depends_on_time(rate));
-            tapes.push(tape(graph, &rates)?);
+            tape(&graph, &rates)?;
         }
-        Ok(tapes)
-    };
-    let slip = fields_of(&mut graph, 0)?;
-    let has_static = file
-        .contacts
-        .iter()
-        .any(|contact| contact.holding.is_some());
-    let holding = if has_static {
-        let holding = (0..combinations).map(|held| fields_of(&mut graph, held));
-        holding.collect::<Result<_, _>>()?
-    } else {
-        Vec::new()
+    }
+    let fields = {
+        let (file, values) = (Arc::clone(file), values.to_vec());
+        Fields::new(contacts, Arc::new(move |of| field(&file, &values, variant, of)))
     };
 
     let mut heights = Vec::with_capacity(contacts);
@@ -182,6 +165,10 @@ pub(crate) fn built(file: &SystemFile, values: &[f64], variant: Variant) -> Resu
         }
         depends_on_time |= graph.depends_on_time(height);
         heights.push(height);
+    }
+    if heights.is_empty() {
+        // Without a contact there is one side.
+        heights.extend(graph.constant(1.0));
     }
     let mut alone = |formula: &Formula, place| -> Result<Tape, Problem> {
         let scope = Scope::NoSides(place);
@@ -213,7 +200,8 @@ pub(crate) fn built(file: &SystemFile, values: &[f64], variant: Variant) -> Resu
         return Err(Problem::new(message, formula.whole()));
     }
     Ok(Built {
-        fields: Fields { slip, holding },
+        fields,
+        has_static,
         boundaries: tape(&graph, &heights)?,
         normal_force,
         section,
@@ -223,6 +211,33 @@ pub(crate) fn built(file: &SystemFile, values: &[f64], variant: Variant) -> Resu
         period,
         depends_on_time,
     })
+}
+
+/// The tape of the field of one combination; `None` where there is none.
+fn field(file: &SystemFile, values: &[f64], variant: Variant, of: Combination) -> Option<Tape> {
+    let mut graph = Graph::new();
+    let inputs = inputs(file, values, variant, &mut graph).ok()?;
+    let states = file.states.len() + usize::from(inputs.has_free());
+    let Combination { above, held } = of;
+    let scope = Scope::Sides { above, held };
+    let rates = Builder::new(file, inputs, &mut graph, scope).field().ok()?;
+    Tape::new(&graph, &rates, states).ok()
+}
+
+/// What parameters and time are in a variant.
+fn inputs<'a>(
+    file: &SystemFile,
+    values: &'a [f64],
+    variant: Variant,
+    graph: &mut Graph,
+) -> Result<Inputs<'a>, Problem> {
+    let (free, reference) = match variant {
+        Variant::AsWritten => (None, period(file, values)?),
+        Variant::Free(parameter) => (Some(parameter), period(file, values)?),
+        Variant::InPeriod(reference) => (None, Some(reference)),
+    };
+    let inputs = Inputs::free(values, free);
+    Ok(inputs.paced(pace(file, inputs, reference, graph)?))
 }
 
 /// How fast the file's time passes where the period is to be `period`; `None` where it is that.

@@ -44,6 +44,11 @@ impl<'a> Inputs<'a> {
         }
     }
 
+    /// Whether a parameter is a state.
+    pub(super) fn has_free(&self) -> bool {
+        self.free.is_some()
+    }
+
     /// The same in another time.
     pub(super) fn paced(self, pace: Option<Id>) -> Self {
         Inputs { pace, ..self }

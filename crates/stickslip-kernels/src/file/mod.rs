@@ -41,7 +41,7 @@ mod read;
 mod system;
 mod table;
 
-pub use build::{Built, Fields};
+pub use build::Built;
 pub use formula::Formula;
 pub use names::{Meaning, Names, did_you_mean};
 pub use problem::{Problem, Source};
@@ -49,6 +49,7 @@ pub use system::{SettingError, System};
 
 use std::ops::Range;
 use std::path::Path;
+use std::sync::Arc;
 
 use stickslip::Direction;
 
@@ -285,8 +286,9 @@ impl SystemFile {
     /// [`FileError::Wrong`] with the first thing that is wrong.
     pub fn parse(source: Source) -> Result<SystemFile, FileError> {
         let read = read::read(&source).and_then(|file| {
+            let file = Arc::new(file);
             build::check(&file)?;
-            Ok(file)
+            Ok(Arc::unwrap_or_clone(file))
         });
         read.map_err(|problem| FileError::Wrong {
             problem: Box::new(problem),

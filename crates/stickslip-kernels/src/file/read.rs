@@ -194,8 +194,10 @@ fn definitions(file: &Table<'_>, names: &mut Names) -> Result<Vec<Named>, Proble
 }
 
 fn contacts(file: &Table<'_>, names: &mut Names) -> Result<Vec<Contact>, Problem> {
-    let example = "[contacts.NAME] with a boundary, as in boundary = \"v - vp\"";
-    let table = file.need("contacts", example)?.table("", "contacts")?;
+    // A system without contacts is smooth.
+    let Some(table) = file.table("contacts")? else {
+        return Ok(Vec::new());
+    };
     let mut contacts = Vec::new();
     for (number, (name, place, entry)) in table.entries().enumerate() {
         if number == MOST_CONTACTS {
@@ -240,11 +242,6 @@ fn contacts(file: &Table<'_>, names: &mut Names) -> Result<Vec<Contact>, Problem
             force.whole(),
         )
         .help("with several contacts, let friction vanish with the normal force by max(0, …)"));
-    }
-    if contacts.is_empty() {
-        return Err(
-            Problem::new("[contacts] is empty", table.place).help(format!("it needs {example}"))
-        );
     }
     Ok(contacts)
 }

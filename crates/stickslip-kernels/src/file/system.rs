@@ -1,5 +1,7 @@
 //! A system ready to run: a file, and values for its parameters.
 
+use std::sync::Arc;
+
 use stickslip::nalgebra::{DMatrix, DVector};
 use stickslip::scalar::Dual;
 use stickslip::statistics::SplitMix;
@@ -8,7 +10,7 @@ use stickslip::{Direction, Scalar};
 use super::build::{self, Built, Variant};
 use super::{FileError, Problem, Source, SystemFile, did_you_mean};
 use crate::kernel::{
-    Equations, Kernel, ManyContacts, OneContact, Section,
+    Combination, Equations, Kernel, ManyContacts, OneContact, Section, sides_to_check,
 };
 
 /// States at which a period is tried.
@@ -30,7 +32,7 @@ const PERIODIC: f64 = 1e-6;
 /// A system ready to run.
 pub struct System {
     /// The file that it is from.
-    pub file: SystemFile,
+    pub file: Arc<SystemFile>,
     /// Values of the parameters, in the order of the file.
     pub values: Vec<f64>,
     /// Its equations.
@@ -116,12 +118,12 @@ impl SystemFile {
             }
             values[number] = *value;
         }
-        Ok(System::new(self.clone(), values)?)
+        Ok(System::new(Arc::new(self.clone()), values)?)
     }
 }
 
 impl System {
-    fn new(file: SystemFile, values: Vec<f64>) -> Result<System, FileError> {
+    fn new(file: Arc<SystemFile>, values: Vec<f64>) -> Result<System, FileError> {
         let built = built(&file, &values, Variant::AsWritten)?;
         let states = file.states.len();
         let direction = file
@@ -177,20 +179,16 @@ impl System {
     /// Whether field and boundaries are what they were a period ago, at some states; `None` where there is no period.
     pub fn is_periodic(&self) -> Option<bool> {
         let period = self.built.period?;
-        let tapes = || {
-            self.built
-                .fields
-                .slip
-                .iter()
-                .chain([&self.built.boundaries])
-        };
         let at = |t: f64, x: &[f64]| -> Vec<f64> {
-            let values = tapes().flat_map(|tape| {
-                let mut out = vec![0.0; self.states().max(self.contacts())];
-                tape.evaluate(t, x, &mut out);
-                out
-            });
-            values.collect()
+            let mut values = vec![0.0; self.contacts()];
+            self.built.boundaries.evaluate(t, x, &mut values);
+            for above in sides_to_check(self.contacts()) {
+                let mut rates = vec![0.0; self.states()];
+                let sides = Combination { above, held: 0 };
+                self.built.fields.evaluate(sides, t, x, &mut rates);
+                values.extend(rates);
+            }
+            values
         };
         let random = &mut SplitMix::new(2);
         Some(self.probes().iter().all(|x| {
@@ -220,10 +218,12 @@ impl System {
 
     /// Contacts whose boundaries vanish together, and a state where their gradients depend on each
     /// other, so that no run can go through it. Looked for at the start's time, from states about
-    /// the start.
+    /// the start; of more than four contacts only pairs are looked at.
     pub fn dependent_boundaries(&self) -> Option<(Vec<usize>, Vec<f64>)> {
+        let most = if self.contacts() <= 4 { 4 } else { 2 };
+        let sets = 1..1_usize << self.contacts();
         // Numbers of subsets come before those of the sets.
-        (1..1_usize << self.contacts()).find_map(|set| {
+        sets.filter(|set| set.count_ones() <= most).find_map(|set| {
             let contacts = (0..self.contacts()).filter(|contact| set >> contact & 1 == 1);
             let contacts: Vec<usize> = contacts.collect();
             let states = self.probes().into_iter();
@@ -305,7 +305,7 @@ impl System {
 }
 
 /// The tapes, or what is wrong with the file.
-fn built(file: &SystemFile, values: &[f64], variant: Variant) -> Result<Built, FileError> {
+fn built(file: &Arc<SystemFile>, values: &[f64], variant: Variant) -> Result<Built, FileError> {
     build::built(file, values, variant).map_err(|problem| wrong(problem, &file.source))
 }
 
@@ -317,27 +317,30 @@ fn wrong(problem: Problem, source: &Source) -> FileError {
 }
 
 fn equations(built: &Built) -> Equations {
-    let boundaries = built.boundaries.clone();
-    match &built.fields.slip[..] {
-        [below, above] => {
-            let holding = match &built.fields.holding[..] {
-                [_, held] => match &held[..] {
-                    [below, above] => Some([below.clone(), above.clone()]),
-                    _ => None,
-                },
-                _ => None,
-            };
-            Equations::OneContact(Box::new(OneContact {
-                field: [below.clone(), above.clone()],
-                holding,
-                boundary: boundaries,
-                normal_force: built.normal_force.clone(),
-            }))
-        }
-        _ => Equations::ManyContacts(ManyContacts {
-            field: built.fields.slip.clone(),
-            holding: built.fields.holding.clone(),
-            boundaries,
+    let Built {
+        fields, boundaries, ..
+    } = built;
+    let one_contact = || {
+        let both = |held: usize| {
+            let tape = |above| fields.tape(Combination { above, held });
+            Some([tape(0)?, tape(1)?])
+        };
+        Some(OneContact {
+            field: both(0)?,
+            holding: match built.has_static {
+                true => Some(both(1)?),
+                false => None,
+            },
+            boundary: boundaries.clone(),
+            normal_force: built.normal_force.clone(),
+        })
+    };
+    match one_contact().filter(|_| fields.contacts() <= 1) {
+        Some(system) => Equations::OneContact(Box::new(system)),
+        None => Equations::ManyContacts(ManyContacts {
+            fields: fields.clone(),
+            has_static: built.has_static,
+            boundaries: boundaries.clone(),
         }),
     }
 }

@@ -27,7 +27,7 @@ pub use erased::{
 };
 pub use reached::{Motion, Outcome, PhaseThere, TransitionThere};
 pub use stickslip::dynamics::Modes;
-pub use system::{ManyContacts, OneContact, Section};
+pub use system::{Combination, Fields, ManyContacts, OneContact, Section, sides_to_check};
 
 use system::OwnSection;
 

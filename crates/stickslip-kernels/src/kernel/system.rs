@@ -1,5 +1,8 @@
 //! Systems as tapes: what the solver runs.
 
+use std::fmt;
+use std::sync::{Arc, OnceLock};
+
 use stickslip::{Contacts, Direction, EventFunctions, Filippov, Scalar, Side};
 
 use crate::expression::Tape;
@@ -59,27 +62,120 @@ impl<const N: usize> Filippov<N> for OneContact {
     }
 }
 
+/// The contacts that are above and those that hold, a bit for each.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Combination {
+    /// Bit `i` is set where contact `i` is [`Side::Above`].
+    pub above: usize,
+    /// Bit `i` is set where contact `i` holds.
+    pub held: usize,
+}
+
+/// Makes the tape of the field of a combination; `None` where there is none.
+pub type MakeTape = dyn Fn(Combination) -> Option<Tape> + Send + Sync;
+
+/// The fields of all combinations of sides and holding contacts, of which there are 4 to the number
+/// of contacts. Each is made when it is first asked for.
+#[derive(Clone)]
+pub struct Fields {
+    contacts: usize,
+    made: Arc<[OnceLock<(Combination, Option<Tape>)>]>,
+    make: Arc<MakeTape>,
+}
+
+/// Combinations that are kept; further ones are made at every evaluation.
+const MOST_KEPT: usize = 1 << 12;
+
+/// Places that a combination may be kept in.
+const PLACES: usize = 8;
+
+impl Fields {
+    /// None of them made yet.
+    pub fn new(contacts: usize, make: Arc<MakeTape>) -> Self {
+        let all = 1_usize.checked_shl(2 * contacts as u32).unwrap_or(MOST_KEPT);
+        let made = (0..all.min(MOST_KEPT)).map(|_| OnceLock::new());
+        Fields {
+            contacts,
+            made: made.collect(),
+            make,
+        }
+    }
+
+    /// Number of contacts.
+    pub fn contacts(&self) -> usize {
+        self.contacts
+    }
+
+    /// The tape of a combination; `None` where it has none.
+    pub fn tape(&self, of: Combination) -> Option<Tape> {
+        (self.make)(of)
+    }
+
+    /// Evaluates the field of a combination; where it has none, to no numbers.
+    pub fn evaluate<T: Scalar>(&self, of: Combination, t: T, x: &[T], out: &mut [T]) {
+        let number = of.above | of.held << self.contacts;
+        // All have a place of their own where there are as many places; else neighbours do.
+        let first = number ^ number >> 11;
+        for place in 0..PLACES {
+            let slot = &self.made[(first + place) % self.made.len()];
+            let (kept, tape) = slot.get_or_init(|| (of, (self.make)(of)));
+            if *kept == of {
+                return evaluate(tape.as_ref(), t, x, out);
+            }
+        }
+        evaluate((self.make)(of).as_ref(), t, x, out);
+    }
+}
+
+fn evaluate<T: Scalar>(tape: Option<&Tape>, t: T, x: &[T], out: &mut [T]) {
+    match tape {
+        Some(tape) => tape.evaluate(t, x, out),
+        None => out.fill(T::constant(f64::NAN)),
+    }
+}
+
+/// Contacts up to which all sides are looked at before a run.
+const ALL_SIDES: usize = 4;
+
+/// The sides that are looked at before a run: all, or of many contacts all below, all above, and
+/// each one by itself on the other side than the rest.
+pub fn sides_to_check(contacts: usize) -> Vec<usize> {
+    let all = (1 << contacts) - 1;
+    if contacts <= ALL_SIDES {
+        return (0..=all).collect();
+    }
+    let alone = (0..contacts).flat_map(|contact| [1 << contact, all ^ 1 << contact]);
+    [0, all].into_iter().chain(alone).collect()
+}
+
+impl fmt::Debug for Fields {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "fields of {} contacts", self.contacts)
+    }
+}
+
 /// A system of several contacts, its fields as tapes.
 #[derive(Clone, Debug)]
 pub struct ManyContacts {
-    /// The field of every combination of sides: bit `i` of the index is set where contact `i` is [`Side::Above`].
-    pub field: Vec<Tape>,
-    /// The fields while contacts hold, those in the first index (bit by bit as above); empty where nothing differs then.
-    pub holding: Vec<Vec<Tape>>,
+    /// The fields.
+    pub fields: Fields,
+    /// Whether a field is another one while contacts hold.
+    pub has_static: bool,
     /// The boundary functions; more than there are contacts are asked for, and those are never zero.
     pub boundaries: Tape,
 }
 
-/// Bits of what is true.
-fn bits<const M: usize>(is: impl Fn(usize) -> bool) -> usize {
-    (0..M).fold(0, |bits, i| bits | usize::from(is(i)) << i)
-}
-
 impl ManyContacts {
-    /// The tape of these sides among the fields of all combinations. A contact that only fills up the number has no side.
-    fn of_sides<'a, const M: usize>(fields: &'a [Tape], sides: &[Side; M]) -> &'a Tape {
-        let combination = bits::<M>(|i| sides[i] == Side::Above);
-        &fields[combination & (fields.len() - 1)]
+    /// Those of the contacts that there are for which something is true.
+    fn bits<const M: usize>(&self, is: impl Fn(usize) -> bool) -> usize {
+        let contacts = self.fields.contacts.min(M);
+        (0..contacts).fold(0, |bits, i| bits | usize::from(is(i)) << i)
+    }
+
+    fn values<T: Scalar, const N: usize>(&self, of: Combination, t: T, x: &[T; N]) -> [T; N] {
+        let mut out = [T::zero(); N];
+        self.fields.evaluate(of, t, x, &mut out);
+        out
     }
 }
 
@@ -88,16 +184,15 @@ impl<const N: usize, const M: usize> Contacts<N, M> for ManyContacts {
 
     #[inline(always)]
     fn field<T: Scalar>(&self, sides: &[Side; M], t: T, x: &[T; N]) -> [T; N] {
-        values(ManyContacts::of_sides(&self.field, sides), t, x)
+        let above = self.bits::<M>(|i| sides[i] == Side::Above);
+        self.values(Combination { above, held: 0 }, t, x)
     }
 
     #[inline(always)]
     fn holding<T: Scalar>(&self, sides: &[Side; M], held: &[bool; M], t: T, x: &[T; N]) -> [T; N] {
-        let fields = self
-            .holding
-            .get(bits::<M>(|i| held[i]))
-            .unwrap_or(&self.field);
-        values(ManyContacts::of_sides(fields, sides), t, x)
+        let above = self.bits::<M>(|i| sides[i] == Side::Above);
+        let held = self.bits::<M>(|i| self.has_static && held[i]);
+        self.values(Combination { above, held }, t, x)
     }
 
     #[inline(always)]
