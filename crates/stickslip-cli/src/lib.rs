@@ -1,7 +1,8 @@
 //! What the program `stickslip` does with systems from files.
 
 pub mod commands;
-pub mod output;
+mod failure;
+mod render;
 pub mod sweep;
 pub mod tangents;
 mod terminal;

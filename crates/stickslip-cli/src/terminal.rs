@@ -1,50 +1,37 @@
 //! What the program does on a terminal: the only place that prints, decides on an exit code and draws how far it is.
 
-use std::cell::OnceCell;
 use std::io::{self, Write};
 use std::process::ExitCode;
 use std::sync::mpsc::RecvTimeoutError;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::commands::Failure;
+use crate::failure::Failure;
+use crate::render::Said;
 
 /// Prints what the program has to say, or its error.
 ///
 /// Exit code 0 on success, 1 if something failed (`error: …` on standard error), 2 for a wrong command line or file.
 pub(crate) fn finish(outcome: Result<Said, Failure>) -> ExitCode {
-    match outcome {
-        Ok(said) => {
-            let printed = print(&said.text);
-            if let Some(failure) = &said.failure {
-                note(&format!("error: {failure}"));
-                return ExitCode::FAILURE;
-            }
-            match printed {
-                Ok(()) => ExitCode::SUCCESS,
-                // Whoever reads may stop reading; files are written all the same.
-                Err(error) if error.kind() == io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
-                Err(error) => {
-                    note(&format!("error: cannot print: {error}"));
-                    ExitCode::FAILURE
-                }
-            }
+    let failed = |error: &dyn std::fmt::Display, code: u8| {
+        // Where nobody reads the line any more, nothing is lost with it.
+        let _ = writeln!(io::stderr(), "error: {error}");
+        ExitCode::from(code)
+    };
+    let said = match outcome {
+        Ok(said) => said,
+        Err(failure) => return failed(&failure, if failure.is_usage() { 2 } else { 1 }),
+    };
+    match (print(&said.text), &said.failure) {
+        (_, Some(failure)) => failed(failure, 1),
+        // Whoever reads may stop reading; files are written all the same.
+        (Err(error), _) if error.kind() != io::ErrorKind::BrokenPipe => {
+            failed(&format!("cannot print: {error}"), 1)
         }
-        Err(failure) => {
-            note(&format!("error: {failure}"));
-            ExitCode::from(if failure.is_usage() { 2 } else { 1 })
-        }
+        _ => ExitCode::SUCCESS,
     }
-}
-
-/// What a command has to say at its end.
-pub(crate) struct Said {
-    /// For standard output.
-    pub text: String,
-    /// What went wrong behind what was found all the same.
-    pub failure: Option<String>,
 }
 
 fn print(text: &str) -> io::Result<()> {
@@ -53,45 +40,46 @@ fn print(text: &str) -> io::Result<()> {
     out.flush()
 }
 
-/// A line on standard error; where nobody reads it any more, nothing is lost with it.
-fn note(line: &str) {
-    let _ = writeln!(io::stderr(), "{line}");
-}
-
 /// Only computations longer than this show how far they are.
 const PATIENCE: Duration = Duration::from_secs(2);
-
-/// Steps of the bar.
-const FINENESS: u64 = 1000;
 
 /// How far a computation is: drawn on standard error, if that is a terminal, once it has taken a while.
 pub(crate) struct Patience {
     begin: Instant,
-    what: &'static str,
-    bar: OnceCell<ProgressBar>,
+    template: &'static str,
+    bar: OnceLock<ProgressBar>,
 }
 
 impl Patience {
-    pub(crate) fn new(what: &'static str) -> Self {
+    /// For a bar of this template of [`ProgressStyle`].
+    pub(crate) fn new(template: &'static str) -> Self {
         Patience {
             begin: Instant::now(),
-            what,
-            bar: OnceCell::new(),
+            template,
+            bar: OnceLock::new(),
         }
     }
 
-    /// So much is done, between 0 and 1.
-    pub(crate) fn done(&self, part: f64) {
-        if self.begin.elapsed() >= PATIENCE {
-            let bar = self.bar.get_or_init(|| {
-                let bar = ProgressBar::new(FINENESS).with_message(self.what);
-                match ProgressStyle::with_template("{msg} {bar:40} {percent} %, {eta} to go") {
-                    Ok(style) => bar.with_style(style),
-                    Err(_) => bar,
-                }
-            });
-            bar.set_position((part.clamp(0.0, 1.0) * FINENESS as f64) as u64);
+    /// So much is done of all.
+    pub(crate) fn done(&self, done: u64, all: u64) {
+        if self.begin.elapsed() < PATIENCE {
+            return;
         }
+        let bar = self.bar.get_or_init(|| {
+            let bar = ProgressBar::new(all)
+                .with_position(done)
+                .with_elapsed(self.begin.elapsed());
+            let bar = match ProgressStyle::with_template(self.template) {
+                Ok(style) => bar.with_style(style),
+                Err(_) => bar,
+            };
+            // What was there before took no time: the time to come is reckoned from here on.
+            bar.tick();
+            bar.reset_eta();
+            bar.enable_steady_tick(Duration::from_secs(1));
+            bar
+        });
+        bar.set_position(done);
     }
 
     /// Takes it off the terminal.
@@ -110,13 +98,6 @@ impl Telling {
     pub(crate) fn tell(&self, words: String) {
         *self.0.lock().unwrap_or_else(PoisonError::into_inner) = words;
     }
-
-    fn told(&self) -> String {
-        self.0
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .clone()
-    }
 }
 
 /// Runs what cannot say how far it is, under something that moves once it has taken a while.
@@ -133,7 +114,9 @@ pub(crate) fn patiently<T: Send>(what: &str, work: impl FnOnce(&Telling) -> T + 
             }
             let spinner = ProgressBar::new_spinner();
             while wait.recv_timeout(TICK) == Err(RecvTimeoutError::Timeout) {
-                spinner.set_message(telling.told());
+                let words = telling.0.lock().unwrap_or_else(PoisonError::into_inner);
+                spinner.set_message(words.clone());
+                drop(words);
                 spinner.tick();
             }
             spinner.finish_and_clear();

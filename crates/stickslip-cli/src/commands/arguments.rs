@@ -6,11 +6,10 @@ use clap::{Args, ValueEnum};
 use serde::{Deserialize, Serialize};
 use stickslip::{AtRepelling, Method, Options};
 
-use super::{Failure, Found};
-use crate::output::OutputError;
-use crate::terminal::Said;
-use stickslip_kernels::file::System;
-use stickslip_kernels::file::{SystemFile, did_you_mean, number};
+use crate::failure::Failure;
+use crate::render::{OutputArguments, Report, Said};
+use stickslip_kernels::expression::normal;
+use stickslip_kernels::file::{System, SystemFile, did_you_mean, number};
 
 /// The value of an option that counts something.
 pub(super) fn count(text: &str) -> Result<NonZeroUsize, String> {
@@ -62,6 +61,22 @@ fn assignment(option: &str, text: &str) -> Result<(String, f64), Failure> {
     Ok((name.trim().to_owned(), value))
 }
 
+/// Which of the known ones a name is.
+pub(super) fn position<'a>(
+    what: &str,
+    name: &str,
+    known: impl Iterator<Item = &'a str> + Clone,
+) -> Result<usize, Failure> {
+    let plain = normal(name);
+    let position = known.clone().position(|known| known == plain);
+    position.ok_or_else(|| {
+        let all: Vec<&str> = known.clone().collect();
+        let help = did_you_mean(name, known)
+            .unwrap_or_else(|| format!("the {what}s are {}", all.join(", ")));
+        Failure::Usage(format!("there is no {what} `{name}`; {help}"))
+    })
+}
+
 /// From where to where.
 #[derive(Clone, Debug, Args, Serialize, Deserialize)]
 pub(super) struct StartArguments {
@@ -81,9 +96,7 @@ impl StartArguments {
             .start
             .iter()
             .filter_map(|text| text.split_once('=').map(|(name, _)| name.trim()));
-        given
-            .map(stickslip_kernels::expression::normal)
-            .any(|name| name == state)
+        given.map(normal).any(|name| name == state)
     }
 
     /// Time and state at the start.
@@ -96,18 +109,11 @@ impl StartArguments {
         let mut is_set = vec![false; given.len()];
         for text in &self.start {
             let (name, value) = assignment("--start", text)?;
-            let plain = stickslip_kernels::expression::normal(&name);
-            let Some(number) = names().position(|state| state == plain) else {
-                let all: Vec<&str> = names().collect();
-                let help = did_you_mean(&name, names())
-                    .unwrap_or_else(|| format!("the states are {}", all.join(", ")));
-                return Err(Failure::Usage(format!(
-                    "there is no state `{name}`; {help}"
-                )));
-            };
+            let number = position("state", &name, names())?;
             if std::mem::replace(&mut is_set[number], true) {
                 return Err(Failure::Usage(format!(
-                    "--start {text}: the state `{plain}` is set twice; set it once"
+                    "--start {text}: the state `{}` is set twice; set it once",
+                    normal(&name)
                 )));
             }
             given[number] = Some(value);
@@ -122,9 +128,7 @@ impl StartArguments {
         }
         Ok((self.t_start.unwrap_or(system.built.t_start), start))
     }
-}
 
-impl StartArguments {
     /// The state at the start of what is looked at from time 0 on, as the attractors are.
     pub(super) fn at_zero(&self, system: &System) -> Result<Vec<f64>, Failure> {
         match self.of(system)? {
@@ -233,35 +237,6 @@ impl SolverArguments {
     }
 }
 
-/// What to write, and where.
-#[derive(Debug, Args)]
-pub(super) struct OutputArguments {
-    /// Folder for the files; made if it does not exist
-    #[arg(long, value_name = "DIR", default_value = "stickslip-output")]
-    pub(super) out: String,
-
-    /// Print the result as JSON
-    #[arg(long)]
-    pub(super) json: bool,
-
-    /// Also write the figures as PNG, at twice the nominal size
-    #[arg(long)]
-    pub(super) png: bool,
-}
-
-impl OutputArguments {
-    /// Refuses what cannot be written before anything is computed for it.
-    ///
-    /// # Errors
-    /// [`OutputError::PngNotBuilt`].
-    pub(super) fn check(&self) -> Result<(), OutputError> {
-        if self.png && !cfg!(feature = "png") {
-            return Err(OutputError::PngNotBuilt);
-        }
-        Ok(())
-    }
-}
-
 /// What every command takes that follows orbits. It stands last in a command's options, for what is the command's own to come first.
 #[derive(Debug, Args)]
 pub(super) struct RunArguments {
@@ -313,10 +288,10 @@ impl RunArguments {
     /// What a command finds with all that is ready, written. An error speaks of contacts by their names.
     pub(super) fn answered(
         &self,
-        find: impl FnOnce(&Ready) -> Result<Found, Failure>,
+        find: impl FnOnce(&Ready) -> Result<Report, Failure>,
     ) -> Result<Said, Failure> {
         let ready = self.ready()?;
-        let found = find(&ready).map_err(|failure| failure.of(&ready.system))?;
-        found.written(&self.output)
+        let report = find(&ready).map_err(|failure| failure.of(&ready.system))?;
+        Ok(report.written(self.output.out.as_ref(), &self.output)?)
     }
 }

@@ -4,9 +4,8 @@ use serde_json::{Value, json};
 use stickslip::analysis::RecurrenceSettings;
 use stickslip::{Error, Mode, Options};
 
-use super::Failure;
-use super::tables::{exact, known, letters, place as within, state_json};
-use super::told::told;
+use crate::failure::{Failure, told};
+use crate::render::{Table, by_state, known, letters, place as within, state_words};
 use stickslip_kernels::file::System;
 use stickslip_kernels::kernel::{Modes, Motion, Outcome};
 
@@ -87,22 +86,38 @@ pub(super) fn class(outcome: &Outcome) -> String {
     }
 }
 
-/// Motion, period, returns, phases, and part of the time in stick; empty where there is none.
-pub(super) fn fields(outcome: &Outcome) -> [String; 5] {
-    let (period, returns) = match outcome.motion {
-        Motion::Periodic { period, returns } => {
-            let period = known(period, outcome.period_uncertainty);
-            (exact(period), returns.to_string())
-        }
-        _ => (String::new(), String::new()),
+/// Adds motion, period, returns, phases, and part of the time in stick to a table; they are empty where there is none.
+pub(super) fn columns<'a, R>(
+    table: Table<'a, R>,
+    of: impl Fn(&R) -> &Outcome + Copy + 'a,
+) -> Table<'a, R> {
+    let returns = |outcome: &Outcome| match outcome.motion {
+        Motion::Periodic { returns, .. } => Some(returns),
+        _ => None,
     };
-    let (phases, in_stick) = if outcome.points.is_empty() {
-        (String::new(), String::new())
-    } else {
-        (sequence(outcome), exact(outcome.in_stick))
-    };
-    let motion = outcome.motion.word().to_owned();
-    [motion, period, returns, phases, in_stick]
+    let is_there = |outcome: &&Outcome| !outcome.points.is_empty();
+    table
+        .column("motion", move |row| of(row).motion.word())
+        .column("period", move |row| {
+            known_period(&of(row).motion, of(row).period_uncertainty)
+        })
+        .column("returns", move |row| returns(of(row)))
+        .column("phases", move |row| {
+            Some(of(row)).filter(is_there).map(sequence)
+        })
+        .column("in_stick", move |row| {
+            Some(of(row))
+                .filter(is_there)
+                .map(|outcome| outcome.in_stick)
+        })
+}
+
+/// The period of a periodic orbit, to the digits that it has.
+pub(super) fn known_period(motion: &Motion, uncertainty: f64) -> Option<f64> {
+    match *motion {
+        Motion::Periodic { period, .. } => Some(known(period, uncertainty)),
+        _ => None,
+    }
 }
 
 /// Whether it is an attractor, and not an orbit that has come to none: that escapes, ends, fails, or is undecided.
@@ -126,14 +141,6 @@ pub(super) fn place(outcome: &Outcome) -> Option<String> {
         return None;
     }
     outcome.points.first().map(|(_, x)| state_words(x))
-}
-
-/// A state for people.
-pub(super) fn state_words(x: &[f64]) -> String {
-    // What rounds to zero has no sign.
-    let signed = |x: f64| if x.abs() < 0.5e-9 { 0.0 } else { x };
-    let x: Vec<String> = x.iter().map(|&x| format!("{:.9}", signed(x))).collect();
-    format!("({})", x.join(", "))
 }
 
 /// What a periodic orbit is one of.
@@ -170,7 +177,7 @@ pub(super) fn json(outcome: &Outcome, system: &System) -> Value {
     let points: Vec<Value> = outcome
         .points
         .iter()
-        .map(|(t, x)| json!({ "t": t, "x": state_json(system, x) }))
+        .map(|(t, x)| json!({ "t": t, "x": by_state(system, x) }))
         .collect();
     let (period, returns) = match outcome.motion {
         Motion::Periodic { period, returns } => (Some(period), Some(returns)),

@@ -5,7 +5,7 @@ use stickslip::Options;
 use stickslip::analysis::{Exponent, SpectrumOptions};
 use stickslip_kernels::kernel::Outcome;
 
-use super::tables::exact;
+use crate::render::Table;
 use stickslip_kernels::file::System;
 
 /// Exponents of an orbit nearer to zero than so many of their standard errors are zero.
@@ -37,13 +37,19 @@ impl Largest {
         }
     }
 
-    /// Value and standard error for tables; empty where there is none.
-    pub(super) fn fields(&self) -> [String; 2] {
-        match *self {
-            Largest::Finite { value, std_error } => [exact(value), exact(std_error)],
-            Largest::Annihilated => ["-inf".to_owned(), String::new()],
-            Largest::Unmeasured => [String::new(), String::new()],
-        }
+    /// Adds value and standard error to a table; they are empty where there is none.
+    pub(super) fn columns<'a, R>(
+        table: Table<'a, R>,
+        of: impl Fn(&R) -> Self + Copy + 'a,
+    ) -> Table<'a, R> {
+        let fields = move |row: &R| match of(row) {
+            Largest::Finite { value, std_error } => (Some(value), Some(std_error)),
+            Largest::Annihilated => (Some(f64::NEG_INFINITY), None),
+            Largest::Unmeasured => (None, None),
+        };
+        table
+            .column("lambda1", move |row| fields(row).0)
+            .column("std_error", move |row| fields(row).1)
     }
 
     /// Measured on an attractor from where the orbit has come to it; not measured where there is none.

@@ -1,12 +1,11 @@
 //! `stickslip merge`: shares of a sweep, joined.
 
-use super::Failure;
-use super::arguments::OutputArguments;
 use super::basin::Basin;
 use super::bifurcation::Bifurcation;
 use super::map::Map;
 use super::sweeping::{Sweep, finish, merged};
-use crate::terminal::Said;
+use crate::failure::Failure;
+use crate::render::{OutputArguments, Said};
 
 /// Join the shares of a sweep that were computed with --shard, and write its tables and figures
 ///

@@ -4,6 +4,7 @@ mod arguments;
 mod attractors;
 mod basin;
 mod bifurcation;
+mod changes;
 mod check;
 mod continuation;
 mod exponent;
@@ -19,22 +20,14 @@ mod recording;
 mod search;
 mod simulate;
 mod sweeping;
-mod tables;
 mod tangents;
-mod told;
+mod trajectory;
 
-use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Arg, CommandFactory, FromArgMatches, Parser, Subcommand};
 
-use crate::output::{Artifact, OutputError, png, write_all_by};
-use crate::sweep::SweepError;
-use crate::terminal::{Said, finish};
-use arguments::OutputArguments;
-use stickslip_kernels::file::FileError;
-use stickslip_kernels::file::{SettingError, System};
-use told::{told, told_of_any};
+use crate::terminal::finish;
 
 /// Dry-friction systems from files: orbits with exact transitions between slip and stick, tangent points, periodic orbits, Lyapunov spectra
 #[derive(Debug, Parser)]
@@ -98,117 +91,4 @@ pub fn main() -> ExitCode {
         Command::Lyapunov(arguments) => lyapunov::run(&arguments),
     };
     finish(outcome)
-}
-
-/// Why a command failed.
-#[derive(Debug, thiserror::Error)]
-pub(crate) enum Failure {
-    #[error(transparent)]
-    File(#[from] FileError),
-    #[error(transparent)]
-    Setting(#[from] SettingError),
-    #[error("{0}")]
-    Usage(String),
-    /// There is an attractor, and it is none that was looked for.
-    #[error("{0}")]
-    NoPeriodicOrbit(String),
-    #[error(transparent)]
-    Sweep(#[from] SweepError),
-    #[error(transparent)]
-    Output(#[from] OutputError),
-    #[error("{}", told_of_any(.0))]
-    Computation(#[from] stickslip::Error),
-    /// As [`Failure::Computation`], with the names of the system's contacts.
-    #[error("{told}")]
-    OfSystem {
-        error: stickslip::Error,
-        told: String,
-    },
-}
-
-impl Failure {
-    /// Whether the command line or the file is at fault and not the computation or the machine.
-    pub(crate) fn is_usage(&self) -> bool {
-        match self {
-            Failure::File(_) | Failure::Setting(_) | Failure::Usage(_) => true,
-            Failure::Sweep(error) => error.is_usage(),
-            Failure::Output(_) | Failure::NoPeriodicOrbit(_) => false,
-            Failure::Computation(error) | Failure::OfSystem { error, .. } => matches!(
-                error,
-                stickslip::Error::Option { .. } | stickslip::Error::Interval { .. }
-            ),
-        }
-    }
-
-    /// With the names of the contacts, where it speaks of some.
-    fn of(self, system: &System) -> Self {
-        match self {
-            Failure::Computation(error) => Failure::OfSystem {
-                told: told(&error, system),
-                error,
-            },
-            other => other,
-        }
-    }
-}
-
-/// What a command has found.
-#[derive(Default)]
-struct Found {
-    /// For people.
-    summary: String,
-    /// For programs.
-    json: serde_json::Value,
-    /// Tables.
-    tables: Vec<Artifact>,
-    /// Names and texts of the figures.
-    figures: Vec<(String, String)>,
-    /// What went wrong behind what was found all the same.
-    failure: Option<String>,
-}
-
-impl Found {
-    /// Writes the files and says what was found.
-    fn written(self, output: &OutputArguments) -> Result<Said, Failure> {
-        self.written_besides(Vec::new(), Path::new(&output.out), output)
-    }
-
-    /// As [`Found::written`], besides files that are on disk already, and by way of a folder for what is unfinished.
-    fn written_besides(
-        self,
-        there: Vec<PathBuf>,
-        staging: &Path,
-        output: &OutputArguments,
-    ) -> Result<Said, Failure> {
-        let mut artifacts = self.tables;
-        for (name, svg) in self.figures {
-            if output.png {
-                artifacts.push(Artifact {
-                    name: format!("{name}.png"),
-                    bytes: png(&svg)?,
-                });
-            }
-            artifacts.push(Artifact::text(format!("{name}.svg"), svg));
-        }
-        let mut paths = there;
-        paths.extend(write_all_by(staging, Path::new(&output.out), &artifacts)?);
-        let paths: Vec<String> = paths
-            .iter()
-            .map(|path| path.display().to_string())
-            .collect();
-        let text = if output.json {
-            let mut json = self.json;
-            if let Some(object) = json.as_object_mut() {
-                object.insert("files".to_owned(), paths.into());
-            }
-            format!("{json:#}\n")
-        } else {
-            let wrote: String = paths.iter().map(|path| format!("wrote {path}\n")).collect();
-            format!("{}\n{wrote}", self.summary)
-        };
-        Ok(Said {
-            text,
-            failure: self.failure,
-        })
-    }
 }

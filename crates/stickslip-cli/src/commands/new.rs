@@ -2,12 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use serde_json::json;
+use output::{Artifact, WriteError, write_all};
 use stickslip_kernels::file::EXAMPLE;
 
-use super::Failure;
-use crate::output::{Artifact, OutputError, write_all};
-use crate::terminal::Said;
+use crate::failure::Failure;
+use crate::render::{Report, Said};
 
 /// Write an example of a system's file, with comments
 #[derive(Debug, clap::Args)]
@@ -23,41 +22,31 @@ pub(super) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
     let path = &arguments.file;
+    let shown = path.display().to_string();
     if path.exists() {
         return Err(Failure::Usage(format!(
-            "{} exists already; choose another name, or remove it first",
-            path.display()
+            "{shown} exists already; choose another name, or remove it first"
         )));
     }
     let Some(name) = path.file_name().and_then(|name| name.to_str()) else {
         return Err(Failure::Usage(format!(
-            "{} is no name of a file; give one that ends with .toml",
-            path.display()
+            "{shown} is no name of a file; give one that ends with .toml"
         )));
     };
     let folder = match path.parent() {
         Some(parent) if parent != Path::new("") => parent,
         _ => Path::new("."),
     };
-    let written = write_all(folder, &[Artifact::text(name, EXAMPLE)]);
-    written.map_err(|error| match error {
+    write_all(folder, &[Artifact::text(name, EXAMPLE)]).map_err(|error| {
         // There is no --out here.
-        OutputError::CreateDir { path, source } | OutputError::Write { path, source } => {
-            Failure::Usage(format!(
-                "cannot write {}: {source}; choose another place",
-                path.display()
-            ))
-        }
-        other => other.into(),
+        let (WriteError::Folder { path, source } | WriteError::File { path, source }) = error;
+        let path = path.display();
+        Failure::Usage(format!(
+            "cannot write {path}: {source}; choose another place"
+        ))
     })?;
-    let shown = path.display().to_string();
-    let text = if arguments.json {
-        format!("{:#}\n", json!({ "files": [shown] }))
-    } else {
-        format!("wrote {shown}\nnext: stickslip check {shown}\n")
-    };
-    Ok(Said {
-        text,
-        failure: None,
-    })
+    let text = format!("wrote {shown}\nnext: stickslip check {shown}\n");
+    let mut report = Report::plain(text, (0, 0));
+    report.field("files", [shown]);
+    Ok(report.said(arguments.json))
 }

@@ -4,9 +4,10 @@ use std::num::NonZeroUsize;
 
 use serde::{Deserialize, Serialize};
 
-use super::Failure;
-use stickslip_kernels::file::System;
-use stickslip_kernels::file::{did_you_mean, number};
+use super::arguments::position;
+use crate::failure::Failure;
+use stickslip_kernels::expression::normal;
+use stickslip_kernels::file::{System, number};
 
 /// A range of a state.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -44,17 +45,8 @@ impl StateRange {
             return Self::checked(default, low, high, option);
         };
         let (name, low, high) = name_and_range(option, text)?;
-        let names = || states.iter().map(|state| state.name.as_str());
-        let plain = stickslip_kernels::expression::normal(&name);
-        let Some(state) = names().position(|state| state == plain) else {
-            let all: Vec<&str> = names().collect();
-            let help = did_you_mean(&name, names())
-                .unwrap_or_else(|| format!("the states are {}", all.join(", ")));
-            return Err(Failure::Usage(format!(
-                "there is no state `{name}`; {help}"
-            )));
-        };
-        Self::checked(state, low, high, option)
+        let names = states.iter().map(|state| state.name.as_str());
+        Self::checked(position("state", &name, names)?, low, high, option)
     }
 
     fn checked(state: usize, low: f64, high: f64, option: &str) -> Result<Self, Failure> {
@@ -83,7 +75,7 @@ impl ParameterRange {
     /// The range of `--option NAME=LOW:HIGH`.
     pub(super) fn new(option: &str, text: &str, system: &System) -> Result<Self, Failure> {
         let (name, low, high) = name_and_range(option, text)?;
-        let plain = stickslip_kernels::expression::normal(&name);
+        let plain = normal(&name);
         let known = system.file.parameters.iter();
         let Some(known) = known.map(|one| &one.name).find(|known| **known == plain) else {
             // The same words as for --set.

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use stickslip::{Direction, Mode, Side, TransitionKind};
+use stickslip::{Direction, Mode, TransitionKind};
 
 use crate::terminal::Patience;
 use stickslip_kernels::kernel::{Modes, Passage, PhaseView, StepView, TransitionView, Watcher};
@@ -16,6 +16,9 @@ const MOST_HALVINGS: u32 = 6;
 
 /// What differs by this part of its size may be rounding.
 const ROUNDING: f64 = 1e-9;
+
+/// Steps of the bar that shows how far a run is.
+const FINENESS: f64 = 1000.0;
 
 /// A phase.
 pub(super) struct Phase {
@@ -71,7 +74,7 @@ pub(super) struct Recording {
 }
 
 impl Recording {
-    pub(super) fn new(t: f64, x: &[f64], t_end: f64, patience: Patience) -> Self {
+    pub(super) fn new(t: f64, x: &[f64], t_end: f64) -> Self {
         Recording {
             phases: Vec::new(),
             transitions: Vec::new(),
@@ -83,7 +86,7 @@ impl Recording {
             }],
             extent: x.iter().map(|&x| (x, x)).collect(),
             span: (t, t_end),
-            patience,
+            patience: Patience::new("following {bar:40} {percent} %, {eta} to go"),
         }
     }
 
@@ -163,7 +166,9 @@ impl Watcher for Recording {
             last.ends_step = true;
         }
         let (from, to) = self.span;
-        self.patience.done((step.t_end - from) / (to - from));
+        let part = ((step.t_end - from) / (to - from)).clamp(0.0, 1.0);
+        self.patience
+            .done((part * FINENESS) as u64, FINENESS as u64);
         ControlFlow::Continue(())
     }
 
@@ -206,15 +211,6 @@ fn within(step: &StepView<'_>, t: f64) -> Vec<f64> {
     let mut x = vec![0.0; step.x_end.len()];
     step.at(t, &mut x);
     x
-}
-
-/// A mode in a table.
-pub(super) fn mode_name(mode: Mode) -> &'static str {
-    match mode {
-        Mode::Slip(Side::Below) => "slip below",
-        Mode::Slip(Side::Above) => "slip above",
-        Mode::Stick => "stick",
-    }
 }
 
 /// A kind of transition in a table.

@@ -4,9 +4,11 @@ use stickslip::analysis::RecurrenceSettings;
 use stickslip::{Ending, Error, Options};
 use stickslip_kernels::kernel::{Motion, Periodic, Run, Shooting};
 
+use super::attractors;
 use super::extremes::Extremes;
 use super::sweeping::check_period;
-use super::{Failure, attractors};
+use crate::failure::Failure;
+use crate::render::state_words;
 use crate::terminal::patiently;
 use stickslip_kernels::file::System;
 
@@ -169,7 +171,7 @@ impl Search<'_> {
         };
         let orbit = self.system.kernel().periodic(&self.run(t, &x, t), forced)?;
         if self.rests(&orbit)? {
-            let place = attractors::state_words(&orbit.x);
+            let place = state_words(&orbit.x);
             return Err(comes_to(&format!(
                 "rest at {place}, where friction holds it against the drive"
             )));

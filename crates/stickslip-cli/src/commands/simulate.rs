@@ -1,16 +1,14 @@
 //! `stickslip simulate`: an orbit, its phases and its transitions.
 
-use std::fmt::Write;
-
-use serde_json::json;
-use stickslip::error::readable;
+use serde_json::{Map, json};
+use stickslip::error::{Point, readable};
 use stickslip::{Ending, Error, TransitionKind};
 
 use super::arguments::{Ready, RunArguments};
-use super::recording::{Recording, kind_name};
-use super::told::told;
-use super::{Failure, Found, figures, tables};
-use crate::terminal::{Patience, Said};
+use super::recording::{Recording, direction_name, kind_name};
+use super::trajectory::{self, transitions};
+use crate::failure::{Failure, told};
+use crate::render::{Report, Said, Table, by_state};
 use stickslip_kernels::file::System;
 use stickslip_kernels::kernel::{Ended, Run};
 
@@ -32,7 +30,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
         .answered(|ready| followed(ready, arguments.t_end))
 }
 
-fn followed(ready: &Ready, t_end: Option<f64>) -> Result<Found, Failure> {
+fn followed(ready: &Ready, t_end: Option<f64>) -> Result<Report, Failure> {
     let Ready {
         system,
         options,
@@ -42,7 +40,7 @@ fn followed(ready: &Ready, t_end: Option<f64>) -> Result<Found, Failure> {
     let t_end = t_end.or(system.built.t_end).ok_or_else(|| {
         Failure::Usage("when does the run end? Give --t-end, or `end` in [time] of the file".into())
     })?;
-    let mut recording = Recording::new(*t, x, t_end, Patience::new("integrating"));
+    let mut recording = Recording::new(*t, x, t_end);
     let run = Run {
         t: *t,
         x,
@@ -54,42 +52,36 @@ fn followed(ready: &Ready, t_end: Option<f64>) -> Result<Found, Failure> {
     let failure = match &outcome {
         // At a start whose future is not unique there is nothing to draw.
         Ok(ended) if ended.t == *t => {
-            let x = stickslip::error::Point(ended.x.clone());
-            return Err(Failure::from(Error::NoUniqueFuture { t: *t, x }).of(system));
+            let x = Point(ended.x.clone());
+            return Err(Error::NoUniqueFuture { t: *t, x }.into());
         }
         Ok(_) => None,
         // What was reached is worth having; where nothing was, there is nothing to write.
         Err(error) if recording.points.len() > 1 => Some(told(error, system)),
         Err(error) => return Err(error.clone().into()),
     };
-    found(system, &recording, outcome.ok().as_ref(), failure)
-}
-
-fn found(
-    system: &System,
-    recording: &Recording,
-    ended: Option<&Ended>,
-    failure: Option<String>,
-) -> Result<Found, Failure> {
-    let mut tables = vec![
-        tables::phases("phases", system, &recording.phases)?,
-        tables::transitions("transitions", system, &recording.transitions)?,
-        tables::steps("steps", system, recording)?,
-    ];
+    let mut report = found(system, &recording, outcome.ok().as_ref());
+    trajectory::put(system, &recording, &mut report)?;
+    let steps = Table::new()
+        .column("t", |&(t, _): &(f64, &Vec<f64>)| t)
+        .state(system, "", |(_, x)| (*x).clone());
+    // Where the solution is as accurate as the run.
+    let ends = recording.points.iter().filter(|point| point.ends_step);
+    report.table(steps.csv("steps", ends.map(|point| (point.t, &point.x)))?);
+    let passages = Table::new()
+        .column("t", |&(t, _, _): &(f64, &Vec<f64>, &str)| t)
+        .column("direction", |&(_, _, direction)| direction)
+        .state(system, "", |(_, x, _)| (*x).clone());
+    let passed = || {
+        let passed = recording.passages.iter();
+        passed.map(|at| (at.t, &at.x, direction_name(at.direction)))
+    };
     if system.section().is_some() {
-        tables.push(tables::passages("section", system, &recording.passages)?);
+        report.table(passages.csv("section", passed())?);
     }
-    let mut figures = vec![("history".to_owned(), figures::history(system, recording)?)];
-    if system.states() > 1 {
-        figures.push(("portrait".to_owned(), figures::portrait(system, recording)?));
-    }
-    Ok(Found {
-        summary: summary(system, recording, ended),
-        json: json(system, recording, ended, failure.as_deref()),
-        tables,
-        figures,
-        failure,
-    })
+    report.field("section", passages.json(passed()));
+    report.field("error", &failure).failure(failure);
+    Ok(report)
 }
 
 /// How a run ended, in words.
@@ -114,115 +106,70 @@ const KINDS: [TransitionKind; 6] = [
     TransitionKind::ContactGain,
 ];
 
-fn count(recording: &Recording, kind: TransitionKind) -> usize {
-    let transitions = recording.transitions.iter();
-    transitions.filter(|at| at.kind == kind).count()
-}
+fn found(system: &System, recording: &Recording, ended: Option<&Ended>) -> Report {
+    let points = &recording.points;
+    let [from, to] =
+        [points.first(), points.last()].map(|point| point.map_or(f64::NAN, |point| point.t));
+    let (begin, end) = (readable(from), readable(to));
+    let ending = ending(ended);
+    let mut report = Report::of(system, format!("t = {begin} to {end} ({ending})"));
+    report
+        .field("t_start", from)
+        .field("t_end", to)
+        .field("ending", ending);
 
-fn span(recording: &Recording) -> (f64, f64) {
-    let time = |point: Option<&super::recording::Point>| point.map_or(f64::NAN, |point| point.t);
-    (
-        time(recording.points.first()),
-        time(recording.points.last()),
-    )
-}
+    let phases = recording.phases.len();
+    report.line("phases", phases).field("phases", phases);
 
-fn summary(system: &System, recording: &Recording, ended: Option<&Ended>) -> String {
-    let (from, to) = span(recording);
-    let mut text = format!(
-        "{}: t = {} to {} ({})\n",
-        system.file.name,
-        readable(from),
-        readable(to),
-        ending(ended)
-    );
-    let transitions: Vec<String> = KINDS
-        .iter()
-        .map(|&kind| (kind, count(recording, kind)))
-        .filter(|&(_, count)| count > 0)
-        .map(|(kind, count)| format!("{count} × {}", kind_name(kind)))
-        .collect();
-    let transitions = if transitions.is_empty() {
-        "none".to_owned()
-    } else {
-        transitions.join(", ")
+    let count = |&kind: &TransitionKind| {
+        let these = recording.transitions.iter().filter(|at| at.kind == kind);
+        let count = these.count();
+        (count > 0).then(|| format!("{count} × {}", kind_name(kind)))
     };
-    // Writing into a text cannot fail.
-    let _ = writeln!(text, "  phases       {}", recording.phases.len());
-    let _ = writeln!(text, "  transitions  {transitions}");
+    let counts: Vec<String> = KINDS.iter().filter_map(count).collect();
+    let counts = match &counts[..] {
+        [] => "none".to_owned(),
+        counts => counts.join(", "),
+    };
+    report.line("transitions", counts).field(
+        "transitions",
+        transitions(system).json(&recording.transitions),
+    );
+
+    let mut all = Map::new();
     for (number, contact) in system.file.contacts.iter().enumerate() {
         let sticks = recording.sticks_of(number);
         let total = sticks.iter().fold(0.0, |sum, (from, to)| sum + (to - from));
-        let name = if system.contacts() == 1 {
-            String::new()
-        } else {
-            format!(" of {}", contact.name)
+        let name = match system.contacts() {
+            1 => String::new(),
+            _ => format!(" of {}", contact.name),
         };
         let share = 100.0 * total / (to - from);
-        let _ = writeln!(
-            text,
-            "  stick        {} times{name}, {total:.6} in all, {share:.1} % of the time",
-            sticks.len()
+        let times = sticks.len();
+        report.line(
+            "stick",
+            format!("{times} times{name}, {total:.6} in all, {share:.1} % of the time"),
         );
+        all.insert(contact.name.clone(), json!(sticks));
     }
-    if let Some(last) = recording.points.last() {
-        let states = system.file.states.iter().zip(&last.x);
-        let states: Vec<String> = states
-            .map(|(state, &x)| format!("{} = {}", state.name, readable(x)))
-            .collect();
-        let _ = writeln!(text, "  state at end {}", states.join(", "));
+    report.field("sticks", all);
+
+    let last = points.last().map(|point| &point.x);
+    if let Some(last) = last {
+        let states = system.file.states.iter().zip(last);
+        let states = states.map(|(state, &x)| format!("{} = {}", state.name, readable(x)));
+        let states: Vec<String> = states.collect();
+        report.line("state at end", states.join(", "));
     }
+    report.field("x_end", last.map(|x| by_state(system, x)));
+
     if let Some(ended) = ended {
         let counters = &ended.counters;
-        let _ = writeln!(
-            text,
-            "  work         {} steps, {} rejected, {} calls of the field",
-            counters.steps, counters.rejected, counters.field_calls
+        let (steps, rejected, calls) = (counters.steps, counters.rejected, counters.field_calls);
+        report.line(
+            "work",
+            format!("{steps} steps, {rejected} rejected, {calls} calls of the field"),
         );
     }
-    text
-}
-
-fn json(
-    system: &System,
-    recording: &Recording,
-    ended: Option<&Ended>,
-    failure: Option<&str>,
-) -> serde_json::Value {
-    let (from, to) = span(recording);
-    let contacts = system.file.contacts.iter().enumerate();
-    let sticks: serde_json::Map<String, serde_json::Value> = contacts
-        .map(|(number, contact)| (contact.name.clone(), json!(recording.sticks_of(number))))
-        .collect();
-    let transitions = recording.transitions.iter().map(|at| {
-        json!({
-            "t": at.t,
-            "kind": kind_name(at.kind),
-            "contact": tables::contact_name(system, at.contact),
-            "from": tables::letters(&at.from),
-            "to": tables::letters(&at.to),
-            "x": tables::state_json(system, &at.x),
-        })
-    });
-    let transitions: Vec<serde_json::Value> = transitions.collect();
-    let passages = recording.passages.iter();
-    let passages: Vec<serde_json::Value> = passages
-        .map(|at| json!({ "t": at.t, "x": tables::state_json(system, &at.x) }))
-        .collect();
-    let end = recording
-        .points
-        .last()
-        .map(|point| tables::state_json(system, &point.x));
-    json!({
-        "system": tables::system_json(system),
-        "t_start": from,
-        "t_end": to,
-        "ending": ending(ended),
-        "error": failure,
-        "x_end": end,
-        "phases": recording.phases.len(),
-        "transitions": transitions,
-        "sticks": sticks,
-        "section": passages,
-    })
+    report
 }

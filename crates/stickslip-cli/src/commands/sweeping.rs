@@ -8,13 +8,14 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::json;
 
-use super::Failure;
-use super::arguments::{OutputArguments, count};
-use crate::sweep::{BlockError, Computed, Plan, Progress, Share, Store, SweepError, Task, run};
-use crate::terminal::Said;
-use stickslip_kernels::file::Source;
-use stickslip_kernels::file::System;
-use stickslip_kernels::file::SystemFile;
+use stickslip::analysis::RecurrenceSettings;
+
+use super::arguments::count;
+use crate::failure::Failure;
+use crate::render::{OutputArguments, OutputError, Report, Said, Table};
+use crate::sweep::{BlockError, Computed, Plan, Share, Store, SweepError, Task, run, write_whole};
+use crate::terminal::Patience;
+use stickslip_kernels::file::{Source, System, SystemFile};
 
 /// How much of a sweep to compute, and by how many.
 #[derive(Debug, clap::Args)]
@@ -45,13 +46,8 @@ pub(super) trait Sweep: Serialize + DeserializeOwned + Sync {
         before: Option<&[u8]>,
     ) -> Result<Vec<u8>, BlockError>;
 
-    /// Tables, figures and words from all blocks.
-    fn finish(
-        &self,
-        system: &System,
-        store: &Store,
-        output: &OutputArguments,
-    ) -> Result<Said, Failure>;
+    /// What was found, from all blocks; tables that need not fit into memory are in the folder `out` then.
+    fn report(&self, system: &System, store: &Store, out: &Path) -> Result<Report, Failure>;
 }
 
 /// The content of a block, in CBOR, which has every number: JSON writes `null` for what is infinite
@@ -67,17 +63,28 @@ pub(super) fn from_content<T: DeserializeOwned>(content: &[u8]) -> Result<T, Blo
     Ok(ciborium::from_reader(content)?)
 }
 
-/// Hands what the blocks of a sweep hold to `each`, in order, one at a time.
-pub(super) fn for_each<T: DeserializeOwned>(
+/// Writes a table that need not fit into memory: its rows are made of one block after the other.
+pub(super) fn table<T: DeserializeOwned, R>(
     store: &Store,
-    mut each: impl FnMut(usize, T) -> Result<(), Failure>,
+    path: &Path,
+    table: &Table<'_, R>,
+    mut rows: impl FnMut(usize, T) -> Result<Vec<R>, Failure>,
 ) -> Result<(), Failure> {
-    store.for_each(|block, content| {
-        let holds = from_content(content);
-        each(
-            block,
-            holds.map_err(|source| SweepError::Block { block, source })?,
-        )
+    write_whole(path, &store.staging()?, |file| {
+        let mut writer = csv::Writer::from_writer(file);
+        let record = writer.write_record(table.heading());
+        record.map_err(OutputError::from)?;
+        store.for_each(|block, content| {
+            let holds = from_content(content);
+            let holds = holds.map_err(|source| SweepError::Block { block, source })?;
+            for row in rows(block, holds)? {
+                let record = writer.write_record(table.row(&row));
+                record.map_err(OutputError::from)?;
+            }
+            Ok::<_, Failure>(())
+        })?;
+        let flushed = writer.flush().map_err(csv::Error::from);
+        Ok(flushed.map_err(OutputError::from)?)
     })
 }
 
@@ -103,25 +110,36 @@ pub(super) fn sweep<S: Sweep>(
         share: arguments.shard,
         threads: arguments.threads,
     };
-    let progress = Progress::begin();
+    let progress = Patience::new("{bar:40} {pos}/{len} blocks, {elapsed} gone, {eta} to go");
     let computed = run(
         &task,
-        &|done, all| progress.set(done, all),
+        &|done, all| progress.done(done as u64, all as u64),
         |index, before| wanted.block(system, index, before),
     );
     progress.clear();
     let computed = computed?;
     if arguments.shard.is_whole() {
-        wanted.finish(system, &computed.store, output)
+        finished(wanted, system, &computed.store, output)
     } else {
-        Ok(share_done(arguments.shard, &computed, output))
+        Ok(share_done(arguments.shard, &computed).said(output.json))
     }
 }
 
 /// Tables and figures of a sweep whose blocks are all there.
 pub(super) fn finish<S: Sweep>(store: &Store, output: &OutputArguments) -> Result<Said, Failure> {
     let (wanted, system) = of_plan::<S>(store.plan())?;
-    wanted.finish(&system, store, output)
+    finished(&wanted, &system, store, output)
+}
+
+fn finished<S: Sweep>(
+    wanted: &S,
+    system: &System,
+    store: &Store,
+    output: &OutputArguments,
+) -> Result<Said, Failure> {
+    let mut report = wanted.report(system, store, output.out.as_ref())?;
+    report.field("arguments", wanted);
+    Ok(report.written(&store.staging()?, output)?)
 }
 
 /// Joins shares in the folder for all files.
@@ -144,6 +162,14 @@ pub(super) fn check_period(system: &System) -> Result<(), Failure> {
             system.built.period.unwrap_or(f64::NAN)
         ))),
         _ => Ok(()),
+    }
+}
+
+/// How attractors are looked for, of a driven system at the flashes of a strobe.
+pub(super) fn recurrence(system: &System, until: f64) -> RecurrenceSettings {
+    RecurrenceSettings {
+        forcing: system.built.period,
+        ..RecurrenceSettings::within(until)
     }
 }
 
@@ -198,28 +224,21 @@ fn of_plan<S: Sweep>(plan: &Plan) -> Result<(S, System), Failure> {
     Ok((wanted, file.with(&parameters)?))
 }
 
-fn share_done(share: Share, computed: &Computed, output: &OutputArguments) -> Said {
+fn share_done(share: Share, computed: &Computed) -> Report {
     let (new, old, repaired) = (computed.new, computed.old, computed.repaired.len());
     let folder = computed.store.folder().display().to_string();
-    let text = if output.json {
-        let json = json!({
-            "share": share.to_string(),
-            "computed": new,
-            "there_before": old,
-            "repaired": repaired,
-            "folder": folder,
-        });
-        format!("{json:#}\n")
-    } else {
-        format!(
-            "share {share}: {} blocks, {old} of them there before, {repaired} damaged and computed anew\n\
-             wrote {folder}\n\
-             join all shares with `stickslip merge --out DIR FOLDER...`\n",
-            new + old
-        )
-    };
-    Said {
-        text,
-        failure: None,
-    }
+    let text = format!(
+        "share {share}: {} blocks, {old} of them there before, {repaired} damaged and computed anew\n\
+         wrote {folder}\n\
+         join all shares with `stickslip merge --out DIR FOLDER...`\n",
+        new + old
+    );
+    let mut report = Report::plain(text, (0, 0));
+    report
+        .field("share", share.to_string())
+        .field("computed", new)
+        .field("there_before", old)
+        .field("repaired", repaired)
+        .field("folder", folder);
+    report
 }

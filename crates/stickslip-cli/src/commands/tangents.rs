@@ -1,20 +1,17 @@
 //! `stickslip tangents`: tangent points and stick zones on a boundary.
 
-use std::fmt::Write;
-
 use plot::*;
-use serde_json::json;
+use serde_json::{Value, json};
 use stickslip::Side;
 use stickslip::analysis::Visibility;
 use stickslip::error::readable;
 
-use super::arguments::{OutputArguments, StartArguments, SystemArguments};
-use super::{Failure, Found, figures, tables};
-use crate::output::{Artifact, OutputError, csv_table};
-use crate::tangents::{Kind, Line, OnLine};
-use crate::terminal::Said;
+use super::arguments::{StartArguments, SystemArguments, position};
+use super::figures;
+use crate::failure::Failure;
+use crate::render::{OutputArguments, Report, Said, Table};
+use crate::tangents::{Kind, Line, OnLine, TangentPoint, Zone};
 use stickslip_kernels::file::System;
-use stickslip_kernels::file::did_you_mean;
 
 /// Branches of a boundary with what is on them.
 pub(super) type Branches = [(Line, OnLine)];
@@ -55,18 +52,33 @@ pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
     let start = arguments.start.of(&system)?;
     let line = arguments.line(&system, (start.0, &start.1))?;
     let found = line.scan(&system);
-    let mut json = json(&system, &line, &found);
-    if let Some(object) = json.as_object_mut() {
-        object.insert("system".to_owned(), tables::system_json(&system));
+    let [low, high, t] = [line.range.0, line.range.1, line.t].map(readable);
+    let states = &system.file.states;
+    let (contact, along) = (
+        &system.file.contacts[line.contact].name,
+        &states[line.along].name,
+    );
+    let what = format!("boundary of {contact} along {along} from {low} to {high}, t = {t}");
+    let mut report = Report::of(&system, what);
+    for (k, state) in states.iter().enumerate() {
+        if k != line.along && k != line.solved {
+            report.note(format!("at {} = {}", state.name, readable(line.x[k])));
+        }
     }
-    Found {
-        summary: summary(&system, &line, &found),
-        json,
-        tables: csv(&system, &line, &found)?,
-        figures: vec![("tangents".to_owned(), figure(&system, &line, &found)?)],
-        failure: None,
+    for row in listing(&system, &line, &found) {
+        report.note(row);
     }
-    .written(&arguments.output)
+    if let Value::Object(fields) = json(&system, &line, &found) {
+        for (key, value) in fields {
+            report.field(&key, value);
+        }
+    }
+    report
+        .table(points(&system, &line).csv("tangents", numbered(&found, |on_it| &on_it.points))?)
+        .table(zones(&system, &line).csv("zones", numbered(&found, |on_it| &on_it.zones))?)
+        .figure("tangents", &figure(&system, &line, &found))?;
+    let output = &arguments.output;
+    Ok(report.written(output.out.as_ref(), output)?)
 }
 
 impl Arguments {
@@ -94,20 +106,16 @@ impl Arguments {
             )
         })?;
         let state = &system.file.states[line.along];
-        let missing = |option: &str| {
-            Failure::Usage(format!(
-                "from where to where of `{}`? Give {option}, or add {} = [lowest, highest] to [ranges] of the file",
-                state.name, state.name
-            ))
+        let end = |option: &str, given: Option<f64>, shown: Option<f64>| {
+            given.or(shown).ok_or_else(|| {
+                Failure::Usage(format!(
+                    "from where to where of `{}`? Give {option}, or add {} = [lowest, highest] to [ranges] of the file",
+                    state.name, state.name
+                ))
+            })
         };
-        let from = self
-            .from
-            .or(state.range.map(|range| range.0))
-            .ok_or_else(|| missing("--from"))?;
-        let to = self
-            .to
-            .or(state.range.map(|range| range.1))
-            .ok_or_else(|| missing("--to"))?;
+        let from = end("--from", self.from, state.range.map(|range| range.0))?;
+        let to = end("--to", self.to, state.range.map(|range| range.1))?;
         if !(from < to && from.is_finite() && to.is_finite()) {
             return Err(Failure::Usage(format!(
                 "the range of `{}` from {from} to {to} is empty; give a --from below --to",
@@ -119,31 +127,14 @@ impl Arguments {
     }
 }
 
-fn position<'a>(
-    what: &str,
-    name: &str,
-    known: impl Iterator<Item = &'a str> + Clone,
-) -> Result<usize, Failure> {
-    let plain = stickslip_kernels::expression::normal(name);
-    known
-        .clone()
-        .position(|known| known == plain)
-        .ok_or_else(|| {
-            let all: Vec<&str> = known.clone().collect();
-            let help = did_you_mean(name, known.clone())
-                .unwrap_or_else(|| format!("there are {}", all.join(", ")));
-            Failure::Usage(format!("there is no {what} `{name}`; {help}"))
-        })
-}
-
-pub(super) fn side_name(side: Side) -> &'static str {
+fn side_name(side: Side) -> &'static str {
     match side {
         Side::Below => "below",
         Side::Above => "above",
     }
 }
 
-pub(super) fn visibility_name(visibility: Visibility) -> &'static str {
+fn visibility_name(visibility: Visibility) -> &'static str {
     match visibility {
         Visibility::Visible => "visible",
         Visibility::Invisible => "invisible",
@@ -151,7 +142,7 @@ pub(super) fn visibility_name(visibility: Visibility) -> &'static str {
     }
 }
 
-pub(super) fn kind_name(kind: Kind) -> &'static str {
+fn kind_name(kind: Kind) -> &'static str {
     match kind {
         Kind::Stick => "stick",
         Kind::Repelling => "repelling",
@@ -198,58 +189,27 @@ pub(super) fn listing(system: &System, line: &Line, found: &Branches) -> Vec<Str
     rows
 }
 
-fn summary(system: &System, line: &Line, found: &Branches) -> String {
-    let (low, high) = (readable(line.range.0), readable(line.range.1));
-    let along = &system.file.states[line.along].name;
-    let mut text = format!(
-        "{}: boundary of {} along {along} from {low} to {high}, t = {}\n",
-        system.file.name,
-        system.file.contacts[line.contact].name,
-        readable(line.t)
-    );
-    let others = (0..system.states()).filter(|&k| k != line.along && k != line.solved);
-    for k in others {
-        // Writing into a text cannot fail.
-        let _ = writeln!(
-            text,
-            "  at {} = {}",
-            system.file.states[k].name,
-            readable(line.x[k])
-        );
-    }
-    for row in listing(system, line, found) {
-        let _ = writeln!(text, "  {row}");
-    }
-    text
+/// The columns of tangent points, with the numbers of their branches.
+fn points<'a>(system: &System, line: &'a Line) -> Table<'a, (usize, &'a TangentPoint)> {
+    Table::new()
+        .column("side", |(_, point): &(usize, &TangentPoint)| {
+            side_name(point.side)
+        })
+        .column("visibility", |(_, point)| visibility_name(point.visibility))
+        .column("t", |_| line.t)
+        .state(system, "", |(_, point)| point.x.clone())
+        .column("branch", |&(branch, _)| branch)
 }
 
-fn csv(system: &System, line: &Line, found: &Branches) -> Result<Vec<Artifact>, OutputError> {
-    let mut heading = vec!["side".to_owned(), "visibility".to_owned(), "t".to_owned()];
-    heading.extend(system.file.states.iter().map(|state| state.name.clone()));
-    let points = found.iter().flat_map(|(_, on_it)| &on_it.points);
-    let points = points.map(|point| {
-        let mut row = vec![
-            side_name(point.side).to_owned(),
-            visibility_name(point.visibility).to_owned(),
-            tables::exact(line.t),
-        ];
-        row.extend(point.x.iter().map(|&x| tables::exact(x)));
-        row
-    });
-    let points = csv_table("tangents.csv", &heading, points)?;
+/// The columns of zones.
+fn zones<'a>(system: &System, line: &Line) -> Table<'a, (usize, &'a Zone)> {
     let along = &system.file.states[line.along].name;
-    let heading = [
-        "kind".to_owned(),
-        format!("{along}_from"),
-        format!("{along}_to"),
-        "branch".to_owned(),
-    ];
-    let zones = numbered(found, |on_it| &on_it.zones).map(|(branch, zone)| {
-        let kind = kind_name(zone.kind).to_owned();
-        let (from, to) = (tables::exact(zone.from), tables::exact(zone.to));
-        vec![kind, from, to, branch.to_string()]
-    });
-    Ok(vec![points, csv_table("zones.csv", &heading, zones)?])
+    let end = |end: &str| vec![format!("{along}_{end}")];
+    Table::new()
+        .column("kind", |(_, zone): &(usize, &Zone)| kind_name(zone.kind))
+        .many("from", end("from"), Vec::new(), |(_, zone)| zone.from)
+        .many("to", end("to"), Vec::new(), |(_, zone)| zone.to)
+        .column("branch", |&(branch, _)| branch)
 }
 
 /// What is on the branches, with their numbers from 1 on.
@@ -262,34 +222,20 @@ fn numbered<'a, T: 'a>(
 }
 
 /// What was found on a line, without the system.
-pub(super) fn json(system: &System, line: &Line, found: &Branches) -> serde_json::Value {
-    let points = numbered(found, |on_it| &on_it.points).map(|(branch, point)| {
-        json!({
-            "branch": branch,
-            "side": side_name(point.side),
-            "visibility": visibility_name(point.visibility),
-            "x": tables::state_json(system, &point.x),
-        })
-    });
-    let points: Vec<serde_json::Value> = points.collect();
-    let zones = numbered(found, |on_it| &on_it.zones).map(|(branch, zone)| {
-        json!({ "branch": branch, "kind": kind_name(zone.kind), "from": zone.from, "to": zone.to })
-    });
-    let zones: Vec<serde_json::Value> = zones.collect();
-    let branches = found.iter().map(|(branch, _)| branch.range);
-    let branches: Vec<(f64, f64)> = branches.collect();
+pub(super) fn json(system: &System, line: &Line, found: &Branches) -> Value {
+    let branches: Vec<(f64, f64)> = found.iter().map(|(branch, _)| branch.range).collect();
     json!({
         "contact": system.file.contacts[line.contact].name,
         "along": system.file.states[line.along].name,
         "range": line.range,
         "t": line.t,
         "branches": branches,
-        "tangent_points": points,
-        "zones": zones,
+        "tangent_points": points(system, line).json(numbered(found, |on_it| &on_it.points)),
+        "zones": zones(system, line).json(numbered(found, |on_it| &on_it.zones)),
     })
 }
 
-fn figure(system: &System, line: &Line, found: &Branches) -> Result<String, OutputError> {
+fn figure(system: &System, line: &Line, found: &Branches) -> Figure {
     let state = &system.file.states[line.along];
     let (low, high) = line.range;
     let all = found.iter().flat_map(|(_, on_it)| &on_it.rates);
@@ -352,6 +298,5 @@ fn figure(system: &System, line: &Line, found: &Branches) -> Result<String, Outp
         numbered(found, |on_it| &on_it.points).count(),
         numbered(found, |on_it| &on_it.zones).count()
     );
-    let figure = Figure::new("tangents", (640.0, 420.0), &title, &description).row(1.0, panel);
-    Ok(figure.render()?)
+    Figure::new("tangents", (640.0, 420.0), &title, &description).row(1.0, panel)
 }

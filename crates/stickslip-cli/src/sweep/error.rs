@@ -3,6 +3,8 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
+use output::WriteError;
+
 /// What a block fails with: an error of whatever is computed.
 pub type BlockError = Box<dyn std::error::Error + Send + Sync>;
 
@@ -169,5 +171,14 @@ impl SweepError {
     pub(super) fn write(path: &Path) -> impl FnOnce(io::Error) -> Self + use<> {
         let path = path.to_owned();
         move |source| Self::Write { path, source }
+    }
+}
+
+impl From<WriteError> for SweepError {
+    fn from(error: WriteError) -> Self {
+        match error {
+            WriteError::Folder { path, source } => Self::CreateFolder { path, source },
+            WriteError::File { path, source } => Self::Write { path, source },
+        }
     }
 }

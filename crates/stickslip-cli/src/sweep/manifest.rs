@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::fs;
+use std::io;
 use std::num::NonZeroUsize;
 use std::path::Path;
 
@@ -11,7 +12,6 @@ use serde_json::Value;
 use super::block::digest;
 use super::error::SweepError;
 use super::plan::Plan;
-use super::whole;
 
 /// Name of the file.
 pub(super) const NAME: &str = "manifest.json";
@@ -79,7 +79,7 @@ impl Manifest {
         let path = folder.join(NAME);
         let bytes = match fs::read(&path) {
             Ok(bytes) => bytes,
-            Err(error) if whole::is_absent(&error) => return Ok(None),
+            Err(error) if is_absent(&error) => return Ok(None),
             Err(source) => return Err(SweepError::Read { path, source }),
         };
         let bad = |reason: String| SweepError::BadManifest {
@@ -166,6 +166,12 @@ impl Manifest {
             .find(|(_, old, new)| old != new)
             .map(|(what, old, new)| (what.to_owned(), old.to_string(), new.to_string()))
     }
+}
+
+/// Whether a file could not be read because there is none; a file in the place of a folder above it is told when the folder is made.
+pub(super) fn is_absent(error: &io::Error) -> bool {
+    use io::ErrorKind::{NotADirectory, NotFound};
+    matches!(error.kind(), NotFound | NotADirectory)
 }
 
 fn quoted(text: &str) -> String {

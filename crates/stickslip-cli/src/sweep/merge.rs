@@ -3,10 +3,9 @@
 use std::fs::File;
 use std::path::Path;
 
-use super::block::Found;
 use super::error::SweepError;
 use super::manifest::Manifest;
-use super::share::Share;
+use super::plan::Share;
 use super::store::{Store, Writer};
 
 /// Ranges of missing blocks that an error names; of more it says how many.
@@ -73,20 +72,15 @@ pub fn merge(out: &Path, folders: &[impl AsRef<Path>]) -> Result<Merged, SweepEr
             None => (first.block(block)?, first),
         };
         match writer.store.find(block)? {
-            Some(Found::Whole(there)) if there == content => {}
-            Some(Found::Whole(_)) => {
+            Some(Ok(there)) if there == content => {}
+            Some(Ok(_)) => {
                 return Err(SweepError::Overlap {
                     block,
                     one: out.to_owned(),
                     other: source.folder().to_owned(),
                 });
             }
-            Some(Found::Stranger) => {
-                return Err(SweepError::Stranger {
-                    path: writer.store.path(block),
-                });
-            }
-            Some(Found::Damaged(_)) | None => writer.put(block, &content)?,
+            Some(Err(_)) | None => writer.put(block, &content)?,
         }
     }
     Ok(Merged {
@@ -126,19 +120,13 @@ fn pick(sources: &[Store], block: usize) -> Result<Picked<'_>, SweepError> {
     for source in sources {
         let content = match source.find(block)? {
             None => continue,
-            Some(Found::Stranger) => {
-                return Err(SweepError::Stranger {
-                    path: source.path(block),
-                });
-            }
-            Some(Found::Damaged(damage)) => {
+            Some(Err(damage)) => {
                 let path = source.path(block);
-                picked
-                    .damaged
-                    .push(format!("{} is {damage}", path.display()));
+                let damaged = format!("{} is {damage}", path.display());
+                picked.damaged.push(damaged);
                 continue;
             }
-            Some(Found::Whole(content)) => content,
+            Some(Ok(content)) => content,
         };
         picked.copies += 1;
         match &picked.content {

@@ -7,10 +7,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
-use super::block::Found;
 use super::error::{BlockError, SweepError};
-use super::plan::{Chain, Plan};
-use super::share::Share;
+use super::plan::{Chain, Plan, Share};
 use super::store::{Store, Writer};
 
 /// What is to be computed, and where it goes.
@@ -41,6 +39,9 @@ pub struct Computed {
     _lock: File,
 }
 
+/// Whether a block is there, and whole.
+type State = Option<Result<(), &'static str>>;
+
 /// Computes what is missing of a share, on all threads. `compute` gets the index of a block and, in a chain, the bytes of the block
 /// before it, and gives the bytes of the block: they must depend on nothing else. `report` is called with the number of blocks done
 /// and of all blocks, at first with those that were there.
@@ -66,30 +67,30 @@ where
         })?;
     let writer = Writer::open(task.folder, task.plan, task.share)?;
     let chains: Vec<Chain> = task.share.chains(task.plan).collect();
-    let inspect = |chain: &Chain| inspect(&writer.store, chain);
+    // What there is of each block before the run; contents are read again where they are needed.
+    let inspect = |chain: &Chain| -> Result<Vec<State>, SweepError> {
+        let states = chain.blocks().map(|block| writer.store.find(block));
+        let states = states.map(|found| Ok(found?.map(|whole| whole.map(drop))));
+        states.collect()
+    };
     let inspected: Result<Vec<_>, SweepError> =
         pool.install(|| chains.par_iter().map(inspect).collect());
     let inspected = inspected?;
-
-    let state = |wanted: fn(&State) -> bool| {
-        let states = inspected.iter().flatten();
-        states.filter(|state| wanted(state)).count()
-    };
-    let old = state(|state| matches!(state, State::Whole));
-    let all = state(|_| true);
+    let states = || inspected.iter().flatten();
+    let old = states().filter(|state| **state == Some(Ok(()))).count();
+    let all = states().count();
     let done = AtomicUsize::new(old);
     report(old, all);
     let work = |(chain, states): (&Chain, &Vec<State>)| -> Result<(), SweepError> {
         let mut before: Option<Vec<u8>> = None;
         for (block, state) in chain.blocks().zip(states) {
             let last = before.take();
-            if matches!(state, State::Whole) {
+            if *state == Some(Ok(())) {
                 continue;
             }
             let last = match (task.plan.before(block), last) {
-                (None, _) => None,
-                (Some(_), Some(last)) => Some(last),
                 (Some(index), None) => Some(writer.store.block(index)?),
+                (before, last) => last.filter(|_| before.is_some()),
             };
             let content = compute(block, last.as_deref())
                 .map_err(|source| SweepError::Block { block, source })?;
@@ -103,14 +104,12 @@ where
     // One at a time, so that short and long ones spread evenly.
     pool.install(|| each.with_max_len(1).try_for_each(work))?;
 
-    let mut repaired = Vec::new();
-    for (chain, states) in chains.iter().zip(&inspected) {
-        for (block, state) in chain.blocks().zip(states) {
-            if let State::Damaged(damage) = state {
-                repaired.push((block, *damage));
-            }
-        }
-    }
+    let blocks = chains.iter().flat_map(Chain::blocks).zip(states());
+    let damaged = |(block, state): (usize, &State)| match state {
+        Some(Err(damage)) => Some((block, *damage)),
+        _ => None,
+    };
+    let repaired = blocks.filter_map(damaged).collect();
     Ok(Computed {
         store: writer.store,
         _lock: writer.lock,
@@ -118,23 +117,4 @@ where
         old,
         repaired,
     })
-}
-
-/// What there is of a block before the run.
-enum State {
-    Whole,
-    Missing,
-    Damaged(&'static str),
-}
-
-fn inspect(store: &Store, chain: &Chain) -> Result<Vec<State>, SweepError> {
-    let state = |block| match store.find(block)? {
-        Some(Found::Whole(_)) => Ok(State::Whole),
-        None => Ok(State::Missing),
-        Some(Found::Damaged(damage)) => Ok(State::Damaged(damage)),
-        Some(Found::Stranger) => Err(SweepError::Stranger {
-            path: store.path(block),
-        }),
-    };
-    chain.blocks().map(state).collect()
 }

@@ -1,21 +1,24 @@
 //! The folder of a sweep.
 
 use std::fs::{self, File, OpenOptions, TryLockError};
-use std::io::{self, ErrorKind};
+use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
+
+use output::{place, stage};
 
 use super::block::{Found, decode, encode};
 use super::error::SweepError;
-use super::manifest::{self, Manifest};
-use super::plan::Plan;
-use super::share::Share;
-use super::whole;
+use super::manifest::{self, Manifest, is_absent};
+use super::plan::{Plan, Share};
 
 /// Name of the file that is locked.
 const LOCK: &str = "lock";
 
 /// Ending of the names of blocks.
 const ENDING: &str = ".block";
+
+/// The content of a block, or how it is damaged.
+pub(super) type Whole = Result<Vec<u8>, &'static str>;
 
 /// A folder with blocks of a sweep.
 #[derive(Debug)]
@@ -91,28 +94,27 @@ impl Store {
 
     /// What was computed as `block`.
     pub(super) fn block(&self, block: usize) -> Result<Vec<u8>, SweepError> {
-        let damage = match self.find(block)? {
-            Some(Found::Whole(content)) => return Ok(content),
-            Some(Found::Damaged(damage)) => damage,
-            Some(Found::Stranger) => {
-                return Err(SweepError::Stranger {
-                    path: self.path(block),
-                });
-            }
-            None => "not there",
-        };
-        Err(SweepError::Damaged {
+        let damaged = |damage: &str| SweepError::Damaged {
             block,
             damage: damage.to_owned(),
             folder: self.folder.clone(),
-        })
+        };
+        let found = self.find(block)?.unwrap_or(Err("not there"));
+        found.map_err(damaged)
     }
 
-    /// What is under the name of `block`; nothing if nothing is.
-    pub(super) fn find(&self, block: usize) -> Result<Option<Found>, SweepError> {
+    /// What was computed as `block`, or how it is damaged; nothing if nothing is under its name.
+    ///
+    /// # Errors
+    /// [`SweepError::Stranger`], [`SweepError::Read`].
+    pub(super) fn find(&self, block: usize) -> Result<Option<Whole>, SweepError> {
         let path = self.path(block);
         match fs::read(&path) {
-            Ok(bytes) => Ok(Some(decode(&self.fingerprint, block, &bytes))),
+            Ok(bytes) => match decode(&self.fingerprint, block, &bytes) {
+                Found::Whole(content) => Ok(Some(Ok(content))),
+                Found::Damaged(damage) => Ok(Some(Err(damage))),
+                Found::Stranger => Err(SweepError::Stranger { path }),
+            },
             Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
             Err(source) => Err(SweepError::Read { path, source }),
         }
@@ -165,7 +167,7 @@ impl Writer {
         let lock = lock(&staging, share, folder, unfinished)?;
         if there.is_none() {
             let path = folder.join(manifest::NAME);
-            whole::write_once(&path, &staging, &wanted.bytes(folder)?)?;
+            write_once(&path, &staging, &wanted.bytes(folder)?)?;
             // Another process may have been faster, with other arguments.
             there = Manifest::read(folder)?;
             check(folder, there.as_ref(), &wanted)?;
@@ -184,7 +186,9 @@ impl Writer {
     pub(super) fn put(&self, block: usize, content: &[u8]) -> Result<(), SweepError> {
         let bytes = encode(&self.store.fingerprint, block, content);
         let path = self.store.path(block);
-        whole::write(&path, &self.staging, |file| file.write_all(&bytes))
+        write_whole(&path, &self.staging, |file| {
+            file.write_all(&bytes).map_err(SweepError::write(&path))
+        })
     }
 }
 
@@ -204,7 +208,7 @@ fn block_names(folder: &Path) -> Result<Vec<String>, SweepError> {
     let path = blocks(folder);
     let entries = match fs::read_dir(&path) {
         Ok(entries) => entries,
-        Err(error) if whole::is_absent(&error) => return Ok(Vec::new()),
+        Err(error) if is_absent(&error) => return Ok(Vec::new()),
         Err(source) => return Err(SweepError::Read { path, source }),
     };
     let mut names = Vec::new();
@@ -286,4 +290,38 @@ fn clear(staging: &Path) -> Result<(), SweepError> {
         Ok(())
     };
     clear().map_err(SweepError::write(staging))
+}
+
+/// Writes a table or another file that need not fit into memory, by way of a temporary file in `staging`: `content` writes
+/// it bit by bit, and it appears under its name when it is complete. Both folders must exist.
+///
+/// # Errors
+/// Those of `content`; [`SweepError::Write`]. What was at `path` before then stays.
+pub fn write_whole<E: From<SweepError>>(
+    path: &Path,
+    staging: &Path,
+    content: impl FnOnce(&mut dyn Write) -> Result<(), E>,
+) -> Result<(), E> {
+    let failed = SweepError::write(path);
+    let mut of_content = Ok(());
+    let staged = stage(staging, |file| {
+        of_content = content(file);
+        Ok(())
+    });
+    of_content?;
+    let placed = staged.and_then(|file| place(file, path));
+    Ok(placed.map_err(failed)?)
+}
+
+/// As [`write_whole`], but what is there already stays: whoever is first has written the file. Whether it was this call.
+///
+/// # Errors
+/// [`SweepError::Write`].
+fn write_once(path: &Path, staging: &Path, bytes: &[u8]) -> Result<bool, SweepError> {
+    let staged = stage(staging, |file| file.write_all(bytes)).map_err(SweepError::write(path))?;
+    match staged.persist_noclobber(path) {
+        Ok(_) => Ok(true),
+        Err(error) if error.error.kind() == io::ErrorKind::AlreadyExists => Ok(false),
+        Err(error) => Err(SweepError::write(path)(error.error)),
+    }
 }

@@ -78,7 +78,7 @@ impl Modes {
     }
 
     /// The modes in order of the contacts.
-    pub fn iter(&self) -> impl Iterator<Item = Mode> + use<> {
+    pub fn iter(&self) -> impl DoubleEndedIterator<Item = Mode> + use<> {
         let modes = *self;
         (0..self.len()).map(move |contact| modes.get(contact))
     }

@@ -10,9 +10,9 @@ use stickslip_kernels::kernel::{
     SpecialThere,
 };
 
-use super::super::Failure;
 use super::super::extremes::Extremes;
 use super::super::range::ParameterRange;
+use crate::failure::Failure;
 use crate::terminal::Telling;
 use stickslip_kernels::file::System;
 

@@ -8,9 +8,9 @@ use stickslip::analysis::{Stability, Stop};
 use stickslip_kernels::kernel::{SpecialKind, SpecialThere};
 
 use super::super::figures;
+use super::super::range::ParameterRange;
 use super::branch::{Branch, Point};
-use super::told::Told;
-use crate::output::OutputError;
+use stickslip_kernels::file::System;
 
 /// A value of an orbit.
 type Value = fn(&Point) -> f64;
@@ -20,13 +20,7 @@ const LARGEST_MULTIPLIER: &str = "largest multiplier";
 /// Largest multiplier that is drawn: of unstable orbits it may be of any size.
 const LARGEST: f64 = 3.0;
 
-pub(super) fn diagram(told: &Told<'_>) -> Result<String, OutputError> {
-    let Told {
-        system,
-        range,
-        branch,
-        ..
-    } = told;
+pub(super) fn diagram(system: &System, range: &ParameterRange, branch: &Branch) -> Figure {
     let first = &system.file.states[0];
     let largest: Value = |at| {
         let sizes = at.orbit.multipliers.iter().map(|one| one.norm());
@@ -68,7 +62,7 @@ pub(super) fn diagram(told: &Told<'_>) -> Result<String, OutputError> {
     let last = rows.len() - 1;
     let mut in_legend: Vec<Stability> = Vec::new();
     for (k, (label, value)) in rows.into_iter().enumerate() {
-        let (low, high) = ends(told);
+        let (low, high) = ends(range, branch);
         let x = if k == last {
             let label = figures::parameter_label(system, &range.name);
             plot::Axis::new(&label, low, high)
@@ -123,7 +117,7 @@ pub(super) fn diagram(told: &Told<'_>) -> Result<String, OutputError> {
         }
         figure = figure.row(if k == last { 1.35 } else { 1.0 }, panel);
     }
-    Ok(figure.render()?)
+    figure
 }
 
 /// Kinds of special orbits with their marks, as the legend has them.
@@ -203,10 +197,9 @@ fn end_mark(end: &Point, stop: &Stop, value: Value, is_extent: bool) -> (f64, f6
 }
 
 /// The part of the range that the branch takes, with a little room.
-fn ends(told: &Told<'_>) -> (f64, f64) {
-    let parameters = told.branch.points.iter().map(|at| at.orbit.parameter);
+fn ends(range: &ParameterRange, branch: &Branch) -> (f64, f64) {
+    let parameters = branch.points.iter().map(|at| at.orbit.parameter);
     let (low, high) = figures::extremes(parameters);
-    let range = told.range;
     if low >= high {
         return (range.low, range.high);
     }

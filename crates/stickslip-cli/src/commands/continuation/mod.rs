@@ -2,19 +2,24 @@
 
 mod branch;
 mod figure;
-mod told;
 
+use std::f64::consts::TAU;
 use std::num::NonZeroUsize;
 
-use stickslip::analysis::ContinuationSettings;
+use serde_json::{Value, json};
+use stickslip::analysis::{ContinuationSettings, Stop};
+use stickslip_kernels::file::System;
+use stickslip_kernels::kernel::{SpecialKind, SpecialThere};
 
 use super::arguments::{Ready, RunArguments, count};
+use super::attractors::family_words;
+use super::changes;
 use super::range::ParameterRange;
 use super::search::SearchArguments;
-use super::{Failure, Found};
-use crate::terminal::{Said, patiently};
-use branch::Begin;
-use told::Told;
+use crate::failure::{Failure, told};
+use crate::render::{Report, Said, Table, place, rounded, sequence, within};
+use crate::terminal::patiently;
+use branch::{Begin, Point};
 
 /// Continue a periodic orbit along a parameter, stable or not, through folds and changes of its phases
 ///
@@ -46,7 +51,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
     arguments.run.answered(|ready| found(arguments, ready))
 }
 
-fn found(arguments: &Arguments, ready: &Ready) -> Result<Found, Failure> {
+fn found(arguments: &Arguments, ready: &Ready) -> Result<Report, Failure> {
     let Ready {
         system, options, ..
     } = ready;
@@ -64,11 +69,335 @@ fn found(arguments: &Arguments, ready: &Ready) -> Result<Found, Failure> {
     let branch = patiently("following the branch", |telling| {
         begin.branch(&orbit, periods, &settings, options, telling)
     })?;
-    let told = Told {
-        system,
-        range: &range,
-        branch: &branch,
-        family: orbit.family,
+    let (name, points) = (&range.name, &branch.points);
+    let orbits = points.len();
+    let what = format!(
+        "{orbits} periodic orbits over {name} from {} to {}",
+        range.low, range.high
+    );
+    let mut report = Report::of(system, what);
+    report
+        .field("parameter", &range)
+        .field("points", orbits)
+        .field("family_dimension", orbit.family);
+    if let Some(Point { orbit, .. }) = points.get(branch.first) {
+        let [at, period] = [orbit.parameter, orbit.period].map(rounded);
+        let (stability, phases) = (orbit.stability, sequence(&orbit.phases));
+        report.note(format!(
+            "begun at {name} = {at}: period {period}, {stability}, phases {phases}  (- below, + above, S stick)"
+        ));
+    }
+    if orbit.family > 0 {
+        let family = family_words(orbit.family);
+        report.note(format!(
+            "it is {family}; at each value the one nearest to that before is followed"
+        ));
+    }
+    for at in &branch.special {
+        let (at, what) = (place(at.parameter, at.uncertainty), words(at, system));
+        report.note(format!("at {name} = {at}: {what}"));
+    }
+    let special: Vec<Value> = branch.special.iter().map(|at| json(at, system)).collect();
+    report.field("special", special);
+
+    let ends = branch
+        .stops
+        .each_ref()
+        .map(|stop| End::of(stop, system, name));
+    let last = [points.first(), points.last()];
+    let mut objects = Vec::new();
+    for ((last, end), way) in last.into_iter().zip(&ends).zip(["downwards", "upwards"]) {
+        if let Some(Point { orbit, .. }) = last {
+            let (stability, at, words) = (orbit.stability, rounded(orbit.parameter), &end.words);
+            report.note(format!(
+                "begun {way}, {stability} at its last orbit ({name} = {at}), it ends {words}"
+            ));
+        }
+        let mut object = json!({
+            "parameter": last.map(|last| last.orbit.parameter),
+            "stop": end.stop,
+            "error": null,
+            "hopf": null,
+            "boundary_equilibrium": null,
+            "homoclinic": null,
+        });
+        if let Some((key, value)) = &end.detail {
+            object[key] = value.clone();
+        }
+        objects.push(object);
+    }
+    report.field("ends", objects);
+
+    report.table(columns(system, name, points).csv("branch", points)?);
+    // The ends that are bifurcations are before and behind the special orbits.
+    let [first, last] = [(&ends[0], 0), (&ends[1], orbits)].map(|(end, behind)| end.row(behind));
+    let special = branch.special.iter().map(|at| Row::of(at, system));
+    let rows = first.into_iter().chain(special).chain(last);
+    report.table(special_columns(system, name).csv("special", rows)?);
+    report.figure("continue", &figure::diagram(system, &range, &branch))?;
+    Ok(report)
+}
+
+/// What a special orbit is called.
+fn what(kind: &SpecialKind) -> String {
+    match kind {
+        SpecialKind::Fold => "fold".to_owned(),
+        SpecialKind::BranchPoint => "branch point".to_owned(),
+        SpecialKind::Flip => "flip".to_owned(),
+        SpecialKind::NeimarkSacker { .. } => "Neimark-Sacker".to_owned(),
+        SpecialKind::Sequence(change) => changes::name(change),
+    }
+}
+
+/// A special orbit in words.
+fn words(at: &SpecialThere, system: &System) -> String {
+    match &at.what {
+        kind @ SpecialKind::NeimarkSacker { angle } => {
+            format!("{}, angle {}", what(kind), rounded(*angle))
+        }
+        SpecialKind::Sequence(change) => {
+            let name = changes::words(system, change);
+            match changes::phases(change) {
+                Some([before, after]) if !before.is_empty() && !after.is_empty() => {
+                    format!("{name}, between phases {before} and {after}")
+                }
+                _ => name,
+            }
+        }
+        kind => what(kind),
+    }
+}
+
+fn angle(at: &SpecialThere) -> Option<f64> {
+    match at.what {
+        SpecialKind::NeimarkSacker { angle } => Some(angle),
+        _ => None,
+    }
+}
+
+fn json(at: &SpecialThere, system: &System) -> Value {
+    let change = match &at.what {
+        SpecialKind::Sequence(change) => changes::json(system, change),
+        _ => Value::Null,
     };
-    told.found()
+    json!({
+        "parameter": at.parameter,
+        "uncertainty": at.uncertainty,
+        "what": what(&at.what),
+        "behind": at.behind,
+        "period": at.period,
+        "x": at.x,
+        "angle": angle(at),
+        "change": change,
+    })
+}
+
+/// The end of a branch.
+struct End {
+    /// In a word.
+    stop: &'static str,
+    /// Behind "it ends".
+    words: String,
+    /// A value for programs, with its name.
+    detail: Option<(&'static str, Value)>,
+    /// The row of `special.csv`, if it is a bifurcation. Its orbit has no phases of its own, and a homoclinic one no period.
+    row: Option<Row>,
+}
+
+impl End {
+    fn of(stop: &Stop, system: &System, name: &str) -> Self {
+        let plain = |stop, words: &str| End {
+            stop,
+            words: words.to_owned(),
+            detail: None,
+            row: None,
+        };
+        let row = |what: &str, parameter, uncertainty, period| {
+            Some(Row {
+                parameter,
+                what: what.to_owned(),
+                uncertainty,
+                period,
+                ..Row::default()
+            })
+        };
+        match *stop {
+            Stop::Range => plain("range", "at an end of the range"),
+            Stop::Points => plain(
+                "points",
+                "after as many orbits as were asked for (--points)",
+            ),
+            Stop::Closed => plain("closed", "where it began: the branch is closed"),
+            Stop::Equilibrium {
+                parameter,
+                frequency,
+            } => End {
+                stop: "equilibrium",
+                words: format!(
+                    "in an equilibrium: Hopf bifurcation at {name} = {}, frequency {}",
+                    rounded(parameter),
+                    rounded(frequency)
+                ),
+                detail: Some((
+                    "hopf",
+                    json!({ "parameter": parameter, "frequency": frequency }),
+                )),
+                row: row("Hopf", parameter, None, Some(TAU / frequency)),
+            },
+            Stop::BoundaryEquilibrium { parameter } => End {
+                stop: "boundary equilibrium",
+                words: format!(
+                    "in an equilibrium on the boundary: boundary-equilibrium bifurcation at {name} = {}",
+                    rounded(parameter)
+                ),
+                detail: Some(("boundary_equilibrium", json!(parameter))),
+                row: row("boundary equilibrium", parameter, None, None),
+            },
+            Stop::Homoclinic {
+                parameter,
+                uncertainty,
+                saddles,
+                leaves,
+                comes,
+            } => {
+                let (what, orbit) = match saddles.get() {
+                    1 => ("homoclinic", "a homoclinic orbit of a saddle".to_owned()),
+                    number => (
+                        "heteroclinic",
+                        format!("a heteroclinic cycle of {number} saddles"),
+                    ),
+                };
+                End {
+                    stop: "homoclinic",
+                    words: format!(
+                        "in {orbit}: at {name} = {}, rates {} and {}",
+                        within(parameter, uncertainty),
+                        rounded(comes),
+                        rounded(leaves)
+                    ),
+                    detail: Some((
+                        "homoclinic",
+                        json!({
+                            "parameter": parameter,
+                            "uncertainty": uncertainty,
+                            "saddles": saddles,
+                            "leaves": leaves,
+                            "comes": comes,
+                        }),
+                    )),
+                    row: row(what, parameter, Some(uncertainty), None),
+                }
+            }
+            Stop::Rest => plain(
+                "rest",
+                "where it comes to rest: it moves a thousandth of what it did",
+            ),
+            Stop::Refused(ref error) => {
+                let told = told(error, system);
+                End {
+                    detail: Some(("error", json!(told))),
+                    ..plain("friction", &format!("where {told}"))
+                }
+            }
+            Stop::SequenceEnds => plain(
+                "sequence ends",
+                "where its phases change: no orbit with other phases was found next to it",
+            ),
+            Stop::NoConvergence => plain(
+                "no convergence",
+                "where no further orbit was found; a shorter --step or a smaller --tol may lead on",
+            ),
+        }
+    }
+
+    /// Its row, behind so many orbits.
+    fn row(&self, behind: usize) -> Option<Row> {
+        let row = self.row.clone()?;
+        Some(Row { behind, ..row })
+    }
+}
+
+/// A row of `special.csv`.
+#[derive(Clone, Default)]
+struct Row {
+    behind: usize,
+    parameter: f64,
+    what: String,
+    contacts: String,
+    angle: Option<f64>,
+    uncertainty: Option<f64>,
+    phases: Option<[String; 2]>,
+    period: Option<f64>,
+    x: Vec<f64>,
+}
+
+impl Row {
+    fn of(at: &SpecialThere, system: &System) -> Self {
+        let change = match &at.what {
+            SpecialKind::Sequence(change) => Some(change),
+            _ => None,
+        };
+        let contacts = change.map(|change| changes::contacts(system, change));
+        Row {
+            behind: at.behind,
+            parameter: at.parameter,
+            what: what(&at.what),
+            contacts: contacts.unwrap_or_default(),
+            angle: angle(at),
+            uncertainty: Some(at.uncertainty),
+            phases: change.and_then(changes::phases),
+            period: Some(at.period),
+            x: at.x.clone(),
+        }
+    }
+}
+
+/// The columns of `special.csv`: the special orbits, each behind so many rows of `branch.csv`, and the ends that are bifurcations.
+fn special_columns<'a>(system: &System, parameter: &str) -> Table<'a, Row> {
+    let phases = |k: usize| move |row: &Row| row.phases.as_ref().map(|phases| phases[k].clone());
+    Table::new()
+        .column("behind", |row: &Row| row.behind)
+        .column(parameter, |row| row.parameter)
+        .column("what", |row| row.what.clone())
+        .column("contacts", |row| row.contacts.clone())
+        .column("angle", |row| row.angle)
+        .column("uncertainty", |row| row.uncertainty)
+        .column("before", phases(0))
+        .column("after", phases(1))
+        .column("period", |row| row.period)
+        .state(system, "", |row| row.x.clone())
+}
+
+/// The columns of `branch.csv`: an orbit a row, from the branch's end downwards to its end upwards.
+fn columns<'a>(system: &System, parameter: &str, points: &[Point]) -> Table<'a, &'a Point> {
+    let states = system.file.states.iter().map(|state| &state.name);
+    let ends = states.flat_map(|name| ["low", "high"].map(|end| format!("{name}_{end}")));
+    let multipliers = points.iter().map(|at| at.orbit.multipliers.len()).max();
+    let numbers = 1..=multipliers.unwrap_or(0);
+    let parts = numbers.flat_map(|k| ["re", "im"].map(|part| format!("multiplier{k}_{part}")));
+    Table::new()
+        .column(parameter, |at: &&Point| at.orbit.parameter)
+        .column("period", |at| at.orbit.period)
+        .column("stability", |at| at.orbit.stability.to_string())
+        .column("phases", |at| sequence(&at.orbit.phases))
+        .column("t", |at| at.orbit.t)
+        .state(system, "", |at| at.orbit.x.clone())
+        .many("extremes", ends.collect(), Vec::new(), |at| -> Vec<f64> {
+            at.extremes
+                .iter()
+                .flat_map(|&(low, high)| [low, high])
+                .collect()
+        })
+        .many(
+            "multipliers",
+            parts.collect(),
+            Vec::new(),
+            |at| -> Vec<f64> {
+                at.orbit
+                    .multipliers
+                    .iter()
+                    .flat_map(|one| [one.re, one.im])
+                    .collect()
+            },
+        )
 }

@@ -1,13 +1,63 @@
-//! Errors of the library as they concern somebody who writes files and not Rust: contacts by their names, options as they are given here.
+//! Why a command fails, in words for somebody who writes files and not Rust: contacts by their names, options as they are given on the
+//! command line.
 
 use stickslip::Error;
 use stickslip::error::readable;
+use stickslip_kernels::file::{FileError, SettingError, System};
 
-use super::tables::contact_name;
-use stickslip_kernels::file::System;
+use crate::render::{OutputError, contact_name};
+use crate::sweep::SweepError;
+
+/// Why a command failed.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum Failure {
+    #[error(transparent)]
+    File(#[from] FileError),
+    #[error(transparent)]
+    Setting(#[from] SettingError),
+    #[error("{0}")]
+    Usage(String),
+    /// There is an attractor, and it is none that was looked for.
+    #[error("{0}")]
+    NoPeriodicOrbit(String),
+    #[error(transparent)]
+    Sweep(#[from] SweepError),
+    #[error(transparent)]
+    Output(#[from] OutputError),
+    #[error("{}", told_of_any(.0))]
+    Computation(#[from] Error),
+    /// As [`Failure::Computation`], with the names of the system's contacts.
+    #[error("{told}")]
+    OfSystem { error: Error, told: String },
+}
+
+impl Failure {
+    /// Whether the command line or the file is at fault and not the computation or the machine.
+    pub(crate) fn is_usage(&self) -> bool {
+        match self {
+            Failure::File(_) | Failure::Setting(_) | Failure::Usage(_) => true,
+            Failure::Sweep(error) => error.is_usage(),
+            Failure::Output(_) | Failure::NoPeriodicOrbit(_) => false,
+            Failure::Computation(error) | Failure::OfSystem { error, .. } => {
+                matches!(error, Error::Option { .. } | Error::Interval { .. })
+            }
+        }
+    }
+
+    /// With the names of the contacts, where it speaks of some.
+    pub(crate) fn of(self, system: &System) -> Self {
+        match self {
+            Failure::Computation(error) => Failure::OfSystem {
+                told: told(&error, system),
+                error,
+            },
+            other => other,
+        }
+    }
+}
 
 /// An error of the library in words.
-pub(super) fn told(error: &Error, system: &System) -> String {
+pub(crate) fn told(error: &Error, system: &System) -> String {
     words(error, &|contact| match contact_name(system, contact) {
         name if name.is_empty() => contact.to_string(),
         name => format!("`{name}`"),
@@ -15,7 +65,7 @@ pub(super) fn told(error: &Error, system: &System) -> String {
 }
 
 /// As [`told`], where it is not known of which system: contacts by number.
-pub(super) fn told_of_any(error: &Error) -> String {
+fn told_of_any(error: &Error) -> String {
     words(error, &|contact| contact.to_string())
 }
 

@@ -1,0 +1,527 @@
+//! `stickslip basin`: which attractor each of many starts leads to.
+
+use std::num::NonZeroUsize;
+use std::ops::Range;
+use std::path::Path;
+
+use plot::{Axis, Cells, Figure, Legend, Markers, Panel};
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+use stickslip::Options;
+use stickslip::analysis::RecurrenceSettings;
+
+use super::arguments::{RunArguments, SolverArguments, count, seed};
+use super::range::{StateRange, grid, middle, not_too_many};
+use super::sweeping::{Sweep, SweepArguments, check_period, recurrence, sweep, table, to_content};
+use super::{attractors, figures};
+use crate::failure::Failure;
+use crate::render::{Report, Said, Table, state_words};
+use crate::sweep::{BlockError, Store, SweepError};
+use stickslip_kernels::file::System;
+use stickslip_kernels::kernel::{Motion, Outcome};
+
+/// Find which attractor each of many starts in a plane leads to
+///
+/// Attractors are found by recurrence; none need be named. "Recurrent" is one that comes back near to everywhere that it has been and never
+/// closes: quasi-periodic or chaotic, which `lyapunov` tells. Starts that escape, fail or are undecided have rows of their own and no number.
+/// Writes basin.csv with all starts, attractors.csv with the shares and their standard errors, and basin.svg. Finished blocks are in sweep/:
+/// after a kill the same command goes on from there.
+#[derive(Debug, clap::Args)]
+pub(super) struct Arguments {
+    /// Range of the first coordinate of the starts; default: the first state, with its range in the file
+    #[arg(long, value_name = "STATE=LOW:HIGH")]
+    x: Option<String>,
+
+    /// Range of the second coordinate; default: the second state, with its range in the file
+    #[arg(long, value_name = "STATE=LOW:HIGH")]
+    y: Option<String>,
+
+    /// Starts in the middle of so many cells along each coordinate
+    #[arg(long, value_name = "COLUMNSxROWS", default_value = "100x100")]
+    grid: String,
+
+    /// So many random starts instead of a grid
+    #[arg(long, value_name = "NUMBER", value_parser = count, conflicts_with = "grid")]
+    random: Option<NonZeroUsize>,
+
+    /// Seed of random starts; default 1
+    #[arg(long, value_name = "SEED", value_parser = seed)]
+    seed: Option<u64>,
+
+    /// Time after which an orbit that has come to no attractor is called undecided
+    #[arg(long, value_name = "TIME", default_value_t = 2000.0)]
+    until: f64,
+
+    #[command(flatten)]
+    sweep: SweepArguments,
+    #[command(flatten)]
+    run: RunArguments,
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
+    let system = arguments.run.system()?;
+    check_period(&system)?;
+    let wanted = Basin::new(arguments, &system)?;
+    sweep(&wanted, &system, &arguments.sweep, &arguments.run.output)
+}
+
+/// Seed where none is given.
+const FIRST_SEED: u64 = 1;
+
+/// Everything that a basin depends on besides the system.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct Basin {
+    /// The coordinates of the plane.
+    plane: [StateRange; 2],
+    /// The points in it.
+    points: Points,
+    /// The other components of the starts.
+    start: Vec<f64>,
+    until: f64,
+    solver: SolverArguments,
+}
+
+/// What a block holds.
+#[derive(Debug, Serialize, Deserialize)]
+struct Reached {
+    /// The attractors that its starts lead to, in the order in which they do so first.
+    attractors: Vec<Outcome>,
+    /// Which of these each start leads to.
+    starts: Vec<usize>,
+}
+
+impl Basin {
+    fn new(arguments: &Arguments, system: &System) -> Result<Self, Failure> {
+        let plane = [
+            StateRange::new("--x", arguments.x.as_deref(), 0, system)?,
+            StateRange::new("--y", arguments.y.as_deref(), 1, system)?,
+        ];
+        if plane[0].state == plane[1].state {
+            let name = &system.file.states[plane[0].state].name;
+            return Err(Failure::Usage(format!(
+                "--x and --y are both `{name}`; a plane has two states"
+            )));
+        }
+        for range in &plane {
+            let name = &system.file.states[range.state].name;
+            if arguments.run.start.sets(name) {
+                return Err(Failure::Usage(format!(
+                    "--start {name}=… has no effect: the starts go through {name} from {} to {}; leave it out, or choose another plane with --x \
+                     and --y",
+                    range.low, range.high
+                )));
+            }
+        }
+        let points = match (arguments.random, arguments.seed) {
+            (Some(number), seed) => {
+                not_too_many(&format!("--random {number}"), Some(number.get()))?;
+                Points::Random {
+                    number,
+                    seed: seed.unwrap_or(FIRST_SEED),
+                }
+            }
+            (None, Some(seed)) => {
+                return Err(Failure::Usage(format!(
+                    "--seed {seed} has no effect on a grid; leave it out, or give --random"
+                )));
+            }
+            (None, None) => {
+                let (columns, rows) = grid(&arguments.grid)?;
+                Points::Grid { columns, rows }
+            }
+        };
+        let start = arguments.run.start.at_zero(system)?;
+        let basin = Self {
+            plane,
+            points,
+            start,
+            until: arguments.until,
+            solver: arguments.run.solver.clone(),
+        };
+        recurrence(system, basin.until).check()?;
+        // A wrong option is better told before the sweep than by its first block.
+        basin.solver.options()?;
+        Ok(basin)
+    }
+
+    /// The state that point `index` of the plane stands for.
+    fn start(&self, index: usize) -> Vec<f64> {
+        let mut start = self.start.clone();
+        let at = self.points.at(index, &self.plane);
+        for (range, value) in self.plane.iter().zip(at) {
+            start[range.state] = value;
+        }
+        start
+    }
+}
+
+impl Sweep for Basin {
+    const COMMAND: &'static str = "basin";
+
+    fn size(&self) -> (NonZeroUsize, NonZeroUsize) {
+        (self.points.blocks(), NonZeroUsize::MIN)
+    }
+
+    fn block(
+        &self,
+        system: &System,
+        index: usize,
+        _before: Option<&[u8]>,
+    ) -> Result<Vec<u8>, BlockError> {
+        let settings = recurrence(system, self.until);
+        let options = self.solver.options()?;
+        let (mut known, mut starts) = (Vec::new(), Vec::new());
+        for point in self.points.of_block(index) {
+            let start = self.start(point);
+            let outcome =
+                attractors::reached_from_one_of_many(system, &start, &settings, &options)?;
+            starts.push(number(&mut known, outcome, system, &settings, &options));
+        }
+        to_content(&Reached {
+            attractors: known,
+            starts,
+        })
+    }
+
+    fn report(&self, system: &System, store: &Store, out: &Path) -> Result<Report, Failure> {
+        let path = out.join("basin.csv");
+        let (attractors, reached) = self.read(system, store, &path)?;
+        let starts = reached.len();
+        let [x, y] = self.plane.map(|range| {
+            let name = &system.file.states[range.state].name;
+            format!("{name} from {} to {}", range.low, range.high)
+        });
+        let mut report = Report::of(system, format!("{starts} starts, {x}, {y}"));
+        report.field("starts", starts).file(path);
+        report.note("attractor   share  std. error  motion");
+        // By number, and behind the attractors what is none.
+        let mut in_order: Vec<&Attracting> = attractors.iter().collect();
+        in_order.sort_by_key(|one| one.number.is_none());
+        for one in &in_order {
+            let number = one.number.map(|number| number.to_string());
+            report.note(format!(
+                "{:>9}  {:.4}      {:.4}  {}",
+                number.as_deref().unwrap_or("none"),
+                one.share,
+                one.std_error,
+                attractors::words(&one.outcome, self.until)
+            ));
+            if let (Some((_, x)), 1..) = (one.outcome.points.first(), one.family) {
+                let (family, at) = (attractors::family_words(one.family), state_words(x));
+                report.note(format!("{:32}{family}, here the one through {at}", ""));
+            }
+        }
+        let json = |is_one: bool| -> Vec<Value> {
+            let these = in_order.iter().filter(|one| one.number.is_some() == is_one);
+            these.map(|one| self.json(one, system)).collect()
+        };
+        report
+            .field("attractors", json(true))
+            .field("no_attractor", json(false));
+        let table = Table::new().column("attractor", |one: &&Attracting| one.number);
+        let table = attractors::columns(table, |one| &one.outcome)
+            .column("starts", |one| one.starts)
+            .column("share", |one| one.share)
+            .column("std_error", |one| one.std_error)
+            .state(system, "", |one| {
+                one.outcome.points.first().map(|(_, x)| x.clone())
+            });
+        report.table(table.csv("attractors", in_order.iter().copied())?);
+        report.figure("basin", &self.figure(&attractors, &reached, system))?;
+        Ok(report)
+    }
+}
+
+/// An attractor and the starts that lead to it; or the starts that lead to none in one way, as by escape.
+struct Attracting {
+    outcome: Outcome,
+    /// Dimension of the family of periodic orbits of which this is the one that was met first.
+    family: usize,
+    /// Which attractor it is, from 1; none where it is none.
+    number: Option<usize>,
+    starts: usize,
+    /// Part of all starts.
+    share: f64,
+    /// Standard error of that part, of starts drawn at random.
+    std_error: f64,
+}
+
+/// The number of an attractor among those known; it is added if it is new.
+fn number(
+    known: &mut Vec<Outcome>,
+    mut outcome: Outcome,
+    system: &System,
+    settings: &RecurrenceSettings,
+    options: &Options,
+) -> usize {
+    let kernel = system.kernel();
+    let same = |one: &Outcome| kernel.is_same_attractor(one, &outcome, settings, options);
+    match known.iter().position(same) {
+        Some(number) => number,
+        None => {
+            // Once: each further orbit is compared with it.
+            outcome.family = Some(kernel.family(&outcome, settings, options));
+            known.push(outcome);
+            known.len() - 1
+        }
+    }
+}
+
+/// The attractors' numbers from 1, in their order; what is none has none.
+fn numbers_of(known: &[Outcome]) -> Vec<Option<usize>> {
+    let mut last = 0;
+    let number = |outcome: &Outcome| {
+        attractors::is_attractor(&outcome.motion).then(|| {
+            last += 1;
+            last
+        })
+    };
+    known.iter().map(number).collect()
+}
+
+impl Basin {
+    /// Reads the blocks one after the other, tells their attractors apart, and writes the table of all starts. The attractors are in the order in
+    /// which starts lead to them first; for each start, which of these, from 0.
+    fn read(
+        &self,
+        system: &System,
+        store: &Store,
+        path: &Path,
+    ) -> Result<(Vec<Attracting>, Vec<u32>), Failure> {
+        let settings = recurrence(system, self.until);
+        let options = self.solver.options()?;
+        let (mut known, mut reached) = (Vec::new(), Vec::new());
+        type Row = (Vec<f64>, Option<usize>, &'static str);
+        let starts = Table::new()
+            .state(system, "", |(start, ..): &Row| start.clone())
+            .column("attractor", |&(_, number, _)| number)
+            .column("motion", |&(.., word)| word);
+        table(store, path, &starts, |index, block: Reached| {
+            let outcomes = block.attractors.into_iter();
+            let numbers: Vec<usize> = outcomes
+                .map(|outcome| number(&mut known, outcome, system, &settings, &options))
+                .collect();
+            let known_numbers = numbers_of(&known);
+            let points = self.points.of_block(index).zip(block.starts);
+            let row = |(point, local): (usize, usize)| {
+                let attractor = *numbers.get(local).ok_or_else(|| SweepError::Block {
+                    block: index,
+                    source: format!("it has no attractor {local}").into(),
+                })?;
+                reached.push(attractor as u32);
+                let word = known[attractor].motion.word();
+                Ok((self.start(point), known_numbers[attractor], word))
+            };
+            points.map(row).collect()
+        })?;
+        let mut starts = vec![0; known.len()];
+        for &attractor in &reached {
+            starts[attractor as usize] += 1;
+        }
+        let (numbers, all) = (numbers_of(&known), reached.len() as f64);
+        let attracting = |((outcome, number), starts): ((Outcome, _), usize)| {
+            let share = starts as f64 / all;
+            Attracting {
+                family: outcome.family.unwrap_or(0),
+                outcome,
+                number,
+                starts,
+                share,
+                std_error: (share * (1.0 - share) / all).sqrt(),
+            }
+        };
+        let attractors = known.into_iter().zip(numbers).zip(starts);
+        Ok((attractors.map(attracting).collect(), reached))
+    }
+
+    fn json(&self, one: &Attracting, system: &System) -> Value {
+        let mut json = match &one.outcome.motion {
+            motion if attractors::is_attractor(motion) => attractors::json(&one.outcome, system),
+            Motion::Failure(error) => json!({ "motion": "failure", "first_error": error }),
+            Motion::Undecided => json!({ "motion": "undecided", "after": self.until }),
+            motion => json!({ "motion": motion.word() }),
+        };
+        if one.number.is_some() {
+            json["family_dimension"] = json!(one.family);
+        }
+        json["starts"] = json!(one.starts);
+        json["share"] = json!(one.share);
+        json["std_error"] = json!(one.std_error);
+        json
+    }
+
+    /// The plane of starts, coloured by attractor.
+    fn figure(&self, attractors: &[Attracting], reached: &[u32], system: &System) -> Figure {
+        let axis = |k: usize| {
+            let range = &self.plane[k];
+            let state = &system.file.states[range.state];
+            let label = match (state.unit.as_str(), system.file.time.unit.as_deref()) {
+                ("" | "1", None | Some("" | "1")) => {
+                    format!("{}, dimensionless", figures::symbol(&state.name))
+                }
+                (unit, _) => figures::with_unit(&state.name, unit),
+            };
+            Axis::new(&label, range.low, range.high)
+        };
+        let mut panel = Panel::new(axis(0), axis(1)).legend(Legend::Below);
+        let classes = figures::by_size(
+            attractors,
+            |one| one.starts,
+            |one| one.number.is_none().then(|| one.outcome.motion.word()),
+            |one| self.legend(&one.outcome, one.share),
+            |rest| {
+                let share: f64 = rest.iter().map(|&number| attractors[number].share).sum();
+                format!("{} further attractors, {:.2} %", rest.len(), 100.0 * share)
+            },
+        );
+        for class in &classes {
+            let is_in = |number: &u32| class.kinds.contains(&(*number as usize));
+            match self.points {
+                Points::Grid { columns, .. } => {
+                    let [x, y] = self.plane.map(|range| (range.low, range.high));
+                    let set = reached.iter().map(is_in);
+                    let cells = Cells::new(x, y, columns.get(), set).fill(class.colour);
+                    panel.add(cells.legend(&class.legend));
+                }
+                Points::Random { .. } => {
+                    let points = reached.iter().enumerate().filter(|one| is_in(one.1));
+                    let points = points.map(|(index, _)| self.points.at(index, &self.plane).into());
+                    let markers = Markers::new(points).color(class.colour).size(2.4);
+                    panel.add(markers.legend(&class.legend));
+                }
+            }
+        }
+        let title = format!("{}: basins of attraction", system.file.name);
+        let shown: Vec<&str> = classes.iter().map(|class| class.legend.as_str()).collect();
+        let shown = shown.join("; ");
+        let description = format!("The plane of starts, coloured by where they lead: {shown}.");
+        let height = 440.0 + 16.0 * classes.len() as f64;
+        Figure::new("basin", (520.0, height), &title, &description).row(1.0, panel)
+    }
+
+    /// What an attractor is called in the legend.
+    fn legend(&self, outcome: &Outcome, share: f64) -> String {
+        let word = outcome.motion.word();
+        let percent = 100.0 * share;
+        let Motion::Periodic { period, .. } = outcome.motion else {
+            return format!("{}: {percent:.2} %", attractors::since(word, self.until));
+        };
+        let phases = attractors::sequence(outcome);
+        // Long sequences would be wider than the figure.
+        let phases = if phases.len() > 24 {
+            format!("{} phases", outcome.phases.len())
+        } else {
+            phases.replace('-', "−")
+        };
+        // Plain text, so that it is as wide as computed in every viewer.
+        format!("{word}, period {period:.4}, {phases}: {percent:.2} %")
+    }
+}
+
+/// Random starts in a block.
+const IN_BLOCK: usize = 100;
+
+/// Which points of the plane.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum Points {
+    /// The middles of cells, row by row from the lowest second coordinate.
+    Grid {
+        columns: NonZeroUsize,
+        rows: NonZeroUsize,
+    },
+    /// Uniformly distributed, independent.
+    Random { number: NonZeroUsize, seed: u64 },
+}
+
+impl Points {
+    /// Number of blocks: a row of a grid is one.
+    fn blocks(&self) -> NonZeroUsize {
+        match *self {
+            Points::Grid { rows, .. } => rows,
+            Points::Random { number, .. } => {
+                let blocks = number.get().div_ceil(IN_BLOCK);
+                NonZeroUsize::new(blocks).unwrap_or(NonZeroUsize::MIN)
+            }
+        }
+    }
+
+    /// The points of a block, by number.
+    fn of_block(&self, block: usize) -> Range<usize> {
+        match *self {
+            Points::Grid { columns, .. } => {
+                let columns = columns.get();
+                block * columns..(block + 1) * columns
+            }
+            Points::Random { number, .. } => {
+                let number = number.get();
+                (block * IN_BLOCK).min(number)..((block + 1) * IN_BLOCK).min(number)
+            }
+        }
+    }
+
+    /// Where in the plane a point is.
+    fn at(&self, index: usize, ranges: &[StateRange; 2]) -> [f64; 2] {
+        let parts = match *self {
+            Points::Grid { columns, rows } => [
+                middle(index % columns, columns),
+                middle(index / columns, rows),
+            ],
+            Points::Random { seed, .. } => {
+                let first = 2 * index as u64;
+                [uniform(seed, first), uniform(seed, first + 1)]
+            }
+        };
+        [0, 1].map(|k| ranges[k].at(parts[k]))
+    }
+}
+
+/// The `index`-th of a sequence of numbers in [0, 1): SplitMix64 (Steele, Lea and Flood 2014), whose numbers can be had in any order.
+fn uniform(seed: u64, index: u64) -> f64 {
+    const GAMMA: u64 = 0x9e37_79b9_7f4a_7c15;
+    let mut z = seed.wrapping_add(index.wrapping_add(1).wrapping_mul(GAMMA));
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^= z >> 31;
+    // The upper 53 bits are those of a mantissa.
+    (z >> 11) as f64 / (1_u64 << 53) as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_sequence_is_the_published_one() {
+        // The first numbers that SplitMix64 gives for the seed 1234567.
+        let published = [6_457_827_717_110_365_317_u64, 3_203_168_211_198_807_973];
+        for (index, whole) in published.into_iter().enumerate() {
+            let wanted = (whole >> 11) as f64 / (1_u64 << 53) as f64;
+            assert_eq!(uniform(1_234_567, index as u64), wanted);
+        }
+    }
+
+    #[test]
+    fn blocks_have_every_point_once() {
+        let size = |n| NonZeroUsize::new(n).unwrap();
+        for (points, number) in [
+            (
+                Points::Grid {
+                    columns: size(7),
+                    rows: size(3),
+                },
+                21,
+            ),
+            (
+                Points::Random {
+                    number: size(250),
+                    seed: 1,
+                },
+                250,
+            ),
+        ] {
+            let all = (0..points.blocks().get()).flat_map(|block| points.of_block(block));
+            assert!(all.eq(0..number));
+        }
+    }
+}

@@ -1,0 +1,521 @@
+//! `stickslip bifurcation`: attractors over one parameter, up and down.
+
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+
+use plot::{Axis, BLUE, Figure, Guide, Legend, Markers, ORANGE, Panel, Shape};
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+use stickslip::analysis::{RecurrenceSettings, SweepSettings};
+use stickslip::{Mode, Options};
+
+use super::arguments::{RunArguments, SolverArguments, StartArguments, count};
+use super::exponent::Largest;
+use super::range::{ParameterRange, not_too_many};
+use super::sweeping::{
+    Sweep, SweepArguments, check_duration, check_period, from_content, recurrence, sweep, table,
+    to_content,
+};
+use super::{attractors, changes, figures};
+use crate::failure::Failure;
+use crate::render::{Report, Said, Table, place, rounded};
+use crate::sweep::{BlockError, Store};
+use stickslip_kernels::file::System;
+use stickslip_kernels::kernel::{Change, Motion, Outcome, PhaseThere};
+
+/// Follow attractors over a parameter, up and down, each from the state reached at the value before
+///
+/// For each value: the points of the section, the sequence of phases, durations and lengths of stick, and the largest Lyapunov exponent. Where
+/// both ways differ, there is more than one attractor. A change of the phases is located and named by the event function that vanishes there; where
+/// none does, by the multiplier on the unit circle: a fold, flip, Neimark-Sacker bifurcation or branch point. Equilibria are followed to where they lose
+/// their stability or come to the boundary. Where one orbit ends and the run comes to another one, that began elsewhere, both places are told. Writes
+/// bifurcation.csv, sticks.csv, changes.csv and bifurcation.svg. In changes.csv `before` and `after` are the phases of the orbit that is followed
+/// through the change; where it is unstable behind it, the attractor there is another one, whose phases bifurcation.csv has. Finished blocks are in sweep/: after a kill the same
+/// command goes on from there.
+#[derive(Debug, clap::Args)]
+pub(super) struct Arguments {
+    /// The parameter and its range
+    #[arg(long, value_name = "NAME=LOW:HIGH")]
+    parameter: String,
+
+    /// Number of values, both ends among them
+    #[arg(long, value_name = "NUMBER", value_parser = count, default_value = "201")]
+    values: NonZeroUsize,
+
+    /// Time after which an orbit that has come to no attractor is called undecided
+    #[arg(long, value_name = "TIME", default_value_t = 2000.0)]
+    until: f64,
+
+    /// Time over which the Lyapunov exponent is measured, on the attractor
+    #[arg(long, value_name = "TIME", default_value_t = 500.0)]
+    duration: f64,
+
+    #[command(flatten)]
+    sweep: SweepArguments,
+    #[command(flatten)]
+    run: RunArguments,
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
+    let system = arguments.run.system()?;
+    check_period(&system)?;
+    let wanted = Bifurcation::new(arguments, &system)?;
+    sweep(&wanted, &system, &arguments.sweep, &arguments.run.output)
+}
+
+/// Values of the parameter in a block.
+const IN_BLOCK: usize = 10;
+
+/// Ways through the range.
+const WAYS: NonZeroUsize = NonZeroUsize::MIN.saturating_add(1);
+
+/// Everything that a diagram depends on besides the system.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct Bifurcation {
+    parameter: ParameterRange,
+    values: NonZeroUsize,
+    start: StartArguments,
+    /// Time after which an orbit is undecided.
+    until: f64,
+    duration: f64,
+    solver: SolverArguments,
+}
+
+/// What is found at one value.
+#[derive(Debug, Serialize, Deserialize)]
+struct At {
+    value: f64,
+    outcome: Outcome,
+    largest: Largest,
+}
+
+/// A change between two neighbouring values.
+#[derive(Debug, Serialize, Deserialize)]
+struct Between {
+    values: (f64, f64),
+    change: Change,
+}
+
+/// Where a block ends and the next one goes on.
+#[derive(Debug, Serialize, Deserialize)]
+struct Last {
+    value: f64,
+    /// The motion there, as [`attractors::class`] has it.
+    class: String,
+    /// The state that the orbit there began from.
+    start: Vec<f64>,
+    /// The state that the orbit at the next value begins from.
+    carried: Vec<f64>,
+}
+
+/// What a block holds.
+#[derive(Debug, Serialize, Deserialize)]
+struct Part {
+    found: Vec<At>,
+    /// Changes from each value to the next, the first of them from the last value of the block before.
+    changes: Vec<Between>,
+    last: Option<Last>,
+}
+
+impl Bifurcation {
+    fn new(arguments: &Arguments, system: &System) -> Result<Self, Failure> {
+        let diagram = Self {
+            parameter: ParameterRange::new("--parameter", &arguments.parameter, system)?,
+            values: arguments.values,
+            start: arguments.run.start.clone(),
+            until: arguments.until,
+            duration: arguments.duration,
+            solver: arguments.run.solver.clone(),
+        };
+        // What is wrong is better told before the sweep than by one of its blocks.
+        if diagram.values.get() < 2 {
+            return Err(Failure::Usage(
+                "--values 1: a diagram has at least 2 values".into(),
+            ));
+        }
+        let values = diagram.values.get();
+        not_too_many(&format!("--values {values}"), Some(values))?;
+        diagram.solver.options()?;
+        check_duration(diagram.duration)?;
+        for value in [diagram.parameter.low, diagram.parameter.high] {
+            let system = diagram.parameter.system(system, value)?;
+            recurrence(&system, diagram.until).check()?;
+            diagram.start.at_zero(&system)?;
+        }
+        Ok(diagram)
+    }
+
+    /// Blocks of one way.
+    fn blocks(&self) -> NonZeroUsize {
+        let blocks = self.values.get().div_ceil(IN_BLOCK);
+        NonZeroUsize::new(blocks).unwrap_or(NonZeroUsize::MIN)
+    }
+
+    /// Whether a block is on the way up.
+    fn is_up(&self, block: usize) -> bool {
+        block < self.blocks().get()
+    }
+
+    /// The values of the parameter in a block, in the order in which they are gone through.
+    fn values_of(&self, block: usize) -> impl Iterator<Item = f64> + '_ {
+        let number = self.values.get();
+        let first = block % self.blocks().get() * IN_BLOCK;
+        let is_up = self.is_up(block);
+        (first..(first + IN_BLOCK).min(number)).map(move |k| {
+            let k = if is_up { k } else { number - 1 - k };
+            self.parameter.at(k as f64 / (number - 1) as f64)
+        })
+    }
+
+    fn part(
+        &self,
+        system: &System,
+        block: usize,
+        before: Option<&[u8]>,
+    ) -> Result<Part, BlockError> {
+        let options = self.solver.options()?;
+        let mut last = match before {
+            Some(before) => from_content::<Part>(before)?.last,
+            None => None,
+        };
+        let (mut found, mut changes) = (Vec::new(), Vec::new());
+        for value in self.values_of(block) {
+            let here = self.parameter.system(system, value)?;
+            let settings = recurrence(&here, self.until);
+            let start = match &last {
+                Some(last) => last.carried.clone(),
+                None => self.start.at_zero(&here)?,
+            };
+            let outcome = attractors::reached_from(&here, &start, &settings, &options)?;
+            let class = attractors::class(&outcome);
+            if let Some(last) = last.filter(|last| last.class != class) {
+                for change in self.changes(system, &last, value, &settings, &options)? {
+                    let values = (last.value, value);
+                    changes.push(Between { values, change });
+                }
+            }
+            last = Some(Last {
+                value,
+                class,
+                carried: carried_on(&outcome, settings.forcing.is_some())
+                    .unwrap_or_else(|| start.clone()),
+                start,
+            });
+            let largest = Largest::on(&here, &outcome, self.duration, &options);
+            found.push(At {
+                value,
+                outcome,
+                largest,
+            });
+        }
+        Ok(Part {
+            found,
+            changes,
+            last,
+        })
+    }
+
+    /// What the attractor becomes between the last value and this one.
+    fn changes(
+        &self,
+        system: &System,
+        last: &Last,
+        value: f64,
+        recurrence: &RecurrenceSettings,
+        options: &Options,
+    ) -> Result<Vec<Change>, Failure> {
+        let settings = SweepSettings {
+            recurrence: *recurrence,
+            ..SweepSettings::within(self.until)
+        };
+        // In a time in which the drive has one period, though its own may change with the parameter.
+        let family = |value| {
+            let there = self.parameter.system(system, value).ok()?;
+            there.equations_in(recurrence.forcing).ok()
+        };
+        let between = (last.value, value);
+        let kernel = system.kernel();
+        let mut found = kernel
+            .changes(&family, between, &last.start, &settings, options)
+            .map_err(|error| Failure::from(error).of(system))?;
+        for change in &mut found {
+            if let (
+                Change::Sequence {
+                    parameter, period, ..
+                },
+                Some(reference),
+            ) = (change, recurrence.forcing)
+            {
+                let there = self.parameter.system(system, *parameter)?;
+                *period *= there.built.period.map_or(1.0, |there| there / reference);
+            }
+        }
+        Ok(found)
+    }
+}
+
+/// The state that the next value's orbit begins from; none where this one has come to no attractor.
+fn carried_on(outcome: &Outcome, is_forced: bool) -> Option<Vec<f64>> {
+    match outcome.motion {
+        Motion::Escape | Motion::Failure(_) | Motion::Repelling | Motion::TwoFold => None,
+        // At a flash of the strobe, so that the next orbit begins at the same phase of the forcing.
+        _ if is_forced => outcome.points.last().map(|(_, x)| x.clone()),
+        _ => Some(outcome.left_at.1.clone()),
+    }
+}
+
+impl Sweep for Bifurcation {
+    const COMMAND: &'static str = "bifurcation";
+
+    fn size(&self) -> (NonZeroUsize, NonZeroUsize) {
+        (WAYS, self.blocks())
+    }
+
+    fn block(
+        &self,
+        system: &System,
+        index: usize,
+        before: Option<&[u8]>,
+    ) -> Result<Vec<u8>, BlockError> {
+        to_content(&self.part(system, index, before)?)
+    }
+
+    fn report(&self, system: &System, store: &Store, out: &Path) -> Result<Report, Failure> {
+        let paths = ["bifurcation.csv", "sticks.csv"].map(|name| out.join(name));
+        let ways = self.read(system, store, &paths)?;
+        let range = &self.parameter;
+        let (values, name) = (self.values, &range.name);
+        let what = format!(
+            "{values} values of {name} from {} to {}, up and down",
+            range.low, range.high
+        );
+        let mut report = Report::of(system, what);
+        for (name, way) in WAY_NAMES.into_iter().zip(&ways) {
+            for (first, last, motion) in &way.spans {
+                let [first, last] = [*first, *last].map(rounded);
+                let motion = attractors::since(motion, self.until);
+                report.note(format!("{name:<4}  {first} to {last}: {motion}"));
+            }
+            for Between { values, change } in &way.changes {
+                let at = match changes::parameter(change) {
+                    Some(value) => {
+                        let uncertainty = changes::uncertainty(change).unwrap_or(0.0);
+                        format!("at {}", place(value, uncertainty))
+                    }
+                    None => format!("between {} and {}", rounded(values.0), rounded(values.1)),
+                };
+                report.note(format!(
+                    "{name:<4}  {at}: {}",
+                    changes::words(system, change)
+                ));
+            }
+            let spans = way.spans.iter().map(
+                |(first, last, motion)| json!({ "from": first, "to": last, "motion": motion }),
+            );
+            let changes = way.changes.iter().map(|Between { values, change }| {
+                json!({ "values": values, "change": changes::json(system, change) })
+            });
+            let [spans, changes] = [spans.collect::<Value>(), changes.collect()];
+            report.field(name, json!({ "motions": spans, "changes": changes }));
+        }
+        for path in paths {
+            report.file(path);
+        }
+        type Row<'a> = (&'static str, &'a Between);
+        let table = Table::new()
+            .column("way", |(name, _): &Row<'_>| *name)
+            .column(name, |(_, at)| changes::parameter(&at.change))
+            .column("from", |(_, at)| at.values.0)
+            .column("to", |(_, at)| at.values.1)
+            .column("what", |(_, at)| changes::name(&at.change))
+            .column("contacts", |(_, at)| changes::contacts(system, &at.change))
+            .column("uncertainty", |(_, at)| changes::uncertainty(&at.change))
+            .column("before", |(_, at)| {
+                changes::phases(&at.change).map(|[before, _]| before)
+            })
+            .column("after", |(_, at)| {
+                changes::phases(&at.change).map(|[_, after]| after)
+            })
+            .state(system, "", |(_, at)| changes::state(&at.change));
+        let rows = WAY_NAMES.into_iter().zip(&ways);
+        let rows = rows.flat_map(|(name, way)| way.changes.iter().map(move |at| (name, at)));
+        report.table(table.csv("changes", rows)?);
+        report.figure("bifurcation", &self.figure(&ways, system))?;
+        Ok(report)
+    }
+}
+
+/// What the two ways through the range are called.
+const WAY_NAMES: [&str; 2] = ["up", "down"];
+
+/// Points of one way through the range, as parameter and value.
+type Points = Vec<(f64, f64)>;
+
+/// The points that a panel shows of a way.
+type Shown = fn(&Way) -> &Points;
+
+/// What the figure shows of one way through the range, as points of parameter and value.
+#[derive(Default)]
+struct Way {
+    /// First state at the points of the section.
+    section: Points,
+    /// Durations of sticks.
+    sticks: Points,
+    /// Largest exponents.
+    exponents: Points,
+    /// What changes on the way, and between which values.
+    changes: Vec<Between>,
+    /// Values between which the motion stays the same, in the order of the way, and what it is.
+    spans: Vec<(f64, f64, String)>,
+}
+
+impl Way {
+    fn add(&mut self, at: &At) {
+        let value = at.value;
+        let points = at.outcome.points.iter();
+        self.section.extend(points.map(|(_, x)| (value, x[0])));
+        let sticks = sticks(at).map(|phase| (value, phase.t_end - phase.t_start));
+        self.sticks.extend(sticks);
+        if let Largest::Finite {
+            value: exponent, ..
+        } = at.largest
+        {
+            self.exponents.push((value, exponent));
+        }
+        let motion = attractors::class(&at.outcome);
+        match self.spans.last_mut() {
+            Some(last) if last.2 == motion => last.1 = value,
+            _ => self.spans.push((value, value, motion)),
+        }
+    }
+}
+
+/// The phases of a periodic orbit in which a contact sticks.
+fn sticks(at: &At) -> impl Iterator<Item = &PhaseThere> {
+    let is_periodic = matches!(at.outcome.motion, Motion::Periodic { .. });
+    let phases = at.outcome.phases.iter().filter(move |_| is_periodic);
+    phases.filter(|phase| phase.modes.to_vec().contains(&Mode::Stick))
+}
+
+impl Bifurcation {
+    /// Reads the blocks one after the other and writes the tables of points of the section and of sticks.
+    fn read(
+        &self,
+        system: &System,
+        store: &Store,
+        [points, sticks_path]: &[PathBuf; 2],
+    ) -> Result<[Way; 2], Failure> {
+        let mut ways = [Way::default(), Way::default()];
+        let parameter = self.parameter.name.as_str();
+        // One without a state where there is no point.
+        type Point = (usize, Rc<At>, Option<usize>);
+        let columns = Table::new()
+            .column("way", |&(way, ..): &Point| WAY_NAMES[way])
+            .column(parameter, |(_, at, _)| at.value);
+        let columns = attractors::columns(columns, |(_, at, _)| &at.outcome);
+        let columns = Largest::columns(columns, |(_, at, _)| at.largest);
+        let columns = columns.state(system, "", |(_, at, point)| {
+            point.map(|point| at.outcome.points[point].1.clone())
+        });
+        table(store, points, &columns, |block, part: Part| {
+            let number = usize::from(!self.is_up(block));
+            let way = &mut ways[number];
+            way.changes.extend(part.changes);
+            let mut rows = Vec::new();
+            for at in part.found.into_iter().map(Rc::new) {
+                way.add(&at);
+                let points = (0..at.outcome.points.len()).map(Some);
+                let none = at.outcome.points.is_empty().then_some(None);
+                rows.extend(points.chain(none).map(|point| (number, at.clone(), point)));
+            }
+            Ok(rows)
+        })?;
+
+        type Stick = (usize, f64, PhaseThere);
+        let lengths = |(.., phase): &Stick| -> Vec<f64> {
+            let ends = phase.x_end.iter().zip(&phase.x_start);
+            ends.map(|(end, start)| end - start).collect()
+        };
+        let columns = Table::new()
+            .column("way", |&(way, ..): &Stick| WAY_NAMES[way])
+            .column(parameter, |&(_, value, _)| value)
+            .column("duration", |(.., phase)| phase.t_end - phase.t_start)
+            .state(system, "_length", lengths);
+        table(store, sticks_path, &columns, |block, part: Part| {
+            let number = usize::from(!self.is_up(block));
+            let all = part
+                .found
+                .iter()
+                .flat_map(|at| sticks(at).map(move |phase| (number, at.value, phase.clone())));
+            Ok(all.collect())
+        })?;
+        Ok(ways)
+    }
+
+    /// The diagram: section, sticks and exponent over the parameter.
+    fn figure(&self, [up, down]: &[Way; 2], system: &System) -> Figure {
+        let range = &self.parameter;
+        let first = &system.file.states[0];
+        let rows: [(String, Shown); 3] = [
+            (figures::with_unit(&first.name, &first.unit), |way| {
+                &way.section
+            }),
+            (figures::in_time(system, "stick", ""), |way| &way.sticks),
+            (figures::in_time(system, "*λ*_1", "^{−1}"), |way| {
+                &way.exponents
+            }),
+        ];
+        // A panel without a point would be an empty frame.
+        let rows: Vec<_> = rows
+            .into_iter()
+            .filter(|(_, of)| !(of(up).is_empty() && of(down).is_empty()))
+            .collect();
+        let title = format!("{}: bifurcation diagram", system.file.name);
+        let description = format!(
+            "Attractors of {} over {} from {} to {}, followed up and down: {} at the points of the section, durations of stick, and the largest \
+             Lyapunov exponent; lines where changes were located.",
+            system.file.name, range.name, range.low, range.high, first.name
+        );
+        // Points at the ends of the range stay inside the frame.
+        let room = 0.015 * (range.high - range.low);
+        let (low, high) = (range.low - room, range.high + room);
+        let height = 90.0 + 170.0 * rows.len() as f64;
+        let mut figure = Figure::new("bifurcation", (640.0, height), &title, &description);
+        let last = rows.len().saturating_sub(1);
+        for (k, (label, of)) in rows.into_iter().enumerate() {
+            let x = if k == last {
+                Axis::new(&figures::parameter_label(system, &range.name), low, high)
+            } else {
+                Axis::new("", low, high).bare()
+            };
+            let values = of(up).iter().chain(of(down)).map(|point| point.1);
+            let mut panel = Panel::new(x, figures::axis(&label, values));
+            if label.contains('λ') {
+                panel.add(Guide::horizontal(0.0));
+            }
+            for change in up.changes.iter().chain(&down.changes) {
+                if let Some(value) = changes::parameter(&change.change) {
+                    panel.add(Guide::vertical(value));
+                }
+            }
+            // Up is an open square around the point of down, so that both are seen where they agree.
+            let up = Markers::new(of(up).iter().copied());
+            panel.add(
+                up.shape(Shape::Square)
+                    .color(BLUE)
+                    .open()
+                    .size(4.2)
+                    .legend("up"),
+            );
+            let down = Markers::new(of(down).iter().copied());
+            panel.add(down.color(ORANGE).size(2.0).legend("down"));
+            if k == last {
+                panel = panel.legend(Legend::Below);
+            }
+            // The last one has the numbers of the axis and the legend below.
+            figure = figure.row(if k == last { 1.3 } else { 1.0 }, panel);
+        }
+        figure
+    }
+}

@@ -1,0 +1,103 @@
+//! What an attractor becomes at a value of a parameter, in words and for tables.
+
+use serde_json::{Value, json};
+use stickslip_kernels::file::System;
+use stickslip_kernels::kernel::Change;
+
+use crate::render::{contact_name, sequence};
+
+/// Where a change is.
+pub(super) fn parameter(change: &Change) -> Option<f64> {
+    match *change {
+        Change::Sequence { parameter, .. }
+        | Change::Equilibrium { parameter, .. }
+        | Change::BoundaryEquilibrium { parameter, .. }
+        | Change::Multiplier { parameter, .. } => Some(parameter),
+        Change::Unlocated => None,
+    }
+}
+
+/// By how much that parameter may be off, as far as it is told.
+pub(super) fn uncertainty(change: &Change) -> Option<f64> {
+    match *change {
+        Change::Sequence { uncertainty, .. } | Change::Multiplier { uncertainty, .. } => {
+            Some(uncertainty)
+        }
+        _ => None,
+    }
+}
+
+/// The state there.
+pub(super) fn state(change: &Change) -> Option<Vec<f64>> {
+    match change {
+        Change::Sequence { x, .. }
+        | Change::Equilibrium { x, .. }
+        | Change::BoundaryEquilibrium { x, .. }
+        | Change::Multiplier { x, .. } => Some(x.clone()),
+        Change::Unlocated => None,
+    }
+}
+
+/// The phases before and behind it, if it is one of phases.
+pub(super) fn phases(change: &Change) -> Option<[String; 2]> {
+    match change {
+        Change::Sequence { before, after, .. } => Some([sequence(before), sequence(after)]),
+        _ => None,
+    }
+}
+
+/// As [`name`], with the contacts where there are several.
+pub(super) fn words(system: &System, change: &Change) -> String {
+    let mut words = name(change);
+    let contacts = contacts(system, change);
+    if !contacts.is_empty() && system.contacts() > 1 {
+        words = format!("{words} of {contacts}");
+    }
+    match change {
+        Change::Sequence { before, after, .. } if before.is_empty() != after.is_empty() => {
+            let phases = if after.is_empty() { before } else { after };
+            let phases = sequence(phases);
+            format!("{words}, where an orbit of phases {phases} ends: none was found beyond")
+        }
+        _ => words,
+    }
+}
+
+/// The contacts whose event function vanishes at a change; empty where there is none.
+pub(super) fn contacts(system: &System, change: &Change) -> String {
+    let Change::Sequence { contacts, .. } = change else {
+        return String::new();
+    };
+    let names = contacts
+        .iter()
+        .map(|contact| contact_name(system, *contact));
+    names.collect::<Vec<_>>().join(" and ")
+}
+
+/// A change for other programs: as it is on disk, but for the contacts, which have their names.
+pub(super) fn json(system: &System, change: &Change) -> Value {
+    let mut json = json!(change);
+    if let Some(Value::Array(contacts)) = json.pointer_mut("/sequence/contacts") {
+        for contact in contacts {
+            let number = contact.as_u64().and_then(|number| number.try_into().ok());
+            *contact = number.map_or(Value::Null, |number| json!(contact_name(system, number)));
+        }
+    }
+    json
+}
+
+/// What a change of an attractor is called.
+pub(super) fn name(change: &Change) -> String {
+    match change {
+        Change::Sequence { name, .. } if name == "unnamed" => {
+            "a change of the phases that has no name".to_owned()
+        }
+        Change::Sequence { name, .. } | Change::Multiplier { name, .. } => name.clone(),
+        Change::Equilibrium { frequency, .. } if *frequency > 0.0 => {
+            "Hopf bifurcation of the equilibrium".to_owned()
+        }
+        Change::Equilibrium { .. } => "zero eigenvalue of the equilibrium".to_owned(),
+        Change::BoundaryEquilibrium { .. } => "boundary-equilibrium bifurcation".to_owned(),
+        Change::Unlocated => "not located".to_owned(),
+    }
+}

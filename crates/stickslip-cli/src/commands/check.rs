@@ -1,0 +1,311 @@
+//! `stickslip check`: what was understood of a file.
+
+use serde_json::{Value, json};
+use stickslip::Error;
+use stickslip::error::{Point, readable};
+
+use super::arguments::SystemArguments;
+use super::recording::direction_name;
+use super::sweeping::check_period;
+use super::tangents;
+use crate::failure::{Failure, told};
+use crate::render::{Report, Said, rounded};
+use crate::tangents::{Jumps, Line, OnLine};
+use stickslip_kernels::file::{Formula, Rate, System};
+
+/// Say what was understood of a file
+#[derive(Debug, clap::Args)]
+pub(super) struct Arguments {
+    #[command(flatten)]
+    system: SystemArguments,
+
+    /// Print it as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
+    let system = arguments.system.system()?;
+    Ok(understood(&system).said(arguments.json))
+}
+
+/// What was understood, line by line.
+fn understood(system: &System) -> Report {
+    let (file, built) = (&system.file, &system.built);
+    let start = built.start.as_deref();
+    let mut text = format!("{}\n", file.name);
+    for row in file.description.iter().flat_map(|text| text.lines()) {
+        text.extend(["  ", row, "\n"]);
+    }
+    text.push('\n');
+    let mut report = Report::plain(text, (0, 12));
+    report
+        .system(system)
+        .field("description", &file.description);
+    states(&mut report, system);
+    parameters(&mut report, system);
+    contacts(&mut report, system);
+
+    let definitions = file.definitions.iter();
+    let definitions = definitions.map(|one| (&one.name, &one.formula.text));
+    let lines = definitions
+        .clone()
+        .map(|(name, text)| format!("{name} = {text}"));
+    let objects = definitions.map(|(name, text)| json!({ "name": name, "formula": text }));
+    report
+        .lines("definitions", lines)
+        .field("definitions", objects.collect::<Value>());
+
+    let rates = file.states.iter().zip(&file.field).map(|(state, rate)| {
+        let name = &state.name;
+        match rate {
+            Rate::Same(Formula { text, .. }) => (
+                format!("d{name}/dt = {text}"),
+                json!({ "state": name, "rate": text }),
+            ),
+            Rate::BySide { below, above } => (
+                format!("d{name}/dt = {} below, {} above", below.text, above.text),
+                json!({ "state": name, "below": below.text, "above": above.text }),
+            ),
+        }
+    });
+    let (lines, objects): (Vec<String>, Vec<Value>) = rates.unzip();
+    report.lines("field", lines).field("field", objects);
+
+    let period = built
+        .period
+        .map(|period| format!(", period {}", readable(period)));
+    let depends = if built.depends_on_time {
+        "depends"
+    } else {
+        "does not depend"
+    };
+    let period = period.unwrap_or_default();
+    report
+        .line("time", format!("the system {depends} on time{period}"))
+        .field(
+            "time",
+            json!({
+                "depends_on_time": built.depends_on_time,
+                "period": built.period,
+                "start": built.t_start,
+                "end": built.t_end,
+                "unit": file.time.unit,
+            }),
+        );
+    report.field("section", Value::Null);
+    if let Some(section) = &file.section {
+        let (function, direction) = (&section.function.text, direction_name(section.direction));
+        report
+            .line(
+                "section",
+                format!("where {function} = 0, passed {direction}"),
+            )
+            .field(
+                "section",
+                json!({ "function": function, "direction": direction }),
+            );
+    }
+    if let Some(start) = start {
+        let lines = file.contacts.iter().enumerate().map(|(k, contact)| {
+            let (side, height) = whereabouts(system, k, start);
+            let (name, boundary, height) =
+                (&contact.name, &contact.boundary.text, readable(height));
+            format!("{side} the boundary of {name} ({boundary} = {height})")
+        });
+        report.lines("start", lines);
+    }
+    report.field("boundary", Value::Null);
+    if let Some((line, found)) = on_boundary(system) {
+        let (low, high) = (readable(line.range.0), readable(line.range.1));
+        let (along, t) = (&file.states[line.along].name, readable(line.t));
+        report
+            .line(
+                "boundary",
+                format!("along {along} from {low} to {high}, at t = {t}:"),
+            )
+            .lines("", tangents::listing(system, &line, &found))
+            .field("boundary", tangents::json(system, &line, &found));
+    }
+    let doubts = doubts(system);
+    report.field("doubtful", &doubts).lines("doubtful", doubts);
+    report
+}
+
+/// A unit or meaning behind a value.
+fn behind(parts: &[&str]) -> String {
+    let parts = parts.iter().filter(|part| !part.is_empty());
+    parts.map(|part| format!("  {part}")).collect()
+}
+
+fn states(report: &mut Report, system: &System) {
+    let start = system.built.start.as_deref();
+    let states = system.file.states.iter().enumerate().map(|(k, state)| {
+        let start = start.map(|start| start[k]);
+        let from = start.map(|start| format!(", starts at {}", readable(start)));
+        let unit = match state.unit.as_str() {
+            "" => String::new(),
+            unit => format!(" ({unit})"),
+        };
+        let meaning = behind(&[state.meaning.as_deref().unwrap_or_default()]);
+        let line = format!("{}{unit}{}{meaning}", state.name, from.unwrap_or_default());
+        let object = json!({
+            "name": state.name,
+            "unit": state.unit,
+            "meaning": state.meaning,
+            "start": start,
+            "range": state.range,
+        });
+        (line, object)
+    });
+    let (lines, objects): (Vec<String>, Vec<Value>) = states.unzip();
+    report.lines("states", lines).field("states", objects);
+}
+
+fn parameters(report: &mut Report, system: &System) {
+    let parameters = system.file.parameters.iter().zip(&system.values);
+    let parameters = parameters.map(|(parameter, &value)| {
+        let meaning = parameter.meaning.as_deref().unwrap_or_default();
+        let set = if value == parameter.value {
+            ""
+        } else {
+            "(set)"
+        };
+        let behind = behind(&[&parameter.unit, set, meaning]);
+        let line = format!("{} = {}{behind}", parameter.name, readable(value));
+        let object = json!({
+            "name": parameter.name,
+            "value": value,
+            "in_file": parameter.value,
+            "unit": parameter.unit,
+            "meaning": parameter.meaning,
+            // JSON has no infinity: an end that is none is null.
+            "range": parameter.range,
+        });
+        (line, object)
+    });
+    let (lines, objects): (Vec<String>, Vec<Value>) = parameters.unzip();
+    report
+        .lines("parameters", lines)
+        .field("parameters", objects);
+}
+
+fn contacts(report: &mut Report, system: &System) {
+    let text = |formula: &Option<Formula>| formula.as_ref().map(|formula| formula.text.clone());
+    let mut objects = Vec::new();
+    for (k, contact) in system.file.contacts.iter().enumerate() {
+        let (name, boundary) = (&contact.name, &contact.boundary.text);
+        let friction = text(&contact.friction);
+        let holding = text(&contact.holding);
+        let force = text(&contact.normal_force);
+        report.line("contact", format!("{name}: Σ is where {boundary} = 0"));
+        for (what, text, note) in [
+            ("friction in slip  ", &friction, ""),
+            ("static friction   ", &holding, ""),
+            (
+                "normal force      ",
+                &force,
+                "; without it no contact and no friction",
+            ),
+        ] {
+            let line = text.iter().map(|text| format!("{what}{text}{note}"));
+            report.lines("", line);
+        }
+        let start = system.built.start.as_deref().map(|start| {
+            let (side, height) = whereabouts(system, k, start);
+            json!({ "side": side, "height": height })
+        });
+        objects.push(json!({
+            "name": name,
+            "boundary": boundary,
+            "friction": friction,
+            "static": holding,
+            "normal_force": force,
+            "start": start,
+        }));
+    }
+    report.field("contacts", objects);
+}
+
+/// On which side of a boundary the start is, and how high over it.
+fn whereabouts(system: &System, contact: usize, start: &[f64]) -> (&'static str, f64) {
+    let height = system.boundary(contact, system.built.t_start, start);
+    let side = match height {
+        height if height < 0.0 => "below",
+        height if height > 0.0 => "above",
+        _ => "on",
+    };
+    (side, height)
+}
+
+/// Tangent points and stick zones, where one contact and two states leave nothing to choose but the range, and the file has that.
+fn on_boundary(system: &System) -> Option<(Line, Vec<(Line, OnLine)>)> {
+    if system.contacts() != 1 || system.states() != 2 {
+        return None;
+    }
+    let (t, start) = (system.built.t_start, system.built.start.as_deref()?);
+    let whole = (f64::NEG_INFINITY, f64::INFINITY);
+    let line = Line::through(system, 0, None, whole, (t, start))?;
+    let range = system.file.states[line.along].range?;
+    let line = Line { range, ..line };
+    let found = line.scan(system);
+    Some((line, found))
+}
+
+/// A period that is none; friction that pushes the wrong way, and static friction below that in slip: asked on every contact's boundary, next to the
+/// start; boundaries of several contacts that vanish together and depend on each other there.
+fn doubts(system: &System) -> Vec<String> {
+    let period = match (system.is_periodic(), check_period(system)) {
+        (Some(false), Err(failure)) => Some(failure.to_string()),
+        _ => None,
+    };
+    let contacts = (0..system.contacts()).flat_map(|contact| doubts_of(system, contact));
+    let dependent = system.dependent_boundaries();
+    let dependent = dependent.map(|(contacts, x)| {
+        let (t, contacts) = (system.built.t_start, contacts.to_vec());
+        let x = Point(x);
+        told(&Error::DependentContacts { t, x, contacts }, system)
+    });
+    period
+        .into_iter()
+        .chain(contacts)
+        .chain(dependent)
+        .collect()
+}
+
+fn doubts_of(system: &System, contact: usize) -> Vec<String> {
+    let described = &system.file.contacts[contact];
+    let Some(start) = system.built.start.as_deref() else {
+        return Vec::new();
+    };
+    let t = system.built.t_start;
+    let whole = (f64::NEG_INFINITY, f64::INFINITY);
+    let jumps = Line::through(system, contact, None, whole, (t, start))
+        .and_then(|line| line.jumps(system, start[line.along]));
+    let (Some(_), Some(jumps)) = (&described.friction, jumps) else {
+        return Vec::new();
+    };
+    let Jumps {
+        slip,
+        holding,
+        rounding,
+    } = jumps;
+    let name = &described.name;
+    let mut doubts = Vec::new();
+    if slip > rounding {
+        doubts.push(format!(
+            "the friction of {name} drives the slip: the rate of {} is larger by {} above than below, so that the contact never sticks; is \
+             friction({name}) meant with the other sign?",
+            described.boundary.text,
+            rounded(slip)
+        ));
+    } else if described.holding.is_some() && holding > slip + rounding {
+        doubts.push(format!(
+            "static friction of {name} is less than friction in slip: it takes {} of the rate of {}, and in slip {}",
+            rounded(-holding),
+            described.boundary.text,
+            rounded(-slip)
+        ));
+    }
+    doubts
+}

@@ -1,0 +1,486 @@
+//! `stickslip map`: what an orbit comes to, over two parameters.
+
+use std::num::NonZeroUsize;
+use std::path::Path;
+
+use plot::{Axis, Cells, Color, Figure, LIGHT_GREY, Legend, PURPLE, Panel, SKY, WHITE};
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+use super::arguments::{RunArguments, SolverArguments, StartArguments};
+use super::exponent::Largest;
+use super::range::{ParameterRange, grid, middle, with_values};
+use super::sweeping::{
+    Sweep, SweepArguments, check_duration, check_period, recurrence, sweep, table, to_content,
+};
+use super::{attractors, figures};
+use crate::failure::Failure;
+use crate::render::{Report, Said, Table};
+use crate::sweep::{BlockError, Store};
+use stickslip_kernels::file::System;
+use stickslip_kernels::kernel::Motion;
+
+/// Show what the orbit from the start comes to, over a plane of two parameters
+///
+/// For each cell: the attractor by its kind and sequence of phases, the largest Lyapunov exponent, and the part of time in stick. Writes map.csv and
+/// map.svg. Finished blocks are in sweep/: after a kill the same command goes on from there.
+#[derive(Debug, clap::Args)]
+pub(super) struct Arguments {
+    /// Range of the first parameter
+    #[arg(long, value_name = "NAME=LOW:HIGH")]
+    x: String,
+
+    /// Range of the second parameter
+    #[arg(long, value_name = "NAME=LOW:HIGH")]
+    y: String,
+
+    /// Number of cells along each parameter; the values are those in their middles
+    #[arg(long, value_name = "COLUMNSxROWS", default_value = "60x60")]
+    grid: String,
+
+    /// Time after which an orbit that has come to no attractor is called undecided
+    #[arg(long, value_name = "TIME", default_value_t = 2000.0)]
+    until: f64,
+
+    /// Time over which the Lyapunov exponent is measured, on the attractor
+    #[arg(long, value_name = "TIME", default_value_t = 500.0)]
+    duration: f64,
+
+    #[command(flatten)]
+    sweep: SweepArguments,
+    #[command(flatten)]
+    run: RunArguments,
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
+    let system = arguments.run.system()?;
+    check_period(&system)?;
+    let wanted = Map::new(arguments, &system)?;
+    sweep(&wanted, &system, &arguments.sweep, &arguments.run.output)
+}
+
+/// Everything that a map depends on besides the system.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct Map {
+    /// The two parameters.
+    plane: [ParameterRange; 2],
+    columns: NonZeroUsize,
+    rows: NonZeroUsize,
+    start: StartArguments,
+    /// Time after which an orbit is undecided.
+    until: f64,
+    duration: f64,
+    solver: SolverArguments,
+}
+
+impl Map {
+    fn new(arguments: &Arguments, system: &System) -> Result<Self, Failure> {
+        let plane = [
+            ParameterRange::new("--x", &arguments.x, system)?,
+            ParameterRange::new("--y", &arguments.y, system)?,
+        ];
+        if plane[0].name == plane[1].name {
+            let name = &plane[0].name;
+            return Err(Failure::Usage(format!(
+                "--x and --y are both `{name}`; a map has two parameters"
+            )));
+        }
+        let (columns, rows) = grid(&arguments.grid)?;
+        let map = Self {
+            plane,
+            columns,
+            rows,
+            start: arguments.run.start.clone(),
+            until: arguments.until,
+            duration: arguments.duration,
+            solver: arguments.run.solver.clone(),
+        };
+        // What is wrong is better told before the sweep than by one of its blocks.
+        map.solver.options()?;
+        check_duration(map.duration)?;
+        let (columns, rows) = (map.columns.get() - 1, map.rows.get() - 1);
+        for (column, row) in [(0, 0), (columns, 0), (0, rows), (columns, rows)] {
+            let system = map.system(system, map.parameters(column, row))?;
+            recurrence(&system, map.until).check()?;
+            map.start.at_zero(&system)?;
+        }
+        Ok(map)
+    }
+
+    /// The values of the two parameters in a cell.
+    fn parameters(&self, column: usize, row: usize) -> [f64; 2] {
+        let [x, y] = &self.plane;
+        [
+            x.at(middle(column, self.columns)),
+            y.at(middle(row, self.rows)),
+        ]
+    }
+
+    /// The system with these values of the two parameters.
+    fn system(&self, system: &System, values: [f64; 2]) -> Result<System, Failure> {
+        let [x, y] = &self.plane;
+        with_values(system, &[(&x.name, values[0]), (&y.name, values[1])])
+    }
+
+    fn cell(&self, system: &System, column: usize, row: usize) -> Result<Cell, Failure> {
+        let system = self.system(system, self.parameters(column, row))?;
+        let (settings, options) = (recurrence(&system, self.until), self.solver.options()?);
+        let start = self.start.at_zero(&system)?;
+        let outcome = attractors::reached_from_one_of_many(&system, &start, &settings, &options)?;
+        let is_there = !outcome.points.is_empty();
+        Ok(Cell {
+            phases: attractors::sequence(&outcome),
+            in_stick: is_there.then_some(outcome.in_stick),
+            largest: Largest::on(&system, &outcome, self.duration, &options),
+            period_uncertainty: outcome.period_uncertainty,
+            motion: outcome.motion,
+        })
+    }
+}
+
+impl Sweep for Map {
+    const COMMAND: &'static str = "map";
+
+    fn size(&self) -> (NonZeroUsize, NonZeroUsize) {
+        (self.rows, NonZeroUsize::MIN)
+    }
+
+    fn block(
+        &self,
+        system: &System,
+        index: usize,
+        _before: Option<&[u8]>,
+    ) -> Result<Vec<u8>, BlockError> {
+        let cells = (0..self.columns.get()).map(|column| self.cell(system, column, index));
+        let cells: Vec<Cell> = cells.collect::<Result<_, _>>()?;
+        to_content(&cells)
+    }
+
+    fn report(&self, system: &System, store: &Store, out: &Path) -> Result<Report, Failure> {
+        let path = out.join("map.csv");
+        let found = self.read(store, &path)?;
+        let all = found.cells.len();
+        let [x, y] = [0, 1].map(|k: usize| {
+            let range = &self.plane[k];
+            format!("{} from {} to {}", range.name, range.low, range.high)
+        });
+        let mut report = Report::of(system, format!("{all} cells, {x}, {y}"));
+        report.field("cells", all).file(path);
+        // Attractors as they are met first, and behind them what is none.
+        let mut in_order: Vec<&Class> = found.classes.iter().collect();
+        in_order.sort_by_key(|class| !class.is_attractor);
+        for class in &in_order {
+            let percent = 100.0 * class.cells as f64 / all as f64;
+            let name = attractors::since(&class.name, self.until);
+            let none = if class.is_attractor {
+                ""
+            } else {
+                "no attractor: "
+            };
+            report.note(format!("{percent:6.2} %  {none}{name}"));
+        }
+        let classes = in_order.iter().map(|class| {
+            json!({ "motion": class.name, "is_attractor": class.is_attractor, "cells": class.cells })
+        });
+        report.field("classes", classes.collect::<Vec<Value>>());
+        report.figure("map", &self.figure(&found, system))?;
+        Ok(report)
+    }
+}
+
+/// What is found at one pair of parameters.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct Cell {
+    motion: Motion,
+    period_uncertainty: f64,
+    /// The phases of a period, wherever it begins; nothing where phases do not tell one motion from another.
+    phases: String,
+    /// Part of the time in stick, if there is an attractor.
+    in_stick: Option<f64>,
+    largest: Largest,
+}
+
+impl Cell {
+    /// The kind of motion, of an attractor with its phases.
+    fn class(&self) -> String {
+        let word = self.motion.word();
+        if self.phases.is_empty() {
+            return word.to_owned();
+        }
+        // Long sequences would be wider than a figure; their number of phases tells most of them apart.
+        let number = self.phases.split(' ').count();
+        if number > 8 {
+            format!("{word}, {number} phases")
+        } else {
+            format!("{word}, {}", self.phases)
+        }
+    }
+}
+
+/// What the figure shows of a cell.
+#[derive(Clone, Copy)]
+struct Shown {
+    /// Which of the classes.
+    class: usize,
+    in_stick: Option<f64>,
+    largest: Largest,
+}
+
+/// Cells of one kind of motion.
+struct Class {
+    /// What it is, of an attractor with its phases.
+    name: String,
+    /// Whether it is a kind of attractor: orbits that escape, end, fail or are undecided have come to none.
+    is_attractor: bool,
+    /// Number of cells.
+    cells: usize,
+}
+
+/// Everything found.
+struct Found {
+    /// In the order in which they are met first.
+    classes: Vec<Class>,
+    /// Row by row from the lowest second parameter.
+    cells: Vec<Shown>,
+}
+
+impl Map {
+    /// Reads the blocks one after the other and writes the table.
+    fn read(&self, store: &Store, path: &Path) -> Result<Found, Failure> {
+        let (mut classes, mut shown): (Vec<Class>, _) = (Vec::new(), Vec::new());
+        type Row = ([f64; 2], Cell);
+        let [x, y] = &self.plane;
+        let columns = Table::new()
+            .column(&x.name, |(at, _): &Row| at[0])
+            .column(&y.name, |(at, _)| at[1])
+            .column("motion", |(_, cell)| cell.motion.word())
+            .column("period", |(_, cell)| {
+                attractors::known_period(&cell.motion, cell.period_uncertainty)
+            })
+            .column("phases", |(_, cell)| cell.phases.clone())
+            .column("in_stick", |(_, cell)| cell.in_stick);
+        let columns = Largest::columns(columns, |(_, cell)| cell.largest);
+        table(store, path, &columns, |row, cells: Vec<Cell>| {
+            for cell in &cells {
+                let name = cell.class();
+                let known = classes.iter().position(|known| known.name == name);
+                let class = known.unwrap_or_else(|| {
+                    classes.push(Class {
+                        name,
+                        is_attractor: attractors::is_attractor(&cell.motion),
+                        cells: 0,
+                    });
+                    classes.len() - 1
+                });
+                classes[class].cells += 1;
+                shown.push(Shown {
+                    class,
+                    in_stick: cell.in_stick,
+                    largest: cell.largest,
+                });
+            }
+            let cells = cells.into_iter().enumerate();
+            Ok(cells
+                .map(|(column, cell)| (self.parameters(column, row), cell))
+                .collect())
+        })?;
+        Ok(Found {
+            classes,
+            cells: shown,
+        })
+    }
+
+    /// The plane three times: attractor, exponent, part of time in stick.
+    fn figure(&self, found: &Found, system: &System) -> Figure {
+        let axis = |k: usize| {
+            let range = &self.plane[k];
+            let label = figures::parameter_label(system, &range.name);
+            Axis::new(&label, range.low, range.high)
+        };
+        // All panels share the first one's axis of the second parameter.
+        let panel = |label: &str, title: &str, layers: Vec<Layer>| {
+            let is_first = label == "(a)";
+            let second = &self.plane[1];
+            let y = if is_first {
+                axis(1)
+            } else {
+                Axis::new("", second.low, second.high).bare()
+            };
+            let mut panel = Panel::new(axis(0), y)
+                .label(label)
+                .title(title)
+                .legend(Legend::Below);
+            let [x, y] = [0, 1].map(|k: usize| (self.plane[k].low, self.plane[k].high));
+            for layer in layers {
+                let cells = Cells::new(x, y, self.columns.get(), layer.set);
+                panel.add(cells.fill(layer.colour).legend(&layer.legend));
+            }
+            (if is_first { 1.2 } else { 1.0 }, panel.into())
+        };
+        let panels = vec![
+            panel("(a)", "attractor", kinds(found, self.until)),
+            panel("(b)", "largest exponent", exponents(&found.cells)),
+            panel("(c)", "part of time in stick", sticks(&found.cells)),
+        ];
+        let title = format!("{}: map of two parameters", system.file.name);
+        let classes: Vec<&str> = found
+            .classes
+            .iter()
+            .map(|class| class.name.as_str())
+            .collect();
+        let description = format!(
+            "What the orbit from the start comes to, over {} and {}: {}; its largest Lyapunov exponent; and the part of time in stick.",
+            self.plane[0].name,
+            self.plane[1].name,
+            classes.join("; ")
+        );
+        Figure::new("map", (770.0, 440.0), &title, &description).columns(1.0, panels)
+    }
+}
+
+/// From pale to dark: how negative an exponent is.
+const BLUES: [Color; 4] = [
+    Color(200, 224, 242),
+    Color(132, 184, 222),
+    Color(48, 132, 190),
+    Color(0, 76, 130),
+];
+
+/// From pale to dark: how positive an exponent is, or how large a part of time.
+const REDS: [Color; 4] = [
+    Color(252, 226, 184),
+    Color(243, 178, 98),
+    Color(213, 94, 0),
+    Color(128, 48, 0),
+];
+
+/// The cells of one colour.
+struct Layer {
+    set: Vec<bool>,
+    colour: Color,
+    legend: String,
+}
+
+/// A layer for each kind of attractor, the largest first; behind them those of what is none, each by itself.
+fn kinds(found: &Found, until: f64) -> Vec<Layer> {
+    let classes = figures::by_size(
+        &found.classes,
+        |class| class.cells,
+        |class| (!class.is_attractor).then_some(class.name.as_str()),
+        |class| match class.is_attractor {
+            // In a figure a minus is as wide as a plus.
+            true => class.name.replace('-', "−"),
+            false => attractors::since(&class.name, until),
+        },
+        |rest| format!("{} further kinds", rest.len()),
+    );
+    let layer = |class: figures::Class| Layer {
+        set: {
+            let cells = found.cells.iter();
+            cells
+                .map(|cell| class.kinds.contains(&cell.class))
+                .collect()
+        },
+        colour: class.colour,
+        legend: class.legend,
+    };
+    classes.into_iter().map(layer).collect()
+}
+
+/// The layers that have cells.
+fn filled(layers: Vec<Layer>) -> Vec<Layer> {
+    let is_filled = |layer: &Layer| layer.set.contains(&true);
+    layers.into_iter().filter(is_filled).collect()
+}
+
+fn exponents(cells: &[Shown]) -> Vec<Layer> {
+    let finite = |cell: &Shown| match cell.largest {
+        Largest::Finite { value, .. } if !cell.largest.is_zero() => Some(value),
+        _ => None,
+    };
+    let layer = |is_in: &dyn Fn(&Shown) -> bool, colour, legend: String| Layer {
+        set: cells.iter().map(is_in).collect(),
+        colour,
+        legend,
+    };
+    let mut layers = vec![layer(
+        &|cell| cell.largest == Largest::Annihilated,
+        PURPLE,
+        "−∞: stick takes all".to_owned(),
+    )];
+    // The most negative first.
+    for (sign, colours) in [(-1.0, BLUES), (1.0, REDS)] {
+        let values = || cells.iter().filter_map(finite).map(move |v| sign * v);
+        let most = values().fold(0.0, f64::max);
+        let mut of_sign = Vec::new();
+        for (k, colour) in colours.into_iter().enumerate() {
+            let [low, high] = [k, k + 1].map(|k| most * k as f64 / colours.len() as f64);
+            let is_last = k + 1 == colours.len();
+            let is_in = |cell: &Shown| {
+                let value = finite(cell).map(|value| sign * value);
+                // The largest is in the last, whatever rounding does to its end.
+                value.is_some_and(|value| value > low && (value <= high || is_last))
+            };
+            let ends = if sign < 0.0 {
+                [-high, -low]
+            } else {
+                [low, high]
+            };
+            let [from, to] = ends.map(|end| plot::number(end, decimals(most)));
+            of_sign.push(layer(&is_in, colour, format!("{from} to {to}")));
+        }
+        if sign < 0.0 {
+            of_sign.reverse();
+            layers.extend(of_sign);
+            layers.push(layer(
+                &|cell| cell.largest.is_zero(),
+                LIGHT_GREY,
+                "0 within its error".to_owned(),
+            ));
+        } else {
+            layers.extend(of_sign);
+        }
+    }
+    layers.push(layer(
+        &|cell| cell.largest == Largest::Unmeasured,
+        WHITE,
+        "no attractor".to_owned(),
+    ));
+    filled(layers)
+}
+
+/// Decimal places that tell the quarters of a value apart.
+fn decimals(most: f64) -> usize {
+    let mut decimals = 1;
+    let mut unit = 0.1;
+    while decimals < 9 && unit > most / 40.0 {
+        unit /= 10.0;
+        decimals += 1;
+    }
+    decimals
+}
+
+fn sticks(cells: &[Shown]) -> Vec<Layer> {
+    let layer = |is_in: &dyn Fn(f64) -> bool, colour, legend: &str| Layer {
+        set: cells
+            .iter()
+            .map(|cell| cell.in_stick.is_some_and(is_in))
+            .collect(),
+        colour,
+        legend: legend.to_owned(),
+    };
+    let [first, second, third, fourth] = REDS;
+    filled(vec![
+        layer(&|part| part <= 0.0, LIGHT_GREY, "no stick"),
+        layer(&|part| part > 0.0 && part <= 0.25, first, "up to 25 %"),
+        layer(&|part| part > 0.25 && part <= 0.5, second, "25 to 50 %"),
+        layer(&|part| part > 0.5 && part <= 0.75, third, "50 to 75 %"),
+        layer(&|part| part > 0.75 && part < 1.0, fourth, "75 to 100 %"),
+        layer(&|part| part >= 1.0, SKY, "always in stick"),
+        Layer {
+            set: cells.iter().map(|cell| cell.in_stick.is_none()).collect(),
+            colour: WHITE,
+            legend: "no attractor".to_owned(),
+        },
+    ])
+}

@@ -1,0 +1,236 @@
+//! The tables and figures of an orbit.
+
+use plot::*;
+use stickslip::Mode;
+
+use super::figures::{axis, extremes, symbol, time_label, with_unit};
+use super::recording::{Phase, Recording, Transition, kind_name};
+use crate::render::{OutputError, Report, Table, contact_name};
+use stickslip_kernels::file::System;
+
+/// Colours of curves, in order.
+const COLOURS: [Color; 4] = [BLUE, VERMILLION, GREEN, PURPLE];
+
+/// Colours of stick, by contact.
+const STICKS: [Color; 4] = [ORANGE, GREEN, PURPLE, VERMILLION];
+
+/// Height of a state's panel in the time history, px.
+const HISTORY: f64 = 130.0;
+
+/// Height of the strip of a contact's stick intervals, px.
+const STRIP: f64 = 24.0;
+
+/// Least height of all strips, px.
+const LEAST: f64 = 36.0;
+
+/// What the axis of time takes under the last strip, px.
+const AXIS: f64 = 44.0;
+
+/// What lies between two panels and around all of them, px.
+const BETWEEN: f64 = 16.0;
+
+/// Puts phases and transitions into a report, as tables and, if they tell of a plane, as figures.
+pub(super) fn put(
+    system: &System,
+    recording: &Recording,
+    report: &mut Report,
+) -> Result<(), OutputError> {
+    let phases = Table::new()
+        .column("phase", |&(k, _): &(usize, &Phase)| k)
+        .column("t_start", |(_, phase)| phase.t_start)
+        .column("t_end", |(_, phase)| phase.t_end)
+        .column("duration", |(_, phase)| phase.duration())
+        .modes(system, ("modes", ""), |(_, phase)| phase.modes)
+        .state(system, "_start", |(_, phase)| phase.x_start.clone())
+        .state(system, "_end", |(_, phase)| phase.x_end.clone());
+    let transitions = transitions(system).column("residual", |at| at.residual);
+    report
+        .table(phases.csv("phases", (1..).zip(&recording.phases))?)
+        .table(transitions.csv("transitions", &recording.transitions)?)
+        .figure("history", &history(system, recording))?;
+    if system.states() > 1 {
+        report.figure("portrait", &portrait(system, recording))?;
+    }
+    Ok(())
+}
+
+/// The columns of transitions.
+pub(super) fn transitions<'a>(system: &'a System) -> Table<'a, &'a Transition> {
+    Table::new()
+        .column("t", |at: &&Transition| at.t)
+        .column("kind", |at| kind_name(at.kind))
+        .column("contact", |at| contact_name(system, at.contact))
+        .modes(system, ("from", "from_"), |at| at.from)
+        .modes(system, ("to", "to_"), |at| at.to)
+        .state(system, "", |at| at.x.clone())
+}
+
+/// The phase portrait in the plane of the first two states, stick in another colour.
+fn portrait(system: &System, recording: &Recording) -> Figure {
+    let states = &system.file.states;
+    let component = |k: usize| recording.points.iter().map(move |point| point.x[k]);
+    let label = |k: usize| with_unit(&states[k].name, &states[k].unit);
+    let mut panel = Panel::new(axis(&label(0), component(0)), axis(&label(1), component(1)))
+        .legend(Legend::Below);
+    let curve = |keep: &dyn Fn(f64) -> bool| {
+        let points: Vec<(f64, f64)> = recording
+            .points
+            .iter()
+            .map(|point| {
+                if keep(point.t) {
+                    (point.x[0], point.x[1])
+                } else {
+                    (f64::NAN, f64::NAN)
+                }
+            })
+            .collect();
+        Curve::new(points)
+    };
+    panel.add(curve(&|_| true).color(BLUE).width(1.2).legend("orbit"));
+    let contacts = &system.file.contacts;
+    for (k, contact) in contacts.iter().enumerate() {
+        let sticks = recording.sticks_of(k);
+        if sticks.is_empty() {
+            continue;
+        }
+        let is_stuck = |t: f64| {
+            let next = sticks.partition_point(|stick| stick.1 < t);
+            sticks.get(next).is_some_and(|stick| stick.0 <= t)
+        };
+        let name = match contacts.len() {
+            1 => "stick".to_owned(),
+            _ => format!("stick of {}", symbol(&contact.name)),
+        };
+        // Where several stick, the first ones show beside the last.
+        let width = 3.0 + 1.5 * (contacts.len() - 1 - k) as f64;
+        let stick = curve(&is_stuck).color(STICKS[k % STICKS.len()]);
+        panel.add(stick.width(width).legend(&name));
+        // Where a stick goes nowhere there is no line to be seen.
+        let points = standing(recording, k);
+        let markers = Markers::new(points).size(width + 1.5);
+        panel.add(markers.color(STICKS[k % STICKS.len()]));
+    }
+    if let Some(first) = recording.points.first() {
+        panel.add(
+            Markers::new([(first.x[0], first.x[1])])
+                .color(BLACK)
+                .open()
+                .legend("start"),
+        );
+    }
+    if !recording.passages.is_empty() {
+        let points = recording.passages.iter().map(|at| (at.x[0], at.x[1]));
+        panel.add(
+            Markers::new(points)
+                .size(4.0)
+                .color(VERMILLION)
+                .legend("section"),
+        );
+    }
+    let description = format!(
+        "Phase portrait of {}: {} against {}, from t = {} on. It sticks {} times.",
+        system.file.name,
+        states[1].name,
+        states[0].name,
+        recording.points.first().map_or(0.0, |point| point.t),
+        recording
+            .phases
+            .iter()
+            .filter(|phase| phase.modes.to_vec().contains(&Mode::Stick))
+            .count()
+    );
+    let title = format!("{}: phase portrait", system.file.name);
+    Figure::new("portrait", (560.0, 480.0), &title, &description).row(1.0, panel)
+}
+
+/// Where a contact's sticks stand in the plane of the first two states, but for a part of it that is not seen.
+fn standing(recording: &Recording, contact: usize) -> Vec<(f64, f64)> {
+    const UNSEEN: f64 = 0.01;
+    let points = &recording.points;
+    let width = [0, 1].map(|k| {
+        let (low, high) = extremes(points.iter().map(|point| point.x[k]));
+        high - low
+    });
+    let is_stick = |phase: &&Phase| phase.modes.to_vec().get(contact) == Some(&Mode::Stick);
+    let stands = recording.phases.iter().filter(is_stick).filter(|phase| {
+        let from = points.partition_point(|point| point.t < phase.t_start);
+        let end = points.partition_point(|point| point.t <= phase.t_end);
+        (0..2).all(|k| {
+            let (low, high) = extremes(points[from..end].iter().map(|point| point.x[k]));
+            high - low <= UNSEEN * width[k]
+        })
+    });
+    stands
+        .map(|phase| (phase.x_end[0], phase.x_end[1]))
+        .collect()
+}
+
+/// All states against time, and when each contact sticks.
+fn history(system: &System, recording: &Recording) -> Figure {
+    let times = || recording.points.iter().map(|point| point.t);
+    let (from, to) = (
+        times().next().unwrap_or(0.0),
+        times().next_back().unwrap_or(1.0),
+    );
+    let time = |label: &str| Axis::new(label, from, to);
+    let states = &system.file.states;
+    // The word beside them wants as much.
+    let strips_height = (STRIP * system.contacts() as f64).max(LEAST);
+    let panels = states.len() as f64;
+    let height = HISTORY * panels + strips_height + AXIS + BETWEEN * (panels + 1.0);
+    let title = format!("{}: time history", system.file.name);
+    let description = format!(
+        "Time history of {} from t = {from} to {to}: {}; under them when each contact sticks.",
+        system.file.name,
+        states
+            .iter()
+            .map(|state| state.name.as_str())
+            .collect::<Vec<_>>()
+            .join(", ")
+    );
+    let mut figure = Figure::new("history", (720.0, height), &title, &description);
+    let all_sticks: Vec<Vec<(f64, f64)>> = (0..system.contacts())
+        .map(|contact| recording.sticks_of(contact))
+        .collect();
+    for (k, state) in states.iter().enumerate() {
+        let values = recording.points.iter().map(|point| point.x[k]);
+        let label = with_unit(&state.name, &state.unit);
+        let mut panel = Panel::new(time("").bare(), axis(&label, values));
+        if let [sticks] = &all_sticks[..] {
+            for &(begin, end) in sticks {
+                panel.add(Band::x(begin, end).fill(LIGHT_ORANGE));
+            }
+        }
+        let curve = recording.points.iter().map(|point| (point.t, point.x[k]));
+        panel.add(
+            Curve::new(curve)
+                .color(COLOURS[k % COLOURS.len()])
+                .width(1.2),
+        );
+        figure = figure.row(HISTORY, panel);
+    }
+    let rows = system.contacts();
+    // The first contact stands at the top.
+    let floor = |contact: usize| (rows - 1 - contact) as f64;
+    let names: Vec<(f64, String)> = system
+        .file
+        .contacts
+        .iter()
+        .enumerate()
+        .map(|(k, contact)| (floor(k) + 0.5, symbol(&contact.name)))
+        .collect();
+    let ticks: Vec<(f64, &str)> = names
+        .iter()
+        .map(|(at, name)| (*at, name.as_str()))
+        .collect();
+    let y = Axis::new("stick", 0.0, rows as f64).ticks(&ticks);
+    let mut strips = Panel::new(time(&time_label(system)), y);
+    for (k, sticks) in all_sticks.iter().enumerate() {
+        let y = (floor(k) + 0.2, floor(k) + 0.8);
+        for &(begin, end) in sticks {
+            let colour = STICKS[k % STICKS.len()];
+            strips.add(Band::rect((begin, end), y).fill(colour));
+        }
+    }
+    figure.row(strips_height + AXIS, strips)
+}
