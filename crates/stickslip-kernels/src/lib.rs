@@ -6,3 +6,4 @@
 pub mod expression;
 pub mod file;
 pub mod kernel;
+pub mod trace;

@@ -102,7 +102,7 @@ fn portrait(system: &System, recording: &Recording) -> Figure {
             _ => format!("stick of {}", symbol(&contact.name)),
         };
         // Where several stick, the first ones show beside the last.
-        let width = 3.0 + 1.5 * (contacts.len() - 1 - k) as f64;
+        let width = 3.0 + 1.5 * (contacts.len() - 1 - k).min(3) as f64;
         let stick = curve(&is_stuck).color(STICKS[k % STICKS.len()]);
         panel.add(stick.width(width).legend(&name));
         // Where a stick goes nowhere there is no line to be seen.
@@ -177,7 +177,11 @@ fn history(system: &System, recording: &Recording) -> Figure {
     // The word beside them wants as much.
     let strips_height = (STRIP * system.contacts() as f64).max(LEAST);
     let panels = states.len() as f64;
-    let height = HISTORY * panels + strips_height + AXIS + BETWEEN * (panels + 1.0);
+    let strips = match system.contacts() {
+        0 => 0.0,
+        _ => strips_height + BETWEEN,
+    };
+    let height = (HISTORY + BETWEEN) * panels + strips + AXIS;
     let title = format!("{}: time history", system.file.name);
     let description = format!(
         "Time history of {} from t = {from} to {to}: {}; under them when each contact sticks.",
@@ -195,7 +199,13 @@ fn history(system: &System, recording: &Recording) -> Figure {
     for (k, state) in states.iter().enumerate() {
         let values = recording.points.iter().map(|point| point.x[k]);
         let label = with_unit(&state.name, &state.unit);
-        let mut panel = Panel::new(time("").bare(), axis(&label, values));
+        // Without contacts the last state's panel has the time below it.
+        let is_lowest = all_sticks.is_empty() && k + 1 == states.len();
+        let (below, height) = match is_lowest {
+            true => (time(&time_label(system)), HISTORY + AXIS),
+            false => (time("").bare(), HISTORY),
+        };
+        let mut panel = Panel::new(below, axis(&label, values));
         if let [sticks] = &all_sticks[..] {
             for &(begin, end) in sticks {
                 panel.add(Band::x(begin, end).fill(LIGHT_ORANGE));
@@ -207,9 +217,12 @@ fn history(system: &System, recording: &Recording) -> Figure {
                 .color(COLOURS[k % COLOURS.len()])
                 .width(1.2),
         );
-        figure = figure.row(HISTORY, panel);
+        figure = figure.row(height, panel);
     }
     let rows = system.contacts();
+    if rows == 0 {
+        return figure;
+    }
     // The first contact stands at the top.
     let floor = |contact: usize| (rows - 1 - contact) as f64;
     let names: Vec<(f64, String)> = system

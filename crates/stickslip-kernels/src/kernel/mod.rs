@@ -100,6 +100,11 @@ impl Kernel {
         &*self.dynamics
     }
 
+    /// Its dynamics alone.
+    pub fn into_dynamics(self) -> DynamicsRef<'static> {
+        self.dynamics
+    }
+
     /// Follows an orbit and tells `watcher` of it; passages of its section among the rest, if they are asked for.
     ///
     /// # Errors

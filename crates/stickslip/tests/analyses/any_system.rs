@@ -12,19 +12,25 @@ use crate::bifurcations::systems::{
 };
 use crate::den_hartog::DenHartog;
 use crate::line::Line;
-use crate::listed::{Listed, systems};
+use crate::listed::{Listed, traced};
 use crate::smooth::{Lorenz, Smooth};
 
-systems!(Any1, 1: Beat(Beat), Line(Line), NearWells(NearWells));
-
-systems!(
-    Any2, 2:
-    Backwards(Smooth<Backwards>), BeatFamily(BeatFamily), DenHartog(DenHartog), Detour(Smooth<Detour>), DraggedAt(AtParameter<Dragged>), Driven(Driven), Ends(Ends), GripAt(AtParameter<Grip>), Held(Held), Leine(Leine), PersistsAt(AtParameter<Persists>), Pushed(Pushed), RingsAt(AtParameter<Rings>), Shaken(Shaken), Shear(Smooth<Shear>), ToZero(ToZero), TwistedAt(AtParameter<Twisted>), Wells(Wells),
+traced!(
+    1:
+    Beat, Line, NearWells,
 );
 
-systems!(
-    Any3, 3:
-    Belt(Belt), DrivenIsland(DrivenIsland), Dragged(Dragged), DrivenFamily(DrivenFamily), Focus(Focus), Grip(Grip), Island(Island), LagsAt(AtParameter<Lags>), Lorenz(Smooth<Lorenz>), Pulse(Pulse), Rings(Rings), Rough(Rough), SheetAt(AtParameter<Sheet>), Softening(Smooth<Softening>), Twisted(Twisted),
+traced!(
+    2:
+    Smooth<Backwards>, BeatFamily, DenHartog, Smooth<Detour>, AtParameter<Dragged>, Driven, Ends, AtParameter<Grip>, Held, Leine, AtParameter<Persists>, Pushed, AtParameter<Rings>, Shaken, Smooth<Shear>, ToZero, AtParameter<Twisted>, Wells,
 );
 
-systems!(Any4, 4: Area(Area), Lags(Lags), Resonant(Resonant), Pitchfork(Pitchfork), Sheet(Sheet));
+traced!(
+    3:
+    Belt, DrivenIsland, Dragged, DrivenFamily, Focus, Grip, Island, AtParameter<Lags>, Smooth<Lorenz>, Pulse, Rings, Rough, AtParameter<Sheet>, Smooth<Softening>, Twisted,
+);
+
+traced!(
+    4:
+    Area, Lags, Resonant, Pitchfork, Sheet,
+);

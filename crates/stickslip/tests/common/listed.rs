@@ -1,61 +1,118 @@
-//! Systems as one type for each number of states: the solver is compiled once for that type and not once for every system.
+//! Systems of the tests on the solver that is compiled for systems from files: their functions are
+//! written down as formulas, so that the solver is not compiled for each of them.
 
-use stickslip::Filippov;
+use stickslip::dynamics::DynamicsRef;
+use stickslip::{Error, Filippov, Scalar, Side};
+use stickslip_kernels::kernel::{Equations, Kernel, OneContact};
+use stickslip_kernels::trace::trace;
 
-/// A system that is one of those below.
+/// A system that goes into the solver by its formulas, or, where it branches on values, by a type
+/// of its own.
 pub trait Listed<const N: usize>: Filippov<N> {
     type Any<'a>: Filippov<N> + Send + Sync
     where
         Self: 'a;
+    /// For what takes a typed system.
     fn any(&self) -> Self::Any<'_>;
+    /// For the analyses.
+    fn dynamics(&self) -> DynamicsRef<'_>;
 }
 
-/// `systems!(Name, n: Variant(Type), …)`: the type `Name` of the systems of `n` states.
-macro_rules! systems {
-    ($any:ident, $n:literal: $($name:ident($system:ty)),* $(,)?) => {
-        pub enum $any<'a> {
-            $($name(&'a $system)),*
-        }
+/// A system of `N` states as formulas.
+#[derive(Clone)]
+pub struct Traced<const N: usize> {
+    formulas: OneContact,
+    allowed: Result<(), Error>,
+}
 
-        impl Filippov<$n> for $any<'_> {
-            #[inline(never)]
-            fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; $n]) -> [T; $n] {
-                match self {
-                    $($any::$name(system) => system.field(side, t, x)),*
-                }
-            }
-            #[inline(never)]
-            fn holding<T: Scalar>(&self, side: Side, t: T, x: &[T; $n]) -> [T; $n] {
-                match self {
-                    $($any::$name(system) => system.holding(side, t, x)),*
-                }
-            }
-            #[inline(never)]
-            fn boundary<T: Scalar>(&self, t: T, x: &[T; $n]) -> T {
-                match self {
-                    $($any::$name(system) => system.boundary(t, x)),*
-                }
-            }
-            #[inline(never)]
-            fn contact<T: Scalar>(&self, t: T, x: &[T; $n]) -> Option<T> {
-                match self {
-                    $($any::$name(system) => system.contact(t, x)),*
-                }
-            }
-            fn check_parameters(&self) -> Result<(), Error> {
-                match self {
-                    $($any::$name(system) => system.check_parameters()),*
-                }
-            }
+impl<const N: usize> Traced<N> {
+    pub fn of<S: Filippov<N>>(system: &S) -> Self {
+        Traced {
+            formulas: trace(system).expect("a system that does not branch on values"),
+            allowed: system.check_parameters(),
         }
+    }
 
-        $(impl Listed<$n> for $system {
-            type Any<'a> = $any<'a>;
-            fn any(&self) -> $any<'_> {
-                $any::$name(self)
+    pub fn dynamics(self) -> DynamicsRef<'static> {
+        let equations = Equations::OneContact(Box::new(self.formulas));
+        let kernel = Kernel::new(equations, None, (N, 1));
+        kernel.expect("few states").into_dynamics()
+    }
+}
+
+impl<const N: usize> Filippov<N> for Traced<N> {
+    const INTERPRETED: bool = true;
+
+    #[inline(always)]
+    fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; N]) -> [T; N] {
+        self.formulas.field(side, t, x)
+    }
+    #[inline(always)]
+    fn holding<T: Scalar>(&self, side: Side, t: T, x: &[T; N]) -> [T; N] {
+        self.formulas.holding(side, t, x)
+    }
+    #[inline(always)]
+    fn boundary<T: Scalar>(&self, t: T, x: &[T; N]) -> T {
+        self.formulas.boundary(t, x)
+    }
+    #[inline(always)]
+    fn contact<T: Scalar>(&self, t: T, x: &[T; N]) -> Option<T> {
+        self.formulas.contact(t, x)
+    }
+    fn check_parameters(&self) -> Result<(), Error> {
+        self.allowed.clone()
+    }
+}
+
+/// `traced!(n: Type, …)`: systems of `n` states that do not branch on values.
+macro_rules! traced {
+    ($n:literal: $($system:ty),* $(,)?) => {
+        $(impl $crate::listed::Listed<$n> for $system {
+            type Any<'a> = $crate::listed::Traced<$n>;
+            fn any(&self) -> Self::Any<'_> {
+                $crate::listed::Traced::of(self)
+            }
+            fn dynamics(&self) -> stickslip::dynamics::DynamicsRef<'_> {
+                self.any().dynamics()
             }
         })*
     };
 }
 
-pub(crate) use systems;
+/// `typed!(Name, n: Variant(Type), …)`: the type `Name` of the systems of `n` states that do branch.
+macro_rules! typed {
+    ($any:ident, $n:literal: $($name:ident($system:ty)),* $(,)?) => {
+        pub enum $any<'a> {
+            $($name(&'a $system)),*
+        }
+
+        impl stickslip::Filippov<$n> for $any<'_> {
+            #[inline(never)]
+            fn field<T: stickslip::Scalar>(&self, side: stickslip::Side, t: T, x: &[T; $n]) -> [T; $n] {
+                match self {
+                    $($any::$name(system) => system.field(side, t, x)),*
+                }
+            }
+            #[inline(never)]
+            fn boundary<T: stickslip::Scalar>(&self, t: T, x: &[T; $n]) -> T {
+                match self {
+                    $($any::$name(system) => system.boundary(t, x)),*
+                }
+            }
+        }
+
+        $(impl $crate::listed::Listed<$n> for $system {
+            type Any<'a> = $any<'a>;
+            fn any(&self) -> $any<'_> {
+                $any::$name(self)
+            }
+            fn dynamics(&self) -> stickslip::dynamics::DynamicsRef<'_> {
+                stickslip::dynamics::AsDynamics::into_dynamics(self.any())
+            }
+        })*
+    };
+}
+
+pub(crate) use traced;
+#[allow(unused_imports, reason = "not all tests have such systems")]
+pub(crate) use typed;

@@ -16,7 +16,7 @@ use crate::den_hartog::DenHartog;
 use crate::flat::{Driven, Narrow, Square};
 use crate::grazes;
 use crate::line::Line;
-use crate::listed::{Listed, systems};
+use crate::listed::{Listed, traced, typed};
 use crate::lyapunov_equations::{Fork, FromSupport, Linear, Pressed, Refracting, Rider, Roessler};
 use crate::pulses::{Overflowing, Pushed, Slippery, Spike};
 use crate::sections::Watches;
@@ -31,27 +31,29 @@ use crate::taylor::{
 };
 use crate::two_folds::{Folds, Random};
 
-systems!(
-    Any1, 1:
-    BlowUp(BlowUp), Breathing(Breathing), Brink(Brink), Cup(Cup), Dent(Dent), Fork(Fork), Knee(Knee), Line(Line), MovingLine(MovingLine),
-    Nowhere(Nowhere), Push(Push), Rectified(Rectified), Rest(Rest), Rider(Rider), Spike(Spike), Square(Square), Steep(Steep), Steepening(Steepening), TurningLine(TurningLine), Valley(Valley), Wall(Wall), Window(Window),
+traced!(
+    1:
+    BlowUp, Breathing, Cup, Dent, Fork, Knee, Line, MovingLine, Nowhere, Push, Rectified, Rider, Spike, Square, Steep, Steepening, TurningLine, Wall, Window,
 );
 
-systems!(
-    Any2, 2:
-    Belt(BeltOscillator), Bilinear(Bilinear), Ceiling(Ceiling), CornerOfBoundary(CornerOfBoundary), CornerOfField(CornerOfField), Creep(Creep), DenHartog(DenHartog), Dip(Dip), Driven(Driven), EqualInStick(EqualInStick), Floor(Floor), Forced(ForcedOscillator), FromSupport(FromSupport),
-    Gate(Gate), Kink(Kink), Ledge(Ledge), Linear(Smooth<Linear<2>>), Overflowing(Overflowing), Parabola(Parabola), Pit(Pit), Pushed(Pushed), Ramp(Ramp),
-    Refracting(Refracting), ReversedBelt(Reversed<BeltOscillator>), ReversedForced(Reversed<ForcedOscillator>),
-    Shaken(grazes::Shaken), SoftStop(SoftStop), SpiralAtRest(grazes::AtRest), Spiral(Spiral), Slippery(Slippery), StaticFriction(StaticFriction), Turn(Turn), TwoFold(TwoFold), Zeno(Zeno),
+typed!(Any1, 1: Brink(Brink), Rest(Rest), Valley(Valley));
+
+traced!(
+    2:
+    BeltOscillator, Ceiling, CornerOfBoundary, CornerOfField, Creep, DenHartog, Dip, Driven, EqualInStick, Floor, ForcedOscillator, FromSupport, Ledge, Smooth<Linear<2>>, Overflowing, Parabola, Pit, Pushed, Ramp, Refracting, Reversed<BeltOscillator>, Reversed<ForcedOscillator>, grazes::Shaken, SoftStop, grazes::AtRest, Spiral, Slippery, StaticFriction, Turn, TwoFold, Zeno,
 );
 
-systems!(
-    Any3, 3:
-    Folds(Folds), Random(Random), Linear(Smooth<Linear<3>>), Lorenz(Smooth<Lorenz>), Narrow(Narrow),
-    Roessler(Smooth<Roessler>), TwiceRound(TwiceRound),
+typed!(Any2, 2: Bilinear(Bilinear), Gate(Gate), Kink(Kink));
+
+traced!(
+    3:
+    Folds, Random, Smooth<Linear<3>>, Smooth<Lorenz>, Narrow, Smooth<Roessler>, TwiceRound,
 );
 
-systems!(Any4, 4: Bracket(BlockAndBracket), Pressed(Pressed), Weaker(Weaker));
+traced!(
+    4:
+    BlockAndBracket, Pressed, Weaker,
+);
 
 pub fn solve<S: Listed<N>, const N: usize>(
     system: &S,
@@ -92,7 +94,7 @@ pub fn monodromy<S: Listed<N>, const N: usize>(
     t_end: f64,
     options: &Options,
 ) -> Result<Monodromy, Error> {
-    analysis::monodromy(&system.any(), t0, x0, t_end, options)
+    analysis::monodromy(&system.dynamics(), t0, x0, t_end, options)
 }
 
 pub fn periodic_orbit<S: Listed<N>, const N: usize>(
@@ -101,7 +103,7 @@ pub fn periodic_orbit<S: Listed<N>, const N: usize>(
     period: f64,
     options: &Options,
 ) -> Result<PeriodicOrbit, Error> {
-    analysis::periodic_orbit(&system.any(), x, period, options)
+    analysis::periodic_orbit(&system.dynamics(), x, period, options)
 }
 
 pub fn find_periodic_orbit<S: Listed<N>, const N: usize>(
@@ -111,7 +113,7 @@ pub fn find_periodic_orbit<S: Listed<N>, const N: usize>(
     longest: f64,
     options: &Options,
 ) -> Result<PeriodicOrbit, Error> {
-    analysis::find_periodic_orbit(&system.any(), x0, transient, longest, options)
+    analysis::find_periodic_orbit(&system.dynamics(), x0, transient, longest, options)
 }
 
 pub fn periodic_orbit_forced<S: Listed<N>, const N: usize>(
@@ -121,7 +123,7 @@ pub fn periodic_orbit_forced<S: Listed<N>, const N: usize>(
     period: f64,
     options: &Options,
 ) -> Result<PeriodicOrbit, Error> {
-    analysis::periodic_orbit_forced(&system.any(), t, x, period, options)
+    analysis::periodic_orbit_forced(&system.dynamics(), t, x, period, options)
 }
 
 pub fn lyapunov_spectrum<S: Listed<N>, const N: usize>(
@@ -129,7 +131,7 @@ pub fn lyapunov_spectrum<S: Listed<N>, const N: usize>(
     start: (f64, impl Components),
     settings: &SpectrumOptions,
 ) -> Result<Spectrum, Error> {
-    lyapunov_spectrum_watched(system, start, settings, &mut ())
+    analysis::lyapunov_spectrum(&system.dynamics(), start, settings)
 }
 
 pub fn lyapunov_spectrum_watched<S: Listed<N>, const N: usize>(

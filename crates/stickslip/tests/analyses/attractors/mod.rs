@@ -33,7 +33,7 @@ fn reached<S: Listed<N>, const N: usize>(
     settings: &RecurrenceSettings,
     options: &Options,
 ) -> Reached {
-    attractor(&system.any(), x, settings, options).expect("a start that is allowed")
+    attractor(&system.dynamics(), x, settings, options).expect("a start that is allowed")
 }
 
 #[test]
@@ -59,7 +59,7 @@ fn the_stick_slip_cycle_of_leine_is_found_and_refined() {
         // By shooting from a point of its slip.
         let orbit = stickslip::solve(&Leine.any(), 0.0, slip.x_start, 2.0, &options);
         let inside = orbit.expect("runs").x_end;
-        let cycle = periodic_orbit(&Leine.any(), inside, period, &options).expect("converges");
+        let cycle = periodic_orbit(&Leine.dynamics(), inside, period, &options).expect("converges");
         assert!((cycle.period - exact).abs() < 1e-11, "{}", cycle.period);
     }
 }
@@ -86,7 +86,7 @@ fn shares_of_starts_are_the_published_ones_within_three_standard_errors() {
             closeness: 1e-5,
             ..within(2e4)
         };
-        let found = basin(&system.any(), starts(5000), &settings, &Options::tol(1e-8)).unwrap();
+        let found = basin(&system.dynamics(), starts(5000), &settings, &Options::tol(1e-8)).unwrap();
         let at = |kind: fn(&Kind) -> bool| {
             let mut these =
                 (0..found.attractors.len()).filter(|k| kind(&found.attractors[*k].kind));
@@ -127,7 +127,7 @@ fn a_basin_has_the_same_bits_on_any_number_of_threads() {
             .unwrap();
         pool.install(|| {
             basin(
-                &system.any(),
+                &system.dynamics(),
                 starts(200),
                 &within(5e3),
                 &Options::tol(1e-7),
@@ -148,7 +148,7 @@ fn a_basin_has_the_same_bits_on_any_number_of_threads() {
 fn rest_is_told_apart_by_the_interval_that_holds_it() {
     // |x - x³| ≤ 0.3 where friction holds: about -1, 0 and 1, and not between.
     let system = Wells { friction: 0.3 };
-    let any = system.any();
+    let any = system.dynamics();
     let mut known = Attractors::new(&any, &within(100.0), &Options::default());
     let mut number = |x: f64| {
         let found = reached(&system, [x, 0.0], &within(100.0), &Options::default());
@@ -164,7 +164,7 @@ fn rest_is_told_apart_by_the_interval_that_holds_it() {
 fn an_equilibrium_at_zero_is_one_attractor_and_not_one_for_each_start() {
     for by in [By::Spring, By::Relay, By::CurvedRelay] {
         let system = ToZero(by);
-        let any = system.any();
+        let any = system.dynamics();
         let settings = within(200.0);
         let mut known = Attractors::new(&any, &settings, &Options::default());
         let starts = [
@@ -185,7 +185,7 @@ fn an_equilibrium_at_zero_is_one_attractor_and_not_one_for_each_start() {
 
 #[test]
 fn equilibria_beside_each_other_are_two_however_far_the_starts() {
-    let any = NearWells.any();
+    let any = NearWells.dynamics();
     let settings = within(200.0);
     let mut known = Attractors::new(&any, &settings, &Options::default());
     let numbers = [1e3, -1e3, 2e-3, -2e-3].map(|x| {
@@ -199,7 +199,7 @@ fn equilibria_beside_each_other_are_two_however_far_the_starts() {
 #[test]
 fn a_cycle_that_meets_no_boundary_is_known_by_where_it_turns_back() {
     let far = Rings { place: 50.0 };
-    let any = far.any();
+    let any = far.dynamics();
     let settings = within(400.0);
     let mut known = Attractors::new(&any, &settings, &Options::default());
     for start in [[0.9, 0.0, -0.5], [0.0, -2.0, -0.5], [1.0, 1.0, -0.5]] {
@@ -268,7 +268,7 @@ fn rest_is_known_as_soon_as_nothing_can_keep_the_orbit_from_it() {
     let (system, options) = (Driven { vd: 1.5 }, Options::tol(1e-9));
     let mut decided = 0;
     for start in starts(200) {
-        let found = attractor(&system.any(), start, &within(2000.0), &options).unwrap();
+        let found = attractor(&system.dynamics(), start, &within(2000.0), &options).unwrap();
         if found.kind == Kind::Equilibrium {
             let all = solve(&system.any(), 0.0, start, found.t + 1000.0, &options).unwrap();
             let last = all.phases.last().unwrap();
@@ -384,7 +384,7 @@ fn what_does_not_close_is_recurrent_or_undecided() {
     let found = |z: f64, longest| reached(&chaos, [1.0, 1.0, z], &within(longest), &options);
     let (one, other) = (found(20.0, 600.0), found(25.0, 600.0));
     assert_eq!([&one.kind, &other.kind], [&Kind::Recurrent; 2]);
-    let any = chaos.any();
+    let any = chaos.dynamics();
     assert!(Attractors::new(&any, &within(600.0), &options).is_same(&one, &other));
     // Too short to say so.
     assert_eq!(found(20.0, 60.0).kind, Kind::Undecided);
@@ -423,7 +423,7 @@ fn rest_under_a_drive_is_one_set_of_equilibria() {
         frequency: 1.0,
         friction: 2.0,
     };
-    let any = held.any();
+    let any = held.dynamics();
     let mut known = Attractors::new(&any, &settings, &Options::default());
     for start in [
         [0.3, 0.0],
@@ -487,7 +487,7 @@ fn den_hartog_s_amplitudes_are_found_from_a_run_and_refined() {
         );
         assert!(is_same_cycle(&found.sequence(), &[ABOVE, BELOW]));
         let x = &found.points[0].x;
-        let cycle = periodic_orbit_forced(&system.any(), 0.0, x, period, &options).unwrap();
+        let cycle = periodic_orbit_forced(&system.dynamics(), 0.0, x, period, &options).unwrap();
         let orbit = stickslip::solve(&system.any(), 0.0, cycle.x, period, &options).unwrap();
         for at in &orbit.transitions {
             let error = (at.x[0].abs() - exact).abs();
@@ -534,7 +534,7 @@ fn ends_and_failures_are_kinds_and_bad_settings_errors() {
     assert_eq!(kind(0.0, &default), Kind::Repelling);
     assert_eq!(kind(0.5, &default.escape(10.0)), Kind::Escape);
     let bad = |settings: RecurrenceSettings| {
-        let found = attractor(&Leine.any(), [1.0, 0.0], &settings, &default);
+        let found = attractor(&Leine.dynamics(), [1.0, 0.0], &settings, &default);
         match found.unwrap_err() {
             Error::Option { name, .. } => name,
             other => panic!("{other}"),

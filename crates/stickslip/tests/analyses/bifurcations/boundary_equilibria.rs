@@ -25,7 +25,7 @@ fn the_end_of_a_branch_is_known_to_rounding() {
             let settled = solve(&system.any(), 0.0, start, 200.0, &options).unwrap();
             let x = settled.x_end;
             let found =
-                continue_periodic_orbit(&system.any(), x, 3.67, upwards, &settings, &options);
+                continue_periodic_orbit(&system.dynamics(), x, 3.67, upwards, &settings, &options);
             let found = found.unwrap();
             let Stop::BoundaryEquilibrium { parameter } = found.stop else {
                 panic!("{unit}: {:?}", found.stop);
@@ -45,7 +45,7 @@ fn one_beyond_the_range_is_none() {
         .unwrap()
         .x_end;
     let settings = ContinuationSettings::over(-2.0, 0.999999);
-    let found = continue_periodic_orbit(&ONE.any(), x, 3.67, true, &settings, &options).unwrap();
+    let found = continue_periodic_orbit(&ONE.dynamics(), x, 3.67, true, &settings, &options).unwrap();
     assert_eq!(found.stop, Stop::Range);
     let last = found.points.last().unwrap();
     assert!((last.parameter - 0.999999).abs() < 1e-12);
@@ -55,7 +55,7 @@ fn one_beyond_the_range_is_none() {
 #[test]
 fn a_sweep_finds_it_from_the_side_of_the_equilibrium_or_from_that_of_the_orbit() {
     for values in [[0.9, 1.1], [1.1, 0.9], [0.9, 1.0], [1.0, 1.2]] {
-        let family = |value| kept(AtParameter { system: ONE, value }).any();
+        let family = |value| kept(AtParameter { system: ONE, value }).dynamics();
         let start = [0.5, 0.1, 0.3];
         let settings = SweepSettings::within(300.0);
         let found = sweep(family, values, start, &settings, &Options::tol(1e-10)).unwrap();
@@ -82,7 +82,7 @@ fn an_equilibrium_that_goes_over_into_sliding_is_located_there() {
                 system: Persists,
                 value,
             })
-            .any()
+            .dynamics()
         };
         let settings = SweepSettings::within(300.0);
         let found = sweep(family, values, [-0.4, 0.1], &settings, &Options::tol(1e-10)).unwrap();
@@ -132,7 +132,7 @@ fn on_the_boundary_the_equilibrium_is_rested_in_and_nothing_sticks() {
     for start in [start, [1.2, 0.9, 0.4], [0.0; 3], [1.0, 1.0, 0.9]] {
         for tolerance in [1e-8, 1e-10, 1e-12] {
             let options = Options::tol(tolerance);
-            let reached = attractor(&system.any(), start, &settings, &options).unwrap();
+            let reached = attractor(&system.dynamics(), start, &settings, &options).unwrap();
             assert_eq!(reached.kind, Kind::Equilibrium, "{start:?} {tolerance:e}");
         }
     }
@@ -189,7 +189,7 @@ fn a_branch_ends_in_a_homoclinic_orbit_of_the_sliding_field() {
     let settings = ContinuationSettings::over(0.05, 0.5);
     let options = Options::tol(1e-12);
     let start = [-1e-9, 0.1, 0.1];
-    let found = continue_periodic_orbit(&Focus.any(), start, 8.70, true, &settings, &options);
+    let found = continue_periodic_orbit(&Focus.dynamics(), start, 8.70, true, &settings, &options);
     let Stop::Homoclinic {
         parameter,
         uncertainty,

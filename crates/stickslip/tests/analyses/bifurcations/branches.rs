@@ -36,7 +36,7 @@ fn branch<S: Listed<3>>(
     settings: &ContinuationSettings,
 ) -> Branch {
     let options = Options::tol(1e-13);
-    continue_periodic_orbit(&system.any(), x, period, upwards, settings, &options).unwrap()
+    continue_periodic_orbit(&system.dynamics(), x, period, upwards, settings, &options).unwrap()
 }
 
 /// r² of the outer or the inner cycle of `r' = r (p + 2 r² - r⁴)`.
@@ -157,7 +157,7 @@ fn every_change_of_the_phases_is_located_and_named_on_a_branch() {
             let family = BeatFamily(rhythm);
             let start = find(&family, begin);
             let found =
-                continue_periodic_orbit(&family.any(), start, 6.3, upwards, &settings, &options);
+                continue_periodic_orbit(&family.dynamics(), start, 6.3, upwards, &settings, &options);
             let found = found.unwrap();
             assert_eq!(found.stop, Stop::Range, "{rhythm:?}: {:?}", found.special);
             let [special] = found.special.as_slice() else {
@@ -193,7 +193,7 @@ fn what_contracts_fast_is_carried_by_long_steps_too() {
                 let (sin, cos) = (math::sin(f64::from(k)), math::cos(f64::from(k)));
                 let start = [radius * cos, radius * sin, p];
                 let rings = Rings { place: 50.0 };
-                let turn = monodromy(&rings.any(), 0.0, start, 2.0 * PI, &options).unwrap();
+                let turn = monodromy(&rings.dynamics(), 0.0, start, 2.0 * PI, &options).unwrap();
                 let wanted = Matrix3::new(
                     sin * sin,
                     -sin * cos,
@@ -363,7 +363,7 @@ fn where_another_branch_meets_it_the_branch_goes_on_and_the_point_is_named() {
         (false, 0.15, low, on_boundary),
     ] {
         let found = continue_periodic_orbit(
-            &Pitchfork.any(),
+            &Pitchfork.dynamics(),
             [x, y, 0.0, from],
             2.0 * PI,
             upwards,
@@ -397,7 +397,7 @@ fn what_cannot_be_followed_is_an_error_that_says_why() {
     let settings = ContinuationSettings::over(-1.0, 0.0);
     let rings = Rings { place: 50.0 };
     let begin = |x: [f64; 3], period, settings: &ContinuationSettings| {
-        continue_periodic_orbit(&rings.any(), x, period, true, settings, &options).unwrap_err()
+        continue_periodic_orbit(&rings.dynamics(), x, period, true, settings, &options).unwrap_err()
     };
     // From the focus there is no cycle.
     let error = begin([1e-9, 0.0, -0.5], 6.3, &settings);
@@ -420,7 +420,7 @@ fn what_cannot_be_followed_is_an_error_that_says_why() {
     // The last state is a state.
     let lorenz = crate::smooth::Smooth(crate::smooth::Lorenz);
     let error = continue_periodic_orbit(
-        &lorenz.any(),
+        &lorenz.dynamics(),
         [1.0, 1.0, 20.0],
         1.0,
         true,
@@ -537,7 +537,7 @@ fn watched<S: Listed<3>>(
     most: usize,
 ) -> (Branch, Vec<BranchPoint>) {
     let mut seen = Vec::new();
-    let (system, options, period) = (system.any(), Options::tol(1e-13), 2.0 * PI);
+    let (system, options, period) = (system.dynamics(), Options::tol(1e-13), 2.0 * PI);
     let see = |point: &BranchPoint| {
         seen.push(point.clone());
         if seen.len() == most {
@@ -596,7 +596,7 @@ fn a_cycle_is_followed_to_two_saddles() {
     // From too short a period Newton's iteration goes to orbits that escape, by ever shorter steps.
     let options = Options::tol(1e-13);
     let system = Smooth(Softening);
-    let lost = continue_periodic_orbit(&system.any(), start, 7.4, true, &settings, &options);
+    let lost = continue_periodic_orbit(&system.dynamics(), start, 7.4, true, &settings, &options);
     assert!(matches!(lost, Err(Error::NotFound { .. })), "{lost:?}");
     let found = branch(&system, start.into(), (7.6, true), &settings);
     let Stop::Homoclinic {
@@ -647,7 +647,7 @@ fn points_at_which_symmetry_breaks_are_found_with_any_step() {
             ..ContinuationSettings::over(1.5, 2.2)
         };
         let found =
-            continue_periodic_orbit(&Resonant.any(), start, period, false, &settings, &options);
+            continue_periodic_orbit(&Resonant.dynamics(), start, period, false, &settings, &options);
         let found = found.unwrap();
         let points = found
             .special

@@ -22,7 +22,7 @@ fn an_orbit_that_never_slips_is_found_with_its_multipliers() {
     };
     for (start, tolerance) in [([0.3, 0.4, 3.0], 1e-12), ([-2.0, 0.1, -1.0], 1e-9)] {
         let options = Options::tol(tolerance);
-        let cycle = find_periodic_orbit(&system.any(), start, 3.0, 30.0, &options).unwrap();
+        let cycle = find_periodic_orbit(&system.dynamics(), start, 3.0, 30.0, &options).unwrap();
         let near = 1e3 * tolerance;
         assert!((cycle.period - 2.0 * PI).abs() < near, "{}", cycle.period);
         assert!((cycle.x.rows(0, 2).norm() - 1.0).abs() < near);
@@ -50,7 +50,7 @@ fn a_strongly_attracting_orbit_is_not_found_with_several_times_its_period() {
     for method in [Method::Taylor, Method::Dop853] {
         for tolerance in [1e-9, 1e-10, 1e-11, 1e-12] {
             let (start, options) = ([1.0, 0.0, 0.0], Options::tol(tolerance).method(method));
-            let cycle = find_periodic_orbit(&system.any(), start, 200.0, 100.0, &options).unwrap();
+            let cycle = find_periodic_orbit(&system.dynamics(), start, 200.0, 100.0, &options).unwrap();
             assert!((cycle.period - PI).abs() < 1e-7, "{}", cycle.period);
         }
     }
@@ -65,7 +65,7 @@ fn it_is_followed_round_a_fold_on_a_boundary_that_moves_with_the_parameter() {
     let start = [x, 0.0, x * x + p, p];
     let options = Options::tol(1e-13);
     let found =
-        continue_periodic_orbit(&system.any(), start, 6.2, false, &settings, &options).unwrap();
+        continue_periodic_orbit(&system.dynamics(), start, 6.2, false, &settings, &options).unwrap();
     let [fold] = found.special.as_slice() else {
         panic!("{:?}", found.special);
     };
@@ -98,7 +98,7 @@ fn where_it_begins_to_slip_is_located_from_both_sides() {
             system: PULLED,
             value: from,
         };
-        let cycle = find_periodic_orbit(&system.any(), [0.9, 0.0, 0.8], 20.0, 30.0, &options);
+        let cycle = find_periodic_orbit(&system.dynamics(), [0.9, 0.0, 0.8], 20.0, 30.0, &options);
         let cycle = cycle.unwrap();
         let start = [cycle.x[0], cycle.x[1], cycle.x[2], from];
         for step in [0.02, 0.007] {
@@ -106,7 +106,7 @@ fn where_it_begins_to_slip_is_located_from_both_sides() {
                 step,
                 ..ContinuationSettings::over(0.7, 1.5)
             };
-            let (any, period) = (PULLED.any(), cycle.period);
+            let (any, period) = (PULLED.dynamics(), cycle.period);
             let found = continue_periodic_orbit(&any, start, period, upwards, &settings, &options);
             let found = found.unwrap();
             assert_eq!(found.stop, Stop::Range, "{:?}", found.special);
@@ -152,7 +152,7 @@ fn a_sweep_locates_it_and_tells_the_phases_on_both_sides() {
         for ends in [[stuck, slipping], [slipping, stuck]] {
             let family = |value| {
                 let system = Sheet { lies };
-                Box::leak(Box::new(AtParameter { system, value })).any()
+                Box::leak(Box::new(AtParameter { system, value })).dynamics()
             };
             let settings = SweepSettings::within(2000.0);
             let (start, options) = ([0.9, 0.0, 0.0], Options::tol(1e-10));
@@ -201,7 +201,7 @@ fn on_a_belt_that_shakes_the_block_sticks_for_ever_from_a_known_friction_on() {
             };
             let start = [0.0, from];
             let found =
-                continue_periodic_orbit(&shaken.any(), start, 6.3, upwards, &settings, &options);
+                continue_periodic_orbit(&shaken.dynamics(), start, 6.3, upwards, &settings, &options);
             let found = found.unwrap();
             let [change] = found.special.as_slice() else {
                 panic!("{:?}", found.special);
@@ -242,7 +242,7 @@ fn a_branch_goes_on_where_two_slips_begin_at_once_and_where_two_sticks_end() {
             };
             let (start, options) = ([0.0, 0.0, from], Options::tol(1e-12));
             let found =
-                continue_periodic_orbit(&Pulse.any(), start, PI, upwards, &settings, &options);
+                continue_periodic_orbit(&Pulse.dynamics(), start, PI, upwards, &settings, &options);
             let found = found.unwrap();
             assert_eq!(found.stop, Stop::Range, "from {from} by {step}");
             let mut wanted = vec![

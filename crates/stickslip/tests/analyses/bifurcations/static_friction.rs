@@ -114,7 +114,7 @@ fn a_branch_goes_on_behind_a_jump_and_does_not_take_another_family_for_it() {
         let options = Options::tol(1e-12);
         let [down, up] = [false, true].map(|upwards| {
             let start = start_of_cycle(start);
-            continue_periodic_orbit(&Grip.any(), start, 7.55, upwards, &settings, &options).unwrap()
+            continue_periodic_orbit(&Grip.dynamics(), start, 7.55, upwards, &settings, &options).unwrap()
         });
         let expected = [
             (&down, lets_go, SequenceBifurcation::CrossingSliding, 3),
@@ -176,7 +176,7 @@ fn a_sweep_locates_them_however_wide_its_steps() {
             system: Grip,
             value,
         };
-        let family = |value| kept(family(value)).any();
+        let family = |value| kept(family(value)).dynamics();
         let settings = SweepSettings::within(500.0);
         let found = sweep(
             family,
@@ -219,7 +219,7 @@ fn a_fold_is_told_beside_the_graze_in_which_another_orbit_begins() {
     let begin = [0.5, 0.3, 0.35];
     let settled = solve(&Dragged.any(), 0.0, begin, 60.0 * period, &options).unwrap();
     let x = settled.x_end;
-    let branch = continue_periodic_orbit(&Dragged.any(), x, period, false, &settings, &options);
+    let branch = continue_periodic_orbit(&Dragged.dynamics(), x, period, false, &settings, &options);
     let branch = branch.unwrap();
     let mut folds = branch.special.iter().filter(|at| at.what == Special::Fold);
     let fold = folds.next().unwrap().parameter;
@@ -228,7 +228,7 @@ fn a_fold_is_told_beside_the_graze_in_which_another_orbit_begins() {
             system: Dragged,
             value,
         };
-        kept(system).any()
+        kept(system).dynamics()
     };
     let settings = SweepSettings::within(4000.0).forced(period);
     let found = sweep(

@@ -41,7 +41,7 @@ fn values(from: f64, to: f64, steps: u32) -> impl Iterator<Item = f64> {
 fn both_ways(rhythm: Rhythm, from: f64, to: f64) -> [SequenceChange; 2] {
     [(from, to), (to, from)].map(|(from, to)| {
         let settings = SweepSettings::within(400.0).forced(2.0 * PI);
-        let family = |p| kept(Beat { rhythm, p }).any();
+        let family = |p| kept(Beat { rhythm, p }).dynamics();
         let options = Options::tol(1e-11);
         let found = sweep(family, values(from, to, 3), [-0.5], &settings, &options).unwrap();
         only(&found).clone()
@@ -84,7 +84,7 @@ fn a_flip_a_torus_and_a_fold_of_an_attractor_are_located_and_named() {
             value,
         };
         let settings = settings.forced(2.0 * PI);
-        let family = |value| kept(system(value)).any();
+        let family = |value| kept(system(value)).dynamics();
         let found = sweep(family, [-0.1, 0.12], [1.01, 0.0], &settings, &options).unwrap();
         let ([parameter, bound], what) = multiplier(&found);
         assert!(
@@ -103,7 +103,7 @@ fn a_flip_a_torus_and_a_fold_of_an_attractor_are_located_and_named() {
         system: Rings { place: 50.0 },
         value,
     };
-    let family = |value| kept(system(value)).any();
+    let family = |value| kept(system(value)).dynamics();
     let found = sweep(family, [-0.8, -1.1], [1.3, 0.0], &settings, &options).unwrap();
     let ([parameter, bound], what) = multiplier(&found);
     let off = (parameter + 1.0).abs();
@@ -205,7 +205,7 @@ fn den_hartog_s_orbits_have_stops_from_his_edge_on() {
                 frequency,
                 friction,
             })
-            .any()
+            .dynamics()
         };
         let settings = SweepSettings::within(2e3).forced(2.0 * PI / frequency);
         let options = Options::tol(1e-10);
@@ -222,7 +222,7 @@ fn den_hartog_s_orbits_have_stops_from_his_edge_on() {
 #[test]
 fn a_loss_of_stability_that_a_value_of_the_sweep_hits_is_located() {
     let focus = 0.5 * LN_10;
-    let family = |vd| kept(Driven { vd }).any();
+    let family = |vd| kept(Driven { vd }).dynamics();
     for hit in [focus.next_down(), focus, focus.next_up()] {
         let (settings, options) = (SweepSettings::within(200.0), Options::tol(1e-10));
         let found = sweep(family, [1.3, hit], [0.55, 0.0], &settings, &options).unwrap();
@@ -240,7 +240,7 @@ fn a_loss_of_stability_that_a_value_of_the_sweep_hits_is_located() {
 fn the_ends_of_bistability_are_found_by_sweeps_up_and_down() {
     // At half a logarithm of ten the friction's fall takes all the damping away: 0.1 = e^(-2 vd).
     let focus = 0.5 * LN_10;
-    let family = |vd| kept(Driven { vd }).any();
+    let family = |vd| kept(Driven { vd }).dynamics();
     let settings = SweepSettings::within(3e4);
     let options = Options::tol(1e-10);
     let down = sweep(
@@ -319,7 +319,7 @@ fn with_static_friction_the_graze_that_ends_stick_and_slip_is_located_and_named(
     let settings = SweepSettings::within(3e3);
     let options = Options::tol(1e-11);
     for width in [0.02, 0.1] {
-        let family = |ratio| kept(Held { ratio }).any();
+        let family = |ratio| kept(Held { ratio }).dynamics();
         let ends = [exact + 0.6 * width, exact - 0.4 * width];
         let found = sweep(family, ends, [0.0, 1.0], &settings, &options).unwrap();
         let kinds = [0, 1].map(|k| found.points[k].reached.kind.clone());
@@ -348,7 +348,7 @@ fn an_orbit_that_ends_or_fails_is_told_and_the_next_one_begins_anew() {
     let options = Options::tol(1e-10).escape(20.0);
     let settings = SweepSettings::within(1e3);
     for end in [End::TwoFold, End::Pole] {
-        let family = |p| kept(Ends { end, p }).any();
+        let family = |p| kept(Ends { end, p }).dynamics();
         let start = [-1.0, if end == End::TwoFold { 0.0 } else { 1.0 }];
         let found = sweep(family, [1.0, -1.0], start, &settings, &options).unwrap();
         let [ended, escaped] = found.points.as_slice() else {
@@ -405,7 +405,7 @@ pub fn touching() -> f64 {
 
 #[test]
 fn exponents_are_measured_where_they_are_asked_for_and_nothing_is_located_where_not() {
-    let family = |vd| kept(Driven { vd }).any();
+    let family = |vd| kept(Driven { vd }).dynamics();
     let mut settings = SweepSettings::within(3e4);
     settings.spectrum = Some(SpectrumOptions::over(50.0, 500.0));
     settings.locating = None;

@@ -1,0 +1,181 @@
+//! Systems in Rust as formulas: their functions are called once, with numbers that write down what
+//! is done with them.
+//!
+//! What comes of it runs on the solver that is compiled for systems from files. So a program with
+//! many systems, as a set of tests is, compiles the solver once and not for each of them.
+
+use std::cell::{Cell, RefCell};
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+use stickslip::{Filippov, Scalar, Side};
+
+use crate::expression::{Binary, Function, Graph, Id, Tape};
+use crate::kernel::OneContact;
+
+thread_local! {
+    static GRAPH: RefCell<Graph> = RefCell::new(Graph::new());
+    /// Whether something was asked for that no formula has: a value, a comparison, a number that is
+    /// none.
+    static FAILED: Cell<bool> = const { Cell::new(false) };
+}
+
+/// A number that is known by its formula only.
+#[derive(Clone, Copy, Debug)]
+struct Symbol(Id);
+
+impl Symbol {
+    fn made<E>(make: impl FnOnce(&mut Graph) -> Result<Id, E>) -> Self {
+        GRAPH.with_borrow_mut(|graph| {
+            let made = make(graph).or_else(|_| {
+                FAILED.set(true);
+                graph.constant(0.0)
+            });
+            // Zero is a number.
+            Symbol(made.unwrap_or_else(|_| graph.time()))
+        })
+    }
+
+    fn binary(self, operator: Binary, other: Self) -> Self {
+        Symbol::made(|graph| graph.binary(operator, self.0, other.0))
+    }
+
+    fn call(self, function: Function) -> Self {
+        Symbol::made(|graph| graph.call(function, self.0))
+    }
+}
+
+macro_rules! operator {
+    ($trait:ident, $method:ident, $operator:ident) => {
+        impl $trait for Symbol {
+            type Output = Self;
+            fn $method(self, other: Self) -> Self {
+                self.binary(Binary::$operator, other)
+            }
+        }
+
+        impl $trait<f64> for Symbol {
+            type Output = Self;
+            fn $method(self, other: f64) -> Self {
+                self.binary(Binary::$operator, Symbol::constant(other))
+            }
+        }
+    };
+}
+
+operator!(Add, add, Sum);
+operator!(Sub, sub, Difference);
+operator!(Mul, mul, Product);
+operator!(Div, div, Quotient);
+
+impl Neg for Symbol {
+    type Output = Self;
+    fn neg(self) -> Self {
+        Symbol::made(|graph| graph.negative(self.0))
+    }
+}
+
+impl Scalar for Symbol {
+    fn constant(value: f64) -> Self {
+        Symbol::made(|graph| graph.constant(value))
+    }
+    fn value(self) -> f64 {
+        FAILED.set(true);
+        f64::NAN
+    }
+    fn sin(self) -> Self {
+        self.call(Function::Sin)
+    }
+    fn cos(self) -> Self {
+        self.call(Function::Cos)
+    }
+    fn tan(self) -> Self {
+        self.call(Function::Tan)
+    }
+    fn atan(self) -> Self {
+        self.call(Function::Atan)
+    }
+    fn sinh(self) -> Self {
+        self.call(Function::Sinh)
+    }
+    fn cosh(self) -> Self {
+        self.call(Function::Cosh)
+    }
+    fn tanh(self) -> Self {
+        self.call(Function::Tanh)
+    }
+    fn powf(self, p: f64) -> Self {
+        self.binary(Binary::Power, Symbol::constant(p))
+    }
+    fn powi(self, n: i32) -> Self {
+        self.powf(f64::from(n))
+    }
+    fn sqrt(self) -> Self {
+        self.call(Function::Sqrt)
+    }
+    fn exp(self) -> Self {
+        self.call(Function::Exp)
+    }
+    fn ln(self) -> Self {
+        self.call(Function::Ln)
+    }
+    fn max(self, other: Self) -> Self {
+        Symbol::made(|graph| graph.larger(self.0, other.0))
+    }
+    fn min(self, other: Self) -> Self {
+        Symbol::made(|graph| graph.smaller(self.0, other.0))
+    }
+    fn abs(self) -> Self {
+        self.call(Function::Abs)
+    }
+}
+
+/// The formulas of what a function gives at time and state; `None` where it branches on values.
+fn traced<const N: usize, const K: usize>(
+    function: impl FnOnce(Symbol, &[Symbol; N]) -> [Symbol; K],
+) -> Option<Tape> {
+    GRAPH.set(Graph::new());
+    FAILED.set(false);
+    let state = |i: usize| GRAPH.with_borrow_mut(|graph| Symbol(graph.state(i)));
+    let time = GRAPH.with_borrow_mut(|graph| Symbol(graph.time()));
+    let roots = function(time, &std::array::from_fn(state)).map(|root| root.0);
+    let tape = GRAPH.with_borrow(|graph| Tape::new(graph, &roots, N).ok());
+    tape.filter(|_| !FAILED.get())
+}
+
+/// A system as formulas; `None` where its functions branch on values.
+///
+/// ```
+/// use stickslip::models::BeltOscillator;
+/// use stickslip::{Options, solve};
+/// use stickslip_kernels::trace::trace;
+///
+/// let belt = BeltOscillator::default();
+/// let formulas = trace(&belt).expect("it has no comparisons");
+/// let start = [0.5, 1.5];
+/// let [one, other] = [
+///     solve(&belt, 0.0, start, 10.0, &Options::default())?.x_end,
+///     solve(&formulas, 0.0, start, 10.0, &Options::default())?.x_end,
+/// ];
+/// assert!((one - other).amax() < 1e-9);
+/// # Ok::<(), stickslip::Error>(())
+/// ```
+pub fn trace<S: Filippov<N>, const N: usize>(system: &S) -> Option<OneContact> {
+    let sides = |of: &dyn Fn(Side, Symbol, &[Symbol; N]) -> [Symbol; N]| {
+        let [below, above] = [Side::Below, Side::Above].map(|side| traced(|t, x| of(side, t, x)));
+        Some([below?, above?])
+    };
+    let field = sides(&|side, t, x| system.field(side, t, x))?;
+    let holding = sides(&|side, t, x| system.holding(side, t, x))?;
+    let mut has_contact = false;
+    let force = traced(|t, x: &[Symbol; N]| {
+        let force = system.contact(t, x);
+        has_contact = force.is_some();
+        [force.unwrap_or(t)]
+    })?;
+    Some(OneContact {
+        holding: (holding != field).then_some(holding),
+        field,
+        boundary: traced(|t, x: &[Symbol; N]| [system.boundary(t, x)])?,
+        normal_force: has_contact.then_some(force),
+    })
+}
