@@ -83,6 +83,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
 
 impl Arguments {
     fn line(&self, system: &System, start: (f64, &[f64])) -> Result<Line, Failure> {
+        if system.contacts() == 0 {
+            let message = "the system has no contact, and so no boundary with tangent points";
+            return Err(Failure::Usage(message.to_owned()));
+        }
         let contacts = system
             .file
             .contacts

@@ -208,13 +208,6 @@ const CASES: [Case; 64] = [
         "t",
         "another name",
     ),
-    (
-        "x = \"m\"\n",
-        "x=\"\"\na=\"\"\nb=\"\"\nc=\"\"\nd=\"\"\ne=\"\"\nf=\"\"\ng=\"\"\n",
-        "this is state number 9",
-        "v",
-        "8 states",
-    ),
     // Parameters.
     (
         "w = 1.5",
@@ -566,19 +559,21 @@ fn what_needs_several_contacts_or_sides_is_told() {
         .replace("[field]", "[contacts.wall]\nboundary = \"x\"\n[field]");
     let (problem, _) = problem_of(&force);
     assert!(problem.message.contains("with one contact only"));
-    let mut many = GOOD.to_owned();
-    for name in ["a", "b", "c", "d"] {
-        many = many.replace(
-            "[field]",
-            &format!("[contacts.{name}]\nboundary = \"x\"\n[field]"),
-        );
+}
+
+#[test]
+fn more_states_or_contacts_than_the_solver_has_room_for_are_told() {
+    let contacts: String = (0..16)
+        .map(|k| format!("[contacts.c{k}]\nboundary = \"x\"\n"))
+        .collect();
+    let states: String = (0..63).map(|k| format!("s{k} = \"m\"\n")).collect();
+    for (from, to, message) in [
+        ("[field]", format!("{contacts}[field]"), "contact number 17"),
+        ("x = \"m\"\n", format!("x = \"m\"\n{states}"), "state number 65"),
+    ] {
+        let (problem, _) = problem_of(&GOOD.replacen(from, &to, 1));
+        assert!(problem.message.contains(message), "{}", problem.message);
     }
-    let (problem, _) = problem_of(&many);
-    assert!(
-        problem.message.contains("contact number 5"),
-        "{}",
-        problem.message
-    );
 }
 
 #[test]

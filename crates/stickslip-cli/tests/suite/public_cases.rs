@@ -286,3 +286,67 @@ fn a_block_that_friction_holds_is_at_rest_whatever_its_spring() {
         assert!(motion.starts_with("set of equilibria"), "k = {k}: {motion}");
     }
 }
+
+/// Blocks on springs of stiffness 1, from 1, 1.1, 1.2, …; the first ones rub on the floor.
+fn row_of_blocks(count: usize, rubbing: usize) -> String {
+    let each = |line: &dyn Fn(usize) -> String| (0..count).map(line).collect::<String>();
+    let contact = |k| format!("[contacts.c{k}]\nboundary = \"v{k}\"\nfriction = \"0.3\"\n");
+    let rate = |k| match k < rubbing {
+        true => format!("x{k} = \"v{k}\"\nv{k} = \"-x{k} - friction(c{k})\"\n"),
+        false => format!("x{k} = \"v{k}\"\nv{k} = \"-x{k}\"\n"),
+    };
+    format!(
+        "name = \"row\"\n[states]\n{}[start]\n{}[time]\nend = 20\n{}[field]\n{}",
+        each(&|k| format!("x{k} = \"m\"\nv{k} = \"m/s\"\n")),
+        each(&|k| format!("x{k} = {}\nv{k} = 0\n", 1.0 + 0.1 * k as f64)),
+        (0..rubbing).map(contact).collect::<String>(),
+        each(&rate)
+    )
+}
+
+#[test]
+fn as_many_states_and_contacts_as_a_file_can_have_move_as_each_does_alone() {
+    for method in METHODS {
+        let (found, transitions) = simulated(&row_of_blocks(32, 16), method, &["--tol", "1e-11"]);
+        for k in 0..32 {
+            let mut place = 1.0 + 0.1 * k as f64;
+            let mut wanted = place * math::cos(20.0);
+            if k < 16 {
+                // Each half turn takes 0.6 of the amplitude, until friction holds the spring.
+                let mut turns = 0;
+                while place.abs() > 0.3 + 1e-9 {
+                    place = -(place - 0.6 * place.signum());
+                    turns += 1;
+                }
+                wanted = place;
+                let own = transitions.iter().filter(|at| at.2 == format!("c{k}"));
+                let entry = own.clone().find(|at| at.1 == "stick entry").unwrap();
+                assert!((entry.0 - PI * f64::from(turns)).abs() < 1e-8, "{k}: {entry:?}");
+                assert_eq!(own.count(), turns as usize);
+            }
+            let off = end(&found, &format!("x{k}")) - wanted;
+            assert!(off.abs() < 1e-8, "{method} x{k}: {off:e}");
+        }
+    }
+}
+
+#[test]
+fn a_system_without_contacts_is_smooth() {
+    for method in METHODS {
+        let (found, transitions) = simulated(&row_of_blocks(1, 0), method, &["--tol", "1e-11"]);
+        assert!(transitions.is_empty());
+        assert!((end(&found, "x0") - math::cos(20.0)).abs() < 1e-9);
+    }
+    // The analyses take it, too: both exponents are zero, and so is the multiplier's logarithm.
+    let (_top, mut command) = program(&row_of_blocks(1, 0));
+    let exponents = ["lyapunov", "system.toml", "--duration", "500"];
+    command.args(exponents).assert().success();
+    let (_top, mut command) = program(&row_of_blocks(1, 0));
+    let orbit = ["orbit", "system.toml"];
+    let told = contains("6.28318530");
+    command.args(orbit).assert().success().stdout(told);
+    // Of a boundary there is nothing to say.
+    let (_top, mut command) = program(&row_of_blocks(1, 0));
+    let told = contains("contact");
+    command.args(["tangents", "system.toml"]).assert().code(2).stderr(told);
+}
