@@ -5,10 +5,10 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory, FromArgMatches, Parser};
 
+use super::FigureSpec;
 use super::error::FigureError;
 use super::output::{self, Artifact};
 use super::rows;
-use super::spec::FigureSpec;
 use crate::paper::published::Claims;
 use crate::terminal::{self, Progress};
 

@@ -1,8 +1,8 @@
 //! Fig. 6: the friction law of Eq. (2).
 
+use super::FigureSpec;
 use super::error::FigureError;
-use super::rows::{Part, Row};
-use super::spec::FigureSpec;
+use super::rows::Row;
 use crate::paper::claim_id::ClaimId;
 use crate::paper::reading::Reading;
 use plot::{
@@ -73,14 +73,14 @@ impl FigureSpec for Fig06 {
 
     fn numbers(data: &Data) -> Vec<Row> {
         let graphs = || data.by_mu0.iter().chain(&data.by_delta);
-        let decreasing = Part {
-            what: "both branches of T(v) decrease with |v|",
-            holds: graphs().all(|graph| decreases(&graph.points)),
-        };
+        let decreasing = (
+            "both branches of T(v) decrease with |v|",
+            graphs().all(|graph| decreases(&graph.points)),
+        );
         let mut rows = vec![Row::statement(
             ClaimId::Fig06FrictionLaw,
             Reading::Exact,
-            vec![decreasing],
+            [decreasing],
         )];
         for (panel, graphs) in [("a", &data.by_mu0), ("b", &data.by_delta)] {
             for (i, graph) in graphs.iter().enumerate() {

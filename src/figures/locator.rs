@@ -2,12 +2,12 @@
 //!
 //! Not a figure of the paper: what its title promises, measured.
 
-use crate::bisection::bisect;
+use crate::numbers::bisect;
 use std::f64::consts::PI;
 
+use super::FigureSpec;
 use super::error::FigureError;
 use super::rows::Row;
-use super::spec::FigureSpec;
 use crate::paper::reading::Reading;
 use plot::{
     Axis, BLACK, BLUE, Color, Curve, Dash, Figure, GREEN, Legend, Markers, ORANGE, Panel, Shape,

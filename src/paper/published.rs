@@ -90,6 +90,12 @@ pub struct Claim {
     pub unit: String,
     /// What it says, in words.
     pub what: String,
+    /// The part of the paper in which it is counted.
+    pub part: String,
+    /// Labels of the corrections that its corrected readings carry, with spaces between them.
+    pub corrections: String,
+    /// How it is judged.
+    pub check: String,
     /// The published numbers; none for a claim in words.
     values: Vec<f64>,
 }
@@ -101,9 +107,24 @@ impl Claim {
     /// [`PublishedError`] with the column at fault.
     pub(crate) fn of_record(record: &csv::StringRecord) -> Result<Claim, PublishedError> {
         let fields: Vec<&str> = record.iter().collect();
-        let [id, place, kind, published, digits, unit, what] = fields.as_slice() else {
+        let [
+            id,
+            place,
+            kind,
+            published,
+            digits,
+            unit,
+            what,
+            part,
+            corrections,
+            check,
+        ] = fields.as_slice()
+        else {
             return Err(PublishedError::Malformed {
-                reason: format!("a row has {} fields, the table has 7 columns", record.len()),
+                reason: format!(
+                    "a row has {} fields, the table has 10 columns",
+                    record.len()
+                ),
             });
         };
         let wrong = |column, value: &str, allowed| PublishedError::Field {
@@ -112,13 +133,9 @@ impl Claim {
             value: value.to_owned(),
             allowed,
         };
-        let digits_of = digits.parse().map_err(|()| {
-            wrong(
-                "digits",
-                digits,
-                "a number of decimals up to 17, `exact` or empty",
-            )
-        })?;
+        let allowed = "a number of decimals up to 17, `exact` or empty";
+        let digits_of = digits.parse();
+        let digits_of = digits_of.map_err(|()| wrong("digits", digits, allowed))?;
         let values = match digits_of {
             Digits::None => Vec::new(),
             Digits::Decimals(_) | Digits::Exact => published
@@ -139,14 +156,14 @@ impl Claim {
             digits: digits_of,
             unit: (*unit).to_owned(),
             what: (*what).to_owned(),
+            part: (*part).to_owned(),
+            corrections: (*corrections).to_owned(),
+            check: (*check).to_owned(),
             values,
         };
         if claim.kind == Kind::Value && claim.values().len() != 1 {
-            return Err(wrong(
-                "published",
-                published,
-                "one number, with its digits, for a value",
-            ));
+            let allowed = "one number, with its digits, for a value";
+            return Err(wrong("published", published, allowed));
         }
         Ok(claim)
     }
@@ -309,8 +326,8 @@ mod tests {
     }
 
     fn row(row: &str) -> Result<Claim, PublishedError> {
-        let fields: Vec<&str> = row.split(',').collect();
-        Claim::of_record(&csv::StringRecord::from(fields))
+        let fields = row.split(',').chain(["", "", ""]);
+        Claim::of_record(&fields.collect())
     }
 
     #[test]

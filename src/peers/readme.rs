@@ -3,7 +3,7 @@
 use super::compare::{Ratio, WANTED, ratios};
 use super::report::duration;
 use super::row::Row;
-use crate::marked::Marks;
+use crate::text::Marks;
 
 /// Where they stand in the README.
 pub const MARKS: Marks = Marks {

@@ -10,6 +10,7 @@ use std::fmt;
 
 use super::convergence::{Approach, Convergence, PRINTED_STEP};
 use crate::paper::pattern::Pattern;
+use crate::text::joined;
 use stickslip::error::Error;
 
 /// Half a unit of the last digit to which the paper prints the four numbers (m, s).
@@ -236,16 +237,10 @@ impl Cause {
 
     /// The three parts in words, and whether each holds.
     pub fn parts(&self) -> [(String, bool); 3] {
-        let bounds: Vec<String> = self
-            .approach
-            .iter()
-            .map(|one| {
-                format!(
-                    "{:.1} h (slope {:.2} ± {:.2})",
-                    one.bound, one.slope, one.slope_error
-                )
-            })
-            .collect();
+        let bounds = self.approach.iter().map(|one| {
+            let (bound, slope, error) = (one.bound, one.slope, one.slope_error);
+            format!("{bound:.1} h (slope {slope:.2} ± {error:.2})")
+        });
         let left = self.step.as_ref().map_or_else(
             || "the listing has no four numbers at the printed step".to_owned(),
             StepError::sentence,
@@ -255,7 +250,7 @@ impl Cause {
             (
                 format!(
                     "as the step goes to zero the listing's numbers approach them within {}",
-                    bounds.join(", ")
+                    joined(bounds, ", ")
                 ),
                 self.first_order(),
             ),

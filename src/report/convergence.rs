@@ -4,8 +4,11 @@ use rayon::prelude::*;
 use stickslip::statistics::PowerLaw;
 
 use super::digits::Agreement;
-use super::matrix::{MatrixError, four_claims, four_digits};
-use crate::paper::listing::{Motion, Setup, run};
+use super::error::ReportError;
+use super::matrix::{Cell, four_claims, four_digits};
+use crate::numbers::{extent, largest};
+use crate::paper::listing::Defects;
+use crate::text::joined;
 
 /// Steps (s), from ten times the printed one to a hundredth of it. The finest come first, since they take longest.
 const STEPS: [f64; 16] = [
@@ -41,27 +44,6 @@ pub const PRINTED_STEP: f64 = 1e-4;
 /// Runs made.
 pub const RUNS: usize = STEPS.len() + AROUND;
 
-/// The listing at one step.
-#[derive(Clone, Debug, PartialEq)]
-pub struct AtStep {
-    /// Step (s).
-    pub h: f64,
-    /// Lengths of the two stick phases (m), then their durations (s).
-    pub numbers: Option<[f64; 4]>,
-    /// Class of the settled motion.
-    pub motion: Motion,
-    /// How far the numbers agree with the published ones.
-    pub digits: Option<[Agreement; 4]>,
-}
-
-impl AtStep {
-    /// Whether all four numbers have all printed digits.
-    pub fn gives_digits(&self) -> bool {
-        self.digits
-            .is_some_and(|digits| digits.iter().all(|one| one.complete()))
-    }
-}
-
 /// How one of the four numbers approaches a limit as the step goes to zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Approach {
@@ -90,23 +72,19 @@ impl Approach {
         };
         let decades = others(decades);
         let all = [decades.clone(), others(around)].concat();
-        let largest = |keep: fn(f64) -> bool| {
+        let most = |keep: fn(f64) -> bool| {
             let kept = all.iter().filter(|at| keep(at.0));
-            kept.map(|(h, e)| (e / h).abs()).fold(0.0, f64::max)
+            largest(kept.map(|(h, e)| (e / h).abs()))
         };
-        let per_step = || all.iter().map(|(h, e)| e / h);
         let sizes: Vec<(f64, f64)> = decades.iter().map(|&(h, e)| (h, e.abs())).collect();
         let law = PowerLaw::through(sizes.iter().copied());
         Approach {
-            bound: largest(|_| true),
-            coarse: largest(|h| h >= FINE),
-            fine: largest(|h| h < FINE),
+            bound: most(|_| true),
+            coarse: most(|h| h >= FINE),
+            fine: most(|h| h < FINE),
             slope: law.exponent,
             slope_error: law.std_error,
-            scatter: (
-                per_step().fold(f64::INFINITY, f64::min),
-                per_step().fold(f64::NEG_INFINITY, f64::max),
-            ),
+            scatter: extent(all.iter().map(|(h, e)| e / h)),
         }
     }
 
@@ -126,9 +104,9 @@ pub struct Convergence {
     /// from the step.
     pub limit_digits: [Agreement; 4],
     /// Over three decades of steps, in ascending order.
-    pub steps: Vec<AtStep>,
+    pub steps: Vec<Cell>,
     /// Around the printed step.
-    pub around: Vec<AtStep>,
+    pub around: Vec<Cell>,
     /// How each number approaches the limit.
     pub approach: [Approach; 4],
     /// How each number approaches what the listing itself gives at the finest step, over the other steps; nothing of the injected
@@ -140,29 +118,20 @@ impl Convergence {
     /// Runs the listing as printed at all steps and calls `tick` after each.
     ///
     /// # Errors
-    /// [`MatrixError`] if the setup or the table of claims is not sound.
-    pub fn compute(limit: [f64; 4], tick: &(dyn Fn() + Sync)) -> Result<Convergence, MatrixError> {
+    /// [`ReportError`] if the setup or the table of claims is not sound.
+    pub fn compute(limit: [f64; 4], tick: &(dyn Fn() + Sync)) -> Result<Convergence, ReportError> {
         let claims = four_claims()?;
         let middle = (AROUND / 2) as f64;
         let around =
             (0..AROUND).map(|k| PRINTED_STEP * (1.0 + REACH * (k as f64 - middle) / middle));
         let all: Vec<f64> = STEPS.into_iter().chain(around).collect();
-        let mut steps: Vec<AtStep> = all
+        let mut steps: Vec<Cell> = all
             .par_iter()
             .with_max_len(1)
-            .map(|&h| -> Result<AtStep, MatrixError> {
-                let outcome = run(&Setup {
-                    h,
-                    ..Setup::default()
-                })?;
+            .map(|&h| {
+                let cell = Cell::run(Defects::AS_PRINTED, h);
                 tick();
-                let numbers = outcome.four_numbers();
-                Ok(AtStep {
-                    h,
-                    numbers,
-                    motion: outcome.motion,
-                    digits: numbers.map(|numbers| four_digits(&claims, &numbers)),
-                })
+                cell
             })
             .collect::<Result<_, _>>()?;
         let around = steps.split_off(STEPS.len());
@@ -178,12 +147,12 @@ impl Convergence {
     pub fn new(
         limit: [f64; 4],
         limit_digits: [Agreement; 4],
-        steps: Vec<AtStep>,
-        around: Vec<AtStep>,
+        steps: Vec<Cell>,
+        around: Vec<Cell>,
     ) -> Convergence {
         let own = steps.first().and_then(|finest| finest.numbers);
         let finest = steps.first().map_or(0.0, |finest| finest.h);
-        let own_errors = |steps: &[AtStep], i: usize| -> Vec<(f64, f64)> {
+        let own_errors = |steps: &[Cell], i: usize| -> Vec<(f64, f64)> {
             let limit = own.unwrap_or([f64::NAN; 4]);
             // The finest step errs by its own part of the bound, so that a difference is held against both steps.
             let errors = errors(steps, &limit, i).into_iter();
@@ -215,21 +184,18 @@ impl Convergence {
     }
 
     /// The listing at the finest step.
-    pub fn finest(&self) -> Option<&AtStep> {
+    pub fn finest(&self) -> Option<&Cell> {
         self.steps.first()
     }
 
     /// The listing at the printed step.
-    pub fn printed(&self) -> Option<&AtStep> {
+    pub fn printed(&self) -> Option<&Cell> {
         self.steps.iter().find(|at| at.h == PRINTED_STEP)
     }
 
     /// The largest of the four bounds.
     pub fn largest_bound(&self) -> f64 {
-        self.approach
-            .iter()
-            .map(|one| one.bound)
-            .fold(0.0, f64::max)
+        largest(self.approach.iter().map(|one| one.bound))
     }
 
     /// How many of the steps around the printed one give all four numbers.
@@ -239,18 +205,16 @@ impl Convergence {
 
     /// By how much the steps around the printed one move number `i`, from 0.
     pub fn moved_around(&self, i: usize) -> f64 {
-        let numbers = || self.around.iter().filter_map(|at| Some(at.numbers?[i]));
-        numbers().fold(f64::NEG_INFINITY, f64::max) - numbers().fold(f64::INFINITY, f64::min)
+        let numbers = self.around.iter().filter_map(|at| Some(at.numbers?[i]));
+        let (low, high) = extent(numbers);
+        high - low
     }
 
     /// How the numbers approach the limit, and what the alignment of the grid of steps does.
     pub fn sentence(&self) -> String {
-        let each = |of: fn(&Approach) -> String| self.approach.each_ref().map(of).join(", ");
-        let decades = |at: Option<&AtStep>| at.map_or(0.0, |at| at.h);
-        let moved: Vec<String> = (0..4)
-            .map(|i| format!("{:.1}", self.moved_around(i) / 1e-4))
-            .collect();
-        let digits: Vec<String> = self.limit_digits.iter().map(Agreement::to_string).collect();
+        let each = |of: fn(&Approach) -> String| joined(self.approach.iter().map(of), ", ");
+        let decades = |at: Option<&Cell>| at.map_or(0.0, |at| at.h);
+        let moved = (0..4).map(|i| format!("{:.1}", self.moved_around(i) / 1e-4));
         format!(
             "From h = {:e} to {:e} s the listing's four numbers keep within {} h of the limit, the printed step left out of this fit; the slopes of \
              log |error| against log h are {}. Where the grid of steps meets Σ scatters the error between nothing and that bound: {} steps within \
@@ -262,26 +226,26 @@ impl Convergence {
             each(|one| format!("{:.2} ± {:.2}", one.slope, one.slope_error)),
             self.around.len(),
             100.0 * REACH,
-            moved.join(", "),
+            joined(moved, ", "),
             self.steps_that_give_digits(),
             if self.steps_that_give_digits() == 1 {
                 "gives"
             } else {
                 "give"
             },
-            digits.join(", "),
+            joined(self.limit_digits, ", "),
         )
     }
 }
 
 /// Steps (s) and distances of number `i` from the limit.
-fn distances(steps: &[AtStep], limit: &[f64; 4], i: usize) -> Vec<(f64, f64)> {
+fn distances(steps: &[Cell], limit: &[f64; 4], i: usize) -> Vec<(f64, f64)> {
     let signed = errors(steps, limit, i).into_iter();
     signed.map(|(h, e)| (h, e.abs())).collect()
 }
 
 /// Steps (s) and errors of number `i`, with their signs.
-fn errors(steps: &[AtStep], limit: &[f64; 4], i: usize) -> Vec<(f64, f64)> {
-    let of = |at: &AtStep| Some((at.h, at.numbers?[i] - limit[i]));
+fn errors(steps: &[Cell], limit: &[f64; 4], i: usize) -> Vec<(f64, f64)> {
+    let of = |at: &Cell| Some((at.h, at.numbers?[i] - limit[i]));
     steps.iter().filter_map(of).collect()
 }

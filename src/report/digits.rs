@@ -96,6 +96,25 @@ pub(super) fn ten_to(power: f64) -> f64 {
     stickslip::math::pow(10.0, power)
 }
 
+/// A number to so many decimals, with a true minus and no sign at a zero.
+pub(super) fn decimals(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    let is_zero = text.chars().all(|c| "-0.".contains(c));
+    minus(if is_zero {
+        text.trim_start_matches('-')
+    } else {
+        &text
+    })
+}
+
+/// A true minus for the hyphen before a number; words keep theirs.
+pub(super) fn minus(text: &str) -> String {
+    match text.strip_prefix('-') {
+        Some(rest) if rest.starts_with(|c: char| c.is_ascii_digit()) => format!("−{rest}"),
+        _ => text.to_owned(),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -109,6 +128,9 @@ mod tests {
             digits,
             "m",
             "x",
+            "",
+            "",
+            "",
         ];
         let claim = Claim::of_record(&csv::StringRecord::from(row.to_vec())).unwrap();
         agreement(&claim, value).unwrap().to_string()
@@ -132,5 +154,12 @@ mod tests {
         assert_eq!(of("0;0.5", "exact", 0.5), "12 of 12");
         assert_eq!(of("0;0.5", "exact", 1e-17), "12 of 12");
         assert_eq!(of("0;0.5", "exact", 0.5 + 1e-9), "8 of 12");
+    }
+
+    #[test]
+    fn numbers_get_a_true_minus_and_words_keep_their_hyphens() {
+        assert_eq!(minus("-0.0049"), "−0.0049");
+        assert_eq!(minus("quasi-periodic"), "quasi-periodic");
+        assert_eq!(minus("-"), "-");
     }
 }

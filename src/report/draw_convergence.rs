@@ -2,23 +2,20 @@
 
 use super::convergence::{Convergence, PRINTED_STEP, REACH};
 use crate::figures::FigureError;
+use crate::text::joined;
 use plot::*;
 use stickslip::math;
 
 /// What the picture shows, for readers who cannot see it.
 fn description(data: &Convergence) -> String {
-    let bounds: Vec<String> = data
-        .approach
-        .iter()
-        .map(|one| format!("{:.1}", one.bound))
-        .collect();
+    let bounds = data.approach.iter().map(|one| format!("{:.1}", one.bound));
     let (all, good) = (data.around.len(), data.steps_that_give_digits());
     format!(
         "Left: distance of the listing's two stick lengths and two stick durations from their limit against its step, both axes \
          logarithmic; the points scatter below and along lines of slope one, the bounds {} times h, of which the largest is drawn; the \
          printed step is left out of the bounds and marked, the steps around it are drawn smaller. Right: deviation from the published numbers, in units of their last printed \
          digit, for {all} steps within {} per cent of the printed one; at {good} of them all four lie within half a unit.",
-        bounds.join(", "),
+        joined(bounds, ", "),
         100.0 * REACH
     )
 }
@@ -109,7 +106,7 @@ fn approach(data: &Convergence) -> Panel {
 }
 
 fn around(data: &Convergence, published: [f64; 4]) -> Panel {
-    let units = |at: &super::convergence::AtStep, i: usize| {
+    let units = |at: &super::matrix::Cell, i: usize| {
         let x = 100.0 * (at.h / PRINTED_STEP - 1.0);
         Some((x, (at.numbers?[i] - published[i]) / 1e-4))
     };

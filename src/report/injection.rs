@@ -1,5 +1,6 @@
 //! The two defects that survive the listing's limit, put into the event-exact solver.
 
+use crate::numbers::missing;
 use crate::paper::pattern::Pattern;
 use crate::paper::slip_times_three::{Injected, settled};
 use stickslip::error::Error;
@@ -24,11 +25,8 @@ impl Injection {
     /// Those of [`settled`] with both defects; [`Error::NotFound`] if no two stick phases are left.
     pub fn compute() -> Result<Injection, Error> {
         let both = settled(Injected::BOTH)?;
-        let numbers = both.four_numbers().ok_or(Error::NotFound {
-            what: "a pair of stick phases",
-            t: 0.0,
-            span: both.end,
-        })?;
+        let numbers = both.four_numbers();
+        let numbers = numbers.ok_or_else(|| missing("a pair of stick phases", 0.0, both.end))?;
         Ok(Injection {
             both,
             numbers,

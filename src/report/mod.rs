@@ -7,15 +7,14 @@
 
 pub mod accuracy;
 pub mod cause;
-mod checks;
 pub mod cli;
 pub mod convergence;
 pub mod correction;
 pub mod digits;
 mod draw_convergence;
 mod draw_scan;
-pub mod entry;
 pub mod errata;
+mod error;
 pub mod evidence;
 pub mod figures;
 pub mod finding;
@@ -23,12 +22,12 @@ pub mod injection;
 pub mod ledger;
 pub mod matrix;
 pub mod page;
-pub mod paper_part;
 pub mod readme;
 pub mod remark;
 pub mod scan;
 mod sentences;
 pub mod spread;
-pub mod statements;
 pub mod tables;
 pub mod verdict;
+
+pub use error::ReportError;

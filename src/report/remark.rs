@@ -2,8 +2,7 @@
 
 use std::fmt;
 
-use super::digits::ten_to;
-use super::readme::minus;
+use super::digits::{minus, ten_to};
 use crate::paper::published::{Claim, Digits};
 use crate::readings::{ExponentSpread, Values};
 

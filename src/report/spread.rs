@@ -3,10 +3,11 @@
 
 use rayon::prelude::*;
 
+use super::error::ReportError;
 use crate::figures::FigureError;
-use crate::figures::block_and_bracket::{Set, compute};
-use crate::paper::claim_id::SpectrumFigure;
-use crate::readings::{Committed, Integrator, Match, ReadingsError};
+use crate::figures::block_and_bracket::{BlockAndBracketFigure, Fig10, Set, compute};
+use crate::readings::{Committed, Integrator, Match};
+use crate::text::joined;
 use stickslip::analysis::motion::Class;
 use stickslip::models::Caption;
 
@@ -19,17 +20,6 @@ pub struct Spread {
     pub mended: Vec<(String, Class)>,
 }
 
-/// Why the spread could not be had.
-#[derive(Debug, thiserror::Error)]
-pub enum SpreadError {
-    /// The committed search cannot be read.
-    #[error(transparent)]
-    Readings(#[from] ReadingsError),
-    /// A figure could not be computed.
-    #[error(transparent)]
-    Figure(#[from] FigureError),
-}
-
 /// Figures computed.
 pub const JOBS: usize = 3;
 
@@ -37,38 +27,33 @@ impl Spread {
     /// Reads the search and computes the mended captions, and calls `tick` after each of these.
     ///
     /// # Errors
-    /// [`SpreadError`].
-    pub fn compute(tick: &(dyn Fn() + Sync)) -> Result<Spread, SpreadError> {
+    /// [`ReportError`].
+    pub fn compute(tick: &(dyn Fn() + Sync)) -> Result<Spread, ReportError> {
         let search = Committed::read()?;
-        let mended = mended_captions()
-            .into_par_iter()
-            .map(|(name, caption)| {
-                let class = compute(&Set {
-                    figure: SpectrumFigure::Fig10,
-                    caption,
-                    shown: 1.0,
-                    title: "",
-                    description: "",
-                })?
-                .exact
-                .class;
-                tick();
-                Ok((name, class))
-            })
-            .collect::<Result<_, FigureError>>()?;
+        let class = |(name, caption)| {
+            let set = Set {
+                caption,
+                shown: 1.0,
+                ..Fig10::SET
+            };
+            let class = compute(&set)?.exact.class;
+            tick();
+            Ok((name, class))
+        };
+        let mended = mended_captions().into_par_iter().map(class);
+        let mended = mended.collect::<Result<_, FigureError>>()?;
         Ok(Spread { search, mended })
     }
 
     /// What becomes of Fig. 10's class when its caption is mended.
     pub fn mended_sentence(&self) -> String {
-        let each: Vec<String> = self
+        let each = self
             .mended
             .iter()
-            .map(|(entry, class)| format!("{entry}: {class}"))
-            .collect();
+            .map(|(entry, class)| format!("{entry}: {class}"));
         format!(
             "the caption's entries contradict each other; mended one at a time, {}",
-            each.join(", ")
+            joined(each, ", ")
         )
     }
 
@@ -115,7 +100,7 @@ impl Spread {
             chaotic.len(),
             all().count(),
             needed.join("; "),
-            all().map(words).collect::<Vec<_>>().join(" | ")
+            joined(all().map(words), " | ")
         )
     }
 
@@ -138,11 +123,6 @@ impl Spread {
             ),
             None => of,
         })
-    }
-
-    /// Where the estimates come from.
-    pub fn source(&self) -> String {
-        self.search.cited()
     }
 }
 

@@ -118,7 +118,6 @@ impl fmt::Display for Verdict {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::figures::rows::Part;
     use crate::paper::claim_id::ClaimId;
     use crate::paper::published::Claims;
     use crate::paper::reading::Reading::{self, *};
@@ -131,8 +130,11 @@ mod tests {
     fn undetermined(value: f64) -> Verdict {
         let id = ClaimId::Fig08StickLength1;
         let claim = Claims::committed().unwrap().of(id);
-        let number = |reading| Finding::number(claim, reading, "test", value);
-        let moved = number(CorrectedData).undetermined();
+        let number = |reading| Finding::number(claim, reading, value);
+        let moved = Finding {
+            undetermined: true,
+            ..number(CorrectedData)
+        };
         of(id, &[number(CorrectedEquations), moved])
     }
 
@@ -142,7 +144,7 @@ mod tests {
         let claim = Claims::committed().unwrap().of(id);
         let findings: Vec<Finding> = found
             .iter()
-            .map(|&(reading, value)| Finding::number(claim, reading, "test", value))
+            .map(|&(reading, value)| Finding::number(claim, reading, value))
             .collect();
         of(id, &findings)
     }
@@ -151,11 +153,7 @@ mod tests {
         let findings: Vec<Finding> = found
             .iter()
             .map(|(reading, parts)| {
-                let part = |&holds: &bool| Part {
-                    what: "a part",
-                    holds,
-                };
-                Finding::statement(*reading, "test", parts.iter().map(part).collect())
+                Finding::statement(*reading, parts.iter().map(|holds| ("a part", *holds)))
             })
             .collect();
         of(ClaimId::S4Arcs, &findings)
@@ -231,12 +229,8 @@ mod tests {
 
     #[test]
     fn an_identity_is_listed_whatever_was_found() {
-        for part in [true, false] {
-            let part = Part {
-                what: "a part",
-                holds: part,
-            };
-            let found = [Finding::statement(Exact, "test", vec![part])];
+        for holds in [true, false] {
+            let found = [Finding::statement(Exact, [("a part", holds)])];
             assert_eq!(of(ClaimId::Fig06FrictionLaw, &found), Verdict::Identity);
         }
         assert!(!Verdict::ALL.contains(&Verdict::Identity));
@@ -244,11 +238,7 @@ mod tests {
 
     #[test]
     fn what_could_not_have_come_out_otherwise_is_no_evidence() {
-        let part = Part {
-            what: "a part",
-            holds: true,
-        };
-        let vacuous = Finding::statement(AsPrinted, "test", vec![part]).by_construction();
+        let vacuous = Finding::statement(AsPrinted, [("a part", true)]).by_construction();
         assert_eq!(of(ClaimId::S4Arcs, &[vacuous]), Verdict::NotReproduced);
     }
 }

@@ -1,9 +1,8 @@
 //! The orbits, the tangent points and the cycle.
 
-use crate::bisection::bisect;
+use crate::numbers::{bisect, missing};
 use stickslip::scalar::Dual;
 
-use crate::figures::trace;
 use stickslip::analysis::{PeriodicOrbit, Visibility, multipliers, periodic_orbit};
 use stickslip::error::Error;
 use stickslip::filippov::{Options, TransitionKind, normal_component, solve};
@@ -96,7 +95,7 @@ pub(super) fn compute() -> Result<Data, Error> {
         .map(|&(x1, x2)| {
             let orbit = solve(&model, 0.0, State::from([x1, x2]), DRAWN, &options)?;
             let sticks = usize::from(orbit.sticks().next().is_some());
-            Ok((trace::phase_plane(&orbit), sticks))
+            Ok((crate::figures::phase_plane(&orbit), sticks))
         })
         .collect::<Result<Vec<_>, Error>>()?;
     let cycle = cycle(&model, &options)?;
@@ -143,13 +142,8 @@ fn stationary(model: &BeltOscillator) -> Vec<f64> {
 }
 
 fn cycle(model: &BeltOscillator, options: &Options) -> Result<Cycle, Error> {
-    let settled = solve(
-        model,
-        0.0,
-        State::from([0.0, model.belt_speed]),
-        SETTLED,
-        options,
-    )?;
+    let start = State::from([0.0, model.belt_speed]);
+    let settled = solve(model, 0.0, start, SETTLED, options)?;
     let crossings: Vec<f64> = settled
         .transitions
         .iter()
@@ -157,12 +151,7 @@ fn cycle(model: &BeltOscillator, options: &Options) -> Result<Cycle, Error> {
         .map(|at| at.t)
         .collect();
     let [.., before, last] = crossings[..] else {
-        let (t, span) = (0.0, SETTLED);
-        return Err(Error::NotFound {
-            what: "two upward crossings of Σ",
-            t,
-            span,
-        });
+        return Err(missing("two upward crossings of Σ", 0.0, SETTLED));
     };
     // Off Σ, a tenth of a turn before the crossing.
     let guess = settled.at(last - 0.1 * (last - before))?;
@@ -177,14 +166,10 @@ fn describe(
     turn: &Orbit<2>,
 ) -> Result<Cycle, Error> {
     let crossing = |to: Side| {
-        turn.transitions
-            .iter()
-            .find(|at| at.kind == TransitionKind::Crossing && at.to == Mode::Slip(to))
-            .ok_or(Error::NotFound {
-                what: "a crossing of Σ",
-                t: 0.0,
-                span: found.period,
-            })
+        let mut transitions = turn.transitions.iter();
+        let first =
+            transitions.find(|at| at.kind == TransitionKind::Crossing && at.to == Mode::Slip(to));
+        first.ok_or_else(|| missing("a crossing of Σ", 0.0, found.period))
     };
     let (up, down) = (crossing(Side::Above)?, crossing(Side::Below)?);
     let [trivial, multiplier] = multipliers(&found.monodromy);
@@ -197,6 +182,6 @@ fn describe(
         right: down.x[0],
         kink: [acceleration(Side::Below), acceleration(Side::Above)],
         sticks: turn.sticks().count(),
-        curve: trace::phase_plane(turn),
+        curve: crate::figures::phase_plane(turn),
     })
 }

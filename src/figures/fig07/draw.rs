@@ -3,8 +3,8 @@
 use std::f64::consts::PI;
 
 use super::{Branches, Data, Fig07, Oscillation, Transition, Z_MAX};
+use crate::figures::FigureSpec;
 use crate::figures::error::FigureError;
-use crate::figures::spec::FigureSpec;
 use plot::{
     Axis, BLACK, BLUE, Band, Color, Curve, Dash, Figure, GREY, Guide, LIGHT_GREY, Legend, MID_GREY,
     Markers, Note, Panel, Region, VERMILLION,

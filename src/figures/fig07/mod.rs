@@ -3,12 +3,12 @@
 mod draw;
 mod numbers;
 
-use crate::bisection::bisect;
+use crate::numbers::bisect;
 use std::f64::consts::PI;
 
+use super::FigureSpec;
 use super::error::FigureError;
 use super::rows::Row;
-use super::spec::FigureSpec;
 use stickslip::error::Error;
 use stickslip::math;
 use stickslip::models::cubic::{Cubic, TangentPoint};

@@ -3,9 +3,8 @@
 use rayon::prelude::*;
 
 use super::Fig08;
+use crate::figures::FigureSpec;
 use crate::figures::error::FigureError;
-use crate::figures::spec::FigureSpec;
-use crate::figures::trace;
 use crate::paper::listing::{self, Params, Sample, Setup};
 use crate::paper::pattern::{Pattern, two_periodic};
 use crate::paper::slip_times_three::{self, Injected};
@@ -185,7 +184,7 @@ fn exact(model: &ForcedOscillator, options: &Options) -> Result<Exact, Error> {
         below: period - above,
         above,
         multipliers,
-        trajectory: trace::curve3(&turns),
+        trajectory: crate::figures::curve3(&turns),
     })
 }
 

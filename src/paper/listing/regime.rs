@@ -1,5 +1,7 @@
 //! The class of the motion a run settled on.
 
+use std::fmt;
+
 use super::{Run, Sample, Setup};
 
 /// The motion a run settled on, decided from the run itself.
@@ -41,6 +43,25 @@ pub enum Motion {
     },
     /// No pattern of up to [`Motion::LONGEST_PATTERN`] forcing periods repeats at the end of the run.
     NotSettled,
+}
+
+impl fmt::Display for Motion {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Motion::StickSlip { sticks, period } => {
+                let plural = if *period == 1 { "" } else { "s" };
+                write!(
+                    f,
+                    "stick–slip, {sticks} stick phases in {period} forcing period{plural}"
+                )
+            }
+            Motion::SlipOnly { period } => write!(f, "slip only, period {period}"),
+            Motion::Stalled { t } => write!(f, "hangs: the clock stands at {t:.4} s"),
+            Motion::Escaped { t } => write!(f, "escapes at {t:.4} s"),
+            Motion::BrokenDown { t } => write!(f, "breaks down at {t:.4} s"),
+            Motion::NotSettled => f.write_str("no pattern repeats"),
+        }
+    }
 }
 
 impl Motion {

@@ -2,7 +2,7 @@
 
 use super::stages::{Field, State, TimeStep, VelocityStep};
 use super::zones::ends;
-use super::{Direction, End, Instant, Mode, Motion, Sample, Setup, Zone};
+use super::{Defect, Direction, End, Instant, Mode, Motion, Sample, Setup, Zone};
 
 /// A body further out than this many times the outermost tangent point has left for good: the spring pushes
 /// outward there with a thousand times the force it has at that point.
@@ -65,7 +65,7 @@ impl<'a> Machine<'a> {
         if x2 != speed {
             return if x2 < speed { Mode::Below } else { Mode::Above };
         }
-        if self.setup.defects.start_up_test {
+        if self.setup.defects.has(Defect::StartUpTest) {
             let [t1, t2, t3, t4, ..] = self.setup.params.tangent_points;
             let inside = (x1 >= t2 && x1 <= t1) || (x1 >= t4 && x1 <= t3);
             return if inside { Mode::Stick } else { Mode::Above };
@@ -145,7 +145,7 @@ impl<'a> Machine<'a> {
         let moved = [start[0] + setup.h, start[1] + setup.h * start[2], start[2]];
         let xs = setup.params.harmonic(moved[0]);
         let (upper, lower) = ends(self.zone, &setup.params.tangent_points);
-        let through_lower = !setup.defects.one_sided_exit && moved[1] <= lower + xs;
+        let through_lower = !setup.defects.has(Defect::OneSidedExit) && moved[1] <= lower + xs;
         // Tested so that a state that is no number leaves, as in the listing.
         let stays = moved[1] < upper + xs && !through_lower;
         if stays {
@@ -158,7 +158,7 @@ impl<'a> Machine<'a> {
             (End::Upper, upper)
         };
         self.move_to(self.stick_exit(start, moved, rest, xs));
-        self.mode = if setup.defects.reversed_exit_side {
+        self.mode = if setup.defects.has(Defect::ReversedExitSide) {
             if self.zone == Some(Zone::Middle) {
                 Mode::Above
             } else {
@@ -173,11 +173,11 @@ impl<'a> Machine<'a> {
     /// The state where a stick phase ends at the zone's end with resting position `rest` (lines 37–38).
     fn stick_exit(&self, start: State, moved: State, rest: f64, xs: f64) -> State {
         let defects = &self.setup.defects;
-        if defects.in_place_stages {
+        if defects.has(Defect::InPlaceStages) {
             // Line 37 has overwritten x[1] before it subtracts it, so line 38 adds nothing to the clock.
             return [moved[0], rest + xs, moved[2]];
         }
-        if defects.frozen_forcing {
+        if defects.has(Defect::FrozenForcing) {
             let x1 = rest + xs;
             return [start[0] + (x1 - start[1]) / start[2], x1, start[2]];
         }
@@ -208,7 +208,7 @@ impl<'a> Machine<'a> {
             return None;
         }
         // As printed the state before the step is gone.
-        let origin = if setup.defects.in_place_stages {
+        let origin = if setup.defects.has(Defect::InPlaceStages) {
             moved
         } else {
             start
@@ -229,14 +229,12 @@ impl<'a> Machine<'a> {
     fn slip_step(&self, start: State) -> State {
         let params = &self.setup.params;
         let field = self.field();
-        match (
-            self.setup.defects.in_place_stages,
-            self.setup.defects.frozen_forcing,
-        ) {
-            (true, true) => self.step.in_place(field, start, |_| self.xs),
-            (true, false) => self.step.in_place(field, start, |t| params.harmonic(t)),
-            (false, true) => self.step.classical(field, start, |_| self.xs),
-            (false, false) => self.step.classical(field, start, |t| params.harmonic(t)),
+        let frozen = self.setup.defects.has(Defect::FrozenForcing);
+        let forcing = |t| if frozen { self.xs } else { params.harmonic(t) };
+        if self.setup.defects.has(Defect::InPlaceStages) {
+            self.step.in_place(field, start, forcing)
+        } else {
+            self.step.classical(field, start, forcing)
         }
     }
 
@@ -244,22 +242,23 @@ impl<'a> Machine<'a> {
         let params = &self.setup.params;
         let defects = &self.setup.defects;
         let field = self.field();
-        let h = if self.mode == Mode::Above && defects.s2_step_sign {
+        let h = if self.mode == Mode::Above && defects.has(Defect::S2StepSign) {
             origin[2] - params.belt_speed
         } else {
             params.belt_speed - origin[2]
         };
-        let sixth = if defects.sixth_rounded {
+        let sixth = if defects.has(Defect::SixthRounded) {
             h * 0.166666
         } else {
             h / 6.0
         };
         let step = VelocityStep { h, sixth };
-        match (defects.in_place_stages, defects.frozen_forcing) {
-            (true, true) => step.in_place(field, origin, |_| self.xs),
-            (true, false) => step.in_place(field, origin, |t| params.harmonic(t)),
-            (false, true) => step.classical(field, origin, |_| self.xs),
-            (false, false) => step.classical(field, origin, |t| params.harmonic(t)),
+        let frozen = defects.has(Defect::FrozenForcing);
+        let forcing = |t| if frozen { self.xs } else { params.harmonic(t) };
+        if defects.has(Defect::InPlaceStages) {
+            step.in_place(field, origin, forcing)
+        } else {
+            step.classical(field, origin, forcing)
         }
     }
 

@@ -1,8 +1,10 @@
 //! Release from stick, Eq. (15): the step as printed, corrected, and the listing's.
 
+use super::TOLERANCE;
 use super::errors::{EventErrors, STEPS};
-use super::{AccuracyError, TOLERANCE};
-use crate::paper::listing::{Defects, Params, Setup, run};
+use crate::numbers::missing;
+use crate::paper::listing::{Defect, Defects, Params, Setup, run};
+use crate::report::error::ReportError;
 use stickslip::error::Error;
 use stickslip::filippov::{Options, TransitionKind, solve};
 use stickslip::models::{BeltOscillator, ForcedOscillator};
@@ -56,8 +58,8 @@ impl Releases {
     /// Measures all.
     ///
     /// # Errors
-    /// [`AccuracyError`].
-    pub(super) fn compute() -> Result<Releases, AccuracyError> {
+    /// [`ReportError`].
+    pub(super) fn compute() -> Result<Releases, ReportError> {
         let belt = BeltOscillator::default();
         let forced = ForcedOscillator::default();
         let of_belt = on_belt(&belt)?;
@@ -83,7 +85,7 @@ fn release<S: Filippov<2>>(
     belt_speed: f64,
     event: &Event,
     shift: impl Fn(f64, f64) -> f64,
-) -> Result<Release, Error> {
+) -> Result<Release, ReportError> {
     // The state of the stick phase before the step that passes the point, and the step h2 from there.
     let before = |h: f64, part: f64| {
         let t = event.t - part * h;
@@ -99,7 +101,7 @@ fn release<S: Filippov<2>>(
                 x: State::from([1.0, 0.0]),
             };
             let end = henon_step::<Rk4, 2>(&mut swapped, &at, step);
-            Ok::<f64, Error>((end.t - event.t).abs())
+            Ok((end.t - event.t).abs())
         })
     };
     let literal = |side| {
@@ -118,7 +120,7 @@ fn release<S: Filippov<2>>(
 }
 
 /// The distance to the moving tangent point as independent variable.
-fn moving(model: &ForcedOscillator, event: &Event) -> Result<EventErrors, Error> {
+fn moving(model: &ForcedOscillator, event: &Event) -> Result<EventErrors, ReportError> {
     let rest = event.x1 - model.support(event.t);
     EventErrors::measure(
         "release with the distance as variable to",
@@ -148,10 +150,11 @@ fn listing(
     defects: Defects,
     model: &ForcedOscillator,
     event: &Event,
-) -> Result<EventErrors, AccuracyError> {
-    let defects = Defects {
-        start_up_test: false,
-        ..defects
+) -> Result<EventErrors, ReportError> {
+    let defects = if defects.has(Defect::StartUpTest) {
+        defects.flipped(Defect::StartUpTest)
+    } else {
+        defects
     };
     EventErrors::measure(method, event.to, |h, part| {
         let t0 = event.t - part * h;
@@ -169,11 +172,8 @@ fn listing(
             end: 4.0 * h,
         })?;
         let exit = outcome.phases.first().map(|phase| phase.exit.t);
-        let found = exit.ok_or(Error::NotFound {
-            what: "the end of a stick phase of the listing",
-            t: t0,
-            span: 4.0 * h,
-        })?;
+        let what = "the end of a stick phase of the listing";
+        let found = exit.ok_or_else(|| missing(what, t0, 4.0 * h))?;
         Ok((found - event.t).abs())
     })
 }
@@ -196,11 +196,8 @@ fn on_belt(model: &BeltOscillator) -> Result<Event, Error> {
             }
         }
     }
-    found.map(|(_, event)| event).ok_or(Error::NotFound {
-        what: "a release from stick",
-        t: 0.0,
-        span: RIDE,
-    })
+    let found = found.map(|(_, event)| event);
+    found.ok_or_else(|| missing("a release from stick", 0.0, RIDE))
 }
 
 /// The end, at the upper end of its zone, of the longest stick phase of model 2 from a row of starts: at a lower end the listing as
@@ -235,11 +232,9 @@ fn on_forced(model: &ForcedOscillator) -> Result<Event, Error> {
             }
         }
     }
-    longest.map(|(_, event)| event).ok_or(Error::NotFound {
-        what: "a long stick phase that ends at an upper end",
-        t: 0.0,
-        span,
-    })
+    let what = "a long stick phase that ends at an upper end";
+    let longest = longest.map(|(_, event)| event);
+    longest.ok_or_else(|| missing(what, 0.0, span))
 }
 
 impl Release {

@@ -3,15 +3,16 @@
 use maud::{Markup, html};
 
 use super::super::correction::Correction;
-use super::super::entry::Entry;
+use super::super::digits::{decimals, minus};
 use super::super::finding::Finding;
-use super::super::ledger::Ledger;
-use super::super::readme::{decimals, minus, shown};
+use super::super::ledger::{Entry, Ledger};
+use super::super::readme::shown;
 use super::super::remark::Remark;
 use super::super::verdict::Verdict;
 use super::heading;
 use crate::paper::published::Kind;
 use crate::paper::reading::{Reading, Role};
+use crate::text::joined;
 
 /// How many claims have each verdict, and what the word means.
 pub(super) fn counts(ledger: &Ledger) -> Markup {
@@ -116,8 +117,7 @@ fn row(ledger: &Ledger, place: usize, entry: &Entry) -> Markup {
 
 /// Short names of corrections.
 fn labels(corrections: &[Correction]) -> String {
-    let labels: Vec<String> = corrections.iter().map(|one| one.label()).collect();
-    labels.join(", ")
+    joined(corrections.iter().map(|one| one.label()), ", ")
 }
 
 /// One finding of each reading that can decide, each different value once.
@@ -178,16 +178,9 @@ fn key(verdict: Verdict) -> &'static str {
 
 /// What is remarked of an exponent beside the verdict.
 fn remarked(remark: &Remark) -> String {
-    let sign = format!(
-        "sign: {}{}",
-        remark.sign,
-        if remark.sign_agrees() {
-            ", as published"
-        } else {
-            ", not as published"
-        }
-    );
-    format!("{sign}; {}", remark.sentence())
+    let not = if remark.sign_agrees() { "" } else { "not " };
+    let (sign, sentence) = (remark.sign, remark.sentence());
+    format!("sign: {sign}, {not}as published; {sentence}")
 }
 
 /// A reading's values and, in brackets, what they are worth.

@@ -95,7 +95,7 @@ pub(super) fn methods(ledger: &Ledger) -> Markup {
                 "Eqs. (25)–(26) (Sano & Sawada 1985) by QR and singular values, never by the normal equations. Data on a curve or a torus "
                 "determine only as many exponents as it has dimensions; any beyond is marked unidentified, with its value in brackets. "
                 "The paper states neither radius nor step nor counts of neighbours: the table of claims tells how far an exponent moves "
-                "over the settings that a reader could have chosen. These estimates come from the committed search: " (ledger.spread.source()) "."
+                "over the settings that a reader could have chosen. These estimates come from the committed search: " (ledger.spread.search.cited()) "."
             }
             p {
                 b { "Digits. " }

@@ -1,6 +1,32 @@
-//! Text between two marks in a file that is otherwise written by hand.
+//! Text that several programs write.
 
-/// The lines that a generated part stands between.
+use std::fmt::Display;
+
+/// The items one after the other with `between` between them.
+pub(crate) fn joined<T: Display>(items: impl IntoIterator<Item = T>, between: &str) -> String {
+    let items = items.into_iter().map(|item| item.to_string());
+    items.collect::<Vec<String>>().join(between)
+}
+
+/// Records as CSV.
+///
+/// # Errors
+/// [`csv::Error`] of records that differ in their number of fields.
+pub(crate) fn csv<R, F>(records: impl IntoIterator<Item = R>) -> Result<String, csv::Error>
+where
+    R: IntoIterator<Item = F>,
+    F: AsRef<[u8]>,
+{
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for record in records {
+        writer.write_record(record)?;
+    }
+    let bytes = writer.into_inner().map_err(|error| error.into_error())?;
+    Ok(String::from_utf8_lossy(&bytes).into_owned())
+}
+
+/// The lines that a generated part stands between in a file that is otherwise written by hand.
+#[cfg(feature = "report")]
 #[derive(Clone, Copy, Debug)]
 pub struct Marks {
     /// The line before it, with its end.
@@ -9,6 +35,7 @@ pub struct Marks {
     pub end: &'static str,
 }
 
+#[cfg(feature = "report")]
 impl Marks {
     /// `text` with `part` between the marks; nothing if it does not have them.
     pub fn put(self, text: &str, part: &str) -> Option<String> {
@@ -19,7 +46,7 @@ impl Marks {
     }
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "report"))]
 mod tests {
     use super::*;
 
