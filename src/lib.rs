@@ -1,7 +1,5 @@
 //! The replication of one paper with the library [`stickslip`]: its figures, its claims, its readings.
 
-#[cfg(feature = "report")]
-mod correlation;
 pub mod figures;
 mod numbers;
 pub mod paper;

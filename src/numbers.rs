@@ -25,6 +25,7 @@ pub(crate) fn extent(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
 }
 
 /// The largest of some numbers that are not negative; 0 of none.
+#[cfg(feature = "report")]
 pub(crate) fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
     values.into_iter().fold(0.0, f64::max)
 }

@@ -8,6 +8,18 @@ pub(crate) fn joined<T: Display>(items: impl IntoIterator<Item = T>, between: &s
     items.collect::<Vec<String>>().join(between)
 }
 
+/// Each of the items once, in the order of their first places.
+#[cfg(feature = "report")]
+pub(crate) fn distinct<T: PartialEq>(items: impl IntoIterator<Item = T>) -> Vec<T> {
+    let mut all = Vec::new();
+    for item in items {
+        if !all.contains(&item) {
+            all.push(item);
+        }
+    }
+    all
+}
+
 /// Records as CSV.
 ///
 /// # Errors

@@ -5,8 +5,8 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory, FromArgMatches, Parser};
 
+use super::FigureError;
 use super::FigureSpec;
-use super::error::FigureError;
 use super::output::{self, Artifact};
 use super::rows;
 use crate::paper::published::Claims;

@@ -1,8 +1,8 @@
 //! Fig. 6: the friction law of Eq. (2).
 
 use super::FigureSpec;
-use super::error::FigureError;
 use super::rows::Row;
+use super::{FigureError, pair};
 use crate::paper::claim_id::ClaimId;
 use crate::paper::reading::Reading;
 use plot::{
@@ -127,7 +127,7 @@ impl FigureSpec for Fig06 {
              falls as the speed grows. Panel a: δ = 1 and three values of μ0; larger μ0 stretches the curve. \
              Panel b: μ0 = √3/9 and δ = 0.5, 1, 3; larger δ makes it fall faster. Bold: the paper's parameters.",
         )
-        .columns(1.0, vec![(1.0, a.into()), (1.0, b.into())])
+        .columns(1.0, pair(a, b))
         .render()
         .map_err(Into::into)
     }

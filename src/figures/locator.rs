@@ -5,8 +5,8 @@
 use crate::numbers::bisect;
 use std::f64::consts::PI;
 
+use super::FigureError;
 use super::FigureSpec;
-use super::error::FigureError;
 use super::rows::Row;
 use crate::paper::reading::Reading;
 use plot::{

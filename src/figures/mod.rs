@@ -2,7 +2,6 @@
 
 pub mod block_and_bracket;
 pub mod cli;
-mod error;
 pub mod fig04;
 pub mod fig06;
 pub mod fig07;
@@ -12,8 +11,9 @@ pub mod locator;
 pub mod output;
 pub mod rows;
 
-pub use error::FigureError;
+pub use output::FigureError;
 
+use plot::{Axis, Cell, Dash, GREY, Guide, Panel};
 use rows::Row;
 use stickslip::orbit::Orbit;
 
@@ -78,4 +78,22 @@ fn curve3<const N: usize>(orbit: &Orbit<N>) -> Vec<(f64, f64, f64)> {
 /// The orbit in the plane of its first two components.
 fn phase_plane<const N: usize>(orbit: &Orbit<N>) -> Vec<(f64, f64)> {
     points(orbit, |_, x| (x[0], x[1]))
+}
+
+/// Σ in a phase plane: the belt's speed.
+fn belt_line(speed: f64) -> Guide {
+    let line = Guide::horizontal(speed).color(GREY).width(0.7);
+    line.dash(Dash::Dashed)
+}
+
+/// An axis with ticks whose texts are made at run time.
+pub(crate) fn with_ticks(axis: Axis, ticks: impl IntoIterator<Item = (f64, String)>) -> Axis {
+    let ticks: Vec<(f64, String)> = ticks.into_iter().collect();
+    let ticks = ticks.iter().map(|(at, text)| (*at, text.as_str()));
+    axis.ticks(&ticks.collect::<Vec<_>>())
+}
+
+/// Two panels side by side, of one width.
+pub(crate) fn pair(left: Panel, right: Panel) -> Vec<(f64, Cell)> {
+    vec![(1.0, left.into()), (1.0, right.into())]
 }

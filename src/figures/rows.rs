@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::error::FigureError;
+use super::FigureError;
 use crate::paper::claim_id::ClaimId;
 use crate::paper::published::Claims;
 use crate::paper::reading::Reading;

@@ -1,6 +1,6 @@
 //! What is measured of Fig. 8's motion: one definition for the listing, for its limit and for the exact solution.
 
-use super::listing::{Direction, Instant, Motion, Run};
+use super::listing::{Crossing, Direction, Instant, Motion, Run};
 use stickslip::filippov::Phase;
 use stickslip::system::{Mode, Side};
 
@@ -40,15 +40,6 @@ impl Stick {
     }
 }
 
-/// A passage through Σ without stick. The ends of stick phases are none.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Crossing {
-    /// Where.
-    pub at: Instant,
-    /// Which way.
-    pub direction: Direction,
-}
-
 /// A settled motion by what it does on Σ.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pattern {
@@ -82,10 +73,7 @@ impl Pattern {
             _ => Vec::new(),
         };
         let crossings = run.crossings.iter().filter(|one| !one.after_exit);
-        let crossings = crossings.map(|one| Crossing {
-            at: one.at,
-            direction: one.direction,
-        });
+        let crossings = crossings.copied();
         Events::new(sticks, crossings.collect(), run.forcing_period).pattern(period)
     }
 
@@ -116,7 +104,11 @@ impl Pattern {
                 t: pair[1].t_start,
                 x1: pair[1].x_start[0],
             };
-            Some(Crossing { at, direction })
+            Some(Crossing {
+                at,
+                direction,
+                after_exit: false,
+            })
         });
         let events = Events::new(sticks.collect(), crossings.collect(), forcing_period);
         let period = (1..=LONGEST).find(|&period| events.repeat_after(period))?;

@@ -3,7 +3,6 @@
 //! `data/claims.csv` has one row for each: values, sets of exact values, curves and statements. Only the
 //! first two can be compared with a number; the rest is there so that a report can name it.
 
-use std::str::FromStr;
 use std::sync::LazyLock;
 
 use super::claim_id::ClaimId;
@@ -29,18 +28,24 @@ pub enum Kind {
     Identity,
 }
 
-impl FromStr for Kind {
-    type Err = ();
+impl Kind {
+    const NAMED: [(&'static str, Kind); 5] = [
+        ("value", Kind::Value),
+        ("set", Kind::Set),
+        ("curve", Kind::Curve),
+        ("statement", Kind::Statement),
+        ("identity", Kind::Identity),
+    ];
 
-    fn from_str(text: &str) -> Result<Self, ()> {
-        match text {
-            "value" => Ok(Kind::Value),
-            "set" => Ok(Kind::Set),
-            "curve" => Ok(Kind::Curve),
-            "statement" => Ok(Kind::Statement),
-            "identity" => Ok(Kind::Identity),
-            _ => Err(()),
-        }
+    /// Its name in tables.
+    pub fn name(self) -> &'static str {
+        let known = Kind::NAMED.iter().find(|(_, kind)| *kind == self);
+        known.map_or("", |(name, _)| name)
+    }
+
+    fn named(name: &str) -> Option<Kind> {
+        let known = Kind::NAMED.iter().find(|(known, _)| *known == name);
+        known.map(|(_, kind)| *kind)
     }
 }
 
@@ -55,20 +60,16 @@ pub enum Digits {
     None,
 }
 
-impl FromStr for Digits {
-    type Err = ();
-
-    fn from_str(text: &str) -> Result<Self, ()> {
+impl Digits {
+    /// As the table has them.
+    fn named(text: &str) -> Option<Digits> {
         match text {
-            "" => Ok(Digits::None),
-            "exact" => Ok(Digits::Exact),
-            // f64 has no more than 17 that mean anything.
-            _ => text
-                .parse()
-                .ok()
-                .filter(|&n| n <= 17)
-                .map(Digits::Decimals)
-                .ok_or(()),
+            "" => Some(Digits::None),
+            "exact" => Some(Digits::Exact),
+            _ => {
+                let decimals = text.parse().ok().filter(|&n| n <= 17);
+                decimals.map(Digits::Decimals)
+            }
         }
     }
 }
@@ -134,8 +135,7 @@ impl Claim {
             allowed,
         };
         let allowed = "a number of decimals up to 17, `exact` or empty";
-        let digits_of = digits.parse();
-        let digits_of = digits_of.map_err(|()| wrong("digits", digits, allowed))?;
+        let digits_of = Digits::named(digits).ok_or_else(|| wrong("digits", digits, allowed))?;
         let values = match digits_of {
             Digits::None => Vec::new(),
             Digits::Decimals(_) | Digits::Exact => published
@@ -144,14 +144,13 @@ impl Claim {
                 .collect::<Result<_, _>>()
                 .map_err(|_| wrong("published", published, "numbers with `;` between them"))?,
         };
+        let kinds = "value, set, curve, statement or identity";
         let claim = Claim {
             id: ClaimId::named(id).ok_or_else(|| PublishedError::Unknown {
                 name: (*id).to_owned(),
             })?,
             place: (*place).to_owned(),
-            kind: kind
-                .parse()
-                .map_err(|()| wrong("kind", kind, "value, set, curve, statement or identity"))?,
+            kind: Kind::named(kind).ok_or_else(|| wrong("kind", kind, kinds))?,
             published: (*published).to_owned(),
             digits: digits_of,
             unit: (*unit).to_owned(),

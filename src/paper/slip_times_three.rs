@@ -8,6 +8,7 @@
 
 use std::ops::ControlFlow;
 
+use crate::numbers::missing;
 use crate::paper::listing::Params;
 use crate::paper::pattern::Pattern;
 use stickslip::error::Error;
@@ -92,11 +93,8 @@ pub fn settled(injected: Injected) -> Result<Pattern, Error> {
     let start = State::from([Params::default().x1, model.belt_speed]);
     let options = Options::tol(TOLERANCE).escape(ESCAPE);
     let phases = run(injected, &model, &zones, start, END, &options)?;
-    Pattern::of_phases(&phases, END, model.period()).ok_or(Error::NotFound {
-        what: "a motion that repeats",
-        t: 0.0,
-        span: END,
-    })
+    let pattern = Pattern::of_phases(&phases, END, model.period());
+    pattern.ok_or_else(|| missing("a motion that repeats", 0.0, END))
 }
 
 /// Runs the forced oscillator with what is `injected`, from `(0, x0)` on Σ in a stick phase to `t_end`, and returns its phases in order
@@ -199,8 +197,7 @@ fn upper_exit(
         .iter()
         .find(|(lower, upper)| z >= lower - slack && z <= upper + slack);
     let Some(&(_, upper)) = zone else {
-        let what = "a stick zone that holds the body";
-        return Err(Error::NotFound { what, t, span: 0.0 });
+        return Err(missing("a stick zone that holds the body", t, 0.0));
     };
     let room = |later: f64| upper + model.support(t + later) - x[0] - model.belt_speed * later;
     // The zone's end returns with every forcing period, the belt goes on: half a period at a time the search is short.
@@ -215,10 +212,6 @@ fn upper_exit(
             return Ok((t + later, at));
         }
     }
-    let what = "the upper end of the stick zone";
-    Err(Error::NotFound {
-        what,
-        t,
-        span: f64::from(most) * window,
-    })
+    let span = f64::from(most) * window;
+    Err(missing("the upper end of the stick zone", t, span))
 }

@@ -6,12 +6,11 @@ use std::process::{Command, Stdio};
 use std::time::Instant;
 
 use super::child::{Answer, Peers};
+use super::compare::most_accurate;
 use super::error::PeersError;
-use super::event::{Event, error};
-use super::problem::Problem;
-use super::reference::reference;
+use super::event::{Event, error, reference};
+use super::problem::{Problem, SOLVERS, Solver};
 use super::row::{Row, median};
-use super::solvers::{SOLVERS, Solver};
 
 /// A sample is the mean over as many calls as take this long (s).
 const BATCH: f64 = 5e-3;
@@ -178,47 +177,32 @@ pub struct Programs<'a> {
 /// [`PeersError::Start`], [`PeersError::Process`].
 pub fn processes(
     rows: &mut [Row],
+    named: impl Fn(&Row) -> bool,
     rounds: usize,
     programs: &Programs<'_>,
 ) -> Result<(), PeersError> {
-    let mut best: Vec<usize> = Vec::new();
-    for (i, row) in rows.iter().enumerate() {
-        let Some(error) = row.error else { continue };
-        let same = |&j: &usize| rows[j].solver == row.solver && rows[j].problem == row.problem;
-        match best.iter().position(same) {
-            Some(place) if rows[best[place]].error.is_some_and(|least| error < least) => {
-                best[place] = i
-            }
-            Some(_) => {}
-            None => best.push(i),
-        }
-    }
+    let mut best = most_accurate(rows);
+    best.retain(|&i| named(&rows[i]) && rows[i].error.is_some());
     let mut samples = vec![Vec::new(); best.len()];
     for _ in 0..rounds {
         for (samples, &i) in samples.iter_mut().zip(&best) {
             let row = &rows[i];
             let ours = SOLVERS.iter().any(|solver| solver.name == row.solver);
             let mut command = match (ours, programs.theirs) {
-                (true, _) => {
-                    let mut command = Command::new(programs.ours);
-                    command.arg("one");
-                    command
-                }
-                (false, Some((python, scripts, problems))) => {
-                    let mut command = Command::new(python);
-                    command.arg(scripts.join("one.py")).arg(problems);
-                    command
-                }
+                (true, _) => Command::new(programs.ours),
+                (false, Some((python, ..))) => Command::new(python),
                 (false, None) => continue,
             };
+            match (ours, programs.theirs) {
+                (false, Some((_, scripts, problems))) => command
+                    .arg(scripts.join("one.py"))
+                    .arg(problems)
+                    .args(["--setting", &row.setting]),
+                _ => command.arg("one"),
+            };
+            let tolerance = row.tolerance.unwrap_or_default().to_string();
             command.args(["--problem", row.problem, "--solver", &row.solver]);
-            if !ours {
-                command.args(["--setting", &row.setting]);
-            }
-            command.args([
-                "--tolerance",
-                &row.tolerance.unwrap_or_default().to_string(),
-            ]);
+            command.args(["--tolerance", &tolerance]);
             samples.push(whole(&mut command)?);
         }
     }

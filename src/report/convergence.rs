@@ -3,8 +3,8 @@
 use rayon::prelude::*;
 use stickslip::statistics::PowerLaw;
 
+use super::ReportError;
 use super::digits::Agreement;
-use super::error::ReportError;
 use super::matrix::{Cell, four_claims, four_digits};
 use crate::numbers::{extent, largest};
 use crate::paper::listing::Defects;

@@ -1,7 +1,7 @@
 //! The picture of the listing's approach to its limit.
 
 use super::convergence::{Convergence, PRINTED_STEP, REACH};
-use crate::figures::FigureError;
+use crate::figures::{FigureError, pair, with_ticks};
 use crate::text::joined;
 use plot::*;
 use stickslip::math;
@@ -39,13 +39,7 @@ pub fn draw(data: &Convergence, published: [f64; 4]) -> Result<String, FigureErr
         "The listing as printed for smaller and smaller steps",
         &description(data),
     )
-    .columns(
-        1.0,
-        vec![
-            (1.0, approach(data).into()),
-            (1.0, around(data, published).into()),
-        ],
-    )
+    .columns(1.0, pair(approach(data), around(data, published)))
     .render()
     .map_err(Into::into)
 }
@@ -56,17 +50,16 @@ fn log((h, error): (f64, f64)) -> (f64, f64) {
 }
 
 fn approach(data: &Convergence) -> Panel {
-    let powers = |from: i32, to: i32| -> Vec<(f64, String)> {
-        (from..=to)
-            .map(|k| (f64::from(k), format!("10^{{{}}}", number(f64::from(k), 0))))
-            .collect()
+    let powers = |from: i32, to: i32| {
+        let power = |k: i32| (f64::from(k), format!("10^{{{}}}", number(f64::from(k), 0)));
+        (from..=to).map(power)
     };
-    let (steps, errors) = (powers(-6, -3), powers(-7, -2));
-    let steps: Vec<(f64, &str)> = steps.iter().map(|(v, t)| (*v, t.as_str())).collect();
-    let errors: Vec<(f64, &str)> = errors.iter().map(|(v, t)| (*v, t.as_str())).collect();
     let mut panel = Panel::new(
-        Axis::new("step *h*, s", -6.15, -2.85).ticks(&steps),
-        Axis::new("distance from the limit", -7.0, -2.0).ticks(&errors),
+        with_ticks(Axis::new("step *h*, s", -6.15, -2.85), powers(-6, -3)),
+        with_ticks(
+            Axis::new("distance from the limit", -7.0, -2.0),
+            powers(-7, -2),
+        ),
     )
     .label("(a)")
     .title("as printed, *h* → 0")

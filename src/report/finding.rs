@@ -28,27 +28,6 @@ pub struct Finding {
 }
 
 impl Finding {
-    /// A number held against a published one.
-    pub fn number(claim: &Claim, reading: Reading, value: f64) -> Self {
-        Finding {
-            values: vec![Value::Number(value)],
-            digits: agreement(claim, value),
-            agrees: claim.agrees(value),
-            ..Finding::new(reading)
-        }
-    }
-
-    /// A set: it agrees when every member found is published and every published one found.
-    pub fn set(claim: &Claim, reading: Reading, values: &[f64]) -> Self {
-        let members = values.iter();
-        let members = members.map(|value| Finding::number(claim, reading, *value));
-        let mut found = members
-            .reduce(Finding::and)
-            .unwrap_or_else(|| Finding::new(reading));
-        found.agrees &= found.has_every_member(claim);
-        found
-    }
-
     /// A statement, judged by its parts.
     pub fn statement(reading: Reading, parts: impl IntoIterator<Item = Part>) -> Self {
         let parts: Vec<Part> = parts.into_iter().collect();
@@ -232,8 +211,11 @@ mod tests {
         let text = include_str!("../../data/claims.csv");
         let changed = Claims::parse(&text.replace("value,0.4697,4", "value,0.4698,4")).unwrap();
         let id = ClaimId::Fig08StickLength1;
-        let agrees =
-            |claims: &Claims| Finding::number(claims.of(id), Reading::AsPrinted, 0.469695).agrees;
+        let row = Row::number(id, Reading::AsPrinted, 0.469695, "m");
+        let agrees = |claims: &Claims| {
+            let rows = std::slice::from_ref(&row);
+            Finding::of_rows(claims, claims.of(id), "test", rows)[0].agrees
+        };
         assert!(agrees(Claims::committed().unwrap()) && !agrees(&changed));
     }
 }

@@ -1,22 +1,22 @@
 //! The ledger: every claim of the paper, what the readings give for it, and what that comes to.
 
+use super::ReportError;
 use super::accuracy::Accuracy;
-use super::cause::Cause;
+use super::cause::{Cause, Injection};
 use super::convergence::{self, Convergence};
 use super::correction::Correction;
 use super::digits::Agreement;
 use super::errata::{Erratum, errata};
-use super::error::ReportError;
 use super::evidence::Statements;
 use super::figures::{self, Computed, signs};
 use super::finding::Finding;
-use super::injection::Injection;
 use super::matrix::{Matrix, SUBSETS};
 use super::remark::Remark;
 use super::scan::{self, Scan};
 use super::spread::{self, Spread};
 use super::verdict::Verdict;
 use crate::figures::fig08::{FOLLOWED, REACH, Shares};
+use crate::figures::rows::Row;
 use crate::numbers::extent;
 use crate::paper::claim_id::{ClaimId, SpectrumFigure};
 use crate::paper::published::{Claim, Claims, Digits};
@@ -180,8 +180,8 @@ impl Ledger {
             ClaimId::S3ReleaseAccuracy => self.accuracy.release_findings(),
             ClaimId::S3ArrivalAccuracy => self.accuracy.arrival_findings(),
             ClaimId::Eq24TangentPoints => {
-                let ends = &self.statements.at_rest;
-                vec![Finding::set(claim, Reading::Exact, ends)]
+                let rows = Row::members(id, Reading::Exact, &self.statements.at_rest, "m");
+                Finding::of_rows(claims, claim, "report", &rows)
             }
             _ => self.statements.of(id).to_vec(),
         });

@@ -2,8 +2,8 @@
 
 use rayon::prelude::*;
 
+use super::ReportError;
 use super::digits::{Agreement, agreement};
-use super::error::ReportError;
 use crate::paper::claim_id::ClaimId;
 use crate::paper::listing::{Defect, Defects, Motion, Setup, run};
 use crate::paper::published::{Claim, Claims, PublishedError};

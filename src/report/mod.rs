@@ -2,7 +2,7 @@
 //!
 //! [`ledger::Ledger::compute`] makes all of it; everything else here is a part of that: what readings give for a claim ([`finding`]) and what
 //! that comes to ([`verdict`]), evidence for statements ([`evidence`], [`accuracy`]), the cause of Fig. 8's numbers ([`cause`], [`matrix`],
-//! [`convergence`], [`injection`]), the search for what Fig. 8 shows in the stated model ([`scan`]), the estimator's spread in Figs. 10–12
+//! [`convergence`],), the search for what Fig. 8 shows in the stated model ([`scan`]), the estimator's spread in Figs. 10–12
 //! ([`spread`]) and the misprints ([`errata`]). [`page`] and [`readme`] show it.
 
 pub mod accuracy;
@@ -14,11 +14,9 @@ pub mod digits;
 mod draw_convergence;
 mod draw_scan;
 pub mod errata;
-mod error;
 pub mod evidence;
 pub mod figures;
 pub mod finding;
-pub mod injection;
 pub mod ledger;
 pub mod matrix;
 pub mod page;
@@ -30,4 +28,50 @@ pub mod spread;
 pub mod tables;
 pub mod verdict;
 
-pub use error::ReportError;
+use crate::figures::FigureError;
+use crate::paper::listing::ListingError;
+use crate::paper::published::PublishedError;
+use crate::readings::ReadingsError;
+use crate::terminal::ProgramError;
+use stickslip::error::Error;
+use stickslip::filippov::Failure;
+use stickslip::orbit::Orbit;
+
+/// What failed on the way to the report.
+#[derive(Debug, thiserror::Error)]
+pub enum ReportError {
+    /// A figure, or a file that could not be written.
+    #[error(transparent)]
+    Figure(#[from] FigureError),
+    /// The solver.
+    #[error("cannot make the ledger: {0}")]
+    Solver(#[from] Error),
+    /// The listing cannot run.
+    #[error("cannot make the ledger: {0}")]
+    Listing(#[from] ListingError),
+    /// The table of claims is not sound.
+    #[error("cannot make the ledger: {0}")]
+    Published(#[from] PublishedError),
+    /// The committed search over readings is not whole.
+    #[error("cannot make the ledger: {0}")]
+    Readings(#[from] ReadingsError),
+}
+
+impl ProgramError for ReportError {}
+
+impl<R> From<Failure<R>> for ReportError {
+    fn from(failure: Failure<R>) -> ReportError {
+        ReportError::Solver(failure.error)
+    }
+}
+
+/// An orbit as far as it goes, and whether it escapes.
+fn reached(outcome: Result<Orbit<2>, Failure<Orbit<2>>>) -> Result<(Orbit<2>, bool), Error> {
+    match outcome {
+        Ok(orbit) => Ok((orbit, false)),
+        Err(failure) if matches!(failure.error, Error::Escaped { .. }) => {
+            Ok((*failure.reached, true))
+        }
+        Err(failure) => Err(failure.into()),
+    }
+}

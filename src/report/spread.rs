@@ -3,7 +3,7 @@
 
 use rayon::prelude::*;
 
-use super::error::ReportError;
+use super::ReportError;
 use crate::figures::FigureError;
 use crate::figures::block_and_bracket::{BlockAndBracketFigure, Fig10, Set, compute};
 use crate::readings::{Committed, Integrator, Match};

@@ -3,7 +3,7 @@
 use super::ledger::{Entry, Ledger};
 use super::scan::Class;
 use crate::paper::claim_id::ClaimId;
-use crate::paper::published::{Digits, Kind};
+use crate::paper::published::Digits;
 use crate::paper::reading::Reading;
 use crate::text::{csv, joined};
 
@@ -31,13 +31,6 @@ pub fn claims(ledger: &Ledger) -> Result<String, csv::Error> {
 
 fn claim(ledger: &Ledger, entry: &Entry) -> Vec<String> {
     let claim = &entry.claim;
-    let kind = match claim.kind {
-        Kind::Value => "value",
-        Kind::Set => "set",
-        Kind::Curve => "curve",
-        Kind::Statement => "statement",
-        Kind::Identity => "identity",
-    };
     let digits = match claim.digits {
         Digits::Decimals(decimals) => decimals.to_string(),
         Digits::Exact => "exact".into(),
@@ -53,7 +46,7 @@ fn claim(ledger: &Ledger, entry: &Entry) -> Vec<String> {
         claim.id.to_string(),
         claim.place.clone(),
         claim.what.clone(),
-        kind.into(),
+        claim.kind.name().into(),
         claim.published.clone(),
         digits,
         claim.unit.clone(),

@@ -2,7 +2,7 @@
 
 use super::Set;
 use super::watch::Watch;
-use crate::figures::error::FigureError;
+use crate::figures::FigureError;
 use stickslip::analysis::data_spectrum::{
     DataSettings, DataSpectrum, Neighbourhood, data_spectrum_of_rows,
 };
@@ -172,7 +172,7 @@ fn measure(
         spectrum,
     };
     let watched = Watched {
-        series: watch.series,
+        series: watch.samples.states,
         section: watch.turns.points,
         curve: watch.curve,
     };

@@ -16,8 +16,8 @@ use draw::draw;
 pub use numbers::DIVERGES;
 use numbers::numbers;
 
+use super::FigureError;
 use super::FigureSpec;
-use super::error::FigureError;
 use super::rows::Row;
 use crate::paper::claim_id::SpectrumFigure;
 use stickslip::models::Caption;

@@ -6,8 +6,8 @@ mod numbers;
 
 pub use compute::{Cycle, Data, Tangent};
 
+use super::FigureError;
 use super::FigureSpec;
-use super::error::FigureError;
 use super::rows::Row;
 
 /// Fig. 4.

@@ -6,8 +6,8 @@ mod numbers;
 use crate::numbers::bisect;
 use std::f64::consts::PI;
 
+use super::FigureError;
 use super::FigureSpec;
-use super::error::FigureError;
 use super::rows::Row;
 use stickslip::error::Error;
 use stickslip::math;

@@ -6,8 +6,8 @@ mod numbers;
 
 pub use compute::{AsPrinted, Data, Exact, FOLLOWED, REACH, Shares};
 
+use super::FigureError;
 use super::FigureSpec;
-use super::error::FigureError;
 use super::rows::Row;
 
 /// Fig. 8.

@@ -38,14 +38,12 @@ mod record;
 mod regime;
 mod stages;
 mod step;
-mod zones;
 
 pub use defects::{Defect, Defects};
 pub use error::ListingError;
 pub use params::{Params, Setup};
-pub use record::{Crossing, Direction, Instant, Mode, Run, Sample, StickPhase};
+pub use record::{Crossing, Direction, End, Instant, Mode, Run, Sample, StickPhase, Zone};
 pub use regime::Motion;
-pub use zones::{End, Zone};
 
 use record::Recorder;
 use step::Machine;

@@ -1,7 +1,7 @@
 //! One pass of the listing's loop (lines 28–79).
 
+use super::record::ends;
 use super::stages::{Field, State, TimeStep, VelocityStep};
-use super::zones::ends;
 use super::{Defect, Direction, End, Instant, Mode, Motion, Sample, Setup, Zone};
 
 /// A body further out than this many times the outermost tangent point has left for good: the spring pushes

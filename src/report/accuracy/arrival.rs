@@ -4,7 +4,7 @@ use super::TOLERANCE;
 use super::errors::EventErrors;
 use crate::numbers::missing;
 use crate::paper::listing::{Defects, Params, Run, Setup, run};
-use crate::report::error::ReportError;
+use crate::report::ReportError;
 use stickslip::filippov::{Locator, Method, Options, TransitionKind, solve};
 use stickslip::models::ForcedOscillator;
 use stickslip::ode::{Rk4, Timed, henon_step};

@@ -1,7 +1,7 @@
 //! Errors of the time of one event over the step, and what they come to.
 
+use crate::report::ReportError;
 use crate::report::convergence::PRINTED_STEP;
-use crate::report::error::ReportError;
 use stickslip::statistics::PowerLaw;
 use stickslip::system::Side;
 
@@ -90,10 +90,7 @@ mod tests {
     use super::*;
 
     fn of(error: impl Fn(f64, f64) -> f64) -> EventErrors {
-        EventErrors::measure("a test", Side::Below, |h, part| {
-            Ok(error(h, part))
-        })
-        .unwrap()
+        EventErrors::measure("a test", Side::Below, |h, part| Ok(error(h, part))).unwrap()
     }
 
     #[test]

@@ -10,7 +10,7 @@ pub use release::{Release, Releases};
 
 use arrival::Arrival;
 
-use super::error::ReportError;
+use super::ReportError;
 use super::finding::Finding;
 use crate::paper::listing::{Defect, Defects};
 use crate::paper::reading::Reading;

@@ -4,7 +4,7 @@ use super::TOLERANCE;
 use super::errors::{EventErrors, STEPS};
 use crate::numbers::missing;
 use crate::paper::listing::{Defect, Defects, Params, Setup, run};
-use crate::report::error::ReportError;
+use crate::report::{ReportError, reached};
 use stickslip::error::Error;
 use stickslip::filippov::{Options, TransitionKind, solve};
 use stickslip::models::{BeltOscillator, ForcedOscillator};
@@ -208,11 +208,8 @@ fn on_forced(model: &ForcedOscillator) -> Result<Event, Error> {
     let mut longest: Option<(f64, Event)> = None;
     for x1 in STARTS {
         let options = Options::tol(TOLERANCE).escape(ESCAPE);
-        let orbit = match solve(model, 0.0, State::from([x1, 0.0]), span, &options) {
-            Ok(orbit) => orbit,
-            Err(failure) if matches!(failure.error, Error::Escaped { .. }) => *failure.reached,
-            Err(failure) => return Err(failure.into()),
-        };
+        let start = State::from([x1, 0.0]);
+        let (orbit, _) = reached(solve(model, 0.0, start, span, &options))?;
         for at in &orbit.transitions {
             let (TransitionKind::StickExit, Mode::Slip(to)) = (at.kind, at.to) else {
                 continue;

@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 use rayon::prelude::*;
 
 use super::{Erratum, Shown, count, erratum, number, word};
-use crate::report::error::ReportError;
+use crate::report::ReportError;
 use crate::turns::Turns;
 use stickslip::analysis::motion::{Class, Criterion, Evidence, Of};
 use stickslip::error::Error;

@@ -2,7 +2,7 @@
 
 use super::{Erratum, Shown, count, erratum, number, word};
 use crate::paper::listing::{Defect, Defects, ListingError, Params, Setup, run};
-use crate::report::error::ReportError;
+use crate::report::ReportError;
 use crate::report::matrix::{Cell, Matrix};
 use stickslip::math;
 

@@ -6,8 +6,8 @@ mod listing;
 mod section_four;
 mod sections_two_three;
 
+use super::ReportError;
 use super::accuracy::Accuracy;
-use super::error::ReportError;
 use super::evidence::Statements;
 use super::matrix::Matrix;
 use crate::figures::rows::Value;

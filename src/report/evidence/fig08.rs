@@ -7,9 +7,9 @@ use crate::paper::listing::{self, Defects, Motion, Params, Run, Setup, run, run_
 use crate::paper::pattern::two_periodic;
 use crate::paper::published::{Claims, PublishedError};
 use crate::paper::reading::Reading::{AsPrinted, Exact};
+use crate::report::ReportError;
 use crate::report::digits::decimals;
 use crate::report::errata::{Erratum, count, erratum, number};
-use crate::report::error::ReportError;
 use crate::report::finding::Finding;
 use stickslip::analysis::{Destination, destination};
 use stickslip::error::Error;

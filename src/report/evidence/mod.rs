@@ -14,8 +14,8 @@ mod zones;
 
 pub use motions::{ByProcedure, Shape, Shapes};
 
+use super::ReportError;
 use super::errata::Erratum;
-use super::error::ReportError;
 use super::figures::Computed;
 use super::finding::Finding;
 use crate::paper::claim_id::ClaimId;

@@ -15,7 +15,7 @@ use crate::figures::block_and_bracket::{
 
 use crate::paper::reading::Reading::{Corrected, CorrectedEquations};
 use crate::readings::Verdict;
-use crate::report::error::ReportError;
+use crate::report::ReportError;
 use crate::report::finding::Finding;
 use crate::text::joined;
 use stickslip::analysis::motion::Class;

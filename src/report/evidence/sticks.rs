@@ -12,8 +12,8 @@ use crate::paper::published::{Claims, PublishedError};
 use crate::paper::reading::Reading::Exact;
 use crate::paper::slip_times_three::{Injected, settled};
 use crate::report::errata::{Erratum, count, erratum, number};
-use crate::report::error::ReportError;
 use crate::report::finding::Finding;
+use crate::report::{ReportError, reached};
 use stickslip::analysis::{Visibility, visibility};
 use stickslip::error::Error;
 use stickslip::filippov::{Options, TransitionKind, solve};
@@ -47,11 +47,8 @@ pub(super) fn starts() -> Vec<State<2>> {
 /// The orbit from `(t0, x)` over [`FOLLOWED`] forcing periods, as far as it goes before it escapes.
 pub(super) fn follow(model: &ForcedOscillator, t0: f64, x: State<2>) -> Result<Orbit<2>, Error> {
     let options = Options::tol(TOLERANCE).escape(ESCAPE);
-    match solve(model, t0, x, t0 + FOLLOWED * model.period(), &options) {
-        Ok(orbit) => Ok(orbit),
-        Err(failure) if matches!(failure.error, Error::Escaped { .. }) => Ok(*failure.reached),
-        Err(failure) => Err(failure.into()),
-    }
+    let outcome = solve(model, t0, x, t0 + FOLLOWED * model.period(), &options);
+    Ok(reached(outcome)?.0)
 }
 
 /// Time (s) and position (m).

@@ -46,7 +46,7 @@ pub(super) fn section(ledger: &Ledger) -> Markup {
                 label { input type="radio" name="verdict" id="all" checked; "all " (ledger.entries.len()) }
                 @for (verdict, count) in filters {
                     label {
-                        input type="radio" name="verdict" id={ "only-" (key(verdict)) };
+                        input type="radio" name="verdict" id={ "only-" (verdict.key()) };
                         (verdict) " " (count)
                     }
                 }
@@ -84,13 +84,13 @@ pub(super) fn section(ledger: &Ledger) -> Markup {
 
 /// A verdict as a word with a sign of its own shape and colour.
 pub(super) fn mark(verdict: Verdict) -> Markup {
-    html! { span class={ "mark " (key(verdict)) } { (verdict) } }
+    html! { span class={ "mark " (verdict.key()) } { (verdict) } }
 }
 
 fn row(ledger: &Ledger, place: usize, entry: &Entry) -> Markup {
     let claim = &entry.claim;
     html! {
-        tr class=(key(entry.verdict)) id={ "claim-" (claim.id) } {
+        tr class=(entry.verdict.key()) id={ "claim-" (claim.id) } {
             th scope="row" data-key=(place) {
                 (claim.what)
                 " " span.soft { (claim.place) " · " code { (claim.id) } }
@@ -162,19 +162,6 @@ fn published(entry: &Entry) -> String {
 
 /// A number with more characters is a closed form in full precision; of these a reader wants the first digits.
 const SHORT: usize = 8;
-
-/// Name of a verdict in the style sheet.
-fn key(verdict: Verdict) -> &'static str {
-    match verdict {
-        Verdict::Reproduced => "reproduced",
-        Verdict::WithCorrections => "corrected",
-        Verdict::AsPrintedOnly => "printed",
-        Verdict::InKind => "kind",
-        Verdict::NotReproduced => "missed",
-        Verdict::Undeterminable => "open",
-        Verdict::Identity => "identity",
-    }
-}
 
 /// What is remarked of an exponent beside the verdict.
 fn remarked(remark: &Remark) -> String {
