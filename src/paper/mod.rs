@@ -14,3 +14,4 @@ pub mod pattern;
 pub mod published;
 pub mod reading;
 pub mod slip_times_three;
+mod stages;

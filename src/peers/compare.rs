@@ -103,14 +103,9 @@ mod tests {
         Row {
             solver: solver.into(),
             problem: "decay",
-            setting: String::new(),
-            tolerance: None,
             error,
-            events: None,
             seconds: vec![seconds],
-            compile: None,
-            process: None,
-            note: String::new(),
+            ..Row::default()
         }
     }
 

@@ -41,8 +41,13 @@ pub fn problem(
     if let Some(peers) = &mut peers {
         for answer in peers.ask(&format!("prepare {}", problem.name))? {
             match answer {
-                Answer::Version { package, number } => versions.push((package, number)),
-                other => entries.extend(theirs(problem, &reference, other)),
+                Answer::Version(package, number) => versions.push((package, number)),
+                Answer::Curve(index, row, events) => {
+                    let row = judged(row, &events, &reference);
+                    entries.push((row, Timed::Theirs(index)));
+                }
+                Answer::Cannot(row) => entries.push((row, Timed::Nobody)),
+                Answer::Seconds(..) | Answer::Done => {}
             }
         }
     }
@@ -61,87 +66,50 @@ pub fn problem(
             }
         }
     }
-    Ok(entries.into_iter().map(|(row, _)| row).collect())
+    let named = |(row, _)| Row {
+        problem: problem.name,
+        ..row
+    };
+    Ok(entries.into_iter().map(named).collect())
 }
 
 fn ours(problem: &Problem, reference: &[Event]) -> Vec<(Row, Timed)> {
     let mut entries = Vec::new();
     for solver in SOLVERS {
         for &tolerance in solver.tolerances {
-            let mut row = empty(problem, solver.name, "rtol = atol");
-            row.tolerance = Some(tolerance);
+            let row = Row {
+                solver: solver.name.into(),
+                setting: "rtol = atol".into(),
+                tolerance: Some(tolerance),
+                // Compiled before it ever started.
+                compile: Some(0.0),
+                ..Row::default()
+            };
             let mut events = Vec::new();
             let solved = problem.solve(&solver.options(tolerance), &mut events);
-            let timed = match solved {
-                Ok(()) => {
-                    judge(&mut row, &events, reference);
-                    Timed::Ours(solver, tolerance)
-                }
+            entries.push(match solved {
+                Ok(()) => (
+                    judged(row, &events, reference),
+                    Timed::Ours(solver, tolerance),
+                ),
                 Err(error) => {
-                    row.note = format!("failed: {error}");
-                    Timed::Nobody
+                    let note = format!("failed: {error}");
+                    (Row { note, ..row }, Timed::Nobody)
                 }
-            };
-            // Compiled before it ever started.
-            row.compile = Some(0.0);
-            entries.push((row, timed));
+            });
         }
     }
     entries
 }
 
-fn theirs(problem: &Problem, reference: &[Event], answer: Answer) -> Option<(Row, Timed)> {
-    match answer {
-        Answer::Curve {
-            index,
-            solver,
-            setting,
-            tolerance,
-            compile,
-            events,
-        } => {
-            let mut row = empty(problem, &solver, &setting);
-            row.tolerance = Some(tolerance);
-            row.compile = Some(compile);
-            judge(&mut row, &events, reference);
-            Some((row, Timed::Theirs(index)))
-        }
-        Answer::Cannot {
-            solver,
-            setting,
-            tolerance,
-            reason,
-        } => {
-            let mut row = empty(problem, &solver, &setting);
-            row.tolerance = tolerance;
-            row.note = reason;
-            Some((row, Timed::Nobody))
-        }
-        Answer::Version { .. } | Answer::Seconds { .. } | Answer::Done => None,
-    }
-}
-
-fn empty(problem: &Problem, solver: &str, setting: &str) -> Row {
-    Row {
-        solver: solver.into(),
-        problem: problem.name,
-        setting: setting.into(),
-        tolerance: None,
-        error: None,
-        events: None,
-        seconds: Vec::new(),
-        compile: None,
-        process: None,
-        note: String::new(),
-    }
-}
-
-fn judge(row: &mut Row, events: &[Event], reference: &[Event]) {
+/// The row with its events held against the reference's.
+fn judged(mut row: Row, events: &[Event], reference: &[Event]) -> Row {
     row.events = Some(events.len());
     match error(events, reference) {
         Ok(error) => row.error = Some(error),
         Err(note) => row.note = note,
     }
+    row
 }
 
 /// Seconds per run of ours.

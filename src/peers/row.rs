@@ -8,7 +8,7 @@ use crate::text;
 use stickslip::statistics::middle_two;
 
 /// A row of report/bench.csv.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Row {
     /// Solver.
     pub solver: String,
@@ -167,12 +167,10 @@ mod tests {
             problem: "decay",
             setting: "a, b".into(),
             tolerance: Some(1e-9),
-            error: None,
             events: Some(3),
             seconds: vec![3e-6, 1e-6, 2e-6],
-            compile: None,
-            process: None,
             note: "failed".into(),
+            ..Row::default()
         };
         let text = csv(&[row]).unwrap();
         let lines: Vec<&str> = text.lines().collect();

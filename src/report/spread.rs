@@ -127,7 +127,7 @@ impl Spread {
 }
 
 /// Fig. 10's caption with ξ6/μ0 = ξ4 − 1 restored, as it holds in the two other captions, by changing one of the three.
-fn mended_captions() -> [(String, Caption); JOBS] {
+pub(super) fn mended_captions() -> [(String, Caption); JOBS] {
     let [_, _, _, xi4, _, mu0, xi6, _, _] = Caption::FIG10.numbers;
     [
         ("xi6", 6, mu0 * (xi4 - 1.0)),

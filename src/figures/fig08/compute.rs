@@ -120,7 +120,7 @@ fn as_printed(model: &ForcedOscillator, zones: &[(f64, f64)]) -> Result<AsPrinte
         }
         trajectory.push((sample.t, sample.x1, sample.x2));
         let here = (sample.t, sample.x1);
-        let sticks = sample.mode == listing::Mode::Stick;
+        let sticks = sample.mode == Mode::Stick;
         if sticks {
             let z = sample.x1 - model.support(sample.t);
             steps_stuck += 1;

@@ -36,13 +36,12 @@ mod error;
 mod params;
 mod record;
 mod regime;
-mod stages;
 mod step;
 
 pub use defects::{Defect, Defects};
 pub use error::ListingError;
 pub use params::{Params, Setup};
-pub use record::{Crossing, Direction, End, Instant, Mode, Run, Sample, StickPhase, Zone};
+pub use record::{Crossing, Direction, End, Instant, Run, Sample, StickPhase, Zone};
 pub use regime::Motion;
 
 use record::Recorder;

@@ -4,6 +4,7 @@ use super::regime::{self, Strobe};
 use super::step::{Event, Machine};
 use super::{Motion, Setup};
 use crate::paper::pattern::Pattern;
+use stickslip::system::Mode;
 
 /// How much a pattern is shortened, in forcing periods, so as not to count its first phase twice.
 const PATTERN_MARGIN: f64 = 0.01;
@@ -62,17 +63,6 @@ pub(super) fn ends(zone: Option<Zone>, tangent_points: &[f64; 6]) -> (f64, f64) 
         Some(Zone::Lower) => (t5, t6),
         None => (t6, t1),
     }
-}
-
-/// What the body does.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Mode {
-    /// It rides the belt.
-    Stick,
-    /// It slips, slower than the belt (region S1; the listing's `aft == -1`).
-    Below,
-    /// It slips, faster than the belt (region S2; any other `aft`).
-    Above,
 }
 
 /// The way through the belt's speed.

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use super::{Erratum, Shown, count, erratum, number, word};
 use crate::report::ReportError;
+use crate::report::spread::mended_captions;
 use crate::turns::Turns;
 use stickslip::analysis::motion::{Class, Criterion, Evidence, Of};
 use stickslip::error::Error;
@@ -349,32 +350,19 @@ pub(super) fn order_of_captions() -> Result<Erratum, ReportError> {
 
 pub(super) fn caption_of_fig10() -> Result<Erratum, ReportError> {
     let [_, _, _, xi4, _, mu0, xi6, ..] = Caption::FIG10.numbers;
-    let mended = [
-        ("xi6", 6, mu0 * (xi4 - 1.0)),
-        ("mu0", 5, xi6 / (xi4 - 1.0)),
-        ("xi4", 3, 1.0 + xi6 / mu0),
-    ];
     let mut shown = vec![
         number("seventh number over sixth", xi6 / mu0, "1"),
         number("xi4 - 1", xi4 - 1.0, "1"),
     ];
     let printed = by_section(&Caption::FIG10, &Reading::exact())?;
     shown.push(printed.shown("as printed".to_owned()));
-    let found = mended
-        .par_iter()
-        .map(|&(_, place, value)| {
-            let mut caption = Caption::FIG10;
-            if let Some(number) = caption.numbers.get_mut(place) {
-                *number = value;
-            }
-            by_section(&caption, &Reading::exact())
-        })
-        .collect::<Result<Vec<Outcome>, Error>>()?;
-    let mut differ = true;
-    for ((name, _, value), one) in mended.into_iter().zip(found) {
-        differ &= one != printed;
-        shown.push(one.shown(format!("with {name} = {value:.3}")));
-    }
+    let mended = mended_captions();
+    let found = mended.par_iter();
+    let found = found.map(|(_, caption)| by_section(caption, &Reading::exact()));
+    let found = found.collect::<Result<Vec<Outcome>, Error>>()?;
+    let differ = !found.contains(&printed);
+    let with = mended.iter().zip(found);
+    shown.extend(with.map(|((entry, _), one)| one.shown(format!("with {entry}"))));
     Ok(erratum(
         "Caption of Fig. 10",
         "the seventh number is 1.115",

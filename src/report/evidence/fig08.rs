@@ -3,7 +3,7 @@
 use super::sticks::{ESCAPE, TOLERANCE};
 use super::{as_printed, found};
 use crate::paper::claim_id::ClaimId;
-use crate::paper::listing::{self, Defects, Motion, Params, Run, Setup, run, run_with};
+use crate::paper::listing::{Defects, Motion, Params, Run, Setup, run, run_with};
 use crate::paper::pattern::two_periodic;
 use crate::paper::published::{Claims, PublishedError};
 use crate::paper::reading::Reading::{AsPrinted, Exact};
@@ -244,9 +244,8 @@ fn sides_of_listing() -> Result<Sides, ReportError> {
             return;
         }
         let side = match sample.mode {
-            listing::Mode::Stick => None,
-            listing::Mode::Below => Some(Side::Below),
-            listing::Mode::Above => Some(Side::Above),
+            Mode::Stick => None,
+            Mode::Slip(side) => Some(side),
         };
         match (side, &mut under_way) {
             (Some(side), Some((known, passes))) if side == *known => {

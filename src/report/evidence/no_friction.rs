@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use super::sticks::{follow, starts};
 use super::{found, small};
+use crate::numbers::{extent, largest};
 use crate::paper::reading::Reading::Exact;
 use crate::report::finding::Finding;
 use stickslip::error::Error;
@@ -62,26 +63,6 @@ struct Tally {
     least_sigma: f64,
 }
 
-impl Tally {
-    const NONE: Tally = Tally {
-        orbits: 0,
-        sticks: 0,
-        crossings: 0,
-        largest_kink: 0.0,
-        least_sigma: f64::INFINITY,
-    };
-
-    fn and(self, other: Tally) -> Tally {
-        Tally {
-            orbits: self.orbits + other.orbits,
-            sticks: self.sticks + other.sticks,
-            crossings: self.crossings + other.crossings,
-            largest_kink: self.largest_kink.max(other.largest_kink),
-            least_sigma: self.least_sigma.min(other.least_sigma),
-        }
-    }
-}
-
 fn tally(model: &ForcedOscillator) -> Result<Tally, Error> {
     let off = starts().into_iter().map(|x| (0.0, x));
     let on = (0..TIMES).flat_map(|k| {
@@ -89,37 +70,33 @@ fn tally(model: &ForcedOscillator) -> Result<Tally, Error> {
         ON_BOUNDARY.map(|z| (t, State::from([z + model.support(t), model.belt_speed])))
     });
     let all: Vec<(f64, State<2>)> = off.chain(on).collect();
-    let tallies = all.par_iter().map(|&(t, x)| of_orbit(model, t, x));
-    let tallies = tallies.collect::<Result<Vec<Tally>, Error>>()?;
-    Ok(tallies.into_iter().fold(Tally::NONE, Tally::and))
-}
-
-fn of_orbit(model: &ForcedOscillator, t: f64, x: State<2>) -> Result<Tally, Error> {
-    let orbit = follow(model, t, x)?;
-    let sticks = orbit.phases.iter().filter(|one| one.mode == Mode::Stick);
-    let mut tally = Tally {
-        orbits: 1,
-        sticks: sticks.count(),
-        ..Tally::NONE
-    };
-    let normal = |t: f64, x: &State<2>, side| {
+    let orbits = all.par_iter().map(|&(t, x)| follow(model, t, x));
+    let orbits = orbits.collect::<Result<Vec<_>, Error>>()?;
+    let phases = orbits.iter().flat_map(|orbit| &orbit.phases);
+    let transitions = orbits.iter().flat_map(|orbit| &orbit.transitions);
+    let crossings = transitions.filter(|at| at.kind == TransitionKind::Crossing);
+    let crossings: Vec<(f64, State<2>)> = crossings.map(|at| (at.t, at.x)).collect();
+    let normal = |t: f64, x: &State<2>| {
         let x = x.as_ref();
-        normal_component(model, t, x, &model.field(side, t, x))
+        let of = |side| normal_component(model, t, x, &model.field(side, t, x));
+        (of(Side::Below), of(Side::Above))
     };
-    if x[1] == model.belt_speed {
-        tally.least_sigma = normal(t, &x, Side::Below) * normal(t, &x, Side::Above);
-    }
-    let transitions = orbit.transitions.iter();
-    for at in transitions.filter(|at| at.kind == TransitionKind::Crossing) {
-        let (below, above) = (
-            normal(at.t, &at.x, Side::Below),
-            normal(at.t, &at.x, Side::Above),
-        );
-        tally.crossings += 1;
-        tally.largest_kink = tally.largest_kink.max((above - below).abs());
-        tally.least_sigma = tally.least_sigma.min(below * above);
-    }
-    Ok(tally)
+    let kink = |(t, x): &(f64, State<2>)| {
+        let (below, above) = normal(*t, x);
+        (above - below).abs()
+    };
+    let on_boundary = all.iter().filter(|(_, x)| x[1] == model.belt_speed);
+    let sigmas = crossings.iter().chain(on_boundary).map(|(t, x)| {
+        let (below, above) = normal(*t, x);
+        below * above
+    });
+    Ok(Tally {
+        orbits: orbits.len(),
+        sticks: phases.filter(|phase| phase.mode == Mode::Stick).count(),
+        crossings: crossings.len(),
+        largest_kink: largest(crossings.iter().map(kink)),
+        least_sigma: extent(sigmas).0,
+    })
 }
 
 #[cfg(test)]
