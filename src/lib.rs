@@ -1,4 +1,5 @@
-//! The replication of one paper with the library [`stickslip`]: its figures, its claims, its readings.
+//! The replication of one paper with the library [`stickslip`]: its figures, its claims, its
+//! readings.
 
 pub mod figures;
 mod numbers;

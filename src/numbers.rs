@@ -2,7 +2,8 @@
 
 use stickslip::error::Error;
 
-/// The least number in `(low, high]` for which `is_after` holds, if it holds from some number on. To the last bit.
+/// The least number in `(low, high]` for which `is_after` holds, if it holds from some number on.
+/// To the last bit.
 pub(crate) fn bisect(mut low: f64, mut high: f64, is_after: impl Fn(f64) -> bool) -> f64 {
     loop {
         let middle = 0.5 * (low + high);

@@ -1,4 +1,5 @@
-//! What is kept of an orbit of Figs. 10–12: states at equal times, and the section, where the block turns back.
+//! What is kept of an orbit of Figs. 10–12: states at equal times, and the section, where the block
+//! turns back.
 
 use stickslip::filippov::{Direction, EventFunctions, EventSearch, Options, StepRecord};
 use stickslip::models::BlockAndBracket;

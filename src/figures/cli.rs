@@ -30,9 +30,11 @@ pub struct Arguments {
     pub png: bool,
 }
 
-/// Everything a figure program does: parses the command line, computes, draws, writes, prints the numbers.
+/// Everything a figure program does: parses the command line, computes, draws, writes, prints the
+/// numbers.
 ///
-/// Exit code 0 on success, 1 if something failed (`error: …` on standard error), 2 for a wrong command line.
+/// Exit code 0 on success, 1 if something failed (`error: …` on standard error), 2 for a wrong
+/// command line.
 pub fn main<F: FigureSpec>() -> ExitCode {
     let matches = command::<F>().get_matches();
     let arguments = match Arguments::from_arg_matches(&matches) {
@@ -68,7 +70,8 @@ fn command<F: FigureSpec>() -> clap::Command {
 /// Computes, draws and writes a figure; returns the text for the terminal.
 ///
 /// # Errors
-/// Whatever computing, drawing and writing run into. Files are written last, so an error leaves none behind.
+/// Whatever computing, drawing and writing run into. Files are written last, so an error leaves
+/// none behind.
 pub fn run<F: FigureSpec>(arguments: &Arguments) -> Result<String, FigureError> {
     if arguments.png && !cfg!(feature = "png") {
         // Said before a long computation, not after it.

@@ -115,7 +115,8 @@ impl FigureSpec for Fig06 {
             b.add(curve(graph, color, dash).legend(&format!("*δ* = {} s/m", graph.law.delta())));
         }
         for panel in [&mut a, &mut b] {
-            // Once more on top: all graphs share the vertical part, and dashes of others would show on it.
+            // Once more on top: all graphs share the vertical part, and dashes of others would show
+            // on it.
             panel.add(curve(paper, LINES[1].0, LINES[1].1));
         }
         Figure::new(

@@ -52,12 +52,12 @@ pub trait FigureSpec {
     }
 }
 
-/// Points per integration step: an order-8 step is long, and a curve through its ends alone would be polygonal.
-/// What cannot be seen is thinned out when the curve is drawn.
+/// Points per integration step: an order-8 step is long, and a curve through its ends alone would
+/// be polygonal. What cannot be seen is thinned out when the curve is drawn.
 const PER_STEP: u32 = 24;
 
-/// Points along the orbit, each point made by `point` from time and state; every step's end is on it, and so is every
-/// transition.
+/// Points along the orbit, each point made by `point` from time and state; every step's end is on
+/// it, and so is every transition.
 fn points<const N: usize, P>(orbit: &Orbit<N>, point: impl Fn(f64, &[f64]) -> P) -> Vec<P> {
     let mut points = vec![point(orbit.t_start, orbit.x_start.as_slice())];
     for step in &orbit.steps {

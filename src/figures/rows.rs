@@ -14,8 +14,8 @@ pub type Part = (&'static str, bool);
 /// What a row states.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Value {
-    /// A measured or computed quantity; minus infinity is allowed (a Lyapunov exponent of an annihilated
-    /// direction).
+    /// A measured or computed quantity; minus infinity is allowed (a Lyapunov exponent of an
+    /// annihilated direction).
     Number(f64),
     /// How many of something.
     Count(u64),
@@ -49,7 +49,8 @@ impl fmt::Display for Value {
 pub enum Quantity {
     /// What a claim publishes.
     Claim(ClaimId),
-    /// One of the numbers that a claim publishes together; counted from 1 in the order in which they were computed.
+    /// One of the numbers that a claim publishes together; counted from 1 in the order in which
+    /// they were computed.
     Member(ClaimId, usize),
     /// Something else that belongs to a claim; the paper gives no value for it.
     Detail(ClaimId, String),
@@ -101,8 +102,8 @@ impl From<String> for Quantity {
 pub struct Comparison {
     /// In the paper's own digits or words.
     pub published: String,
-    /// A number, rounded to the published digits, is the published one; a count or a word is the published one; a statement holds in
-    /// all its parts.
+    /// A number, rounded to the published digits, is the published one; a count or a word is the
+    /// published one; a statement holds in all its parts.
     pub agrees: bool,
 }
 
@@ -117,7 +118,8 @@ pub struct Row {
     pub value: Value,
     /// Unit of the value; empty for a word, `1` for a pure number.
     pub unit: &'static str,
-    /// What the value is worth, in a word such as `unidentified`; nothing where that goes without saying.
+    /// What the value is worth, in a word such as `unidentified`; nothing where that goes without
+    /// saying.
     pub status: Option<&'static str>,
 }
 

@@ -1,9 +1,11 @@
-//! The arithmetic of the Appendix's listing carried to systems of any dimension: what Model 3 does if it was run that way.
+//! The arithmetic of the Appendix's listing carried to systems of any dimension: what Model 3 does
+//! if it was run that way.
 //!
-//! The paper prints a program for Model 2 only. This is the same scheme, defects and all, for a [`Filippov`] system whose boundary
-//! function is `x₂ − vp`: Runge–Kutta stages that overwrite their own start, so that a slip runs three times too fast; a Hénon
-//! step of the same kind onto Σ, taken from beyond it, away from it when coming from above, with 0.166666 for 1/6;
-//! a stick phase in which the rider moves with the belt at its own pace. See [`super::listing`] for the original.
+//! The paper prints a program for Model 2 only. This is the same scheme, defects and all, for a
+//! [`Filippov`] system whose boundary function is `x₂ − vp`: Runge–Kutta stages that overwrite
+//! their own start, so that a slip runs three times too fast; a Hénon step of the same kind onto Σ,
+//! taken from beyond it, away from it when coming from above, with 0.166666 for 1/6; a stick phase
+//! in which the rider moves with the belt at its own pace. See [`super::listing`] for the original.
 
 use super::stages::{VELOCITY, in_time, in_velocity};
 use stickslip::system::{Filippov, Mode, Side, State, components};
@@ -38,8 +40,8 @@ pub struct InPlace<S, const N: usize> {
 }
 
 impl<S: Filippov<N>, const N: usize> InPlace<S, N> {
-    /// From `(0, x)`, with step `h`, until a component exceeds `bound`. A start on Σ sticks if both fields push
-    /// towards it, and goes to the side above otherwise, as in the listing.
+    /// From `(0, x)`, with step `h`, until a component exceeds `bound`. A start on Σ sticks if both
+    /// fields push towards it, and goes to the side above otherwise, as in the listing.
     pub fn start(system: S, x: State<N>, h: f64, bound: f64) -> Self {
         let mut scheme = InPlace {
             system,

@@ -1,7 +1,8 @@
 //! The quantities the paper publishes, as data.
 //!
-//! `data/claims.csv` has one row for each: values, sets of exact values, curves and statements. Only the
-//! first two can be compared with a number; the rest is there so that a report can name it.
+//! `data/claims.csv` has one row for each: values, sets of exact values, curves and statements.
+//! Only the first two can be compared with a number; the rest is there so that a report can name
+//! it.
 
 use std::sync::LazyLock;
 
@@ -180,9 +181,9 @@ impl Claim {
 
     /// Whether `value` is `published`, one of the claim's numbers.
     ///
-    /// Printed decimals: `value` rounded to as many is the printed number, nothing less. Exact: equal up
-    /// to a relative difference of 1e-12 (absolute where the exact value is 0). Never true of a claim
-    /// without numbers.
+    /// Printed decimals: `value` rounded to as many is the printed number, nothing less. Exact:
+    /// equal up to a relative difference of 1e-12 (absolute where the exact value is 0). Never true
+    /// of a claim without numbers.
     pub fn agrees_with(&self, published: f64, value: f64) -> bool {
         match self.digits {
             Digits::Decimals(decimals) => format!("{value:.decimals$}")
@@ -222,7 +223,8 @@ impl Claims {
     /// Reads a table with the columns `id, where, kind, published, digits, unit, what it says`.
     ///
     /// # Errors
-    /// [`PublishedError`] with the row and the column at fault, with a name that is none of [`ClaimId`], stands twice or is missing.
+    /// [`PublishedError`] with the row and the column at fault, with a name that is none of
+    /// [`ClaimId`], stands twice or is missing.
     pub fn parse(table: &str) -> Result<Claims, PublishedError> {
         let mut reader = csv::Reader::from_reader(table.as_bytes());
         let rows = reader

@@ -17,7 +17,8 @@ pub enum Reading {
     AsPrinted,
     /// Of the equations to the letter, Lyapunov exponents.
     AsPrintedEquations,
-    /// The event-exact solver with the two defects of the paper's program that outlast a vanishing step.
+    /// The event-exact solver with the two defects of the paper's program that outlast a vanishing
+    /// step.
     SlipTimesThree,
     /// The nearest of the search's settings for the corrected equations, radii in units of the
     /// spread.

@@ -1,7 +1,8 @@
-//! The two steps of the listing: Runge–Kutta in time (lines 103–114) and Hénon's in velocity (116–127).
+//! The two steps of the listing: Runge–Kutta in time (lines 103–114) and Hénon's in velocity
+//! (116–127).
 //!
-//! As printed, `xn = x` copies no state: every stage moves the state that the next one adds to, and so does the closing sum. As meant,
-//! each adds to the step's start.
+//! As printed, `xn = x` copies no state: every stage moves the state that the next one adds to, and
+//! so does the closing sum. As meant, each adds to the step's start.
 
 use stickslip::system::State;
 
@@ -27,8 +28,9 @@ pub(super) fn in_time<const N: usize>(
     from(x) + (k1 + (k2 + k3) * 2.0 + k4) * (h / 6.0)
 }
 
-/// A step of `h` in velocity with `sixth` for h/6: the clock and the state after it. `slope` is `dt/dv` and `dx/dv`. In place the second
-/// stage does not move the velocity, and the clock moves at the end only.
+/// A step of `h` in velocity with `sixth` for h/6: the clock and the state after it. `slope` is
+/// `dt/dv` and `dx/dv`. In place the second stage does not move the velocity, and the clock moves
+/// at the end only.
 pub(super) fn in_velocity<const N: usize>(
     in_place: bool,
     (h, sixth): (f64, f64),

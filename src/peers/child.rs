@@ -1,8 +1,9 @@
-//! The peers: a process that solves the same problems with other people's solvers and answers line by line, so that rounds
-//! of theirs and of ours alternate.
+//! The peers: a process that solves the same problems with other people's solvers and answers line
+//! by line, so that rounds of theirs and of ours alternate.
 //!
-//! Commands, one a line: `prepare PROBLEM`, `time INDEX SECONDS`. Answers, any number of lines and then `done`:
-//! `version,PACKAGE,NUMBER` (to the first command), `curve,INDEX,SOLVER,SETTING,TOLERANCE,COMPILE_S,EVENTS`,
+//! Commands, one a line: `prepare PROBLEM`, `time INDEX SECONDS`. Answers, any number of lines and
+//! then `done`: `version,PACKAGE,NUMBER` (to the first command),
+//! `curve,INDEX,SOLVER,SETTING,TOLERANCE,COMPILE_S,EVENTS`,
 //! `cannot,SOLVER,SETTING,TOLERANCE,REASON`, and to the second `seconds,INDEX,PER_CALL`.
 
 use std::io::{BufRead, BufReader, Write};
@@ -18,7 +19,8 @@ use super::row::Row;
 pub enum Answer {
     /// A package in use, and its version.
     Version(String, String),
-    /// A solver with a setting, run once: the number by which it is timed, its row as far as it is known, the events it found.
+    /// A solver with a setting, run once: the number by which it is timed, its row as far as it is
+    /// known, the events it found.
     Curve(usize, Row, Vec<Event>),
     /// A solver that cannot solve the problem, or did not.
     Cannot(Row),
@@ -110,7 +112,8 @@ pub struct Peers {
 }
 
 impl Peers {
-    /// Starts `python` with the script `peers.py` in `scripts`; the problems are read from `problems`.
+    /// Starts `python` with the script `peers.py` in `scripts`; the problems are read from
+    /// `problems`.
     ///
     /// # Errors
     /// [`PeersError::Start`].

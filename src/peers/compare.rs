@@ -9,8 +9,8 @@ const LEAST_ERROR: f64 = 1e-16;
 /// The accuracy at which solvers are compared, if they reach it.
 pub const WANTED: f64 = 1e-12;
 
-/// The points of a solver on a problem from which neither error nor time can be bettered, as (time, error), by rising time and
-/// falling error.
+/// The points of a solver on a problem from which neither error nor time can be bettered, as (time,
+/// error), by rising time and falling error.
 pub fn front<'a>(rows: impl Iterator<Item = &'a Row>) -> Vec<(f64, f64)> {
     let point = |row: &Row| Some((row.median()?, row.error?.max(LEAST_ERROR)));
     let mut points: Vec<(f64, f64)> = rows.filter_map(point).collect();
@@ -24,7 +24,8 @@ pub fn front<'a>(rows: impl Iterator<Item = &'a Row>) -> Vec<(f64, f64)> {
     front
 }
 
-/// The time that a solver with this front takes for an error, by interpolation of logarithms; none if it never gets there.
+/// The time that a solver with this front takes for an error, by interpolation of logarithms; none
+/// if it never gets there.
 pub fn time_for(front: &[(f64, f64)], error: f64) -> Option<f64> {
     let above = front.iter().position(|point| point.1 <= error)?;
     let (slower, better) = front[above];

@@ -24,7 +24,8 @@ const ROW: f64 = 290.0;
 /// Room for the legend under the last row, px.
 const LEGEND: f64 = 60.0;
 
-/// The SVG: a panel for every problem, and one with the times of whole processes where they were measured.
+/// The SVG: a panel for every problem, and one with the times of whole processes where they were
+/// measured.
 ///
 /// # Errors
 /// Those of [`Figure::render`].
@@ -105,7 +106,8 @@ fn work_precision(rows: &[&Row], names: &[&str]) -> Panel {
     panel
 }
 
-/// A line for every solver; filled marks are of the first problem that was timed so, open ones of the others.
+/// A line for every solver; filled marks are of the first problem that was timed so, open ones of
+/// the others.
 fn processes(rows: &[Row], names: &[&str], problems: &[Problem]) -> Panel {
     let timed = |problem: &&'static str| {
         let mut rows = rows.iter();

@@ -78,8 +78,8 @@ pub fn error(events: &[Event], reference: &[Event]) -> Result<f64, String> {
     Ok(largest(pairs.map(|(one, other)| (one.t - other.t).abs())))
 }
 
-/// Reads the file of a problem: `problem,event,kind,t,…`. Times have 30 decimals there; the nearest doubles are kept, so that
-/// an error below half a unit in the last place of a time cannot be told.
+/// Reads the file of a problem: `problem,event,kind,t,…`. Times have 30 decimals there; the nearest
+/// doubles are kept, so that an error below half a unit in the last place of a time cannot be told.
 ///
 /// # Errors
 /// [`PeersError::Reference`] with the line that is not as it should be.
@@ -134,8 +134,9 @@ mod tests {
 
     #[test]
     fn slopes_meet_every_reference() {
-        // What is measured at a tolerance of 1e-12. The first problem enlarges errors of its start a thousandfold; with the
-        // moving boundary the solution is straight between events, and one rounding of a time is left.
+        // What is measured at a tolerance of 1e-12. The first problem enlarges errors of its start
+        // a thousandfold; with the moving boundary the solution is straight between events, and one
+        // rounding of a time is left.
         let measured = [
             ("belt_sensitive", 6.9e-10),
             ("belt_periodic", 1.3e-12),
@@ -158,9 +159,10 @@ mod tests {
 
     #[test]
     fn series_meet_every_reference_to_the_last_digits() {
-        // In units in the last place of each event's own time: one where both roundings, the reference's and ours, are all
-        // that is left. The first event of `decay`, at 0.24, is a sum whose terms have a larger unit than it has. The first problem
-        // enlarges roundings to what is chance: from the starts one unit away it was 1, 19 or 96 by one order of additions,
+        // In units in the last place of each event's own time: one where both roundings, the
+        // reference's and ours, are all that is left. The first event of `decay`, at 0.24, is a sum
+        // whose terms have a larger unit than it has. The first problem enlarges roundings to what
+        // is chance: from the starts one unit away it was 1, 19 or 96 by one order of additions,
         // 49, 69 or 101 by another. So the worst of all these starts is what is held here.
         let measured = [
             ("belt_sensitive", 101.0),

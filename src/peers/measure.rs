@@ -28,7 +28,8 @@ enum Timed {
 /// Everything measured on one problem but whole processes, one after the other in every round.
 ///
 /// # Errors
-/// A problem without reference, peers that do not answer. A solver that fails on a problem only gets a note.
+/// A problem without reference, peers that do not answer. A solver that fails on a problem only
+/// gets a note.
 pub fn problem(
     problem: &Problem,
     rounds: usize,
@@ -138,8 +139,8 @@ pub struct Programs<'a> {
     pub theirs: Option<(&'a Path, &'a Path, &'a Path)>,
 }
 
-/// Times whole processes, each of which starts, compiles and solves once, for the most accurate row of every solver, in
-/// alternation.
+/// Times whole processes, each of which starts, compiles and solves once, for the most accurate row
+/// of every solver, in alternation.
 ///
 /// # Errors
 /// [`PeersError::Start`], [`PeersError::Process`].

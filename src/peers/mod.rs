@@ -1,5 +1,5 @@
-//! The program `peers`: work and precision of our solvers beside those that people use now, on problems with known event
-//! times.
+//! The program `peers`: work and precision of our solvers beside those that people use now, on
+//! problems with known event times.
 
 mod child;
 mod compare;
@@ -140,7 +140,8 @@ pub struct All {
     pub folders: Folders,
 }
 
-/// Everything the program does. Exit code 0 on success, 1 if something failed, 2 for a wrong command line.
+/// Everything the program does. Exit code 0 on success, 1 if something failed, 2 for a wrong
+/// command line.
 pub fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let outcome = match &arguments.command {
@@ -246,7 +247,8 @@ fn write(all: &All, rows: &[Row], text: &str, problems: &[Problem]) -> Result<St
     Ok(output::listing(&paths))
 }
 
-/// The figure from the table of an earlier run: after a change of the drawing nothing need be measured again.
+/// The figure from the table of an earlier run: after a change of the drawing nothing need be
+/// measured again.
 fn redraw(folders: &Folders) -> Result<String, PeersError> {
     let path = folders.report_dir.join("bench.csv");
     let table = std::fs::read_to_string(&path).map_err(|source| PeersError::Input {
@@ -263,7 +265,8 @@ fn redraw(folders: &Folders) -> Result<String, PeersError> {
     Ok(output::listing(&paths))
 }
 
-/// The project's README gets the measurements that are written into the project's own folder of tables.
+/// The project's README gets the measurements that are written into the project's own folder of
+/// tables.
 fn write_readme(folders: &Folders, rows: &[Row]) -> Result<Vec<PathBuf>, PeersError> {
     if folders.report_dir != Path::new(TABLES) {
         return Ok(Vec::new());

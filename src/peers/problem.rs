@@ -1,5 +1,5 @@
-//! The problems that all solvers get. Their numbers also stand in data/references/problems.json, for the other programs; a
-//! test holds the two against each other.
+//! The problems that all solvers get. Their numbers also stand in data/references/problems.json,
+//! for the other programs; a test holds the two against each other.
 
 use std::ops::ControlFlow;
 
@@ -10,8 +10,8 @@ use stickslip::models::{BeltOscillator, BlockAndBracket, Caption, ForcedOscillat
 use stickslip::scalar::Scalar;
 use stickslip::system::{Filippov, Side, State};
 
-/// Textbook problem with a moving boundary: `x' = a` below, `−a` above, boundary `x − sin t`. Between events everything is a
-/// closed form.
+/// Textbook problem with a moving boundary: `x' = a` below, `−a` above, boundary `x − sin t`.
+/// Between events everything is a closed form.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MovingBoundary {
     /// Speed a on either side (1/s), between 0 and 1.
@@ -149,7 +149,8 @@ pub fn problems() -> Result<Vec<Problem>, stickslip::Error> {
 }
 
 impl Problem {
-    /// The events up to the end time, appended to `events`, which is cleared first and whose memory is used again.
+    /// The events up to the end time, appended to `events`, which is cleared first and whose memory
+    /// is used again.
     ///
     /// # Errors
     /// [`PeersError::Solve`] with what the solver ran into.

@@ -106,7 +106,8 @@ pub const MARKS: Marks = Marks {
     end: "<!-- end of speed -->\n",
 };
 
-/// For each peer how many times our time it takes, least and most over the problems, against one of our solvers.
+/// For each peer how many times our time it takes, least and most over the problems, against one of
+/// our solvers.
 pub fn block(rows: &[Row], ours: &str) -> String {
     let all = ratios(rows, &[ours]);
     let peers = all.iter().map(|one| one.peer.as_str());

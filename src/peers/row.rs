@@ -93,7 +93,8 @@ pub fn csv(rows: &[Row]) -> Result<String, PeersError> {
 /// The rows of such a CSV, each with its median in the place of its rounds.
 ///
 /// # Errors
-/// [`PeersError::Table`] with the line that is not as [`csv`] writes it, or that is of none of the problems.
+/// [`PeersError::Table`] with the line that is not as [`csv`] writes it, or that is of none of the
+/// problems.
 pub fn read(text: &str, problems: &[Problem]) -> Result<Vec<Row>, PeersError> {
     let mut reader = csv::ReaderBuilder::new()
         .has_headers(false)

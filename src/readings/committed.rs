@@ -47,7 +47,8 @@ pub struct Committed {
     /// How often targets drawn for an exponent are met by as many of these configurations as the
     /// published one. Nothing where none meets it.
     pub digits_by_chance: [[Option<Share>; 4]; 3],
-    /// What the settings that the paper does not state make of each exponent of each figure, for the recommended reading.
+    /// What the settings that the paper does not state make of each exponent of each figure, for
+    /// the recommended reading.
     pub spread: [[ExponentSpread; 4]; 3],
     /// How many of these settings bear out what Sect. 5.2 says.
     pub borne_out: BorneOut,
@@ -92,8 +93,8 @@ impl Committed {
     /// Reads the table.
     ///
     /// # Errors
-    /// [`ReadingsError::Incomplete`] if a configuration of the full search is missing or was made with other settings;
-    /// [`ReadingsError::Published`].
+    /// [`ReadingsError::Incomplete`] if a configuration of the full search is missing or was made
+    /// with other settings; [`ReadingsError::Published`].
     pub fn read() -> Result<Committed, ReadingsError> {
         Committed::of(TABLE)
     }

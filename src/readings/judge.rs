@@ -1,4 +1,5 @@
-//! How near rows come to the published exponents, how near to other targets, and how many of them bear out what is published.
+//! How near rows come to the published exponents, how near to other targets, and how many of them
+//! bear out what is published.
 
 use std::collections::BTreeSet;
 
@@ -330,7 +331,8 @@ pub struct Pairs {
     pub class: [usize; 3],
     /// Those with all three captioned classes.
     pub classes: usize,
-    /// Those with the captioned kind of motion of each figure: for Fig. 10 periodic with any number of loops.
+    /// Those with the captioned kind of motion of each figure: for Fig. 10 periodic with any number
+    /// of loops.
     pub kind: [usize; 3],
     /// Those with all three captioned kinds.
     pub kinds: usize,
@@ -386,7 +388,8 @@ pub struct ExponentSpread {
     pub values: Option<Values>,
     /// Settings tried.
     pub settings: usize,
-    /// In how many the neighbours do not span the direction: the exponent is [`Status::Unidentified`].
+    /// In how many the neighbours do not span the direction: the exponent is
+    /// [`Status::Unidentified`].
     pub unidentified: usize,
     /// In how many it is [`Status::Starved`] or [`Status::Unpredictable`].
     pub doubtful: usize,

@@ -76,8 +76,8 @@ pub struct Arguments {
     )]
     pub out: PathBuf,
 
-    /// Begin nothing new after so many seconds; what is begun, one thing at least, is finished and takes about 5 to 30 s
-    /// [default: no limit]
+    /// Begin nothing new after so many seconds; what is begun, one thing at least, is finished and
+    /// takes about 5 to 30 s [default: no limit]
     #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
     pub time_limit: Option<Duration>,
 
@@ -98,7 +98,8 @@ fn seconds(text: &str) -> Result<Duration, String> {
         .ok_or_else(|| "give a positive number of seconds, such as 300".into())
 }
 
-/// Everything the program does. Exit code 0 on success, 1 if something failed, 2 for a wrong command line.
+/// Everything the program does. Exit code 0 on success, 1 if something failed, 2 for a wrong
+/// command line.
 pub fn main() -> ExitCode {
     terminal::finish("summary", run(&Arguments::parse()))
 }

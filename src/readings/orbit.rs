@@ -93,7 +93,8 @@ fn solved(system: &BlockAndBracket, start: State<4>, plan: &Plan, method: Method
         .escape(BOUND)
         .at_repelling(AtRepelling::GoBelow);
     let t_end = plan.from + plan.duration();
-    // The spectrum tells nothing of its transient: whether the orbit can be followed at all is found out without it.
+    // The spectrum tells nothing of its transient: whether the orbit can be followed at all is
+    // found out without it.
     let mut alone = Watch::new(system, &options, plan);
     let stayed = run(system, 0.0, start, t_end, &options, &mut alone);
     match stayed.map_err(Error::from) {
@@ -198,7 +199,8 @@ const SHARES: (f64, f64) = (2e-3, 2e-2);
 /// Radii at which it is measured.
 const RADII: u32 = 12;
 
-/// The correlation dimension (Grassberger & Procaccia 1983): slope of ln C(r), C being the share of pairs of points nearer than r in every component.
+/// The correlation dimension (Grassberger & Procaccia 1983): slope of ln C(r), C being the share of
+/// pairs of points nearer than r in every component.
 fn correlation_dimension<const N: usize>(points: &[[f64; N]]) -> f64 {
     let mut distances = Vec::with_capacity(points.len() * points.len().saturating_sub(1) / 2);
     for (i, one) in points.iter().enumerate() {

@@ -128,11 +128,12 @@ pub const BOUND: f64 = 1e3;
 /// Orbits that take more steps are given up: the shortest fixed steps, and one for each of some
 /// hundred thousand events.
 pub const MOST_STEPS: usize = 3_000_000;
-/// Points of the section of the in-place scheme nearer than this, as a fraction of its extent, count as one: the passes do not hit it,
-/// and a motion that closes is met at another phase of the pass every time.
+/// Points of the section of the in-place scheme nearer than this, as a fraction of its extent,
+/// count as one: the passes do not hit it, and a motion that closes is met at another phase of the
+/// pass every time.
 pub const SAME: f64 = 1e-3;
-/// Added to a published exponent's size before a difference is divided by it, so that exponents near zero
-/// do not decide everything.
+/// Added to a published exponent's size before a difference is divided by it, so that exponents
+/// near zero do not decide everything.
 pub const FLOOR: f64 = 0.002;
 /// Differences count no more than this; nor does an exponent that is missing or minus infinity.
 pub const CAP: f64 = 3.0;
@@ -140,7 +141,8 @@ pub const CAP: f64 = 3.0;
 pub const CURVE: f64 = 1.2;
 /// Time between two points of the series, as in the paper.
 pub const DT: f64 = 0.2;
-/// Raised whenever a row of the table comes out differently for the same settings: tables of other formats are refused.
+/// Raised whenever a row of the table comes out differently for the same settings: tables of other
+/// formats are refused.
 const FORMAT: u32 = 4;
 /// First line of every table.
 pub const MARKER: &str = "# stickslip readings";
@@ -216,8 +218,9 @@ impl Plan {
         (self.points - 1) as f64 / (1.0 / DT)
     }
 
-    /// The settings that determine all rows alike: the table begins with them, and a table that begins otherwise is not continued.
-    /// What differs from row to row is in the rows; changes of the code are what `format` counts.
+    /// The settings that determine all rows alike: the table begins with them, and a table that
+    /// begins otherwise is not continued. What differs from row to row is in the rows; changes of
+    /// the code are what `format` counts.
     pub fn common(&self, target: &Twelve) -> Vec<(&'static str, String)> {
         let numbers = |list: &[f64]| joined(list, " ");
         let captions = CAPTIONS.iter().map(|caption| {
@@ -270,8 +273,8 @@ fn groups(readings: &[Reading], integrators: &[Integrator]) -> Vec<Group> {
     pairs.collect()
 }
 
-/// All signs, clipped or not, with the three ways in which amplitude and unloading make sense together; and the captions' numbers
-/// in the order of their heading, with μ0 = 1.
+/// All signs, clipped or not, with the three ways in which amplitude and unloading make sense
+/// together; and the captions' numbers in the order of their heading, with μ0 = 1.
 fn readings() -> Vec<Reading> {
     let scalings = [
         (Amplitude::Mu0, Unloading::OverMu0),
@@ -332,8 +335,8 @@ pub fn reading_name(reading: &Reading) -> String {
     )
 }
 
-/// Reference points all over the series, so far apart that each map begins where the one before it ends. The search varies
-/// the neighbourhoods itself and needs no second estimate of each.
+/// Reference points all over the series, so far apart that each map begins where the one before it
+/// ends. The search varies the neighbourhoods itself and needs no second estimate of each.
 pub(super) fn everywhere(step: usize) -> DataSettings {
     DataSettings {
         step,
@@ -427,7 +430,8 @@ pub fn keys(plan: &Plan, group: &Group) -> Vec<[String; 4]> {
     plan.settings_of(group).iter().map(key).collect()
 }
 
-/// Neighbourhoods by count and by radius, none so small that it starves. A radius is a fraction of the signal's spread.
+/// Neighbourhoods by count and by radius, none so small that it starves. A radius is a fraction of
+/// the signal's spread.
 const NEIGHBOURHOODS: [Neighbourhood; 5] = [
     Neighbourhood::Nearest(12),
     Neighbourhood::Nearest(40),
@@ -448,8 +452,8 @@ const STEPS: [usize; 3] = [1, 3, 5];
 /// Regularisations of the inverse in Eq. (25).
 const RIDGES: [f64; 2] = [0.0, 1e-3];
 
-/// What a reasonable reader of Eq. (25) could have chosen: all combinations of neighbourhoods, steps and regularisations, with affine
-/// maps and reference points all over the series.
+/// What a reasonable reader of Eq. (25) could have chosen: all combinations of neighbourhoods,
+/// steps and regularisations, with affine maps and reference points all over the series.
 pub fn spread_settings() -> Vec<DataSettings> {
     let mut all = Vec::new();
     for neighbours in NEIGHBOURHOODS {

@@ -21,7 +21,8 @@ pub struct Store<'a> {
 }
 
 impl<'a> Store<'a> {
-    /// What an earlier run has left in `folder`: whole groups only; a line that is cut short or damaged counts for nothing.
+    /// What an earlier run has left in `folder`: whole groups only; a line that is cut short or
+    /// damaged counts for nothing.
     ///
     /// # Errors
     /// [`ReadingsError::Read`], [`ReadingsError::Foreign`], [`ReadingsError::OtherSettings`].

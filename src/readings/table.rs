@@ -1,4 +1,5 @@
-//! The table of the search: one row for each configuration, with the classes and exponents that it gives the three figures.
+//! The table of the search: one row for each configuration, with the classes and exponents that it
+//! gives the three figures.
 
 use std::fmt;
 use std::str::FromStr;
@@ -156,12 +157,14 @@ impl Row {
         self.classes.iter().all(|class| class.stays())
     }
 
-    /// How many motions are of the published class ([`Verdict::is_published`]) or kind ([`Verdict::is_of_kind`]).
+    /// How many motions are of the published class ([`Verdict::is_published`]) or kind
+    /// ([`Verdict::is_of_kind`]).
     pub fn right(&self, is: fn(Verdict, usize) -> bool) -> usize {
         (0..3).filter(|&f| is(self.classes[f], f)).count()
     }
 
-    /// What the recommended row has least of: kinds of motion wrong, then distance of all exponents.
+    /// What the recommended row has least of: kinds of motion wrong, then distance of all
+    /// exponents.
     pub fn kinds_first(&self) -> (usize, f64) {
         (3 - self.right(Verdict::is_of_kind), self.scores[3])
     }

@@ -1,4 +1,5 @@
-//! What makes the four numbers of Fig. 8, shown by injection: three parts, none of which was chosen because it agrees.
+//! What makes the four numbers of Fig. 8, shown by injection: three parts, none of which was chosen
+//! because it agrees.
 //!
 //! The two defects of the listing that outlast a vanishing step are put into the event-exact
 //! solver, and must make the same motion and the published numbers as far as the listing's step
@@ -84,7 +85,8 @@ impl fmt::Display for Status {
     }
 }
 
-/// (a) What the event-exact solver does with defects injected, beside the listing and the published numbers.
+/// (a) What the event-exact solver does with defects injected, beside the listing and the published
+/// numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SameMotion {
     /// The listing at the printed step.
@@ -98,7 +100,8 @@ pub struct SameMotion {
 }
 
 impl SameMotion {
-    /// Sets a motion with injected defects beside the listing's and the published numbers (m, m, s, s).
+    /// Sets a motion with injected defects beside the listing's and the published numbers (m, m, s,
+    /// s).
     pub fn new(
         listing: &Pattern,
         injected: Result<Pattern, Error>,
@@ -183,7 +186,8 @@ pub struct StepError {
     pub finest: f64,
     /// The listing at the printed step less the injected solver (m, m, s, s).
     pub left: [f64; 4],
-    /// The listing at the printed step less the listing at the finest: its own error of the step, by itself alone.
+    /// The listing at the printed step less the listing at the finest: its own error of the step,
+    /// by itself alone.
     pub own: [f64; 4],
     /// The bound C h on `left` at the printed step, from the other steps.
     pub most_left: [f64; 4],
@@ -191,7 +195,8 @@ pub struct StepError {
     pub most_own: [f64; 4],
     /// How far `own` and `left` may be apart: the bound at the finest step, from the listing alone.
     pub most_apart: [f64; 4],
-    /// Whether the listing at the printed step gives all four published numbers to all printed digits.
+    /// Whether the listing at the printed step gives all four published numbers to all printed
+    /// digits.
     pub published: bool,
 }
 
@@ -214,7 +219,8 @@ impl StepError {
         })
     }
 
-    /// Whether what is left is within its bound, the listing's own error within its own, and both the same.
+    /// Whether what is left is within its bound, the listing's own error within its own, and both
+    /// the same.
     pub fn holds(&self) -> bool {
         self.published
             && (0..4).all(|i| {
@@ -251,8 +257,8 @@ pub struct Cause {
 }
 
 impl Cause {
-    /// From the listing at the printed step, the event-exact solver with the defects, the listing's convergence and the published
-    /// numbers (m, m, s, s).
+    /// From the listing at the printed step, the event-exact solver with the defects, the listing's
+    /// convergence and the published numbers (m, m, s, s).
     pub fn new(
         listing: &Pattern,
         injected: Result<Pattern, Error>,

@@ -41,7 +41,8 @@ pub struct Arguments {
     pub out_dir: PathBuf,
 }
 
-/// Everything the program does. Exit code 0 on success, 1 if something failed, 2 for a wrong command line.
+/// Everything the program does. Exit code 0 on success, 1 if something failed, 2 for a wrong
+/// command line.
 pub fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let bar = Progress::bar(0, TICKS, " {elapsed}");
@@ -53,8 +54,8 @@ pub fn main() -> ExitCode {
 /// Computes, writes the files and returns the ledger with the text for the terminal.
 ///
 /// # Errors
-/// [`ReportError`]. Folders are made first, so that one that cannot be written to is told of before the work; files are written
-/// last.
+/// [`ReportError`]. Folders are made first, so that one that cannot be written to is told of before
+/// the work; files are written last.
 pub fn run(
     arguments: &Arguments,
     tick: &(dyn Fn() + Sync),

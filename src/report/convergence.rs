@@ -1,4 +1,5 @@
-//! The listing as printed for smaller and smaller steps, against its limit in the event-exact solver.
+//! The listing as printed for smaller and smaller steps, against its limit in the event-exact
+//! solver.
 
 use rayon::prelude::*;
 use stickslip::statistics::PowerLaw;
@@ -10,7 +11,8 @@ use crate::numbers::{extent, largest};
 use crate::paper::listing::Defects;
 use crate::text::joined;
 
-/// Steps (s), from ten times the printed one to a hundredth of it. The finest come first, since they take longest.
+/// Steps (s), from ten times the printed one to a hundredth of it. The finest come first, since
+/// they take longest.
 const STEPS: [f64; 16] = [
     1e-6,
     2.5e-6,
@@ -31,8 +33,8 @@ const STEPS: [f64; 16] = [
 ];
 /// Steps below this are fine ones (s): the bound found on the others is tried on them.
 pub const FINE: f64 = 0.99e-5;
-/// A fitted slope that is no further from one tells of first order. The error scatters between nothing and its bound, so that a
-/// slope over three decades is not known much better.
+/// A fitted slope that is no further from one tells of first order. The error scatters between
+/// nothing and its bound, so that a slope over three decades is not known much better.
 pub const SLOPE_OFF: f64 = 0.25;
 /// Steps around the printed one, the printed one in the middle.
 const AROUND: usize = 21;
@@ -47,24 +49,26 @@ pub const RUNS: usize = STEPS.len() + AROUND;
 /// How one of the four numbers approaches a limit as the step goes to zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Approach {
-    /// The bound C of |error| ≤ C h: the largest |error|/h over all steps but the printed one, those around it too (m/s for a
-    /// length, 1 for a duration).
+    /// The bound C of |error| ≤ C h: the largest |error|/h over all steps but the printed one,
+    /// those around it too (m/s for a length, 1 for a duration).
     pub bound: f64,
     /// The same over the steps from 1e-5 s on.
     pub coarse: f64,
     /// The same over the finer steps.
     pub fine: f64,
-    /// Slope of log|error| against log h over the steps that span three decades, the printed one left out, by least squares.
+    /// Slope of log|error| against log h over the steps that span three decades, the printed one
+    /// left out, by least squares.
     pub slope: f64,
     /// Standard error of that slope.
     pub slope_error: f64,
-    /// Least and largest error/h, with its sign: where the grid of steps happens to meet Σ makes it anything in between.
+    /// Least and largest error/h, with its sign: where the grid of steps happens to meet Σ makes it
+    /// anything in between.
     pub scatter: (f64, f64),
 }
 
 impl Approach {
-    /// Fits errors (with their signs) at steps, `(h, error)`: `decades` are those that span three decades, `around` those around the
-    /// printed one; the printed one is left out.
+    /// Fits errors (with their signs) at steps, `(h, error)`: `decades` are those that span three
+    /// decades, `around` those around the printed one; the printed one is left out.
     pub fn fit(decades: &[(f64, f64)], around: &[(f64, f64)]) -> Approach {
         let others = |errors: &[(f64, f64)]| -> Vec<(f64, f64)> {
             let not_printed = |at: &&(f64, f64)| at.0 != PRINTED_STEP;
@@ -88,8 +92,8 @@ impl Approach {
         }
     }
 
-    /// Whether the errors vanish at first order: their slope is one within a quarter, and the finer steps keep within the bound that
-    /// was found without them.
+    /// Whether the errors vanish at first order: their slope is one within a quarter, and the finer
+    /// steps keep within the bound that was found without them.
     pub fn first_order(&self) -> bool {
         (self.slope - 1.0).abs() <= SLOPE_OFF && self.fine <= self.coarse
     }
@@ -98,10 +102,11 @@ impl Approach {
 /// How the listing's numbers approach their limit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Convergence {
-    /// The limit: what the event-exact solver gives with slips three times too fast and the exit tested at one end.
+    /// The limit: what the event-exact solver gives with slips three times too fast and the exit
+    /// tested at one end.
     pub limit: [f64; 4],
-    /// How far the limit agrees with the published numbers: these digits come from the continuous cause, the others
-    /// from the step.
+    /// How far the limit agrees with the published numbers: these digits come from the continuous
+    /// cause, the others from the step.
     pub limit_digits: [Agreement; 4],
     /// Over three decades of steps, in ascending order.
     pub steps: Vec<Cell>,
@@ -109,8 +114,8 @@ pub struct Convergence {
     pub around: Vec<Cell>,
     /// How each number approaches the limit.
     pub approach: [Approach; 4],
-    /// How each number approaches what the listing itself gives at the finest step, over the other steps; nothing of the injected
-    /// solver is in it.
+    /// How each number approaches what the listing itself gives at the finest step, over the other
+    /// steps; nothing of the injected solver is in it.
     pub own_approach: [Approach; 4],
 }
 
@@ -154,7 +159,8 @@ impl Convergence {
         let finest = steps.first().map_or(0.0, |finest| finest.h);
         let own_errors = |steps: &[Cell], i: usize| -> Vec<(f64, f64)> {
             let limit = own.unwrap_or([f64::NAN; 4]);
-            // The finest step errs by its own part of the bound, so that a difference is held against both steps.
+            // The finest step errs by its own part of the bound, so that a difference is held
+            // against both steps.
             let errors = errors(steps, &limit, i).into_iter();
             errors.map(|(h, e)| (h, e * h / (h + finest))).collect()
         };

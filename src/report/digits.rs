@@ -4,7 +4,8 @@ use std::fmt;
 
 use crate::paper::published::{Claim, Digits};
 
-/// Digits that count of values that are published in closed form: those that [`Claim::agrees`] asks for.
+/// Digits that count of values that are published in closed form: those that [`Claim::agrees`] asks
+/// for.
 const EXACT_DIGITS: u32 = 12;
 
 /// How far a value agrees with a published one.
@@ -39,8 +40,8 @@ impl fmt::Display for Agreement {
     }
 }
 
-/// How far `value` agrees with the number that `claim` publishes, or with the nearest of a set; nothing for a claim
-/// without numbers.
+/// How far `value` agrees with the number that `claim` publishes, or with the nearest of a set;
+/// nothing for a claim without numbers.
 pub fn agreement(claim: &Claim, value: f64) -> Option<Agreement> {
     let distance = |published: &f64| (value - published).abs();
     let published = claim

@@ -83,7 +83,8 @@ impl Computed {
     }
 }
 
-/// Signs of a spectrum's exponents from the equations, the largest first: what grows, what stays, what shrinks.
+/// Signs of a spectrum's exponents from the equations, the largest first: what grows, what stays,
+/// what shrinks.
 pub fn signs(data: &block_and_bracket::Data) -> [Sign; 4] {
     let evidence = &data.exact.evidence;
     let grow = usize::from(evidence.positive);

@@ -65,7 +65,8 @@ impl Finding {
         self
     }
 
-    /// Whether it says anything: it could have come out otherwise, and is no annihilated exponent, which no estimate can give.
+    /// Whether it says anything: it could have come out otherwise, and is no annihilated exponent,
+    /// which no estimate can give.
     pub fn is_evidence(&self) -> bool {
         !self.by_construction
             && !matches!(self.values[..], [Value::Number(v)] if v == f64::NEG_INFINITY)

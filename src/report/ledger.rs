@@ -169,8 +169,8 @@ impl Ledger {
         &self.entries[id as usize]
     }
 
-    /// What the same computations come to for a claim as `claims` has it: with the published table its entry, with a changed one what
-    /// would be said if the paper had printed that.
+    /// What the same computations come to for a claim as `claims` has it: with the published table
+    /// its entry, with a changed one what would be said if the paper had printed that.
     pub fn judged_anew(&self, claims: &Claims, id: ClaimId) -> Entry {
         let claim = claims.of(id);
         let tables = self.computed.tables.iter();
@@ -207,7 +207,8 @@ impl Ledger {
         }
     }
 
-    /// The corrections that a claim's corrected readings carry. An orbit that never leaves the belt knows nothing of the clipped force.
+    /// The corrections that a claim's corrected readings carry. An orbit that never leaves the belt
+    /// knows nothing of the clipped force.
     fn corrections(&self, claim: &Claim) -> impl Iterator<Item = Correction> {
         let of_claim =
             |one: &SpectrumFigure| one.class() == claim.id || one.exponents().contains(&claim.id);

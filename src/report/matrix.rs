@@ -128,7 +128,8 @@ impl Matrix {
         candidates.filter(everywhere).collect()
     }
 
-    /// Runs that have the property and of whose defects no proper subset has it, the smallest first.
+    /// Runs that have the property and of whose defects no proper subset has it, the smallest
+    /// first.
     pub fn minimal(&self, property: Property) -> Vec<&Cell> {
         let is_least = |cell: &&Cell| {
             let mut others = self.having(property);

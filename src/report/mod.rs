@@ -1,9 +1,11 @@
 //! The report: what becomes of every claim of the paper, by computation, and why.
 //!
-//! [`ledger::Ledger::compute`] makes all of it; everything else here is a part of that: what readings give for a claim ([`finding`]) and what
-//! that comes to ([`verdict`]), evidence for statements ([`evidence`], [`accuracy`]), the cause of Fig. 8's numbers ([`cause`], [`matrix`],
-//! [`convergence`],), the search for what Fig. 8 shows in the stated model ([`scan`]), the estimator's spread in Figs. 10–12
-//! ([`spread`]) and the misprints ([`errata`]). [`page`] and [`readme`] show it.
+//! [`ledger::Ledger::compute`] makes all of it; everything else here is a part of that: what
+//! readings give for a claim ([`finding`]) and what that comes to ([`verdict`]), evidence for
+//! statements ([`evidence`], [`accuracy`]), the cause of Fig. 8's numbers ([`cause`], [`matrix`],
+//! [`convergence`],), the search for what Fig. 8 shows in the stated model ([`scan`]), the
+//! estimator's spread in Figs. 10–12 ([`spread`]) and the misprints ([`errata`]). [`page`] and
+//! [`readme`] show it.
 
 pub mod accuracy;
 pub mod cause;

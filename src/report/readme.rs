@@ -1,4 +1,5 @@
-//! The part of the README that says what holds: claims counted by verdict for each part of the paper.
+//! The part of the README that says what holds: claims counted by verdict for each part of the
+//! paper.
 
 use super::digits::decimals;
 use super::finding::Finding;
@@ -9,7 +10,8 @@ use crate::figures::rows::Value;
 use crate::paper::published::{Claim, Digits, Kind};
 use crate::text::{Marks, joined};
 
-/// The parts of the paper in which claims are counted: as `data/claims.csv` has them, and their names.
+/// The parts of the paper in which claims are counted: as `data/claims.csv` has them, and their
+/// names.
 const PARTS: [(&str, &str); 9] = [
     ("sect2", "Sect. 2, Eqs. (8)–(16)"),
     ("fig4", "Fig. 4"),

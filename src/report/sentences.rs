@@ -1,4 +1,5 @@
-//! The verdict in a few sentences, every number of them formatted from the run: the page and the README open with these.
+//! The verdict in a few sentences, every number of them formatted from the run: the page and the
+//! README open with these.
 
 use super::correction::Correction;
 use super::ledger::{Entry, Ledger};

@@ -1,5 +1,5 @@
-//! How far an exponent of Figs. 10–12 moves over settings of the estimator that the paper does not state, from the committed search;
-//! and the class of Fig. 10 with its caption mended, computed.
+//! How far an exponent of Figs. 10–12 moves over settings of the estimator that the paper does not
+//! state, from the committed search; and the class of Fig. 10 with its caption mended, computed.
 
 use rayon::prelude::*;
 
@@ -16,7 +16,8 @@ use stickslip::models::Caption;
 pub struct Spread {
     /// The committed search, which has the estimates.
     pub search: Committed,
-    /// Class of the motion of Fig. 10 with its caption mended, each of the three entries that can be at fault in turn.
+    /// Class of the motion of Fig. 10 with its caption mended, each of the three entries that can
+    /// be at fault in turn.
     pub mended: Vec<(String, Class)>,
 }
 
@@ -126,7 +127,8 @@ impl Spread {
     }
 }
 
-/// Fig. 10's caption with ξ6/μ0 = ξ4 − 1 restored, as it holds in the two other captions, by changing one of the three.
+/// Fig. 10's caption with ξ6/μ0 = ξ4 − 1 restored, as it holds in the two other captions, by
+/// changing one of the three.
 pub(super) fn mended_captions() -> [(String, Caption); JOBS] {
     let [_, _, _, xi4, _, mu0, xi6, _, _] = Caption::FIG10.numbers;
     [

@@ -1,5 +1,5 @@
-//! What Figs. 10, 11 and 12 share: the block and the bracket with the parameters of one caption, its exponents from the
-//! equations and from data, and the class of its motion.
+//! What Figs. 10, 11 and 12 share: the block and the bracket with the parameters of one caption,
+//! its exponents from the equations and from data, and the class of its motion.
 
 mod against_equations;
 mod compute;

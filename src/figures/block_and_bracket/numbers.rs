@@ -60,9 +60,9 @@ fn exponents(figure: SpectrumFigure, reading: Reading, measured: &Measured) -> V
     rows
 }
 
-/// The exponents, then what they are worth: standard error (statistical only), change with neighbourhoods of twice the size,
-/// the fit of fixed rank, how far those that the data tell are off the equations' and how far they may be, and the
-/// neighbourhoods.
+/// The exponents, then what they are worth: standard error (statistical only), change with
+/// neighbourhoods of twice the size, the fit of fixed rank, how far those that the data tell are
+/// off the equations' and how far they may be, and the neighbourhoods.
 fn data_exponents(
     figure: SpectrumFigure,
     reading: Reading,

@@ -48,7 +48,8 @@ pub struct Cycle {
 pub struct Data {
     /// The model.
     pub model: BeltOscillator,
-    /// Where σ, the product of the two fields' normal components on Σ, is stationary (m), largest first.
+    /// Where σ, the product of the two fields' normal components on Σ, is stationary (m), largest
+    /// first.
     pub stationary: Vec<f64>,
     /// The friction amplitudes at which σ vanishes there (N): the accelerations of the spring.
     pub critical_mu0: Vec<f64>,
@@ -71,7 +72,8 @@ const TOLERANCE: f64 = 1e-13;
 const DRAWN: f64 = 16.0;
 /// Time after which an orbit is near enough to the cycle for Newton's iteration (s).
 const SETTLED: f64 = 60.0;
-/// Starts besides the tangent points: inside the cycle below the belt's speed, and outside it above.
+/// Starts besides the tangent points: inside the cycle below the belt's speed, and outside it
+/// above.
 const FURTHER: [(f64, f64); 2] = [(-0.4, 0.4), (-0.6, 1.5)];
 
 pub(super) fn compute() -> Result<Data, Error> {
@@ -100,7 +102,8 @@ pub(super) fn compute() -> Result<Data, Error> {
         .collect::<Result<Vec<_>, Error>>()?;
     let cycle = cycle(&model, &options)?;
     let stationary = stationary(&model);
-    // At rest friction adds the same to either side, so the mean of the two normal components is the spring's.
+    // At rest friction adds the same to either side, so the mean of the two normal components is
+    // the spring's.
     let spring = |x1: f64| {
         let on_belt = [x1, model.belt_speed];
         0.5 * (normal(&model, Side::Below, &on_belt) + normal(&model, Side::Above, &on_belt))
@@ -124,7 +127,8 @@ fn normal<T: Scalar>(model: &BeltOscillator, side: Side, x: &[T; 2]) -> T {
     normal_component(model, t, x, &model.field(side, t, x))
 }
 
-/// The zeros of ∂σ/∂x₁ (Eq. 11) on Σ: bracketed on a grid that holds none of them, then bisected to the last bit.
+/// The zeros of ∂σ/∂x₁ (Eq. 11) on Σ: bracketed on a grid that holds none of them, then bisected to
+/// the last bit.
 fn stationary(model: &BeltOscillator) -> Vec<f64> {
     let slope = |x1: f64| {
         let x = [Dual::new(x1, 1.0), Dual::new(model.belt_speed, 0.0)];

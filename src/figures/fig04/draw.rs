@@ -81,7 +81,8 @@ fn boundary(panel: &mut Panel, data: &Data, numbered: bool) {
     }
 }
 
-/// Where a tangent point's number stands, clear of the cycle: it runs above the line at 1 and 2, below it elsewhere.
+/// Where a tangent point's number stands, clear of the cycle: it runs above the line at 1 and 2,
+/// below it elsewhere.
 fn beside(number: usize) -> (f64, f64) {
     (0.0, if number <= 2 { -9.0 } else { 9.0 })
 }

@@ -125,7 +125,8 @@ fn branches(data: &Data) -> Panel {
         );
     }
     panel.add(Guide::vertical(data.critical).color(GREY));
-    // Both lists begin with an upper end and have an even length, so the colours alternate across them.
+    // Both lists begin with an upper end and have an even length, so the colours alternate across
+    // them.
     for (k, branch) in below.iter().chain(above).enumerate() {
         let (color, dash) = EDGES[k % 2];
         panel.add(

@@ -74,7 +74,8 @@ fn touching(data: &Data, transition: &Transition, side: f64) -> u64 {
     touches.count() as u64
 }
 
-/// Fig. 7b: what the curves are drawn with. Whether they bound the stick zones is computed by the report.
+/// Fig. 7b: what the curves are drawn with. Whether they bound the stick zones is computed by the
+/// report.
 fn oscillation(data: &Data) -> Vec<Row> {
     let oscillation = &data.oscillation;
     let mut rows = vec![

@@ -20,9 +20,11 @@ use stickslip::system::{Mode, Side, State};
 pub struct AsPrinted {
     /// What it settles on.
     pub pattern: Pattern,
-    /// Where the body sticks in the plotted window: time and position at the start and at the end of each stretch.
+    /// Where the body sticks in the plotted window: time and position at the start and at the end
+    /// of each stretch.
     pub stuck: Vec<[(f64, f64); 2]>,
-    /// Part of the time in stick phases, in the plotted window, in which the body is in no stick zone.
+    /// Part of the time in stick phases, in the plotted window, in which the body is in no stick
+    /// zone.
     pub outside_zones: f64,
     /// The plotted window: time, position, velocity.
     pub trajectory: Vec<(f64, f64, f64)>,

@@ -107,7 +107,8 @@ fn add_stick_phases(panel: &mut Panel, data: &Data) {
     }
 }
 
-/// The deflections, which lie too near each other for the panel's scale: small, and enlarged in a corner.
+/// The deflections, which lie too near each other for the panel's scale: small, and enlarged in a
+/// corner.
 fn add_deflections(panel: &mut Panel, side: &Side<'_>) {
     let belt = side.data.model.belt_speed;
     let deflections = side.data.as_printed.pattern.deflections();

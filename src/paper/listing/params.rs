@@ -31,7 +31,8 @@ pub struct Params {
     pub omega: f64,
     /// The six tangent points of Eq. (24) in metres, largest first (the listing's `T`).
     ///
-    /// They follow from `mu0`, `k1` and `k2`; the listing has them as constants, and so they are given.
+    /// They follow from `mu0`, `k1` and `k2`; the listing has them as constants, and so they are
+    /// given.
     pub tangent_points: [f64; 6],
     /// Time of the start in seconds.
     pub t0: f64,

@@ -9,7 +9,8 @@ use stickslip::system::Mode;
 /// How much a pattern is shortened, in forcing periods, so as not to count its first phase twice.
 const PATTERN_MARGIN: f64 = 0.01;
 
-/// A stick zone: an interval between two neighbouring tangent points in which the body can ride the belt.
+/// A stick zone: an interval between two neighbouring tangent points in which the body can ride the
+/// belt.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Zone {
     /// `[T2, T1]` of Eq. (24), the listing's `k = 0`.
@@ -52,9 +53,10 @@ impl Zone {
 
 /// The resting positions of both ends, in metres.
 ///
-/// A stick phase can start with no zone: the transition function and the comparison of [`Zone::holding`]
-/// round differently at a zone's end. The listing's `k` is then −1, and `T[-1]` is the last tangent point
-/// (its neighbour `T[k+1]`, read only with the mended exit test, the first).
+/// A stick phase can start with no zone: the transition function and the comparison of
+/// [`Zone::holding`] round differently at a zone's end. The listing's `k` is then −1, and `T[-1]`
+/// is the last tangent point (its neighbour `T[k+1]`, read only with the mended exit test, the
+/// first).
 pub(super) fn ends(zone: Option<Zone>, tangent_points: &[f64; 6]) -> (f64, f64) {
     let [t1, t2, t3, t4, t5, t6] = *tangent_points;
     match zone {
@@ -79,7 +81,8 @@ pub enum Direction {
 pub struct Sample {
     /// The listing's `i`.
     pub step: u64,
-    /// Time in seconds. Not `(step + 1)·h`: steps that cross the belt's speed have a length of their own.
+    /// Time in seconds. Not `(step + 1)·h`: steps that cross the belt's speed have a length of
+    /// their own.
     pub t: f64,
     /// Displacement in metres.
     pub x1: f64,
@@ -132,8 +135,8 @@ pub struct Crossing {
     pub at: Instant,
     /// Which way.
     pub direction: Direction,
-    /// Whether it is the first step after a stick phase: no crossing of the motion, but the wrong side of
-    /// [`Defect::ReversedExitSide`](super::Defect::ReversedExitSide) put right.
+    /// Whether it is the first step after a stick phase: no crossing of the motion, but the wrong
+    /// side of [`Defect::ReversedExitSide`](super::Defect::ReversedExitSide) put right.
     pub after_exit: bool,
 }
 
@@ -162,7 +165,8 @@ impl Run {
         self.phases_in_last(period)
     }
 
-    /// The four numbers of [`Pattern::four_numbers`]; none unless the motion is [`Motion::StickSlip`] with two phases there.
+    /// The four numbers of [`Pattern::four_numbers`]; none unless the motion is
+    /// [`Motion::StickSlip`] with two phases there.
     pub fn four_numbers(&self) -> Option<[f64; 4]> {
         Pattern::of_listing(self)?.four_numbers()
     }
@@ -172,7 +176,8 @@ impl Run {
         let Some(last) = self.phases.last() else {
             return &[];
         };
-        // The phase exactly that long ago begins the pattern before; the clock may jitter around it.
+        // The phase exactly that long ago begins the pattern before; the clock may jitter around
+        // it.
         let from = last.exit.t - (periods as f64 - PATTERN_MARGIN) * self.forcing_period;
         let before = self.phases.iter().rposition(|phase| phase.exit.t <= from);
         self.phases

@@ -5,8 +5,8 @@ use super::{Defect, Direction, End, Instant, Motion, Params, Sample, Setup, Zone
 use crate::paper::stages::{in_time, in_velocity};
 use stickslip::system::{Mode, Side, State};
 
-/// A body further out than this many times the outermost tangent point has left for good: the spring pushes
-/// outward there with a thousand times the force it has at that point.
+/// A body further out than this many times the outermost tangent point has left for good: the
+/// spring pushes outward there with a thousand times the force it has at that point.
 const ESCAPE_FACTOR: f64 = 10.0;
 
 /// What a pass did besides moving the state.
@@ -27,7 +27,8 @@ struct Field {
     k1: f64,
     k2: f64,
     mu0: f64,
-    /// `vp + 1` below the belt's speed, `vp − 1` above (line 25): makes `μ0/(pole − x2)` the friction.
+    /// `vp + 1` below the belt's speed, `vp − 1` above (line 25): makes `μ0/(pole − x2)` the
+    /// friction.
     pole: f64,
 }
 
@@ -144,8 +145,8 @@ impl<'a> Machine<'a> {
         }
     }
 
-    /// How the run ended, if the state can no longer be a motion of the oscillator; `t` is the time before the
-    /// last pass.
+    /// How the run ended, if the state can no longer be a motion of the oscillator; `t` is the time
+    /// before the last pass.
     pub(super) fn breakdown(&self, t: f64) -> Option<Motion> {
         let outermost = self.setup.params.tangent_points[0];
         if self.x.iter().any(|v| !v.is_finite()) {
@@ -202,11 +203,13 @@ impl<'a> Machine<'a> {
         Some(Event::Exit(end))
     }
 
-    /// The state where a stick phase ends at the zone's end with resting position `rest` (lines 37–38).
+    /// The state where a stick phase ends at the zone's end with resting position `rest` (lines
+    /// 37–38).
     fn stick_exit(&self, start: [f64; 3], moved: [f64; 3], rest: f64, xs: f64) -> [f64; 3] {
         let defects = &self.setup.defects;
         if defects.has(Defect::InPlaceStages) {
-            // Line 37 has overwritten x[1] before it subtracts it, so line 38 adds nothing to the clock.
+            // Line 37 has overwritten x[1] before it subtracts it, so line 38 adds nothing to the
+            // clock.
             return [moved[0], rest + xs, moved[2]];
         }
         if defects.has(Defect::FrozenForcing) {
@@ -215,7 +218,8 @@ impl<'a> Machine<'a> {
         }
         let gap_start = start[1] - rest - self.xs;
         let gap_end = moved[1] - rest - xs;
-        // The gaps have the same sign only if the phase began outside its zone: then it ends at once.
+        // The gaps have the same sign only if the phase began outside its zone: then it ends at
+        // once.
         let fraction = if gap_start * gap_end < 0.0 {
             gap_start / (gap_start - gap_end)
         } else {

@@ -74,7 +74,8 @@ impl Arrival {
         )
     }
 
-    /// The same with the step that Sect. 3 prints for it: `vp − x2` from below, `x2 − vp` from above.
+    /// The same with the step that Sect. 3 prints for it: `vp − x2` from below, `x2 − vp` from
+    /// above.
     pub(super) fn as_in_the_text(
         &self,
         model: &ForcedOscillator,

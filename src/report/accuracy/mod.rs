@@ -1,5 +1,6 @@
-//! "Estimated with high accuracy": the errors of the times of arrival on Σ (Eq. 14) and of release from stick (Eq. 15) against exact
-//! ones, by the method as the text states it, with corrections, and by the listing.
+//! "Estimated with high accuracy": the errors of the times of arrival on Σ (Eq. 14) and of release
+//! from stick (Eq. 15) against exact ones, by the method as the text states it, with corrections,
+//! and by the listing.
 
 mod arrival;
 mod errors;
@@ -22,7 +23,8 @@ const TOLERANCE: f64 = 1e-14;
 /// Errors of event times on the stated models' own orbits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Accuracy {
-    /// Arrival by RK4 with fixed step, then one Hénon step onto Σ with the step in velocity `vp − x2`, from below and from above.
+    /// Arrival by RK4 with fixed step, then one Hénon step onto Σ with the step in velocity `vp −
+    /// x2`, from below and from above.
     pub stated: [EventErrors; 2],
     /// The same with the step in velocity that Sect. 3 prints: from above it is `x2 − vp`.
     pub text: [EventErrors; 2],

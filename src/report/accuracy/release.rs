@@ -15,7 +15,8 @@ use stickslip::system::{Filippov, Mode, Side, State};
 const ON_BELT: [f64; 3] = [-1.0, 0.0, 1.0];
 /// Time within which a body on the belt of model 1 is released (s).
 const RIDE: f64 = 2.0;
-/// Starts of model 2, and the forcing periods they are followed over, among whose stick phases long ones are sought.
+/// Starts of model 2, and the forcing periods they are followed over, among whose stick phases long
+/// ones are sought.
 const STARTS: [f64; 9] = [-1.0, -0.75, -0.5, -0.25, 0.0, 0.25, 0.5, 0.75, 1.0];
 const FOLLOWED: f64 = 4.0;
 /// Beyond 10 m or 10 m/s the softening spring drives the body away for good.
@@ -24,7 +25,8 @@ const ESCAPE: f64 = 10.0;
 /// Errors of one release, of a body that rides the belt until a tangent point is met.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Release {
-    /// Eq. (15) literally, `dt/dx1 = 1/f2` over `h2 = x_k − x1`, with the field below and with the one above.
+    /// Eq. (15) literally, `dt/dx1 = 1/f2` over `h2 = x_k − x1`, with the field below and with the
+    /// one above.
     pub literal: [EventErrors; 2],
     /// With `dt/dx1 = 1/x2` over the same step.
     pub corrected: EventErrors,
@@ -37,7 +39,8 @@ pub struct Releases {
     pub belt: Release,
     /// Model 2: the tangent point is taken where it is at the step's end, as in the listing.
     pub forced: Release,
-    /// Model 2 with the distance to the moving tangent point as independent variable: what its release needs besides.
+    /// Model 2 with the distance to the moving tangent point as independent variable: what its
+    /// release needs besides.
     pub moving: EventErrors,
     /// The listing as printed: the time gets no correction, for `xn` and `x` are one list.
     pub listing: EventErrors,
@@ -86,7 +89,8 @@ fn release<S: Filippov<2>>(
     event: &Event,
     shift: impl Fn(f64, f64) -> f64,
 ) -> Result<Release, ReportError> {
-    // The state of the stick phase before the step that passes the point, and the step h2 from there.
+    // The state of the stick phase before the step that passes the point, and the step h2 from
+    // there.
     let before = |h: f64, part: f64| {
         let t = event.t - part * h;
         let x = State::from([event.x1 - part * h * belt_speed, belt_speed]);
@@ -144,7 +148,8 @@ fn moving(model: &ForcedOscillator, event: &Event) -> Result<EventErrors, Report
     )
 }
 
-/// The listing from the same state on the belt. The test of its start, which is not meant here, is mended.
+/// The listing from the same state on the belt. The test of its start, which is not meant here, is
+/// mended.
 fn listing(
     method: &'static str,
     defects: Defects,
@@ -200,8 +205,8 @@ fn on_belt(model: &BeltOscillator) -> Result<Event, Error> {
     found.ok_or_else(|| missing("a release from stick", 0.0, RIDE))
 }
 
-/// The end, at the upper end of its zone, of the longest stick phase of model 2 from a row of starts: at a lower end the listing as
-/// printed does not look.
+/// The end, at the upper end of its zone, of the longest stick phase of model 2 from a row of
+/// starts: at a lower end the listing as printed does not look.
 fn on_forced(model: &ForcedOscillator) -> Result<Event, Error> {
     let points = model.tangent_points(0.0)?;
     let span = FOLLOWED * model.period();

@@ -1,5 +1,5 @@
-//! Misprints on model 3: Eqs. (27) and (28), the time's unit, the abstract, and the captions of Figs. 10–12, with what of the motion
-//! depends on them.
+//! Misprints on model 3: Eqs. (27) and (28), the time's unit, the abstract, and the captions of
+//! Figs. 10–12, with what of the motion depends on them.
 
 use std::ops::ControlFlow;
 
@@ -29,7 +29,8 @@ const FIGURES: [(&str, Caption); 3] = [
     ("Fig. 12", Caption::FIG12),
 ];
 
-/// What an orbit goes through: its largest component before the series begins, its section after that.
+/// What an orbit goes through: its largest component before the series begins, its section after
+/// that.
 struct Watch<'a> {
     largest: f64,
     turns: Turns<'a>,
@@ -216,7 +217,8 @@ pub(super) fn friction_counted_twice() -> Result<Erratum, ReportError> {
 /// Two rigs of other time units have the same Eq. (27).
 pub(super) fn unit_of_time() -> Result<Erratum, ReportError> {
     let slow = rig(9.81, 1.0);
-    // Four times the stiffness and, so that the length unit stays, four times gravity; speeds double.
+    // Four times the stiffness and, so that the length unit stays, four times gravity; speeds
+    // double.
     let fast = Rig {
         belt_speed: 2.0 * slow.belt_speed,
         delta: 0.5 * slow.delta,
@@ -255,10 +257,12 @@ pub(super) fn unit_of_time() -> Result<Erratum, ReportError> {
 /// Time over which the states of model 3 are sampled.
 const SAMPLED: f64 = 1000.0;
 const SAMPLES: u32 = 4000;
-/// A direction is there when the states spread along it by more than this part of their largest spread.
+/// A direction is there when the states spread along it by more than this part of their largest
+/// spread.
 const PART: f64 = 1e-2;
 
-/// Spreads (standard deviations) of the sampled states along their principal directions, the largest first.
+/// Spreads (standard deviations) of the sampled states along their principal directions, the
+/// largest first.
 fn spreads(caption: &Caption) -> Result<[f64; 4], ReportError> {
     let model = BlockAndBracket::from_caption(caption, &Reading::exact())?;
     let options = Options::tol(TOLERANCE);

@@ -1,4 +1,5 @@
-//! The defects of the Appendix's listing, each mended alone, and the shifts of Eq. (25), by which it is to be evaluated.
+//! The defects of the Appendix's listing, each mended alone, and the shifts of Eq. (25), by which
+//! it is to be evaluated.
 
 use super::{Erratum, Shown, count, erratum, number, word};
 use crate::paper::listing::{Defect, Defects, ListingError, Params, Setup, run};
@@ -6,7 +7,8 @@ use crate::report::ReportError;
 use crate::report::matrix::{Cell, Matrix};
 use stickslip::math;
 
-/// What changes when a defect alone is mended; the test of the start changes something for another start only.
+/// What changes when a defect alone is mended; the test of the start changes something for another
+/// start only.
 pub(super) fn defect(matrix: &Matrix, defect: Defect) -> Result<Erratum, ReportError> {
     let (printed, mended) = (matrix.with(Defects::AS_PRINTED), matrix.mended(defect));
     let mut shown = changes(printed, mended);
@@ -73,8 +75,8 @@ const STATES: usize = 4000;
 /// Radius of the neighbourhoods.
 const RADIUS: f64 = 2e-3;
 
-/// Eqs. (25) and (26) to the letter, for a series of one component: the neighbours' differences `y` after `neighbours` steps, `τ` of
-/// `points` steps.
+/// Eqs. (25) and (26) to the letter, for a series of one component: the neighbours' differences `y`
+/// after `neighbours` steps, `τ` of `points` steps.
 fn exponent(series: &[f64], neighbours: usize, points: usize) -> f64 {
     let usable = series.len() - neighbours.max(points);
     let (mut sum, mut count) = (0.0, 0_u32);

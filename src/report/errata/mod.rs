@@ -1,5 +1,5 @@
-//! The paper's misprints, each with the computation that shows it: a run of the solver or of the listing that could have come out
-//! otherwise.
+//! The paper's misprints, each with the computation that shows it: a run of the solver or of the
+//! listing that could have come out otherwise.
 
 mod bracket;
 mod listing;

@@ -1,4 +1,5 @@
-//! Misprints of Sect. 4: signs of friction and springs, lengths and durations, regions and directions.
+//! Misprints of Sect. 4: signs of friction and springs, lengths and durations, regions and
+//! directions.
 
 use rayon::prelude::*;
 

@@ -15,7 +15,8 @@ use stickslip::system::{Filippov, Side, State};
 /// Places between the outer tangent points at which it is seen whether a body sticks.
 const PLACES: u32 = 400;
 
-/// The least μ0 (N) at which a body on the belt of model 1 sticks wherever it is put between the outer tangent points, by halving.
+/// The least μ0 (N) at which a body on the belt of model 1 sticks wherever it is put between the
+/// outer tangent points, by halving.
 fn least_holding(model: &BeltOscillator) -> f64 {
     let reach = (model.k1 / model.k2).sqrt();
     let holds = |mu0: f64| {
@@ -121,7 +122,8 @@ pub(super) fn critical_points() -> Result<Erratum, ReportError> {
     ))
 }
 
-/// Eq. (13) has a negative value of μ0 too, at which the continuous stick zone is said to exist as well.
+/// Eq. (13) has a negative value of μ0 too, at which the continuous stick zone is said to exist as
+/// well.
 pub(super) fn negative_friction() -> Result<Erratum, ReportError> {
     let values = Claims::committed()?.of(ClaimId::Eq13CriticalMu0).values();
     let along = |mu0: f64| {
@@ -158,7 +160,8 @@ pub(super) fn negative_friction() -> Result<Erratum, ReportError> {
 
 /// Sect. 3 names Eq. (12) for the system that is to be solved.
 pub(super) fn wrong_reference() -> Result<Erratum, ReportError> {
-    // What has a solution: the orbit of Eq. (5) through each member of Eq. (12), off the belt's speed.
+    // What has a solution: the orbit of Eq. (5) through each member of Eq. (12), off the belt's
+    // speed.
     const SPAN: f64 = 30.0;
     let points = Claims::committed()?
         .of(ClaimId::Eq12CriticalPoints)
@@ -216,7 +219,8 @@ fn off(what: &str, errors: &EventErrors) -> Shown {
     number(what, errors.at_printed_step, "s")
 }
 
-/// Eq. (15) takes an acceleration for a velocity: on the belt it is one that vanishes where the step ends.
+/// Eq. (15) takes an acceleration for a velocity: on the belt it is one that vanishes where the
+/// step ends.
 pub(super) fn time_in_stick(accuracy: &Accuracy) -> Erratum {
     let release = &accuracy.release;
     let [below, above] = &release.belt.literal;

@@ -1,4 +1,5 @@
-//! `s2.inner_points`: at the critical friction ±1/√3 are tangent points inside the stick zone of model 1.
+//! `s2.inner_points`: at the critical friction ±1/√3 are tangent points inside the stick zone of
+//! model 1.
 
 use super::{found, small};
 use crate::paper::reading::Reading::Exact;
@@ -14,7 +15,8 @@ const TOLERANCE: f64 = 1e-13;
 const START: f64 = -0.9;
 /// A release this near to the outer point is at it (m).
 const AT: f64 = 1e-9;
-/// Friction above the critical one by these parts of it: at the critical value itself rounding decides at the inner points.
+/// Friction above the critical one by these parts of it: at the critical value itself rounding
+/// decides at the inner points.
 const EXCESSES: [f64; 4] = [0.0, 1e-15, 1e-12, 1e-9];
 
 /// A ride on the belt until the body slips.

@@ -1,4 +1,5 @@
-//! `fig07b.oscillation`: bodies put on Σ just beside the drawn curves stick on one side of them and slip on the other.
+//! `fig07b.oscillation`: bodies put on Σ just beside the drawn curves stick on one side of them and
+//! slip on the other.
 
 use rayon::prelude::*;
 

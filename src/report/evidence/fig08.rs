@@ -1,4 +1,5 @@
-//! What the paper says of Fig. 8's motion: its start, its arcs, and that the Appendix's program finds it.
+//! What the paper says of Fig. 8's motion: its start, its arcs, and that the Appendix's program
+//! finds it.
 
 use super::sticks::{ESCAPE, TOLERANCE};
 use super::{as_printed, found};
@@ -17,9 +18,11 @@ use stickslip::filippov::{Options, solve};
 use stickslip::models::ForcedOscillator;
 use stickslip::system::{Filippov, Mode, Side, State};
 
-/// Forcing periods that a start of the stated model is followed over, and the distance of states that count as equal.
+/// Forcing periods that a start of the stated model is followed over, and the distance of states
+/// that count as equal.
 const SETTLING: (usize, f64) = (60, 1e-5);
-/// End of the run that lets the motion settle (s), the listing's own, and forcing periods looked at after that.
+/// End of the run that lets the motion settle (s), the listing's own, and forcing periods looked at
+/// after that.
 const SETTLED: f64 = 63.3;
 const SHOWN: f64 = 4.0;
 
@@ -71,7 +74,8 @@ fn from(x1: f64) -> Result<FromPoint, ReportError> {
     })
 }
 
-/// `fig08.start`: the caption's start, the third tangent point, and the listing's, which is `T[3]`, the fourth.
+/// `fig08.start`: the caption's start, the third tangent point, and the listing's, which is `T[3]`,
+/// the fourth.
 pub(super) fn start() -> Result<(Vec<Finding>, Erratum), ReportError> {
     let points = Params::default().tangent_points;
     let (captioned, listed) = (from(points[2])?, from(points[3])?);
@@ -232,7 +236,8 @@ fn sides_of_model<S: Filippov<2>>(system: &S) -> Result<Sides, Error> {
     Ok(found)
 }
 
-/// Of the listing as printed, in the plotted window; the single steps on the wrong side after a stick phase left out.
+/// Of the listing as printed, in the plotted window; the single steps on the wrong side after a
+/// stick phase left out.
 fn sides_of_listing() -> Result<Sides, ReportError> {
     let setup = Setup::default();
     let mut found = Sides::NONE;
@@ -250,7 +255,8 @@ fn sides_of_listing() -> Result<Sides, ReportError> {
         match (side, &mut under_way) {
             (Some(side), Some((known, passes))) if side == *known => {
                 *passes += 1;
-                // A phase counts from its second pass: the first may only mend the side after a stick phase.
+                // A phase counts from its second pass: the first may only mend the side after a
+                // stick phase.
                 if *passes == 2 {
                     found.sides.push(side);
                 }
@@ -267,8 +273,8 @@ fn sides_of_listing() -> Result<Sides, ReportError> {
     Ok(found)
 }
 
-/// `s4.found_by_appendix`: what the Appendix's program finds. The claim is that; what the program without its defects finds is told
-/// beside it.
+/// `s4.found_by_appendix`: what the Appendix's program finds. The claim is that; what the program
+/// without its defects finds is told beside it.
 pub(super) fn found_by_appendix(defects: Defects) -> Result<Vec<Finding>, ReportError> {
     let with = |defects| {
         run(&Setup {

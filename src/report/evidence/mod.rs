@@ -1,7 +1,7 @@
 //! Evidence for the statements that no figure's table answers.
 //!
-//! One function for each claim computes, judges the statement's parts by the measured numbers and puts these into a sentence. Where the
-//! same numbers show a misprint, it returns that too.
+//! One function for each claim computes, judges the statement's parts by the measured numbers and
+//! puts these into a sentence. Where the same numbers show a misprint, it returns that too.
 
 mod belt;
 mod beside_curves;

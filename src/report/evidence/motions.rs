@@ -1,10 +1,12 @@
-//! The motions of Figs. 10–12: by the procedure of Sect. 3, and whether exponents and sections tell the same kind of motion.
+//! The motions of Figs. 10–12: by the procedure of Sect. 3, and whether exponents and sections tell
+//! the same kind of motion.
 //!
-//! Exponents: a positive one means chaos, two zeros a torus, one a closed orbit. A section closes when the figures' own test finds at
-//! most 64 distinct points that follow one another in the same order again and again ([`stickslip::analysis::motion::Evidence`]). A
-//! thousand points hardly tell an uneven curve from a chaotic set, so that whether a section that does not close is a curve decides
-//! nothing. It is shown beside: whether the points can be strung, that is whether in the tree of least length that joins them hardly
-//! any has more than two neighbours.
+//! Exponents: a positive one means chaos, two zeros a torus, one a closed orbit. A section closes
+//! when the figures' own test finds at most 64 distinct points that follow one another in the same
+//! order again and again ([`stickslip::analysis::motion::Evidence`]). A thousand points hardly tell
+//! an uneven curve from a chaotic set, so that whether a section that does not close is a curve
+//! decides nothing. It is shown beside: whether the points can be strung, that is whether in the
+//! tree of least length that joins them hardly any has more than two neighbours.
 
 use rayon::prelude::*;
 
@@ -25,8 +27,8 @@ use stickslip::models::Reading;
 const STEP: f64 = 0.01;
 const SETS: [Set; 3] = [Fig10::SET, Fig11::SET, Fig12::SET];
 
-/// `s5.by_procedure`: what the procedure of Sect. 3 makes of Eq. (27), steps of RK4 with Hénon's step onto Σ. Classes of the motions
-/// of Figs. 10, 11 and 12; nothing where the orbit escapes.
+/// `s5.by_procedure`: what the procedure of Sect. 3 makes of Eq. (27), steps of RK4 with Hénon's
+/// step onto Σ. Classes of the motions of Figs. 10, 11 and 12; nothing where the orbit escapes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ByProcedure {
     /// With the corrected equations.
@@ -80,7 +82,8 @@ impl ByProcedure {
     }
 }
 
-/// A set with a smaller share of branching points can be strung: half of what the Hénon attractor has.
+/// A set with a smaller share of branching points can be strung: half of what the Hénon attractor
+/// has.
 const STRUNG: f64 = 0.05;
 /// Most distinct points of a section that closes.
 const MOST: usize = 64;
@@ -94,7 +97,8 @@ pub struct Shape {
     pub points: usize,
     /// Distinct ones among them if it closes.
     pub closes_after: Option<usize>,
-    /// Share of the points at which the tree of least length branches, if the section does not close.
+    /// Share of the points at which the tree of least length branches, if the section does not
+    /// close.
     pub branching: Option<f64>,
     /// Exponents that are zero within their errors.
     pub zeros: usize,
@@ -159,7 +163,8 @@ impl Shape {
     }
 }
 
-/// Share of the points with more than two neighbours in the tree of least length through all of them (Prim 1957).
+/// Share of the points with more than two neighbours in the tree of least length through all of
+/// them (Prim 1957).
 fn branching<const N: usize>(points: &[[f64; N]]) -> f64 {
     if points.is_empty() {
         return f64::NAN;

@@ -1,4 +1,5 @@
-//! The product of the two normal components on Σ, its derivative, and where friction holds the body.
+//! The product of the two normal components on Σ, its derivative, and where friction holds the
+//! body.
 
 use super::{found, small};
 use crate::paper::reading::Reading::Exact;
@@ -51,12 +52,14 @@ pub(super) fn of_forced() -> Vec<Finding> {
 /// σ by the library's own normal components against the printed polynomial.
 #[derive(Default)]
 struct Compared {
-    /// Points of Σ, over positions, friction and the other parameters, and sets of parameters among them.
+    /// Points of Σ, over positions, friction and the other parameters, and sets of parameters among
+    /// them.
     points: usize,
     parameters: usize,
     /// Largest difference of the product from the polynomial, relative to its two terms.
     off: f64,
-    /// Largest difference of its derivative, by dual numbers, from the printed factors, relative to the terms.
+    /// Largest difference of its derivative, by dual numbers, from the printed factors, relative to
+    /// the terms.
     slope_off: f64,
     /// Points where the polynomial is negative.
     negative: usize,
@@ -64,7 +67,8 @@ struct Compared {
     disagreements: usize,
 }
 
-/// Printed values at a point: σ, the size of its terms, its derivative, and the size of that one's terms.
+/// Printed values at a point: σ, the size of its terms, its derivative, and the size of that one's
+/// terms.
 struct Printed {
     sigma: f64,
     size: f64,

@@ -1,4 +1,5 @@
-//! The stick phases that a grid of starts goes through, in the stated model and in the listing, against the set (24) of tangent points.
+//! The stick phases that a grid of starts goes through, in the stated model and in the listing,
+//! against the set (24) of tangent points.
 
 use rayon::prelude::*;
 
@@ -29,10 +30,11 @@ const FOLLOWED: f64 = 10.0;
 pub(super) const TOLERANCE: f64 = 1e-13;
 /// Beyond 10 m or 10 m/s the softening spring drives the body away for good.
 pub(super) const ESCAPE: f64 = 10.0;
-/// A stick phase of the listing no longer than ten of its steps (s) is chatter: it leaves a zone's end on the wrong side, is thrown back
-/// and sticks again, thousands of times.
+/// A stick phase of the listing no longer than ten of its steps (s) is chatter: it leaves a zone's
+/// end on the wrong side, is thrown back and sticks again, thousands of times.
 const CHATTER: f64 = 1e-3;
-/// Distances and times within this are none (m, s, m/s): the solver's tolerance, with room for it to grow.
+/// Distances and times within this are none (m, s, m/s): the solver's tolerance, with room for it
+/// to grow.
 const NONE: f64 = 1e-9;
 
 /// The starts, none of them at the belt's speed.
@@ -59,13 +61,16 @@ type At = (f64, f64);
 struct Stick {
     entry: At,
     exit: At,
-    /// Largest difference of the velocity from the belt's (m/s), at both ends and in the middle of every step.
+    /// Largest difference of the velocity from the belt's (m/s), at both ends and in the middle of
+    /// every step.
     speed_error: f64,
-    /// Whether the field that takes over is visibly tangent where it ends; time counted in the derivative.
+    /// Whether the field that takes over is visibly tangent where it ends; time counted in the
+    /// derivative.
     visible: bool,
 }
 
-/// Stick phases of the listing: those that last longer than [`CHATTER`], in the order of the starts, and how many others there are.
+/// Stick phases of the listing: those that last longer than [`CHATTER`], in the order of the
+/// starts, and how many others there are.
 struct OfListing {
     phases: Vec<StickPhase>,
     chatter: usize,
@@ -158,7 +163,8 @@ fn ends(phases: &[StickPhase]) -> impl Iterator<Item = (At, At)> {
     phases.iter().map(ends)
 }
 
-/// The six tangent points of Eq. (24) at rest (m), numbered from the largest down as the paper does.
+/// The six tangent points of Eq. (24) at rest (m), numbered from the largest down as the paper
+/// does.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct TangentSet(pub(super) [f64; 6]);
 
@@ -189,8 +195,8 @@ impl TangentSet {
         best
     }
 
-    /// When (s) a body that rides the belt from `(t, x1)` first meets one of the moved points, by that equation alone; nothing
-    /// within `span`.
+    /// When (s) a body that rides the belt from `(t, x1)` first meets one of the moved points, by
+    /// that equation alone; nothing within `span`.
     fn first_meeting(&self, model: &ForcedOscillator, (t, x1): At, span: f64) -> Option<f64> {
         // A gap changes by less than its own size over such a part of the forcing period.
         let part = model.period() / 2000.0;
@@ -369,7 +375,8 @@ fn meetings(
         let places = (duration / model.period() * MOMENTS).ceil().max(2.0);
         let (mut first, mut passes, mut places_outside) = (None, false, 0.0);
         for k in 0..places as u32 {
-            // Amid each part, so that neither begin nor end, which lie on tangent points, is looked at.
+            // Amid each part, so that neither begin nor end, which lie on tangent points, is looked
+            // at.
             let part = (f64::from(k) + 0.5) / places;
             let at = (
                 entry.0 + part * duration,
@@ -388,7 +395,8 @@ fn meetings(
     found
 }
 
-/// `s4.until_tangent`: whether a body in stick moves at the belt's speed until the next tangent point is met.
+/// `s4.until_tangent`: whether a body in stick moves at the belt's speed until the next tangent
+/// point is met.
 pub(super) fn until_tangent(followed: &Followed) -> Result<Vec<Finding>, Error> {
     // Stick phases of the stated model's settled motion from the start of Fig. 8.
     let sticks_of_fig08 = settled(Injected::NONE)?.sticks_of_one().count();
@@ -437,7 +445,8 @@ fn until_tangent_with(followed: &Followed, sticks_of_fig08: usize) -> Vec<Findin
     vec![found(Exact, parts, line), as_printed(printed)]
 }
 
-/// `s4.length_is_way`: durations less lengths over the belt's speed (s), and the misprint that follows.
+/// `s4.length_is_way`: durations less lengths over the belt's speed (s), and the misprint that
+/// follows.
 pub(super) fn length_is_way(
     followed: &Followed,
 ) -> Result<(Vec<Finding>, Erratum), PublishedError> {

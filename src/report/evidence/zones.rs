@@ -15,7 +15,8 @@ use stickslip::filippov::{Fate, fate};
 use stickslip::models::ForcedOscillator;
 use stickslip::system::{Filippov, Side, State};
 
-/// Positions relative to the support (m) within which zones are sought, and the number of places looked at.
+/// Positions relative to the support (m) within which zones are sought, and the number of places
+/// looked at.
 const REACH: f64 = 1.6;
 const PLACES: u32 = 1600;
 /// Differences within this are none (m): the last digits of a bisected position.
@@ -53,7 +54,8 @@ const OTHERS: [Parameter; 3] = [
     ("delta", |model| &mut model.delta),
 ];
 
-/// Least and largest shift (m) among the ends when each parameter is changed; zones that appear or vanish have moved all the more.
+/// Least and largest shift (m) among the ends when each parameter is changed; zones that appear or
+/// vanish have moved all the more.
 fn shifts(model: &ForcedOscillator, of: [Parameter; 3]) -> [(&'static str, (f64, f64)); 3] {
     let ends = stick_ends(model, 0.0);
     of.map(|(name, of)| {
@@ -95,14 +97,16 @@ const TIMES: u32 = 48;
 pub struct Oscillation {
     /// Whether the zone has six ends at all times.
     six_ends: bool,
-    /// Largest difference of an end, bisected along Σ by where the body sticks, from `z_k + A sin(ωt)` (m).
+    /// Largest difference of an end, bisected along Σ by where the body sticks, from `z_k + A
+    /// sin(ωt)` (m).
     largest_difference: f64,
     /// The ends at time 0, when the support is where it would rest (m), ascending.
     pub at_rest: Vec<f64>,
     /// Travel of the uppermost end along x1 (m), and twice the amplitude A of the support (m).
     travel_x1: f64,
     twice_amplitude: f64,
-    /// Travel of Σ, and of the zone in it, along x2 (m/s): where the boundary function vanishes at the zone's ends.
+    /// Travel of Σ, and of the zone in it, along x2 (m/s): where the boundary function vanishes at
+    /// the zone's ends.
     travel_x2: f64,
 }
 
@@ -202,7 +206,8 @@ impl Oscillation {
     }
 }
 
-/// Places of the wide zone looked at, and values of friction up to the critical one, at equal distances.
+/// Places of the wide zone looked at, and values of friction up to the critical one, at equal
+/// distances.
 const OF_ZONE: u32 = 400;
 const VALUES: u32 = 25;
 
@@ -211,7 +216,8 @@ type Cycle = (usize, usize);
 /// The cycles at one friction, each once, and the starts that lead to them.
 type Cycles = (Vec<Cycle>, usize);
 
-/// `s4.zone_attracts`: whether the wide stick zone attracts, and whether stick–slip cycles arise below the critical friction.
+/// `s4.zone_attracts`: whether the wide stick zone attracts, and whether stick–slip cycles arise
+/// below the critical friction.
 pub(super) fn attracts() -> Result<Vec<Finding>, Error> {
     let fig08 = ForcedOscillator::default();
     let fig07 = ForcedOscillator {
@@ -338,12 +344,14 @@ impl Sweep {
         pairs.filter(|pair| are(&pair[0].0, &pair[1].0)).count()
     }
 
-    /// Neighbouring values of which one has cycles and the other none: there cycles appear or vanish.
+    /// Neighbouring values of which one has cycles and the other none: there cycles appear or
+    /// vanish.
     fn births_and_deaths(&self) -> usize {
         self.neighbours(|one, other| one.is_empty() != other.is_empty())
     }
 
-    /// Neighbouring values, both with cycles, whose cycles differ in period or number of stick phases.
+    /// Neighbouring values, both with cycles, whose cycles differ in period or number of stick
+    /// phases.
     fn changes(&self) -> usize {
         self.neighbours(|one, other| !one.is_empty() && !other.is_empty() && one != other)
     }

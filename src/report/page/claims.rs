@@ -160,7 +160,8 @@ fn published(entry: &Entry) -> String {
     }
 }
 
-/// A number with more characters is a closed form in full precision; of these a reader wants the first digits.
+/// A number with more characters is a closed form in full precision; of these a reader wants the
+/// first digits.
 const SHORT: usize = 8;
 
 /// What is remarked of an exponent beside the verdict.

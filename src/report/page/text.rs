@@ -64,7 +64,8 @@ fn value(shown: &Shown) -> String {
     .replace('-', "−")
 }
 
-/// How values and verdicts are made. Paragraphs stand apart by an empty line, and their lines are one.
+/// How values and verdicts are made. Paragraphs stand apart by an empty line, and their lines are
+/// one.
 const METHODS: &str = include_str!("../../../assets/report/methods.html");
 
 /// What was done, in the words of the field.

@@ -31,7 +31,8 @@ const NEAR: f64 = 0.1;
 pub struct Followed {
     /// Position (m) and velocity (m/s) at the start.
     pub start: [f64; 2],
-    /// First Lyapunov exponent (1/s), from the equations; −∞ if stick takes even that direction away.
+    /// First Lyapunov exponent (1/s), from the equations; −∞ if stick takes even that direction
+    /// away.
     pub lambda: f64,
     /// Its standard error (1/s), from the means of blocks of a hundred forcing periods.
     pub std_error: f64,
@@ -56,8 +57,9 @@ impl Followed {
         (!self.lengths.is_empty()).then(|| extent(lengths))
     }
 
-    /// How far the stick phases are from the published lengths: of two that follow each other the larger of the relative differences
-    /// from the published pair, in either order, where that is least; infinite with fewer than two.
+    /// How far the stick phases are from the published lengths: of two that follow each other the
+    /// larger of the relative differences from the published pair, in either order, where that is
+    /// least; infinite with fewer than two.
     pub fn distance(&self, published: [f64; 2]) -> f64 {
         let off = |found: f64, wanted: f64| (found / wanted - 1.0).abs();
         let [first, second] = published;

@@ -195,8 +195,9 @@ impl Scan {
     }
 }
 
-/// The model as Eq. (17) prints it, with friction that drives slip on (it has the sign of a negative `mu0` here; where a
-/// start could go either way it goes up), and with the spring of Eq. (4), the opposite of Eq. (17)'s.
+/// The model as Eq. (17) prints it, with friction that drives slip on (it has the sign of a
+/// negative `mu0` here; where a start could go either way it goes up), and with the spring of Eq.
+/// (4), the opposite of Eq. (17)'s.
 fn variants() -> Result<Vec<(&'static str, Point)>, Error> {
     let printed = ForcedOscillator::default();
     let starts = starts(&printed)?;

@@ -45,14 +45,16 @@ impl Class {
     }
 }
 
-/// Positions of the starts, in units of √(k1/k2), beyond which the spring drives bodies away; symmetrical.
+/// Positions of the starts, in units of √(k1/k2), beyond which the spring drives bodies away;
+/// symmetrical.
 const POSITIONS: usize = 9;
 /// Their outermost.
 const REACH: f64 = 1.2;
 /// Velocities of the starts (m/s); the belt's speed comes on top.
 const VELOCITIES: [f64; 4] = [-1.6, -0.8, 0.0, 1.2];
 
-/// Starts: a grid, points on the belt, and the ends of the stick zones, of which one is the paper's start.
+/// Starts: a grid, points on the belt, and the ends of the stick zones, of which one is the paper's
+/// start.
 pub(in crate::report) fn starts(model: &ForcedOscillator) -> Result<Vec<State<2>>, Error> {
     let unit = (model.k1 / model.k2).sqrt();
     let speeds = || VELOCITIES.into_iter().chain([model.belt_speed]);
@@ -80,8 +82,8 @@ pub struct StickSlip {
 }
 
 impl StickSlip {
-    /// Larger of the relative differences of the two longest stick phases of two forcing periods from `published`; infinite where
-    /// there are not two.
+    /// Larger of the relative differences of the two longest stick phases of two forcing periods
+    /// from `published`; infinite where there are not two.
     pub fn distance(&self, published: [f64; 2]) -> f64 {
         // A motion of period one has each of its stick phases twice in two periods.
         let twice = if self.period == 1 { 2 } else { 1 };
@@ -127,7 +129,8 @@ pub struct Point {
 }
 
 impl Point {
-    /// Follows all starts in a model that has `value` in the place of one parameter, `factor` times the printed one.
+    /// Follows all starts in a model that has `value` in the place of one parameter, `factor` times
+    /// the printed one.
     ///
     /// # Errors
     /// Those of [`solve`] except an escape.
@@ -175,7 +178,8 @@ impl Point {
         })
     }
 
-    /// Of the stick–slip motions the one nearest to the published lengths that `allowed` lets pass, and its distance.
+    /// Of the stick–slip motions the one nearest to the published lengths that `allowed` lets pass,
+    /// and its distance.
     pub fn nearest(
         &self,
         published: [f64; 2],
@@ -187,8 +191,8 @@ impl Point {
     }
 }
 
-/// Where a start ends up. A motion with stick is followed on, for one that comes near its neighbour of half the period slowly is
-/// easily taken for one of twice the period.
+/// Where a start ends up. A motion with stick is followed on, for one that comes near its neighbour
+/// of half the period slowly is easily taken for one of twice the period.
 fn settled(
     model: &ForcedOscillator,
     x: State<2>,
@@ -206,7 +210,8 @@ fn settled(
     }
 }
 
-/// Lengths of the stick phases that end within one pattern of a periodic motion (m), the longest first.
+/// Lengths of the stick phases that end within one pattern of a periodic motion (m), the longest
+/// first.
 fn lengths(
     model: &ForcedOscillator,
     x: &State<2>,
