@@ -18,6 +18,17 @@ pub(crate) fn bisect(mut low: f64, mut high: f64, is_after: impl Fn(f64) -> bool
     }
 }
 
+/// Where a property begins or ends between neighbours of an ascending grid, to the last bit.
+pub(crate) fn changes(grid: impl IntoIterator<Item = f64>, has: impl Fn(f64) -> bool) -> Vec<f64> {
+    let grid = grid.into_iter().map(|at| (at, has(at)));
+    let grid: Vec<(f64, bool)> = grid.collect();
+    let pairs = grid.windows(2).map(|pair| (pair[0], pair[1]));
+    let changing = pairs.filter(|((_, before), (_, after))| before != after);
+    changing
+        .map(|((low, before), (high, _))| bisect(low, high, |at| has(at) != before))
+        .collect()
+}
+
 /// Least and largest of some numbers; `(∞, −∞)` of none. Numbers that are NaN are passed over.
 pub(crate) fn extent(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
     let none = (f64::INFINITY, f64::NEG_INFINITY);

@@ -179,16 +179,6 @@ impl Convergence {
         }
     }
 
-    /// Steps (s) and distances from the limit of number `i`, from 0, over three decades.
-    pub fn errors(&self, i: usize) -> Vec<(f64, f64)> {
-        distances(&self.steps, &self.limit, i)
-    }
-
-    /// The same around the printed step.
-    pub fn errors_around(&self, i: usize) -> Vec<(f64, f64)> {
-        distances(&self.around, &self.limit, i)
-    }
-
     /// The listing at the finest step.
     pub fn finest(&self) -> Option<&Cell> {
         self.steps.first()
@@ -244,8 +234,8 @@ impl Convergence {
     }
 }
 
-/// Steps (s) and distances of number `i` from the limit.
-fn distances(steps: &[Cell], limit: &[f64; 4], i: usize) -> Vec<(f64, f64)> {
+/// Steps (s) and distances of number `i`, from 0, from the limit.
+pub(super) fn distances(steps: &[Cell], limit: &[f64; 4], i: usize) -> Vec<(f64, f64)> {
     let signed = errors(steps, limit, i).into_iter();
     signed.map(|(h, e)| (h, e.abs())).collect()
 }

@@ -1,6 +1,6 @@
 //! The picture of the listing's approach to its limit.
 
-use super::convergence::{Convergence, PRINTED_STEP, REACH};
+use super::convergence::{Convergence, PRINTED_STEP, REACH, distances};
 use crate::figures::{FigureError, pair, with_ticks};
 use crate::text::joined;
 use plot::*;
@@ -64,6 +64,7 @@ fn approach(data: &Convergence) -> Panel {
     .label("(a)")
     .title("as printed, *h* → 0")
     .legend(Legend::Below);
+    let points = |steps, i| distances(steps, &data.limit, i).into_iter().map(log);
     let largest = data.largest_bound();
     let line = [-6.15, -2.85].map(|h: f64| (h, h + math::log10(largest)));
     panel.add(
@@ -80,14 +81,14 @@ fn approach(data: &Convergence) -> Panel {
     );
     for (i, (name, color, shape)) in NAMES.into_iter().enumerate() {
         panel.add(
-            Markers::new(data.errors(i).into_iter().map(log))
+            Markers::new(points(&data.steps, i))
                 .shape(shape)
                 .color(color)
                 .size(6.0)
                 .legend(name),
         );
         panel.add(
-            Markers::new(data.errors_around(i).into_iter().map(log))
+            Markers::new(points(&data.around, i))
                 .shape(shape)
                 .color(color)
                 .size(2.5),

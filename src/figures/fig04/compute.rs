@@ -1,6 +1,6 @@
 //! The orbits, the tangent points and the cycle.
 
-use crate::numbers::{bisect, missing};
+use crate::numbers::{changes, missing};
 use stickslip::scalar::Dual;
 
 use stickslip::analysis::{PeriodicOrbit, Visibility, multipliers, periodic_orbit};
@@ -134,15 +134,10 @@ fn stationary(model: &BeltOscillator) -> Vec<f64> {
         let x = [Dual::new(x1, 1.0), Dual::new(model.belt_speed, 0.0)];
         (normal(model, Side::Below, &x) * normal(model, Side::Above, &x)).eps
     };
-    let grid: Vec<f64> = (0..=300).map(|k| 1.507 - 0.01 * f64::from(k)).collect();
-    grid.windows(2)
-        .filter(|pair| (slope(pair[0]) < 0.0) != (slope(pair[1]) < 0.0))
-        .map(|pair| {
-            // The grid runs downwards.
-            let below = slope(pair[1]) < 0.0;
-            bisect(pair[1], pair[0], |x1| (slope(x1) < 0.0) != below)
-        })
-        .collect()
+    let grid = (0..=300).rev().map(|k| 1.507 - 0.01 * f64::from(k));
+    let mut zeros = changes(grid, |x1| slope(x1) < 0.0);
+    zeros.reverse();
+    zeros
 }
 
 fn cycle(model: &BeltOscillator, options: &Options) -> Result<Cycle, Error> {

@@ -185,24 +185,20 @@ fn listing(
 
 /// The release of model 1 from the middle zone.
 fn on_belt(model: &BeltOscillator) -> Result<Event, Error> {
-    let mut found = None;
+    let mut longest: Option<Event> = None;
     for x1 in ON_BELT {
         let start = State::from([x1, model.belt_speed]);
         let orbit = solve(model, 0.0, start, RIDE, &Options::tol(TOLERANCE))?;
-        let exits = orbit.transitions.iter();
-        let first = exits
-            .clone()
-            .find(|at| at.kind == TransitionKind::StickExit);
-        if let Some((at, Mode::Slip(to))) = first.map(|at| (at, at.to)) {
-            let ridden = at.t;
-            if found.as_ref().is_none_or(|&(longest, _)| ridden > longest) {
-                let (t, x1) = (at.t, at.x[0]);
-                found = Some((ridden, Event { t, x1, to }));
-            }
+        let mut exits = orbit.transitions.iter();
+        let first = exits.find(|at| at.kind == TransitionKind::StickExit);
+        if let Some((at, Mode::Slip(to))) = first.map(|at| (at, at.to))
+            && longest.as_ref().is_none_or(|known| at.t > known.t)
+        {
+            let (t, x1) = (at.t, at.x[0]);
+            longest = Some(Event { t, x1, to });
         }
     }
-    let found = found.map(|(_, event)| event);
-    found.ok_or_else(|| missing("a release from stick", 0.0, RIDE))
+    longest.ok_or_else(|| missing("a release from stick", 0.0, RIDE))
 }
 
 /// The end, at the upper end of its zone, of the longest stick phase of model 2 from a row of

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::sticks::TangentSet;
 use super::{found, small};
-use crate::numbers::{bisect, extent, largest, missing};
+use crate::numbers::{bisect, changes, extent, largest, missing};
 use crate::paper::reading::Reading::Exact;
 use crate::report::errata::{Erratum, erratum, number, word};
 use crate::report::finding::Finding;
@@ -28,15 +28,7 @@ fn stick_ends(model: &ForcedOscillator, t: f64) -> Vec<f64> {
     // Off the round numbers at which zones end for round parameters.
     let place = |k: u32| REACH * (2.0 * f64::from(k) / f64::from(PLACES) - 1.0) + 1.3e-4;
     let offset = model.support(t);
-    let mut ends = Vec::new();
-    for k in 1..=PLACES {
-        let (low, high) = (offset + place(k - 1), offset + place(k));
-        let before = sticks(low);
-        if sticks(high) != before {
-            ends.push(bisect(low, high, |x1| sticks(x1) != before));
-        }
-    }
-    ends
+    changes((0..=PLACES).map(|k| offset + place(k)), sticks)
 }
 
 /// Factor by which [`location`] changes each parameter.
