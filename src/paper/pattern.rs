@@ -282,6 +282,14 @@ impl Events {
     }
 }
 
+impl Run {
+    /// The four numbers of [`Pattern::four_numbers`]; none unless the motion is
+    /// [`Motion::StickSlip`] with two phases there.
+    pub fn four_numbers(&self) -> Option<[f64; 4]> {
+        Pattern::of_listing(self)?.four_numbers()
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

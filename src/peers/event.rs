@@ -3,7 +3,6 @@
 use std::str::FromStr;
 
 use super::error::PeersError;
-use super::problem::Problem;
 use crate::numbers::largest;
 
 /// What happened.
@@ -80,14 +79,7 @@ pub fn error(events: &[Event], reference: &[Event]) -> Result<f64, String> {
 
 /// Reads the file of a problem: `problem,event,kind,t,…`. Times have 30 decimals there; the nearest
 /// doubles are kept, so that an error below half a unit in the last place of a time cannot be told.
-///
-/// # Errors
-/// [`PeersError::Reference`] with the line that is not as it should be.
-pub fn reference(problem: &Problem) -> Result<Vec<Event>, PeersError> {
-    parse(problem.name, problem.reference)
-}
-
-fn parse(problem: &'static str, text: &str) -> Result<Vec<Event>, PeersError> {
+pub(super) fn parse(problem: &'static str, text: &str) -> Result<Vec<Event>, PeersError> {
     let wrong = |line: usize, cause: String| PeersError::Reference {
         problem,
         line,
@@ -117,7 +109,7 @@ fn parse(problem: &'static str, text: &str) -> Result<Vec<Event>, PeersError> {
 mod tests {
     use super::*;
 
-    use crate::peers::problem::{System, problems};
+    use crate::peers::problem::{Problem, System, problems};
     use stickslip::filippov::{Method, Options};
 
     /// Our events and the reference's, of every problem in turn.
@@ -126,7 +118,7 @@ mod tests {
         let solve = |problem: Problem| {
             let mut events = Vec::new();
             problem.solve(options, &mut events).unwrap();
-            let reference = reference(&problem).unwrap();
+            let reference = problem.reference().unwrap();
             (problem, events, reference)
         };
         problems.into_iter().map(solve).collect()
@@ -178,7 +170,7 @@ mod tests {
         assert_eq!(problems.len(), measured.len());
         for (problem, (name, measured)) in problems.into_iter().zip(measured) {
             assert_eq!(problem.name, name);
-            let reference = reference(&problem).unwrap();
+            let reference = problem.reference().unwrap();
             let worst = nearby(&problem).into_iter().map(|problem| {
                 let mut events = Vec::new();
                 problem.solve(&options, &mut events).unwrap();

@@ -8,7 +8,7 @@ use std::time::Instant;
 use super::child::{Answer, Peers};
 use super::compare::most_accurate;
 use super::error::PeersError;
-use super::event::{Event, error, reference};
+use super::event::{Event, error};
 use super::problem::{Problem, SOLVERS, Solver};
 use super::row::{Row, median};
 
@@ -36,7 +36,7 @@ pub fn problem(
     peers: Option<&mut Peers>,
     versions: &mut Vec<(String, String)>,
 ) -> Result<Vec<Row>, PeersError> {
-    let reference = reference(problem)?;
+    let reference = problem.reference()?;
     let mut entries = ours(problem, &reference);
     let mut peers = peers;
     if let Some(peers) = &mut peers {

@@ -21,7 +21,7 @@ use crate::text::joined;
 use output::Artifact;
 
 pub use error::PeersError;
-pub use event::{Event, Kind, reference};
+pub use event::{Event, Kind};
 pub use problem::{MovingBoundary, Problem, SOLVERS, Solver, System, problems};
 pub use row::Row;
 

@@ -4,7 +4,7 @@
 use std::ops::ControlFlow;
 
 use super::error::PeersError;
-use super::event::{Event, Kind};
+use super::event::{self, Event, Kind};
 use stickslip::filippov::{Method, Observer, Options, Transition, TransitionKind, run};
 use stickslip::models::{BeltOscillator, BlockAndBracket, Caption, ForcedOscillator, Reading};
 use stickslip::scalar::Scalar;
@@ -149,6 +149,14 @@ pub fn problems() -> Result<Vec<Problem>, stickslip::Error> {
 }
 
 impl Problem {
+    /// The events of its reference, to thirty digits.
+    ///
+    /// # Errors
+    /// [`PeersError::Reference`] with the line that is not as it should be.
+    pub fn reference(&self) -> Result<Vec<Event>, PeersError> {
+        event::parse(self.name, self.reference)
+    }
+
     /// The events up to the end time, appended to `events`, which is cleared first and whose memory
     /// is used again.
     ///

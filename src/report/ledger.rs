@@ -135,7 +135,7 @@ impl Ledger {
             cause: Cause::new(printed, both, &convergence, published),
             scan: Scan::compute([published[0], published[1]], tick)?,
             spread: Spread::compute(tick)?,
-            errata: errata(&matrix, &accuracy, &statements)?,
+            errata: errata(&matrix, &accuracy, &statements.errata)?,
             matrix,
             convergence,
             injection,

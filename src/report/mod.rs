@@ -68,7 +68,7 @@ impl<R> From<Failure<R>> for ReportError {
 }
 
 /// An orbit as far as it goes, and whether it escapes.
-fn reached(outcome: Result<Orbit<2>, Failure<Orbit<2>>>) -> Result<(Orbit<2>, bool), Error> {
+fn until_escape(outcome: Result<Orbit<2>, Failure<Orbit<2>>>) -> Result<(Orbit<2>, bool), Error> {
     match outcome {
         Ok(orbit) => Ok((orbit, false)),
         Err(failure) if matches!(failure.error, Error::Escaped { .. }) => {

@@ -3,7 +3,6 @@
 use super::regime::{self, Strobe};
 use super::step::{Event, Machine};
 use super::{Motion, Setup};
-use crate::paper::pattern::Pattern;
 use stickslip::system::Mode;
 
 /// How much a pattern is shortened, in forcing periods, so as not to count its first phase twice.
@@ -163,12 +162,6 @@ impl Run {
             return &[];
         };
         self.phases_in_last(period)
-    }
-
-    /// The four numbers of [`Pattern::four_numbers`]; none unless the motion is
-    /// [`Motion::StickSlip`] with two phases there.
-    pub fn four_numbers(&self) -> Option<[f64; 4]> {
-        Pattern::of_listing(self)?.four_numbers()
     }
 
     /// The complete phases that ended within so many forcing periods before the last one's end.

@@ -4,7 +4,7 @@ use super::TOLERANCE;
 use super::errors::{EventErrors, STEPS};
 use crate::numbers::missing;
 use crate::paper::listing::{Defect, Defects, Params, Setup, run};
-use crate::report::{ReportError, reached};
+use crate::report::{ReportError, until_escape};
 use stickslip::error::Error;
 use stickslip::filippov::{Options, TransitionKind, solve};
 use stickslip::models::{BeltOscillator, ForcedOscillator};
@@ -210,7 +210,7 @@ fn on_forced(model: &ForcedOscillator) -> Result<Event, Error> {
     for x1 in STARTS {
         let options = Options::tol(TOLERANCE).escape(ESCAPE);
         let start = State::from([x1, 0.0]);
-        let (orbit, _) = reached(solve(model, 0.0, start, span, &options))?;
+        let (orbit, _) = until_escape(solve(model, 0.0, start, span, &options))?;
         for at in &orbit.transitions {
             let (TransitionKind::StickExit, Mode::Slip(to)) = (at.kind, at.to) else {
                 continue;

@@ -8,7 +8,6 @@ mod sections_two_three;
 
 use super::ReportError;
 use super::accuracy::Accuracy;
-use super::evidence::Statements;
 use super::matrix::Matrix;
 use crate::figures::rows::Value;
 use crate::paper::listing::Defect;
@@ -46,7 +45,7 @@ pub struct Erratum {
 pub fn errata(
     matrix: &Matrix,
     accuracy: &Accuracy,
-    statements: &Statements,
+    of_statements: &[Erratum],
 ) -> Result<Vec<Erratum>, ReportError> {
     let mut all = vec![
         sections_two_three::unit_of_mu0(),
@@ -58,7 +57,7 @@ pub fn errata(
         section_four::sign_of_friction()?,
         section_four::spring_signs()?,
     ];
-    all.extend(statements.errata.iter().cloned());
+    all.extend_from_slice(of_statements);
     all.extend([
         listing::shifts(),
         bracket::signs()?,

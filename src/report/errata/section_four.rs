@@ -4,7 +4,7 @@
 use rayon::prelude::*;
 
 use super::{Erratum, count, erratum, number};
-use crate::report::reached;
+use crate::report::until_escape;
 use stickslip::error::Error;
 use stickslip::filippov::{Options, solve};
 use stickslip::models::{BeltOscillator, ForcedOscillator};
@@ -28,7 +28,7 @@ fn starts() -> Vec<State<2>> {
 /// The orbit as far as it goes before it escapes, and whether it does.
 fn follow<S: Filippov<2>>(system: &S, x: State<2>, span: f64) -> Result<(Orbit<2>, bool), Error> {
     let options = Options::tol(TOLERANCE).escape(ESCAPE);
-    reached(solve(system, 0.0, x, span, &options))
+    until_escape(solve(system, 0.0, x, span, &options))
 }
 
 /// Stick phases of model 2 from all starts, and orbits that end where Σ repels.

@@ -1,7 +1,7 @@
 //! `s2.inner_points`: at the critical friction ±1/√3 are tangent points inside the stick zone of
 //! model 1.
 
-use super::{found, small};
+use super::{small, statement};
 use crate::paper::reading::Reading::Exact;
 use crate::report::finding::Finding;
 use stickslip::analysis::{Visibility, tangency};
@@ -86,7 +86,7 @@ fn judged(rides: &[Ride], below: Ride) -> Vec<Finding> {
         small((released - 2.0 * inner()).abs()),
         below.released_at,
     );
-    vec![found(Exact, parts, line)]
+    vec![statement(Exact, parts, line)]
 }
 
 fn with_friction(excess: f64) -> BeltOscillator {

@@ -3,7 +3,7 @@
 
 use rayon::prelude::*;
 
-use super::found;
+use super::statement;
 use crate::figures::fig07::Oscillation;
 use crate::paper::reading::Reading::Exact;
 use crate::report::finding::Finding;
@@ -68,7 +68,7 @@ pub(super) fn oscillation(
         times.len(),
         joined(distances, "; at ")
     );
-    Ok(vec![found(Exact, parts, line)])
+    Ok(vec![statement(Exact, parts, line)])
 }
 
 fn at_distance(

@@ -2,7 +2,7 @@
 //! finds it.
 
 use super::sticks::{ESCAPE, TOLERANCE};
-use super::{as_printed, found};
+use super::{as_printed, statement};
 use crate::paper::claim_id::ClaimId;
 use crate::paper::listing::{Defects, Motion, Params, Run, Setup, run, run_with};
 use crate::paper::pattern::two_periodic;
@@ -121,7 +121,7 @@ pub(super) fn start() -> Result<(Vec<Finding>, Erratum), ReportError> {
         apart.abs() > 1e-3,
     );
     Ok((
-        vec![found(Exact, parts, line), as_printed(printed)],
+        vec![statement(Exact, parts, line), as_printed(printed)],
         misprint,
     ))
 }
@@ -208,7 +208,7 @@ pub(super) fn arcs() -> Result<(Vec<Finding>, Erratum), ReportError> {
         !listing.s1_is_upper() && !exact.s1_is_upper(),
     );
     let findings = vec![
-        found(Exact, exact.parts(), line),
+        statement(Exact, exact.parts(), line),
         as_printed(listing.parts()),
     ];
     Ok((findings, misprint))
@@ -293,7 +293,7 @@ pub(super) fn found_by_appendix(defects: Defects) -> Result<Vec<Finding>, Report
         words(printed.motion),
         words(mended.motion),
     );
-    Ok(vec![found(AsPrinted, parts, line)])
+    Ok(vec![statement(AsPrinted, parts, line)])
 }
 
 fn words(motion: Motion) -> String {

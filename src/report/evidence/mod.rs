@@ -99,7 +99,7 @@ impl Statements {
 }
 
 /// A statement judged by its parts, with the numbers in one sentence.
-fn found(
+fn statement(
     reading: Reading,
     parts: impl IntoIterator<Item = (&'static str, bool)>,
     line: String,

@@ -10,7 +10,7 @@
 
 use rayon::prelude::*;
 
-use super::{as_printed, found};
+use super::{as_printed, statement};
 use crate::figures::block_and_bracket::{
     BlockAndBracketFigure, Data, Fig10, Fig11, Fig12, Set, by_rk4_and_henon,
 };
@@ -76,7 +76,7 @@ impl ByProcedure {
             names(&self.as_printed)
         );
         vec![
-            found(Corrected, parts(&self.corrected), line),
+            statement(Corrected, parts(&self.corrected), line),
             as_printed(parts(&self.as_printed)),
         ]
     }
@@ -226,7 +226,7 @@ impl Shapes {
             "Fig. 12: it does not close as they say",
         ];
         let parts = [0, 1, 2].map(|i| (whats[i], self.figures[i].confirmed()));
-        vec![found(CorrectedEquations, parts, self.line())]
+        vec![statement(CorrectedEquations, parts, self.line())]
     }
 
     /// What was found, in words.

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::sticks::{follow, starts};
-use super::{found, small};
+use super::{small, statement};
 use crate::numbers::{extent, largest};
 use crate::paper::reading::Reading::Exact;
 use crate::report::finding::Finding;
@@ -49,7 +49,7 @@ pub(super) fn no_stick_at_zero() -> Result<Vec<Finding>, Error> {
         small(without.largest_kink),
         with.largest_kink,
     );
-    Ok(vec![found(Exact, parts, line)])
+    Ok(vec![statement(Exact, parts, line)])
 }
 
 /// What orbits from off and on Σ go through.

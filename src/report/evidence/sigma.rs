@@ -1,7 +1,7 @@
 //! The product of the two normal components on Σ, its derivative, and where friction holds the
 //! body.
 
-use super::{found, small};
+use super::{small, statement};
 use crate::paper::reading::Reading::Exact;
 use crate::report::finding::Finding;
 use stickslip::filippov::{Fate, fate, normal_component};
@@ -132,7 +132,7 @@ impl Compared {
              at most {off} and {slope_off} of their terms; stick and sign of σ disagree at {disagreements} points, {negative} of them have \
              σ < 0"
         );
-        vec![found(Exact, parts, line)]
+        vec![statement(Exact, parts, line)]
     }
 }
 

@@ -3,7 +3,7 @@
 
 use rayon::prelude::*;
 
-use super::{as_printed, found, small};
+use super::{as_printed, small, statement};
 use crate::numbers::{bisect, largest};
 use crate::paper::claim_id::ClaimId;
 use crate::paper::listing::{
@@ -14,7 +14,7 @@ use crate::paper::reading::Reading::Exact;
 use crate::paper::slip_times_three::{Injected, settled};
 use crate::report::errata::{Erratum, count, erratum, number};
 use crate::report::finding::Finding;
-use crate::report::{ReportError, reached};
+use crate::report::{ReportError, until_escape};
 use stickslip::analysis::{Visibility, visibility};
 use stickslip::error::Error;
 use stickslip::filippov::{Options, TransitionKind, solve};
@@ -50,7 +50,7 @@ pub(super) fn starts() -> Vec<State<2>> {
 pub(super) fn follow(model: &ForcedOscillator, t0: f64, x: State<2>) -> Result<Orbit<2>, Error> {
     let options = Options::tol(TOLERANCE).escape(ESCAPE);
     let outcome = solve(model, t0, x, t0 + FOLLOWED * model.period(), &options);
-    Ok(reached(outcome)?.0)
+    Ok(until_escape(outcome)?.0)
 }
 
 /// Time (s) and position (m).
@@ -244,7 +244,7 @@ pub(super) fn exact_lengths(followed: &Followed) -> Vec<Finding> {
         small(error),
         settled.len(),
     );
-    vec![found(Exact, parts, line), as_printed(printed)]
+    vec![statement(Exact, parts, line), as_printed(printed)]
 }
 
 /// Where stick phases end: how many at each of the points, and how many elsewhere.
@@ -339,7 +339,7 @@ pub(super) fn exit_at_visible(followed: &Followed) -> Vec<Finding> {
     );
     // The listing tests the points 1, 3 and 5 and no others.
     vec![
-        found(Exact, parts, line),
+        statement(Exact, parts, line),
         as_printed(printed).by_construction(),
     ]
 }
@@ -442,7 +442,7 @@ fn until_tangent_with(followed: &Followed, sticks_of_fig08: usize) -> Vec<Findin
         model.passing,
         small(model.largest_distance),
     );
-    vec![found(Exact, parts, line), as_printed(printed)]
+    vec![statement(Exact, parts, line), as_printed(printed)]
 }
 
 /// `s4.length_is_way`: durations less lengths over the belt's speed (s), and the misprint that
@@ -506,7 +506,7 @@ fn length_is_way_of(followed: &Followed, published: [f64; 4]) -> (Vec<Finding>, 
         longer && !sticks.is_empty() && of_model <= NONE,
     );
     (
-        vec![found(Exact, parts, line), as_printed(printed)],
+        vec![statement(Exact, parts, line), as_printed(printed)],
         misprint,
     )
 }

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::sticks::TangentSet;
-use super::{found, small};
+use super::{small, statement};
 use crate::numbers::{bisect, changes, extent, largest, missing};
 use crate::paper::reading::Reading::Exact;
 use crate::report::errata::{Erratum, erratum, number, word};
@@ -78,7 +78,7 @@ pub(super) fn location(model: &ForcedOscillator) -> Vec<Finding> {
         joined(named.map(each), ", "),
         joined(others.map(each), ", "),
     );
-    vec![found(Exact, parts, line)]
+    vec![statement(Exact, parts, line)]
 }
 
 /// Times in one forcing period; a quarter and three quarters of it are among them.
@@ -152,7 +152,7 @@ impl Oscillation {
             self.twice_amplitude,
             self.travel_x2,
         );
-        vec![found(Exact, parts, line)]
+        vec![statement(Exact, parts, line)]
     }
 
     /// `s6.oscillating_boundary`.
@@ -168,7 +168,7 @@ impl Oscillation {
         let line = format!(
             "over a forcing period Σ travels {boundary} m/s along x2; the stick zone in it travels {zone:.4} m along x1"
         );
-        vec![found(Exact, parts, line)]
+        vec![statement(Exact, parts, line)]
     }
 
     /// The direction in which the zone is said to oscillate.
@@ -262,7 +262,7 @@ fn judged(attracting: usize, least_pull: f64, sweeps: &[Sweep]) -> Vec<Finding> 
         small(least_pull),
         joined(each, "; ")
     );
-    vec![found(Exact, parts, line)]
+    vec![statement(Exact, parts, line)]
 }
 
 /// Critical friction (N), Eq. (23).
