@@ -10,7 +10,7 @@ use super::FigureSpec;
 use super::output::{self, Artifact};
 use super::rows;
 use crate::paper::published::Claims;
-use crate::terminal::{self, Progress};
+use crate::terminal;
 
 /// Arguments of a figure program.
 #[derive(Debug, Parser)]
@@ -41,9 +41,9 @@ pub fn main<F: FigureSpec>() -> ExitCode {
         Ok(arguments) => arguments,
         Err(error) => error.exit(),
     };
-    let progress = Progress::spinner(format!("computing {}", F::NAME));
+    let progress = terminal::spinner(format!("computing {}", F::NAME));
     let outcome = run::<F>(&arguments);
-    progress.clear();
+    progress.finish_and_clear();
     terminal::finish("table", outcome)
 }
 

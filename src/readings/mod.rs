@@ -26,7 +26,7 @@ use std::time::{Duration, Instant};
 use clap::Parser;
 use rayon::prelude::*;
 
-use crate::terminal::{self, Progress};
+use crate::terminal;
 use output::{Artifact, write_all};
 
 pub use committed::{Committed, Match};
@@ -123,12 +123,9 @@ pub fn run(arguments: &Arguments) -> Result<String, ReadingsError> {
     store.write()?;
     let pending = store.pending();
     let total = plan.groups.len();
-    let bar = Progress::bar(
-        total - pending.len(),
-        total,
-        " readings x integrators, {elapsed}",
-    )
-    .ticking(Duration::from_secs(1));
+    let done = total - pending.len();
+    let bar = terminal::bar(done, total, " readings x integrators, {elapsed}");
+    bar.enable_steady_tick(Duration::from_secs(1));
     let store = Mutex::new(store);
     let begun = AtomicBool::new(false);
     let work = || {
@@ -144,7 +141,7 @@ pub fn run(arguments: &Arguments) -> Result<String, ReadingsError> {
                 .lock()
                 .unwrap_or_else(PoisonError::into_inner)
                 .add(i, rows);
-            bar.advance();
+            bar.inc(1);
             added
         })
     };
@@ -157,7 +154,7 @@ pub fn run(arguments: &Arguments) -> Result<String, ReadingsError> {
             reason: error.to_string(),
         })?;
     let outcome = pool.install(work);
-    bar.clear();
+    bar.finish_and_clear();
     outcome?;
     let store = store.into_inner().unwrap_or_else(PoisonError::into_inner);
     let text = summary::summary(&plan, &store.rows(), &target)?;

@@ -13,7 +13,7 @@ use crate::figures::FigureError;
 use crate::figures::output::{Artifact, listing, write_all};
 use crate::paper::claim_id::ClaimId;
 use crate::paper::published::Claims;
-use crate::terminal::{self, Progress};
+use crate::terminal;
 
 const ABOUT: &str = "Computes what becomes of every claim of the paper, and why: values under each reading, digits in agreement, \
     verdict, evidence; the matrix of the listing's defects, its convergence, a scan of parameters, the misprints.";
@@ -45,9 +45,9 @@ pub struct Arguments {
 /// command line.
 pub fn main() -> ExitCode {
     let arguments = Arguments::parse();
-    let bar = Progress::bar(0, TICKS, " {elapsed}");
-    let outcome = run(&arguments, &|| bar.advance());
-    bar.clear();
+    let bar = terminal::bar(0, TICKS, " {elapsed}");
+    let outcome = run(&arguments, &|| bar.inc(1));
+    bar.finish_and_clear();
     terminal::finish("summary", outcome.map(|(_, text)| text))
 }
 
