@@ -1,11 +1,8 @@
-//! The replication of one paper with the library [`stickslip`]: its figures, its claims, its readings.
+//! The replication of one paper with the library [`stickslip`]: its figures, its claims, its
+//! readings.
 
-mod bisection;
-#[cfg(feature = "report")]
-mod correlation;
 pub mod figures;
-#[cfg(feature = "report")]
-mod marked;
+mod numbers;
 pub mod paper;
 #[cfg(feature = "report")]
 pub mod peers;
@@ -16,6 +13,7 @@ pub mod report;
 #[cfg(feature = "report")]
 pub mod spectrum_cli;
 mod terminal;
+mod text;
 mod turns;
 
 /// The README's example is compiled and run with the documentation's.

@@ -1,4 +1,5 @@
-//! The section of Figs. 10–12: where the block turns back.
+//! What is kept of an orbit of Figs. 10–12: states at equal times, and the section, where the block
+//! turns back.
 
 use stickslip::filippov::{Direction, EventFunctions, EventSearch, Options, StepRecord};
 use stickslip::models::BlockAndBracket;
@@ -39,5 +40,41 @@ impl<'a> Turns<'a> {
         let found = self.search.in_step(step);
         self.points
             .extend(found.iter().map(|at| (at.t, at.x.into())));
+    }
+}
+
+/// States at equal times.
+pub(crate) struct Samples {
+    from: f64,
+    dt: f64,
+    most: usize,
+    pub(crate) states: Vec<[f64; 4]>,
+}
+
+impl Samples {
+    /// None yet, of at most so many from a time on.
+    pub(crate) fn new(from: f64, dt: f64, most: usize) -> Self {
+        Samples {
+            from,
+            dt,
+            most,
+            states: Vec::new(),
+        }
+    }
+
+    /// Takes those that are due within the next step of the run.
+    pub(crate) fn step(&mut self, step: &StepRecord<4>) {
+        while self.states.len() < self.most {
+            let t = self.from + self.states.len() as f64 / (1.0 / self.dt);
+            if t > step.t_end {
+                return;
+            }
+            let x = if t == step.t_end {
+                step.x_end
+            } else {
+                step.dense.at_time(t)
+            };
+            self.states.push(x.into());
+        }
     }
 }

@@ -5,11 +5,12 @@ use std::fmt::Write as _;
 use proptest::prelude::*;
 use replication::paper::claim_id::ClaimId;
 use replication::paper::listing::{
-    Crossing, Defect, Defects, Direction, End, ListingError, Mode, Motion, Params, Run, Sample,
-    Setup, Zone, run, run_with,
+    Crossing, Defect, Defects, Direction, End, ListingError, Motion, Params, Run, Sample, Setup,
+    Zone, run, run_with,
 };
 use replication::paper::published::Claims;
 use stickslip::math;
+use stickslip::system::{Mode, Side};
 
 /// Samples of a run.
 fn samples(setup: &Setup) -> Vec<Sample> {
@@ -48,7 +49,9 @@ fn after_a_tenth(defects: Defects, h: f64) -> [f64; 2] {
     let steps = (0.1 / h).round() as usize;
     let phase = &samples(&setup)[..steps];
     assert!(
-        phase.iter().all(|sample| sample.mode == Mode::Below),
+        phase
+            .iter()
+            .all(|sample| sample.mode == Mode::Slip(Side::Below)),
         "the comparison needs one smooth phase"
     );
     let last = phase[steps - 1];
@@ -332,22 +335,22 @@ fn what_cannot_run_is_a_typed_error() {
     };
     assert!(matches!(
         with(&|s| s.params.mass = f64::NAN),
-        ListingError::NotFinite { name: "mass", .. }
+        ListingError::OutOfRange { name: "mass", .. }
     ));
     assert!(matches!(
         with(&|s| s.params.mass = 0.0),
-        ListingError::NotPositive { name: "mass", .. }
+        ListingError::OutOfRange { name: "mass", .. }
     ));
     assert!(matches!(
         with(&|s| s.params.belt_speed = -0.4),
-        ListingError::NotPositive {
+        ListingError::OutOfRange {
             name: "belt_speed",
             ..
         }
     ));
     assert!(matches!(
         with(&|s| s.params.amplitude = -1.0),
-        ListingError::Negative {
+        ListingError::OutOfRange {
             name: "amplitude",
             ..
         }
@@ -362,11 +365,11 @@ fn what_cannot_run_is_a_typed_error() {
     ));
     assert!(matches!(
         with(&|s| s.h = 0.0),
-        ListingError::NotPositive { name: "h", .. }
+        ListingError::OutOfRange { name: "h", .. }
     ));
     assert!(matches!(
         with(&|s| s.h = f64::INFINITY),
-        ListingError::NotFinite { name: "h", .. }
+        ListingError::OutOfRange { name: "h", .. }
     ));
     assert!(matches!(
         with(&|s| s.h = 0.5),
@@ -382,7 +385,7 @@ fn what_cannot_run_is_a_typed_error() {
     ));
     assert_eq!(
         with(&|s| s.h = -1.0).to_string(),
-        "h is -1, but it must be above 0; choose a positive value"
+        "h is -1, but it must be a finite number above 0; choose such a value"
     );
 }
 

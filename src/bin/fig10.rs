@@ -2,8 +2,8 @@
 
 use std::process::ExitCode;
 
+use replication::figures::block_and_bracket::Fig10;
 use replication::figures::cli;
-use replication::figures::fig10::Fig10;
 
 fn main() -> ExitCode {
     cli::main::<Fig10>()

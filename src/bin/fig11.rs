@@ -2,8 +2,8 @@
 
 use std::process::ExitCode;
 
+use replication::figures::block_and_bracket::Fig11;
 use replication::figures::cli;
-use replication::figures::fig11::Fig11;
 
 fn main() -> ExitCode {
     cli::main::<Fig11>()

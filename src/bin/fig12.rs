@@ -2,8 +2,8 @@
 
 use std::process::ExitCode;
 
+use replication::figures::block_and_bracket::Fig12;
 use replication::figures::cli;
-use replication::figures::fig12::Fig12;
 
 fn main() -> ExitCode {
     cli::main::<Fig12>()

@@ -5,12 +5,12 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory, FromArgMatches, Parser};
 
-use super::error::FigureError;
+use super::FigureError;
+use super::FigureSpec;
 use super::output::{self, Artifact};
 use super::rows;
-use super::spec::FigureSpec;
 use crate::paper::published::Claims;
-use crate::terminal::{self, Progress};
+use crate::terminal;
 
 /// Arguments of a figure program.
 #[derive(Debug, Parser)]
@@ -30,18 +30,20 @@ pub struct Arguments {
     pub png: bool,
 }
 
-/// Everything a figure program does: parses the command line, computes, draws, writes, prints the numbers.
+/// Everything a figure program does: parses the command line, computes, draws, writes, prints the
+/// numbers.
 ///
-/// Exit code 0 on success, 1 if something failed (`error: …` on standard error), 2 for a wrong command line.
+/// Exit code 0 on success, 1 if something failed (`error: …` on standard error), 2 for a wrong
+/// command line.
 pub fn main<F: FigureSpec>() -> ExitCode {
     let matches = command::<F>().get_matches();
     let arguments = match Arguments::from_arg_matches(&matches) {
         Ok(arguments) => arguments,
         Err(error) => error.exit(),
     };
-    let progress = Progress::spinner(format!("computing {}", F::NAME));
+    let progress = terminal::spinner(format!("computing {}", F::NAME));
     let outcome = run::<F>(&arguments);
-    progress.clear();
+    progress.finish_and_clear();
     terminal::finish("table", outcome)
 }
 
@@ -68,7 +70,8 @@ fn command<F: FigureSpec>() -> clap::Command {
 /// Computes, draws and writes a figure; returns the text for the terminal.
 ///
 /// # Errors
-/// Whatever computing, drawing and writing run into. Files are written last, so an error leaves none behind.
+/// Whatever computing, drawing and writing run into. Files are written last, so an error leaves
+/// none behind.
 pub fn run<F: FigureSpec>(arguments: &Arguments) -> Result<String, FigureError> {
     if arguments.png && !cfg!(feature = "png") {
         // Said before a long computation, not after it.

@@ -1,8 +1,8 @@
 //! Fig. 6: the friction law of Eq. (2).
 
-use super::error::FigureError;
-use super::rows::{Part, Row};
-use super::spec::FigureSpec;
+use super::FigureSpec;
+use super::rows::Row;
+use super::{FigureError, pair};
 use crate::paper::claim_id::ClaimId;
 use crate::paper::reading::Reading;
 use plot::{
@@ -73,14 +73,14 @@ impl FigureSpec for Fig06 {
 
     fn numbers(data: &Data) -> Vec<Row> {
         let graphs = || data.by_mu0.iter().chain(&data.by_delta);
-        let decreasing = Part {
-            what: "both branches of T(v) decrease with |v|",
-            holds: graphs().all(|graph| decreases(&graph.points)),
-        };
+        let decreasing = (
+            "both branches of T(v) decrease with |v|",
+            graphs().all(|graph| decreases(&graph.points)),
+        );
         let mut rows = vec![Row::statement(
             ClaimId::Fig06FrictionLaw,
             Reading::Exact,
-            vec![decreasing],
+            [decreasing],
         )];
         for (panel, graphs) in [("a", &data.by_mu0), ("b", &data.by_delta)] {
             for (i, graph) in graphs.iter().enumerate() {
@@ -115,7 +115,8 @@ impl FigureSpec for Fig06 {
             b.add(curve(graph, color, dash).legend(&format!("*δ* = {} s/m", graph.law.delta())));
         }
         for panel in [&mut a, &mut b] {
-            // Once more on top: all graphs share the vertical part, and dashes of others would show on it.
+            // Once more on top: all graphs share the vertical part, and dashes of others would show
+            // on it.
             panel.add(curve(paper, LINES[1].0, LINES[1].1));
         }
         Figure::new(
@@ -127,7 +128,7 @@ impl FigureSpec for Fig06 {
              falls as the speed grows. Panel a: δ = 1 and three values of μ0; larger μ0 stretches the curve. \
              Panel b: μ0 = √3/9 and δ = 0.5, 1, 3; larger δ makes it fall faster. Bold: the paper's parameters.",
         )
-        .columns(1.0, vec![(1.0, a.into()), (1.0, b.into())])
+        .columns(1.0, pair(a, b))
         .render()
         .map_err(Into::into)
     }

@@ -2,12 +2,12 @@
 //!
 //! Not a figure of the paper: what its title promises, measured.
 
-use crate::bisection::bisect;
+use crate::numbers::bisect;
 use std::f64::consts::PI;
 
-use super::error::FigureError;
+use super::FigureError;
+use super::FigureSpec;
 use super::rows::Row;
-use super::spec::FigureSpec;
 use crate::paper::reading::Reading;
 use plot::{
     Axis, BLACK, BLUE, Color, Curve, Dash, Figure, GREEN, Legend, Markers, ORANGE, Panel, Shape,
@@ -30,7 +30,8 @@ pub struct Way {
     pub name: &'static str,
     /// Step lengths and errors of the event's time.
     pub errors: Vec<(f64, f64)>,
-    /// Slope of the logarithm of the error against that of the step, where the error is above rounding.
+    /// Slope of the logarithm of the error against that of the step, where the error is above
+    /// rounding.
     pub order: f64,
 }
 
@@ -177,7 +178,8 @@ impl Step<'_> {
         t + self.h * bisect(0.0, 1.0, |s| dense.at(s)[1] >= BELT_SPEED)
     }
 
-    /// Where the straight line between the ends of one step of RK4 meets Σ. (Of order 8 it errs as much.)
+    /// Where the straight line between the ends of one step of RK4 meets Σ. (Of order 8 it errs as
+    /// much.)
     fn chord(&self) -> f64 {
         let Timed { t, x } = self.from;
         let field = &mut |_: f64, x: &State<2>| self.field(x);
@@ -198,10 +200,12 @@ impl Step<'_> {
     }
 }
 
-/// Error of the time at which the block is as fast as the belt, located in one step of length `h` from the exact state before it.
+/// Error of the time at which the block is as fast as the belt, located in one step of length `h`
+/// from the exact state before it.
 fn error(model: &BeltOscillator, h: f64, locate: &dyn Fn(&Step) -> f64) -> f64 {
-    // Slower than the belt the block is at angle t of a circle about μ₀, its velocity minus the radius times the sine. The
-    // belt has half the radius for its speed: they meet at 7π/6, and the velocity is curved there. Times count from it.
+    // Slower than the belt the block is at angle t of a circle about μ₀, its velocity minus the
+    // radius times the sine. The belt has half the radius for its speed: they meet at 7π/6, and the
+    // velocity is curved there. Times count from it.
     let lead = PART * h;
     let angle = 7.0 * PI / 6.0 - lead;
     let radius = 2.0 * BELT_SPEED;
@@ -239,8 +243,8 @@ mod tests {
     fn each_way_has_the_order_of_its_construction() {
         let ways = Locator::compute().unwrap();
         let orders: Vec<f64> = ways.iter().map(|way| way.order).collect();
-        // Over one step an interpolant of degree p errs by h^(p+1), a step of order p by h^(p+1), too. Order 8 reaches rounding
-        // before it shows its last half.
+        // Over one step an interpolant of degree p errs by h^(p+1), a step of order p by h^(p+1),
+        // too. Order 8 reaches rounding before it shows its last half.
         let wanted = [1.9..2.1, 3.8..4.4, 4.7..5.3, 7.3..8.3, 8.0..9.3];
         for (found, wanted) in orders.iter().zip(wanted) {
             assert!(wanted.contains(found), "{orders:?}");

@@ -1,26 +1,21 @@
 //! The numbers behind a figure: one row each, as CSV, as a table to read, as a golden.
 
-use std::fmt::{self, Write};
+use std::fmt;
 
-use super::error::FigureError;
+use super::FigureError;
 use crate::paper::claim_id::ClaimId;
 use crate::paper::published::Claims;
 use crate::paper::reading::Reading;
+use crate::text::{self, joined};
 
-/// A part of a statement, and whether it holds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Part {
-    /// What it says.
-    pub what: &'static str,
-    /// Whether the computation bears it out.
-    pub holds: bool,
-}
+/// One part of a statement: what it says, and whether it holds.
+pub type Part = (&'static str, bool);
 
 /// What a row states.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Value {
-    /// A measured or computed quantity; minus infinity is allowed (a Lyapunov exponent of an annihilated
-    /// direction).
+    /// A measured or computed quantity; minus infinity is allowed (a Lyapunov exponent of an
+    /// annihilated direction).
     Number(f64),
     /// How many of something.
     Count(u64),
@@ -38,7 +33,7 @@ impl fmt::Display for Value {
             Value::Count(n) => write!(f, "{n}"),
             Value::Word(word) => f.write_str(word),
             Value::Statement(parts) => {
-                let holding = parts.iter().filter(|part| part.holds).count();
+                let holding = parts.iter().filter(|(_, holds)| *holds).count();
                 match holding {
                     _ if holding == parts.len() => f.write_str("holds"),
                     0 => f.write_str("fails"),
@@ -54,7 +49,8 @@ impl fmt::Display for Value {
 pub enum Quantity {
     /// What a claim publishes.
     Claim(ClaimId),
-    /// One of the numbers that a claim publishes together; counted from 1 in the order in which they were computed.
+    /// One of the numbers that a claim publishes together; counted from 1 in the order in which
+    /// they were computed.
     Member(ClaimId, usize),
     /// Something else that belongs to a claim; the paper gives no value for it.
     Detail(ClaimId, String),
@@ -106,8 +102,8 @@ impl From<String> for Quantity {
 pub struct Comparison {
     /// In the paper's own digits or words.
     pub published: String,
-    /// A number, rounded to the published digits, is the published one; a count or a word is the published one; a statement holds in
-    /// all its parts.
+    /// A number, rounded to the published digits, is the published one; a count or a word is the
+    /// published one; a statement holds in all its parts.
     pub agrees: bool,
 }
 
@@ -122,7 +118,8 @@ pub struct Row {
     pub value: Value,
     /// Unit of the value; empty for a word, `1` for a pure number.
     pub unit: &'static str,
-    /// What the value is worth, in a word such as `unidentified`; nothing where that goes without saying.
+    /// What the value is worth, in a word such as `unidentified`; nothing where that goes without
+    /// saying.
     pub status: Option<&'static str>,
 }
 
@@ -148,7 +145,12 @@ impl Row {
     }
 
     /// A statement of the paper, part by part.
-    pub fn statement(claim: ClaimId, reading: Reading, parts: Vec<Part>) -> Self {
+    pub fn statement(
+        claim: ClaimId,
+        reading: Reading,
+        parts: impl IntoIterator<Item = Part>,
+    ) -> Self {
+        let parts = parts.into_iter().collect();
         Self::new(claim, reading, Value::Statement(parts), "")
     }
 
@@ -206,154 +208,111 @@ impl Row {
                 self.value.to_string() == claim.published,
             ),
             (_, Value::Statement(parts)) => {
-                ("stated".to_owned(), parts.iter().all(|part| part.holds))
+                ("stated".to_owned(), parts.iter().all(|(_, holds)| *holds))
             }
         };
         Some(Comparison { published, agrees })
     }
 }
 
-/// A row with its comparison, as text.
-struct Line {
-    id: String,
-    reading: &'static str,
-    published: Option<String>,
-    agrees: Option<bool>,
+/// What stands in a column: texts of the value and of agreement differ by table, the rest does not.
+struct Words {
+    /// A value.
+    value: fn(&Value) -> String,
+    /// That it agrees, that it does not, that there is nothing to agree with.
+    agrees: [&'static str; 3],
+    /// What stands where there is nothing.
+    none: &'static str,
 }
 
-impl Line {
-    fn of(row: &Row, claims: &Claims) -> Self {
+const HEADER: [&str; 7] = [
+    "id",
+    "reading",
+    "value",
+    "published",
+    "unit",
+    "agrees",
+    "status",
+];
+
+/// Header and rows; the last column only where a row has a status.
+fn lines(rows: &[Row], claims: &Claims, words: &Words) -> Vec<Vec<String>> {
+    let columns = match rows.iter().any(|row| row.status.is_some()) {
+        true => HEADER.len(),
+        false => HEADER.len() - 1,
+    };
+    let mut lines = vec![HEADER.map(str::to_owned)[..columns].to_vec()];
+    lines.extend(rows.iter().map(|row| {
         let comparison = row.comparison(claims);
-        Line {
-            id: row.quantity.to_string(),
-            reading: row.reading.name(),
-            agrees: comparison.as_ref().map(|one| one.agrees),
-            published: comparison.map(|one| one.published),
-        }
-    }
-
-    fn agreement(&self) -> &'static str {
-        match self.agrees {
-            Some(true) => "true",
-            Some(false) => "false",
-            None => "",
-        }
-    }
+        let agrees = match comparison.as_ref().map(|one| one.agrees) {
+            Some(true) => 0,
+            Some(false) => 1,
+            None => 2,
+        };
+        let mut line = vec![
+            row.quantity.to_string(),
+            row.reading.name().to_owned(),
+            (words.value)(&row.value),
+            comparison.map_or_else(|| words.none.to_owned(), |one| one.published),
+            row.unit.to_owned(),
+            words.agrees[agrees].to_owned(),
+            row.status.unwrap_or(words.none).to_owned(),
+        ];
+        line.truncate(columns);
+        line
+    }));
+    lines
 }
 
-/// Whether any row has a status: only then is there a column for it.
-fn have_status(rows: &[Row]) -> bool {
-    rows.iter().any(|row| row.status.is_some())
-}
-
-/// The rows as CSV with the columns `id,reading,value,published,unit,agrees` and, if any row has one, `status`.
+/// Rows as CSV, numbers in full precision.
 ///
 /// # Errors
-/// [`FigureError::Csv`] if the writer refuses a field.
+/// [`FigureError::Csv`].
 pub fn csv(rows: &[Row], claims: &Claims) -> Result<String, FigureError> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    let columns = if have_status(rows) { 7 } else { 6 };
-    let header = [
-        "id",
-        "reading",
-        "value",
-        "published",
-        "unit",
-        "agrees",
-        "status",
-    ];
-    writer.write_record(&header[..columns])?;
-    for row in rows {
-        let line = Line::of(row, claims);
-        let value = row.value.to_string();
-        let fields = [
-            line.id.as_str(),
-            line.reading,
-            value.as_str(),
-            line.published.as_deref().unwrap_or(""),
-            row.unit,
-            line.agreement(),
-            row.status.unwrap_or(""),
-        ];
-        writer.write_record(&fields[..columns])?;
-    }
-    let bytes = writer
-        .into_inner()
-        .map_err(|error| csv::Error::from(error.into_error()))?;
-    // Every field was a `str`, so nothing can be lost here.
-    Ok(String::from_utf8_lossy(&bytes).into_owned())
+    let words = Words {
+        value: Value::to_string,
+        agrees: ["true", "false", ""],
+        none: "",
+    };
+    Ok(text::csv(lines(rows, claims, &words))?)
 }
 
-/// The rows in aligned columns for the terminal, numbers rounded to eight digits.
+/// Rows as an aligned table for a terminal, numbers to eight digits.
 pub fn table(rows: &[Row], claims: &Claims) -> String {
-    let header = [
-        "id",
-        "reading",
-        "value",
-        "published",
-        "unit",
-        "agrees",
-        "status",
-    ]
-    .map(str::to_owned);
-    let lines = rows.iter().map(|row| {
-        let line = Line::of(row, claims);
-        [
-            line.id,
-            line.reading.to_owned(),
-            match &row.value {
-                Value::Number(v) => rounded(*v),
-                other => other.to_string(),
-            },
-            line.published.unwrap_or_else(|| "–".into()),
-            row.unit.to_owned(),
-            match line.agrees {
-                Some(true) => "yes",
-                Some(false) => "NO",
-                None => "–",
-            }
-            .to_owned(),
-            row.status.unwrap_or("–").to_owned(),
-        ]
-    });
-    let columns = if have_status(rows) { 7 } else { 6 };
-    aligned(std::iter::once(header).chain(lines).collect(), columns)
+    let words = Words {
+        value: |value| match value {
+            Value::Number(v) => rounded(*v),
+            other => other.to_string(),
+        },
+        agrees: ["yes", "NO", "–"],
+        none: "–",
+    };
+    aligned(&lines(rows, claims, &words))
 }
 
-/// The rows as a golden: one line each, full precision, without the unit.
+/// Rows as they are frozen: in full precision, without units.
 pub fn golden(rows: &[Row], claims: &Claims) -> String {
-    let header = ["id", "reading", "value", "published", "agrees", "status"].map(str::to_owned);
-    let lines = rows.iter().map(|row| {
-        let line = Line::of(row, claims);
-        let agreement = line.agreement();
-        [
-            line.id,
-            line.reading.to_owned(),
-            row.value.to_string(),
-            line.published.unwrap_or_else(|| "-".into()),
-            if agreement.is_empty() { "-" } else { agreement }.to_owned(),
-            row.status.unwrap_or("-").to_owned(),
-        ]
-    });
-    let columns = if have_status(rows) { 6 } else { 5 };
-    aligned(std::iter::once(header).chain(lines).collect(), columns)
+    let words = Words {
+        value: Value::to_string,
+        agrees: ["true", "false", "-"],
+        none: "-",
+    };
+    let mut lines = lines(rows, claims, &words);
+    for line in &mut lines {
+        line.remove(4);
+    }
+    aligned(&lines)
 }
 
 /// The first so many columns, two spaces apart, without blanks at the end of a line.
-fn aligned<const N: usize>(lines: Vec<[String; N]>, columns: usize) -> String {
-    let mut widths = [0; N];
-    for line in &lines {
-        for (cell, width) in line.iter().zip(&mut widths) {
-            *width = (*width).max(cell.chars().count());
-        }
-    }
+fn aligned(lines: &[Vec<String>]) -> String {
+    let columns = lines.first().map_or(0, Vec::len);
+    let width = |k: usize| lines.iter().map(|line| line[k].chars().count()).max();
+    let widths: Vec<usize> = (0..columns).map(|k| width(k).unwrap_or(0)).collect();
     let mut text = String::new();
-    for line in &lines {
-        let mut padded = String::new();
-        for (cell, width) in line.iter().zip(widths).take(columns) {
-            // Writing to a string cannot fail.
-            let _ = write!(padded, "{cell:width$}  ");
-        }
+    for line in lines {
+        let cells = line.iter().zip(&widths);
+        let padded = joined(cells.map(|(cell, &width)| format!("{cell:width$}")), "  ");
         text.push_str(padded.trim_end());
         text.push('\n');
     }
@@ -461,12 +420,8 @@ mod tests {
 
     #[test]
     fn a_statement_holds_with_all_its_parts() {
-        let part = |holds| Part {
-            what: "something",
-            holds,
-        };
         let of = |parts: &[bool]| {
-            let parts = parts.iter().map(|&holds| part(holds)).collect();
+            let parts = parts.iter().map(|&holds| ("something", holds));
             let row = Row::statement(ClaimId::S4Arcs, Reading::Exact, parts);
             (
                 row.value.to_string(),

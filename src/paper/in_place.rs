@@ -1,16 +1,17 @@
-//! The arithmetic of the Appendix's listing carried to systems of any dimension: what Model 3 does if it was run that way.
+//! The arithmetic of the Appendix's listing carried to systems of any dimension: what Model 3 does
+//! if it was run that way.
 //!
-//! The paper prints a program for Model 2 only. This is the same scheme, defects and all, for a [`Filippov`] system whose boundary
-//! function is `x₂ − vp`: Runge–Kutta stages that overwrite their own start, so that a slip runs three times too fast; a Hénon
-//! step of the same kind onto Σ, taken from beyond it, away from it when coming from above, with 0.166666 for 1/6;
-//! a stick phase in which the rider moves with the belt at its own pace. See [`super::listing`] for the original.
+//! The paper prints a program for Model 2 only. This is the same scheme, defects and all, for a
+//! [`Filippov`] system whose boundary function is `x₂ − vp`: Runge–Kutta stages that overwrite
+//! their own start, so that a slip runs three times too fast; a Hénon step of the same kind onto Σ,
+//! taken from beyond it, away from it when coming from above, with 0.166666 for 1/6; a stick phase
+//! in which the rider moves with the belt at its own pace. See [`super::listing`] for the original.
 
+use super::stages::{VELOCITY, in_time, in_velocity};
 use stickslip::system::{Filippov, Mode, Side, State, components};
 
 /// The listing's rounded 1/6.
 const SIXTH: f64 = 0.166666;
-/// Component that Σ fixes: the velocity.
-const VELOCITY: usize = 1;
 
 /// Why the scheme cannot go on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,8 +40,8 @@ pub struct InPlace<S, const N: usize> {
 }
 
 impl<S: Filippov<N>, const N: usize> InPlace<S, N> {
-    /// From `(0, x)`, with step `h`, until a component exceeds `bound`. A start on Σ sticks if both fields push
-    /// towards it, and goes to the side above otherwise, as in the listing.
+    /// From `(0, x)`, with step `h`, until a component exceeds `bound`. A start on Σ sticks if both
+    /// fields push towards it, and goes to the side above otherwise, as in the listing.
     pub fn start(system: S, x: State<N>, h: f64, bound: f64) -> Self {
         let mut scheme = InPlace {
             system,
@@ -108,7 +109,7 @@ impl<S: Filippov<N>, const N: usize> InPlace<S, N> {
 
     fn slip(&mut self, side: Side) {
         let system = &self.system;
-        let moved = in_place(self.h, self.t, self.x, |t, x| {
+        let moved = in_time(true, self.h, (self.t, self.x), |t, x| {
             State::from(system.field(side, t, components(x)))
         });
         let gap = self.system.boundary(self.t, components(&moved));
@@ -119,7 +120,13 @@ impl<S: Filippov<N>, const N: usize> InPlace<S, N> {
         }
         // Back onto Σ from below; from above the listing has the sign wrong.
         let to_go = gap * if side == Side::Below { -1.0 } else { 1.0 };
-        self.henon(side, moved, to_go);
+        let slope = |t: f64, x: &State<N>| {
+            let f = State::from(system.field(side, t, components(x)));
+            let per_velocity = 1.0 / f[VELOCITY];
+            (per_velocity, f * per_velocity)
+        };
+        let step = (to_go, to_go * SIXTH);
+        (self.t, self.x) = in_velocity(true, step, (self.t, moved), slope);
         self.x[VELOCITY] = moved[VELOCITY] - gap;
         self.mode = match self.released() {
             None => Mode::Stick,
@@ -127,40 +134,10 @@ impl<S: Filippov<N>, const N: usize> InPlace<S, N> {
         };
     }
 
-    /// Lines 116–127: velocity as the independent variable, every stage moving the state itself, the second not its velocity.
-    fn henon(&mut self, side: Side, origin: State<N>, to_go: f64) {
-        let system = &self.system;
-        let start = self.t;
-        let slope = |t: f64, x: &State<N>| {
-            let f = State::from(system.field(side, t, components(x)));
-            let per_velocity = 1.0 / f[VELOCITY];
-            (per_velocity, f * per_velocity)
-        };
-        let half = to_go * 0.5;
-        let mut x = origin;
-        let shift = |x: &mut State<N>, by: f64, k: &State<N>, velocity: f64| {
-            for i in (0..N).filter(|&i| i != VELOCITY) {
-                x[i] += by * k[i];
-            }
-            x[VELOCITY] += velocity;
-        };
-        let (t1, k1) = slope(start, &x);
-        shift(&mut x, half, &k1, half);
-        let (t2, k2) = slope(start + half * t1, &x);
-        shift(&mut x, half, &k2, 0.0);
-        let (t3, k3) = slope(start + half * t2, &x);
-        shift(&mut x, to_go, &k3, to_go);
-        let (t4, k4) = slope(start + to_go * t3, &x);
-        let sixth = to_go * SIXTH;
-        shift(&mut x, sixth, &(k1 + (k2 + k3) * 2.0 + k4), 0.0);
-        self.t += sixth * (t1 + 2.0 * (t2 + t3) + t4);
-        self.x = x;
-    }
-
     fn stick(&mut self) {
         let system = &self.system;
         let velocity = self.x[VELOCITY];
-        let mut moved = in_place(self.h, self.t, self.x, |t, x| {
+        let mut moved = in_time(true, self.h, (self.t, self.x), |t, x| {
             let mut f = sliding(system, t, x);
             f[0] = 0.0;
             f[VELOCITY] = 0.0;
@@ -200,25 +177,6 @@ fn sliding<S: Filippov<N>, const N: usize>(system: &S, t: f64, x: &State<N>) -> 
     below + (above - below) * weight
 }
 
-/// Lines 103–114: the state moves by h/2 + h/2 + h + h.
-fn in_place<const N: usize>(
-    h: f64,
-    t: f64,
-    start: State<N>,
-    field: impl Fn(f64, &State<N>) -> State<N>,
-) -> State<N> {
-    let half = h / 2.0;
-    let mut x = start;
-    let k1 = field(t, &x);
-    x += k1 * half;
-    let k2 = field(t + half, &x);
-    x += k2 * half;
-    let k3 = field(t + half, &x);
-    x += k3 * h;
-    let k4 = field(t + h, &x);
-    x + (k1 + (k2 + k3) * 2.0 + k4) * (h / 6.0)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -226,7 +184,7 @@ mod tests {
 
     #[test]
     fn a_constant_field_carries_three_steps_at_a_time() {
-        let x = in_place(0.1, 0.0, State::from([1.0, 2.0]), |_, _| {
+        let x = in_time(true, 0.1, (0.0, State::from([1.0, 2.0])), |_, _| {
             State::from([1.0, -2.0])
         });
         assert!((x - State::from([1.3, 1.4])).amax() < 1e-15);

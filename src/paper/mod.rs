@@ -1,11 +1,11 @@
 //! What the paper itself printed: the program of its Appendix, and the values it published.
 //!
-//! P. Olejnik, J. Awrejcewicz, *Application of Hénon method in numerical estimation of the stick–slip
-//! transitions existing in Filippov-type discontinuous dynamical systems with dry friction*, Nonlinear
-//! Dynamics 73 (2013) 723–736, doi 10.1007/s11071-013-0826-7.
+//! P. Olejnik, J. Awrejcewicz, *Application of Hénon method in numerical estimation of the
+//! stick–slip transitions existing in Filippov-type discontinuous dynamical systems with dry
+//! friction*, Nonlinear Dynamics 73 (2013) 723–736, doi 10.1007/s11071-013-0826-7.
 //!
-//! Nothing here is a good way to integrate a friction oscillator; it is here so that a published number
-//! can be traced to the arithmetic that made it.
+//! Nothing here is a good way to integrate a friction oscillator; it is here so that a published
+//! number can be traced to the arithmetic that made it.
 
 pub mod claim_id;
 pub mod in_place;
@@ -14,3 +14,4 @@ pub mod pattern;
 pub mod published;
 pub mod reading;
 pub mod slip_times_three;
+mod stages;

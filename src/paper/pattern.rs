@@ -1,6 +1,7 @@
-//! What is measured of Fig. 8's motion: one definition for the listing, for its limit and for the exact solution.
+//! What is measured of Fig. 8's motion: one definition for the listing, for its limit and for the
+//! exact solution.
 
-use super::listing::{Direction, Instant, Motion, Run};
+use super::listing::{Crossing, Direction, Instant, Motion, Run};
 use stickslip::filippov::Phase;
 use stickslip::system::{Mode, Side};
 
@@ -13,8 +14,9 @@ const LEAST_COMPARED: usize = 6;
 /// Events of an accurate solution a pattern apart that differ by no more are the same (m, s).
 const SAME: f64 = 1e-6;
 
-/// Whether a motion is what the caption of Fig. 8 says: it has stick phases and repeats after two forcing periods and not
-/// after one. `period` is the fewest forcing periods after which it repeats.
+/// Whether a motion is what the caption of Fig. 8 says: it has stick phases and repeats after two
+/// forcing periods and not after one. `period` is the fewest forcing periods after which it
+/// repeats.
 pub fn two_periodic(sticks: usize, period: usize) -> bool {
     sticks > 0 && period == 2
 }
@@ -40,15 +42,6 @@ impl Stick {
     }
 }
 
-/// A passage through Σ without stick. The ends of stick phases are none.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Crossing {
-    /// Where.
-    pub at: Instant,
-    /// Which way.
-    pub direction: Direction,
-}
-
 /// A settled motion by what it does on Σ.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pattern {
@@ -56,18 +49,20 @@ pub struct Pattern {
     pub period: usize,
     /// Forcing period (s).
     pub forcing_period: f64,
-    /// The stick phases that end within the last [`Pattern::period`] forcing periods, or within the last two if that is one, in
-    /// order of time.
+    /// The stick phases that end within the last [`Pattern::period`] forcing periods, or within the
+    /// last two if that is one, in order of time.
     pub sticks: Vec<Stick>,
     /// The crossings without stick within the same time.
     pub crossings: Vec<Crossing>,
-    /// The time at which the pattern ends (s): the end of the last stick phase; without stick the last crossing.
+    /// The time at which the pattern ends (s): the end of the last stick phase; without stick the
+    /// last crossing.
     pub end: f64,
 }
 
 impl Pattern {
-    /// Of a run of the listing: its period is that of [`Run::motion`]. The first step after a stick phase is no crossing, but the
-    /// wrong side of its release put right. `None` unless the motion has settled and reaches Σ.
+    /// Of a run of the listing: its period is that of [`Run::motion`]. The first step after a stick
+    /// phase is no crossing, but the wrong side of its release put right. `None` unless the motion
+    /// has settled and reaches Σ.
     pub fn of_listing(run: &Run) -> Option<Pattern> {
         let (Motion::StickSlip { period, .. } | Motion::SlipOnly { period }) = run.motion else {
             return None;
@@ -82,17 +77,15 @@ impl Pattern {
             _ => Vec::new(),
         };
         let crossings = run.crossings.iter().filter(|one| !one.after_exit);
-        let crossings = crossings.map(|one| Crossing {
-            at: one.at,
-            direction: one.direction,
-        });
+        let crossings = crossings.copied();
         Events::new(sticks, crossings.collect(), run.forcing_period).pattern(period)
     }
 
-    /// Of an accurate solution, from its phases in order of time; a phase ends where the next begins. Its period is the fewest forcing
-    /// periods after which all that happens on Σ, entries, ends and crossings, repeats within 1e-6 m and 1e-6 s, over the last six forcing
-    /// periods at least. `None` if nothing repeats within eight. The first phase, and one that the end of the run at `t_end` cuts short, are
-    /// no whole stick phases.
+    /// Of an accurate solution, from its phases in order of time; a phase ends where the next
+    /// begins. Its period is the fewest forcing periods after which all that happens on Σ, entries,
+    /// ends and crossings, repeats within 1e-6 m and 1e-6 s, over the last six forcing periods at
+    /// least. `None` if nothing repeats within eight. The first phase, and one that the end of the
+    /// run at `t_end` cuts short, are no whole stick phases.
     pub fn of_phases(phases: &[Phase<2>], t_end: f64, forcing_period: f64) -> Option<Pattern> {
         let whole = |phase: &&Phase<2>| phase.mode == Mode::Stick && phase.t_end != t_end;
         let sticks = phases.iter().skip(1).filter(whole);
@@ -116,15 +109,20 @@ impl Pattern {
                 t: pair[1].t_start,
                 x1: pair[1].x_start[0],
             };
-            Some(Crossing { at, direction })
+            Some(Crossing {
+                at,
+                direction,
+                after_exit: false,
+            })
         });
         let events = Events::new(sticks.collect(), crossings.collect(), forcing_period);
         let period = (1..=LONGEST).find(|&period| events.repeat_after(period))?;
         events.pattern(period)
     }
 
-    /// The four numbers of Sect. 4.2: the lengths (m) of the two longest stick phases within two forcing periods, or within the
-    /// pattern if that is longer, the longer first, then their durations (s). `None` if there are not two.
+    /// The four numbers of Sect. 4.2: the lengths (m) of the two longest stick phases within two
+    /// forcing periods, or within the pattern if that is longer, the longer first, then their
+    /// durations (s). `None` if there are not two.
     pub fn four_numbers(&self) -> Option<[f64; 4]> {
         let mut sticks = self.sticks.clone();
         sticks.sort_by(|one, other| other.length().total_cmp(&one.length()));
@@ -158,15 +156,17 @@ impl Pattern {
             .filter(move |crossing| crossing.at.t > from)
     }
 
-    /// The deflections of Sect. 4.2: the crossings of one pattern at `x1 < 0`. Spring and shaken support have their middle at `x1 = 0`, so
-    /// that this is the left half of the phase plane. A pattern is the shortest part that repeats, so each is a point of the closed
-    /// trajectory of its own; where the trajectory releases the body from stick it is not crossing Σ.
+    /// The deflections of Sect. 4.2: the crossings of one pattern at `x1 < 0`. Spring and shaken
+    /// support have their middle at `x1 = 0`, so that this is the left half of the phase plane. A
+    /// pattern is the shortest part that repeats, so each is a point of the closed trajectory of
+    /// its own; where the trajectory releases the body from stick it is not crossing Σ.
     pub fn deflections(&self) -> Vec<Crossing> {
         let left = |crossing: &&Crossing| crossing.at.x1 < 0.0;
         self.crossings_of_one().filter(left).copied().collect()
     }
 
-    /// Whether another motion is of the same kind: as many stick phases in a pattern of as many forcing periods, and as many deflections.
+    /// Whether another motion is of the same kind: as many stick phases in a pattern of as many
+    /// forcing periods, and as many deflections.
     pub fn same_motion(&self, other: &Pattern) -> bool {
         let kind = |one: &Pattern| {
             (
@@ -184,7 +184,8 @@ impl Pattern {
     }
 }
 
-/// What happens exactly `periods` before the end belongs to the pattern before; a clock may jitter around that.
+/// What happens exactly `periods` before the end belongs to the pattern before; a clock may jitter
+/// around that.
 fn begin(end: f64, periods: usize, forcing_period: f64) -> f64 {
     end - (periods as f64 - MARGIN) * forcing_period
 }
@@ -197,7 +198,8 @@ enum Kind {
     Crossing(Direction),
 }
 
-/// All that happens on Σ up to the end of the last stick phase, or to the last crossing where there is no stick.
+/// All that happens on Σ up to the end of the last stick phase, or to the last crossing where there
+/// is no stick.
 struct Events {
     sticks: Vec<Stick>,
     crossings: Vec<Crossing>,
@@ -280,13 +282,21 @@ impl Events {
     }
 }
 
+impl Run {
+    /// The four numbers of [`Pattern::four_numbers`]; none unless the motion is
+    /// [`Motion::StickSlip`] with two phases there.
+    pub fn four_numbers(&self) -> Option<[f64; 4]> {
+        Pattern::of_listing(self)?.four_numbers()
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use stickslip::system::State;
 
-    /// Phases of a motion that repeats after so many periods of length one: each has a stick phase of the given length and a crossing
-    /// upwards at -0.2 and one downwards at 0.3 in between.
+    /// Phases of a motion that repeats after so many periods of length one: each has a stick phase
+    /// of the given length and a crossing upwards at -0.2 and one downwards at 0.3 in between.
     fn motion(lengths: &[f64], periods: usize) -> Vec<Phase<2>> {
         let mut phases: Vec<Phase<2>> = Vec::new();
         let mut add = |mode, t: f64, x1: f64| {

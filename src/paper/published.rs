@@ -1,9 +1,9 @@
 //! The quantities the paper publishes, as data.
 //!
-//! `data/claims.csv` has one row for each: values, sets of exact values, curves and statements. Only the
-//! first two can be compared with a number; the rest is there so that a report can name it.
+//! `data/claims.csv` has one row for each: values, sets of exact values, curves and statements.
+//! Only the first two can be compared with a number; the rest is there so that a report can name
+//! it.
 
-use std::str::FromStr;
 use std::sync::LazyLock;
 
 use super::claim_id::ClaimId;
@@ -29,18 +29,24 @@ pub enum Kind {
     Identity,
 }
 
-impl FromStr for Kind {
-    type Err = ();
+impl Kind {
+    const NAMED: [(&'static str, Kind); 5] = [
+        ("value", Kind::Value),
+        ("set", Kind::Set),
+        ("curve", Kind::Curve),
+        ("statement", Kind::Statement),
+        ("identity", Kind::Identity),
+    ];
 
-    fn from_str(text: &str) -> Result<Self, ()> {
-        match text {
-            "value" => Ok(Kind::Value),
-            "set" => Ok(Kind::Set),
-            "curve" => Ok(Kind::Curve),
-            "statement" => Ok(Kind::Statement),
-            "identity" => Ok(Kind::Identity),
-            _ => Err(()),
-        }
+    /// Its name in tables.
+    pub fn name(self) -> &'static str {
+        let known = Kind::NAMED.iter().find(|(_, kind)| *kind == self);
+        known.map_or("", |(name, _)| name)
+    }
+
+    fn named(name: &str) -> Option<Kind> {
+        let known = Kind::NAMED.iter().find(|(known, _)| *known == name);
+        known.map(|(_, kind)| *kind)
     }
 }
 
@@ -55,20 +61,16 @@ pub enum Digits {
     None,
 }
 
-impl FromStr for Digits {
-    type Err = ();
-
-    fn from_str(text: &str) -> Result<Self, ()> {
+impl Digits {
+    /// As the table has them.
+    fn named(text: &str) -> Option<Digits> {
         match text {
-            "" => Ok(Digits::None),
-            "exact" => Ok(Digits::Exact),
-            // f64 has no more than 17 that mean anything.
-            _ => text
-                .parse()
-                .ok()
-                .filter(|&n| n <= 17)
-                .map(Digits::Decimals)
-                .ok_or(()),
+            "" => Some(Digits::None),
+            "exact" => Some(Digits::Exact),
+            _ => {
+                let decimals = text.parse().ok().filter(|&n| n <= 17);
+                decimals.map(Digits::Decimals)
+            }
         }
     }
 }
@@ -90,6 +92,12 @@ pub struct Claim {
     pub unit: String,
     /// What it says, in words.
     pub what: String,
+    /// The part of the paper in which it is counted.
+    pub part: String,
+    /// Labels of the corrections that its corrected readings carry, with spaces between them.
+    pub corrections: String,
+    /// How it is judged.
+    pub check: String,
     /// The published numbers; none for a claim in words.
     values: Vec<f64>,
 }
@@ -101,9 +109,24 @@ impl Claim {
     /// [`PublishedError`] with the column at fault.
     pub(crate) fn of_record(record: &csv::StringRecord) -> Result<Claim, PublishedError> {
         let fields: Vec<&str> = record.iter().collect();
-        let [id, place, kind, published, digits, unit, what] = fields.as_slice() else {
+        let [
+            id,
+            place,
+            kind,
+            published,
+            digits,
+            unit,
+            what,
+            part,
+            corrections,
+            check,
+        ] = fields.as_slice()
+        else {
             return Err(PublishedError::Malformed {
-                reason: format!("a row has {} fields, the table has 7 columns", record.len()),
+                reason: format!(
+                    "a row has {} fields, the table has 10 columns",
+                    record.len()
+                ),
             });
         };
         let wrong = |column, value: &str, allowed| PublishedError::Field {
@@ -112,13 +135,8 @@ impl Claim {
             value: value.to_owned(),
             allowed,
         };
-        let digits_of = digits.parse().map_err(|()| {
-            wrong(
-                "digits",
-                digits,
-                "a number of decimals up to 17, `exact` or empty",
-            )
-        })?;
+        let allowed = "a number of decimals up to 17, `exact` or empty";
+        let digits_of = Digits::named(digits).ok_or_else(|| wrong("digits", digits, allowed))?;
         let values = match digits_of {
             Digits::None => Vec::new(),
             Digits::Decimals(_) | Digits::Exact => published
@@ -127,26 +145,25 @@ impl Claim {
                 .collect::<Result<_, _>>()
                 .map_err(|_| wrong("published", published, "numbers with `;` between them"))?,
         };
+        let kinds = "value, set, curve, statement or identity";
         let claim = Claim {
             id: ClaimId::named(id).ok_or_else(|| PublishedError::Unknown {
                 name: (*id).to_owned(),
             })?,
             place: (*place).to_owned(),
-            kind: kind
-                .parse()
-                .map_err(|()| wrong("kind", kind, "value, set, curve, statement or identity"))?,
+            kind: Kind::named(kind).ok_or_else(|| wrong("kind", kind, kinds))?,
             published: (*published).to_owned(),
             digits: digits_of,
             unit: (*unit).to_owned(),
             what: (*what).to_owned(),
+            part: (*part).to_owned(),
+            corrections: (*corrections).to_owned(),
+            check: (*check).to_owned(),
             values,
         };
         if claim.kind == Kind::Value && claim.values().len() != 1 {
-            return Err(wrong(
-                "published",
-                published,
-                "one number, with its digits, for a value",
-            ));
+            let allowed = "one number, with its digits, for a value";
+            return Err(wrong("published", published, allowed));
         }
         Ok(claim)
     }
@@ -164,9 +181,9 @@ impl Claim {
 
     /// Whether `value` is `published`, one of the claim's numbers.
     ///
-    /// Printed decimals: `value` rounded to as many is the printed number, nothing less. Exact: equal up
-    /// to a relative difference of 1e-12 (absolute where the exact value is 0). Never true of a claim
-    /// without numbers.
+    /// Printed decimals: `value` rounded to as many is the printed number, nothing less. Exact:
+    /// equal up to a relative difference of 1e-12 (absolute where the exact value is 0). Never true
+    /// of a claim without numbers.
     pub fn agrees_with(&self, published: f64, value: f64) -> bool {
         match self.digits {
             Digits::Decimals(decimals) => format!("{value:.decimals$}")
@@ -206,7 +223,8 @@ impl Claims {
     /// Reads a table with the columns `id, where, kind, published, digits, unit, what it says`.
     ///
     /// # Errors
-    /// [`PublishedError`] with the row and the column at fault, with a name that is none of [`ClaimId`], stands twice or is missing.
+    /// [`PublishedError`] with the row and the column at fault, with a name that is none of
+    /// [`ClaimId`], stands twice or is missing.
     pub fn parse(table: &str) -> Result<Claims, PublishedError> {
         let mut reader = csv::Reader::from_reader(table.as_bytes());
         let rows = reader
@@ -309,8 +327,8 @@ mod tests {
     }
 
     fn row(row: &str) -> Result<Claim, PublishedError> {
-        let fields: Vec<&str> = row.split(',').collect();
-        Claim::of_record(&csv::StringRecord::from(fields))
+        let fields = row.split(',').chain(["", "", ""]);
+        Claim::of_record(&fields.collect())
     }
 
     #[test]

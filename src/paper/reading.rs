@@ -17,7 +17,8 @@ pub enum Reading {
     AsPrinted,
     /// Of the equations to the letter, Lyapunov exponents.
     AsPrintedEquations,
-    /// The event-exact solver with the two defects of the paper's program that outlast a vanishing step.
+    /// The event-exact solver with the two defects of the paper's program that outlast a vanishing
+    /// step.
     SlipTimesThree,
     /// The nearest of the search's settings for the corrected equations, radii in units of the
     /// spread.
@@ -52,49 +53,61 @@ impl Reading {
 
     /// Its name in tables.
     pub const fn name(self) -> &'static str {
-        match self {
-            Reading::Exact => "exact",
-            Reading::Corrected => "corrected",
-            Reading::CorrectedEquations => "corrected/equations",
-            Reading::CorrectedData => "corrected/data",
-            Reading::AsPrinted => "as-printed",
-            Reading::AsPrintedEquations => "as-printed/equations",
-            Reading::SlipTimesThree => "slip-times-three",
-            Reading::BestOfReadings => "best-of-readings",
-        }
+        self.described().0
     }
 
-    /// What it is, for a reader of the tables.
+    /// What it means.
     pub const fn meaning(self) -> &'static str {
-        match self {
-            Reading::Exact => "the model as stated, solved accurately",
-            Reading::Corrected => {
-                "the model with the corrections that are listed, solved accurately"
-            }
-            Reading::CorrectedEquations => "of that, exponents from the equations",
-            Reading::CorrectedData => {
-                "of that, exponents from the sampled motion by Eqs. (25), (26)"
-            }
-            Reading::AsPrinted => "the paper's program or equations to the letter",
-            Reading::AsPrintedEquations => "exponents of the equations to the letter",
-            Reading::SlipTimesThree => {
-                "the accurate solver with the two defects of the program that outlast a vanishing step"
-            }
-            Reading::BestOfReadings => {
-                "the nearest of the search's estimator settings for the corrected equations, radii in units of the spread"
-            }
-        }
+        self.described().1
     }
 
-    /// What it stands for in a verdict.
+    /// What it stands for.
     pub const fn role(self) -> Role {
+        self.described().2
+    }
+
+    const fn described(self) -> (&'static str, &'static str, Role) {
         match self {
-            Reading::Exact => Role::Stated,
-            Reading::Corrected | Reading::CorrectedEquations | Reading::CorrectedData => {
-                Role::Corrected
-            }
-            Reading::AsPrinted | Reading::AsPrintedEquations => Role::AsPrinted,
-            Reading::SlipTimesThree | Reading::BestOfReadings => Role::Beside,
+            Reading::Exact => (
+                "exact",
+                "the model as stated, solved accurately",
+                Role::Stated,
+            ),
+            Reading::Corrected => (
+                "corrected",
+                "the model with the corrections that are listed, solved accurately",
+                Role::Corrected,
+            ),
+            Reading::CorrectedEquations => (
+                "corrected/equations",
+                "of that, exponents from the equations",
+                Role::Corrected,
+            ),
+            Reading::CorrectedData => (
+                "corrected/data",
+                "of that, exponents from the sampled motion by Eqs. (25), (26)",
+                Role::Corrected,
+            ),
+            Reading::AsPrinted => (
+                "as-printed",
+                "the paper's program or equations to the letter",
+                Role::AsPrinted,
+            ),
+            Reading::AsPrintedEquations => (
+                "as-printed/equations",
+                "exponents of the equations to the letter",
+                Role::AsPrinted,
+            ),
+            Reading::SlipTimesThree => (
+                "slip-times-three",
+                "the accurate solver with the two defects of the program that outlast a vanishing step",
+                Role::Beside,
+            ),
+            Reading::BestOfReadings => (
+                "best-of-readings",
+                "the nearest of the search's estimator settings for the corrected equations, radii in units of the spread",
+                Role::Beside,
+            ),
         }
     }
 }

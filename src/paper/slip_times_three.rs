@@ -1,13 +1,16 @@
-//! The listing's limit as its step goes to zero, solved accurately: the cause of Fig. 8's numbers by injection.
+//! The listing's limit as its step goes to zero, solved accurately: the cause of Fig. 8's numbers
+//! by injection.
 //!
-//! Two defects of the Appendix survive the limit. Its in-place stages carry the state three steps along the field
-//! while the clock advances one, so that a slip runs three times too fast against the forcing; a stick phase keeps its own
-//! pace. And a stick phase ends only where the body meets the upper end of the zone it entered; the lower end,
-//! which may sweep past it, is never looked at. [`run`] puts these into the event-exact solver, both or either of them
-//! ([`Injected`]): what comes out owes nothing to the listing's arithmetic, nor to any published number.
+//! Two defects of the Appendix survive the limit. Its in-place stages carry the state three steps
+//! along the field while the clock advances one, so that a slip runs three times too fast against
+//! the forcing; a stick phase keeps its own pace. And a stick phase ends only where the body meets
+//! the upper end of the zone it entered; the lower end, which may sweep past it, is never looked
+//! at. [`run`] puts these into the event-exact solver, both or either of them ([`Injected`]): what
+//! comes out owes nothing to the listing's arithmetic, nor to any published number.
 
 use std::ops::ControlFlow;
 
+use crate::numbers::missing;
 use crate::paper::listing::Params;
 use crate::paper::pattern::Pattern;
 use stickslip::error::Error;
@@ -52,8 +55,8 @@ pub struct Injected {
 }
 
 impl Injected {
-    /// Both defects that survive the listing's limit. In-place stages move the state by h/2 + h/2 + h + h along the field and
-    /// the clock by h.
+    /// Both defects that survive the listing's limit. In-place stages move the state by h/2 + h/2 +
+    /// h + h along the field and the clock by h.
     pub const BOTH: Injected = Injected {
         slip: 3.0,
         release: Release::UpperEnd,
@@ -82,7 +85,8 @@ const END: f64 = 63.3;
 /// Beyond 10 m or 10 m/s the softening spring drives the body away for good.
 const ESCAPE: f64 = 10.0;
 
-/// What Fig. 8's oscillator settles on from the listing's start with what is `injected`, over the time that the listing runs.
+/// What Fig. 8's oscillator settles on from the listing's start with what is `injected`, over the
+/// time that the listing runs.
 ///
 /// # Errors
 /// Those of [`run`]; [`Error::NotFound`] when nothing repeats.
@@ -92,18 +96,17 @@ pub fn settled(injected: Injected) -> Result<Pattern, Error> {
     let start = State::from([Params::default().x1, model.belt_speed]);
     let options = Options::tol(TOLERANCE).escape(ESCAPE);
     let phases = run(injected, &model, &zones, start, END, &options)?;
-    Pattern::of_phases(&phases, END, model.period()).ok_or(Error::NotFound {
-        what: "a motion that repeats",
-        t: 0.0,
-        span: END,
-    })
+    let pattern = Pattern::of_phases(&phases, END, model.period());
+    pattern.ok_or_else(|| missing("a motion that repeats", 0.0, END))
 }
 
-/// Runs the forced oscillator with what is `injected`, from `(0, x0)` on Σ in a stick phase to `t_end`, and returns its phases in order
-/// of time. `zones` are the stick zones (lower end, upper end) in `z = x₁ − A sin(ωt)`, Eq. (24).
+/// Runs the forced oscillator with what is `injected`, from `(0, x0)` on Σ in a stick phase to
+/// `t_end`, and returns its phases in order of time. `zones` are the stick zones (lower end, upper
+/// end) in `z = x₁ − A sin(ωt)`, Eq. (24).
 ///
 /// # Errors
-/// Those of [`stickslip::run`]; [`Error::NotFound`] when a stick phase begins in no zone or finds no end.
+/// Those of [`stickslip::run`]; [`Error::NotFound`] when a stick phase begins in no zone or finds
+/// no end.
 pub fn run(
     injected: Injected,
     model: &ForcedOscillator,
@@ -199,11 +202,11 @@ fn upper_exit(
         .iter()
         .find(|(lower, upper)| z >= lower - slack && z <= upper + slack);
     let Some(&(_, upper)) = zone else {
-        let what = "a stick zone that holds the body";
-        return Err(Error::NotFound { what, t, span: 0.0 });
+        return Err(missing("a stick zone that holds the body", t, 0.0));
     };
     let room = |later: f64| upper + model.support(t + later) - x[0] - model.belt_speed * later;
-    // The zone's end returns with every forcing period, the belt goes on: half a period at a time the search is short.
+    // The zone's end returns with every forcing period, the belt goes on: half a period at a time
+    // the search is short.
     let window = 0.5 * model.period();
     let most = 1000;
     for k in 0..most {
@@ -215,10 +218,6 @@ fn upper_exit(
             return Ok((t + later, at));
         }
     }
-    let what = "the upper end of the stick zone";
-    Err(Error::NotFound {
-        what,
-        t,
-        span: f64::from(most) * window,
-    })
+    let span = f64::from(most) * window;
+    Err(missing("the upper end of the stick zone", t, span))
 }

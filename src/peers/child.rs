@@ -1,8 +1,9 @@
-//! The peers: a process that solves the same problems with other people's solvers and answers line by line, so that rounds
-//! of theirs and of ours alternate.
+//! The peers: a process that solves the same problems with other people's solvers and answers line
+//! by line, so that rounds of theirs and of ours alternate.
 //!
-//! Commands, one a line: `prepare PROBLEM`, `time INDEX SECONDS`. Answers, any number of lines and then `done`:
-//! `version,PACKAGE,NUMBER` (to the first command), `curve,INDEX,SOLVER,SETTING,TOLERANCE,COMPILE_S,EVENTS`,
+//! Commands, one a line: `prepare PROBLEM`, `time INDEX SECONDS`. Answers, any number of lines and
+//! then `done`: `version,PACKAGE,NUMBER` (to the first command),
+//! `curve,INDEX,SOLVER,SETTING,TOLERANCE,COMPILE_S,EVENTS`,
 //! `cannot,SOLVER,SETTING,TOLERANCE,REASON`, and to the second `seconds,INDEX,PER_CALL`.
 
 use std::io::{BufRead, BufReader, Write};
@@ -11,50 +12,20 @@ use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
 use super::error::PeersError;
 use super::event::Event;
+use super::row::Row;
 
 /// A line of an answer.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Answer {
-    /// A package in use.
-    Version {
-        /// Its name.
-        package: String,
-        /// Its version.
-        number: String,
-    },
-    /// A solver with a setting, run once.
-    Curve {
-        /// By which it is timed.
-        index: usize,
-        /// Solver.
-        solver: String,
-        /// Setting, in words.
-        setting: String,
-        /// Tolerance, or step where that is fixed.
-        tolerance: f64,
-        /// Time to compile (s).
-        compile: f64,
-        /// The events it found.
-        events: Vec<Event>,
-    },
+    /// A package in use, and its version.
+    Version(String, String),
+    /// A solver with a setting, run once: the number by which it is timed, its row as far as it is
+    /// known, the events it found.
+    Curve(usize, Row, Vec<Event>),
     /// A solver that cannot solve the problem, or did not.
-    Cannot {
-        /// Solver.
-        solver: String,
-        /// Setting, in words.
-        setting: String,
-        /// Tolerance, if that is what fails.
-        tolerance: Option<f64>,
-        /// Why.
-        reason: String,
-    },
-    /// Time of a call.
-    Seconds {
-        /// Of which curve.
-        index: usize,
-        /// Seconds.
-        seconds: f64,
-    },
+    Cannot(Row),
+    /// Time of a call (s), and of which curve.
+    Seconds(usize, f64),
     /// End of the answer.
     Done,
 }
@@ -66,48 +37,42 @@ pub enum Answer {
 pub fn parse(line: &str) -> Result<Answer, String> {
     let cells = |count: usize| -> Result<Vec<&str>, String> {
         let cells: Vec<&str> = line.splitn(count, ',').collect();
-        if cells.len() == count {
-            Ok(cells)
-        } else {
-            Err(format!("{count} cells are due, there are {}", cells.len()))
-        }
+        let found = cells.len();
+        let is_due = (found == count).then_some(cells);
+        is_due.ok_or_else(|| format!("{count} cells are due, there are {found}"))
     };
     match line.split(',').next() {
         Some("version") => {
             let cells = cells(3)?;
-            Ok(Answer::Version {
-                package: cells[1].into(),
-                number: cells[2].into(),
-            })
+            Ok(Answer::Version(cells[1].into(), cells[2].into()))
         }
         Some("curve") => {
             let cells = cells(7)?;
-            let events = cells[6].split(';').filter(|event| !event.is_empty());
-            Ok(Answer::Curve {
-                index: index(cells[1])?,
+            let row = Row {
                 solver: cells[2].into(),
                 setting: cells[3].into(),
-                tolerance: positive(cells[4])?,
-                compile: seconds(cells[5])?,
-                events: events.map(str::parse).collect::<Result<_, _>>()?,
-            })
+                tolerance: Some(positive(cells[4])?),
+                compile: Some(seconds(cells[5])?),
+                ..Row::default()
+            };
+            let events = cells[6].split(';').filter(|event| !event.is_empty());
+            let events = events.map(str::parse).collect::<Result<_, _>>()?;
+            Ok(Answer::Curve(index(cells[1])?, row, events))
         }
         Some("cannot") => {
             let cells = cells(5)?;
             let tolerance = (!cells[3].is_empty()).then(|| positive(cells[3]));
-            Ok(Answer::Cannot {
+            Ok(Answer::Cannot(Row {
                 solver: cells[1].into(),
                 setting: cells[2].into(),
                 tolerance: tolerance.transpose()?,
-                reason: cells[4].into(),
-            })
+                note: cells[4].into(),
+                ..Row::default()
+            }))
         }
         Some("seconds") => {
             let cells = cells(3)?;
-            Ok(Answer::Seconds {
-                index: index(cells[1])?,
-                seconds: positive(cells[2])?,
-            })
+            Ok(Answer::Seconds(index(cells[1])?, positive(cells[2])?))
         }
         Some("done") if line == "done" => Ok(Answer::Done),
         _ => Err("it is neither version, curve, cannot, seconds nor done".into()),
@@ -126,23 +91,15 @@ fn number(text: &str) -> Result<f64, String> {
 }
 
 fn positive(text: &str) -> Result<f64, String> {
-    number(text).and_then(|value| {
-        if value > 0.0 {
-            Ok(value)
-        } else {
-            Err(format!("{text} is not greater than 0"))
-        }
-    })
+    let value = number(text)?;
+    let allowed = (value > 0.0).then_some(value);
+    allowed.ok_or_else(|| format!("{text} is not greater than 0"))
 }
 
 fn seconds(text: &str) -> Result<f64, String> {
-    number(text).and_then(|value| {
-        if value >= 0.0 {
-            Ok(value)
-        } else {
-            Err(format!("{text} s is a time before its start"))
-        }
-    })
+    let value = number(text)?;
+    let allowed = (value >= 0.0).then_some(value);
+    allowed.ok_or_else(|| format!("{text} s is a time before its start"))
 }
 
 /// The running process; it ends when this is dropped.
@@ -155,7 +112,8 @@ pub struct Peers {
 }
 
 impl Peers {
-    /// Starts `python` with the script `peers.py` in `scripts`; the problems are read from `problems`.
+    /// Starts `python` with the script `peers.py` in `scripts`; the problems are read from
+    /// `problems`.
     ///
     /// # Errors
     /// [`PeersError::Start`].
@@ -226,7 +184,7 @@ impl Peers {
     pub fn time(&mut self, curve: usize, batch: f64) -> Result<f64, PeersError> {
         let command = format!("time {curve} {batch}");
         match self.ask(&command)?[..] {
-            [Answer::Seconds { index, seconds }] if index == curve => Ok(seconds),
+            [Answer::Seconds(index, seconds)] if index == curve => Ok(seconds),
             ref other => Err(PeersError::Answer {
                 line: self.line,
                 text: format!("{other:?}"),
@@ -252,28 +210,17 @@ mod tests {
 
     #[test]
     fn answers_are_read() {
-        let curve = parse("curve,3,heyoka,tol,1e-9,0.25,entry@0.5;exit@1.25").unwrap();
-        let Answer::Curve {
-            index,
-            tolerance,
-            events,
-            ..
-        } = curve
-        else {
+        let curve = parse("curve,3,heyoka,tol,1e-9,0.25,entry@0.5;exit@1.25");
+        let Ok(Answer::Curve(3, row, events)) = curve else {
             panic!("{curve:?}");
         };
-        assert_eq!(
-            (index, tolerance, events.len(), events[1].t),
-            (3, 1e-9, 2, 1.25)
-        );
-        let reason = parse("cannot,diffsol,tsit45,,no, it cannot").unwrap();
-        let Answer::Cannot {
-            tolerance, reason, ..
-        } = reason
-        else {
+        assert_eq!((row.tolerance, row.compile), (Some(1e-9), Some(0.25)));
+        assert_eq!((events.len(), events[1].t), (2, 1.25));
+        let reason = parse("cannot,diffsol,tsit45,,no, it cannot");
+        let Ok(Answer::Cannot(row)) = reason else {
             panic!("{reason:?}");
         };
-        assert_eq!((tolerance, reason.as_str()), (None, "no, it cannot"));
+        assert_eq!((row.tolerance, row.note.as_str()), (None, "no, it cannot"));
         assert_eq!(parse("done"), Ok(Answer::Done));
     }
 

@@ -1,6 +1,7 @@
 //! Ratios of times at equal accuracy.
 
 use super::row::Row;
+use crate::text::distinct;
 use stickslip::math;
 
 /// Errors below this are not told apart: rounding of the times themselves.
@@ -8,8 +9,8 @@ const LEAST_ERROR: f64 = 1e-16;
 /// The accuracy at which solvers are compared, if they reach it.
 pub const WANTED: f64 = 1e-12;
 
-/// The points of a solver on a problem from which neither error nor time can be bettered, as (time, error), by rising time and
-/// falling error.
+/// The points of a solver on a problem from which neither error nor time can be bettered, as (time,
+/// error), by rising time and falling error.
 pub fn front<'a>(rows: impl Iterator<Item = &'a Row>) -> Vec<(f64, f64)> {
     let point = |row: &Row| Some((row.median()?, row.error?.max(LEAST_ERROR)));
     let mut points: Vec<(f64, f64)> = rows.filter_map(point).collect();
@@ -23,7 +24,8 @@ pub fn front<'a>(rows: impl Iterator<Item = &'a Row>) -> Vec<(f64, f64)> {
     front
 }
 
-/// The time that a solver with this front takes for an error, by interpolation of logarithms; none if it never gets there.
+/// The time that a solver with this front takes for an error, by interpolation of logarithms; none
+/// if it never gets there.
 pub fn time_for(front: &[(f64, f64)], error: f64) -> Option<f64> {
     let above = front.iter().position(|point| point.1 <= error)?;
     let (slower, better) = front[above];
@@ -54,22 +56,14 @@ pub struct Ratio {
 
 /// All peers beside all our solvers, in the order of the rows.
 pub fn ratios(rows: &[Row], ours: &[&str]) -> Vec<Ratio> {
-    let mut seen: Vec<(&'static str, &str)> = Vec::new();
     let mut ratios = Vec::new();
-    for row in rows {
-        let key = (row.problem, row.solver.as_str());
-        if ours.contains(&key.1) || seen.contains(&key) {
-            continue;
-        }
-        seen.push(key);
+    for (problem, peer) in distinct(rows.iter().map(|row| (row.problem, row.solver.as_str()))) {
         let of = |solver: &str| {
-            front(
-                rows.iter()
-                    .filter(|r| r.problem == key.0 && r.solver == solver),
-            )
+            let measured = |row: &&Row| row.problem == problem && row.solver == solver;
+            front(rows.iter().filter(measured))
         };
-        let theirs = of(key.1);
-        let Some(best) = theirs.last() else {
+        let theirs = of(peer);
+        let Some(best) = theirs.last().filter(|_| !ours.contains(&peer)) else {
             continue;
         };
         let error = best.1.max(WANTED);
@@ -78,8 +72,8 @@ pub fn ratios(rows: &[Row], ours: &[&str]) -> Vec<Ratio> {
         };
         for name in ours {
             ratios.push(Ratio {
-                problem: key.0,
-                peer: key.1.into(),
+                problem,
+                peer: peer.into(),
                 ours: (*name).into(),
                 error,
                 their_time,
@@ -90,6 +84,18 @@ pub fn ratios(rows: &[Row], ours: &[&str]) -> Vec<Ratio> {
     ratios
 }
 
+/// Of each solver on each problem the row with the least error, in the order of their first rows.
+pub fn most_accurate(rows: &[Row]) -> Vec<usize> {
+    let order = |row: &Row| row.error.unwrap_or(f64::INFINITY);
+    let pairs = distinct(rows.iter().map(|row| (row.problem, &row.solver)));
+    let of_pair = |(problem, solver): (&str, &String)| {
+        let same = |&i: &usize| rows[i].problem == problem && rows[i].solver == *solver;
+        let all = (0..rows.len()).filter(same);
+        all.min_by(|&one, &other| order(&rows[one]).total_cmp(&order(&rows[other])))
+    };
+    pairs.into_iter().filter_map(of_pair).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -98,14 +104,9 @@ mod tests {
         Row {
             solver: solver.into(),
             problem: "decay",
-            setting: String::new(),
-            tolerance: None,
             error,
-            events: None,
             seconds: vec![seconds],
-            compile: None,
-            process: None,
-            note: String::new(),
+            ..Row::default()
         }
     }
 

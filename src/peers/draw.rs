@@ -4,6 +4,8 @@ use super::compare::front;
 use super::problem::Problem;
 use super::row::Row;
 use crate::figures::FigureError;
+use crate::numbers::extent;
+use crate::text::{distinct, joined};
 use plot::*;
 use stickslip::math;
 
@@ -22,34 +24,22 @@ const ROW: f64 = 290.0;
 /// Room for the legend under the last row, px.
 const LEGEND: f64 = 60.0;
 
-/// The SVG: a panel for every problem, and one with the times of whole processes where they were measured.
+/// The SVG: a panel for every problem, and one with the times of whole processes where they were
+/// measured.
 ///
 /// # Errors
 /// Those of [`Figure::render`].
 pub fn draw(rows: &[Row], problems: &[Problem]) -> Result<String, FigureError> {
-    let mut names: Vec<&str> = Vec::new();
-    for row in rows {
-        if !names.contains(&row.solver.as_str()) {
-            names.push(&row.solver);
-        }
-    }
+    let names = distinct(rows.iter().map(|row| row.solver.as_str()));
     let mut panels: Vec<Panel> = Vec::new();
     for (i, problem) in problems.iter().enumerate() {
-        let letter = format!("({})", char::from(b'a' + i as u8));
-        let of: Vec<&Row> = rows
-            .iter()
-            .filter(|row| row.problem == problem.name)
-            .collect();
-        panels.push(
-            work_precision(&of, &names)
-                .label(&letter)
-                .title(problem.title),
-        );
+        let of = rows.iter().filter(|row| row.problem == problem.name);
+        let panel = work_precision(&of.collect::<Vec<_>>(), &names);
+        panels.push(panel.label(&letter(i)).title(problem.title));
     }
     let mut about_processes = "";
     if rows.iter().any(|row| row.process.is_some()) {
-        let letter = format!("({})", char::from(b'a' + problems.len() as u8));
-        panels.push(processes(rows, &names, problems).label(&letter));
+        panels.push(processes(rows, &names, problems).label(&letter(problems.len())));
         about_processes = " Last panel: time of a whole process, one line for each solver.";
     }
     if let Some(last) = panels.pop() {
@@ -75,6 +65,11 @@ pub fn draw(rows: &[Row], problems: &[Problem]) -> Result<String, FigureError> {
         figure = figure.columns(weight, row);
     }
     figure.render().map_err(Into::into)
+}
+
+/// The label of a panel.
+fn letter(place: usize) -> String {
+    format!("({})", char::from(b'a' + place as u8))
 }
 
 fn look(place: usize) -> (Color, Dash, Shape) {
@@ -111,7 +106,8 @@ fn work_precision(rows: &[&Row], names: &[&str]) -> Panel {
     panel
 }
 
-/// A line for every solver; filled marks are of the first problem that was timed so, open ones of the others.
+/// A line for every solver; filled marks are of the first problem that was timed so, open ones of
+/// the others.
 fn processes(rows: &[Row], names: &[&str], problems: &[Problem]) -> Panel {
     let timed = |problem: &&'static str| {
         let mut rows = rows.iter();
@@ -123,15 +119,10 @@ fn processes(rows: &[Row], names: &[&str], problems: &[Problem]) -> Panel {
         .filter(timed)
         .collect();
     // What the marks mean: the letters of the problems' own panels.
-    let letters = |of: &[&str]| -> String {
-        let places = problems
-            .iter()
-            .enumerate()
-            .filter(|(_, problem)| of.contains(&problem.name));
-        let letters: Vec<String> = places
-            .map(|(i, _)| format!("({})", char::from(b'a' + i as u8)))
-            .collect();
-        letters.join(", ")
+    let letters = |of: &[&str]| {
+        let places = problems.iter().enumerate();
+        let places = places.filter(|(_, problem)| of.contains(&problem.name));
+        joined(places.map(|(i, _)| letter(i)), ", ")
     };
     let title = match of.split_first() {
         Some((first, others)) if !others.is_empty() => format!(
@@ -193,9 +184,7 @@ fn with_legend(panel: Panel, names: &[&str]) -> Panel {
 /// The range of logarithms, with a margin; some decade if there are none.
 fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
     const MARGIN: f64 = 0.25;
-    let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
-        (low.min(v), high.max(v))
-    });
+    let (low, high) = extent(values);
     if low > high {
         (-1.0, 1.0)
     } else {

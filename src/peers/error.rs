@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use crate::figures::FigureError;
 use crate::terminal::ProgramError;
+use output::WriteError;
 
 /// Failure of the program `peers`.
 #[derive(Debug, thiserror::Error)]
@@ -89,18 +90,7 @@ pub enum PeersError {
     },
     /// The figure cannot be made.
     #[error(transparent)]
-    Figure(FigureError),
-    /// A folder for the files cannot be made.
-    #[error(
-        "cannot create folder {}: {source}; choose others with --report-dir and --figures-dir",
-        path.display()
-    )]
-    Folder {
-        /// The folder.
-        path: std::path::PathBuf,
-        /// What the operating system said.
-        source: std::io::Error,
-    },
+    Figure(#[from] FigureError),
     /// A file cannot be read.
     #[error("cannot read {}: {source}; choose its folder with --report-dir", path.display())]
     Input {
@@ -117,17 +107,9 @@ pub enum PeersError {
         /// What is wrong.
         cause: String,
     },
-    /// A file cannot be written.
-    #[error(
-        "cannot write {}: {source}; choose folders that can be written to with --report-dir and --figures-dir",
-        path.display()
-    )]
-    Output {
-        /// The file.
-        path: std::path::PathBuf,
-        /// What the operating system said.
-        source: std::io::Error,
-    },
+    /// A file or its folder cannot be written.
+    #[error("{0}; choose folders that can be written to with --report-dir and --figures-dir")]
+    Write(#[from] WriteError),
     /// The rows do not fit into a CSV file.
     #[error("cannot put the rows into CSV: {0}")]
     Csv(#[from] csv::Error),
@@ -136,16 +118,5 @@ pub enum PeersError {
 impl ProgramError for PeersError {
     fn is_usage(&self) -> bool {
         matches!(self, Self::Unknown { .. } | Self::Argument { .. })
-    }
-}
-
-impl From<FigureError> for PeersError {
-    /// The figures' programs call their folder by another option.
-    fn from(error: FigureError) -> Self {
-        match error {
-            FigureError::CreateDir { path, source } => Self::Folder { path, source },
-            FigureError::Write { path, source } => Self::Output { path, source },
-            other => Self::Figure(other),
-        }
     }
 }

@@ -6,12 +6,11 @@ use std::process::{Command, Stdio};
 use std::time::Instant;
 
 use super::child::{Answer, Peers};
+use super::compare::most_accurate;
 use super::error::PeersError;
 use super::event::{Event, error};
-use super::problem::Problem;
-use super::reference::reference;
+use super::problem::{Problem, SOLVERS, Solver};
 use super::row::{Row, median};
-use super::solvers::{SOLVERS, Solver};
 
 /// A sample is the mean over as many calls as take this long (s).
 const BATCH: f64 = 5e-3;
@@ -29,21 +28,27 @@ enum Timed {
 /// Everything measured on one problem but whole processes, one after the other in every round.
 ///
 /// # Errors
-/// A problem without reference, peers that do not answer. A solver that fails on a problem only gets a note.
+/// A problem without reference, peers that do not answer. A solver that fails on a problem only
+/// gets a note.
 pub fn problem(
     problem: &Problem,
     rounds: usize,
     peers: Option<&mut Peers>,
     versions: &mut Vec<(String, String)>,
 ) -> Result<Vec<Row>, PeersError> {
-    let reference = reference(problem)?;
+    let reference = problem.reference()?;
     let mut entries = ours(problem, &reference);
     let mut peers = peers;
     if let Some(peers) = &mut peers {
         for answer in peers.ask(&format!("prepare {}", problem.name))? {
             match answer {
-                Answer::Version { package, number } => versions.push((package, number)),
-                other => entries.extend(theirs(problem, &reference, other)),
+                Answer::Version(package, number) => versions.push((package, number)),
+                Answer::Curve(index, row, events) => {
+                    let row = judged(row, &events, &reference);
+                    entries.push((row, Timed::Theirs(index)));
+                }
+                Answer::Cannot(row) => entries.push((row, Timed::Nobody)),
+                Answer::Seconds(..) | Answer::Done => {}
             }
         }
     }
@@ -62,87 +67,50 @@ pub fn problem(
             }
         }
     }
-    Ok(entries.into_iter().map(|(row, _)| row).collect())
+    let named = |(row, _)| Row {
+        problem: problem.name,
+        ..row
+    };
+    Ok(entries.into_iter().map(named).collect())
 }
 
 fn ours(problem: &Problem, reference: &[Event]) -> Vec<(Row, Timed)> {
     let mut entries = Vec::new();
     for solver in SOLVERS {
         for &tolerance in solver.tolerances {
-            let mut row = empty(problem, solver.name, "rtol = atol");
-            row.tolerance = Some(tolerance);
+            let row = Row {
+                solver: solver.name.into(),
+                setting: "rtol = atol".into(),
+                tolerance: Some(tolerance),
+                // Compiled before it ever started.
+                compile: Some(0.0),
+                ..Row::default()
+            };
             let mut events = Vec::new();
             let solved = problem.solve(&solver.options(tolerance), &mut events);
-            let timed = match solved {
-                Ok(()) => {
-                    judge(&mut row, &events, reference);
-                    Timed::Ours(solver, tolerance)
-                }
+            entries.push(match solved {
+                Ok(()) => (
+                    judged(row, &events, reference),
+                    Timed::Ours(solver, tolerance),
+                ),
                 Err(error) => {
-                    row.note = format!("failed: {error}");
-                    Timed::Nobody
+                    let note = format!("failed: {error}");
+                    (Row { note, ..row }, Timed::Nobody)
                 }
-            };
-            // Compiled before it ever started.
-            row.compile = Some(0.0);
-            entries.push((row, timed));
+            });
         }
     }
     entries
 }
 
-fn theirs(problem: &Problem, reference: &[Event], answer: Answer) -> Option<(Row, Timed)> {
-    match answer {
-        Answer::Curve {
-            index,
-            solver,
-            setting,
-            tolerance,
-            compile,
-            events,
-        } => {
-            let mut row = empty(problem, &solver, &setting);
-            row.tolerance = Some(tolerance);
-            row.compile = Some(compile);
-            judge(&mut row, &events, reference);
-            Some((row, Timed::Theirs(index)))
-        }
-        Answer::Cannot {
-            solver,
-            setting,
-            tolerance,
-            reason,
-        } => {
-            let mut row = empty(problem, &solver, &setting);
-            row.tolerance = tolerance;
-            row.note = reason;
-            Some((row, Timed::Nobody))
-        }
-        Answer::Version { .. } | Answer::Seconds { .. } | Answer::Done => None,
-    }
-}
-
-fn empty(problem: &Problem, solver: &str, setting: &str) -> Row {
-    Row {
-        solver: solver.into(),
-        problem: problem.name,
-        setting: setting.into(),
-        tolerance: None,
-        error: None,
-        events: None,
-        seconds: Vec::new(),
-        compile: None,
-        process: None,
-        note: String::new(),
-    }
-}
-
-fn judge(row: &mut Row, events: &[Event], reference: &[Event]) {
+/// The row with its events held against the reference's.
+fn judged(mut row: Row, events: &[Event], reference: &[Event]) -> Row {
     row.events = Some(events.len());
     match error(events, reference) {
         Ok(error) => row.error = Some(error),
         Err(note) => row.note = note,
     }
+    row
 }
 
 /// Seconds per run of ours.
@@ -171,54 +139,39 @@ pub struct Programs<'a> {
     pub theirs: Option<(&'a Path, &'a Path, &'a Path)>,
 }
 
-/// Times whole processes, each of which starts, compiles and solves once, for the most accurate row of every solver, in
-/// alternation.
+/// Times whole processes, each of which starts, compiles and solves once, for the most accurate row
+/// of every solver, in alternation.
 ///
 /// # Errors
 /// [`PeersError::Start`], [`PeersError::Process`].
 pub fn processes(
     rows: &mut [Row],
+    named: impl Fn(&Row) -> bool,
     rounds: usize,
     programs: &Programs<'_>,
 ) -> Result<(), PeersError> {
-    let mut best: Vec<usize> = Vec::new();
-    for (i, row) in rows.iter().enumerate() {
-        let Some(error) = row.error else { continue };
-        let same = |&j: &usize| rows[j].solver == row.solver && rows[j].problem == row.problem;
-        match best.iter().position(same) {
-            Some(place) if rows[best[place]].error.is_some_and(|least| error < least) => {
-                best[place] = i
-            }
-            Some(_) => {}
-            None => best.push(i),
-        }
-    }
+    let mut best = most_accurate(rows);
+    best.retain(|&i| named(&rows[i]) && rows[i].error.is_some());
     let mut samples = vec![Vec::new(); best.len()];
     for _ in 0..rounds {
         for (samples, &i) in samples.iter_mut().zip(&best) {
             let row = &rows[i];
             let ours = SOLVERS.iter().any(|solver| solver.name == row.solver);
             let mut command = match (ours, programs.theirs) {
-                (true, _) => {
-                    let mut command = Command::new(programs.ours);
-                    command.arg("one");
-                    command
-                }
-                (false, Some((python, scripts, problems))) => {
-                    let mut command = Command::new(python);
-                    command.arg(scripts.join("one.py")).arg(problems);
-                    command
-                }
+                (true, _) => Command::new(programs.ours),
+                (false, Some((python, ..))) => Command::new(python),
                 (false, None) => continue,
             };
+            match (ours, programs.theirs) {
+                (false, Some((_, scripts, problems))) => command
+                    .arg(scripts.join("one.py"))
+                    .arg(problems)
+                    .args(["--setting", &row.setting]),
+                _ => command.arg("one"),
+            };
+            let tolerance = row.tolerance.unwrap_or_default().to_string();
             command.args(["--problem", row.problem, "--solver", &row.solver]);
-            if !ours {
-                command.args(["--setting", &row.setting]);
-            }
-            command.args([
-                "--tolerance",
-                &row.tolerance.unwrap_or_default().to_string(),
-            ]);
+            command.args(["--tolerance", &tolerance]);
             samples.push(whole(&mut command)?);
         }
     }

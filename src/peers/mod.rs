@@ -1,5 +1,5 @@
-//! The program `peers`: work and precision of our solvers beside those that people use now, on problems with known event
-//! times.
+//! The program `peers`: work and precision of our solvers beside those that people use now, on
+//! problems with known event times.
 
 mod child;
 mod compare;
@@ -8,26 +8,22 @@ mod error;
 mod event;
 mod measure;
 mod problem;
-mod readme;
-mod reference;
 mod report;
 mod row;
-mod solvers;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
 
-use crate::figures::output::{self, Artifact};
 use crate::terminal;
+use crate::text::joined;
+use output::Artifact;
 
 pub use error::PeersError;
 pub use event::{Event, Kind};
-pub use problem::{MovingBoundary, Problem, System, problems};
-pub use reference::reference;
+pub use problem::{MovingBoundary, Problem, SOLVERS, Solver, System, problems};
 pub use row::Row;
-pub use solvers::{SOLVERS, Solver};
 
 use child::Peers;
 use measure::Programs;
@@ -144,7 +140,8 @@ pub struct All {
     pub folders: Folders,
 }
 
-/// Everything the program does. Exit code 0 on success, 1 if something failed, 2 for a wrong command line.
+/// Everything the program does. Exit code 0 on success, 1 if something failed, 2 for a wrong
+/// command line.
 pub fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let outcome = match &arguments.command {
@@ -187,40 +184,27 @@ pub fn run(all: &All) -> Result<String, PeersError> {
     let mut rows = Vec::new();
     for problem in &chosen {
         terminal::note(&format!("measuring {}", problem.name));
-        rows.extend(measure::problem(
-            problem,
-            all.rounds,
-            peers.as_mut(),
-            &mut versions,
-        )?);
+        let peers = peers.as_mut();
+        rows.extend(measure::problem(problem, all.rounds, peers, &mut versions)?);
     }
     drop(peers);
     if all.process_rounds > 0 {
         terminal::note("timing whole processes");
+        let ours = std::env::current_exe().map_err(|source| PeersError::Start {
+            program: "peers".into(),
+            source,
+        })?;
+        let python = all.python.as_deref();
+        let programs = Programs {
+            ours: &ours,
+            theirs: python.map(|python| (python, all.scripts.as_path(), all.numbers.as_path())),
+        };
         let named = |row: &Row| {
             as_processes
                 .iter()
                 .any(|problem| problem.name == row.problem)
         };
-        let ours = std::env::current_exe().map_err(|source| PeersError::Start {
-            program: "peers".into(),
-            source,
-        })?;
-        let programs = Programs {
-            ours: &ours,
-            theirs: all
-                .python
-                .as_deref()
-                .map(|python| (python, all.scripts.as_path(), all.numbers.as_path())),
-        };
-        let mut timed: Vec<Row> = rows.iter().filter(|row| named(row)).cloned().collect();
-        measure::processes(&mut timed, all.process_rounds, &programs)?;
-        let mut timed = timed.into_iter();
-        for row in rows.iter_mut().filter(|row| named(row)) {
-            if let Some(measured) = timed.next() {
-                *row = measured;
-            }
-        }
+        measure::processes(&mut rows, named, all.process_rounds, &programs)?;
     }
     let names: Vec<&str> = SOLVERS.iter().map(|solver| solver.name).collect();
     let text = report::text(&rows, &names, &head(all, &versions));
@@ -229,14 +213,13 @@ pub fn run(all: &All) -> Result<String, PeersError> {
 }
 
 fn head(all: &All, versions: &[(String, String)]) -> String {
-    let versions: Vec<String> = versions
+    let named = versions
         .iter()
-        .map(|(package, number)| format!("{package} {number}"))
-        .collect();
+        .map(|(package, number)| format!("{package} {number}"));
     let beside = if versions.is_empty() {
         "no peers: give --python to measure them too".into()
     } else {
-        format!("beside {}", versions.join(", "))
+        format!("beside {}", joined(named, ", "))
     };
     format!(
         "stickslip {} {beside}; medians of {} alternating rounds",
@@ -264,7 +247,8 @@ fn write(all: &All, rows: &[Row], text: &str, problems: &[Problem]) -> Result<St
     Ok(output::listing(&paths))
 }
 
-/// The figure from the table of an earlier run: after a change of the drawing nothing need be measured again.
+/// The figure from the table of an earlier run: after a change of the drawing nothing need be
+/// measured again.
 fn redraw(folders: &Folders) -> Result<String, PeersError> {
     let path = folders.report_dir.join("bench.csv");
     let table = std::fs::read_to_string(&path).map_err(|source| PeersError::Input {
@@ -281,7 +265,8 @@ fn redraw(folders: &Folders) -> Result<String, PeersError> {
     Ok(output::listing(&paths))
 }
 
-/// The project's README gets the measurements that are written into the project's own folder of tables.
+/// The project's README gets the measurements that are written into the project's own folder of
+/// tables.
 fn write_readme(folders: &Folders, rows: &[Row]) -> Result<Vec<PathBuf>, PeersError> {
     if folders.report_dir != Path::new(TABLES) {
         return Ok(Vec::new());
@@ -290,7 +275,7 @@ fn write_readme(folders: &Folders, rows: &[Row]) -> Result<Vec<PathBuf>, PeersEr
     let Ok(text) = std::fs::read_to_string(top.join(README)) else {
         return Ok(Vec::new());
     };
-    let Some(new) = readme::MARKS.put(&text, &readme::block(rows, OURS)) else {
+    let Some(new) = report::MARKS.put(&text, &report::block(rows, OURS)) else {
         return Ok(Vec::new());
     };
     Ok(output::write_all(&top, &[Artifact::text(README, new)])?)
@@ -319,11 +304,7 @@ fn find(known: &[Problem], name: &str) -> Result<Problem, PeersError> {
     found.copied().ok_or_else(|| PeersError::Unknown {
         what: "problem",
         name: name.into(),
-        known: known
-            .iter()
-            .map(|problem| problem.name)
-            .collect::<Vec<_>>()
-            .join(", "),
+        known: joined(known.iter().map(|problem| problem.name), ", "),
     })
 }
 
@@ -333,11 +314,7 @@ fn solve_one(one: &One) -> Result<String, PeersError> {
     let solver = solver.ok_or_else(|| PeersError::Unknown {
         what: "solver",
         name: one.solver.clone(),
-        known: SOLVERS
-            .iter()
-            .map(|solver| solver.name)
-            .collect::<Vec<_>>()
-            .join(", "),
+        known: joined(SOLVERS.iter().map(|solver| solver.name), ", "),
     })?;
     let mut events = Vec::new();
     problem.solve(&solver.options(one.tolerance), &mut events)?;

@@ -1,17 +1,17 @@
-//! The problems that all solvers get. Their numbers also stand in data/references/problems.json, for the other programs; a
-//! test holds the two against each other.
+//! The problems that all solvers get. Their numbers also stand in data/references/problems.json,
+//! for the other programs; a test holds the two against each other.
 
 use std::ops::ControlFlow;
 
 use super::error::PeersError;
-use super::event::{Event, Kind};
-use stickslip::filippov::{Observer, Options, Transition, TransitionKind, run};
+use super::event::{self, Event, Kind};
+use stickslip::filippov::{Method, Observer, Options, Transition, TransitionKind, run};
 use stickslip::models::{BeltOscillator, BlockAndBracket, Caption, ForcedOscillator, Reading};
 use stickslip::scalar::Scalar;
 use stickslip::system::{Filippov, Side, State};
 
-/// Textbook problem with a moving boundary: `x' = a` below, `−a` above, boundary `x − sin t`. Between events everything is a
-/// closed form.
+/// Textbook problem with a moving boundary: `x' = a` below, `−a` above, boundary `x − sin t`.
+/// Between events everything is a closed form.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MovingBoundary {
     /// Speed a on either side (1/s), between 0 and 1.
@@ -149,7 +149,16 @@ pub fn problems() -> Result<Vec<Problem>, stickslip::Error> {
 }
 
 impl Problem {
-    /// The events up to the end time, appended to `events`, which is cleared first and whose memory is used again.
+    /// The events of its reference, to thirty digits.
+    ///
+    /// # Errors
+    /// [`PeersError::Reference`] with the line that is not as it should be.
+    pub fn reference(&self) -> Result<Vec<Event>, PeersError> {
+        event::parse(self.name, self.reference)
+    }
+
+    /// The events up to the end time, appended to `events`, which is cleared first and whose memory
+    /// is used again.
     ///
     /// # Errors
     /// [`PeersError::Solve`] with what the solver ran into.
@@ -200,5 +209,42 @@ impl<const N: usize> Observer<N> for Notes<'_> {
     }
     fn watches_steps(&self) -> bool {
         false
+    }
+}
+
+/// A solver of ours.
+#[derive(Clone, Copy, Debug)]
+pub struct Solver {
+    /// Name in the report and in the figure.
+    pub name: &'static str,
+    /// Its integrator.
+    pub method: Method,
+    /// The tolerances it is run with.
+    pub tolerances: &'static [f64],
+}
+
+const LADDER: [f64; 12] = [
+    1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 1e-14, 1e-15,
+];
+
+/// The solvers.
+pub const SOLVERS: &[Solver] = &[
+    Solver {
+        name: "stickslip Taylor",
+        method: Method::Taylor,
+        tolerances: &LADDER,
+    },
+    Solver {
+        name: "stickslip Dop853",
+        method: Method::Dop853,
+        // Rounding ends what slopes can reach.
+        tolerances: LADDER.split_at(11).0,
+    },
+];
+
+impl Solver {
+    /// Its settings for a tolerance.
+    pub fn options(&self, tolerance: f64) -> Options {
+        Options::tol(tolerance).method(self.method)
     }
 }

@@ -1,7 +1,8 @@
 //! What is printed, and kept as report/bench.txt.
 
-use super::compare::{Ratio, WANTED, ratios};
+use super::compare::{Ratio, WANTED, most_accurate, ratios};
 use super::row::Row;
+use crate::text::{Marks, distinct};
 
 /// A time in the unit that suits it.
 pub fn duration(seconds: f64) -> String {
@@ -24,7 +25,7 @@ pub fn duration(seconds: f64) -> String {
 pub fn text(rows: &[Row], ours: &[&str], head: &str) -> String {
     let mut text = format!("{head}\n");
     text += "\nMost accurate setting of every solver: error of event times, time of a run (median), compilation\n";
-    for row in most_accurate(rows) {
+    for row in most_accurate(rows).into_iter().map(|i| &rows[i]) {
         let cell = |value: Option<f64>| value.map_or("-".into(), duration);
         let error = row.error.map_or("-".into(), |error| format!("{error:.1e}"));
         text += &format!(
@@ -68,23 +69,6 @@ fn line(ratio: &Ratio) -> String {
     )
 }
 
-/// The most accurate row of every solver on every problem; a solver without any accurate row has its first.
-fn most_accurate(rows: &[Row]) -> Vec<&Row> {
-    let mut best: Vec<&Row> = Vec::new();
-    for row in rows {
-        let place = best
-            .iter()
-            .position(|b| b.solver == row.solver && b.problem == row.problem);
-        let order = |row: &Row| row.error.unwrap_or(f64::INFINITY);
-        match place {
-            Some(place) if order(row) < order(best[place]) => best[place] = row,
-            Some(_) => {}
-            None => best.push(row),
-        }
-    }
-    best
-}
-
 fn processes(rows: &[Row], ours: &[&str]) -> String {
     let timed: Vec<(&Row, f64)> = rows
         .iter()
@@ -116,13 +100,66 @@ fn processes(rows: &[Row], ours: &[&str]) -> String {
     text
 }
 
+/// Where they stand in the README.
+pub const MARKS: Marks = Marks {
+    begin: "<!-- speed: written by `make bench-peers` -->\n",
+    end: "<!-- end of speed -->\n",
+};
+
+/// For each peer how many times our time it takes, least and most over the problems, against one of
+/// our solvers.
+pub fn block(rows: &[Row], ours: &str) -> String {
+    let all = ratios(rows, &[ours]);
+    let peers = all.iter().map(|one| one.peer.as_str());
+    let peers = distinct(peers.filter(|peer| !peer.starts_with(OWN)));
+    let mut text = format!(
+        "| time for an error of {WANTED:e} (or the peer's least), over that of `{ours}` | least | most | on |\n|---|--:|--:|---|\n"
+    );
+    for peer in peers {
+        let of_peer: Vec<(&Ratio, f64)> = all
+            .iter()
+            .filter(|one| one.peer == peer)
+            .filter_map(|one| Some((one, one.their_time / one.our_time?)))
+            .collect();
+        let least = of_peer.iter().min_by(|a, b| a.1.total_cmp(&b.1));
+        let most = of_peer.iter().max_by(|a, b| a.1.total_cmp(&b.1));
+        if let (Some((at, least)), Some((_, most))) = (least, most) {
+            text += &format!(
+                "| {peer} | {least:.1} | {most:.1} | least on {} ({} there) |\n",
+                at.problem,
+                duration(at.their_time)
+            );
+        }
+    }
+    text
+}
+
+/// How the names of our own solvers begin.
+const OWN: &str = "stickslip";
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::peers::{OURS, all_problems, row};
 
     #[test]
     fn times_have_three_digits_and_a_unit() {
         let told: Vec<String> = [1.234e-5, 4.5e-3, 0.1234, 2.0].map(duration).into();
         assert_eq!(told, ["12.3 µs", "4.50 ms", "123 ms", "2.00 s"]);
+    }
+
+    #[test]
+    fn the_readme_has_the_committed_measurements() {
+        let table = include_str!("../../report/bench.csv");
+        let rows = row::read(table, &all_problems().unwrap()).unwrap();
+        let readme = include_str!("../../README.md");
+        let written = MARKS.put(readme, &block(&rows, OURS)).unwrap();
+        assert!(written == readme, "run `peers redraw`");
+        // Another measurement is another table.
+        let mut other = rows.clone();
+        for row in other.iter_mut().filter(|row| row.solver == "heyoka") {
+            row.seconds.iter_mut().for_each(|seconds| *seconds *= 2.0);
+        }
+        assert_ne!(block(&other, OURS), block(&rows, OURS));
     }
 }

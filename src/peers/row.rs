@@ -1,11 +1,14 @@
 //! What was measured of one solver at one setting on one problem.
 
+use std::str::FromStr;
+
 use super::error::PeersError;
 use super::problem::Problem;
+use crate::text;
 use stickslip::statistics::middle_two;
 
 /// A row of report/bench.csv.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Row {
     /// Solver.
     pub solver: String,
@@ -67,34 +70,31 @@ const HEAD: [&str; 11] = [
 /// [`PeersError::Csv`].
 pub fn csv(rows: &[Row]) -> Result<String, PeersError> {
     let short = |value: Option<f64>| value.map_or(String::new(), |value| format!("{value:.3e}"));
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    writer.write_record(HEAD)?;
-    for row in rows {
-        writer.write_record([
+    let count = |value: Option<usize>| value.map_or(String::new(), |value| value.to_string());
+    let record = |row: &Row| {
+        [
             row.solver.clone(),
             row.problem.into(),
             row.setting.clone(),
             short(row.tolerance),
             short(row.error),
-            row.events
-                .map_or(String::new(), |events| events.to_string()),
+            count(row.events),
             short(row.median()),
             short(row.shortest()),
             short(row.compile),
             short(row.process),
             row.note.clone(),
-        ])?;
-    }
-    let bytes = writer
-        .into_inner()
-        .map_err(|error| csv::Error::from(error.into_error()))?;
-    Ok(String::from_utf8_lossy(&bytes).into_owned())
+        ]
+    };
+    let head = std::iter::once(HEAD.map(str::to_owned));
+    Ok(text::csv(head.chain(rows.iter().map(record)))?)
 }
 
 /// The rows of such a CSV, each with its median in the place of its rounds.
 ///
 /// # Errors
-/// [`PeersError::Table`] with the line that is not as [`csv`] writes it, or that is of none of the problems.
+/// [`PeersError::Table`] with the line that is not as [`csv`] writes it, or that is of none of the
+/// problems.
 pub fn read(text: &str, problems: &[Problem]) -> Result<Vec<Row>, PeersError> {
     let mut reader = csv::ReaderBuilder::new()
         .has_headers(false)
@@ -128,36 +128,19 @@ pub fn read(text: &str, problems: &[Problem]) -> Result<Vec<Row>, PeersError> {
             note,
         ] = cells[..]
         else {
-            return Err(wrong(format!(
-                "{} cells where {} are due",
-                cells.len(),
-                HEAD.len()
-            )));
+            let (found, due) = (cells.len(), HEAD.len());
+            return Err(wrong(format!("{found} cells where {due} are due")));
         };
-        let number = |cell: &str| match cell {
-            "" => Ok(None),
-            _ => cell
-                .parse::<f64>()
-                .map(Some)
-                .map_err(|_| wrong(format!("'{cell}' is no number"))),
-        };
+        let number = |cell: &str| filled(cell, "number").map_err(wrong);
         let known = problems.iter().find(|known| known.name == problem);
+        let unknown = || wrong(format!("'{problem}' is none of the problems"));
         rows.push(Row {
             solver: solver.into(),
-            problem: known
-                .map(|known| known.name)
-                .ok_or_else(|| wrong(format!("'{problem}' is none of the problems")))?,
+            problem: known.ok_or_else(unknown)?.name,
             setting: setting.into(),
             tolerance: number(tolerance)?,
             error: number(error)?,
-            events: match events {
-                "" => None,
-                _ => Some(
-                    events
-                        .parse()
-                        .map_err(|_| wrong(format!("'{events}' is no count")))?,
-                ),
-            },
+            events: filled(events, "count").map_err(wrong)?,
             seconds: number(seconds)?.into_iter().collect(),
             compile: number(compile)?,
             process: number(process)?,
@@ -165,6 +148,13 @@ pub fn read(text: &str, problems: &[Problem]) -> Result<Vec<Row>, PeersError> {
         });
     }
     Ok(rows)
+}
+
+/// What a cell holds; nothing if it is empty.
+fn filled<T: FromStr>(cell: &str, what: &str) -> Result<Option<T>, String> {
+    let read = (!cell.is_empty()).then(|| cell.parse());
+    read.transpose()
+        .map_err(|_| format!("'{cell}' is no {what}"))
 }
 
 #[cfg(test)]
@@ -178,12 +168,10 @@ mod tests {
             problem: "decay",
             setting: "a, b".into(),
             tolerance: Some(1e-9),
-            error: None,
             events: Some(3),
             seconds: vec![3e-6, 1e-6, 2e-6],
-            compile: None,
-            process: None,
             note: "failed".into(),
+            ..Row::default()
         };
         let text = csv(&[row]).unwrap();
         let lines: Vec<&str> = text.lines().collect();

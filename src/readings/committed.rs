@@ -2,16 +2,14 @@
 
 use sha2::{Digest, Sha256};
 
-use super::chance::{self, Level, Share};
-use super::counts::{self, BorneOut, DigitsMet, Pairs};
 use super::error::ReadingsError;
-use super::plan::{Group, Part, Plan};
-use super::row::Row;
-use super::score;
+use super::judge::{
+    BorneOut, DigitsMet, ExponentSpread, Level, Pairs, Rows, Share, alone, digits, exponents,
+    sources, target,
+};
+use super::plan::{self, Plan};
 use super::search;
-use super::spread::ExponentSpread;
-use super::store;
-use super::verdict::Verdict;
+use super::table::{Row, Verdict};
 
 /// The committed table of all readings.
 const TABLE: &str = include_str!("../../golden/readings.csv");
@@ -49,7 +47,8 @@ pub struct Committed {
     /// How often targets drawn for an exponent are met by as many of these configurations as the
     /// published one. Nothing where none meets it.
     pub digits_by_chance: [[Option<Share>; 4]; 3],
-    /// What the settings that the paper does not state make of each exponent of each figure, for the recommended reading.
+    /// What the settings that the paper does not state make of each exponent of each figure, for
+    /// the recommended reading.
     pub spread: [[ExponentSpread; 4]; 3],
     /// How many of these settings bear out what Sect. 5.2 says.
     pub borne_out: BorneOut,
@@ -94,20 +93,17 @@ impl Committed {
     /// Reads the table.
     ///
     /// # Errors
-    /// [`ReadingsError::Incomplete`] if a configuration of the full search is missing or was made with other settings;
-    /// [`ReadingsError::Published`].
+    /// [`ReadingsError::Incomplete`] if a configuration of the full search is missing or was made
+    /// with other settings; [`ReadingsError::Published`].
     pub fn read() -> Result<Committed, ReadingsError> {
         Committed::of(TABLE)
     }
 
     fn of(table: &str) -> Result<Committed, ReadingsError> {
-        let (plan, target, published) = (Plan::full(), score::target()?, counts::exponents()?);
+        let (plan, target, published) = (Plan::full(), target()?, exponents()?);
         let rows: Vec<Row> = table.lines().filter_map(Row::parse).collect();
-        let wanted: Vec<[String; 4]> = plan
-            .groups
-            .iter()
-            .flat_map(|group| store::keys(&plan, group))
-            .collect();
+        let groups = plan.groups.iter();
+        let wanted: Vec<[String; 4]> = groups.flat_map(|one| plan::keys(&plan, one)).collect();
         let same = rows.iter().map(|row| &row.key).eq(&wanted);
         let incomplete = || ReadingsError::Incomplete {
             file: FILE,
@@ -117,39 +113,38 @@ impl Committed {
         if !(same && table.starts_with(&plan.heading(&target))) {
             return Err(incomplete());
         }
-        let of = |is: &dyn Fn(&Row) -> bool| rows.iter().filter(|row| is(row)).collect();
-        let search: Vec<&Row> = of(&|row| row.key[0] == Part::Search.name());
-        let spread: Vec<&Row> = of(&|row| Group::recommended().has(row));
-        let kept: Vec<&Row> = of(&|row| row.key[0] == Part::Search.name() && row.keeps_all());
-        let ranked: Vec<&Row> = kept.iter().copied().filter(|row| row.is_ranked()).collect();
-        let pairs = counts::pairs(&search);
-        let digits = DigitsMet::count(&kept, &published);
-        let alone = chance::alone(&search, &target, plan.draws).ok_or_else(incomplete)?;
+        let Rows {
+            search,
+            kept,
+            ranked,
+            pairs,
+            recommended,
+        } = Rows::of(&rows);
+        let met = DigitsMet::count(&kept, &published);
+        let alone = alone(&search, &target, plan.draws).ok_or_else(incomplete)?;
         let in_short = |row: &Row| Match::of(row, row.classes.map(|class| class.to_string()));
         let digest = Sha256::digest(table.as_bytes());
+        let by_chance = |figure: usize, k: usize| {
+            let met = met.by[figure][k];
+            (met > 0).then(|| digits(&kept, (figure, k), met, plan.draws))
+        };
+        let spread = |figure, k| ExponentSpread::of(&recommended, (figure, k), &published);
+        let level = |rows| Level::of(rows, &kept, (&target, &[0, 1, 2]), plan.draws);
         Ok(Committed {
             file: FILE,
             sha256: digest.iter().map(|byte| format!("{byte:02x}")).collect(),
             configurations: search.len(),
             kept: kept.len(),
             ranked: ranked.len(),
-            ranked_from: counts::sources(&ranked),
+            ranked_from: sources(&ranked),
             pairs: Pairs::count(&pairs),
-            together: [&kept, &ranked]
-                .map(|rows| Level::of(rows, &kept, (&target, &[0, 1, 2]), plan.draws)),
+            together: [level(&kept), level(&ranked)],
             alone: alone.map(|(level, row)| (level, Match::of(row, search::motions(&plan, row)))),
             motions: pairs.into_iter().map(in_short).collect(),
-            digits_by_chance: [0, 1, 2].map(|figure| {
-                [0, 1, 2, 3].map(|k| {
-                    let met = digits.by[figure][k];
-                    (met > 0).then(|| chance::digits(&kept, (figure, k), met, plan.draws))
-                })
-            }),
-            digits,
-            spread: [0, 1, 2].map(|figure| {
-                [0, 1, 2, 3].map(|k| ExponentSpread::of(&spread, (figure, k), &published))
-            }),
-            borne_out: BorneOut::count(&spread),
+            digits_by_chance: [0, 1, 2].map(|f| [0, 1, 2, 3].map(|k| by_chance(f, k))),
+            spread: [0, 1, 2].map(|f| [0, 1, 2, 3].map(|k| spread(f, k))),
+            borne_out: BorneOut::count(&recommended),
+            digits: met,
         })
     }
 
@@ -162,7 +157,7 @@ impl Committed {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::readings::spread::spread_settings;
+    use crate::readings::plan::spread_settings;
 
     /// Of the settings of the spread one in so many is computed anew, from the first on.
     const EVERY: usize = 15;
@@ -172,11 +167,11 @@ mod tests {
         let kept: Vec<_> = spread_settings().into_iter().step_by(EVERY).collect();
         assert_eq!(kept.len(), 2);
         let plan = Plan::full().with_spread_alone(kept);
-        let target = score::target().unwrap();
+        let target = target().unwrap();
         let recommended = plan
             .groups
             .iter()
-            .find(|group| !store::keys(&plan, group).is_empty());
+            .find(|group| !plan::keys(&plan, group).is_empty());
         let rows = search::group_rows(recommended.unwrap(), &plan, &target);
         let lines: Vec<&str> = TABLE
             .lines()

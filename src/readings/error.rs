@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
-use crate::figures::FigureError;
 use crate::paper::published::PublishedError;
 use crate::terminal::ProgramError;
+use output::WriteError;
 
 /// Failure of the program `readings`.
 #[derive(Debug, thiserror::Error)]
@@ -39,16 +39,8 @@ pub enum ReadingsError {
         wanted: String,
     },
     /// The folder for the files, or a file in it, cannot be written.
-    #[error("cannot write {}: {source}; choose another folder with --out", path.display())]
-    Output {
-        /// The folder or the file.
-        path: PathBuf,
-        /// What the operating system said.
-        source: std::io::Error,
-    },
-    /// Another failure of putting files together.
-    #[error(transparent)]
-    Files(FigureError),
+    #[error("{0}; choose another folder with --out")]
+    Write(#[from] WriteError),
     /// The published exponents are not there.
     #[error(transparent)]
     Published(#[from] PublishedError),
@@ -75,15 +67,3 @@ pub enum ReadingsError {
 }
 
 impl ProgramError for ReadingsError {}
-
-impl From<FigureError> for ReadingsError {
-    /// The figures' programs call their folder by another option.
-    fn from(error: FigureError) -> Self {
-        match error {
-            FigureError::CreateDir { path, source } | FigureError::Write { path, source } => {
-                Self::Output { path, source }
-            }
-            other => Self::Files(other),
-        }
-    }
-}

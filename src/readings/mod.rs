@@ -7,20 +7,15 @@
 //! ranked. What matters is the last part of the summary: how near other targets are met by the same
 //! search, and how far the estimator's settings alone move an exponent.
 
-mod chance;
 mod committed;
-mod counts;
 mod error;
+mod judge;
+mod orbit;
 mod plan;
-mod row;
-mod scheme;
-mod score;
 mod search;
-mod spread;
 mod store;
 mod summary;
-mod trajectory;
-mod verdict;
+mod table;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -31,17 +26,18 @@ use std::time::{Duration, Instant};
 use clap::Parser;
 use rayon::prelude::*;
 
-use crate::figures::output::{Artifact, write_all};
-use crate::terminal::{self, Progress};
-pub use chance::{Level, Share, ZERO};
+use crate::terminal;
+use output::{Artifact, write_all};
+
 pub use committed::{Committed, Match};
-pub use counts::{BorneOut, DigitsMet, Pairs, sources_in_words};
 pub use error::ReadingsError;
+pub use judge::{
+    BorneOut, DigitsMet, ExponentSpread, Level, Pairs, Share, Values, ZERO, sources_in_words,
+};
 pub use plan::Integrator;
 use plan::Plan;
-pub use spread::{ExponentSpread, Values, described, spread_settings};
 use store::{Store, TABLE};
-pub use verdict::Verdict;
+pub use table::Verdict;
 
 /// Name of the summary.
 const SUMMARY: &str = "readings.txt";
@@ -80,8 +76,8 @@ pub struct Arguments {
     )]
     pub out: PathBuf,
 
-    /// Begin nothing new after so many seconds; what is begun, one thing at least, is finished and takes about 5 to 30 s
-    /// [default: no limit]
+    /// Begin nothing new after so many seconds; what is begun, one thing at least, is finished and
+    /// takes about 5 to 30 s [default: no limit]
     #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
     pub time_limit: Option<Duration>,
 
@@ -102,7 +98,8 @@ fn seconds(text: &str) -> Result<Duration, String> {
         .ok_or_else(|| "give a positive number of seconds, such as 300".into())
 }
 
-/// Everything the program does. Exit code 0 on success, 1 if something failed, 2 for a wrong command line.
+/// Everything the program does. Exit code 0 on success, 1 if something failed, 2 for a wrong
+/// command line.
 pub fn main() -> ExitCode {
     terminal::finish("summary", run(&Arguments::parse()))
 }
@@ -120,18 +117,15 @@ pub fn run(arguments: &Arguments) -> Result<String, ReadingsError> {
     } else {
         Plan::full()
     };
-    let target = score::target()?;
+    let target = judge::target()?;
     let store = Store::open(&plan, &arguments.out, &target)?;
     // A folder that cannot be written to is better known before the search.
     store.write()?;
     let pending = store.pending();
     let total = plan.groups.len();
-    let bar = Progress::bar(
-        total - pending.len(),
-        total,
-        " readings x integrators, {elapsed}",
-    )
-    .ticking(Duration::from_secs(1));
+    let done = total - pending.len();
+    let bar = terminal::bar(done, total, " readings x integrators, {elapsed}");
+    bar.enable_steady_tick(Duration::from_secs(1));
     let store = Mutex::new(store);
     let begun = AtomicBool::new(false);
     let work = || {
@@ -147,7 +141,7 @@ pub fn run(arguments: &Arguments) -> Result<String, ReadingsError> {
                 .lock()
                 .unwrap_or_else(PoisonError::into_inner)
                 .add(i, rows);
-            bar.advance();
+            bar.inc(1);
             added
         })
     };
@@ -160,7 +154,7 @@ pub fn run(arguments: &Arguments) -> Result<String, ReadingsError> {
             reason: error.to_string(),
         })?;
     let outcome = pool.install(work);
-    bar.clear();
+    bar.finish_and_clear();
     outcome?;
     let store = store.into_inner().unwrap_or_else(PoisonError::into_inner);
     let text = summary::summary(&plan, &store.rows(), &target)?;
@@ -173,9 +167,10 @@ pub fn run(arguments: &Arguments) -> Result<String, ReadingsError> {
 mod tests {
     use super::*;
     use crate::figures::block_and_bracket::best_common;
-    use plan::{Group, Part, Setting};
-    use row::Row;
+    use judge::Rows;
+    use plan::{Group, Setting};
     use stickslip::models::Reading;
+    use table::Row;
 
     fn committed(name: &str) -> String {
         let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -184,7 +179,7 @@ mod tests {
 
     #[test]
     fn the_committed_search_is_complete_and_its_summary_follows_from_it() {
-        let (plan, target) = (Plan::full(), score::target().unwrap());
+        let (plan, target) = (Plan::full(), judge::target().unwrap());
         let table = committed("golden/readings.csv");
         assert!(
             table.starts_with(&plan.heading(&target)),
@@ -224,9 +219,10 @@ mod tests {
     fn the_figures_use_the_nearest_setting_of_the_recommended_reading() {
         let table = committed("golden/readings.csv");
         let rows: Vec<Row> = table.lines().filter_map(Row::parse).collect();
-        let search: Vec<&Row> = rows
-            .iter()
-            .filter(|row| row.key[0] == Part::Search.name() && Group::recommended().has(row))
+        let search: Vec<&Row> = Rows::of(&rows)
+            .search
+            .into_iter()
+            .filter(|row| Group::recommended().has(row))
             // The figures measure radii in the spread alone.
             .filter(|row| !row.key[3].contains("absolute") && !row.key[3].contains("of ranges"))
             .collect();

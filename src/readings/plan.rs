@@ -1,15 +1,10 @@
 //! What is tried: readings × integrators × settings of the estimator.
 
-use super::row::Row;
-use super::scheme;
-use super::score::{CAP, FLOOR, Twelve};
-use super::search::CAPTIONS;
-use super::spread::spread_settings;
-use super::trajectory::{BOUND, MOST_STEPS, TOLERANCE};
-use crate::correlation::CURVE;
+use super::table::{Row, Twelve};
+use crate::text::joined;
 use stickslip::analysis::data_spectrum::{DataSettings, Neighbourhood};
 use stickslip::analysis::motion::Criterion;
-use stickslip::models::{Amplitude, CaptionOrder, Reading, Unloading};
+use stickslip::models::{Amplitude, Caption, CaptionOrder, Reading, Unloading};
 
 /// How the equations are integrated.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -124,38 +119,48 @@ pub struct Plan {
     spread: Vec<Setting>,
 }
 
+/// The captions of Figs. 10–12.
+pub const CAPTIONS: [Caption; 3] = [Caption::FIG10, Caption::FIG11, Caption::FIG12];
+/// Tolerance of the exact solver, as in the figures.
+pub const TOLERANCE: f64 = 1e-10;
+/// Larger components mean that the orbit has left for good.
+pub const BOUND: f64 = 1e3;
+/// Orbits that take more steps are given up: the shortest fixed steps, and one for each of some
+/// hundred thousand events.
+pub const MOST_STEPS: usize = 3_000_000;
+/// Points of the section of the in-place scheme nearer than this, as a fraction of its extent,
+/// count as one: the passes do not hit it, and a motion that closes is met at another phase of the
+/// pass every time.
+pub const SAME: f64 = 1e-3;
+/// Added to a published exponent's size before a difference is divided by it, so that exponents
+/// near zero do not decide everything.
+pub const FLOOR: f64 = 0.002;
+/// Differences count no more than this; nor does an exponent that is missing or minus infinity.
+pub const CAP: f64 = 3.0;
+/// A set of a smaller correlation dimension is a curve.
+pub const CURVE: f64 = 1.2;
 /// Time between two points of the series, as in the paper.
 pub const DT: f64 = 0.2;
-/// Raised whenever a row of the table comes out differently for the same settings: tables of other formats are refused.
+/// Raised whenever a row of the table comes out differently for the same settings: tables of other
+/// formats are refused.
 const FORMAT: u32 = 4;
 /// First line of every table.
 pub const MARKER: &str = "# stickslip readings";
 /// Most neighbours in a ball of a tenth of the spread.
-pub(super) const MANY: usize = 400;
+const MANY: usize = 400;
 
 impl Plan {
     /// The window of the paper, all readings.
     pub fn full() -> Plan {
+        let mut integrators = vec![Integrator::Exact];
+        integrators.extend([2e-2, 5e-3].map(Integrator::FourthOrder));
+        integrators.extend([0.2, 0.1, 5e-2, 2e-2, 1e-2, 5e-3, 1e-3].map(Integrator::InPlace));
         Plan {
             name: "full",
             from: 3000.0,
             points: 45001,
             draws: 2000,
-            groups: groups(
-                &readings(),
-                &[
-                    Integrator::Exact,
-                    Integrator::FourthOrder(2e-2),
-                    Integrator::FourthOrder(5e-3),
-                    Integrator::InPlace(0.2),
-                    Integrator::InPlace(0.1),
-                    Integrator::InPlace(5e-2),
-                    Integrator::InPlace(2e-2),
-                    Integrator::InPlace(1e-2),
-                    Integrator::InPlace(5e-3),
-                    Integrator::InPlace(1e-3),
-                ],
-            ),
+            groups: groups(&readings(), &integrators),
             search: search_settings(),
             spread: of_spread(spread_settings()),
         }
@@ -213,19 +218,14 @@ impl Plan {
         (self.points - 1) as f64 / (1.0 / DT)
     }
 
-    /// The settings that determine all rows alike: the table begins with them, and a table that begins otherwise is not continued.
-    /// What differs from row to row is in the rows; changes of the code are what `format` counts.
+    /// The settings that determine all rows alike: the table begins with them, and a table that
+    /// begins otherwise is not continued. What differs from row to row is in the rows; changes of
+    /// the code are what `format` counts.
     pub fn common(&self, target: &Twelve) -> Vec<(&'static str, String)> {
-        let numbers = |list: &[f64]| -> String {
-            let all: Vec<String> = list.iter().map(f64::to_string).collect();
-            all.join(" ")
-        };
+        let numbers = |list: &[f64]| joined(list, " ");
         let captions = CAPTIONS.iter().map(|caption| {
-            format!(
-                "{} from {}",
-                numbers(&caption.numbers),
-                numbers(&caption.start)
-            )
+            let (numbers, start) = (numbers(&caption.numbers), numbers(&caption.start));
+            format!("{numbers} from {start}")
         });
         let Criterion { same, resolution } = Criterion::default();
         vec![
@@ -238,10 +238,7 @@ impl Plan {
             ("most steps of the solver", MOST_STEPS.to_string()),
             ("bound beyond which an orbit has escaped", BOUND.to_string()),
             ("equal points of the section, exact", same.to_string()),
-            (
-                "equal points of the section, in-place",
-                scheme::SAME.to_string(),
-            ),
+            ("equal points of the section, in-place", SAME.to_string()),
             (
                 "dimension below which a section is a curve",
                 CURVE.to_string(),
@@ -250,7 +247,7 @@ impl Plan {
                 "uncertainty up to which an exponent can be zero",
                 resolution.to_string(),
             ),
-            ("captions", captions.collect::<Vec<_>>().join("; ")),
+            ("captions", joined(captions, "; ")),
             ("published exponents", numbers(target.as_flattened())),
             ("distance floor", FLOOR.to_string()),
             ("distance cap", CAP.to_string()),
@@ -266,19 +263,18 @@ impl Plan {
 }
 
 fn groups(readings: &[Reading], integrators: &[Integrator]) -> Vec<Group> {
-    readings
-        .iter()
-        .flat_map(|&reading| {
-            integrators.iter().map(move |&integrator| Group {
-                reading,
-                integrator,
-            })
-        })
-        .collect()
+    let pairs = readings.iter().flat_map(|&reading| {
+        let group = move |&integrator| Group {
+            reading,
+            integrator,
+        };
+        integrators.iter().map(group)
+    });
+    pairs.collect()
 }
 
-/// All signs, clipped or not, with the three ways in which amplitude and unloading make sense together; and the captions' numbers
-/// in the order of their heading, with μ0 = 1.
+/// All signs, clipped or not, with the three ways in which amplitude and unloading make sense
+/// together; and the captions' numbers in the order of their heading, with μ0 = 1.
 fn readings() -> Vec<Reading> {
     let scalings = [
         (Amplitude::Mu0, Unloading::OverMu0),
@@ -287,9 +283,8 @@ fn readings() -> Vec<Reading> {
     ];
     let mut all = Vec::new();
     for (amplitude, unloading) in scalings {
-        for (displacement_sign, friction_sign) in
-            [(1.0, 1.0), (-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)]
-        {
+        let signs = [(1.0, 1.0), (-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)];
+        for (displacement_sign, friction_sign) in signs {
             for clipped in [true, false] {
                 all.push(Reading {
                     displacement_sign,
@@ -340,8 +335,8 @@ pub fn reading_name(reading: &Reading) -> String {
     )
 }
 
-/// Reference points all over the series, so far apart that each map begins where the one before it ends. The search varies
-/// the neighbourhoods itself and needs no second estimate of each.
+/// Reference points all over the series, so far apart that each map begins where the one before it
+/// ends. The search varies the neighbourhoods itself and needs no second estimate of each.
 pub(super) fn everywhere(step: usize) -> DataSettings {
     DataSettings {
         step,
@@ -397,12 +392,8 @@ fn search_settings() -> Vec<Setting> {
 }
 
 /// The name of settings in the table.
-pub fn settings_name(
-    Setting {
-        unit,
-        data: settings,
-    }: &Setting,
-) -> String {
+pub fn settings_name(setting: &Setting) -> String {
+    let (unit, settings) = (setting.unit, &setting.data);
     let unit = match unit {
         Unit::Spread => "",
         Unit::Absolute => " absolute",
@@ -423,5 +414,79 @@ pub fn settings_name(
         or(settings.fixed_rank, "auto"),
         settings.rank_tolerance,
         or(settings.references, "all"),
+    )
+}
+
+/// The keys of a group's rows, in order.
+pub fn keys(plan: &Plan, group: &Group) -> Vec<[String; 4]> {
+    let key = |(part, settings): &(Part, _)| {
+        [
+            part.name().to_owned(),
+            reading_name(&group.reading),
+            group.integrator.name(),
+            settings_name(settings),
+        ]
+    };
+    plan.settings_of(group).iter().map(key).collect()
+}
+
+/// Neighbourhoods by count and by radius, none so small that it starves. A radius is a fraction of
+/// the signal's spread.
+const NEIGHBOURHOODS: [Neighbourhood; 5] = [
+    Neighbourhood::Nearest(12),
+    Neighbourhood::Nearest(40),
+    Neighbourhood::Nearest(120),
+    Neighbourhood::Ball {
+        eps: 0.1,
+        min: 12,
+        max: MANY,
+    },
+    Neighbourhood::Ball {
+        eps: 0.2,
+        min: 40,
+        max: 2 * MANY,
+    },
+];
+/// `d` of Eq. (25).
+const STEPS: [usize; 3] = [1, 3, 5];
+/// Regularisations of the inverse in Eq. (25).
+const RIDGES: [f64; 2] = [0.0, 1e-3];
+
+/// What a reasonable reader of Eq. (25) could have chosen: all combinations of neighbourhoods,
+/// steps and regularisations, with affine maps and reference points all over the series.
+pub fn spread_settings() -> Vec<DataSettings> {
+    let mut all = Vec::new();
+    for neighbours in NEIGHBOURHOODS {
+        for step in STEPS {
+            for ridge in RIDGES {
+                all.push(DataSettings {
+                    neighbours,
+                    ridge,
+                    affine: true,
+                    ..everywhere(step)
+                });
+            }
+        }
+    }
+    all
+}
+
+/// The settings in words.
+pub fn described() -> String {
+    let (mut nearest, mut balls) = (Vec::new(), Vec::new());
+    for one in NEIGHBOURHOODS {
+        match one {
+            Neighbourhood::Nearest(k) => nearest.push(k),
+            Neighbourhood::Ball { eps, min, max } => {
+                balls.push(format!("eps {eps} with {min} to {max}"))
+            }
+        }
+    }
+    format!(
+        "the nearest {} neighbours or {}; d = {}; ridge {}; affine maps",
+        joined(nearest, ", "),
+        joined(balls, ", "),
+        joined(STEPS, ", "),
+        joined(RIDGES, ", ")
     )
 }

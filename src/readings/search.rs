@@ -1,16 +1,11 @@
 //! Integrates and estimates.
 
-use super::plan::{DT, Group, Plan, Setting, Unit};
-use super::row::{self, Row};
-use super::score::{self, Twelve};
-use super::store;
-use super::trajectory::{Outcome, follow};
-use super::verdict::Verdict;
+use super::judge::scores;
+use super::orbit::{Outcome, follow};
+use super::plan::{self, CAPTIONS, DT, Group, Plan, Setting, Unit};
+use super::table::{self, Row, Twelve, Verdict};
+use crate::numbers::extent;
 use stickslip::analysis::data_spectrum::{Neighbourhood, Series, data_spectrum};
-use stickslip::models::Caption;
-
-/// The captions of Figs. 10–12.
-pub const CAPTIONS: [Caption; 3] = [Caption::FIG10, Caption::FIG11, Caption::FIG12];
 
 /// A series with its spread, and the same with every column scaled by its range.
 struct Scaled {
@@ -32,8 +27,8 @@ impl Scaled {
             Some((series, variance.sqrt()))
         };
         let ranges = [0, 1, 2, 3].map(|c| {
-            let values = || rows.iter().map(|x| x[c]);
-            values().fold(f64::MIN, f64::max) - values().fold(f64::MAX, f64::min)
+            let (low, high) = extent(rows.iter().map(|x| x[c]));
+            high - low
         });
         let scaled = |x: &[f64; 4]| [0, 1, 2, 3].map(|c| x[c] / ranges[c]);
         let by_range: Vec<[f64; 4]> = rows.iter().map(scaled).collect();
@@ -50,37 +45,33 @@ pub fn group_rows(group: &Group, plan: &Plan, target: &Twelve) -> Vec<Row> {
     let outcomes = CAPTIONS.map(|caption| follow(group, &caption, plan));
     let classes = outcomes.each_ref().map(Outcome::verdict);
     let kept = classes.iter().all(|class| class.stays());
-    let (mut sizes, mut series) = ([[f64::NAN; 2]; 3], [const { Err(row::NO_SERIES) }; 3]);
+    let (mut sizes, mut series) = ([[f64::NAN; 2]; 3], [const { Err(table::NO_SERIES) }; 3]);
     for (figure, outcome) in outcomes.iter().enumerate() {
         let Outcome::Bounded(motion) = outcome else {
             continue;
         };
         sizes[figure] = [motion.amplitude, motion.dimension];
         series[figure] = if kept || classes[figure].is_of_kind(figure) {
-            Scaled::of(&motion.series).ok_or(row::NO_ESTIMATE)
+            Scaled::of(&motion.series).ok_or(table::NO_ESTIMATE)
         } else {
-            Err(row::LOST)
+            Err(table::LOST)
         };
     }
     let mut rows = Vec::new();
-    for (key, (_, settings)) in store::keys(plan, group)
-        .into_iter()
-        .zip(plan.settings_of(group))
-    {
+    let keys = plan::keys(plan, group).into_iter();
+    for (key, (_, settings)) in keys.zip(plan.settings_of(group)) {
         let mut row = Row {
             classes,
             sizes,
             ..Row::empty(key)
         };
         for figure in 0..3 {
-            let (values, statuses) = match &series[figure] {
+            (row.exponents[figure], row.statuses[figure]) = match &series[figure] {
                 Ok(series) => spectrum(series, &settings),
                 Err(why) => none(why),
             };
-            row.exponents[figure] = values;
-            row.statuses[figure] = statuses;
         }
-        row.scores = score::scores(&row.exponents, target);
+        row.scores = scores(&row.exponents, target);
         rows.push(row);
     }
     rows
@@ -99,10 +90,10 @@ pub fn motions(plan: &Plan, row: &Row) -> [String; 3] {
     })
 }
 
-type Four = ([f64; 4], [String; 4]);
+type Four = ([f64; 4], [&'static str; 4]);
 
-fn none(why: &str) -> Four {
-    ([f64::NAN; 4], [(); 4].map(|()| why.to_owned()))
+fn none(why: &'static str) -> Four {
+    ([f64::NAN; 4], [why; 4])
 }
 
 /// Exponents in descending order, as the paper prints them, whatever their status.
@@ -117,14 +108,12 @@ fn spectrum(scaled: &Scaled, setting: &Setting) -> Four {
         *eps /= unit;
     }
     let Ok(spectrum) = data_spectrum(series, &settings) else {
-        return none(row::NO_ESTIMATE);
+        return none(table::NO_ESTIMATE);
     };
-    let mut found: Vec<(f64, &str)> = spectrum
-        .exponents
-        .iter()
-        .map(|exponent| (exponent.value, exponent.status.word()))
+    let exponents = spectrum.exponents.iter();
+    let mut found: Vec<_> = exponents
+        .map(|one| (one.value, one.status.word()))
         .collect();
-    // Those without a value last.
     let rank = |value: f64| {
         if value.is_nan() {
             f64::NEG_INFINITY
@@ -133,10 +122,9 @@ fn spectrum(scaled: &Scaled, setting: &Setting) -> Four {
         }
     };
     found.sort_by(|one, other| rank(other.0).total_cmp(&rank(one.0)));
-    let (mut values, mut statuses) = none(row::NO_ESTIMATE);
-    for (k, (value, status)) in found.into_iter().take(4).enumerate() {
-        values[k] = value;
-        statuses[k] = status.to_owned();
+    let (mut values, mut statuses) = none(table::NO_ESTIMATE);
+    for (k, found) in found.into_iter().take(4).enumerate() {
+        (values[k], statuses[k]) = found;
     }
     (values, statuses)
 }

@@ -4,10 +4,10 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use super::error::ReadingsError;
-use super::plan::{Group, MARKER, Plan, reading_name, settings_name};
-use super::row::Row;
-use super::score::{self, Twelve};
-use crate::figures::output::{Artifact, write_all};
+use super::judge::scores;
+use super::plan::{self, Group, MARKER, Plan};
+use super::table::{Row, Twelve};
+use output::{Artifact, write_all};
 
 /// Name of the table.
 pub const TABLE: &str = "readings.csv";
@@ -20,21 +20,9 @@ pub struct Store<'a> {
     done: Vec<Option<Vec<Row>>>,
 }
 
-/// The keys of a group's rows, in order.
-pub fn keys(plan: &Plan, group: &Group) -> Vec<[String; 4]> {
-    let key = |(part, settings): &(super::plan::Part, _)| {
-        [
-            part.name().to_owned(),
-            reading_name(&group.reading),
-            group.integrator.name(),
-            settings_name(settings),
-        ]
-    };
-    plan.settings_of(group).iter().map(key).collect()
-}
-
 impl<'a> Store<'a> {
-    /// What an earlier run has left in `folder`: whole groups only; a line that is cut short or damaged counts for nothing.
+    /// What an earlier run has left in `folder`: whole groups only; a line that is cut short or
+    /// damaged counts for nothing.
     ///
     /// # Errors
     /// [`ReadingsError::Read`], [`ReadingsError::Foreign`], [`ReadingsError::OtherSettings`].
@@ -57,11 +45,11 @@ impl<'a> Store<'a> {
             same_search(&text, plan, target, path)?;
         }
         let whole = text.rfind('\n').map_or("", |end| &text[..end]);
-        let sound = |row: &Row| row.scores == score::scores(&row.exponents, target);
+        let sound = |row: &Row| row.scores == scores(&row.exponents, target);
         let rows: Vec<Row> = whole.lines().filter_map(Row::parse).filter(sound).collect();
         let of_group = |group: &Group| -> Option<Vec<Row>> {
             let find = |key: [String; 4]| rows.iter().find(|row| row.key == key).cloned();
-            keys(plan, group).into_iter().map(find).collect()
+            plan::keys(plan, group).into_iter().map(find).collect()
         };
         let done = plan.groups.iter().map(of_group).collect();
         Ok(Store {
@@ -86,7 +74,7 @@ impl<'a> Store<'a> {
     /// Takes in a group and writes the table anew.
     ///
     /// # Errors
-    /// [`ReadingsError::Output`].
+    /// [`ReadingsError::Write`].
     pub fn add(&mut self, group: usize, rows: Vec<Row>) -> Result<(), ReadingsError> {
         self.done[group] = Some(rows);
         self.write()
@@ -95,7 +83,7 @@ impl<'a> Store<'a> {
     /// Writes the table.
     ///
     /// # Errors
-    /// [`ReadingsError::Output`].
+    /// [`ReadingsError::Write`].
     pub fn write(&self) -> Result<(), ReadingsError> {
         let mut text = self.plan.heading(self.target) + &Row::header();
         for row in self.done.iter().flatten().flatten() {

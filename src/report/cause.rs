@@ -1,4 +1,5 @@
-//! What makes the four numbers of Fig. 8, shown by injection: three parts, none of which was chosen because it agrees.
+//! What makes the four numbers of Fig. 8, shown by injection: three parts, none of which was chosen
+//! because it agrees.
 //!
 //! The two defects of the listing that outlast a vanishing step are put into the event-exact
 //! solver, and must make the same motion and the published numbers as far as the listing's step
@@ -9,11 +10,62 @@
 use std::fmt;
 
 use super::convergence::{Approach, Convergence, PRINTED_STEP};
+use crate::numbers::missing;
 use crate::paper::pattern::Pattern;
+use crate::paper::slip_times_three::{Injected, settled};
+use crate::text::joined;
 use stickslip::error::Error;
 
 /// Half a unit of the last digit to which the paper prints the four numbers (m, s).
 const HALF_DIGIT: f64 = 0.5e-4;
+
+/// The settled motions with the defects injected.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Injection {
+    /// With both.
+    pub both: Pattern,
+    /// Its lengths of the two stick phases (m), then their durations (s).
+    pub numbers: [f64; 4],
+    /// With the hastened slip alone, or the error that the run ends with.
+    pub slip_alone: Result<Pattern, Error>,
+    /// With the one-sided exit alone.
+    pub exit_alone: Result<Pattern, Error>,
+}
+
+impl Injection {
+    /// Runs all three.
+    ///
+    /// # Errors
+    /// Those of [`settled`] with both defects; [`Error::NotFound`] if no two stick phases are left.
+    pub fn compute() -> Result<Injection, Error> {
+        let both = settled(Injected::BOTH)?;
+        let numbers = both.four_numbers();
+        let numbers = numbers.ok_or_else(|| missing("a pair of stick phases", 0.0, both.end))?;
+        Ok(Injection {
+            both,
+            numbers,
+            slip_alone: settled(Injected::SLIP_ALONE),
+            exit_alone: settled(Injected::EXIT_ALONE),
+        })
+    }
+
+    /// What either defect does alone, in words.
+    pub fn alone(&self) -> String {
+        let of = |run: &Result<Pattern, Error>| match run {
+            Ok(pattern) => format!(
+                "stick phases: {}, period {}",
+                pattern.sticks_of_one().count(),
+                pattern.period
+            ),
+            Err(error) => format!("no settled motion: {error}"),
+        };
+        format!(
+            "Of the two alone: slip three times too fast, {}; exit tested at one end, {}.",
+            of(&self.slip_alone),
+            of(&self.exit_alone)
+        )
+    }
+}
 
 /// Whether a cause is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,7 +85,8 @@ impl fmt::Display for Status {
     }
 }
 
-/// (a) What the event-exact solver does with defects injected, beside the listing and the published numbers.
+/// (a) What the event-exact solver does with defects injected, beside the listing and the published
+/// numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SameMotion {
     /// The listing at the printed step.
@@ -47,7 +100,8 @@ pub struct SameMotion {
 }
 
 impl SameMotion {
-    /// Sets a motion with injected defects beside the listing's and the published numbers (m, m, s, s).
+    /// Sets a motion with injected defects beside the listing's and the published numbers (m, m, s,
+    /// s).
     pub fn new(
         listing: &Pattern,
         injected: Result<Pattern, Error>,
@@ -132,7 +186,8 @@ pub struct StepError {
     pub finest: f64,
     /// The listing at the printed step less the injected solver (m, m, s, s).
     pub left: [f64; 4],
-    /// The listing at the printed step less the listing at the finest: its own error of the step, by itself alone.
+    /// The listing at the printed step less the listing at the finest: its own error of the step,
+    /// by itself alone.
     pub own: [f64; 4],
     /// The bound C h on `left` at the printed step, from the other steps.
     pub most_left: [f64; 4],
@@ -140,7 +195,8 @@ pub struct StepError {
     pub most_own: [f64; 4],
     /// How far `own` and `left` may be apart: the bound at the finest step, from the listing alone.
     pub most_apart: [f64; 4],
-    /// Whether the listing at the printed step gives all four published numbers to all printed digits.
+    /// Whether the listing at the printed step gives all four published numbers to all printed
+    /// digits.
     pub published: bool,
 }
 
@@ -163,7 +219,8 @@ impl StepError {
         })
     }
 
-    /// Whether what is left is within its bound, the listing's own error within its own, and both the same.
+    /// Whether what is left is within its bound, the listing's own error within its own, and both
+    /// the same.
     pub fn holds(&self) -> bool {
         self.published
             && (0..4).all(|i| {
@@ -200,8 +257,8 @@ pub struct Cause {
 }
 
 impl Cause {
-    /// From the listing at the printed step, the event-exact solver with the defects, the listing's convergence and the published
-    /// numbers (m, m, s, s).
+    /// From the listing at the printed step, the event-exact solver with the defects, the listing's
+    /// convergence and the published numbers (m, m, s, s).
     pub fn new(
         listing: &Pattern,
         injected: Result<Pattern, Error>,
@@ -236,16 +293,10 @@ impl Cause {
 
     /// The three parts in words, and whether each holds.
     pub fn parts(&self) -> [(String, bool); 3] {
-        let bounds: Vec<String> = self
-            .approach
-            .iter()
-            .map(|one| {
-                format!(
-                    "{:.1} h (slope {:.2} ± {:.2})",
-                    one.bound, one.slope, one.slope_error
-                )
-            })
-            .collect();
+        let bounds = self.approach.iter().map(|one| {
+            let (bound, slope, error) = (one.bound, one.slope, one.slope_error);
+            format!("{bound:.1} h (slope {slope:.2} ± {error:.2})")
+        });
         let left = self.step.as_ref().map_or_else(
             || "the listing has no four numbers at the printed step".to_owned(),
             StepError::sentence,
@@ -255,7 +306,7 @@ impl Cause {
             (
                 format!(
                     "as the step goes to zero the listing's numbers approach them within {}",
-                    bounds.join(", ")
+                    joined(bounds, ", ")
                 ),
                 self.first_order(),
             ),

@@ -5,14 +5,15 @@ use std::process::ExitCode;
 
 use clap::Parser;
 
-use super::ledger::{Ledger, LedgerError, TICKS};
+use super::ReportError;
+use super::ledger::{Ledger, TICKS};
 use super::page::{Picture, Report, page};
 use super::{draw_convergence, draw_scan, readme, tables};
 use crate::figures::FigureError;
 use crate::figures::output::{Artifact, listing, write_all};
 use crate::paper::claim_id::ClaimId;
 use crate::paper::published::Claims;
-use crate::terminal::{self, ProgramError, Progress};
+use crate::terminal;
 
 const ABOUT: &str = "Computes what becomes of every claim of the paper, and why: values under each reading, digits in agreement, \
     verdict, evidence; the matrix of the listing's defects, its convergence, a scan of parameters, the misprints.";
@@ -40,33 +41,21 @@ pub struct Arguments {
     pub out_dir: PathBuf,
 }
 
-/// Why the program failed.
-#[derive(Debug, thiserror::Error)]
-pub enum ReportError {
-    /// The ledger could not be made.
-    #[error("cannot make the ledger: {0}")]
-    Ledger(#[from] LedgerError),
-    /// A table or picture could not be made or written.
-    #[error(transparent)]
-    Output(#[from] FigureError),
-}
-
-impl ProgramError for ReportError {}
-
-/// Everything the program does. Exit code 0 on success, 1 if something failed, 2 for a wrong command line.
+/// Everything the program does. Exit code 0 on success, 1 if something failed, 2 for a wrong
+/// command line.
 pub fn main() -> ExitCode {
     let arguments = Arguments::parse();
-    let bar = Progress::bar(0, TICKS, " {elapsed}");
-    let outcome = run(&arguments, &|| bar.advance());
-    bar.clear();
+    let bar = terminal::bar(0, TICKS, " {elapsed}");
+    let outcome = run(&arguments, &|| bar.inc(1));
+    bar.finish_and_clear();
     terminal::finish("summary", outcome.map(|(_, text)| text))
 }
 
 /// Computes, writes the files and returns the ledger with the text for the terminal.
 ///
 /// # Errors
-/// [`ReportError`]. Folders are made first, so that one that cannot be written to is told of before the work; files are written
-/// last.
+/// [`ReportError`]. Folders are made first, so that one that cannot be written to is told of before
+/// the work; files are written last.
 pub fn run(
     arguments: &Arguments,
     tick: &(dyn Fn() + Sync),
@@ -78,27 +67,49 @@ pub fn run(
     for folder in &folders {
         write_all(folder, &[])?;
     }
-    let ledger = Ledger::compute(tick)?;
-    let pictures = [convergence_picture(&ledger)?, scan_picture(&ledger)?];
-    let figures = figures(&ledger, &pictures)?;
-    let mut paths = write_all(&folders[1], &figures)?;
-    if let Some(readme) = new_readme(&arguments.out_dir, &ledger) {
-        paths.extend(write_all(
-            &arguments.out_dir,
-            &[Artifact::text(README, readme)],
-        )?);
-    }
-    let text = summary(&ledger);
-    let claims = Artifact::text("claims.csv", tables::claims(&ledger)?);
-    let [convergence, scan] = pictures;
+    let (ledger, claims) = (Ledger::compute(tick)?, Claims::committed()?);
+    let published = ClaimId::FOUR.map(|id| claims.value(id));
+    let convergence = Picture {
+        title: "The listing as printed for smaller and smaller steps",
+        about: "Left: the four numbers of Fig. 8 approach what the event-exact solver gives with the two defects that do not vanish with \
+            the step. Right: how far they are from the published ones at steps near the printed one, in units of the last \
+            printed digit.",
+        svg: draw_convergence::draw(&ledger.convergence, published)?,
+    };
+    let scan = Picture {
+        title: "Where starts lead as each parameter of Fig. 8 is changed",
+        about: "Each parameter of the stated model in turn from half to twice its printed value, the others as printed; solved \
+            accurately from the same starts each.",
+        svg: draw_scan::draw(&ledger.scan)?,
+    };
     let report = Report {
         ledger,
         convergence,
         scan,
     };
-    let page = Artifact::text("index.html", page(&report));
-    paths.extend(write_all(&folders[0], &[claims, page])?);
-    Ok((report.ledger, text + &listing(&paths)))
+    let ledger = &report.ledger;
+    let figures = [
+        Artifact::text("convergence.svg", report.convergence.svg.clone()),
+        Artifact::text("convergence.csv", table(tables::convergence(ledger))?),
+        Artifact::text("scan.svg", report.scan.svg.clone()),
+        Artifact::text("scan.csv", table(tables::scan(ledger))?),
+    ];
+    let mut paths = write_all(&folders[1], &figures)?;
+    if let Some(readme) = new_readme(&arguments.out_dir, ledger) {
+        let readme = [Artifact::text(README, readme)];
+        paths.extend(write_all(&arguments.out_dir, &readme)?);
+    }
+    let pages = [
+        Artifact::text("claims.csv", table(tables::claims(ledger))?),
+        Artifact::text("index.html", page(&report)),
+    ];
+    paths.extend(write_all(&folders[0], &pages)?);
+    let text = summary(ledger) + &listing(&paths);
+    Ok((report.ledger, text))
+}
+
+fn table(table: Result<String, csv::Error>) -> Result<String, FigureError> {
+    Ok(table?)
 }
 
 const README: &str = "README.md";
@@ -107,40 +118,6 @@ const README: &str = "README.md";
 fn new_readme(folder: &Path, ledger: &Ledger) -> Option<String> {
     let readme = std::fs::read_to_string(folder.join(README)).ok()?;
     readme::MARKS.put(&readme, &readme::block(ledger))
-}
-
-fn convergence_picture(ledger: &Ledger) -> Result<Picture, ReportError> {
-    let claims = Claims::committed().map_err(LedgerError::from)?;
-    let published = ClaimId::FOUR.map(|id| claims.value(id));
-    Ok(Picture {
-        title: "The listing as printed for smaller and smaller steps",
-        about: "Left: the four numbers of Fig. 8 approach what the event-exact solver gives with the two defects that do not vanish with \
-            the step. Right: how far they are from the published ones at steps near the printed one, in units of the last \
-            printed digit.",
-        svg: draw_convergence::draw(&ledger.convergence, published)?,
-    })
-}
-
-fn scan_picture(ledger: &Ledger) -> Result<Picture, ReportError> {
-    Ok(Picture {
-        title: "Where starts lead as each parameter of Fig. 8 is changed",
-        about: "Each parameter of the stated model in turn from half to twice its printed value, the others as printed; solved \
-            accurately from the same starts each.",
-        svg: draw_scan::draw(&ledger.scan)?,
-    })
-}
-
-/// The files for the folder of figures.
-fn figures(
-    ledger: &Ledger,
-    [convergence, scan]: &[Picture; 2],
-) -> Result<Vec<Artifact>, ReportError> {
-    Ok(vec![
-        Artifact::text("convergence.svg", convergence.svg.clone()),
-        Artifact::text("convergence.csv", tables::convergence(ledger)?),
-        Artifact::text("scan.svg", scan.svg.clone()),
-        Artifact::text("scan.csv", tables::scan(ledger)?),
-    ])
 }
 
 fn summary(ledger: &Ledger) -> String {

@@ -1,13 +1,18 @@
-//! The listing as printed for smaller and smaller steps, against its limit in the event-exact solver.
+//! The listing as printed for smaller and smaller steps, against its limit in the event-exact
+//! solver.
 
 use rayon::prelude::*;
 use stickslip::statistics::PowerLaw;
 
+use super::ReportError;
 use super::digits::Agreement;
-use super::matrix::{MatrixError, four_claims, four_digits};
-use crate::paper::listing::{Motion, Setup, run};
+use super::matrix::{Cell, four_claims, four_digits};
+use crate::numbers::{extent, largest};
+use crate::paper::listing::Defects;
+use crate::text::joined;
 
-/// Steps (s), from ten times the printed one to a hundredth of it. The finest come first, since they take longest.
+/// Steps (s), from ten times the printed one to a hundredth of it. The finest come first, since
+/// they take longest.
 const STEPS: [f64; 16] = [
     1e-6,
     2.5e-6,
@@ -28,8 +33,8 @@ const STEPS: [f64; 16] = [
 ];
 /// Steps below this are fine ones (s): the bound found on the others is tried on them.
 pub const FINE: f64 = 0.99e-5;
-/// A fitted slope that is no further from one tells of first order. The error scatters between nothing and its bound, so that a
-/// slope over three decades is not known much better.
+/// A fitted slope that is no further from one tells of first order. The error scatters between
+/// nothing and its bound, so that a slope over three decades is not known much better.
 pub const SLOPE_OFF: f64 = 0.25;
 /// Steps around the printed one, the printed one in the middle.
 const AROUND: usize = 21;
@@ -41,48 +46,29 @@ pub const PRINTED_STEP: f64 = 1e-4;
 /// Runs made.
 pub const RUNS: usize = STEPS.len() + AROUND;
 
-/// The listing at one step.
-#[derive(Clone, Debug, PartialEq)]
-pub struct AtStep {
-    /// Step (s).
-    pub h: f64,
-    /// Lengths of the two stick phases (m), then their durations (s).
-    pub numbers: Option<[f64; 4]>,
-    /// Class of the settled motion.
-    pub motion: Motion,
-    /// How far the numbers agree with the published ones.
-    pub digits: Option<[Agreement; 4]>,
-}
-
-impl AtStep {
-    /// Whether all four numbers have all printed digits.
-    pub fn gives_digits(&self) -> bool {
-        self.digits
-            .is_some_and(|digits| digits.iter().all(|one| one.complete()))
-    }
-}
-
 /// How one of the four numbers approaches a limit as the step goes to zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Approach {
-    /// The bound C of |error| ≤ C h: the largest |error|/h over all steps but the printed one, those around it too (m/s for a
-    /// length, 1 for a duration).
+    /// The bound C of |error| ≤ C h: the largest |error|/h over all steps but the printed one,
+    /// those around it too (m/s for a length, 1 for a duration).
     pub bound: f64,
     /// The same over the steps from 1e-5 s on.
     pub coarse: f64,
     /// The same over the finer steps.
     pub fine: f64,
-    /// Slope of log|error| against log h over the steps that span three decades, the printed one left out, by least squares.
+    /// Slope of log|error| against log h over the steps that span three decades, the printed one
+    /// left out, by least squares.
     pub slope: f64,
     /// Standard error of that slope.
     pub slope_error: f64,
-    /// Least and largest error/h, with its sign: where the grid of steps happens to meet Σ makes it anything in between.
+    /// Least and largest error/h, with its sign: where the grid of steps happens to meet Σ makes it
+    /// anything in between.
     pub scatter: (f64, f64),
 }
 
 impl Approach {
-    /// Fits errors (with their signs) at steps, `(h, error)`: `decades` are those that span three decades, `around` those around the
-    /// printed one; the printed one is left out.
+    /// Fits errors (with their signs) at steps, `(h, error)`: `decades` are those that span three
+    /// decades, `around` those around the printed one; the printed one is left out.
     pub fn fit(decades: &[(f64, f64)], around: &[(f64, f64)]) -> Approach {
         let others = |errors: &[(f64, f64)]| -> Vec<(f64, f64)> {
             let not_printed = |at: &&(f64, f64)| at.0 != PRINTED_STEP;
@@ -90,28 +76,24 @@ impl Approach {
         };
         let decades = others(decades);
         let all = [decades.clone(), others(around)].concat();
-        let largest = |keep: fn(f64) -> bool| {
+        let most = |keep: fn(f64) -> bool| {
             let kept = all.iter().filter(|at| keep(at.0));
-            kept.map(|(h, e)| (e / h).abs()).fold(0.0, f64::max)
+            largest(kept.map(|(h, e)| (e / h).abs()))
         };
-        let per_step = || all.iter().map(|(h, e)| e / h);
         let sizes: Vec<(f64, f64)> = decades.iter().map(|&(h, e)| (h, e.abs())).collect();
         let law = PowerLaw::through(sizes.iter().copied());
         Approach {
-            bound: largest(|_| true),
-            coarse: largest(|h| h >= FINE),
-            fine: largest(|h| h < FINE),
+            bound: most(|_| true),
+            coarse: most(|h| h >= FINE),
+            fine: most(|h| h < FINE),
             slope: law.exponent,
             slope_error: law.std_error,
-            scatter: (
-                per_step().fold(f64::INFINITY, f64::min),
-                per_step().fold(f64::NEG_INFINITY, f64::max),
-            ),
+            scatter: extent(all.iter().map(|(h, e)| e / h)),
         }
     }
 
-    /// Whether the errors vanish at first order: their slope is one within a quarter, and the finer steps keep within the bound that
-    /// was found without them.
+    /// Whether the errors vanish at first order: their slope is one within a quarter, and the finer
+    /// steps keep within the bound that was found without them.
     pub fn first_order(&self) -> bool {
         (self.slope - 1.0).abs() <= SLOPE_OFF && self.fine <= self.coarse
     }
@@ -120,19 +102,20 @@ impl Approach {
 /// How the listing's numbers approach their limit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Convergence {
-    /// The limit: what the event-exact solver gives with slips three times too fast and the exit tested at one end.
+    /// The limit: what the event-exact solver gives with slips three times too fast and the exit
+    /// tested at one end.
     pub limit: [f64; 4],
-    /// How far the limit agrees with the published numbers: these digits come from the continuous cause, the others
-    /// from the step.
+    /// How far the limit agrees with the published numbers: these digits come from the continuous
+    /// cause, the others from the step.
     pub limit_digits: [Agreement; 4],
     /// Over three decades of steps, in ascending order.
-    pub steps: Vec<AtStep>,
+    pub steps: Vec<Cell>,
     /// Around the printed step.
-    pub around: Vec<AtStep>,
+    pub around: Vec<Cell>,
     /// How each number approaches the limit.
     pub approach: [Approach; 4],
-    /// How each number approaches what the listing itself gives at the finest step, over the other steps; nothing of the injected
-    /// solver is in it.
+    /// How each number approaches what the listing itself gives at the finest step, over the other
+    /// steps; nothing of the injected solver is in it.
     pub own_approach: [Approach; 4],
 }
 
@@ -140,29 +123,20 @@ impl Convergence {
     /// Runs the listing as printed at all steps and calls `tick` after each.
     ///
     /// # Errors
-    /// [`MatrixError`] if the setup or the table of claims is not sound.
-    pub fn compute(limit: [f64; 4], tick: &(dyn Fn() + Sync)) -> Result<Convergence, MatrixError> {
+    /// [`ReportError`] if the setup or the table of claims is not sound.
+    pub fn compute(limit: [f64; 4], tick: &(dyn Fn() + Sync)) -> Result<Convergence, ReportError> {
         let claims = four_claims()?;
         let middle = (AROUND / 2) as f64;
         let around =
             (0..AROUND).map(|k| PRINTED_STEP * (1.0 + REACH * (k as f64 - middle) / middle));
         let all: Vec<f64> = STEPS.into_iter().chain(around).collect();
-        let mut steps: Vec<AtStep> = all
+        let mut steps: Vec<Cell> = all
             .par_iter()
             .with_max_len(1)
-            .map(|&h| -> Result<AtStep, MatrixError> {
-                let outcome = run(&Setup {
-                    h,
-                    ..Setup::default()
-                })?;
+            .map(|&h| {
+                let cell = Cell::run(Defects::AS_PRINTED, h);
                 tick();
-                let numbers = outcome.four_numbers();
-                Ok(AtStep {
-                    h,
-                    numbers,
-                    motion: outcome.motion,
-                    digits: numbers.map(|numbers| four_digits(&claims, &numbers)),
-                })
+                cell
             })
             .collect::<Result<_, _>>()?;
         let around = steps.split_off(STEPS.len());
@@ -178,14 +152,15 @@ impl Convergence {
     pub fn new(
         limit: [f64; 4],
         limit_digits: [Agreement; 4],
-        steps: Vec<AtStep>,
-        around: Vec<AtStep>,
+        steps: Vec<Cell>,
+        around: Vec<Cell>,
     ) -> Convergence {
         let own = steps.first().and_then(|finest| finest.numbers);
         let finest = steps.first().map_or(0.0, |finest| finest.h);
-        let own_errors = |steps: &[AtStep], i: usize| -> Vec<(f64, f64)> {
+        let own_errors = |steps: &[Cell], i: usize| -> Vec<(f64, f64)> {
             let limit = own.unwrap_or([f64::NAN; 4]);
-            // The finest step errs by its own part of the bound, so that a difference is held against both steps.
+            // The finest step errs by its own part of the bound, so that a difference is held
+            // against both steps.
             let errors = errors(steps, &limit, i).into_iter();
             errors.map(|(h, e)| (h, e * h / (h + finest))).collect()
         };
@@ -204,32 +179,19 @@ impl Convergence {
         }
     }
 
-    /// Steps (s) and distances from the limit of number `i`, from 0, over three decades.
-    pub fn errors(&self, i: usize) -> Vec<(f64, f64)> {
-        distances(&self.steps, &self.limit, i)
-    }
-
-    /// The same around the printed step.
-    pub fn errors_around(&self, i: usize) -> Vec<(f64, f64)> {
-        distances(&self.around, &self.limit, i)
-    }
-
     /// The listing at the finest step.
-    pub fn finest(&self) -> Option<&AtStep> {
+    pub fn finest(&self) -> Option<&Cell> {
         self.steps.first()
     }
 
     /// The listing at the printed step.
-    pub fn printed(&self) -> Option<&AtStep> {
+    pub fn printed(&self) -> Option<&Cell> {
         self.steps.iter().find(|at| at.h == PRINTED_STEP)
     }
 
     /// The largest of the four bounds.
     pub fn largest_bound(&self) -> f64 {
-        self.approach
-            .iter()
-            .map(|one| one.bound)
-            .fold(0.0, f64::max)
+        largest(self.approach.iter().map(|one| one.bound))
     }
 
     /// How many of the steps around the printed one give all four numbers.
@@ -239,18 +201,16 @@ impl Convergence {
 
     /// By how much the steps around the printed one move number `i`, from 0.
     pub fn moved_around(&self, i: usize) -> f64 {
-        let numbers = || self.around.iter().filter_map(|at| Some(at.numbers?[i]));
-        numbers().fold(f64::NEG_INFINITY, f64::max) - numbers().fold(f64::INFINITY, f64::min)
+        let numbers = self.around.iter().filter_map(|at| Some(at.numbers?[i]));
+        let (low, high) = extent(numbers);
+        high - low
     }
 
     /// How the numbers approach the limit, and what the alignment of the grid of steps does.
     pub fn sentence(&self) -> String {
-        let each = |of: fn(&Approach) -> String| self.approach.each_ref().map(of).join(", ");
-        let decades = |at: Option<&AtStep>| at.map_or(0.0, |at| at.h);
-        let moved: Vec<String> = (0..4)
-            .map(|i| format!("{:.1}", self.moved_around(i) / 1e-4))
-            .collect();
-        let digits: Vec<String> = self.limit_digits.iter().map(Agreement::to_string).collect();
+        let each = |of: fn(&Approach) -> String| joined(self.approach.iter().map(of), ", ");
+        let decades = |at: Option<&Cell>| at.map_or(0.0, |at| at.h);
+        let moved = (0..4).map(|i| format!("{:.1}", self.moved_around(i) / 1e-4));
         format!(
             "From h = {:e} to {:e} s the listing's four numbers keep within {} h of the limit, the printed step left out of this fit; the slopes of \
              log |error| against log h are {}. Where the grid of steps meets Σ scatters the error between nothing and that bound: {} steps within \
@@ -262,26 +222,26 @@ impl Convergence {
             each(|one| format!("{:.2} ± {:.2}", one.slope, one.slope_error)),
             self.around.len(),
             100.0 * REACH,
-            moved.join(", "),
+            joined(moved, ", "),
             self.steps_that_give_digits(),
             if self.steps_that_give_digits() == 1 {
                 "gives"
             } else {
                 "give"
             },
-            digits.join(", "),
+            joined(self.limit_digits, ", "),
         )
     }
 }
 
-/// Steps (s) and distances of number `i` from the limit.
-fn distances(steps: &[AtStep], limit: &[f64; 4], i: usize) -> Vec<(f64, f64)> {
+/// Steps (s) and distances of number `i`, from 0, from the limit.
+pub(super) fn distances(steps: &[Cell], limit: &[f64; 4], i: usize) -> Vec<(f64, f64)> {
     let signed = errors(steps, limit, i).into_iter();
     signed.map(|(h, e)| (h, e.abs())).collect()
 }
 
 /// Steps (s) and errors of number `i`, with their signs.
-fn errors(steps: &[AtStep], limit: &[f64; 4], i: usize) -> Vec<(f64, f64)> {
-    let of = |at: &AtStep| Some((at.h, at.numbers?[i] - limit[i]));
+fn errors(steps: &[Cell], limit: &[f64; 4], i: usize) -> Vec<(f64, f64)> {
+    let of = |at: &Cell| Some((at.h, at.numbers?[i] - limit[i]));
     steps.iter().filter_map(of).collect()
 }

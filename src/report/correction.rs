@@ -1,6 +1,6 @@
 //! What was corrected of the paper's equations where a verdict rests on a corrected reading.
 
-use crate::paper::claim_id::ClaimId;
+use crate::paper::published::Claim;
 
 /// A correction. The errata show each by a computation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -57,29 +57,9 @@ impl Correction {
         }
     }
 
-    /// The corrections that the corrected readings of a claim carry.
-    pub const fn of(claim: ClaimId) -> &'static [Correction] {
-        use ClaimId::*;
-        match claim {
-            Fig10Lambda1 | Fig10Lambda2 | Fig10Lambda3 | Fig10Lambda4 | Fig10Class
-            | Fig11Lambda1 | Fig11Lambda2 | Fig11Lambda3 | Fig11Lambda4 | Fig11Class
-            | Fig12Lambda1 | Fig12Lambda2 | Fig12Lambda3 | Fig12Lambda4 | Fig12Class | S5Kinds
-            | S5ZeroExponent | S5TwoZeroExponents | S5PositiveExponent | S5Shapes => &[
-                Correction::BracketSigns,
-                Correction::FrictionAmplitude,
-                Correction::CaptionOrder,
-                Correction::ClippedNormalForce,
-            ],
-            S5ByProcedure => &[
-                Correction::BracketSigns,
-                Correction::FrictionAmplitude,
-                Correction::CaptionOrder,
-                Correction::ClippedNormalForce,
-                Correction::StepFromAbove,
-            ],
-            S3ReleaseAccuracy => &[Correction::ReleaseSlope],
-            S3ArrivalAccuracy => &[Correction::StepFromAbove],
-            _ => &[],
-        }
+    /// Those that the corrected readings of a claim carry.
+    pub fn of(claim: &Claim) -> impl Iterator<Item = Correction> {
+        let carries = |one: &Correction| claim.corrections.split(' ').any(|it| it == one.label());
+        Correction::ALL.into_iter().filter(carries)
     }
 }

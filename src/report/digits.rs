@@ -4,7 +4,8 @@ use std::fmt;
 
 use crate::paper::published::{Claim, Digits};
 
-/// Digits that count of values that are published in closed form: those that [`Claim::agrees`] asks for.
+/// Digits that count of values that are published in closed form: those that [`Claim::agrees`] asks
+/// for.
 const EXACT_DIGITS: u32 = 12;
 
 /// How far a value agrees with a published one.
@@ -39,8 +40,8 @@ impl fmt::Display for Agreement {
     }
 }
 
-/// How far `value` agrees with the number that `claim` publishes, or with the nearest of a set; nothing for a claim
-/// without numbers.
+/// How far `value` agrees with the number that `claim` publishes, or with the nearest of a set;
+/// nothing for a claim without numbers.
 pub fn agreement(claim: &Claim, value: f64) -> Option<Agreement> {
     let distance = |published: &f64| (value - published).abs();
     let published = claim
@@ -96,6 +97,25 @@ pub(super) fn ten_to(power: f64) -> f64 {
     stickslip::math::pow(10.0, power)
 }
 
+/// A number to so many decimals, with a true minus and no sign at a zero.
+pub(super) fn decimals(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    let is_zero = text.chars().all(|c| "-0.".contains(c));
+    minus(if is_zero {
+        text.trim_start_matches('-')
+    } else {
+        &text
+    })
+}
+
+/// A true minus for the hyphen before a number; words keep theirs.
+pub(super) fn minus(text: &str) -> String {
+    match text.strip_prefix('-') {
+        Some(rest) if rest.starts_with(|c: char| c.is_ascii_digit()) => format!("−{rest}"),
+        _ => text.to_owned(),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -109,6 +129,9 @@ mod tests {
             digits,
             "m",
             "x",
+            "",
+            "",
+            "",
         ];
         let claim = Claim::of_record(&csv::StringRecord::from(row.to_vec())).unwrap();
         agreement(&claim, value).unwrap().to_string()
@@ -132,5 +155,12 @@ mod tests {
         assert_eq!(of("0;0.5", "exact", 0.5), "12 of 12");
         assert_eq!(of("0;0.5", "exact", 1e-17), "12 of 12");
         assert_eq!(of("0;0.5", "exact", 0.5 + 1e-9), "8 of 12");
+    }
+
+    #[test]
+    fn numbers_get_a_true_minus_and_words_keep_their_hyphens() {
+        assert_eq!(minus("-0.0049"), "−0.0049");
+        assert_eq!(minus("quasi-periodic"), "quasi-periodic");
+        assert_eq!(minus("-"), "-");
     }
 }

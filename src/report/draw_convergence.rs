@@ -1,24 +1,21 @@
 //! The picture of the listing's approach to its limit.
 
-use super::convergence::{Convergence, PRINTED_STEP, REACH};
-use crate::figures::FigureError;
+use super::convergence::{Convergence, PRINTED_STEP, REACH, distances};
+use crate::figures::{FigureError, pair, with_ticks};
+use crate::text::joined;
 use plot::*;
 use stickslip::math;
 
 /// What the picture shows, for readers who cannot see it.
 fn description(data: &Convergence) -> String {
-    let bounds: Vec<String> = data
-        .approach
-        .iter()
-        .map(|one| format!("{:.1}", one.bound))
-        .collect();
+    let bounds = data.approach.iter().map(|one| format!("{:.1}", one.bound));
     let (all, good) = (data.around.len(), data.steps_that_give_digits());
     format!(
         "Left: distance of the listing's two stick lengths and two stick durations from their limit against its step, both axes \
          logarithmic; the points scatter below and along lines of slope one, the bounds {} times h, of which the largest is drawn; the \
          printed step is left out of the bounds and marked, the steps around it are drawn smaller. Right: deviation from the published numbers, in units of their last printed \
          digit, for {all} steps within {} per cent of the printed one; at {good} of them all four lie within half a unit.",
-        bounds.join(", "),
+        joined(bounds, ", "),
         100.0 * REACH
     )
 }
@@ -42,13 +39,7 @@ pub fn draw(data: &Convergence, published: [f64; 4]) -> Result<String, FigureErr
         "The listing as printed for smaller and smaller steps",
         &description(data),
     )
-    .columns(
-        1.0,
-        vec![
-            (1.0, approach(data).into()),
-            (1.0, around(data, published).into()),
-        ],
-    )
+    .columns(1.0, pair(approach(data), around(data, published)))
     .render()
     .map_err(Into::into)
 }
@@ -59,21 +50,21 @@ fn log((h, error): (f64, f64)) -> (f64, f64) {
 }
 
 fn approach(data: &Convergence) -> Panel {
-    let powers = |from: i32, to: i32| -> Vec<(f64, String)> {
-        (from..=to)
-            .map(|k| (f64::from(k), format!("10^{{{}}}", number(f64::from(k), 0))))
-            .collect()
+    let powers = |from: i32, to: i32| {
+        let power = |k: i32| (f64::from(k), format!("10^{{{}}}", number(f64::from(k), 0)));
+        (from..=to).map(power)
     };
-    let (steps, errors) = (powers(-6, -3), powers(-7, -2));
-    let steps: Vec<(f64, &str)> = steps.iter().map(|(v, t)| (*v, t.as_str())).collect();
-    let errors: Vec<(f64, &str)> = errors.iter().map(|(v, t)| (*v, t.as_str())).collect();
     let mut panel = Panel::new(
-        Axis::new("step *h*, s", -6.15, -2.85).ticks(&steps),
-        Axis::new("distance from the limit", -7.0, -2.0).ticks(&errors),
+        with_ticks(Axis::new("step *h*, s", -6.15, -2.85), powers(-6, -3)),
+        with_ticks(
+            Axis::new("distance from the limit", -7.0, -2.0),
+            powers(-7, -2),
+        ),
     )
     .label("(a)")
     .title("as printed, *h* → 0")
     .legend(Legend::Below);
+    let points = |steps, i| distances(steps, &data.limit, i).into_iter().map(log);
     let largest = data.largest_bound();
     let line = [-6.15, -2.85].map(|h: f64| (h, h + math::log10(largest)));
     panel.add(
@@ -90,14 +81,14 @@ fn approach(data: &Convergence) -> Panel {
     );
     for (i, (name, color, shape)) in NAMES.into_iter().enumerate() {
         panel.add(
-            Markers::new(data.errors(i).into_iter().map(log))
+            Markers::new(points(&data.steps, i))
                 .shape(shape)
                 .color(color)
                 .size(6.0)
                 .legend(name),
         );
         panel.add(
-            Markers::new(data.errors_around(i).into_iter().map(log))
+            Markers::new(points(&data.around, i))
                 .shape(shape)
                 .color(color)
                 .size(2.5),
@@ -109,7 +100,7 @@ fn approach(data: &Convergence) -> Panel {
 }
 
 fn around(data: &Convergence, published: [f64; 4]) -> Panel {
-    let units = |at: &super::convergence::AtStep, i: usize| {
+    let units = |at: &super::matrix::Cell, i: usize| {
         let x = 100.0 * (at.h / PRINTED_STEP - 1.0);
         Some((x, (at.numbers?[i] - published[i]) / 1e-4))
     };

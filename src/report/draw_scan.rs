@@ -1,7 +1,7 @@
 //! The picture of the scan over parameters.
 
-use super::scan::{Class, Line, Parameter, Point, Scan};
-use crate::figures::FigureError;
+use super::scan::{Class, Line, Point, Scan};
+use crate::figures::{FigureError, with_ticks};
 use plot::*;
 use stickslip::math;
 
@@ -33,19 +33,6 @@ fn look(class: Class) -> (Color, &'static str) {
     }
 }
 
-fn symbol(parameter: Parameter) -> &'static str {
-    match parameter {
-        Parameter::Mass => "*m*",
-        Parameter::BeltSpeed => "*v*_p",
-        Parameter::Mu0 => "*μ*_0",
-        Parameter::Amplitude => "*A*",
-        Parameter::Omega => "*ω*",
-        Parameter::K1 => "*k*_1",
-        Parameter::K2 => "*k*_2",
-        Parameter::Delta => "*δ*",
-    }
-}
-
 /// Draws it.
 ///
 /// # Errors
@@ -55,26 +42,15 @@ pub fn draw(scan: &Scan) -> Result<String, FigureError> {
     // The first parameter on top.
     let base = |k: usize| (rows - 1 - k) as f64;
     let factors = [0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.2, 1.4, 1.6, 1.8, 2.0];
-    let texts = factors.map(|factor| number(factor, 1));
-    let ticks: Vec<(f64, &str)> = factors
-        .iter()
-        .zip(&texts)
-        .map(|(&factor, text)| (position(factor), text.as_str()))
-        .collect();
-    let names: Vec<(f64, &str)> = scan
-        .lines
-        .iter()
-        .enumerate()
-        .map(|(k, line)| (base(k) + 0.5 * HEIGHT, symbol(line.parameter)))
-        .collect();
+    let ticks = factors.map(|factor| (position(factor), number(factor, 1)));
+    let names = scan.lines.iter().enumerate();
+    let names = names.map(|(k, line)| (base(k) + 0.5 * HEIGHT, line.symbol));
+    let names: Vec<(f64, &str)> = names.collect();
     let half = half_column(scan);
+    let (low, high) = (-1.0 - 2.0 * half, 1.0 + 2.0 * half);
+    let factor = Axis::new("factor on the printed value", low, high);
     let mut panel = Panel::new(
-        Axis::new(
-            "factor on the printed value",
-            -1.0 - 2.0 * half,
-            1.0 + 2.0 * half,
-        )
-        .ticks(&ticks),
+        with_ticks(factor, ticks),
         Axis::new("", -0.25, rows as f64).ticks(&names),
     )
     .title("Where the starts lead in the stated model (height of a colour: part of the starts)")

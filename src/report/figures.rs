@@ -1,14 +1,13 @@
 //! The figures as the ledger needs them: computed once, each with its table and its picture.
 
 use super::remark::Sign;
-use crate::figures::block_and_bracket;
+use crate::figures::block_and_bracket::{self, Fig10, Fig11, Fig12};
 use crate::figures::fig04::Data as Fig04Data;
 use crate::figures::fig07::Data as Fig07Data;
 use crate::figures::fig08::Data as Fig08Data;
 use crate::figures::rows::Row;
 use crate::figures::{
-    FigureError, FigureSpec, fig04::Fig04, fig06::Fig06, fig07::Fig07, fig08::Fig08, fig10::Fig10,
-    fig11::Fig11, fig12::Fig12,
+    FigureError, FigureSpec, fig04::Fig04, fig06::Fig06, fig07::Fig07, fig08::Fig08,
 };
 
 /// One figure's table.
@@ -84,7 +83,8 @@ impl Computed {
     }
 }
 
-/// Signs of a spectrum's exponents from the equations, the largest first: what grows, what stays, what shrinks.
+/// Signs of a spectrum's exponents from the equations, the largest first: what grows, what stays,
+/// what shrinks.
 pub fn signs(data: &block_and_bracket::Data) -> [Sign; 4] {
     let evidence = &data.exact.evidence;
     let grow = usize::from(evidence.positive);

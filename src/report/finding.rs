@@ -1,80 +1,47 @@
 //! What one reading gives for a claim.
 
-use super::digits::{Agreement, agreement};
-use super::readme;
+use super::digits::{Agreement, agreement, decimals};
 use crate::figures::rows::{Part, Quantity, Row, Value};
 use crate::paper::published::{Claim, Claims, Kind};
 use crate::paper::reading::Reading;
+use crate::text::joined;
 
 /// What one reading gives for a claim.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
     /// The reading.
     pub reading: Reading,
-    /// Where it was computed: `fig08`, or `report`.
+    /// The figure whose table has it, or `report`.
     pub source: &'static str,
-    /// What it gives; a set has several members.
+    /// Value, members of a set, or a statement with its parts.
     pub values: Vec<Value>,
-    /// Digits in agreement, of a set the least; nothing for words.
+    /// Digits in agreement, where there are digits.
     pub digits: Option<Agreement>,
-    /// Whether it is what the paper says.
+    /// Whether it agrees with what is published.
     pub agrees: bool,
-    /// Whether it could not have come out otherwise, and is therefore no evidence.
+    /// Whether it could not have come out otherwise, so that it is no evidence.
     pub by_construction: bool,
-    /// Whether settings that the paper does not state move it by more than the printed digits.
+    /// Whether settings that the paper does not state decide it.
     pub undetermined: bool,
-    /// What the value is worth, such as `unidentified`.
+    /// What is to be said of it.
     pub note: Option<String>,
 }
 
 impl Finding {
-    /// A number against the one that `claim` publishes.
-    pub fn number(claim: &Claim, reading: Reading, source: &'static str, value: f64) -> Self {
+    /// A statement, judged by its parts.
+    pub fn statement(reading: Reading, parts: impl IntoIterator<Item = Part>) -> Self {
+        let parts: Vec<Part> = parts.into_iter().collect();
         Finding {
-            values: vec![Value::Number(value)],
-            digits: agreement(claim, value),
-            agrees: claim.agrees(value),
-            ..Finding::new(reading, source)
-        }
-    }
-
-    /// The members of a set.
-    pub fn set(claim: &Claim, reading: Reading, source: &'static str, values: &[f64]) -> Self {
-        let members = values
-            .iter()
-            .map(|value| Finding::number(claim, reading, source, *value));
-        let mut found = members
-            .reduce(|mut known, one| {
-                known.join(one);
-                known
-            })
-            .unwrap_or_else(|| Finding::new(reading, source));
-        found.agrees &= found.has_every_member(claim);
-        found
-    }
-
-    /// A word or a count against the published one.
-    pub fn word(claim: &Claim, reading: Reading, source: &'static str, value: Value) -> Self {
-        Finding {
-            agrees: value.to_string() == claim.published,
-            values: vec![value],
-            ..Finding::new(reading, source)
-        }
-    }
-
-    /// A statement, part by part; without parts it does not hold.
-    pub fn statement(reading: Reading, source: &'static str, parts: Vec<Part>) -> Self {
-        Finding {
-            agrees: !parts.is_empty() && parts.iter().all(|part| part.holds),
+            agrees: !parts.is_empty() && parts.iter().all(|(_, holds)| *holds),
             values: vec![Value::Statement(parts)],
-            ..Finding::new(reading, source)
+            ..Finding::new(reading)
         }
     }
 
-    fn new(reading: Reading, source: &'static str) -> Self {
+    fn new(reading: Reading) -> Self {
         Finding {
             reading,
-            source,
+            source: "report",
             values: Vec::new(),
             digits: None,
             agrees: false,
@@ -84,35 +51,28 @@ impl Finding {
         }
     }
 
-    /// The same, with a word on what it is worth.
+    /// With a note.
     #[must_use]
     pub fn noted(mut self, note: String) -> Self {
         self.note = Some(note);
         self
     }
 
-    /// The same, as something that could not have come out otherwise.
+    /// Marked as one that could not have come out otherwise.
     #[must_use]
     pub fn by_construction(mut self) -> Self {
         self.by_construction = true;
         self
     }
 
-    /// The same, as a value that unstated settings decide.
-    #[must_use]
-    pub fn undetermined(mut self) -> Self {
-        self.undetermined = true;
-        self
-    }
-
-    /// Whether it can speak for the claim or against it. A direction that stick annihilates has the
-    /// exponent −∞ in the equations; an estimate from data is always finite, and the two cannot be
-    /// compared.
+    /// Whether it says anything: it could have come out otherwise, and is no annihilated exponent,
+    /// which no estimate can give.
     pub fn is_evidence(&self) -> bool {
-        !self.by_construction && self.value() != Some(f64::NEG_INFINITY)
+        !self.by_construction
+            && !matches!(self.values[..], [Value::Number(v)] if v == f64::NEG_INFINITY)
     }
 
-    /// What a figure's rows give for a claim, one finding for each reading.
+    /// The findings in a figure's rows, one for each reading.
     pub fn of_rows(
         claims: &Claims,
         claim: &Claim,
@@ -122,12 +82,15 @@ impl Finding {
         let mut findings: Vec<Finding> = Vec::new();
         let compared = |row: &&Row| matches!(row.quantity, Quantity::Claim(id) | Quantity::Member(id, _) if id == claim.id);
         for row in rows.iter().filter(compared) {
-            let one = Finding::of_row(claims, claim, source, row);
-            match findings
+            let one = Finding {
+                source,
+                ..Finding::of_row(claims, claim, row)
+            };
+            let known = findings
                 .iter_mut()
-                .find(|known| known.reading == row.reading)
-            {
-                Some(known) => known.join(one),
+                .find(|known| known.reading == row.reading);
+            match known {
+                Some(known) => *known = known.clone().and(one),
                 None => findings.push(one),
             }
         }
@@ -139,7 +102,7 @@ impl Finding {
         findings
     }
 
-    fn of_row(claims: &Claims, claim: &Claim, source: &'static str, row: &Row) -> Self {
+    fn of_row(claims: &Claims, claim: &Claim, row: &Row) -> Self {
         let comparison = row.comparison(claims);
         let digits = match row.value {
             Value::Number(value) => agreement(claim, value),
@@ -150,21 +113,21 @@ impl Finding {
             digits,
             agrees: comparison.is_some_and(|one| one.agrees),
             note: row.status.map(str::to_owned),
-            ..Finding::new(row.reading, source)
+            ..Finding::new(row.reading)
         }
     }
 
-    /// Another member of the same set.
-    fn join(&mut self, other: Finding) {
+    /// Together with another member of the same set.
+    fn and(mut self, other: Finding) -> Finding {
         self.values.extend(other.values);
         self.agrees &= other.agrees;
         self.digits = match (self.digits, other.digits) {
             (Some(one), Some(other)) => Some(one.and(other)),
             (one, other) => one.or(other),
         };
+        self
     }
 
-    /// Whether every published member was found.
     fn has_every_member(&self, claim: &Claim) -> bool {
         claim.values().iter().all(|published| {
             let is = |value: &Value| {
@@ -174,32 +137,34 @@ impl Finding {
         })
     }
 
-    /// Whether each of its parts holds: of a statement these, otherwise the whole.
+    /// Which parts of a statement hold; of anything else, whether it agrees.
     pub fn parts(&self) -> Vec<bool> {
         match &self.values[..] {
-            [Value::Statement(parts)] => parts.iter().map(|part| part.holds).collect(),
+            [Value::Statement(parts)] => parts.iter().map(|(_, holds)| *holds).collect(),
             _ => vec![self.agrees],
         }
     }
 
-    /// The values in full precision, members separated by `;`.
+    /// The values in full precision.
     pub fn text(&self) -> String {
-        let texts: Vec<String> = self.values.iter().map(Value::to_string).collect();
-        texts.join(";")
+        joined(&self.values, ";")
     }
 
-    /// One line of evidence, numbers rounded to so many decimals.
-    pub fn line(&self, decimals: usize) -> String {
-        let texts: Vec<String> = self
-            .values
-            .iter()
-            .map(|value| match value {
-                Value::Number(v) if v.is_finite() => readme::decimals(*v, decimals),
-                Value::Statement(parts) => in_words(parts),
-                other => other.to_string(),
-            })
-            .collect();
-        let mut line = format!("{}: {}", self.source, texts.join("; "));
+    /// In words, numbers to so many decimals.
+    pub fn line(&self, places: usize) -> String {
+        let texts = self.values.iter().map(|value| match value {
+            Value::Number(v) if v.is_finite() => decimals(*v, places),
+            Value::Statement(parts) => {
+                let word = |holds: &bool| if *holds { "holds" } else { "fails" };
+                let each = parts.iter();
+                joined(
+                    each.map(|(what, holds)| format!("{what}: {}", word(holds))),
+                    "; ",
+                )
+            }
+            other => other.to_string(),
+        });
+        let mut line = format!("{}: {}", self.source, joined(texts, "; "));
         match self.digits {
             Some(digits) => line += &format!(", {digits} digits"),
             None if matches!(self.values[..], [Value::Statement(_)]) => {}
@@ -219,29 +184,6 @@ impl Finding {
         }
         line
     }
-
-    /// The value, if there is just one and it is a number.
-    pub fn value(&self) -> Option<f64> {
-        match self.values[..] {
-            [Value::Number(value)] => Some(value),
-            _ => None,
-        }
-    }
-}
-
-/// Every part with what becomes of it.
-fn in_words(parts: &[Part]) -> String {
-    let texts: Vec<String> = parts
-        .iter()
-        .map(|part| {
-            format!(
-                "{}: {}",
-                part.what,
-                if part.holds { "holds" } else { "fails" }
-            )
-        })
-        .collect();
-    texts.join("; ")
 }
 
 #[cfg(test)]
@@ -270,8 +212,10 @@ mod tests {
         let text = include_str!("../../data/claims.csv");
         let changed = Claims::parse(&text.replace("value,0.4697,4", "value,0.4698,4")).unwrap();
         let id = ClaimId::Fig08StickLength1;
+        let row = Row::number(id, Reading::AsPrinted, 0.469695, "m");
         let agrees = |claims: &Claims| {
-            Finding::number(claims.of(id), Reading::AsPrinted, "test", 0.469695).agrees
+            let rows = std::slice::from_ref(&row);
+            Finding::of_rows(claims, claims.of(id), "test", rows)[0].agrees
         };
         assert!(agrees(Claims::committed().unwrap()) && !agrees(&changed));
     }

@@ -1,34 +1,79 @@
 //! The report: what becomes of every claim of the paper, by computation, and why.
 //!
-//! [`ledger::Ledger::compute`] makes all of it; everything else here is a part of that: what readings give for a claim ([`finding`]) and what
-//! that comes to ([`verdict`]), evidence for statements ([`evidence`], [`accuracy`]), the cause of Fig. 8's numbers ([`cause`], [`matrix`],
-//! [`convergence`], [`injection`]), the search for what Fig. 8 shows in the stated model ([`scan`]), the estimator's spread in Figs. 10–12
-//! ([`spread`]) and the misprints ([`errata`]). [`page`] and [`readme`] show it.
+//! [`ledger::Ledger::compute`] makes all of it; everything else here is a part of that: what
+//! readings give for a claim ([`finding`]) and what that comes to ([`verdict`]), evidence for
+//! statements ([`evidence`], [`accuracy`]), the cause of Fig. 8's numbers ([`cause`], [`matrix`],
+//! [`convergence`],), the search for what Fig. 8 shows in the stated model ([`scan`]), the
+//! estimator's spread in Figs. 10–12 ([`spread`]) and the misprints ([`errata`]). [`page`] and
+//! [`readme`] show it.
 
 pub mod accuracy;
 pub mod cause;
-mod checks;
 pub mod cli;
 pub mod convergence;
 pub mod correction;
 pub mod digits;
 mod draw_convergence;
 mod draw_scan;
-pub mod entry;
 pub mod errata;
 pub mod evidence;
 pub mod figures;
 pub mod finding;
-pub mod injection;
 pub mod ledger;
 pub mod matrix;
 pub mod page;
-pub mod paper_part;
 pub mod readme;
 pub mod remark;
 pub mod scan;
 mod sentences;
 pub mod spread;
-pub mod statements;
 pub mod tables;
 pub mod verdict;
+
+use crate::figures::FigureError;
+use crate::paper::listing::ListingError;
+use crate::paper::published::PublishedError;
+use crate::readings::ReadingsError;
+use crate::terminal::ProgramError;
+use stickslip::error::Error;
+use stickslip::filippov::Failure;
+use stickslip::orbit::Orbit;
+
+/// What failed on the way to the report.
+#[derive(Debug, thiserror::Error)]
+pub enum ReportError {
+    /// A figure, or a file that could not be written.
+    #[error(transparent)]
+    Figure(#[from] FigureError),
+    /// The solver.
+    #[error("cannot make the ledger: {0}")]
+    Solver(#[from] Error),
+    /// The listing cannot run.
+    #[error("cannot make the ledger: {0}")]
+    Listing(#[from] ListingError),
+    /// The table of claims is not sound.
+    #[error("cannot make the ledger: {0}")]
+    Published(#[from] PublishedError),
+    /// The committed search over readings is not whole.
+    #[error("cannot make the ledger: {0}")]
+    Readings(#[from] ReadingsError),
+}
+
+impl ProgramError for ReportError {}
+
+impl<R> From<Failure<R>> for ReportError {
+    fn from(failure: Failure<R>) -> ReportError {
+        ReportError::Solver(failure.error)
+    }
+}
+
+/// An orbit as far as it goes, and whether it escapes.
+fn until_escape(outcome: Result<Orbit<2>, Failure<Orbit<2>>>) -> Result<(Orbit<2>, bool), Error> {
+    match outcome {
+        Ok(orbit) => Ok((orbit, false)),
+        Err(failure) if matches!(failure.error, Error::Escaped { .. }) => {
+            Ok((*failure.reached, true))
+        }
+        Err(failure) => Err(failure.into()),
+    }
+}

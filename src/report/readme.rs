@@ -1,14 +1,34 @@
-//! The README's verdicts and every sentence of it that has a computed number, written from the ledger.
+//! The part of the README that says what holds: claims counted by verdict for each part of the
+//! paper.
 
-use super::entry::Entry;
+use super::digits::decimals;
 use super::finding::Finding;
-use super::ledger::Ledger;
-use super::paper_part::PaperPart;
+use super::ledger::{Entry, Ledger};
 use super::sentences::{resting, sentences};
 use super::verdict::Verdict;
 use crate::figures::rows::Value;
-use crate::marked::Marks;
-use crate::paper::published::{Digits, Kind};
+use crate::paper::published::{Claim, Digits, Kind};
+use crate::text::{Marks, joined};
+
+/// The parts of the paper in which claims are counted: as `data/claims.csv` has them, and their
+/// names.
+const PARTS: [(&str, &str); 9] = [
+    ("sect2", "Sect. 2, Eqs. (8)–(16)"),
+    ("fig4", "Fig. 4"),
+    ("henon", "Abstract, Sect. 3: the Hénon step"),
+    ("fig7", "Sect. 4.1, Eqs. (19)–(24), Figs. 6, 7"),
+    ("fig8", "Sect. 4.2, Fig. 8"),
+    ("fig10", "Fig. 10"),
+    ("fig11", "Fig. 11"),
+    ("fig12", "Fig. 12"),
+    ("sect5", "Sects. 5.2, 6"),
+];
+
+/// The name of the part that a claim belongs to.
+pub(super) fn part_of(claim: &Claim) -> &'static str {
+    let known = PARTS.iter().find(|(part, _)| *part == claim.part);
+    known.map_or("", |(_, name)| name)
+}
 
 /// Where it stands in the README.
 pub const MARKS: Marks = Marks {
@@ -19,15 +39,14 @@ pub const MARKS: Marks = Marks {
 /// What stands between the marks: the verdict in three sentences, the table, and what its words
 /// mean.
 pub fn block(ledger: &Ledger) -> String {
-    let meanings: Vec<String> = Verdict::ALL
+    let meanings = Verdict::ALL
         .iter()
-        .map(|verdict| format!("* **{verdict}**: {}", verdict.meaning()))
-        .collect();
+        .map(|verdict| format!("* **{verdict}**: {}", verdict.meaning()));
     format!(
         "{}\n\n{}\n{}\n\n{}\n\n{} more are listed and not counted: identities, which could not have come out otherwise.\n",
         sentences(ledger).join("\n\n"),
         counts(ledger),
-        meanings.join("\n"),
+        joined(meanings, "\n"),
         resting(ledger),
         ledger.entries.len() - ledger.counted()
     )
@@ -42,12 +61,10 @@ fn counts(ledger: &Ledger) -> String {
     text += "\n|---|--:|";
     text += &"--:|".repeat(Verdict::COUNT);
     text += "\n";
-    for part in PaperPart::ALL {
-        let of = |entry: &&Entry| {
-            PaperPart::of(entry.claim.id) == part && entry.verdict != Verdict::Identity
-        };
+    for (part, name) in PARTS {
+        let of = |entry: &&Entry| entry.claim.part == part && entry.verdict != Verdict::Identity;
         let entries: Vec<&Entry> = ledger.entries.iter().filter(of).collect();
-        text += &format!("| {} | {} |", part.name(), entries.len());
+        text += &format!("| {} | {} |", name, entries.len());
         for verdict in Verdict::ALL {
             let with = entries.iter().filter(|entry| entry.verdict == verdict);
             text += &match with.count() {
@@ -74,15 +91,12 @@ pub(super) fn shown(entry: &Entry, finding: &Finding) -> String {
     if entry.claim.kind == Kind::Set {
         values.sort_by(|one, other| number(other).total_cmp(&number(one)));
     }
-    let mut texts: Vec<String> = values
-        .into_iter()
-        .map(|value| match value {
-            Value::Number(v) if *v == f64::NEG_INFINITY => "−∞".to_owned(),
-            Value::Number(v) if v.is_finite() => self::decimals(*v, decimals),
-            other => other.to_string(),
-        })
-        .collect();
-    // Several roads may lead to one member.
+    let texts = values.into_iter().map(|value| match value {
+        Value::Number(v) if *v == f64::NEG_INFINITY => "−∞".to_owned(),
+        Value::Number(v) if v.is_finite() => self::decimals(*v, decimals),
+        other => other.to_string(),
+    });
+    let mut texts: Vec<String> = texts.collect();
     texts.dedup();
     texts.join("; ")
 }
@@ -93,34 +107,15 @@ fn number(value: &Value) -> f64 {
         _ => f64::NAN,
     }
 }
-
-/// A number with so many decimals and a true minus sign; a zero has none.
-pub(in crate::report) fn decimals(value: f64, decimals: usize) -> String {
-    let text = format!("{value:.decimals$}");
-    let is_zero = text.chars().all(|c| "-0.".contains(c));
-    minus(if is_zero {
-        text.trim_start_matches('-')
-    } else {
-        &text
-    })
-}
-
-/// With a true minus sign where a number begins with a hyphen.
-pub(super) fn minus(text: &str) -> String {
-    match text.strip_prefix('-') {
-        Some(rest) if rest.starts_with(|c: char| c.is_ascii_digit()) => format!("−{rest}"),
-        _ => text.to_owned(),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::paper::published::Claims;
 
     #[test]
-    fn numbers_get_a_true_minus_and_words_keep_their_hyphens() {
-        assert_eq!(minus("-0.0049"), "−0.0049");
-        assert_eq!(minus("quasi-periodic"), "quasi-periodic");
-        assert_eq!(minus("-"), "-");
+    fn every_claim_belongs_to_a_part_of_the_paper() {
+        for claim in Claims::committed().unwrap().iter() {
+            assert_ne!(part_of(claim), "", "{}", claim.id);
+        }
     }
 }

@@ -1,9 +1,9 @@
-//! Remarks on a published exponent that are no verdict: its sign, and how far the estimator's unstated settings move it.
+//! Remarks on a published exponent that are no verdict: its sign, and how far the estimator's
+//! unstated settings move it.
 
 use std::fmt;
 
-use super::digits::ten_to;
-use super::readme::minus;
+use super::digits::{minus, ten_to};
 use crate::paper::published::{Claim, Digits};
 use crate::readings::{ExponentSpread, Values};
 
@@ -53,7 +53,8 @@ pub struct Remark {
 }
 
 impl Remark {
-    /// Whether the published number has the computed sign; a small number that is not zero has a sign.
+    /// Whether the published number has the computed sign; a small number that is not zero has a
+    /// sign.
     pub fn sign_agrees(&self) -> bool {
         Sign::printed(self.published) == self.sign
     }

@@ -1,10 +1,10 @@
-//! The verdict in a few sentences, every number of them formatted from the run: the page and the README open with these.
+//! The verdict in a few sentences, every number of them formatted from the run: the page and the
+//! README open with these.
 
 use super::correction::Correction;
-use super::entry::Entry;
-use super::ledger::Ledger;
+use super::ledger::{Entry, Ledger};
 use super::matrix::Cell;
-use super::paper_part::PaperPart;
+use super::readme::part_of;
 use super::verdict::Verdict;
 use crate::figures::block_and_bracket::DIVERGES;
 use crate::paper::claim_id::{ClaimId, SpectrumFigure};
@@ -16,12 +16,8 @@ use stickslip::analysis::motion::Class;
 /// stands with the claims.
 pub(super) fn sentences(ledger: &Ledger) -> [String; 3] {
     let with = |verdict| {
-        ledger
-            .counts()
-            .iter()
-            .filter(|one| one.0 == verdict)
-            .map(|one| one.1)
-            .sum::<usize>()
+        let entries = ledger.entries.iter();
+        entries.filter(|entry| entry.verdict == verdict).count()
     };
     let gives = |ids: &[ClaimId], met: &dyn Fn(&Entry) -> bool| {
         let found = ids.iter().filter(|id| met(ledger.entry(**id))).count();
@@ -29,11 +25,10 @@ pub(super) fn sentences(ledger: &Ledger) -> [String; 3] {
     };
     let by = |reading| move |entry: &Entry| entry.reading(reading).is_some_and(|one| one.agrees);
     let least = |property| {
-        ledger
-            .matrix
-            .minimal(property)
+        let cells = ledger.matrix.minimal(property);
+        cells
             .first()
-            .map_or(0, |cell| cell.present.len())
+            .map_or(0, |cell| cell.present.present().count())
     };
     let exponents = SpectrumFigure::ALL.map(SpectrumFigure::exponents);
     [
@@ -86,7 +81,7 @@ fn unlike(ledger: &Ledger) -> String {
         let found = entry
             .reading(Reading::Corrected)
             .filter(|one| !one.agrees)?;
-        let (name, published) = (PaperPart::of(entry.claim.id).name(), &entry.claim.published);
+        let (name, published) = (part_of(&entry.claim), &entry.claim.published);
         let class = ledger.computed.bracket[figure as usize].exact.class;
         Some(match (class, published.parse()) {
             (Class::Periodic(loops), Ok(Class::Periodic(captioned))) => {
@@ -106,11 +101,9 @@ fn unlike(ledger: &Ledger) -> String {
 /// What was found of Figs. 10–12 and of the search over their readings.
 pub(super) fn figs_10_to_12(ledger: &Ledger) -> String {
     let classes = SpectrumFigure::ALL.map(|figure| ledger.entry(figure.class()));
-    let exponents: Vec<&Entry> = SpectrumFigure::ALL
-        .iter()
-        .flat_map(|figure| figure.exponents())
-        .map(|id| ledger.entry(id))
-        .collect();
+    let exponents = SpectrumFigure::ALL.map(SpectrumFigure::exponents);
+    let exponents = exponents.as_flattened().iter();
+    let exponents: Vec<&Entry> = exponents.map(|id| ledger.entry(*id)).collect();
     let met = |entry: &&&Entry| {
         matches!(
             entry.verdict,
@@ -118,19 +111,16 @@ pub(super) fn figs_10_to_12(ledger: &Ledger) -> String {
         )
     };
     let count = |verdict| {
-        exponents
-            .iter()
-            .filter(|one| one.verdict == verdict)
-            .count()
+        let with = exponents.iter().filter(|one| one.verdict == verdict);
+        with.count()
     };
     let remarks = || exponents.iter().filter_map(|entry| entry.remark.as_ref());
     let signs = remarks().filter(|remark| remark.sign_agrees()).count();
     let within = remarks().filter(|remark| remark.within_range()).count();
-    let diverging = classes
+    let printed = classes
         .iter()
-        .filter_map(|entry| entry.reading(Reading::AsPrinted))
-        .filter(|one| one.text() == DIVERGES)
-        .count();
+        .filter_map(|entry| entry.reading(Reading::AsPrinted));
+    let diverging = printed.filter(|one| one.text() == DIVERGES).count();
     let search = &ledger.spread.search;
     format!(
         "Figs. 10–12 publish {} classes of motion. The corrected equations give {} of them{}. With the signs as printed {diverging} of the three \
@@ -161,19 +151,15 @@ pub(super) fn figs_10_to_12(ledger: &Ledger) -> String {
 /// were looked at.
 fn lead(search: &Committed) -> String {
     let percent = |(level, _): &(Level, Match)| level.random.percent();
-    let each: Vec<String> = search
-        .alone
-        .iter()
-        .enumerate()
-        .map(|(figure, (level, _))| {
-            format!(
-                "{:.1} % and {:.1} % for Fig. {}",
-                level.random.best_of_three(),
-                level.readings.percent(),
-                figure + 10
-            )
-        })
-        .collect();
+    let each: [String; 3] = [0, 1, 2].map(|figure| {
+        let level = &search.alone[figure].0;
+        format!(
+            "{:.1} % and {:.1} % for Fig. {}",
+            level.random.best_of_three(),
+            level.readings.percent(),
+            figure + 10
+        )
+    });
     let nearest =
         (0..3).min_by(|&a, &b| percent(&search.alone[a]).total_cmp(&percent(&search.alone[b])));
     let figure = nearest.unwrap_or(0);

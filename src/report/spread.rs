@@ -1,12 +1,13 @@
-//! How far an exponent of Figs. 10–12 moves over settings of the estimator that the paper does not state, from the committed search;
-//! and the class of Fig. 10 with its caption mended, computed.
+//! How far an exponent of Figs. 10–12 moves over settings of the estimator that the paper does not
+//! state, from the committed search; and the class of Fig. 10 with its caption mended, computed.
 
 use rayon::prelude::*;
 
+use super::ReportError;
 use crate::figures::FigureError;
-use crate::figures::block_and_bracket::{Set, compute};
-use crate::paper::claim_id::SpectrumFigure;
-use crate::readings::{Committed, Integrator, Match, ReadingsError};
+use crate::figures::block_and_bracket::{BlockAndBracketFigure, Fig10, Set, compute};
+use crate::readings::{Committed, Integrator, Match};
+use crate::text::joined;
 use stickslip::analysis::motion::Class;
 use stickslip::models::Caption;
 
@@ -15,19 +16,9 @@ use stickslip::models::Caption;
 pub struct Spread {
     /// The committed search, which has the estimates.
     pub search: Committed,
-    /// Class of the motion of Fig. 10 with its caption mended, each of the three entries that can be at fault in turn.
+    /// Class of the motion of Fig. 10 with its caption mended, each of the three entries that can
+    /// be at fault in turn.
     pub mended: Vec<(String, Class)>,
-}
-
-/// Why the spread could not be had.
-#[derive(Debug, thiserror::Error)]
-pub enum SpreadError {
-    /// The committed search cannot be read.
-    #[error(transparent)]
-    Readings(#[from] ReadingsError),
-    /// A figure could not be computed.
-    #[error(transparent)]
-    Figure(#[from] FigureError),
 }
 
 /// Figures computed.
@@ -37,38 +28,33 @@ impl Spread {
     /// Reads the search and computes the mended captions, and calls `tick` after each of these.
     ///
     /// # Errors
-    /// [`SpreadError`].
-    pub fn compute(tick: &(dyn Fn() + Sync)) -> Result<Spread, SpreadError> {
+    /// [`ReportError`].
+    pub fn compute(tick: &(dyn Fn() + Sync)) -> Result<Spread, ReportError> {
         let search = Committed::read()?;
-        let mended = mended_captions()
-            .into_par_iter()
-            .map(|(name, caption)| {
-                let class = compute(&Set {
-                    figure: SpectrumFigure::Fig10,
-                    caption,
-                    shown: 1.0,
-                    title: "",
-                    description: "",
-                })?
-                .exact
-                .class;
-                tick();
-                Ok((name, class))
-            })
-            .collect::<Result<_, FigureError>>()?;
+        let class = |(name, caption)| {
+            let set = Set {
+                caption,
+                shown: 1.0,
+                ..Fig10::SET
+            };
+            let class = compute(&set)?.exact.class;
+            tick();
+            Ok((name, class))
+        };
+        let mended = mended_captions().into_par_iter().map(class);
+        let mended = mended.collect::<Result<_, FigureError>>()?;
         Ok(Spread { search, mended })
     }
 
     /// What becomes of Fig. 10's class when its caption is mended.
     pub fn mended_sentence(&self) -> String {
-        let each: Vec<String> = self
+        let each = self
             .mended
             .iter()
-            .map(|(entry, class)| format!("{entry}: {class}"))
-            .collect();
+            .map(|(entry, class)| format!("{entry}: {class}"));
         format!(
             "the caption's entries contradict each other; mended one at a time, {}",
-            each.join(", ")
+            joined(each, ", ")
         )
     }
 
@@ -115,7 +101,7 @@ impl Spread {
             chaotic.len(),
             all().count(),
             needed.join("; "),
-            all().map(words).collect::<Vec<_>>().join(" | ")
+            joined(all().map(words), " | ")
         )
     }
 
@@ -139,15 +125,11 @@ impl Spread {
             None => of,
         })
     }
-
-    /// Where the estimates come from.
-    pub fn source(&self) -> String {
-        self.search.cited()
-    }
 }
 
-/// Fig. 10's caption with ξ6/μ0 = ξ4 − 1 restored, as it holds in the two other captions, by changing one of the three.
-fn mended_captions() -> [(String, Caption); JOBS] {
+/// Fig. 10's caption with ξ6/μ0 = ξ4 − 1 restored, as it holds in the two other captions, by
+/// changing one of the three.
+pub(super) fn mended_captions() -> [(String, Caption); JOBS] {
     let [_, _, _, xi4, _, mu0, xi6, _, _] = Caption::FIG10.numbers;
     [
         ("xi6", 6, mu0 * (xi4 - 1.0)),

@@ -1,166 +1,135 @@
-//! The report's tables as CSV.
+//! The report as tables: every claim, the convergence, the scan.
 
-use super::entry::Entry;
-use super::ledger::Ledger;
+use super::ledger::{Entry, Ledger};
 use super::scan::Class;
-use crate::figures::FigureError;
 use crate::paper::claim_id::ClaimId;
-use crate::paper::published::{Digits, Kind};
-use crate::paper::reading::{Reading, Role};
+use crate::paper::published::Digits;
+use crate::paper::reading::Reading;
+use crate::text::{csv, joined};
 
-/// The claims: what is published, what each reading gives, verdict, corrections, remarks, evidence
-/// by reading.
+/// Every claim with its values under each reading, verdict, cause and evidence.
 ///
 /// # Errors
-/// [`FigureError::Csv`] if the writer refuses a field.
-pub fn claims(ledger: &Ledger) -> Result<String, FigureError> {
-    let mut header = vec![
-        "id",
-        "where",
-        "claim",
-        "kind",
-        "published",
-        "digits",
-        "unit",
+/// [`csv::Error`].
+pub fn claims(ledger: &Ledger) -> Result<String, csv::Error> {
+    let header = [
+        "id,where,claim,kind,published,digits,unit",
+        &joined(Reading::ALL, ","),
+        "digits_in_agreement,verdict,corrections,sign_agrees",
+        "least_over_unstated,median_over_unstated,largest_over_unstated,settings,unidentified",
+        "within_unstated,cause,check",
+        &joined(
+            Reading::ALL.map(|reading| format!("evidence.{reading}")),
+            ",",
+        ),
+        "evidence.further",
     ];
-    header.extend(Reading::ALL.map(Reading::name));
-    header.extend([
-        "digits_in_agreement",
-        "verdict",
-        "corrections",
-        "sign_agrees",
-        "least_over_unstated",
-        "median_over_unstated",
-        "largest_over_unstated",
-        "settings",
-        "unidentified",
-        "within_unstated",
-        "cause",
-        "check",
-    ]);
-    let mut header: Vec<String> = header.into_iter().map(str::to_owned).collect();
-    header.extend(Reading::ALL.map(|reading| format!("evidence.{reading}")));
-    header.push("evidence.further".to_owned());
-    text(std::iter::once(header).chain(ledger.entries.iter().map(|entry| claim(ledger, entry))))
+    let header = header.join(",").split(',').map(str::to_owned).collect();
+    let entries = ledger.entries.iter().map(|entry| claim(ledger, entry));
+    csv(std::iter::once(header).chain(entries))
 }
 
 fn claim(ledger: &Ledger, entry: &Entry) -> Vec<String> {
     let claim = &entry.claim;
-    let kind = match claim.kind {
-        Kind::Value => "value",
-        Kind::Set => "set",
-        Kind::Curve => "curve",
-        Kind::Statement => "statement",
-        Kind::Identity => "identity",
-    };
     let digits = match claim.digits {
         Digits::Decimals(decimals) => decimals.to_string(),
         Digits::Exact => "exact".into(),
         Digits::None => String::new(),
     };
+    let of = |reading| {
+        entry
+            .findings
+            .iter()
+            .filter(move |one| one.reading == reading)
+    };
     let mut row = vec![
         claim.id.to_string(),
         claim.place.clone(),
         claim.what.clone(),
-        kind.into(),
+        claim.kind.name().into(),
         claim.published.clone(),
         digits,
         claim.unit.clone(),
     ];
     row.extend(Reading::ALL.map(|reading| {
-        // Several figures may give the same reading; each value is there once.
         let mut texts: Vec<String> = Vec::new();
-        for one in entry.findings.iter().filter(|one| one.reading == reading) {
-            let text = one.text();
+        for text in of(reading).map(|one| one.text()) {
             if !texts.contains(&text) {
                 texts.push(text);
             }
         }
         texts.join(" / ")
     }));
-    let agreement = [Role::Stated, Role::Corrected, Role::AsPrinted].map(|role| entry.digits(role));
-    let best = agreement
-        .into_iter()
-        .flatten()
-        .max_by_key(|one| one.agreeing);
-    row.push(best.map_or_else(String::new, |digits| digits.to_string()));
-    row.push(entry.verdict.to_string());
-    let corrections: Vec<&str> = entry
-        .corrections
-        .iter()
-        .map(|one| one.description())
-        .collect();
-    row.push(corrections.join(" | "));
+    let corrections = entry.corrections.iter().map(|one| one.description());
+    row.extend([
+        entry
+            .digits()
+            .map_or_else(String::new, |one| one.to_string()),
+        entry.verdict.to_string(),
+        joined(corrections, " | "),
+    ]);
+    // Each is empty but for a published exponent.
     let remark = entry.remark.as_ref();
     let said = |text: Option<String>| text.unwrap_or_default();
-    row.push(said(remark.map(|one| one.sign_agrees().to_string())));
     let range = remark.and_then(|one| one.spread.values);
-    row.push(said(range.map(|range| format!("{:?}", range.least))));
-    row.push(said(range.map(|range| format!("{:?}", range.median))));
-    row.push(said(range.map(|range| format!("{:?}", range.largest))));
-    row.push(said(remark.map(|one| one.spread.settings.to_string())));
-    row.push(said(remark.map(|one| one.spread.unidentified.to_string())));
-    row.push(said(remark.map(|one| one.within_range().to_string())));
-    row.push(if entry.asks_for_cause() {
-        ledger.cause.status().to_string()
-    } else {
-        String::new()
-    });
-    row.push(entry.check.to_owned());
-    row.extend(Reading::ALL.map(|reading| {
-        let of = entry.findings.iter().filter(|one| one.reading == reading);
-        let lines: Vec<String> = of.map(|one| entry.line(one)).collect();
-        lines.join(" | ")
-    }));
+    let cause = ledger.cause.status().to_string();
+    row.extend([
+        said(remark.map(|one| one.sign_agrees().to_string())),
+        said(range.map(|range| format!("{:?}", range.least))),
+        said(range.map(|range| format!("{:?}", range.median))),
+        said(range.map(|range| format!("{:?}", range.largest))),
+        said(remark.map(|one| one.spread.settings.to_string())),
+        said(remark.map(|one| one.spread.unidentified.to_string())),
+        said(remark.map(|one| one.within_range().to_string())),
+        said(entry.asks_for_cause().then_some(cause)),
+        claim.check.clone(),
+    ]);
+    row.extend(Reading::ALL.map(|reading| joined(of(reading).map(|one| entry.line(one)), " | ")));
     row.push(entry.further.join(" | "));
     row
 }
 
-/// The listing's numbers over the steps, with their distance from the limit.
+/// The listing's numbers at all steps, and their distances from the limit, which stands at step 0.
 ///
 /// # Errors
-/// [`FigureError::Csv`].
-pub fn convergence(ledger: &Ledger) -> Result<String, FigureError> {
+/// [`csv::Error`].
+pub fn convergence(ledger: &Ledger) -> Result<String, csv::Error> {
     let convergence = &ledger.convergence;
+    let limit = convergence.limit;
     let mut header = vec!["h".to_owned(), "all_digits".to_owned()];
     header.extend(ClaimId::FOUR.map(|id| id.to_string()));
     header.extend(ClaimId::FOUR.map(|id| format!("{id}.error")));
-    let limit = convergence.limit;
-    let mut rows = vec![header];
-    let mut zero = vec!["0".to_owned(), "false".to_owned()];
-    let complete = convergence.limit_digits.iter().all(|one| one.complete());
-    zero[1] = complete.to_string();
-    zero.extend(limit.map(|v| format!("{v:?}")));
-    zero.extend(limit.map(|_| "0.0".to_owned()));
-    rows.push(zero);
-    for at in convergence.steps.iter().chain(&convergence.around) {
-        let mut row = vec![format!("{:?}", at.h), at.gives_digits().to_string()];
-        match at.numbers {
+    let row = |h: String, complete: bool, numbers: Option<[f64; 4]>| {
+        let mut row = vec![h, complete.to_string()];
+        let exact = |v: f64| format!("{v:?}");
+        match numbers {
             Some(numbers) => {
-                row.extend(numbers.map(|v| format!("{v:?}")));
-                row.extend((0..4).map(|i| format!("{:?}", numbers[i] - limit[i])));
+                row.extend(numbers.map(exact));
+                row.extend((0..4).map(|i| exact(numbers[i] - limit[i])));
             }
             None => row.extend((0..8).map(|_| String::new())),
         }
-        rows.push(row);
-    }
-    text(rows)
+        row
+    };
+    let complete = convergence.limit_digits.iter().all(|one| one.complete());
+    let mut rows = vec![header, row("0".to_owned(), complete, Some(limit))];
+    let steps = convergence.steps.iter().chain(&convergence.around);
+    rows.extend(steps.map(|at| row(format!("{:?}", at.h), at.gives_digits(), at.numbers)));
+    csv(rows)
 }
 
-/// Where the starts lead for every value of every parameter, and the stick–slip motions found.
+/// What starts lead to at each set of parameters.
 ///
 /// # Errors
-/// [`FigureError::Csv`].
-pub fn scan(ledger: &Ledger) -> Result<String, FigureError> {
+/// [`csv::Error`].
+pub fn scan(ledger: &Ledger) -> Result<String, csv::Error> {
     let scan = &ledger.scan;
     let mut header = vec!["parameter", "factor", "value"];
     header.extend(Class::ALL.map(Class::name));
     header.extend(["motions", "distance"]);
     let mut rows = vec![header.into_iter().map(str::to_owned).collect::<Vec<_>>()];
-    let lines = scan.lines.iter().flat_map(|line| {
-        let name = line.parameter.name();
-        line.points.iter().map(move |point| (name, point))
-    });
+    let lines = scan.lines.iter();
+    let lines = lines.flat_map(|line| line.points.iter().map(|point| (line.name, point)));
     let variants = scan.variants.iter().map(|(name, point)| (*name, point));
     for (name, point) in lines.chain(variants) {
         let mut row = vec![
@@ -169,31 +138,14 @@ pub fn scan(ledger: &Ledger) -> Result<String, FigureError> {
             format!("{:?}", point.value),
         ];
         row.extend(point.counts.map(|count| count.to_string()));
-        let motions: Vec<String> = point
-            .stick_slip
-            .iter()
-            .map(|motion| {
-                let lengths: Vec<String> =
-                    motion.lengths.iter().map(|l| format!("{l:.6}")).collect();
-                format!("period {}: {}", motion.period, lengths.join(" "))
-            })
-            .collect();
-        row.push(motions.join("; "));
+        let motions = point.stick_slip.iter().map(|motion| {
+            let lengths = motion.lengths.iter().map(|l| format!("{l:.6}"));
+            format!("period {}: {}", motion.period, joined(lengths, " "))
+        });
+        row.push(joined(motions, "; "));
         let nearest = point.nearest(scan.published, |_| true);
         row.push(nearest.map_or_else(String::new, |(_, distance)| format!("{distance:?}")));
         rows.push(row);
     }
-    text(rows)
-}
-
-fn text(rows: impl IntoIterator<Item = Vec<String>>) -> Result<String, FigureError> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    for row in rows {
-        writer.write_record(&row)?;
-    }
-    let bytes = writer
-        .into_inner()
-        .map_err(|error| csv::Error::from(error.into_error()))?;
-    // Every field was a `str`, so nothing can be lost here.
-    Ok(String::from_utf8_lossy(&bytes).into_owned())
+    csv(rows)
 }

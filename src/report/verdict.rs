@@ -41,32 +41,56 @@ impl Verdict {
     ];
 
     /// What the word means.
-    pub const fn meaning(self) -> &'static str {
+    pub fn meaning(self) -> &'static str {
+        self.described()[2]
+    }
+
+    /// Its name in the style sheet of the page.
+    pub fn key(self) -> &'static str {
+        self.described()[1]
+    }
+
+    /// Name, name in the style sheet, meaning.
+    fn described(self) -> [&'static str; 3] {
         match self {
-            Verdict::Reproduced => {
-                "the model as stated, solved accurately, gives it to every printed digit; a statement holds in all its parts"
-            }
-            Verdict::WithCorrections => {
+            Verdict::Reproduced => [
+                "reproduced",
+                "reproduced",
+                "the model as stated, solved accurately, gives it to every printed digit; a statement holds in all its parts",
+            ],
+            Verdict::WithCorrections => [
+                "reproduced with corrected equations",
+                "corrected",
                 "the model with the corrections that are listed, solved accurately, gives it to every printed digit or in all its parts; \
-                 as stated it does not"
-            }
-            Verdict::AsPrintedOnly => {
+                 as stated it does not",
+            ],
+            Verdict::AsPrintedOnly => [
+                "reproduced as printed only",
+                "printed",
                 "the paper's own program or equations, to the letter, give it to every printed digit or in all its parts; neither the model as \
-                 stated nor a corrected one does"
-            }
-            Verdict::InKind => {
-                "of statements and curves alone: a part holds and a part does not, and the evidence names both"
-            }
-            Verdict::NotReproduced => {
-                "neither the model as stated, nor a corrected one, nor the program gives it"
-            }
-            Verdict::Undeterminable => {
+                 stated nor a corrected one does",
+            ],
+            Verdict::InKind => [
+                "in kind only",
+                "kind",
+                "of statements and curves alone: a part holds and a part does not, and the evidence names both",
+            ],
+            Verdict::NotReproduced => [
+                "not reproduced",
+                "missed",
+                "neither the model as stated, nor a corrected one, nor the program gives it",
+            ],
+            Verdict::Undeterminable => [
+                "undeterminable",
+                "open",
                 "the paper does not state what the value depends on, and plausible settings, which are listed, move it by more than its printed \
-                 digits or leave it unidentified; one setting that agrees or disagrees is no evidence"
-            }
-            Verdict::Identity => {
-                "it follows from other claims or from a definition, so that it is no evidence: listed and not counted"
-            }
+                 digits or leave it unidentified; one setting that agrees or disagrees is no evidence",
+            ],
+            Verdict::Identity => [
+                "identity",
+                "identity",
+                "it follows from other claims or from a definition, so that it is no evidence: listed and not counted",
+            ],
         }
     }
 
@@ -103,22 +127,14 @@ impl Verdict {
 
 impl fmt::Display for Verdict {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Verdict::Reproduced => "reproduced",
-            Verdict::WithCorrections => "reproduced with corrected equations",
-            Verdict::AsPrintedOnly => "reproduced as printed only",
-            Verdict::InKind => "in kind only",
-            Verdict::NotReproduced => "not reproduced",
-            Verdict::Undeterminable => "undeterminable",
-            Verdict::Identity => "identity",
-        })
+        f.write_str(self.described()[0])
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::figures::rows::Part;
+    use crate::figures::rows::Row;
     use crate::paper::claim_id::ClaimId;
     use crate::paper::published::Claims;
     use crate::paper::reading::Reading::{self, *};
@@ -127,35 +143,34 @@ mod tests {
         Verdict::of(Claims::committed().unwrap().of(id).kind, findings)
     }
 
-    /// One on the first stick length that settings move, beside one that they do not.
-    fn undetermined(value: f64) -> Verdict {
-        let id = ClaimId::Fig08StickLength1;
-        let claim = Claims::committed().unwrap().of(id);
-        let number = |reading| Finding::number(claim, reading, "test", value);
-        let moved = number(CorrectedData).undetermined();
-        of(id, &[number(CorrectedEquations), moved])
+    const LENGTH: ClaimId = ClaimId::Fig08StickLength1;
+
+    /// What a reading gives for the first stick length, 0.4697 m.
+    fn number(reading: Reading, value: f64) -> Finding {
+        let claims = Claims::committed().unwrap();
+        let row = Row::number(LENGTH, reading, value, "m");
+        Finding::of_rows(claims, claims.of(LENGTH), "test", &[row]).remove(0)
     }
 
-    /// Findings on the first stick length, 0.4697 m.
+    /// One that settings move, beside one that they do not.
+    fn undetermined(value: f64) -> Verdict {
+        let moved = Finding {
+            undetermined: true,
+            ..number(CorrectedData, value)
+        };
+        of(LENGTH, &[number(CorrectedEquations, value), moved])
+    }
+
     fn numbers(found: &[(Reading, f64)]) -> Verdict {
-        let id = ClaimId::Fig08StickLength1;
-        let claim = Claims::committed().unwrap().of(id);
-        let findings: Vec<Finding> = found
-            .iter()
-            .map(|&(reading, value)| Finding::number(claim, reading, "test", value))
-            .collect();
-        of(id, &findings)
+        let findings = found.iter().map(|&(reading, value)| number(reading, value));
+        of(LENGTH, &findings.collect::<Vec<_>>())
     }
 
     fn statement(found: &[(Reading, &[bool])]) -> Verdict {
         let findings: Vec<Finding> = found
             .iter()
             .map(|(reading, parts)| {
-                let part = |&holds: &bool| Part {
-                    what: "a part",
-                    holds,
-                };
-                Finding::statement(*reading, "test", parts.iter().map(part).collect())
+                Finding::statement(*reading, parts.iter().map(|holds| ("a part", *holds)))
             })
             .collect();
         of(ClaimId::S4Arcs, &findings)
@@ -231,12 +246,8 @@ mod tests {
 
     #[test]
     fn an_identity_is_listed_whatever_was_found() {
-        for part in [true, false] {
-            let part = Part {
-                what: "a part",
-                holds: part,
-            };
-            let found = [Finding::statement(Exact, "test", vec![part])];
+        for holds in [true, false] {
+            let found = [Finding::statement(Exact, [("a part", holds)])];
             assert_eq!(of(ClaimId::Fig06FrictionLaw, &found), Verdict::Identity);
         }
         assert!(!Verdict::ALL.contains(&Verdict::Identity));
@@ -244,11 +255,7 @@ mod tests {
 
     #[test]
     fn what_could_not_have_come_out_otherwise_is_no_evidence() {
-        let part = Part {
-            what: "a part",
-            holds: true,
-        };
-        let vacuous = Finding::statement(AsPrinted, "test", vec![part]).by_construction();
+        let vacuous = Finding::statement(AsPrinted, [("a part", true)]).by_construction();
         assert_eq!(of(ClaimId::S4Arcs, &[vacuous]), Verdict::NotReproduced);
     }
 }

@@ -3,9 +3,11 @@
 use super::Set;
 use super::against_equations::{compare, worth};
 use super::compute::{Data, END, Literal, START};
-use crate::figures::error::FigureError;
+use crate::figures::{FigureError, belt_line, pair, with_ticks};
+use crate::numbers::extent;
 use crate::paper::claim_id::ClaimId;
 use crate::paper::published::{Claims, PublishedError};
+use crate::text::joined;
 use plot::*;
 use stickslip::analysis::Exponent;
 use stickslip::analysis::data_spectrum::Status;
@@ -28,16 +30,12 @@ const LINEAR: f64 = 1e-3;
 /// What the picture shows, for readers who cannot see it.
 fn description(set: &Set, data: &Data) -> String {
     let exact = &data.exact;
-    let exponents: Vec<String> = exact
-        .spectrum
-        .exponents
-        .iter()
-        .map(|exponent| four(exponent.value()))
-        .collect();
+    let exponents = exact.spectrum.exponents.iter();
+    let exponents = exponents.map(|exponent| four(exponent.value()));
     format!(
         "{} From the equations these come to {}; section points: {}; the motion is {}.",
         set.description,
-        exponents.join(", "),
+        joined(exponents, ", "),
         section_points(exact.evidence.distinct, exact.evidence.returns),
         exact.class
     )
@@ -50,13 +48,7 @@ pub(super) fn draw(set: &Set, data: &Data) -> Result<String, FigureError> {
         set.title,
         &description(set, data),
     )
-    .columns(
-        0.47,
-        vec![
-            (1.0, block(set, data).into()),
-            (1.0, bracket(set, data).into()),
-        ],
-    )
+    .columns(0.47, pair(block(set, data), bracket(set, data)))
     .columns(
         0.43,
         vec![
@@ -71,11 +63,7 @@ pub(super) fn draw(set: &Set, data: &Data) -> Result<String, FigureError> {
 
 /// An interval that holds all values, with a margin.
 fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    let (low, high) = values
-        .filter(|v| v.is_finite())
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
-            (low.min(v), high.max(v))
-        });
+    let (low, high) = extent(values.filter(|v| v.is_finite()));
     let margin = MARGIN * (high - low);
     (low - margin, high + margin)
 }
@@ -104,13 +92,7 @@ fn block(set: &Set, data: &Data) -> Panel {
         END - set.shown
     ))
     .legend(Legend::Below);
-    panel.add(
-        Guide::horizontal(belt)
-            .color(GREY)
-            .width(0.7)
-            .dash(Dash::Dashed)
-            .legend("Σ: *x*_2 = *v*_p"),
-    );
+    panel.add(belt_line(belt).legend("Σ: *x*_2 = *v*_p"));
     let points = curve().map(|x| (x[0], x[1]));
     panel.add(Curve::new(points).color(BLUE).width(width(data)));
     if matches!(data.exact.class, Class::Periodic(_)) {
@@ -149,31 +131,19 @@ fn bracket(set: &Set, data: &Data) -> Panel {
 
 /// The numbers of the caption under its heading, and what they are taken for.
 fn caption(set: &Set) -> Table {
-    let named = |names: [&str; 9]| names.map(str::to_owned).to_vec();
-    let heading = [
-        "*ξ*_1", "*ξ*_2", "*ξ*_3", "*ξ*_4", "*ξ*_5", "*ξ*_6", "*ξ*_7",
-    ];
-    let [first, second, third, fourth, fifth, sixth, seventh] = heading;
+    let first = ["*ξ*_1", "*ξ*_2", "*ξ*_3", "*ξ*_4", "*ξ*_5"];
+    let named = |last: [&str; 4]| first.into_iter().chain(last).map(str::to_owned).collect();
     let row = |what: &str, numbers: Vec<String>, start: String| {
         [vec![what.to_owned()], numbers, vec![start]].concat()
     };
     let printed = set.caption.numbers.map(|value| number(value, 3)).to_vec();
     let start = set.caption.start.map(|value| number(value, 1)).join(", ");
-    Table::new(row(
-        "**(e)** caption",
-        named([
-            first, second, third, fourth, fifth, sixth, seventh, "*δ*", "*v*_p",
-        ]),
-        "start".to_owned(),
-    ))
-    .row(row("as printed", printed, start))
-    .row(row(
-        "taken for",
-        named([
-            first, second, third, fourth, fifth, "*μ*_0", sixth, "*δ*", "*v*_p",
-        ]),
-        "*x*_1 … *x*_4".to_owned(),
-    ))
+    let headed = named(["*ξ*_6", "*ξ*_7", "*δ*", "*v*_p"]);
+    let taken = named(["*μ*_0", "*ξ*_6", "*δ*", "*v*_p"]);
+    let states = "*x*_1 … *x*_4".to_owned();
+    Table::new(row("**(e)** caption", headed, "start".to_owned()))
+        .row(row("as printed", printed, start))
+        .row(row("taken for", taken, states))
 }
 
 /// An exponent on an axis that is linear near zero and logarithmic away from it.
@@ -205,14 +175,12 @@ fn running(set: &Set, data: &Data) -> Result<Panel, PublishedError> {
         let decimals = if exponent == 0.0 { 0 } else { 3 };
         (scaled(exponent), number(exponent, decimals))
     });
-    let ticks: Vec<(f64, &str)> = ticks
-        .iter()
-        .filter(|(at, _)| (low..=high).contains(at))
-        .map(|(at, text)| (*at, text.as_str()))
-        .collect();
+    let ticks = ticks
+        .into_iter()
+        .filter(|(at, _)| (low..=high).contains(at));
     let mut panel = Panel::new(
         Axis::new("*t* − 3000", 0.0, end).step(3000.0).minor(3),
-        Axis::new("*λ*, running means", low, high).ticks(&ticks),
+        with_ticks(Axis::new("*λ*, running means", low, high), ticks),
     )
     .label("(c)")
     .title(&format!("exponents{}", annihilated(data)))
@@ -332,37 +300,32 @@ fn table(set: &Set, data: &Data) -> Result<Table, PublishedError> {
     }
     let exact = &data.exact;
     let evidence = &exact.evidence;
-    let blank = String::new;
     let literal = match &data.literal {
         Literal::Diverges(t) => format!("beyond 1000 at *t* = {}", number(*t, 1)),
         Literal::Bounded(measured) => format!("{}", measured.class),
     };
+    let points = section_points(evidence.distinct, evidence.returns);
+    let stick = number(100.0 * exact.spectrum.stick_fraction, 2);
+    let class = said(set.figure.class());
+    let none = String::new;
     let rows = [
-        ("class", said(set.figure.class()), exact.class.to_string()),
-        (
-            "section points",
-            blank(),
-            section_points(evidence.distinct, evidence.returns),
-        ),
-        (
-            "stick, % of time",
-            blank(),
-            number(100.0 * exact.spectrum.stick_fraction, 2),
-        ),
+        ("class", class, exact.class.to_string()),
+        ("section points", none(), points),
+        ("stick, % of time", none(), stick),
         (
             "least *N*/*mg*, not clipped",
-            blank(),
+            none(),
             number(exact.least_force, 3),
         ),
         (
             "losses of contact",
-            blank(),
+            none(),
             exact.contact_losses.to_string(),
         ),
-        ("signs as printed", blank(), literal),
+        ("signs as printed", none(), literal),
     ];
     for (name, printed, found) in rows {
-        table = table.row([name.to_owned(), printed, found, blank()]);
+        table = table.row([name.to_owned(), printed, found, none()]);
     }
     Ok(table)
 }

@@ -3,7 +3,7 @@
 use super::Set;
 use super::against_equations::{compare, worth};
 use super::compute::{Data, Literal, Measured};
-use crate::figures::rows::{Part, Row};
+use crate::figures::rows::Row;
 use crate::paper::claim_id::{ClaimId, SpectrumFigure};
 use crate::paper::reading::Reading;
 use stickslip::analysis::Exponent;
@@ -16,43 +16,41 @@ pub(super) fn numbers(set: &Set, data: &Data) -> Vec<Row> {
     let figure = set.figure;
     let mut rows = exponents(figure, Reading::CorrectedEquations, &data.exact);
     rows.extend(from_data(figure, data));
+    let (best, equations) = (&data.best_of_readings, &data.exact.spectrum.exponents);
     rows.extend(data_exponents(
         figure,
         Reading::BestOfReadings,
-        &data.best_of_readings,
-        &data.exact.spectrum.exponents,
+        best,
+        equations,
     ));
     if let Literal::Bounded(measured) = &data.literal {
         rows.extend(exponents(figure, Reading::AsPrintedEquations, measured));
     }
     rows.extend(motion(figure, Reading::Corrected, &data.exact));
     rows.extend(as_printed(figure, &data.literal));
-    rows.extend(statements(
-        figure,
-        Reading::CorrectedEquations,
-        &signs_of(&data.exact),
-    ));
-    rows.extend(statements(
-        figure,
-        Reading::CorrectedData,
-        &signs_in_data(&data.from_data),
-    ));
+    let evidence = &data.exact.evidence;
+    for (reading, signs) in [
+        (
+            Reading::CorrectedEquations,
+            (evidence.zeros, evidence.positive),
+        ),
+        (Reading::CorrectedData, signs_in_data(&data.from_data)),
+    ] {
+        rows.extend(statements(figure, reading, signs));
+    }
     rows
 }
 
 fn exponents(figure: SpectrumFigure, reading: Reading, measured: &Measured) -> Vec<Row> {
     let exponents = &measured.spectrum.exponents;
-    let mut rows: Vec<Row> = exponents
-        .iter()
-        .zip(figure.exponents())
-        .map(|(exponent, id)| {
-            let status = match exponent {
-                Exponent::Finite { .. } => "ok",
-                Exponent::Annihilated => "annihilated",
-            };
-            Row::number(id, reading, exponent.value(), "1/t").status(status)
-        })
-        .collect();
+    let row = |(exponent, id): (&Exponent, ClaimId)| {
+        let status = match exponent {
+            Exponent::Finite { .. } => "ok",
+            Exponent::Annihilated => "annihilated",
+        };
+        Row::number(id, reading, exponent.value(), "1/t").status(status)
+    };
+    let mut rows: Vec<Row> = exponents.iter().zip(figure.exponents()).map(row).collect();
     for (i, exponent) in exponents.iter().enumerate() {
         if let Some(error) = exponent.std_error() {
             let id = format!("{}.std_error.{}", figure.name(), i + 1);
@@ -62,9 +60,9 @@ fn exponents(figure: SpectrumFigure, reading: Reading, measured: &Measured) -> V
     rows
 }
 
-/// The exponents, then what they are worth: standard error (statistical only), change with neighbourhoods of twice the size,
-/// the fit of fixed rank, how far those that the data tell are off the equations' and how far they may be, and the
-/// neighbourhoods.
+/// The exponents, then what they are worth: standard error (statistical only), change with
+/// neighbourhoods of twice the size, the fit of fixed rank, how far those that the data tell are
+/// off the equations' and how far they may be, and the neighbourhoods.
 fn data_exponents(
     figure: SpectrumFigure,
     reading: Reading,
@@ -73,15 +71,11 @@ fn data_exponents(
 ) -> Vec<Row> {
     let comparisons = compare(spectrum, equations);
     let exponents = spectrum.exponents.iter().enumerate();
-    let mut rows: Vec<Row> = spectrum
-        .exponents
-        .iter()
-        .zip(figure.exponents())
-        .enumerate()
-        .map(|(i, (exponent, id))| {
-            Row::number(id, reading, exponent.value, "1/t").status(worth(spectrum, i, &comparisons))
-        })
-        .collect();
+    let numbered = exponents.clone().zip(figure.exponents());
+    let row = |((i, exponent), id): ((usize, &DataExponent), _)| {
+        Row::number(id, reading, exponent.value, "1/t").status(worth(spectrum, i, &comparisons))
+    };
+    let mut rows: Vec<Row> = numbered.map(row).collect();
     let name = |quantity: &str| format!("{}.{quantity}", figure.name());
     for (i, exponent) in exponents {
         let fixed = exponent.fixed_rank.unwrap_or((f64::NAN, f64::NAN));
@@ -103,16 +97,11 @@ fn data_exponents(
         rows.push(Row::number(off, reading, one.difference(), "1/t"));
         rows.push(Row::number(allowed, reading, one.allowed, "1/t"));
     }
-    let relative = spectrum.mean_eps / spectrum.spread;
+    let (relative, residual) = (spectrum.mean_eps / spectrum.spread, spectrum.residual_ratio);
     let count = |quantity: &str, value: usize| Row::count(name(quantity), reading, value as u64);
     rows.extend([
         Row::number(name("mean_eps"), reading, relative, "spread"),
-        Row::number(
-            name("residual_ratio"),
-            reading,
-            spectrum.residual_ratio,
-            "1",
-        ),
+        Row::number(name("residual_ratio"), reading, residual, "1"),
         count("median_neighbours", spectrum.neighbours.median),
         count("reference_points", spectrum.references),
         count("starved_points", spectrum.starved),
@@ -132,31 +121,19 @@ fn from_data(figure: SpectrumFigure, data: &Data) -> Vec<Row> {
 
 fn motion(figure: SpectrumFigure, reading: Reading, measured: &Measured) -> Vec<Row> {
     let name = |quantity: &str| format!("{}.{quantity}", figure.name());
-    let evidence = &measured.evidence;
+    let count = |quantity: &str, value: usize| Row::count(name(quantity), reading, value as u64);
+    let number = |quantity: &str, value, unit| Row::number(name(quantity), reading, value, unit);
+    let (evidence, spectrum) = (&measured.evidence, &measured.spectrum);
     vec![
         Row::word(figure.class(), reading, &measured.class.to_string()),
-        Row::count(name("section_returns"), reading, evidence.returns as u64),
-        Row::count(name("section_points"), reading, evidence.distinct as u64),
-        Row::number(name("return_time"), reading, evidence.return_time, "t"),
-        Row::count(name("zero_exponents"), reading, evidence.zeros as u64),
-        Row::number(
-            name("stick_fraction"),
-            reading,
-            measured.spectrum.stick_fraction,
-            "1",
-        ),
-        Row::count(
-            name("stick_entries"),
-            reading,
-            measured.spectrum.stick_entries as u64,
-        ),
-        Row::number(
-            name("min_normal_force"),
-            reading,
-            measured.least_force,
-            "mg",
-        ),
-        Row::count(name("contact_losses"), reading, measured.contact_losses),
+        count("section_returns", evidence.returns),
+        count("section_points", evidence.distinct),
+        number("return_time", evidence.return_time, "t"),
+        count("zero_exponents", evidence.zeros),
+        number("stick_fraction", spectrum.stick_fraction, "1"),
+        count("stick_entries", spectrum.stick_entries),
+        number("min_normal_force", measured.least_force, "mg"),
+        count("contact_losses", measured.contact_losses as usize),
     ]
 }
 
@@ -175,47 +152,32 @@ fn as_printed(figure: SpectrumFigure, literal: &Literal) -> Vec<Row> {
     }
 }
 
-/// What of a spectrum Sect. 5.2 speaks of.
-struct Signs {
-    /// Exponents that are zero within their errors.
-    zeros: usize,
-    /// Whether the first is positive beyond its error.
-    positive: bool,
-}
-
-fn signs_of(measured: &Measured) -> Signs {
-    Signs {
-        zeros: measured.evidence.zeros,
-        positive: measured.evidence.positive,
-    }
-}
-
-/// Of the exponents that the data tell, by their own errors: three standard errors and the change with neighbourhoods of twice the size.
-fn signs_in_data(spectrum: &DataSpectrum) -> Signs {
-    let told = spectrum
-        .exponents
-        .iter()
-        .filter(|exponent| exponent.status == Status::Ok);
-    let error = |exponent: &DataExponent| 3.0 * exponent.stderr + exponent.eps_sensitivity.abs();
-    Signs {
-        zeros: told.filter(|one| one.value.abs() <= error(one)).count(),
-        positive: spectrum
-            .exponents
-            .first()
-            .is_some_and(|first| first.status == Status::Ok && first.value > error(first)),
-    }
+/// How many exponents are zero, and whether the first is positive, as the estimate from data tells.
+fn signs_in_data(spectrum: &DataSpectrum) -> (usize, bool) {
+    let told = |one: &&DataExponent| one.status == Status::Ok;
+    let error = |one: &DataExponent| 3.0 * one.stderr + one.eps_sensitivity.abs();
+    let exponents = spectrum.exponents.iter().filter(told);
+    let zeros = exponents
+        .filter(|one| one.value.abs() <= error(one))
+        .count();
+    let first = spectrum.exponents.first().filter(told);
+    (zeros, first.is_some_and(|one| one.value > error(one)))
 }
 
 /// What Sect. 5.2 says of the spectra.
-fn statements(figure: SpectrumFigure, reading: Reading, signs: &Signs) -> Vec<Row> {
-    let statement = |id, what, holds| Row::statement(id, reading, vec![Part { what, holds }]);
+fn statements(
+    figure: SpectrumFigure,
+    reading: Reading,
+    (zeros, positive): (usize, bool),
+) -> Vec<Row> {
+    let statement = |id, what, holds| Row::statement(id, reading, [(what, holds)]);
     let mut rows = Vec::new();
     // How near to zero an estimate from data comes is the estimator's doing, not the motion's.
     if reading != Reading::CorrectedData {
         rows.push(statement(
             ClaimId::S5ZeroExponent,
             "an exponent is zero within its error",
-            signs.zeros >= 1,
+            zeros >= 1,
         ));
     }
     match figure {
@@ -223,12 +185,12 @@ fn statements(figure: SpectrumFigure, reading: Reading, signs: &Signs) -> Vec<Ro
         SpectrumFigure::Fig11 => rows.push(statement(
             ClaimId::S5TwoZeroExponents,
             "two exponents are zero within their errors",
-            signs.zeros == 2,
+            zeros == 2,
         )),
         SpectrumFigure::Fig12 => rows.push(statement(
             ClaimId::S5PositiveExponent,
             "the first exponent is positive beyond its error",
-            signs.positive,
+            positive,
         )),
     }
     rows

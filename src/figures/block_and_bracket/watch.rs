@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use super::compute::{DT, END, START};
-use crate::turns::Turns;
+use crate::turns::{Samples, Turns};
 use stickslip::filippov::{Observer, Options, StepRecord, Transition, TransitionKind};
 use stickslip::models::BlockAndBracket;
 use stickslip::system::State;
@@ -23,7 +23,7 @@ pub(super) struct Watch<'a> {
     /// Drawn from here on.
     drawn_from: f64,
     /// States at `START + k·DT`.
-    pub(super) series: Vec<[f64; 4]>,
+    pub(super) samples: Samples,
     /// Where the block turns back.
     pub(super) turns: Turns<'a>,
     /// Least normal force, unclipped, in units of `mg`.
@@ -39,27 +39,11 @@ impl<'a> Watch<'a> {
         Self {
             model,
             drawn_from: END - shown,
-            series: Vec::new(),
+            samples: Samples::new(START, DT, usize::MAX),
             turns: Turns::new(model, options),
             least_force: f64::INFINITY,
             losses: 0,
             curve: Vec::new(),
-        }
-    }
-
-    fn sample(&mut self, step: &StepRecord<4>) {
-        loop {
-            // A quotient, not a sum of steps: the last of them is the end itself.
-            let t = START + self.series.len() as f64 / (1.0 / DT);
-            if t > step.t_end {
-                return;
-            }
-            let x = if t == step.t_end {
-                step.x_end
-            } else {
-                step.dense.at_time(t)
-            };
-            self.series.push(x.into());
         }
     }
 
@@ -115,7 +99,7 @@ impl<'a> Watch<'a> {
 
 impl Observer<4> for Watch<'_> {
     fn step(&mut self, step: &StepRecord<4>) -> ControlFlow<()> {
-        self.sample(step);
+        self.samples.step(step);
         self.turns.step(step);
         self.scan(step);
         if step.t_start >= self.drawn_from {

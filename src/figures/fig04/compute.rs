@@ -1,9 +1,8 @@
 //! The orbits, the tangent points and the cycle.
 
-use crate::bisection::bisect;
+use crate::numbers::{changes, missing};
 use stickslip::scalar::Dual;
 
-use crate::figures::trace;
 use stickslip::analysis::{PeriodicOrbit, Visibility, multipliers, periodic_orbit};
 use stickslip::error::Error;
 use stickslip::filippov::{Options, TransitionKind, normal_component, solve};
@@ -49,7 +48,8 @@ pub struct Cycle {
 pub struct Data {
     /// The model.
     pub model: BeltOscillator,
-    /// Where σ, the product of the two fields' normal components on Σ, is stationary (m), largest first.
+    /// Where σ, the product of the two fields' normal components on Σ, is stationary (m), largest
+    /// first.
     pub stationary: Vec<f64>,
     /// The friction amplitudes at which σ vanishes there (N): the accelerations of the spring.
     pub critical_mu0: Vec<f64>,
@@ -72,7 +72,8 @@ const TOLERANCE: f64 = 1e-13;
 const DRAWN: f64 = 16.0;
 /// Time after which an orbit is near enough to the cycle for Newton's iteration (s).
 const SETTLED: f64 = 60.0;
-/// Starts besides the tangent points: inside the cycle below the belt's speed, and outside it above.
+/// Starts besides the tangent points: inside the cycle below the belt's speed, and outside it
+/// above.
 const FURTHER: [(f64, f64); 2] = [(-0.4, 0.4), (-0.6, 1.5)];
 
 pub(super) fn compute() -> Result<Data, Error> {
@@ -96,12 +97,13 @@ pub(super) fn compute() -> Result<Data, Error> {
         .map(|&(x1, x2)| {
             let orbit = solve(&model, 0.0, State::from([x1, x2]), DRAWN, &options)?;
             let sticks = usize::from(orbit.sticks().next().is_some());
-            Ok((trace::phase_plane(&orbit), sticks))
+            Ok((crate::figures::phase_plane(&orbit), sticks))
         })
         .collect::<Result<Vec<_>, Error>>()?;
     let cycle = cycle(&model, &options)?;
     let stationary = stationary(&model);
-    // At rest friction adds the same to either side, so the mean of the two normal components is the spring's.
+    // At rest friction adds the same to either side, so the mean of the two normal components is
+    // the spring's.
     let spring = |x1: f64| {
         let on_belt = [x1, model.belt_speed];
         0.5 * (normal(&model, Side::Below, &on_belt) + normal(&model, Side::Above, &on_belt))
@@ -125,31 +127,22 @@ fn normal<T: Scalar>(model: &BeltOscillator, side: Side, x: &[T; 2]) -> T {
     normal_component(model, t, x, &model.field(side, t, x))
 }
 
-/// The zeros of ∂σ/∂x₁ (Eq. 11) on Σ: bracketed on a grid that holds none of them, then bisected to the last bit.
+/// The zeros of ∂σ/∂x₁ (Eq. 11) on Σ: bracketed on a grid that holds none of them, then bisected to
+/// the last bit.
 fn stationary(model: &BeltOscillator) -> Vec<f64> {
     let slope = |x1: f64| {
         let x = [Dual::new(x1, 1.0), Dual::new(model.belt_speed, 0.0)];
         (normal(model, Side::Below, &x) * normal(model, Side::Above, &x)).eps
     };
-    let grid: Vec<f64> = (0..=300).map(|k| 1.507 - 0.01 * f64::from(k)).collect();
-    grid.windows(2)
-        .filter(|pair| (slope(pair[0]) < 0.0) != (slope(pair[1]) < 0.0))
-        .map(|pair| {
-            // The grid runs downwards.
-            let below = slope(pair[1]) < 0.0;
-            bisect(pair[1], pair[0], |x1| (slope(x1) < 0.0) != below)
-        })
-        .collect()
+    let grid = (0..=300).rev().map(|k| 1.507 - 0.01 * f64::from(k));
+    let mut zeros = changes(grid, |x1| slope(x1) < 0.0);
+    zeros.reverse();
+    zeros
 }
 
 fn cycle(model: &BeltOscillator, options: &Options) -> Result<Cycle, Error> {
-    let settled = solve(
-        model,
-        0.0,
-        State::from([0.0, model.belt_speed]),
-        SETTLED,
-        options,
-    )?;
+    let start = State::from([0.0, model.belt_speed]);
+    let settled = solve(model, 0.0, start, SETTLED, options)?;
     let crossings: Vec<f64> = settled
         .transitions
         .iter()
@@ -157,12 +150,7 @@ fn cycle(model: &BeltOscillator, options: &Options) -> Result<Cycle, Error> {
         .map(|at| at.t)
         .collect();
     let [.., before, last] = crossings[..] else {
-        let (t, span) = (0.0, SETTLED);
-        return Err(Error::NotFound {
-            what: "two upward crossings of Σ",
-            t,
-            span,
-        });
+        return Err(missing("two upward crossings of Σ", 0.0, SETTLED));
     };
     // Off Σ, a tenth of a turn before the crossing.
     let guess = settled.at(last - 0.1 * (last - before))?;
@@ -177,14 +165,10 @@ fn describe(
     turn: &Orbit<2>,
 ) -> Result<Cycle, Error> {
     let crossing = |to: Side| {
-        turn.transitions
-            .iter()
-            .find(|at| at.kind == TransitionKind::Crossing && at.to == Mode::Slip(to))
-            .ok_or(Error::NotFound {
-                what: "a crossing of Σ",
-                t: 0.0,
-                span: found.period,
-            })
+        let mut transitions = turn.transitions.iter();
+        let first =
+            transitions.find(|at| at.kind == TransitionKind::Crossing && at.to == Mode::Slip(to));
+        first.ok_or_else(|| missing("a crossing of Σ", 0.0, found.period))
     };
     let (up, down) = (crossing(Side::Above)?, crossing(Side::Below)?);
     let [trivial, multiplier] = multipliers(&found.monodromy);
@@ -197,6 +181,6 @@ fn describe(
         right: down.x[0],
         kink: [acceleration(Side::Below), acceleration(Side::Above)],
         sticks: turn.sticks().count(),
-        curve: trace::phase_plane(turn),
+        curve: crate::figures::phase_plane(turn),
     })
 }

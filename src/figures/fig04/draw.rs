@@ -1,7 +1,7 @@
 //! The picture of Fig. 4.
 
 use super::compute::Data;
-use crate::figures::error::FigureError;
+use crate::figures::{FigureError, belt_line};
 use plot::*;
 use stickslip::analysis::Visibility;
 
@@ -46,12 +46,7 @@ fn cycle(data: &Data) -> Curve {
 /// Stick zones as grey bars, tangent points on them.
 fn boundary(panel: &mut Panel, data: &Data, numbered: bool) {
     let belt = data.model.belt_speed;
-    panel.add(
-        Guide::horizontal(belt)
-            .color(GREY)
-            .width(0.7)
-            .dash(Dash::Dashed),
-    );
+    panel.add(belt_line(belt));
     for (i, &zone) in data.zones.iter().enumerate() {
         let bar = Band::bar(zone, belt, ZONE_THICKNESS).fill(MID_GREY);
         panel.add(if i == 0 {
@@ -86,7 +81,8 @@ fn boundary(panel: &mut Panel, data: &Data, numbered: bool) {
     }
 }
 
-/// Where a tangent point's number stands, clear of the cycle: it runs above the line at 1 and 2, below it elsewhere.
+/// Where a tangent point's number stands, clear of the cycle: it runs above the line at 1 and 2,
+/// below it elsewhere.
 fn beside(number: usize) -> (f64, f64) {
     (0.0, if number <= 2 { -9.0 } else { 9.0 })
 }

@@ -6,9 +6,9 @@ mod numbers;
 
 pub use compute::{Cycle, Data, Tangent};
 
-use super::error::FigureError;
+use super::FigureError;
+use super::FigureSpec;
 use super::rows::Row;
-use super::spec::FigureSpec;
 
 /// Fig. 4.
 #[derive(Debug)]

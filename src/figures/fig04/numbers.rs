@@ -1,26 +1,21 @@
 //! The rows of Fig. 4.
 
 use super::compute::Data;
-use crate::figures::rows::{Part, Quantity, Row};
+use crate::figures::rows::{Quantity, Row};
 use crate::paper::claim_id::ClaimId;
 use crate::paper::reading::Reading::Exact;
+use crate::text::joined;
 use stickslip::analysis::Visibility;
 
 pub(super) fn numbers(data: &Data) -> Vec<Row> {
     let positions: Vec<f64> = data.tangents.iter().map(|tangent| tangent.x1).collect();
     let mut rows = Row::members(ClaimId::Eq12CriticalPoints, Exact, &data.stationary, "m");
-    rows.extend(Row::members(
-        ClaimId::Eq13CriticalMu0,
-        Exact,
-        &data.critical_mu0,
-        "N",
-    ));
-    rows.extend(Row::members(
-        ClaimId::Eq16TangentPoints,
-        Exact,
-        &positions,
-        "m",
-    ));
+    for (id, values, unit) in [
+        (ClaimId::Eq13CriticalMu0, &data.critical_mu0, "N"),
+        (ClaimId::Eq16TangentPoints, &positions, "m"),
+    ] {
+        rows.extend(Row::members(id, Exact, values, unit));
+    }
     rows.extend((1..).zip(&data.tangents).map(|(k, tangent): (usize, _)| {
         let quantity = Quantity::Detail(ClaimId::Fig04Visibility, k.to_string());
         Row::word(quantity, Exact, kind(tangent.visibility))
@@ -61,20 +56,13 @@ impl Data {
     /// Which of the numbered tangent points are of which kind, as the caption has it.
     pub(super) fn kinds(&self) -> String {
         let listed = |wanted| {
-            let numbers: Vec<String> = (1..)
-                .zip(&self.tangents)
-                .filter(|(_, tangent)| tangent.visibility == wanted)
-                .map(|(k, _): (usize, _)| k.to_string())
-                .collect();
-            numbers.join(",")
+            let numbered = (1..).zip(&self.tangents);
+            let of_kind = numbered.filter(|(_, tangent)| tangent.visibility == wanted);
+            let numbers = of_kind.map(|(k, _): (usize, _)| k);
+            format!("{} {}", kind(wanted), joined(numbers, ","))
         };
-        format!(
-            "{} {}; {} {}",
-            kind(Visibility::Visible),
-            listed(Visibility::Visible),
-            kind(Visibility::Invisible),
-            listed(Visibility::Invisible)
-        )
+        let (visible, invisible) = (Visibility::Visible, Visibility::Invisible);
+        format!("{}; {}", listed(visible), listed(invisible))
     }
 }
 
@@ -82,25 +70,22 @@ impl Data {
 fn statements(data: &Data) -> Vec<Row> {
     let distance = |k: usize| (data.tangents[k].x1 - data.cycle.left).abs();
     let nearest = (0..data.tangents.len()).min_by(|&a, &b| distance(a).total_cmp(&distance(b)));
-    let deflection = vec![
-        Part {
-            what: "the cycle's left crossing of Σ is nearest to the third tangent point",
-            holds: nearest == Some(2),
-        },
-        Part {
-            what: "the slope of the orbit jumps there",
-            holds: data.cycle.kink[0] != data.cycle.kink[1],
-        },
+    let deflection = [
+        (
+            "the cycle's left crossing of Σ is nearest to the third tangent point",
+            nearest == Some(2),
+        ),
+        (
+            "the slope of the orbit jumps there",
+            data.cycle.kink[0] != data.cycle.kink[1],
+        ),
     ];
-    let no_stick = vec![
-        Part {
-            what: "the limit cycle has no stick phase",
-            holds: data.cycle.sticks == 0,
-        },
-        Part {
-            what: "nor has an orbit of the figure that leads to it",
-            holds: data.sticking == 0,
-        },
+    let no_stick = [
+        ("the limit cycle has no stick phase", data.cycle.sticks == 0),
+        (
+            "nor has an orbit of the figure that leads to it",
+            data.sticking == 0,
+        ),
     ];
     vec![
         Row::word(ClaimId::Fig04Visibility, Exact, &data.kinds()),

@@ -3,8 +3,7 @@
 use std::f64::consts::PI;
 
 use super::{Branches, Data, Fig07, Oscillation, Transition, Z_MAX};
-use crate::figures::error::FigureError;
-use crate::figures::spec::FigureSpec;
+use crate::figures::{FigureError, FigureSpec, pair};
 use plot::{
     Axis, BLACK, BLUE, Band, Color, Curve, Dash, Figure, GREY, Guide, LIGHT_GREY, Legend, MID_GREY,
     Markers, Note, Panel, Region, VERMILLION,
@@ -28,10 +27,7 @@ pub(super) fn svg(data: &Data) -> Result<String, FigureError> {
     )
     .columns(
         1.0,
-        vec![
-            (1.0, transition(data).into()),
-            (1.0, oscillation(&data.oscillation).into()),
-        ],
+        pair(transition(data), oscillation(&data.oscillation)),
     )
     .row(1.08, branches(data))
     .render()
@@ -129,7 +125,8 @@ fn branches(data: &Data) -> Panel {
         );
     }
     panel.add(Guide::vertical(data.critical).color(GREY));
-    // Both lists begin with an upper end and have an even length, so the colours alternate across them.
+    // Both lists begin with an upper end and have an even length, so the colours alternate across
+    // them.
     for (k, branch) in below.iter().chain(above).enumerate() {
         let (color, dash) = EDGES[k % 2];
         panel.add(

@@ -3,12 +3,12 @@
 mod draw;
 mod numbers;
 
-use crate::bisection::bisect;
+use crate::numbers::bisect;
 use std::f64::consts::PI;
 
-use super::error::FigureError;
+use super::FigureError;
+use super::FigureSpec;
 use super::rows::Row;
-use super::spec::FigureSpec;
 use stickslip::error::Error;
 use stickslip::math;
 use stickslip::models::cubic::{Cubic, TangentPoint};
@@ -163,7 +163,8 @@ fn oscillation(spring: &Cubic) -> Result<Oscillation, Error> {
 
 fn branches(spring: &Cubic, critical: f64) -> Result<Branches, Error> {
     let mut below = vec![Vec::new(); 6];
-    // Two branches meet at the critical value like a square root; equal steps of that root sample them evenly.
+    // Two branches meet at the critical value like a square root; equal steps of that root sample
+    // them evenly.
     for s in grid(0.0, 1.0, 400) {
         let mu0 = critical * s * (2.0 - s);
         let mut branch = below.iter_mut();
@@ -197,8 +198,8 @@ fn branches(spring: &Cubic, critical: f64) -> Result<Branches, Error> {
     })
 }
 
-/// Zeros of `∂σ/∂z` in `[-2, 2]`: grid points where it vanishes, and sign changes between grid points refined to
-/// neighbouring numbers.
+/// Zeros of `∂σ/∂z` in `[-2, 2]`: grid points where it vanishes, and sign changes between grid
+/// points refined to neighbouring numbers.
 fn stationary(spring: &Cubic) -> Vec<f64> {
     let slope = |z| spring.sigma_slope(z, 1.0);
     let points: Vec<f64> = grid(-2.0, 2.0, 400).collect();

@@ -3,18 +3,15 @@
 use std::f64::consts::PI;
 
 use super::{Data, Transition};
-use crate::figures::rows::{Part, Quantity, Row};
+use crate::figures::rows::{Quantity, Row};
 use crate::paper::claim_id::ClaimId;
 use crate::paper::reading::Reading::Exact;
 
 /// All rows.
 pub(super) fn rows(data: &Data) -> Vec<Row> {
     // Eq. (23): the friction that makes σ zero where its slope was found to vanish.
-    let forces: Vec<f64> = data
-        .stationary
-        .iter()
-        .map(|z| data.unequal.force(*z))
-        .collect();
+    let stationary = data.stationary.iter();
+    let forces: Vec<f64> = stationary.map(|z| data.unequal.force(*z)).collect();
     let mut rows = Row::members(ClaimId::Eq22CriticalPoints, Exact, &data.stationary, "m");
     rows.extend(Row::members(ClaimId::Eq23CriticalMu0, Exact, &forces, "N"));
     rows.extend(limits(data));
@@ -26,36 +23,25 @@ pub(super) fn rows(data: &Data) -> Vec<Row> {
 
 /// Sect. 2 on the two limits of `μ₀`.
 fn limits(data: &Data) -> Vec<Row> {
-    let degenerate = vec![
-        Part {
-            what: "there is no stick zone at mu0 = 0",
-            holds: data.without.zones.is_empty(),
-        },
-        Part {
-            what: "three tangent points remain",
-            holds: data.without.zeros.len() == 3,
-        },
+    let degenerate = [
+        (
+            "there is no stick zone at mu0 = 0",
+            data.without.zones.is_empty(),
+        ),
+        ("three tangent points remain", data.without.zeros.len() == 3),
     ];
-    let continuous = vec![Part {
-        what: "there is one stick zone at mu0 = 2/(3√3)",
-        holds: data.with_critical.zones.len() == 1,
-    }];
+    let continuous = [(
+        "there is one stick zone at mu0 = 2/(3√3)",
+        data.with_critical.zones.len() == 1,
+    )];
     let mut rows = vec![
         Row::statement(ClaimId::S2DegenerateZone, Exact, degenerate),
         Row::statement(ClaimId::S2ContinuousZone, Exact, continuous),
     ];
-    let ends: Vec<f64> = data
-        .with_critical
-        .zones
-        .iter()
-        .flat_map(|&(low, high)| [high, low])
-        .collect();
-    rows.extend(Row::members(
-        ClaimId::S2BoundaryTangentPoints,
-        Exact,
-        &ends,
-        "m",
-    ));
+    let zones = data.with_critical.zones.iter();
+    let ends: Vec<f64> = zones.flat_map(|&(low, high)| [high, low]).collect();
+    let id = ClaimId::S2BoundaryTangentPoints;
+    rows.extend(Row::members(id, Exact, &ends, "m"));
     rows
 }
 
@@ -63,20 +49,14 @@ fn limits(data: &Data) -> Vec<Row> {
 fn tangency(data: &Data) -> Vec<Row> {
     let above = touching(data, &data.without, 1.0);
     let below = touching(data, &data.with_critical, -1.0);
-    let parts = vec![
-        Part {
-            what: "sigma touches the axis from above in three points at mu0 = 0",
-            holds: above == 3,
-        },
-        Part {
-            what: "and from below in two at mu0 = 2√3/9",
-            holds: below == 2,
-        },
+    let parts = [
+        (
+            "sigma touches the axis from above in three points at mu0 = 0",
+            above == 3,
+        ),
+        ("and from below in two at mu0 = 2√3/9", below == 2),
     ];
-    let detail = |name: &str, count| {
-        let quantity = Quantity::Detail(ClaimId::Fig07aTangency, name.to_owned());
-        Row::count(quantity, Exact, count)
-    };
+    let detail = |name: &str, count| detail(ClaimId::Fig07aTangency, name, count);
     vec![
         Row::statement(ClaimId::Fig07aTangency, Exact, parts),
         detail("touching_from_above", above),
@@ -94,7 +74,8 @@ fn touching(data: &Data, transition: &Transition, side: f64) -> u64 {
     touches.count() as u64
 }
 
-/// Fig. 7b: what the curves are drawn with. Whether they bound the stick zones is computed by the report.
+/// Fig. 7b: what the curves are drawn with. Whether they bound the stick zones is computed by the
+/// report.
 fn oscillation(data: &Data) -> Vec<Row> {
     let oscillation = &data.oscillation;
     let mut rows = vec![
@@ -110,40 +91,24 @@ fn oscillation(data: &Data) -> Vec<Row> {
 
 /// Fig. 7c: the number of tangent points in each regime.
 fn branches(data: &Data) -> Vec<Row> {
+    let outer = data.branches.above.first().and_then(|branch| branch.last());
+    let end = outer.map_or(f64::NAN, |point| point.1);
     let [zero, below, at, above] = data.branches.counts.map(|count| count as u64);
-    let parts = vec![
-        Part {
-            what: "six branches below the critical mu0",
-            holds: below == 6,
-        },
-        Part {
-            what: "two above it",
-            holds: above == 2,
-        },
+    let parts = [
+        ("six branches below the critical mu0", below == 6),
+        ("two above it", above == 2),
     ];
-    let detail = |name: &str, count| {
-        let quantity = Quantity::Detail(ClaimId::Fig07cBranches, name.to_owned());
-        Row::count(quantity, Exact, count)
-    };
+    let detail = |name: &str, count| detail(ClaimId::Fig07cBranches, name, count);
     vec![
         Row::statement(ClaimId::Fig07cBranches, Exact, parts),
         detail("points_without_friction", zero),
         detail("points_below_critical", below),
         detail("points_at_critical", at),
         detail("points_above_critical", above),
-        Row::number(
-            "fig07c.outer_point_at_end",
-            Exact,
-            end(&data.branches.above),
-            "m",
-        ),
+        Row::number("fig07c.outer_point_at_end", Exact, end, "m"),
     ]
 }
 
-/// The outermost tangent point at the right border, m.
-fn end(branches: &[Vec<(f64, f64)>]) -> f64 {
-    branches
-        .first()
-        .and_then(|branch| branch.last())
-        .map_or(f64::NAN, |point| point.1)
+fn detail(id: ClaimId, name: &str, count: u64) -> Row {
+    Row::count(Quantity::Detail(id, name.to_owned()), Exact, count)
 }

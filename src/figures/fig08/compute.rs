@@ -3,9 +3,9 @@
 use rayon::prelude::*;
 
 use super::Fig08;
-use crate::figures::error::FigureError;
-use crate::figures::spec::FigureSpec;
-use crate::figures::trace;
+use crate::figures::FigureError;
+use crate::figures::FigureSpec;
+use crate::numbers::missing;
 use crate::paper::listing::{self, Params, Sample, Setup};
 use crate::paper::pattern::{Pattern, two_periodic};
 use crate::paper::slip_times_three::{self, Injected};
@@ -20,9 +20,11 @@ use stickslip::system::{Mode, Side, State};
 pub struct AsPrinted {
     /// What it settles on.
     pub pattern: Pattern,
-    /// Where the body sticks in the plotted window: time and position at the start and at the end of each stretch.
+    /// Where the body sticks in the plotted window: time and position at the start and at the end
+    /// of each stretch.
     pub stuck: Vec<[(f64, f64); 2]>,
-    /// Part of the time in stick phases, in the plotted window, in which the body is in no stick zone.
+    /// Part of the time in stick phases, in the plotted window, in which the body is in no stick
+    /// zone.
     pub outside_zones: f64,
     /// The plotted window: time, position, velocity.
     pub trajectory: Vec<(f64, f64, f64)>,
@@ -120,7 +122,7 @@ fn as_printed(model: &ForcedOscillator, zones: &[(f64, f64)]) -> Result<AsPrinte
         }
         trajectory.push((sample.t, sample.x1, sample.x2));
         let here = (sample.t, sample.x1);
-        let sticks = sample.mode == listing::Mode::Stick;
+        let sticks = sample.mode == Mode::Stick;
         if sticks {
             let z = sample.x1 - model.support(sample.t);
             steps_stuck += 1;
@@ -136,11 +138,11 @@ fn as_printed(model: &ForcedOscillator, zones: &[(f64, f64)]) -> Result<AsPrinte
     };
     let run = listing::run_with(&Setup::default(), keep).map_err(Fig08::failed)?;
     let pattern = Pattern::of_listing(&run).ok_or_else(|| {
-        Fig08::failed(Error::NotFound {
-            what: "a motion of the listing that repeats",
-            t: 0.0,
-            span: SETTLED,
-        })
+        Fig08::failed(missing(
+            "a motion of the listing that repeats",
+            0.0,
+            SETTLED,
+        ))
     })?;
     Ok(AsPrinted {
         pattern,
@@ -158,21 +160,14 @@ fn exact(model: &ForcedOscillator, options: &Options) -> Result<Exact, Error> {
     let orbit = periodic_orbit_forced(model, 0.0, settled.x_end, period, options)?;
     let turns = solve(model, 0.0, orbit.x, SHOWN * period, options)?;
     let many = solve(model, 0.0, orbit.x, REPEATED * period, options)?;
-    let pattern = Pattern::of_phases(&many.phases, many.t_end, period).ok_or(Error::NotFound {
-        what: "a motion that repeats",
-        t: 0.0,
-        span: REPEATED * period,
-    })?;
+    let pattern = Pattern::of_phases(&many.phases, many.t_end, period);
+    let pattern =
+        pattern.ok_or_else(|| missing("a motion that repeats", 0.0, REPEATED * period))?;
     let crossing = |to: Side| {
-        turns
-            .transitions
-            .iter()
-            .find(|at| at.kind == TransitionKind::Crossing && at.to == Mode::Slip(to))
-            .ok_or(Error::NotFound {
-                what: "a crossing of Σ",
-                t: 0.0,
-                span: SHOWN * period,
-            })
+        let mut transitions = turns.transitions.iter();
+        let first =
+            transitions.find(|at| at.kind == TransitionKind::Crossing && at.to == Mode::Slip(to));
+        first.ok_or_else(|| missing("a crossing of Σ", 0.0, SHOWN * period))
     };
     let (up, down) = (crossing(Side::Above)?, crossing(Side::Below)?);
     let mut multipliers = multipliers(&orbit.monodromy).map(|m| stickslip::math::hypot(m.re, m.im));
@@ -185,7 +180,7 @@ fn exact(model: &ForcedOscillator, options: &Options) -> Result<Exact, Error> {
         below: period - above,
         above,
         multipliers,
-        trajectory: trace::curve3(&turns),
+        trajectory: crate::figures::curve3(&turns),
     })
 }
 
@@ -212,47 +207,44 @@ fn shares(model: &ForcedOscillator) -> Result<Shares, Error> {
             })
         })
         .collect();
-    let ends: Vec<Destination<2>> = starts
-        .par_iter()
-        .map(|&x| {
-            destination(
-                model,
-                (0.0, x),
-                model.period(),
-                FOLLOWED,
-                CLOSENESS,
-                &options,
-            )
-        })
-        .collect::<Result<_, Error>>()?;
+    let (period, periods) = (model.period(), FOLLOWED);
+    let end = |&x: &State<2>| destination(model, (0.0, x), period, periods, CLOSENESS, &options);
+    let ends = starts.par_iter().map(end);
+    let ends = ends.collect::<Result<Vec<_>, Error>>()?;
     let each = 1.0 / starts.len() as f64;
-    let mut shares = Shares {
-        starts: starts.len(),
-        ..Shares::default()
+    let share = |is: fn(&Destination<2>) -> bool| {
+        let count = ends.iter().filter(|end| is(end)).count();
+        count as f64 * each
     };
-    let mut counts = [0_u32; 5];
-    let mut two = 0_u32;
-    for end in &ends {
-        if let Destination::Periodic { period, sticks, .. } = end {
-            two += u32::from(two_periodic(*sticks, *period));
-        }
-        let class = match end {
-            Destination::Periodic {
-                period: 1,
+    use Destination::{Escapes, Periodic, Unsettled};
+    let slip_only = share(|end| {
+        matches!(
+            end,
+            Periodic {
                 sticks: 0,
+                period: 1,
                 ..
-            } => 0,
-            Destination::Periodic { sticks: 0, .. } => 1,
-            Destination::Periodic { .. } => 2,
-            Destination::Escapes { .. } => 3,
-            Destination::Unsettled => 4,
-        };
-        counts[class] += 1;
-    }
-    let [slip_only, other, stick_slip, escapes, unsettled] =
-        counts.map(|count| f64::from(count) * each);
-    (shares.slip_only, shares.other, shares.stick_slip) = (slip_only, other, stick_slip);
-    (shares.escapes, shares.unsettled) = (escapes, unsettled);
-    shares.stick_slip_two = f64::from(two) * each;
-    Ok(shares)
+            }
+        )
+    });
+    Ok(Shares {
+        starts: starts.len(),
+        slip_only,
+        other: share(|end| {
+            matches!(
+                end,
+                Periodic {
+                    sticks: 0,
+                    period: 2..,
+                    ..
+                }
+            )
+        }),
+        stick_slip: share(|end| matches!(end, Periodic { sticks: 1.., .. })),
+        stick_slip_two: share(
+            |end| matches!(end, Periodic { sticks, period, .. } if two_periodic(*sticks, *period)),
+        ),
+        escapes: share(|end| matches!(end, Escapes { .. })),
+        unsettled: share(|end| matches!(end, Unsettled)),
+    })
 }

@@ -1,8 +1,8 @@
 //! The picture of Fig. 8.
 
 use super::compute::Data;
-use crate::figures::error::FigureError;
-use crate::paper::pattern::Crossing;
+use crate::figures::{FigureError, belt_line, pair, with_ticks};
+use crate::paper::listing::Crossing;
 use plot::*;
 use stickslip::math;
 
@@ -10,26 +10,19 @@ use stickslip::math;
 fn description(data: &Data) -> String {
     let printed = &data.as_printed.pattern;
     let exact = &data.exact.pattern;
-    let list = |numbers: Vec<String>| numbers.join(" and ");
-    let rides: Vec<String> = printed
-        .sticks_of_one()
-        .map(|stick| format!("{:.4}", stick.length()))
-        .collect();
-    let left: Vec<String> = printed.deflections().iter().map(position).collect();
-    let there: Vec<String> = exact.crossings_of_one().map(position).collect();
+    let list = |positions: Vec<String>| (times(positions.len()), positions.join(" and "));
+    let rides = printed.sticks_of_one();
+    let rides = rides.map(|stick| format!("{:.4}", stick.length()));
+    let (ridden, rides) = list(rides.collect());
+    let (deflected, left) = list(printed.deflections().iter().map(position).collect());
+    let (crossed, there) = list(exact.crossings_of_one().map(position).collect());
     format!(
-        "Left: the listing as printed. In the phase plane a closed trajectory of {} rides the line of belt speed {}, over {} metres, and \
-         crosses it without sticking {} on the left, at {} metres, enlarged in a corner; below, its position against time among the \
+        "Left: the listing as printed. In the phase plane a closed trajectory of {} rides the line of belt speed {ridden}, over {rides} metres, and \
+         crosses it without sticking {deflected} on the left, at {left} metres, enlarged in a corner; below, its position against time among the \
          oscillating stick zones. Right: the stated model with the same parameters, solved accurately. A closed orbit of {} crosses the \
-         line {}, at {} metres, and {} sticks.",
+         line {crossed}, at {there} metres, and {} sticks.",
         periods(printed.period),
-        times(rides.len()),
-        list(rides),
-        times(left.len()),
-        list(left),
         periods(exact.period),
-        times(there.len()),
-        list(there),
         times(exact.sticks_of_one().count()),
     )
 }
@@ -55,26 +48,11 @@ fn periods(count: usize) -> String {
 }
 
 pub(super) fn draw(data: &Data) -> Result<String, FigureError> {
-    let printed = &data.as_printed.trajectory;
-    let exact = &data.exact.trajectory;
-    let start = |trajectory: &[(f64, f64, f64)]| trajectory.first().map_or(0.0, |p| p.0);
-    let printed_side = Side {
-        data,
-        trajectory: printed,
-        origin: start(printed),
-        colour: BLUE,
-    };
-    let exact_side = Side {
-        data,
-        trajectory: exact,
-        origin: start(exact),
-        colour: VERMILLION,
-    };
+    let printed_side = Side::of(data, &data.as_printed.trajectory, BLUE);
+    let exact_side = Side::of(data, &data.exact.trajectory, VERMILLION);
     let power = number(math::log10(data.step), 0);
-    let mut left = printed_side.plane(
-        "(a)",
-        &format!("listing as printed, *h* = 10^{{{power}}} s"),
-    );
+    let title = format!("listing as printed, *h* = 10^{{{power}}} s");
+    let mut left = printed_side.plane("(a)", &title);
     add_stick_phases(&mut left, data);
     add_deflections(&mut left, &printed_side);
     let mut left_strip = printed_side.strip("(c)");
@@ -107,11 +85,8 @@ pub(super) fn draw(data: &Data) -> Result<String, FigureError> {
         "Fig. 8: stick–slip as printed, and the stated model solved exactly",
         &description(data),
     )
-    .columns(0.6, vec![(1.0, left.into()), (1.0, right.into())])
-    .columns(
-        0.4,
-        vec![(1.0, left_strip.into()), (1.0, right_strip.into())],
-    )
+    .columns(0.6, pair(left, right))
+    .columns(0.4, pair(left_strip, right_strip))
     .render()
     .map_err(Into::into)
 }
@@ -132,7 +107,8 @@ fn add_stick_phases(panel: &mut Panel, data: &Data) {
     }
 }
 
-/// The deflections, which lie too near each other for the panel's scale: small, and enlarged in a corner.
+/// The deflections, which lie too near each other for the panel's scale: small, and enlarged in a
+/// corner.
 fn add_deflections(panel: &mut Panel, side: &Side<'_>) {
     let belt = side.data.model.belt_speed;
     let deflections = side.data.as_printed.pattern.deflections();
@@ -146,21 +122,12 @@ fn add_deflections(panel: &mut Panel, side: &Side<'_>) {
     }
     let (middle, reach) = (0.5 * (least + most), (0.5 * (most - least)).max(0.005));
     let (from, to) = (middle - 3.0 * reach, middle + 3.0 * reach);
-    let ticks: Vec<(f64, String)> = positions().map(|x1| (x1, number(x1, 3))).collect();
-    let ticks: Vec<(f64, &str)> = ticks
-        .iter()
-        .map(|(x1, text)| (*x1, text.as_str()))
-        .collect();
+    let ticks = positions().map(|x1| (x1, number(x1, 3)));
     let mut detail = Panel::new(
-        Axis::new("", from, to).ticks(&ticks),
+        with_ticks(Axis::new("", from, to), ticks),
         Axis::new("", belt - 0.1, belt + 0.1).ticks(&[]),
     );
-    detail.add(
-        Guide::horizontal(belt)
-            .color(GREY)
-            .width(0.7)
-            .dash(Dash::Dashed),
-    );
+    detail.add(belt_line(belt));
     let curve = side.trajectory.iter().map(|&(_, x1, x2)| (x1, x2));
     detail.add(Curve::new(curve).color(side.colour).width(1.4));
     detail.add(Markers::new(points()).open());
@@ -182,7 +149,16 @@ struct Side<'a> {
     colour: Color,
 }
 
-impl Side<'_> {
+impl<'a> Side<'a> {
+    fn of(data: &'a Data, trajectory: &'a [(f64, f64, f64)], colour: Color) -> Self {
+        Side {
+            data,
+            trajectory,
+            origin: trajectory.first().map_or(0.0, |p| p.0),
+            colour,
+        }
+    }
+
     fn plane(&self, label: &str, title: &str) -> Panel {
         let belt = self.data.model.belt_speed;
         let mut panel = Panel::new(
@@ -192,8 +168,7 @@ impl Side<'_> {
         .label(label)
         .title(title)
         .legend(Legend::Below);
-        let line = Guide::horizontal(belt).color(GREY).width(0.7);
-        panel.add(line.dash(Dash::Dashed).legend("Σ: *x*_2 = *v*_p"));
+        panel.add(belt_line(belt).legend("Σ: *x*_2 = *v*_p"));
         let reach = self.data.model.amplitude;
         // The outer zones' sweeps overlap this one's and would hide it.
         if let Some(&(lower, upper)) = self.data.zones.get(1) {

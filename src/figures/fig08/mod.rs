@@ -6,9 +6,9 @@ mod numbers;
 
 pub use compute::{AsPrinted, Data, Exact, FOLLOWED, REACH, Shares};
 
-use super::error::FigureError;
+use super::FigureError;
+use super::FigureSpec;
 use super::rows::Row;
-use super::spec::FigureSpec;
 
 /// Fig. 8.
 #[derive(Debug)]

@@ -1,7 +1,7 @@
 //! The rows of Fig. 8.
 
 use super::compute::Data;
-use crate::figures::rows::{Part, Row};
+use crate::figures::rows::Row;
 use crate::paper::claim_id::ClaimId;
 use crate::paper::pattern::Pattern;
 use crate::paper::reading::Reading::{self, AsPrinted, Exact, SlipTimesThree};
@@ -42,54 +42,39 @@ fn four(reading: Reading, pattern: &Pattern) -> Vec<Row> {
 }
 
 fn two_periodic(data: &Data) -> Vec<Row> {
-    let row = |reading, what, holds| {
-        Row::statement(
-            ClaimId::Fig08TwoPeriodic,
-            reading,
-            vec![Part { what, holds }],
-        )
-    };
     let of_motion =
         "the settled motion sticks and repeats after two forcing periods and not after one";
-    vec![
-        row(AsPrinted, of_motion, data.as_printed.pattern.two_periodic()),
-        row(
-            SlipTimesThree,
-            of_motion,
-            data.slip_times_three.two_periodic(),
-        ),
-        // Any attractor that the grid of starts finds may be the caption's.
-        row(
-            Exact,
-            "a start of the grid leads to a motion that sticks and repeats after two forcing periods and not after one",
-            data.shares.stick_slip_two > 0.0,
-        ),
+    // Any attractor that the grid of starts finds may be the caption's.
+    let of_grid = "a start of the grid leads to a motion that sticks and repeats after two forcing periods and not after one";
+    let printed = data.as_printed.pattern.two_periodic();
+    let limit = data.slip_times_three.two_periodic();
+    [
+        (AsPrinted, of_motion, printed),
+        (SlipTimesThree, of_motion, limit),
+        (Exact, of_grid, data.shares.stick_slip_two > 0.0),
     ]
+    .map(|(reading, what, holds)| {
+        Row::statement(ClaimId::Fig08TwoPeriodic, reading, [(what, holds)])
+    })
+    .into()
 }
 
 fn as_printed(data: &Data) -> Vec<Row> {
     let found = &data.as_printed;
     let sticks = found.pattern.sticks_of_one().count() as u64;
+    let outside = "fig08.stick_time_outside_zones";
     vec![
         Row::count("fig08.sticks_per_pattern", AsPrinted, sticks),
-        Row::number(
-            "fig08.stick_time_outside_zones",
-            AsPrinted,
-            found.outside_zones,
-            "1",
-        ),
+        Row::number(outside, AsPrinted, found.outside_zones, "1"),
     ]
 }
 
 fn exact(data: &Data) -> Vec<Row> {
     let exact = &data.exact;
+    let sticks = exact.pattern.sticks_of_one().count() as u64;
     let number = |name: &str, value, unit| Row::number(format!("fig08.{name}"), Exact, value, unit);
     vec![
-        Row::count(
-            "fig08.sticks_per_period",
-            Exact,
-            exact.pattern.sticks_of_one().count() as u64,
-        ),
+        Row::count("fig08.sticks_per_period", Exact, sticks),
         number("slip_duration.below", exact.below, "s"),
         number("slip_duration.above", exact.above, "s"),
         number("crossing.left", exact.left, "m"),

@@ -4,29 +4,15 @@
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ListingError {
-    /// A parameter is NaN or infinite.
-    #[error("{name} is {value}, but it must be a finite number; set it to one")]
-    NotFinite {
+    /// A parameter is not a number that it can be.
+    #[error("{name} is {value}, but it must be {bound}; choose such a value")]
+    OutOfRange {
         /// The parameter.
         name: &'static str,
         /// Its value.
         value: f64,
-    },
-    /// A parameter that divides or scales is zero or negative.
-    #[error("{name} is {value}, but it must be above 0; choose a positive value")]
-    NotPositive {
-        /// The parameter.
-        name: &'static str,
-        /// Its value.
-        value: f64,
-    },
-    /// The forcing's amplitude or the friction coefficient is negative.
-    #[error("{name} is {value}, but it must be 0 or more; choose a value that is not negative")]
-    Negative {
-        /// The parameter.
-        name: &'static str,
-        /// Its value.
-        value: f64,
+        /// What it can be.
+        bound: &'static str,
     },
     /// The tangent points are not in the listing's order.
     #[error(

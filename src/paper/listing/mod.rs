@@ -7,20 +7,22 @@
 //! x2' = (1/m)·(k2 z³ − k1 z − T(x2 − vp)),   z = x1 − A sin(ωt),   T(v) = μ0 sign(v)/(1 + |v|)
 //! ```
 //!
-//! and meant to do so with classical Runge–Kutta steps, ending each slip phase by a Hénon step (velocity
-//! as the independent variable) onto the line `x2 = vp`. What it does is something else, mostly because a
-//! Python list is a reference: after `xn = x` both names mean the same list, and every write to `xn` is a
-//! write to `x`. [`Defects`] lists what follows from that and from six other slips of the pen. With
-//! [`Defects::AS_PRINTED`] the operations here are the listing's, in its order; any one can be mended
-//! alone. A mended run is still the listing's method, not an event-exact one.
+//! and meant to do so with classical Runge–Kutta steps, ending each slip phase by a Hénon step
+//! (velocity as the independent variable) onto the line `x2 = vp`. What it does is something else,
+//! mostly because a Python list is a reference: after `xn = x` both names mean the same list, and
+//! every write to `xn` is a write to `x`. [`Defects`] lists what follows from that and from six
+//! other slips of the pen. With [`Defects::AS_PRINTED`] the operations here are the listing's, in
+//! its order; any one can be mended alone. A mended run is still the listing's method, not an
+//! event-exact one.
 //!
-//! Two things of the listing have no counterpart here because nothing depends on them: `hs`, a second
-//! record of the step that is assigned in every branch and never read, and the unused `r = 4`. The lines
-//! that save a state and count `i` up are missing in print; both are taken to happen once per pass.
+//! Two things of the listing have no counterpart here because nothing depends on them: `hs`, a
+//! second record of the step that is assigned in every branch and never read, and the unused `r =
+//! 4`. The lines that save a state and count `i` up are missing in print; both are taken to happen
+//! once per pass.
 //!
-//! A literal transcription into Python agrees with this module in every bit of all 633 001 steps if both
-//! take sine, cosine and power from the same library; with those of [`stickslip::math`] the states differ by
-//! less than 1e-15, and the four settled numbers not at all.
+//! A literal transcription into Python agrees with this module in every bit of all 633 001 steps if
+//! both take sine, cosine and power from the same library; with those of [`stickslip::math`] the
+//! states differ by less than 1e-15, and the four settled numbers not at all.
 //!
 //! ```
 //! use replication::paper::listing::{run, Setup};
@@ -36,16 +38,13 @@ mod error;
 mod params;
 mod record;
 mod regime;
-mod stages;
 mod step;
-mod zones;
 
 pub use defects::{Defect, Defects};
 pub use error::ListingError;
 pub use params::{Params, Setup};
-pub use record::{Crossing, Direction, Instant, Mode, Run, Sample, StickPhase};
+pub use record::{Crossing, Direction, End, Instant, Run, Sample, StickPhase, Zone};
 pub use regime::Motion;
-pub use zones::{End, Zone};
 
 use record::Recorder;
 use step::Machine;
@@ -54,16 +53,17 @@ use step::Machine;
 ///
 /// # Errors
 ///
-/// [`ListingError`] where a parameter or the step is outside what the listing can work with. A motion that
-/// escapes or breaks down is no error: see [`Motion`].
+/// [`ListingError`] where a parameter or the step is outside what the listing can work with. A
+/// motion that escapes or breaks down is no error: see [`Motion`].
 pub fn run(setup: &Setup) -> Result<Run, ListingError> {
     run_with(setup, |_| {})
 }
 
-/// Runs the listing and hands every step's [`Sample`] to `observe`, in order, from the first pass on.
+/// Runs the listing and hands every step's [`Sample`] to `observe`, in order, from the first pass
+/// on.
 ///
-/// Nothing is stored on the observer's behalf: a picture keeps the samples whose `in_window` is set, and
-/// of those as many as it can draw.
+/// Nothing is stored on the observer's behalf: a picture keeps the samples whose `in_window` is
+/// set, and of those as many as it can draw.
 ///
 /// # Errors
 ///

@@ -31,7 +31,8 @@ pub struct Params {
     pub omega: f64,
     /// The six tangent points of Eq. (24) in metres, largest first (the listing's `T`).
     ///
-    /// They follow from `mu0`, `k1` and `k2`; the listing has them as constants, and so they are given.
+    /// They follow from `mu0`, `k1` and `k2`; the listing has them as constants, and so they are
+    /// given.
     pub tangent_points: [f64; 6],
     /// Time of the start in seconds.
     pub t0: f64,
@@ -88,37 +89,22 @@ impl Params {
     }
 
     fn validate(&self) -> Result<(), ListingError> {
-        let named = [
-            ("mass", self.mass),
-            ("belt_speed", self.belt_speed),
-            ("mu0", self.mu0),
-            ("k1", self.k1),
-            ("k2", self.k2),
-            ("amplitude", self.amplitude),
-            ("omega", self.omega),
-            ("t0", self.t0),
-            ("x1", self.x1),
-            ("x2", self.x2),
-        ];
-        for (name, value) in named
-            .into_iter()
-            .chain(self.tangent_points.map(|z| ("tangent_points", z)))
-        {
-            finite(name, value)?;
-        }
-        for (name, value) in [
-            ("mass", self.mass),
-            ("belt_speed", self.belt_speed),
-            ("k1", self.k1),
-            ("k2", self.k2),
-            ("omega", self.omega),
+        for (name, value, bound) in [
+            ("mass", self.mass, Bound::Positive),
+            ("belt_speed", self.belt_speed, Bound::Positive),
+            ("mu0", self.mu0, Bound::NotNegative),
+            ("k1", self.k1, Bound::Positive),
+            ("k2", self.k2, Bound::Positive),
+            ("amplitude", self.amplitude, Bound::NotNegative),
+            ("omega", self.omega, Bound::Positive),
+            ("t0", self.t0, Bound::None),
+            ("x1", self.x1, Bound::None),
+            ("x2", self.x2, Bound::None),
         ] {
-            positive(name, value)?;
+            bound.allows(name, value)?;
         }
-        for (name, value) in [("mu0", self.mu0), ("amplitude", self.amplitude)] {
-            if value < 0.0 {
-                return Err(ListingError::Negative { name, value });
-            }
+        for value in self.tangent_points {
+            Bound::None.allows("tangent_points", value)?;
         }
         self.validate_tangent_points()
     }
@@ -185,8 +171,7 @@ impl Setup {
     pub fn validate(&self) -> Result<(), ListingError> {
         self.params.validate()?;
         for (name, value) in [("h", self.h), ("end", self.end)] {
-            finite(name, value)?;
-            positive(name, value)?;
+            Bound::Positive.allows(name, value)?;
         }
         let bound = self.params.period() / STEPS_PER_PERIOD;
         if self.h > bound {
@@ -219,18 +204,24 @@ impl Setup {
     }
 }
 
-fn finite(name: &'static str, value: f64) -> Result<(), ListingError> {
-    if value.is_finite() {
-        Ok(())
-    } else {
-        Err(ListingError::NotFinite { name, value })
-    }
+/// What a parameter, which is finite, can be.
+enum Bound {
+    None,
+    NotNegative,
+    Positive,
 }
 
-fn positive(name: &'static str, value: f64) -> Result<(), ListingError> {
-    if value > 0.0 {
-        Ok(())
-    } else {
-        Err(ListingError::NotPositive { name, value })
+impl Bound {
+    fn allows(&self, name: &'static str, value: f64) -> Result<(), ListingError> {
+        let (bound, within) = match self {
+            Bound::None => ("a finite number", true),
+            Bound::NotNegative => ("a finite number, 0 or more", value >= 0.0),
+            Bound::Positive => ("a finite number above 0", value > 0.0),
+        };
+        if within && value.is_finite() {
+            Ok(())
+        } else {
+            Err(ListingError::OutOfRange { name, value, bound })
+        }
     }
 }

@@ -2,21 +2,68 @@
 
 use super::regime::{self, Strobe};
 use super::step::{Event, Machine};
-use super::{End, Motion, Setup, Zone};
-use crate::paper::pattern::Pattern;
+use super::{Motion, Setup};
+use stickslip::system::Mode;
 
 /// How much a pattern is shortened, in forcing periods, so as not to count its first phase twice.
 const PATTERN_MARGIN: f64 = 0.01;
 
-/// What the body does.
+/// A stick zone: an interval between two neighbouring tangent points in which the body can ride the
+/// belt.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Mode {
-    /// It rides the belt.
-    Stick,
-    /// It slips, slower than the belt (region S1; the listing's `aft == -1`).
-    Below,
-    /// It slips, faster than the belt (region S2; any other `aft`).
-    Above,
+pub enum Zone {
+    /// `[T2, T1]` of Eq. (24), the listing's `k = 0`.
+    Upper,
+    /// `[T4, T3]`, the listing's `k = 2`.
+    Middle,
+    /// `[T6, T5]`, the listing's `k = 4`.
+    Lower,
+}
+
+/// An end of a stick zone.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum End {
+    /// The end with the larger displacement.
+    Upper,
+    /// The end with the smaller displacement.
+    Lower,
+}
+
+impl Zone {
+    /// The zone that holds `x1` when the forcing stands at `xs`, both in metres (lines 90–101).
+    pub(super) fn holding(x1: f64, tangent_points: &[f64; 6], xs: f64) -> Option<Zone> {
+        let [t1, t2, t3, t4, t5, t6] = tangent_points.map(|z| z + xs);
+        if x1 <= t1 {
+            if x1 <= t3 {
+                if x1 <= t5 {
+                    if x1 >= t6 {
+                        return Some(Zone::Lower);
+                    }
+                } else if x1 >= t4 {
+                    return Some(Zone::Middle);
+                }
+            } else if x1 >= t2 {
+                return Some(Zone::Upper);
+            }
+        }
+        None
+    }
+}
+
+/// The resting positions of both ends, in metres.
+///
+/// A stick phase can start with no zone: the transition function and the comparison of
+/// [`Zone::holding`] round differently at a zone's end. The listing's `k` is then −1, and `T[-1]`
+/// is the last tangent point (its neighbour `T[k+1]`, read only with the mended exit test, the
+/// first).
+pub(super) fn ends(zone: Option<Zone>, tangent_points: &[f64; 6]) -> (f64, f64) {
+    let [t1, t2, t3, t4, t5, t6] = *tangent_points;
+    match zone {
+        Some(Zone::Upper) => (t1, t2),
+        Some(Zone::Middle) => (t3, t4),
+        Some(Zone::Lower) => (t5, t6),
+        None => (t6, t1),
+    }
 }
 
 /// The way through the belt's speed.
@@ -33,7 +80,8 @@ pub enum Direction {
 pub struct Sample {
     /// The listing's `i`.
     pub step: u64,
-    /// Time in seconds. Not `(step + 1)·h`: steps that cross the belt's speed have a length of their own.
+    /// Time in seconds. Not `(step + 1)·h`: steps that cross the belt's speed have a length of
+    /// their own.
     pub t: f64,
     /// Displacement in metres.
     pub x1: f64,
@@ -86,8 +134,8 @@ pub struct Crossing {
     pub at: Instant,
     /// Which way.
     pub direction: Direction,
-    /// Whether it is the first step after a stick phase: no crossing of the motion, but the wrong side of
-    /// [`Defect::ReversedExitSide`](super::Defect::ReversedExitSide) put right.
+    /// Whether it is the first step after a stick phase: no crossing of the motion, but the wrong
+    /// side of [`Defect::ReversedExitSide`](super::Defect::ReversedExitSide) put right.
     pub after_exit: bool,
 }
 
@@ -116,17 +164,13 @@ impl Run {
         self.phases_in_last(period)
     }
 
-    /// The four numbers of [`Pattern::four_numbers`]; none unless the motion is [`Motion::StickSlip`] with two phases there.
-    pub fn four_numbers(&self) -> Option<[f64; 4]> {
-        Pattern::of_listing(self)?.four_numbers()
-    }
-
     /// The complete phases that ended within so many forcing periods before the last one's end.
     pub(super) fn phases_in_last(&self, periods: usize) -> &[StickPhase] {
         let Some(last) = self.phases.last() else {
             return &[];
         };
-        // The phase exactly that long ago begins the pattern before; the clock may jitter around it.
+        // The phase exactly that long ago begins the pattern before; the clock may jitter around
+        // it.
         let from = last.exit.t - (periods as f64 - PATTERN_MARGIN) * self.forcing_period;
         let before = self.phases.iter().rposition(|phase| phase.exit.t <= from);
         self.phases

@@ -1,13 +1,15 @@
 //! The class of the motion a run settled on.
 
+use std::fmt;
+
 use super::{Run, Sample, Setup};
 
 /// The motion a run settled on, decided from the run itself.
 ///
-/// The states at whole multiples of the forcing period are compared: a pattern of `p` periods has repeated
-/// when, over the last `max(2p, 6)` of them, each is within twenty steps' way (`20·h`, in metres and metres
-/// per second) of the one `p` periods earlier. The steps do not fit the forcing period, so a periodic
-/// motion is met with an error of some steps' way and no closer.
+/// The states at whole multiples of the forcing period are compared: a pattern of `p` periods has
+/// repeated when, over the last `max(2p, 6)` of them, each is within twenty steps' way (`20·h`, in
+/// metres and metres per second) of the one `p` periods earlier. The steps do not fit the forcing
+/// period, so a periodic motion is met with an error of some steps' way and no closer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Motion {
@@ -23,8 +25,9 @@ pub enum Motion {
         /// Length of the pattern in forcing periods, the smallest that repeats.
         period: usize,
     },
-    /// The clock stands: over the second half of the passes it gained less than a tenth of what its steps
-    /// give, because the corrections at the ends of stick and slip phases take back what the steps add.
+    /// The clock stands: over the second half of the passes it gained less than a tenth of what its
+    /// steps give, because the corrections at the ends of stick and slip phases take back what the
+    /// steps add.
     Stalled {
         /// Where it stands, in seconds.
         t: f64,
@@ -39,12 +42,33 @@ pub enum Motion {
         /// The last time with a state, in seconds.
         t: f64,
     },
-    /// No pattern of up to [`Motion::LONGEST_PATTERN`] forcing periods repeats at the end of the run.
+    /// No pattern of up to [`Motion::LONGEST_PATTERN`] forcing periods repeats at the end of the
+    /// run.
     NotSettled,
 }
 
+impl fmt::Display for Motion {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Motion::StickSlip { sticks, period } => {
+                let plural = if *period == 1 { "" } else { "s" };
+                write!(
+                    f,
+                    "stick–slip, {sticks} stick phases in {period} forcing period{plural}"
+                )
+            }
+            Motion::SlipOnly { period } => write!(f, "slip only, period {period}"),
+            Motion::Stalled { t } => write!(f, "hangs: the clock stands at {t:.4} s"),
+            Motion::Escaped { t } => write!(f, "escapes at {t:.4} s"),
+            Motion::BrokenDown { t } => write!(f, "breaks down at {t:.4} s"),
+            Motion::NotSettled => f.write_str("no pattern repeats"),
+        }
+    }
+}
+
 impl Motion {
-    /// Patterns longer than this many forcing periods are not looked for: the paper's run has 38 periods.
+    /// Patterns longer than this many forcing periods are not looked for: the paper's run has 38
+    /// periods.
     pub const LONGEST_PATTERN: usize = 8;
 
     /// What Sect. 4.2 says of Fig. 8: two stick phases in two forcing periods.
@@ -142,7 +166,8 @@ pub(super) fn classify(run: &Run, strobe: &Strobe) -> Motion {
     let (Some(period), Some(end)) = (strobe.pattern(), strobe.last) else {
         return Motion::NotSettled;
     };
-    // A pattern with stick ends a phase in every `period` forcing periods; half a one is for the jitter.
+    // A pattern with stick ends a phase in every `period` forcing periods; half a one is for the
+    // jitter.
     let oldest = end.t - (period as f64 + 0.5) * strobe.period;
     if run.phases.last().is_some_and(|phase| phase.exit.t > oldest) {
         Motion::StickSlip {

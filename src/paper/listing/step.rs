@@ -1,11 +1,12 @@
 //! One pass of the listing's loop (lines 28–79).
 
-use super::stages::{Field, State, TimeStep, VelocityStep};
-use super::zones::ends;
-use super::{Direction, End, Instant, Mode, Motion, Sample, Setup, Zone};
+use super::record::ends;
+use super::{Defect, Direction, End, Instant, Motion, Params, Sample, Setup, Zone};
+use crate::paper::stages::{in_time, in_velocity};
+use stickslip::system::{Mode, Side, State};
 
-/// A body further out than this many times the outermost tangent point has left for good: the spring pushes
-/// outward there with a thousand times the force it has at that point.
+/// A body further out than this many times the outermost tangent point has left for good: the
+/// spring pushes outward there with a thousand times the force it has at that point.
 const ESCAPE_FACTOR: f64 = 10.0;
 
 /// What a pass did besides moving the state.
@@ -19,14 +20,46 @@ pub(super) enum Event {
     Crossing(Direction),
 }
 
+/// The smooth field on one side of `x2 = vp`.
+#[derive(Clone, Copy)]
+struct Field {
+    inverse_mass: f64,
+    k1: f64,
+    k2: f64,
+    mu0: f64,
+    /// `vp + 1` below the belt's speed, `vp − 1` above (line 25): makes `μ0/(pole − x2)` the
+    /// friction.
+    pole: f64,
+}
+
+impl Field {
+    fn with_pole(params: &Params, pole: f64) -> Field {
+        Field {
+            inverse_mass: 1.0 / params.mass,
+            k1: params.k1,
+            k2: params.k2,
+            mu0: params.mu0,
+            pole,
+        }
+    }
+
+    /// `x2'` in metres per second squared (lines 83–84).
+    fn acceleration(&self, x: &State<2>, xs: f64) -> f64 {
+        let z = x[0] - xs;
+        self.inverse_mass
+            * (-self.k1 * z
+                + self.k2 * stickslip::math::pow(z, 3.0)
+                + self.mu0 / (self.pole - x[1]))
+    }
+}
+
 /// The loop's variables.
 pub(super) struct Machine<'a> {
     setup: &'a Setup,
     below: Field,
     above: Field,
-    step: TimeStep,
-    /// `x` of the listing.
-    x: State,
+    /// `x` of the listing: `(t, x1, x2)` in seconds, metres, metres per second.
+    x: [f64; 3],
     /// `xso`: the forcing at the clock of `x`.
     xs: f64,
     /// `slip` and `aft` in one: `slip == 1` is sticking, else `aft` has the side.
@@ -43,16 +76,11 @@ impl<'a> Machine<'a> {
         let xs = params.harmonic(x[0]);
         let mut machine = Machine {
             setup,
-            below: Field::below(params),
-            above: Field::above(params),
-            step: TimeStep {
-                h: setup.h,
-                half: setup.h / 2.0,
-                sixth: setup.h / 6.0,
-            },
+            below: Field::with_pole(params, params.belt_speed + 1.0),
+            above: Field::with_pole(params, params.belt_speed - 1.0),
             x,
             xs,
-            mode: Mode::Above,
+            mode: Mode::Slip(Side::Above),
             zone: Zone::holding(x[1], &params.tangent_points, xs),
         };
         machine.mode = machine.starting_mode();
@@ -63,12 +91,17 @@ impl<'a> Machine<'a> {
         let [_, x1, x2] = self.x;
         let speed = self.setup.params.belt_speed;
         if x2 != speed {
-            return if x2 < speed { Mode::Below } else { Mode::Above };
+            let below = x2 < speed;
+            return Mode::Slip(if below { Side::Below } else { Side::Above });
         }
-        if self.setup.defects.start_up_test {
+        if self.setup.defects.has(Defect::StartUpTest) {
             let [t1, t2, t3, t4, ..] = self.setup.params.tangent_points;
             let inside = (x1 >= t2 && x1 <= t1) || (x1 >= t4 && x1 <= t3);
-            return if inside { Mode::Stick } else { Mode::Above };
+            return if inside {
+                Mode::Stick
+            } else {
+                Mode::Slip(Side::Above)
+            };
         }
         match self.zone {
             Some(_) => Mode::Stick,
@@ -79,9 +112,9 @@ impl<'a> Machine<'a> {
     /// The side both fields point to outside a zone, and the tangent one at its end.
     fn side_of_spring(&self, x1: f64, xs: f64) -> Mode {
         if self.setup.params.spring(x1 - xs) > 0.0 {
-            Mode::Above
+            Mode::Slip(Side::Above)
         } else {
-            Mode::Below
+            Mode::Slip(Side::Below)
         }
     }
 
@@ -112,8 +145,8 @@ impl<'a> Machine<'a> {
         }
     }
 
-    /// How the run ended, if the state can no longer be a motion of the oscillator; `t` is the time before the
-    /// last pass.
+    /// How the run ended, if the state can no longer be a motion of the oscillator; `t` is the time
+    /// before the last pass.
     pub(super) fn breakdown(&self, t: f64) -> Option<Motion> {
         let outermost = self.setup.params.tangent_points[0];
         if self.x.iter().any(|v| !v.is_finite()) {
@@ -129,11 +162,11 @@ impl<'a> Machine<'a> {
     pub(super) fn advance(&mut self) -> Option<Event> {
         match self.mode {
             Mode::Stick => self.stick(),
-            Mode::Below | Mode::Above => self.slip(),
+            Mode::Slip(_) => self.slip(),
         }
     }
 
-    fn move_to(&mut self, x: State) {
+    fn move_to(&mut self, x: [f64; 3]) {
         self.x = x;
         self.xs = self.setup.params.harmonic(x[0]);
     }
@@ -145,7 +178,7 @@ impl<'a> Machine<'a> {
         let moved = [start[0] + setup.h, start[1] + setup.h * start[2], start[2]];
         let xs = setup.params.harmonic(moved[0]);
         let (upper, lower) = ends(self.zone, &setup.params.tangent_points);
-        let through_lower = !setup.defects.one_sided_exit && moved[1] <= lower + xs;
+        let through_lower = !setup.defects.has(Defect::OneSidedExit) && moved[1] <= lower + xs;
         // Tested so that a state that is no number leaves, as in the listing.
         let stays = moved[1] < upper + xs && !through_lower;
         if stays {
@@ -158,11 +191,11 @@ impl<'a> Machine<'a> {
             (End::Upper, upper)
         };
         self.move_to(self.stick_exit(start, moved, rest, xs));
-        self.mode = if setup.defects.reversed_exit_side {
+        self.mode = if setup.defects.has(Defect::ReversedExitSide) {
             if self.zone == Some(Zone::Middle) {
-                Mode::Above
+                Mode::Slip(Side::Above)
             } else {
-                Mode::Below
+                Mode::Slip(Side::Below)
             }
         } else {
             self.side_of_spring(self.x[1], self.xs)
@@ -170,20 +203,23 @@ impl<'a> Machine<'a> {
         Some(Event::Exit(end))
     }
 
-    /// The state where a stick phase ends at the zone's end with resting position `rest` (lines 37–38).
-    fn stick_exit(&self, start: State, moved: State, rest: f64, xs: f64) -> State {
+    /// The state where a stick phase ends at the zone's end with resting position `rest` (lines
+    /// 37–38).
+    fn stick_exit(&self, start: [f64; 3], moved: [f64; 3], rest: f64, xs: f64) -> [f64; 3] {
         let defects = &self.setup.defects;
-        if defects.in_place_stages {
-            // Line 37 has overwritten x[1] before it subtracts it, so line 38 adds nothing to the clock.
+        if defects.has(Defect::InPlaceStages) {
+            // Line 37 has overwritten x[1] before it subtracts it, so line 38 adds nothing to the
+            // clock.
             return [moved[0], rest + xs, moved[2]];
         }
-        if defects.frozen_forcing {
+        if defects.has(Defect::FrozenForcing) {
             let x1 = rest + xs;
             return [start[0] + (x1 - start[1]) / start[2], x1, start[2]];
         }
         let gap_start = start[1] - rest - self.xs;
         let gap_end = moved[1] - rest - xs;
-        // The gaps have the same sign only if the phase began outside its zone: then it ends at once.
+        // The gaps have the same sign only if the phase began outside its zone: then it ends at
+        // once.
         let fraction = if gap_start * gap_end < 0.0 {
             gap_start / (gap_start - gap_end)
         } else {
@@ -200,7 +236,7 @@ impl<'a> Machine<'a> {
         let start = self.x;
         let moved = self.slip_step(start);
         let crossed = match self.mode {
-            Mode::Below => moved[2] >= speed,
+            Mode::Slip(Side::Below) => moved[2] >= speed,
             _ => moved[2] <= speed,
         };
         if !crossed {
@@ -208,7 +244,7 @@ impl<'a> Machine<'a> {
             return None;
         }
         // As printed the state before the step is gone.
-        let origin = if setup.defects.in_place_stages {
+        let origin = if setup.defects.has(Defect::InPlaceStages) {
             moved
         } else {
             start
@@ -219,48 +255,54 @@ impl<'a> Machine<'a> {
     }
 
     fn field(&self) -> &Field {
-        if self.mode == Mode::Below {
+        if self.mode == Mode::Slip(Side::Below) {
             &self.below
         } else {
             &self.above
         }
     }
 
-    fn slip_step(&self, start: State) -> State {
-        let params = &self.setup.params;
-        let field = self.field();
-        match (
-            self.setup.defects.in_place_stages,
-            self.setup.defects.frozen_forcing,
-        ) {
-            (true, true) => self.step.in_place(field, start, |_| self.xs),
-            (true, false) => self.step.in_place(field, start, |t| params.harmonic(t)),
-            (false, true) => self.step.classical(field, start, |_| self.xs),
-            (false, false) => self.step.classical(field, start, |t| params.harmonic(t)),
-        }
+    /// Acceleration at a time: the forcing is that of the step's start, or moves on.
+    fn acceleration(&self, t: f64, x: &State<2>) -> f64 {
+        let frozen = self.setup.defects.has(Defect::FrozenForcing);
+        let xs = if frozen {
+            self.xs
+        } else {
+            self.setup.params.harmonic(t)
+        };
+        self.field().acceleration(x, xs)
     }
 
-    fn henon_step(&self, origin: State) -> State {
+    /// The loop sets the clock (lines 60 and 76).
+    fn slip_step(&self, [t, x1, x2]: [f64; 3]) -> [f64; 3] {
+        let in_place = self.setup.defects.has(Defect::InPlaceStages);
+        let field = |t, x: &State<2>| State::from([x[1], self.acceleration(t, x)]);
+        let start = (t, State::from([x1, x2]));
+        let end = in_time(in_place, self.setup.h, start, field);
+        [t, end[0], end[1]]
+    }
+
+    fn henon_step(&self, [t, x1, x2]: [f64; 3]) -> [f64; 3] {
         let params = &self.setup.params;
         let defects = &self.setup.defects;
-        let field = self.field();
-        let h = if self.mode == Mode::Above && defects.s2_step_sign {
-            origin[2] - params.belt_speed
+        let h = if self.mode == Mode::Slip(Side::Above) && defects.has(Defect::S2StepSign) {
+            x2 - params.belt_speed
         } else {
-            params.belt_speed - origin[2]
+            params.belt_speed - x2
         };
-        let sixth = if defects.sixth_rounded {
+        let sixth = if defects.has(Defect::SixthRounded) {
             h * 0.166666
         } else {
             h / 6.0
         };
-        let step = VelocityStep { h, sixth };
-        match (defects.in_place_stages, defects.frozen_forcing) {
-            (true, true) => step.in_place(field, origin, |_| self.xs),
-            (true, false) => step.in_place(field, origin, |t| params.harmonic(t)),
-            (false, true) => step.classical(field, origin, |_| self.xs),
-            (false, false) => step.classical(field, origin, |t| params.harmonic(t)),
-        }
+        let in_place = defects.has(Defect::InPlaceStages);
+        let slope = |t, x: &State<2>| {
+            let per_velocity = 1.0 / self.acceleration(t, x);
+            (per_velocity, State::from([x[1] * per_velocity, 1.0]))
+        };
+        let start = (t, State::from([x1, x2]));
+        let (t, end) = in_velocity(in_place, (h, sixth), start, slope);
+        [t, end[0], end[1]]
     }
 
     /// Stick or cross, by the transition function of Eq. (19) (lines 53–58).
@@ -273,11 +315,11 @@ impl<'a> Machine<'a> {
             self.zone = Zone::holding(self.x[1], &params.tangent_points, self.xs);
             self.mode = Mode::Stick;
             Event::Entry(self.zone)
-        } else if self.mode == Mode::Below {
-            self.mode = Mode::Above;
+        } else if self.mode == Mode::Slip(Side::Below) {
+            self.mode = Mode::Slip(Side::Above);
             Event::Crossing(Direction::Up)
         } else {
-            self.mode = Mode::Below;
+            self.mode = Mode::Slip(Side::Below);
             Event::Crossing(Direction::Down)
         }
     }

@@ -1,9 +1,10 @@
 //! Arrival on Σ from slip, Eq. (14): the stated method, its parts and the listing.
 
+use super::TOLERANCE;
 use super::errors::EventErrors;
-use super::{AccuracyError, TOLERANCE};
+use crate::numbers::missing;
 use crate::paper::listing::{Defects, Params, Run, Setup, run};
-use stickslip::error::Error;
+use crate::report::ReportError;
 use stickslip::filippov::{Locator, Method, Options, TransitionKind, solve};
 use stickslip::models::ForcedOscillator;
 use stickslip::ode::{Rk4, Timed, henon_step};
@@ -28,19 +29,14 @@ pub(super) struct Arrival {
 
 impl Arrival {
     /// The last crossing from one side on the settled orbit.
-    pub(super) fn from(model: &ForcedOscillator, from: Side) -> Result<Arrival, Error> {
+    pub(super) fn from(model: &ForcedOscillator, from: Side) -> Result<Arrival, ReportError> {
         let options = Options::tol(TOLERANCE);
         let start = State::from([Params::default().x1, model.belt_speed]);
         let settled = solve(model, 0.0, start, SETTLED, &options)?;
-        let crossing = settled
-            .transitions
-            .iter()
+        let mut transitions = settled.transitions.iter();
+        let crossing = transitions
             .rfind(|at| at.kind == TransitionKind::Crossing && at.from == Mode::Slip(from))
-            .ok_or(Error::NotFound {
-                what: "a crossing of Σ",
-                t: 0.0,
-                span: SETTLED,
-            })?;
+            .ok_or_else(|| missing("a crossing of Σ", 0.0, SETTLED))?;
         let t0 = crossing.t - LEAD;
         let x0 = settled.at(t0)?;
         // Afresh from that state, so that it alone decides.
@@ -63,7 +59,7 @@ impl Arrival {
     }
 
     /// RK4 with fixed steps, then one Hénon step onto Σ from the state before the crossing.
-    pub(super) fn stated(&self, model: &ForcedOscillator) -> Result<EventErrors, Error> {
+    pub(super) fn stated(&self, model: &ForcedOscillator) -> Result<EventErrors, ReportError> {
         EventErrors::measure(
             "arrival by RK4 and Hénon step from",
             self.from,
@@ -78,8 +74,12 @@ impl Arrival {
         )
     }
 
-    /// The same with the step that Sect. 3 prints for it: `vp − x2` from below, `x2 − vp` from above.
-    pub(super) fn as_in_the_text(&self, model: &ForcedOscillator) -> Result<EventErrors, Error> {
+    /// The same with the step that Sect. 3 prints for it: `vp − x2` from below, `x2 − vp` from
+    /// above.
+    pub(super) fn as_in_the_text(
+        &self,
+        model: &ForcedOscillator,
+    ) -> Result<EventErrors, ReportError> {
         EventErrors::measure(
             "arrival by the step that Sect. 3 prints, from",
             self.from,
@@ -97,9 +97,7 @@ impl Arrival {
                         break;
                     }
                     if next.t > self.t + LEAD {
-                        let (t, span) = (self.t0, 2.0 * LEAD);
-                        let what = "a crossing of Σ";
-                        return Err(Error::NotFound { what, t, span });
+                        return Err(missing("a crossing of Σ", self.t0, 2.0 * LEAD).into());
                     }
                     at = next;
                 }
@@ -113,7 +111,7 @@ impl Arrival {
     }
 
     /// One Hénon step alone from an exact state: a step errs by one order more.
-    pub(super) fn single(&self, model: &ForcedOscillator) -> Result<EventErrors, Error> {
+    pub(super) fn single(&self, model: &ForcedOscillator) -> Result<EventErrors, ReportError> {
         EventErrors::measure(
             "arrival by one Hénon step of RK4 alone from",
             self.from,
@@ -133,7 +131,7 @@ impl Arrival {
         &self,
         method: &'static str,
         defects: Defects,
-    ) -> Result<EventErrors, AccuracyError> {
+    ) -> Result<EventErrors, ReportError> {
         EventErrors::measure(method, self.from, |h, part| {
             let params = Params {
                 t0: self.t0,
@@ -148,11 +146,8 @@ impl Arrival {
                 window_start: 0.0,
                 end: 2.0 * LEAD,
             })?;
-            let found = first_on_belt(&outcome).ok_or(Error::NotFound {
-                what: "a crossing of Σ by the listing",
-                t: self.t0,
-                span: 2.0 * LEAD,
-            })?;
+            let found = first_on_belt(&outcome)
+                .ok_or_else(|| missing("a crossing of Σ by the listing", self.t0, 2.0 * LEAD))?;
             Ok((found - self.t).abs())
         })
     }
@@ -175,11 +170,9 @@ fn in_velocity(model: &ForcedOscillator, side: Side, at: &Timed<2>) -> Timed<2> 
     }
 }
 
-fn first_transition(orbit: &Orbit<2>, t: f64) -> Result<f64, Error> {
-    let what = "a crossing of Σ";
+fn first_transition(orbit: &Orbit<2>, t: f64) -> Result<f64, ReportError> {
     let first = orbit.transitions.first().map(|at| at.t);
-    let span = 2.0 * LEAD;
-    first.ok_or(Error::NotFound { what, t, span })
+    Ok(first.ok_or_else(|| missing("a crossing of Σ", t, 2.0 * LEAD))?)
 }
 
 /// When the listing first reaches the belt's speed.

@@ -1,5 +1,6 @@
 //! Errors of the time of one event over the step, and what they come to.
 
+use crate::report::ReportError;
 use crate::report::convergence::PRINTED_STEP;
 use stickslip::statistics::PowerLaw;
 use stickslip::system::Side;
@@ -31,22 +32,21 @@ pub struct EventErrors {
 impl EventErrors {
     /// Measures `error` by step and the part of it after which the event comes; of an event that
     /// the orbit comes to from a side, or is released at to one.
-    pub(super) fn measure<E>(
+    pub(super) fn measure(
         method: &'static str,
         side: Side,
-        error: impl Fn(f64, f64) -> Result<f64, E>,
-    ) -> Result<EventErrors, E> {
+        error: impl Fn(f64, f64) -> Result<f64, ReportError>,
+    ) -> Result<EventErrors, ReportError> {
         // An event that is not found is worse than any error.
         let error = |h: f64| {
             PARTS.into_iter().try_fold(0.0, |worst: f64, part| {
                 let found = error(h, part)?;
-                Ok(worst.max(if found.is_nan() { f64::INFINITY } else { found }))
+                let found = if found.is_nan() { f64::INFINITY } else { found };
+                Ok::<f64, ReportError>(worst.max(found))
             })
         };
-        let errors = STEPS
-            .into_iter()
-            .map(|h| Ok((h, error(h)?)))
-            .collect::<Result<Vec<_>, E>>()?;
+        let errors = STEPS.into_iter().map(|h| Ok((h, error(h)?)));
+        let errors = errors.collect::<Result<Vec<_>, ReportError>>()?;
         Ok(EventErrors {
             method,
             side,
@@ -73,21 +73,15 @@ impl EventErrors {
             Side::Below => "below",
             Side::Above => "above",
         };
-        let (method, off) = (self.method, self.at_printed_step);
-        if self.is_exact() {
-            return format!(
-                "{method} {side}: exact to rounding at all steps down to h = {PRINTED_STEP:e} s"
-            );
-        }
-        if !off.is_finite() {
-            return format!(
-                "{method} {side}: no event time at h = {PRINTED_STEP:e} s, a slope is infinite"
-            );
-        }
-        format!(
-            "{method} {side}: order {:.2}, event time off by {off:.1e} s at h = {PRINTED_STEP:e} s",
-            self.order
-        )
+        let (order, off) = (self.order, self.at_printed_step);
+        let found = if self.is_exact() {
+            format!("exact to rounding at all steps down to h = {PRINTED_STEP:e} s")
+        } else if !off.is_finite() {
+            format!("no event time at h = {PRINTED_STEP:e} s, a slope is infinite")
+        } else {
+            format!("order {order:.2}, event time off by {off:.1e} s at h = {PRINTED_STEP:e} s")
+        };
+        format!("{} {side}: {found}", self.method)
     }
 }
 
@@ -96,10 +90,7 @@ mod tests {
     use super::*;
 
     fn of(error: impl Fn(f64, f64) -> f64) -> EventErrors {
-        EventErrors::measure("a test", Side::Below, |h, part| {
-            Ok::<f64, ()>(error(h, part))
-        })
-        .unwrap()
+        EventErrors::measure("a test", Side::Below, |h, part| Ok(error(h, part))).unwrap()
     }
 
     #[test]

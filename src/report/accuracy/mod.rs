@@ -1,5 +1,6 @@
-//! "Estimated with high accuracy": the errors of the times of arrival on Σ (Eq. 14) and of release from stick (Eq. 15) against exact
-//! ones, by the method as the text states it, with corrections, and by the listing.
+//! "Estimated with high accuracy": the errors of the times of arrival on Σ (Eq. 14) and of release
+//! from stick (Eq. 15) against exact ones, by the method as the text states it, with corrections,
+//! and by the listing.
 
 mod arrival;
 mod errors;
@@ -10,11 +11,10 @@ pub use release::{Release, Releases};
 
 use arrival::Arrival;
 
+use super::ReportError;
 use super::finding::Finding;
-use crate::figures::rows::Part;
-use crate::paper::listing::{Defect, Defects, ListingError};
+use crate::paper::listing::{Defect, Defects};
 use crate::paper::reading::Reading;
-use stickslip::error::Error;
 use stickslip::models::ForcedOscillator;
 use stickslip::system::Side;
 
@@ -23,7 +23,8 @@ const TOLERANCE: f64 = 1e-14;
 /// Errors of event times on the stated models' own orbits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Accuracy {
-    /// Arrival by RK4 with fixed step, then one Hénon step onto Σ with the step in velocity `vp − x2`, from below and from above.
+    /// Arrival by RK4 with fixed step, then one Hénon step onto Σ with the step in velocity `vp −
+    /// x2`, from below and from above.
     pub stated: [EventErrors; 2],
     /// The same with the step in velocity that Sect. 3 prints: from above it is `x2 − vp`.
     pub text: [EventErrors; 2],
@@ -37,36 +38,23 @@ pub struct Accuracy {
     pub release: Releases,
 }
 
-/// Why the accuracy could not be measured.
-#[derive(Debug, thiserror::Error)]
-pub enum AccuracyError {
-    /// The solver failed.
-    #[error(transparent)]
-    Solver(#[from] Error),
-    /// The listing cannot run.
-    #[error(transparent)]
-    Listing(#[from] ListingError),
-}
-
 impl Accuracy {
     /// Measures all errors.
     ///
     /// # Errors
-    /// [`AccuracyError`].
-    pub fn compute() -> Result<Accuracy, AccuracyError> {
+    /// [`ReportError`].
+    pub fn compute() -> Result<Accuracy, ReportError> {
         let model = ForcedOscillator::default();
-        let up = Arrival::from(&model, Side::Below)?;
-        let down = Arrival::from(&model, Side::Above)?;
+        let [up, down] = [Side::Below, Side::Above].map(|side| Arrival::from(&model, side));
+        let (up, down) = (up?, down?);
         let sign_alone = Defects::MENDED.flipped(Defect::S2StepSign);
         let printed = "arrival in the listing as printed from";
+        let sign = "arrival in the listing with only the sign of the Hénon step as printed from";
         Ok(Accuracy {
             stated: [up.stated(&model)?, down.stated(&model)?],
             text: [up.as_in_the_text(&model)?, down.as_in_the_text(&model)?],
             single: [up.single(&model)?, down.single(&model)?],
-            printed_sign: down.listing(
-                "arrival in the listing with only the sign of the Hénon step as printed from",
-                sign_alone,
-            )?,
+            printed_sign: down.listing(sign, sign_alone)?,
             as_printed: [
                 up.listing(printed, Defects::AS_PRINTED)?,
                 down.listing(printed, Defects::AS_PRINTED)?,
@@ -77,9 +65,9 @@ impl Accuracy {
 
     /// `s3.arrival_accuracy`: arrival on Σ by a step of Eq. (14), from either side.
     pub fn arrival_findings(&self) -> Vec<Finding> {
+        let whats = ["arrival on Σ from below", "arrival on Σ from above"];
         let sides = |reading, of: &[EventErrors; 2]| {
-            let whats = ["arrival on Σ from below", "arrival on Σ from above"];
-            finding(reading, whats.into_iter().zip(of))
+            Finding::statement(reading, [0, 1].map(|i| (whats[i], of[i].is_accurate())))
         };
         vec![
             sides(Reading::Exact, &self.text),
@@ -91,57 +79,39 @@ impl Accuracy {
     /// `s3.release_accuracy`: release by a step of Eq. (15), of the system that Sect. 3 is about,
     /// whose tangent points stand still.
     pub fn release_findings(&self) -> Vec<Finding> {
-        let (belt, listing) = (&self.release.belt, &self.release.listing);
-        let one = |reading, what, errors| finding(reading, [(what, errors)]);
-        vec![
-            one(Reading::Exact, "release by Eq. (15)", belt.literal_better()),
-            one(
-                Reading::Corrected,
-                "release by Eq. (15) with 1/x2",
-                &belt.corrected,
+        let belt = &self.release.belt;
+        let corrected = "release by Eq. (15) with 1/x2";
+        [
+            (Reading::Exact, "release by Eq. (15)", belt.literal_better()),
+            (Reading::Corrected, corrected, &belt.corrected),
+            (
+                Reading::AsPrinted,
+                "release by the listing",
+                &self.release.listing,
             ),
-            one(Reading::AsPrinted, "release by the listing", listing),
         ]
+        .map(|(reading, what, of)| Finding::statement(reading, [(what, of.is_accurate())]))
+        .to_vec()
     }
 
     /// Every measurement of arrival in a line.
-    pub fn lines_of_arrival(&self) -> impl Iterator<Item = String> {
-        self.of_arrival().map(EventErrors::line)
+    pub fn lines_of_arrival(&self) -> Vec<String> {
+        let stated = self.text.iter().chain(&self.stated).chain(&self.single);
+        let all = stated.chain([&self.printed_sign]).chain(&self.as_printed);
+        all.map(EventErrors::line).collect()
     }
 
     /// Every measurement of release in a line; of a tangent point that moves, which is another
     /// reading of the sentence, too.
-    pub fn lines_of_release(&self) -> impl Iterator<Item = String> {
-        let line = |(model, errors): (&str, &EventErrors)| format!("{model}, {}", errors.line());
-        self.of_release().map(line)
-    }
-
-    /// All measurements of arrival.
-    pub fn of_arrival(&self) -> impl Iterator<Item = &EventErrors> {
-        let stated = self.text.iter().chain(&self.stated).chain(&self.single);
-        stated.chain([&self.printed_sign]).chain(&self.as_printed)
-    }
-
-    /// All measurements of release, each with the model it is made on.
-    pub fn of_release(&self) -> impl Iterator<Item = (&'static str, &EventErrors)> {
+    pub fn lines_of_release(&self) -> Vec<String> {
         let release = &self.release;
-        let forced = [&release.moving, &release.listing, &release.listing_mended];
+        let others = [&release.moving, &release.listing, &release.listing_mended];
         let belt = release.belt.all().map(|one| ("model 1", one));
-        let others = release.forced.all().chain(forced);
-        belt.chain(others.map(|one| ("model 2", one)))
+        let forced = release.forced.all().chain(others);
+        let all = belt.chain(forced.map(|one| ("model 2", one)));
+        all.map(|(model, errors)| format!("{model}, {}", errors.line()))
+            .collect()
     }
-}
-
-/// Parts of a statement, each by the errors of one way to find an event.
-fn finding<'a>(
-    reading: Reading,
-    parts: impl IntoIterator<Item = (&'static str, &'a EventErrors)>,
-) -> Finding {
-    let part = |(what, errors): (&'static str, &EventErrors)| Part {
-        what,
-        holds: errors.is_accurate(),
-    };
-    Finding::statement(reading, "report", parts.into_iter().map(part).collect())
 }
 
 #[cfg(test)]

@@ -1,8 +1,10 @@
 //! Release from stick, Eq. (15): the step as printed, corrected, and the listing's.
 
+use super::TOLERANCE;
 use super::errors::{EventErrors, STEPS};
-use super::{AccuracyError, TOLERANCE};
-use crate::paper::listing::{Defects, Params, Setup, run};
+use crate::numbers::missing;
+use crate::paper::listing::{Defect, Defects, Params, Setup, run};
+use crate::report::{ReportError, until_escape};
 use stickslip::error::Error;
 use stickslip::filippov::{Options, TransitionKind, solve};
 use stickslip::models::{BeltOscillator, ForcedOscillator};
@@ -13,7 +15,8 @@ use stickslip::system::{Filippov, Mode, Side, State};
 const ON_BELT: [f64; 3] = [-1.0, 0.0, 1.0];
 /// Time within which a body on the belt of model 1 is released (s).
 const RIDE: f64 = 2.0;
-/// Starts of model 2, and the forcing periods they are followed over, among whose stick phases long ones are sought.
+/// Starts of model 2, and the forcing periods they are followed over, among whose stick phases long
+/// ones are sought.
 const STARTS: [f64; 9] = [-1.0, -0.75, -0.5, -0.25, 0.0, 0.25, 0.5, 0.75, 1.0];
 const FOLLOWED: f64 = 4.0;
 /// Beyond 10 m or 10 m/s the softening spring drives the body away for good.
@@ -22,7 +25,8 @@ const ESCAPE: f64 = 10.0;
 /// Errors of one release, of a body that rides the belt until a tangent point is met.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Release {
-    /// Eq. (15) literally, `dt/dx1 = 1/f2` over `h2 = x_k − x1`, with the field below and with the one above.
+    /// Eq. (15) literally, `dt/dx1 = 1/f2` over `h2 = x_k − x1`, with the field below and with the
+    /// one above.
     pub literal: [EventErrors; 2],
     /// With `dt/dx1 = 1/x2` over the same step.
     pub corrected: EventErrors,
@@ -35,7 +39,8 @@ pub struct Releases {
     pub belt: Release,
     /// Model 2: the tangent point is taken where it is at the step's end, as in the listing.
     pub forced: Release,
-    /// Model 2 with the distance to the moving tangent point as independent variable: what its release needs besides.
+    /// Model 2 with the distance to the moving tangent point as independent variable: what its
+    /// release needs besides.
     pub moving: EventErrors,
     /// The listing as printed: the time gets no correction, for `xn` and `x` are one list.
     pub listing: EventErrors,
@@ -56,8 +61,8 @@ impl Releases {
     /// Measures all.
     ///
     /// # Errors
-    /// [`AccuracyError`].
-    pub(super) fn compute() -> Result<Releases, AccuracyError> {
+    /// [`ReportError`].
+    pub(super) fn compute() -> Result<Releases, ReportError> {
         let belt = BeltOscillator::default();
         let forced = ForcedOscillator::default();
         let of_belt = on_belt(&belt)?;
@@ -83,8 +88,9 @@ fn release<S: Filippov<2>>(
     belt_speed: f64,
     event: &Event,
     shift: impl Fn(f64, f64) -> f64,
-) -> Result<Release, Error> {
-    // The state of the stick phase before the step that passes the point, and the step h2 from there.
+) -> Result<Release, ReportError> {
+    // The state of the stick phase before the step that passes the point, and the step h2 from
+    // there.
     let before = |h: f64, part: f64| {
         let t = event.t - part * h;
         let x = State::from([event.x1 - part * h * belt_speed, belt_speed]);
@@ -99,7 +105,7 @@ fn release<S: Filippov<2>>(
                 x: State::from([1.0, 0.0]),
             };
             let end = henon_step::<Rk4, 2>(&mut swapped, &at, step);
-            Ok::<f64, Error>((end.t - event.t).abs())
+            Ok((end.t - event.t).abs())
         })
     };
     let literal = |side| {
@@ -118,7 +124,7 @@ fn release<S: Filippov<2>>(
 }
 
 /// The distance to the moving tangent point as independent variable.
-fn moving(model: &ForcedOscillator, event: &Event) -> Result<EventErrors, Error> {
+fn moving(model: &ForcedOscillator, event: &Event) -> Result<EventErrors, ReportError> {
     let rest = event.x1 - model.support(event.t);
     EventErrors::measure(
         "release with the distance as variable to",
@@ -142,16 +148,18 @@ fn moving(model: &ForcedOscillator, event: &Event) -> Result<EventErrors, Error>
     )
 }
 
-/// The listing from the same state on the belt. The test of its start, which is not meant here, is mended.
+/// The listing from the same state on the belt. The test of its start, which is not meant here, is
+/// mended.
 fn listing(
     method: &'static str,
     defects: Defects,
     model: &ForcedOscillator,
     event: &Event,
-) -> Result<EventErrors, AccuracyError> {
-    let defects = Defects {
-        start_up_test: false,
-        ..defects
+) -> Result<EventErrors, ReportError> {
+    let defects = if defects.has(Defect::StartUpTest) {
+        defects.flipped(Defect::StartUpTest)
+    } else {
+        defects
     };
     EventErrors::measure(method, event.to, |h, part| {
         let t0 = event.t - part * h;
@@ -169,53 +177,40 @@ fn listing(
             end: 4.0 * h,
         })?;
         let exit = outcome.phases.first().map(|phase| phase.exit.t);
-        let found = exit.ok_or(Error::NotFound {
-            what: "the end of a stick phase of the listing",
-            t: t0,
-            span: 4.0 * h,
-        })?;
+        let what = "the end of a stick phase of the listing";
+        let found = exit.ok_or_else(|| missing(what, t0, 4.0 * h))?;
         Ok((found - event.t).abs())
     })
 }
 
 /// The release of model 1 from the middle zone.
 fn on_belt(model: &BeltOscillator) -> Result<Event, Error> {
-    let mut found = None;
+    let mut longest: Option<Event> = None;
     for x1 in ON_BELT {
         let start = State::from([x1, model.belt_speed]);
         let orbit = solve(model, 0.0, start, RIDE, &Options::tol(TOLERANCE))?;
-        let exits = orbit.transitions.iter();
-        let first = exits
-            .clone()
-            .find(|at| at.kind == TransitionKind::StickExit);
-        if let Some((at, Mode::Slip(to))) = first.map(|at| (at, at.to)) {
-            let ridden = at.t;
-            if found.as_ref().is_none_or(|&(longest, _)| ridden > longest) {
-                let (t, x1) = (at.t, at.x[0]);
-                found = Some((ridden, Event { t, x1, to }));
-            }
+        let mut exits = orbit.transitions.iter();
+        let first = exits.find(|at| at.kind == TransitionKind::StickExit);
+        if let Some((at, Mode::Slip(to))) = first.map(|at| (at, at.to))
+            && longest.as_ref().is_none_or(|known| at.t > known.t)
+        {
+            let (t, x1) = (at.t, at.x[0]);
+            longest = Some(Event { t, x1, to });
         }
     }
-    found.map(|(_, event)| event).ok_or(Error::NotFound {
-        what: "a release from stick",
-        t: 0.0,
-        span: RIDE,
-    })
+    longest.ok_or_else(|| missing("a release from stick", 0.0, RIDE))
 }
 
-/// The end, at the upper end of its zone, of the longest stick phase of model 2 from a row of starts: at a lower end the listing as
-/// printed does not look.
+/// The end, at the upper end of its zone, of the longest stick phase of model 2 from a row of
+/// starts: at a lower end the listing as printed does not look.
 fn on_forced(model: &ForcedOscillator) -> Result<Event, Error> {
     let points = model.tangent_points(0.0)?;
     let span = FOLLOWED * model.period();
     let mut longest: Option<(f64, Event)> = None;
     for x1 in STARTS {
         let options = Options::tol(TOLERANCE).escape(ESCAPE);
-        let orbit = match solve(model, 0.0, State::from([x1, 0.0]), span, &options) {
-            Ok(orbit) => orbit,
-            Err(failure) if matches!(failure.error, Error::Escaped { .. }) => *failure.reached,
-            Err(failure) => return Err(failure.into()),
-        };
+        let start = State::from([x1, 0.0]);
+        let (orbit, _) = until_escape(solve(model, 0.0, start, span, &options))?;
         for at in &orbit.transitions {
             let (TransitionKind::StickExit, Mode::Slip(to)) = (at.kind, at.to) else {
                 continue;
@@ -235,11 +230,9 @@ fn on_forced(model: &ForcedOscillator) -> Result<Event, Error> {
             }
         }
     }
-    longest.map(|(_, event)| event).ok_or(Error::NotFound {
-        what: "a long stick phase that ends at an upper end",
-        t: 0.0,
-        span,
-    })
+    let what = "a long stick phase that ends at an upper end";
+    let longest = longest.map(|(_, event)| event);
+    longest.ok_or_else(|| missing(what, 0.0, span))
 }
 
 impl Release {

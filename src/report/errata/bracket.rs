@@ -1,14 +1,18 @@
-//! Misprints of Eqs. (27) and (28), of the time's unit, and of the abstract on model 3.
+//! Misprints on model 3: Eqs. (27) and (28), the time's unit, the abstract, and the captions of
+//! Figs. 10–12, with what of the motion depends on them.
 
 use std::ops::ControlFlow;
 
 use rayon::prelude::*;
 
-use super::{Erratum, count, erratum, number};
-use crate::report::evidence::EvidenceError;
+use super::{Erratum, Shown, count, erratum, number, word};
+use crate::report::ReportError;
+use crate::report::spread::mended_captions;
+use crate::turns::Turns;
+use stickslip::analysis::motion::{Class, Criterion, Evidence, Of};
 use stickslip::error::Error;
 use stickslip::filippov::{Observer, Options, StepRecord, run, solve};
-use stickslip::models::{BlockAndBracket, Caption, Reading, Rig, Unloading};
+use stickslip::models::{BlockAndBracket, Caption, CaptionOrder, Reading, Rig, Unloading};
 use stickslip::system::State;
 
 const TOLERANCE: f64 = 1e-10;
@@ -16,6 +20,8 @@ const TOLERANCE: f64 = 1e-10;
 const DIVERGED: f64 = 1e3;
 /// The published series begins here (t): what has diverged by then is in no figure.
 const SERIES_FROM: f64 = 3000.0;
+/// The section is kept from there to here.
+const SECTION_END: f64 = 4500.0;
 /// The figures and their captions.
 const FIGURES: [(&str, Caption); 3] = [
     ("Fig. 10", Caption::FIG10),
@@ -23,13 +29,21 @@ const FIGURES: [(&str, Caption); 3] = [
     ("Fig. 12", Caption::FIG12),
 ];
 
-pub(super) fn errata() -> Result<Vec<Erratum>, EvidenceError> {
-    Ok(vec![
-        signs()?,
-        friction_counted_twice()?,
-        unit_of_time()?,
-        four_states()?,
-    ])
+/// What an orbit goes through: its largest component before the series begins, its section after
+/// that.
+struct Watch<'a> {
+    largest: f64,
+    turns: Turns<'a>,
+}
+
+impl Observer<4> for Watch<'_> {
+    fn step(&mut self, step: &StepRecord<4>) -> ControlFlow<()> {
+        if step.t_start >= SERIES_FROM {
+            self.turns.step(step);
+        }
+        self.largest = self.largest.max(step.x_end.amax());
+        ControlFlow::Continue(())
+    }
 }
 
 /// What becomes of the equations in one reading.
@@ -37,68 +51,92 @@ pub(super) fn errata() -> Result<Vec<Erratum>, EvidenceError> {
 enum Outcome {
     /// A component passes the bound at this time.
     Diverges(f64),
-    /// None does; the largest component.
+    /// None does; the largest component until [`SERIES_FROM`].
     Bounded(f64),
+    /// The block turns nowhere: it rests or sticks for good.
+    Rests,
+    /// Closes after so many turns; time of one round.
+    Closes(usize, f64),
+    /// Does not close within the window; points of the section.
+    Open(usize),
 }
 
-/// Keeps the largest component.
-struct Largest(f64);
-
-impl Observer<4> for Largest {
-    fn step(&mut self, step: &StepRecord<4>) -> ControlFlow<()> {
-        self.0 = self.0.max(step.x_end.amax());
-        ControlFlow::Continue(())
-    }
-}
-
-fn outcome(caption: &Caption, reading: &Reading) -> Result<Outcome, Error> {
+/// Follows the equations until `end`; to [`SECTION_END`] the section tells what the motion is.
+fn outcome(caption: &Caption, reading: &Reading, end: f64) -> Result<Outcome, Error> {
     let model = BlockAndBracket::from_caption(caption, reading)?;
     let options = Options::tol(TOLERANCE).escape(DIVERGED);
-    let mut largest = Largest(0.0);
+    let mut watch = Watch {
+        largest: 0.0,
+        turns: Turns::new(&model, &options),
+    };
     let start = State::from(caption.start);
-    let run = run(&model, 0.0, start, SERIES_FROM, &options, &mut largest);
+    let run = run(&model, 0.0, start, end, &options, &mut watch);
     match run.map_err(Error::from) {
-        Ok(_) => Ok(Outcome::Bounded(largest.0)),
-        Err(Error::Escaped { t, .. }) => Ok(Outcome::Diverges(t)),
-        Err(error) => Err(error),
+        Ok(_) => {}
+        Err(Error::Escaped { t, .. }) => return Ok(Outcome::Diverges(t)),
+        Err(error) => return Err(error),
+    }
+    let section = watch.turns.points;
+    let window = (Of::Flow, &[][..], SECTION_END - SERIES_FROM);
+    let evidence = Evidence::gather(&section, window, &Criterion::default());
+    Ok(match evidence.class() {
+        _ if end <= SERIES_FROM => Outcome::Bounded(watch.largest),
+        _ if section.is_empty() => Outcome::Rests,
+        Class::Periodic(turns) => Outcome::Closes(turns, turns as f64 * evidence.return_time),
+        _ => Outcome::Open(section.len()),
+    })
+}
+
+/// The same with the section's verdict.
+fn by_section(caption: &Caption, reading: &Reading) -> Result<Outcome, Error> {
+    outcome(caption, reading, SECTION_END)
+}
+
+impl Outcome {
+    fn shown(self, what: String) -> Shown {
+        match self {
+            Outcome::Diverges(t) => {
+                let passes = format!("{what}: a component passes {DIVERGED} at t");
+                number(passes, t, "t")
+            }
+            Outcome::Bounded(size) => {
+                let largest = format!("{what}: largest component until t = {SERIES_FROM}");
+                number(largest, size, "1")
+            }
+            Outcome::Rests => word(what, "comes to rest"),
+            Outcome::Closes(turns, round) => {
+                number(format!("{what}: closes (turns: {turns}) after"), round, "t")
+            }
+            Outcome::Open(points) => word(what, format!("does not close in {points} turns")),
+        }
+    }
+
+    /// Whether it is what a caption calls quasi-periodic or chaotic: bounded and open.
+    fn is_open(self) -> bool {
+        matches!(self, Outcome::Open(_))
     }
 }
 
-fn signs() -> Result<Erratum, Error> {
-    let jobs: Vec<(&str, Caption, Reading)> = FIGURES
-        .into_iter()
-        .flat_map(|(name, caption)| {
-            [Reading::as_printed(), Reading::exact()].map(|reading| (name, caption, reading))
-        })
-        .collect();
-    let found = jobs
-        .par_iter()
-        .map(|(_, caption, reading)| outcome(caption, reading))
-        .collect::<Result<Vec<Outcome>, Error>>()?;
-    let mut shown = Vec::new();
-    let mut holds = true;
-    for ((name, _), pair) in FIGURES.into_iter().zip(found.chunks_exact(2)) {
-        for (which, one) in ["as printed", "corrected"].into_iter().zip(pair) {
-            shown.push(match one {
-                Outcome::Diverges(t) => number(
-                    format!("{name}, {which}: a component passes {DIVERGED} at t"),
-                    *t,
-                    "t",
-                ),
-                Outcome::Bounded(size) => number(
-                    format!("{name}, {which}: largest component until t = {SERIES_FROM}"),
-                    *size,
-                    "1",
-                ),
-            });
-        }
-        holds &= matches!(pair, [Outcome::Diverges(_), Outcome::Bounded(_)]);
-    }
+pub(super) fn signs() -> Result<Erratum, Error> {
+    let readings = [
+        ("as printed", Reading::as_printed()),
+        ("corrected", Reading::exact()),
+    ];
+    let figures = FIGURES.into_iter();
+    let jobs = figures.flat_map(|figure| readings.map(|reading| (figure, reading)));
+    let jobs: Vec<_> = jobs.collect();
+    let found = jobs.par_iter();
+    let found = found.map(|((_, caption), (_, reading))| outcome(caption, reading, SERIES_FROM));
+    let found = found.collect::<Result<Vec<Outcome>, Error>>()?;
+    let is_so = |pair: &[Outcome]| matches!(pair, [Outcome::Diverges(_), Outcome::Bounded(_)]);
+    let holds = found.chunks_exact(2).all(is_so);
+    let shown = jobs.iter().zip(found);
+    let shown = shown.map(|(((name, _), (which, _)), one)| one.shown(format!("{name}, {which}")));
     Ok(erratum(
         "Eq. (27)",
         "in the second row x3 and T(v) enter the bracket with a minus sign",
         "with a plus sign: the spring between block and bracket is stretched by x1 + x3, and friction opposes slip",
-        shown,
+        shown.collect(),
         holds,
     ))
 }
@@ -134,28 +172,23 @@ fn of_rig(rig: &Rig, start: &State<4>) -> Result<State<4>, Error> {
 }
 
 /// Newton's law in SI units against the two ways to write the normal force with ξ6.
-fn friction_counted_twice() -> Result<Erratum, EvidenceError> {
+pub(super) fn friction_counted_twice() -> Result<Erratum, ReportError> {
     let rig = rig(9.81, 1.0);
     let start = State::from([0.0, 0.01, 0.0, -0.05]);
     let newton = of_rig(&rig, &start)?;
     let plain = rig.nondimensional();
     // The captions' sixth and seventh numbers for this rig.
-    let caption = |model: &BlockAndBracket| Caption {
-        numbers: [
-            model.coupling,
-            0.0,
-            model.mobility,
-            model.bracket_stiffness,
-            0.0,
-            rig.mu0,
-            rig.mu0 * rig.k3 / rig.k2,
-            model.delta,
-            model.belt_speed,
-        ],
+    let (sixth, seventh) = (rig.mu0, rig.mu0 * rig.k3 / rig.k2);
+    let stiffness = plain.bracket_stiffness;
+    let first = [plain.coupling, 0.0, plain.mobility, stiffness, 0.0];
+    let last = [sixth, seventh, plain.delta, plain.belt_speed];
+    let mut caption = Caption {
+        numbers: [0.0; 9],
         start: start.into(),
     };
-    let caption = caption(&plain);
-    let with = |unloading| -> Result<f64, EvidenceError> {
+    caption.numbers[..5].copy_from_slice(&first);
+    caption.numbers[5..].copy_from_slice(&last);
+    let with = |unloading| -> Result<f64, ReportError> {
         let reading = Reading {
             unloading,
             ..Reading::exact()
@@ -182,9 +215,10 @@ fn friction_counted_twice() -> Result<Erratum, EvidenceError> {
 }
 
 /// Two rigs of other time units have the same Eq. (27).
-fn unit_of_time() -> Result<Erratum, EvidenceError> {
+pub(super) fn unit_of_time() -> Result<Erratum, ReportError> {
     let slow = rig(9.81, 1.0);
-    // Four times the stiffness and, so that the length unit stays, four times gravity; speeds double.
+    // Four times the stiffness and, so that the length unit stays, four times gravity; speeds
+    // double.
     let fast = Rig {
         belt_speed: 2.0 * slow.belt_speed,
         delta: 0.5 * slow.delta,
@@ -223,11 +257,13 @@ fn unit_of_time() -> Result<Erratum, EvidenceError> {
 /// Time over which the states of model 3 are sampled.
 const SAMPLED: f64 = 1000.0;
 const SAMPLES: u32 = 4000;
-/// A direction is there when the states spread along it by more than this part of their largest spread.
+/// A direction is there when the states spread along it by more than this part of their largest
+/// spread.
 const PART: f64 = 1e-2;
 
-/// Spreads (standard deviations) of the sampled states along their principal directions, the largest first.
-fn spreads(caption: &Caption) -> Result<[f64; 4], EvidenceError> {
+/// Spreads (standard deviations) of the sampled states along their principal directions, the
+/// largest first.
+fn spreads(caption: &Caption) -> Result<[f64; 4], ReportError> {
     let model = BlockAndBracket::from_caption(caption, &Reading::exact())?;
     let options = Options::tol(TOLERANCE);
     let orbit = solve(&model, 0.0, State::from(caption.start), SAMPLED, &options)?;
@@ -235,20 +271,15 @@ fn spreads(caption: &Caption) -> Result<[f64; 4], EvidenceError> {
     let states = orbit.sample(times)?;
     let n = f64::from(SAMPLES);
     let mean = states.iter().fold(State::<4>::zeros(), |sum, x| sum + x) / n;
-    let covariance = states
-        .iter()
-        .map(|x| (x - mean) * (x - mean).transpose())
-        .fold(
-            stickslip::nalgebra::SMatrix::<f64, 4, 4>::zeros(),
-            |sum, one| sum + one,
-        )
-        / n;
+    let squares = states.iter().map(|x| (x - mean) * (x - mean).transpose());
+    let none = stickslip::nalgebra::SMatrix::<f64, 4, 4>::zeros();
+    let covariance = squares.fold(none, |sum, one| sum + one) / n;
     let mut values: [f64; 4] = covariance.symmetric_eigenvalues().into();
     values.sort_by(|one, other| other.total_cmp(one));
     Ok(values.map(|value| value.max(0.0).sqrt()))
 }
 
-fn four_states() -> Result<Erratum, EvidenceError> {
+pub(super) fn four_states() -> Result<Erratum, ReportError> {
     let mut shown = Vec::new();
     let mut holds = true;
     for (name, caption) in FIGURES {
@@ -277,37 +308,86 @@ fn four_states() -> Result<Erratum, EvidenceError> {
     ))
 }
 
+/// Static friction (mg) tried where the heading's order leaves none.
+const FRICTIONS: [f64; 4] = [0.3, 0.7, 1.0, 2.0];
+
+pub(super) fn order_of_captions() -> Result<Erratum, ReportError> {
+    let figures = [("Fig. 11", Caption::FIG11), ("Fig. 12", Caption::FIG12)];
+    let mut shown = Vec::new();
+    let mut holds = true;
+    for (figure, caption) in figures {
+        let [_, xi2, _, xi4, xi5, sixth, seventh, ..] = caption.numbers;
+        shown.push(number(
+            format!("{figure}: seventh number over sixth"),
+            seventh / sixth,
+            "1",
+        ));
+        shown.push(number(format!("{figure}: xi4 - 1 = k3/k2"), xi4 - 1.0, "1"));
+        holds &= (seventh / sixth - (xi4 - 1.0)).abs() < 1e-3 && xi2 == 0.0 && xi5 == 0.0;
+        let corrected = by_section(&caption, &Reading::exact())?;
+        holds &= corrected.is_open();
+        shown.push(corrected.shown(format!("{figure}, corrected order")));
+        let heading = FRICTIONS
+            .par_iter()
+            .map(|&mu0| {
+                let reading = Reading {
+                    order: CaptionOrder::Heading { mu0 },
+                    ..Reading::exact()
+                };
+                by_section(&caption, &reading)
+            })
+            .collect::<Result<Vec<Outcome>, Error>>()?;
+        for (mu0, found) in FRICTIONS.into_iter().zip(heading) {
+            holds &= !found.is_open();
+            shown.push(found.shown(format!("{figure}, order of the heading, mu0 = {mu0}")));
+        }
+    }
+    Ok(erratum(
+        "Captions of Figs. 10-12",
+        "the nine numbers are headed xi1 … xi7, delta, vp",
+        "they are xi1 … xi5, mu0, xi6, delta, vp: xi2 = xi5 = 0 leaves no damper and so xi7 = 0, and the seventh over the sixth is \
+         xi6/mu0 = k3/k2",
+        shown,
+        holds,
+    ))
+}
+
+pub(super) fn caption_of_fig10() -> Result<Erratum, ReportError> {
+    let [_, _, _, xi4, _, mu0, xi6, ..] = Caption::FIG10.numbers;
+    let mut shown = vec![
+        number("seventh number over sixth", xi6 / mu0, "1"),
+        number("xi4 - 1", xi4 - 1.0, "1"),
+    ];
+    let printed = by_section(&Caption::FIG10, &Reading::exact())?;
+    shown.push(printed.shown("as printed".to_owned()));
+    let mended = mended_captions();
+    let found = mended.par_iter();
+    let found = found.map(|(_, caption)| by_section(caption, &Reading::exact()));
+    let found = found.collect::<Result<Vec<Outcome>, Error>>()?;
+    let differ = !found.contains(&printed);
+    let with = mended.iter().zip(found);
+    shown.extend(with.map(|((entry, _), one)| one.shown(format!("with {entry}"))));
+    Ok(erratum(
+        "Caption of Fig. 10",
+        "the seventh number is 1.115",
+        "another number there, or at xi4 or mu0: the relation that holds for Figs. 11 and 12 fails, and the period of the motion \
+         depends on which is meant",
+        shown,
+        (xi6 / mu0 - (xi4 - 1.0)).abs() > 1e-2 && differ,
+    ))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn the_printed_signs_diverge() {
-        let found = signs().unwrap();
-        assert!(found.holds, "{found:?}");
-    }
-
-    #[test]
-    fn newtons_law_decides_how_friction_is_written() {
-        let found = friction_counted_twice().unwrap();
-        assert!(found.holds, "{found:?}");
-    }
-
-    #[test]
     fn the_same_equations_run_at_two_paces() {
-        let found = unit_of_time().unwrap();
-        assert!(found.holds, "{found:?}");
         // With the belt of the slow rig the fast one is another system.
         let slow = rig(9.81, 1.0);
         let other = rig(4.0 * 9.81, 4.0);
         let start = State::from([0.0, 0.01, 0.0, -0.05]);
         let apart = of_rig(&slow, &start).unwrap() - of_rig(&other, &start).unwrap();
         assert!(apart.amax() > 1e-3);
-    }
-
-    #[test]
-    fn four_directions_are_there() {
-        let found = four_states().unwrap();
-        assert!(found.holds, "{found:?}");
     }
 }

@@ -1,18 +1,16 @@
-//! The paper's misprints, each with the computation that shows it: a run of the solver or of the listing that could have come out
-//! otherwise.
+//! The paper's misprints, each with the computation that shows it: a run of the solver or of the
+//! listing that could have come out otherwise.
 
 mod bracket;
-mod captions;
-mod estimator;
 mod listing;
 mod section_four;
 mod sections_two_three;
 
+use super::ReportError;
 use super::accuracy::Accuracy;
-use super::evidence::EvidenceError;
 use super::matrix::Matrix;
-use super::statements::Statements;
 use crate::figures::rows::Value;
+use crate::paper::listing::Defect;
 
 /// What a computation shows of a misprint.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,22 +41,39 @@ pub struct Erratum {
 /// All of them, in the order of the paper, some by what has been computed already.
 ///
 /// # Errors
-/// [`EvidenceError`].
+/// [`ReportError`].
 pub fn errata(
     matrix: &Matrix,
     accuracy: &Accuracy,
-    statements: &Statements,
-) -> Result<Vec<Erratum>, EvidenceError> {
-    let mut all = sections_two_three::errata(accuracy)?;
-    all.extend(section_four::errata(statements)?);
-    all.extend(estimator::errata());
-    all.extend(bracket::errata()?);
-    all.extend(captions::errata()?);
-    all.extend(listing::errata(matrix)?);
+    of_statements: &[Erratum],
+) -> Result<Vec<Erratum>, ReportError> {
+    let mut all = vec![
+        sections_two_three::unit_of_mu0(),
+        sections_two_three::critical_points()?,
+        sections_two_three::negative_friction()?,
+        sections_two_three::wrong_reference()?,
+        sections_two_three::step_from_above(accuracy),
+        sections_two_three::time_in_stick(accuracy),
+        section_four::sign_of_friction()?,
+        section_four::spring_signs()?,
+    ];
+    all.extend_from_slice(of_statements);
+    all.extend([
+        listing::shifts(),
+        bracket::signs()?,
+        bracket::friction_counted_twice()?,
+        bracket::unit_of_time()?,
+        bracket::four_states()?,
+        bracket::order_of_captions()?,
+        bracket::caption_of_fig10()?,
+    ]);
+    for defect in Defect::ALL {
+        all.push(listing::defect(matrix, defect)?);
+    }
     Ok(all)
 }
 
-fn number(what: impl Into<String>, value: f64, unit: &'static str) -> Shown {
+pub(super) fn number(what: impl Into<String>, value: f64, unit: &'static str) -> Shown {
     Shown {
         what: what.into(),
         value: Value::Number(value),
@@ -66,7 +81,7 @@ fn number(what: impl Into<String>, value: f64, unit: &'static str) -> Shown {
     }
 }
 
-fn count(what: impl Into<String>, value: usize) -> Shown {
+pub(super) fn count(what: impl Into<String>, value: usize) -> Shown {
     Shown {
         what: what.into(),
         value: Value::Count(value as u64),
@@ -74,7 +89,7 @@ fn count(what: impl Into<String>, value: usize) -> Shown {
     }
 }
 
-fn word(what: impl Into<String>, value: impl Into<String>) -> Shown {
+pub(super) fn word(what: impl Into<String>, value: impl Into<String>) -> Shown {
     Shown {
         what: what.into(),
         value: Value::Word(value.into()),
@@ -82,7 +97,13 @@ fn word(what: impl Into<String>, value: impl Into<String>) -> Shown {
     }
 }
 
-fn erratum(place: &str, printed: &str, correct: &str, shown: Vec<Shown>, holds: bool) -> Erratum {
+pub(super) fn erratum(
+    place: &str,
+    printed: &str,
+    correct: &str,
+    shown: Vec<Shown>,
+    holds: bool,
+) -> Erratum {
     Erratum {
         place: place.to_owned(),
         printed: printed.to_owned(),

@@ -1,9 +1,13 @@
-//! `fig07b.oscillation`: bodies put on Σ just beside the drawn curves stick on one side of them and slip on the other.
+//! `fig07b.oscillation`: bodies put on Σ just beside the drawn curves stick on one side of them and
+//! slip on the other.
 
 use rayon::prelude::*;
 
-use super::{Evidence, Part};
+use super::statement;
 use crate::figures::fig07::Oscillation;
+use crate::paper::reading::Reading::Exact;
+use crate::report::finding::Finding;
+use crate::text::joined;
 use stickslip::error::Error;
 use stickslip::filippov::{Options, solve};
 use stickslip::models::ForcedOscillator;
@@ -18,56 +22,53 @@ const SPAN: f64 = 1e-2;
 const TOLERANCE: f64 = 1e-13;
 
 /// Bodies at one distance from the curves.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Beside {
+#[derive(Default)]
+struct Beside {
     /// The distance (m).
-    pub distance: f64,
-    /// Bodies put inside a zone, over all curves and times.
-    pub inside: usize,
-    /// Of these, those that stick.
-    pub inside_sticks: usize,
-    /// Bodies put outside.
-    pub outside: usize,
-    /// Of these, those that slip.
-    pub outside_slips: usize,
+    distance: f64,
+    /// Bodies put inside a zone, and as many outside.
+    pairs: usize,
+    /// Of those inside the ones that stick, of those outside the ones that slip.
+    inside_sticks: usize,
+    outside_slips: usize,
 }
 
-/// Bodies beside the drawn curves.
-#[derive(Clone, Debug, PartialEq)]
-pub struct BesideCurves {
-    /// Curves drawn.
-    pub curves: usize,
-    /// Times at which bodies are put on Σ.
-    pub times: usize,
-    /// One for each distance, the largest first.
-    pub beside: Vec<Beside>,
-}
-
-impl BesideCurves {
-    /// Puts bodies beside the curves of Fig. 7b and integrates model 2.
-    ///
-    /// # Errors
-    /// Those of [`solve`].
-    pub fn compute(drawn: &Oscillation) -> Result<BesideCurves, Error> {
-        BesideCurves::of(&ForcedOscillator::default(), drawn)
-    }
-
-    fn of(model: &ForcedOscillator, drawn: &Oscillation) -> Result<BesideCurves, Error> {
-        let every = (drawn.times.len() / (TIMES + 1)).max(1);
-        let times: Vec<usize> = (1..=TIMES)
-            .map(|k| k * every)
-            .filter(|&k| k < drawn.times.len())
-            .collect();
-        let beside = DISTANCES
-            .into_par_iter()
-            .map(|distance| at_distance(model, drawn, &times, distance))
-            .collect::<Result<_, Error>>()?;
-        Ok(BesideCurves {
-            curves: drawn.positions.len(),
-            times: times.len(),
-            beside,
-        })
-    }
+/// Puts bodies beside the curves and integrates the model.
+pub(super) fn oscillation(
+    model: &ForcedOscillator,
+    drawn: &Oscillation,
+) -> Result<Vec<Finding>, Error> {
+    let every = (drawn.times.len() / (TIMES + 1)).max(1);
+    let times = (1..=TIMES).map(|k| k * every);
+    let times: Vec<usize> = times.filter(|&k| k < drawn.times.len()).collect();
+    let beside = DISTANCES
+        .into_par_iter()
+        .map(|distance| at_distance(model, drawn, &times, distance))
+        .collect::<Result<Vec<Beside>, Error>>()?;
+    let curves = drawn.positions.len();
+    let all = |right: fn(&Beside) -> usize| {
+        let holds = |one: &Beside| one.pairs > 0 && right(one) == one.pairs;
+        curves == 6 && beside.iter().all(holds)
+    };
+    let parts = [
+        (
+            "bodies put just inside the drawn curves stick",
+            all(|one| one.inside_sticks),
+        ),
+        ("bodies put just outside slip", all(|one| one.outside_slips)),
+    ];
+    let distances = beside.iter().map(|one| {
+        format!(
+            "{:.0e} m: {} of {} inside stick, {} of {} outside slip",
+            one.distance, one.inside_sticks, one.pairs, one.outside_slips, one.pairs
+        )
+    });
+    let line = format!(
+        "model 2 integrated from Σ beside the {curves} drawn curves at {} times of two periods; at {}",
+        times.len(),
+        joined(distances, "; at ")
+    );
+    Ok(vec![statement(Exact, parts, line)])
 }
 
 fn at_distance(
@@ -78,21 +79,15 @@ fn at_distance(
 ) -> Result<Beside, Error> {
     let mut found = Beside {
         distance,
-        inside: 0,
-        inside_sticks: 0,
-        outside: 0,
-        outside_slips: 0,
+        ..Beside::default()
     };
     for (number, positions) in drawn.positions.iter().enumerate() {
         // The curves are drawn from the largest down: upper end, lower end, upper end, …
         let inward = if number % 2 == 0 { -distance } else { distance };
-        for (&t, &x1) in times
-            .iter()
-            .filter_map(|&k| Some((drawn.times.get(k)?, positions.get(k)?)))
-        {
-            found.inside += 1;
+        let places = |&k: &usize| Some((*drawn.times.get(k)?, *positions.get(k)?));
+        for (t, x1) in times.iter().filter_map(places) {
+            found.pairs += 1;
             found.inside_sticks += usize::from(sticks(model, t, x1 + inward)?);
-            found.outside += 1;
             found.outside_slips += usize::from(!sticks(model, t, x1 - inward)?);
         }
     }
@@ -103,47 +98,8 @@ fn at_distance(
 fn sticks(model: &ForcedOscillator, t: f64, x1: f64) -> Result<bool, Error> {
     let x = State::from([x1, model.belt_speed]);
     let orbit = solve(model, t, x, t + SPAN, &Options::tol(TOLERANCE))?;
-    Ok(orbit
-        .phases
-        .first()
-        .is_some_and(|phase| phase.mode == Mode::Stick))
-}
-
-impl Evidence for BesideCurves {
-    fn parts(&self) -> Vec<Part> {
-        let all = |holds: fn(&Beside) -> bool| {
-            self.curves == 6 && !self.beside.is_empty() && self.beside.iter().all(holds)
-        };
-        vec![
-            Part {
-                what: "bodies put just inside the drawn curves stick",
-                holds: all(|one| one.inside > 0 && one.inside_sticks == one.inside),
-            },
-            Part {
-                what: "bodies put just outside slip",
-                holds: all(|one| one.outside > 0 && one.outside_slips == one.outside),
-            },
-        ]
-    }
-
-    fn line(&self) -> String {
-        let distances: Vec<String> = self
-            .beside
-            .iter()
-            .map(|one| {
-                format!(
-                    "{:.0e} m: {} of {} inside stick, {} of {} outside slip",
-                    one.distance, one.inside_sticks, one.inside, one.outside_slips, one.outside
-                )
-            })
-            .collect();
-        format!(
-            "model 2 integrated from Σ beside the {} drawn curves at {} times of two periods; at {}",
-            self.curves,
-            self.times,
-            distances.join("; at ")
-        )
-    }
+    let first = orbit.phases.first();
+    Ok(first.is_some_and(|phase| phase.mode == Mode::Stick))
 }
 
 #[cfg(test)]
@@ -151,35 +107,25 @@ mod tests {
     use super::*;
     use crate::figures::FigureSpec;
     use crate::figures::fig07::Fig07;
-    use crate::report::evidence::Support;
 
-    #[test]
-    fn the_drawn_curves_part_stick_from_slip() {
-        let drawn = Fig07::compute().unwrap().oscillation;
-        let found = BesideCurves::compute(&drawn).unwrap();
-        assert_eq!(found.support(), Support::Whole, "{found:?}");
-        assert!(found.beside[0].inside >= 100);
+    fn parts(model: &ForcedOscillator, drawn: &Oscillation) -> Vec<bool> {
+        oscillation(model, drawn).unwrap()[0].parts()
     }
 
     #[test]
-    fn displaced_curves_do_not() {
-        let mut drawn = Fig07::compute().unwrap().oscillation;
-        for x1 in &mut drawn.positions[2] {
-            *x1 += 1e-5;
-        }
-        let found = BesideCurves::compute(&drawn).unwrap();
-        assert_eq!(found.support(), Support::InPart, "{found:?}");
-    }
-
-    #[test]
-    fn with_a_support_in_antiphase_they_do_not() {
-        let drawn = Fig07::compute().unwrap().oscillation;
+    fn the_drawn_curves_part_stick_from_slip_and_displaced_ones_do_not() {
         let model = ForcedOscillator::default();
+        let mut drawn = Fig07::compute().unwrap().oscillation;
+        assert_eq!(parts(&model, &drawn), [true, true]);
         let antiphase = ForcedOscillator {
             amplitude: -model.amplitude,
             ..model
         };
-        let found = BesideCurves::of(&antiphase, &drawn).unwrap();
-        assert_eq!(found.support(), Support::Nothing);
+        assert_eq!(parts(&antiphase, &drawn), [false, false]);
+        for x1 in &mut drawn.positions[2] {
+            *x1 += 1e-5;
+        }
+        let displaced = parts(&model, &drawn);
+        assert!(displaced.contains(&true) && displaced.contains(&false));
     }
 }

@@ -1,114 +1,115 @@
-//! Evidence for the paper's statements: what was measured, which parts of a statement that bears out, and a line on it.
+//! Evidence for the statements that no figure's table answers.
 //!
-//! One file for each statement or group of statements. Each has a `compute` that runs the solver or the listing and keeps plain
-//! numbers; [`Evidence`] says what they come to.
+//! One function for each claim computes, judges the statement's parts by the measured numbers and
+//! puts these into a sentence. Where the same numbers show a misprint, it returns that too.
 
-mod arcs;
+mod belt;
 mod beside_curves;
-mod by_procedure;
-mod exact_lengths;
-mod exits;
-mod found_by_appendix;
-mod grid;
-mod inner_points;
+mod fig08;
+mod motions;
 mod no_friction;
-mod oscillating_boundary;
-mod said_of_fig08;
-mod shapes;
 mod sigma;
-mod stick_ends;
-mod stick_phases;
-mod tangent_set;
-mod until_tangent;
-mod zone_attracts;
-mod zone_location;
-mod zone_oscillates;
+mod sticks;
+mod zones;
 
-pub use crate::figures::rows::Part;
-pub use arcs::{Arcs, Sides};
-pub use beside_curves::{Beside, BesideCurves};
-pub use by_procedure::ByProcedure;
-pub use exact_lengths::ExactLengths;
-pub use exits::{Exits, OfListing, OfModel};
-pub use found_by_appendix::FoundByAppendix;
-pub use inner_points::{InnerPoints, Ride};
-pub use no_friction::NoFriction;
-pub use oscillating_boundary::OscillatingBoundary;
-pub use said_of_fig08::{FromPoint, Start, Way};
-pub use shapes::{Kind, Shape, Shapes};
-pub use sigma::{Model, Sigma};
-pub use stick_phases::Followed;
-pub use tangent_set::TangentSet;
-pub use until_tangent::{Meetings, UntilTangent};
-pub use zone_attracts::{Sweep, SweepPoint, ZoneAttracts};
-pub use zone_location::{Moved, ZoneLocation};
-pub use zone_oscillates::ZoneOscillates;
+pub use motions::{ByProcedure, Shape, Shapes};
 
-use crate::paper::listing::ListingError;
-use crate::paper::published::PublishedError;
-use stickslip::error::Error;
-use stickslip::filippov::Failure;
+use super::ReportError;
+use super::errata::Erratum;
+use super::figures::Computed;
+use super::finding::Finding;
+use crate::paper::claim_id::ClaimId;
+use crate::paper::listing::Defects;
+use crate::paper::reading::Reading;
+use stickslip::models::ForcedOscillator;
 
-/// How much of a statement holds.
-#[cfg(test)]
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Support {
-    /// Every part.
-    Whole,
-    /// Some parts, and others fail.
-    InPart,
-    /// No part.
-    Nothing,
+/// The evidence for all such statements.
+pub struct Statements {
+    findings: Vec<(ClaimId, Vec<Finding>)>,
+    /// The ends of model 2's stick zones at rest (m), ascending: Eq. (24).
+    pub at_rest: Vec<f64>,
+    /// What the procedure of Sect. 3 makes of Figs. 10–12.
+    pub by_procedure: ByProcedure,
+    /// Kinds of motion of Figs. 10, 11 and 12.
+    pub shapes: Shapes,
+    /// Misprints of Sect. 4.2 that the same numbers show, in the order of the report.
+    pub errata: Vec<Erratum>,
 }
 
-#[cfg(test)]
-impl Support {
-    /// What a statement with these parts comes to.
-    pub fn of(parts: &[Part]) -> Support {
-        let held = parts.iter().filter(|part| part.holds).count();
-        match held {
-            0 => Support::Nothing,
-            _ if held == parts.len() => Support::Whole,
-            _ => Support::InPart,
-        }
+impl Statements {
+    /// Computes all of it.
+    ///
+    /// # Errors
+    /// [`ReportError`] of what fails.
+    pub fn compute(computed: &Computed) -> Result<Statements, ReportError> {
+        use ClaimId::*;
+        let ((zone_attracts, followed), by_procedure) = rayon::join(
+            || rayon::join(zones::attracts, sticks::Followed::compute),
+            ByProcedure::compute,
+        );
+        let (followed, by_procedure) = (followed?, by_procedure?);
+        let model = ForcedOscillator::default();
+        let zone = zones::Oscillation::of(&model, &sticks::TangentSet::published()?);
+        let shapes = Shapes::of(&computed.bracket);
+        let (arcs, regions) = fig08::arcs()?;
+        let (start, start_erratum) = fig08::start()?;
+        let (way, durations) = sticks::length_is_way(&followed)?;
+        let drawn = &computed.fig07.oscillation;
+        let findings = vec![
+            (S2Sigma, sigma::of_belt()),
+            (Eq19Sigma, sigma::of_forced()),
+            (S2InnerPoints, belt::inner_points()?),
+            (
+                Fig07bOscillation,
+                beside_curves::oscillation(&model, drawn)?,
+            ),
+            (S4ZoneAttracts, zone_attracts?),
+            (S4NoStickAtZero, no_friction::no_stick_at_zero()?),
+            (S4ZoneLocation, zones::location(&model)),
+            (S4ExactLengths, sticks::exact_lengths(&followed)),
+            (S4UntilTangent, sticks::until_tangent(&followed)?),
+            (Fig08ExitAtVisible, sticks::exit_at_visible(&followed)),
+            (S4LengthIsWay, way),
+            (S4Arcs, arcs),
+            (Fig08Start, start),
+            (
+                S4FoundByAppendix,
+                fig08::found_by_appendix(Defects::AS_PRINTED)?,
+            ),
+            (S4ZoneOscillates, zone.zone()),
+            (S6OscillatingBoundary, zone.boundary()),
+            (S5ByProcedure, by_procedure.findings()),
+            (S5Shapes, shapes.findings()),
+            (S5Kinds, shapes.kinds()),
+        ];
+        Ok(Statements {
+            findings,
+            by_procedure,
+            shapes,
+            errata: vec![durations, start_erratum, regions, zone.erratum()],
+            at_rest: zone.at_rest,
+        })
+    }
+
+    /// What the evidence says of a claim; nothing of one that a figure's table answers.
+    pub fn of(&self, id: ClaimId) -> &[Finding] {
+        let known = self.findings.iter().find(|(known, _)| *known == id);
+        known.map_or(&[], |(_, findings)| findings)
     }
 }
 
-/// What a computation says of a statement.
-pub trait Evidence {
-    /// The statement's parts, each judged by the measured numbers.
-    fn parts(&self) -> Vec<Part>;
-    /// What the listing as printed makes of the statement, where it was looked at too; decides nothing of the model.
-    fn as_printed(&self) -> Vec<Part> {
-        Vec::new()
-    }
-    /// The numbers in one sentence.
-    fn line(&self) -> String;
-    /// How much of the statement holds.
-    #[cfg(test)]
-    fn support(&self) -> Support {
-        Support::of(&self.parts())
-    }
+/// A statement judged by its parts, with the numbers in one sentence.
+fn statement(
+    reading: Reading,
+    parts: impl IntoIterator<Item = (&'static str, bool)>,
+    line: String,
+) -> Finding {
+    Finding::statement(reading, parts).noted(line)
 }
 
-/// Why evidence could not be computed.
-#[derive(Debug, thiserror::Error)]
-pub enum EvidenceError {
-    /// The solver failed.
-    #[error(transparent)]
-    Solver(#[from] Error),
-    /// The listing cannot run.
-    #[error(transparent)]
-    Listing(#[from] ListingError),
-    /// The table of claims lacks a number.
-    #[error(transparent)]
-    Published(#[from] PublishedError),
-}
-
-impl<R> From<Failure<R>> for EvidenceError {
-    fn from(failure: Failure<R>) -> EvidenceError {
-        EvidenceError::Solver(failure.error)
-    }
+/// What the listing as printed makes of the statement; decides nothing of the model.
+fn as_printed(parts: impl IntoIterator<Item = (&'static str, bool)>) -> Finding {
+    Finding::statement(Reading::AsPrinted, parts)
 }
 
 /// A small number for a line: its size, or that it is none.
@@ -117,22 +118,5 @@ fn small(value: f64) -> String {
         "0".to_owned()
     } else {
         format!("{value:.0e}")
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_statement_holds_in_part_when_some_parts_fail() {
-        let part = |holds| Part {
-            what: "a part",
-            holds,
-        };
-        assert_eq!(Support::of(&[part(true), part(true)]), Support::Whole);
-        assert_eq!(Support::of(&[part(true), part(false)]), Support::InPart);
-        assert_eq!(Support::of(&[part(false)]), Support::Nothing);
-        assert_eq!(Support::of(&[]), Support::Nothing);
     }
 }

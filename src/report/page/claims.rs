@@ -3,15 +3,16 @@
 use maud::{Markup, html};
 
 use super::super::correction::Correction;
-use super::super::entry::Entry;
+use super::super::digits::{decimals, minus};
 use super::super::finding::Finding;
-use super::super::ledger::Ledger;
-use super::super::readme::{decimals, minus, shown};
+use super::super::ledger::{Entry, Ledger};
+use super::super::readme::shown;
 use super::super::remark::Remark;
 use super::super::verdict::Verdict;
 use super::heading;
 use crate::paper::published::Kind;
 use crate::paper::reading::{Reading, Role};
+use crate::text::joined;
 
 /// How many claims have each verdict, and what the word means.
 pub(super) fn counts(ledger: &Ledger) -> Markup {
@@ -45,7 +46,7 @@ pub(super) fn section(ledger: &Ledger) -> Markup {
                 label { input type="radio" name="verdict" id="all" checked; "all " (ledger.entries.len()) }
                 @for (verdict, count) in filters {
                     label {
-                        input type="radio" name="verdict" id={ "only-" (key(verdict)) };
+                        input type="radio" name="verdict" id={ "only-" (verdict.key()) };
                         (verdict) " " (count)
                     }
                 }
@@ -83,13 +84,13 @@ pub(super) fn section(ledger: &Ledger) -> Markup {
 
 /// A verdict as a word with a sign of its own shape and colour.
 pub(super) fn mark(verdict: Verdict) -> Markup {
-    html! { span class={ "mark " (key(verdict)) } { (verdict) } }
+    html! { span class={ "mark " (verdict.key()) } { (verdict) } }
 }
 
 fn row(ledger: &Ledger, place: usize, entry: &Entry) -> Markup {
     let claim = &entry.claim;
     html! {
-        tr class=(key(entry.verdict)) id={ "claim-" (claim.id) } {
+        tr class=(entry.verdict.key()) id={ "claim-" (claim.id) } {
             th scope="row" data-key=(place) {
                 (claim.what)
                 " " span.soft { (claim.place) " · " code { (claim.id) } }
@@ -116,8 +117,7 @@ fn row(ledger: &Ledger, place: usize, entry: &Entry) -> Markup {
 
 /// Short names of corrections.
 fn labels(corrections: &[Correction]) -> String {
-    let labels: Vec<String> = corrections.iter().map(|one| one.label()).collect();
-    labels.join(", ")
+    joined(corrections.iter().map(|one| one.label()), ", ")
 }
 
 /// One finding of each reading that can decide, each different value once.
@@ -160,34 +160,15 @@ fn published(entry: &Entry) -> String {
     }
 }
 
-/// A number with more characters is a closed form in full precision; of these a reader wants the first digits.
+/// A number with more characters is a closed form in full precision; of these a reader wants the
+/// first digits.
 const SHORT: usize = 8;
-
-/// Name of a verdict in the style sheet.
-fn key(verdict: Verdict) -> &'static str {
-    match verdict {
-        Verdict::Reproduced => "reproduced",
-        Verdict::WithCorrections => "corrected",
-        Verdict::AsPrintedOnly => "printed",
-        Verdict::InKind => "kind",
-        Verdict::NotReproduced => "missed",
-        Verdict::Undeterminable => "open",
-        Verdict::Identity => "identity",
-    }
-}
 
 /// What is remarked of an exponent beside the verdict.
 fn remarked(remark: &Remark) -> String {
-    let sign = format!(
-        "sign: {}{}",
-        remark.sign,
-        if remark.sign_agrees() {
-            ", as published"
-        } else {
-            ", not as published"
-        }
-    );
-    format!("{sign}; {}", remark.sentence())
+    let not = if remark.sign_agrees() { "" } else { "not " };
+    let (sign, sentence) = (remark.sign, remark.sentence());
+    format!("sign: {sign}, {not}as published; {sentence}")
 }
 
 /// A reading's values and, in brackets, what they are worth.

@@ -10,6 +10,7 @@ use super::figures::figure;
 use super::{Report, heading};
 use crate::paper::claim_id::ClaimId;
 use crate::paper::listing::Defect;
+use crate::text::joined;
 
 /// Short headings of the four numbers.
 const NUMBERS: [&str; 4] = [
@@ -94,7 +95,7 @@ fn matrix(ledger: &Ledger) -> Markup {
                         @for (i, heading) in NUMBERS.iter().enumerate() {
                             td.number data-column=(heading) { (number(cell, i)) }
                         }
-                        td data-column="Motion" { (cell.class()) }
+                        td data-column="Motion" { (cell.motion) }
                     }
                 }
             }
@@ -127,9 +128,9 @@ pub(super) fn existence(report: &Report) -> Markup {
 /// How many starts lead where.
 fn counts(point: &Point) -> String {
     let of_class = Class::ALL.iter().zip(point.counts);
-    let parts: Vec<String> = of_class
-        .filter(|(_, count)| *count > 0)
-        .map(|(class, count)| format!("{count} starts: {}", class.name().replace('_', " ")))
-        .collect();
-    parts.join(", ")
+    let some = of_class.filter(|(_, count)| *count > 0);
+    joined(
+        some.map(|(class, count)| format!("{count} starts: {}", class.name().replace('_', " "))),
+        ", ",
+    )
 }

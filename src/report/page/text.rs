@@ -1,6 +1,6 @@
 //! Errata, methods, citation and origin.
 
-use maud::{Markup, html};
+use maud::{Markup, PreEscaped, html};
 
 use super::super::errata::Shown;
 use super::super::ledger::Ledger;
@@ -64,44 +64,18 @@ fn value(shown: &Shown) -> String {
     .replace('-', "−")
 }
 
+/// How values and verdicts are made. Paragraphs stand apart by an empty line, and their lines are
+/// one.
+const METHODS: &str = include_str!("../../../assets/report/methods.html");
+
+/// What was done, in the words of the field.
 pub(super) fn methods(ledger: &Ledger) -> Markup {
+    let text = METHODS.replace("{source}", &ledger.spread.search.cited());
+    let paragraphs = text.trim_end().split("\n\n");
     html! {
         section aria-labelledby="methods" {
             (heading("methods"))
-            p {
-                b { "Two readings side by side. " }
-                i { "As printed" } " is what the paper's own program or formula literally says: the Appendix's listing is carried "
-                "statement by statement, Python's aliasing of lists included, with each of its defects as a switch. "
-                i { "Exact" } " is the model that the paper states, solved accurately; " i { "corrected" } " is the same with corrections that are "
-                "listed wherever a verdict rests on them. What only the program gives is told so, with its cause."
-            }
-            p {
-                b { "The solver. " }
-                "A system is two functions, the smooth field on either side of the discontinuity boundary Σ and a function that is zero on Σ. "
-                "Steps are of order 8 with an error control (Hairer, Nørsett & Wanner's DOP853) and dense output. Over every step the "
-                "event functions are shown to have no zero, or their first zero is isolated; it is then located by Hénon's step (the "
-                "paper's own subject) at the order of the integrator, or by a bracketed search near grazing. Whether the body crosses, "
-                "sticks or is released follows Filippov's convex method (Filippov 1988) with Lie derivatives from dual numbers; so do tangent "
-                "points and their visibility (Kuznetsov, Rinaldi & Gragnani 2003)."
-            }
-            p {
-                b { "Exponents from the equations. " }
-                "Tangent vectors are carried with every step and jump at every transition by the saltation matrix (Müller 1995; Leine & "
-                "Nijmeijer 2004), and are made orthonormal again (Benettin et al. 1980; Shimada & Nagashima 1979). Entry into stick "
-                "annihilates a direction: its exponent is −∞."
-            }
-            p {
-                b { "Exponents from data. " }
-                "Eqs. (25)–(26) (Sano & Sawada 1985) by QR and singular values, never by the normal equations. Data on a curve or a torus "
-                "determine only as many exponents as it has dimensions; any beyond is marked unidentified, with its value in brackets. "
-                "The paper states neither radius nor step nor counts of neighbours: the table of claims tells how far an exponent moves "
-                "over the settings that a reader could have chosen. These estimates come from the committed search: " (ledger.spread.source()) "."
-            }
-            p {
-                b { "Digits. " }
-                "A value agrees with a published one to as many significant digits as it stays within half a unit of. Elementary "
-                "functions are computed in software and parallel results collected in order, so every number has the same bits on every machine."
-            }
+            @for paragraph in paragraphs { (PreEscaped(paragraph.replace('\n', " "))) }
         }
     }
 }

@@ -2,8 +2,8 @@
 
 use std::ops::ControlFlow;
 
-use super::starts::starts;
-use super::variants::double_well;
+use super::{double_well, starts};
+use crate::numbers::extent;
 use stickslip::analysis::{SpectrumOptions, lyapunov_spectrum_watched};
 use stickslip::error::Error;
 use stickslip::filippov::{Observer, Options, Phase};
@@ -31,7 +31,8 @@ const NEAR: f64 = 0.1;
 pub struct Followed {
     /// Position (m) and velocity (m/s) at the start.
     pub start: [f64; 2],
-    /// First Lyapunov exponent (1/s), from the equations; −∞ if stick takes even that direction away.
+    /// First Lyapunov exponent (1/s), from the equations; −∞ if stick takes even that direction
+    /// away.
     pub lambda: f64,
     /// Its standard error (1/s), from the means of blocks of a hundred forcing periods.
     pub std_error: f64,
@@ -52,12 +53,13 @@ impl Followed {
 
     /// The shortest and the longest stick phase (m); nothing without stick.
     pub fn range(&self) -> Option<(f64, f64)> {
-        let lengths = || self.lengths.iter().copied();
-        Some((lengths().reduce(f64::min)?, lengths().reduce(f64::max)?))
+        let lengths = self.lengths.iter().copied();
+        (!self.lengths.is_empty()).then(|| extent(lengths))
     }
 
-    /// How far the stick phases are from the published lengths: of two that follow each other the larger of the relative differences
-    /// from the published pair, in either order, where that is least; infinite with fewer than two.
+    /// How far the stick phases are from the published lengths: of two that follow each other the
+    /// larger of the relative differences from the published pair, in either order, where that is
+    /// least; infinite with fewer than two.
     pub fn distance(&self, published: [f64; 2]) -> f64 {
         let off = |found: f64, wanted: f64| (found / wanted - 1.0).abs();
         let [first, second] = published;
@@ -66,10 +68,7 @@ impl Followed {
             let backward = off(pair[0], second).max(off(pair[1], first));
             forward.min(backward)
         };
-        self.lengths
-            .windows(2)
-            .map(of)
-            .fold(f64::INFINITY, f64::min)
+        extent(self.lengths.windows(2).map(of)).0
     }
 }
 
@@ -112,8 +111,8 @@ impl Chaos {
 
     /// The least distance of any of them from the published lengths.
     pub fn distance(&self) -> f64 {
-        let each = self.followed.iter().map(|one| one.distance(self.published));
-        each.fold(f64::INFINITY, f64::min)
+        let followed = self.followed.iter();
+        extent(followed.map(|one| one.distance(self.published))).0
     }
 
     /// Whether any of them has two stick phases in succession with lengths near the published ones.
@@ -131,22 +130,13 @@ impl Chaos {
             0 => none.to_owned(),
             _ => format!("{verb} from {count} of {all} starts"),
         };
-        let least_and_most = |of: fn(&Followed) -> f64| {
-            let values = || followed.iter().map(of);
-            (
-                values().fold(f64::INFINITY, f64::min),
-                values().fold(f64::NEG_INFINITY, f64::max),
-            )
-        };
+        let least_and_most = |of: fn(&Followed) -> f64| extent(followed.iter().map(of));
         let (low, high) = least_and_most(|one| one.lambda);
         let (_, error) = least_and_most(|one| one.std_error);
         let (few, many) = least_and_most(Followed::sticks);
         let lengths: Vec<(f64, f64)> = followed.iter().filter_map(Followed::range).collect();
-        let shortest = lengths
-            .iter()
-            .map(|one| one.0)
-            .fold(f64::INFINITY, f64::min);
-        let longest = lengths.iter().map(|one| one.1).fold(0.0, f64::max);
+        let (shortest, _) = extent(lengths.iter().map(|one| one.0));
+        let (_, longest) = extent(lengths.iter().map(|one| one.1));
         let [first, second] = self.published;
         let near = if self.is_near() {
             "near the published lengths"

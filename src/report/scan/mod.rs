@@ -1,34 +1,43 @@
 //! Whether the stated model of Fig. 8 has a stick–slip attractor near the printed parameters.
 
 mod chaos;
-mod class;
-mod parameter;
 mod point;
-mod sentence;
-mod starts;
-mod stick_slip;
-mod variants;
 
 use rayon::prelude::*;
 
 pub use chaos::{COUNTED, Chaos, Followed};
-pub use class::Class;
-pub use parameter::Parameter;
-pub use point::Point;
-pub use stick_slip::StickSlip;
+pub use point::{Class, Point, StickSlip};
 
-pub(in crate::report) use starts::starts;
-use variants::variants;
-
+use crate::text::joined;
+pub(in crate::report) use point::starts;
 use stickslip::error::Error;
 use stickslip::math;
 use stickslip::models::ForcedOscillator;
 
+/// The parameters of the stated model: name in tables, symbol in figures, place in the model.
+type Parameter = (
+    &'static str,
+    &'static str,
+    fn(&mut ForcedOscillator) -> &mut f64,
+);
+const PARAMETERS: [Parameter; 8] = [
+    ("m", "*m*", |model| &mut model.mass),
+    ("vp", "*v*_p", |model| &mut model.belt_speed),
+    ("mu0", "*μ*_0", |model| &mut model.mu0),
+    ("A", "*A*", |model| &mut model.amplitude),
+    ("omega", "*ω*", |model| &mut model.omega),
+    ("k1", "*k*_1", |model| &mut model.k1),
+    ("k2", "*k*_2", |model| &mut model.k2),
+    ("delta", "*δ*", |model| &mut model.delta),
+];
+
 /// One parameter over a factor of two either way.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Line {
-    /// Which.
-    pub parameter: Parameter,
+    /// Its name, and its symbol in figures.
+    pub name: &'static str,
+    /// See `name`.
+    pub symbol: &'static str,
     /// In ascending order.
     pub points: Vec<Point>,
 }
@@ -52,7 +61,7 @@ pub struct Scan {
 #[derive(Clone, Copy, Debug)]
 pub struct Found<'a> {
     /// The parameter that was changed.
-    pub parameter: Parameter,
+    pub name: &'static str,
     /// The point.
     pub point: &'a Point,
     /// The motion.
@@ -64,7 +73,7 @@ pub struct Found<'a> {
 /// Values of a parameter, the printed one in the middle.
 const VALUES: usize = 33;
 /// Sets of parameters looked at.
-pub const POINTS: usize = VALUES * Parameter::ALL.len();
+pub const POINTS: usize = VALUES * PARAMETERS.len();
 
 impl Scan {
     /// Scans, and calls `tick` after each set of parameters.
@@ -73,38 +82,30 @@ impl Scan {
     /// Those of [`stickslip::filippov::solve`] except an escape.
     pub fn compute(published: [f64; 2], tick: &(dyn Fn() + Sync)) -> Result<Scan, Error> {
         let middle = (VALUES / 2) as f64;
-        let jobs: Vec<(Parameter, f64)> = Parameter::ALL
-            .into_iter()
-            .flat_map(|parameter| {
-                (0..VALUES).map(move |k| {
-                    let factor = math::pow(2.0, (k as f64 - middle) / middle);
-                    (parameter, factor)
-                })
-            })
-            .collect();
-        let mut points = jobs
-            .par_iter()
-            .map(|&(parameter, factor)| {
-                let mut model = parameter.scaled(factor);
-                let value = *parameter.of(&mut model);
-                let point = Point::compute(&model, &starts(&model)?, factor, value)?;
-                tick();
-                Ok(point)
-            })
-            .collect::<Result<Vec<Point>, Error>>()?
-            .into_iter();
+        let factor = |k: usize| math::pow(2.0, (k as f64 - middle) / middle);
+        let at = |number: usize| {
+            let (_, _, of) = PARAMETERS[number / VALUES];
+            let factor = factor(number % VALUES);
+            let mut model = ForcedOscillator::default();
+            *of(&mut model) *= factor;
+            let value = *of(&mut model);
+            let point = Point::compute(&model, &starts(&model)?, factor, value)?;
+            tick();
+            Ok(point)
+        };
+        let points = (0..POINTS).into_par_iter().map(at);
+        let mut points = points.collect::<Result<Vec<Point>, Error>>()?.into_iter();
+        let lines = PARAMETERS.map(|(name, symbol, _)| Line {
+            name,
+            symbol,
+            points: points.by_ref().take(VALUES).collect(),
+        });
         Ok(Scan {
             variants: variants()?,
             chaos: Chaos::compute(published)?,
             starts: starts(&ForcedOscillator::default())?.len(),
             published,
-            lines: Parameter::ALL
-                .into_iter()
-                .map(|parameter| Line {
-                    parameter,
-                    points: points.by_ref().take(VALUES).collect(),
-                })
-                .collect(),
+            lines: lines.into(),
         })
     }
 
@@ -115,37 +116,109 @@ impl Scan {
 
     /// The stick–slip motion nearest to the published lengths among those that `allowed` lets pass.
     pub fn nearest(&self, allowed: impl Fn(&StickSlip) -> bool) -> Option<Found<'_>> {
-        let of_line = |line: &'_ Line| -> Option<(Parameter, usize, f64)> {
-            let of_point = |(k, point): (usize, &Point)| {
-                let (_, distance) = point.nearest(self.published, &allowed)?;
-                Some((line.parameter, k, distance))
-            };
-            let all = line.points.iter().enumerate().filter_map(of_point);
-            all.min_by(|one, other| one.2.total_cmp(&other.2))
-        };
-        let (parameter, k, _) = self
-            .lines
-            .iter()
-            .filter_map(of_line)
-            .min_by(|one, other| one.2.total_cmp(&other.2))?;
-        let line = self.lines.iter().find(|line| line.parameter == parameter)?;
-        let point = line.points.get(k)?;
-        let (motion, distance) = point.nearest(self.published, &allowed)?;
-        Some(Found {
-            parameter,
-            point,
-            motion,
-            distance,
-        })
+        let lines = self.lines.iter();
+        let points = lines.flat_map(|line| line.points.iter().map(|point| (line.name, point)));
+        let found = points.filter_map(|(name, point)| {
+            let (motion, distance) = point.nearest(self.published, &allowed)?;
+            Some(Found {
+                name,
+                point,
+                motion,
+                distance,
+            })
+        });
+        found.min_by(|one, other| one.distance.total_cmp(&other.distance))
     }
 
     /// For each parameter the factors at which stick–slip of period two is found.
-    pub fn period_two(&self) -> Vec<(Parameter, Vec<f64>)> {
+    fn period_two(&self) -> Vec<(&'static str, Vec<f64>)> {
         let has = |point: &&Point| point.stick_slip.iter().any(|motion| motion.period == 2);
         let factors = |line: &Line| line.points.iter().filter(has).map(|p| p.factor).collect();
-        self.lines
-            .iter()
-            .map(|line| (line.parameter, factors(line)))
-            .collect()
+        let lines = self.lines.iter();
+        lines.map(|line| (line.name, factors(line))).collect()
+    }
+
+    /// The answer in words.
+    pub fn sentence(&self) -> String {
+        let Some(printed) = self.printed() else {
+            return "Nothing was scanned.".into();
+        };
+        let [escape, slip_only, other, two, unsettled] = printed.counts;
+        let mut text = format!(
+            "At the printed parameters {} of {} starts lead to a stick–slip motion ({slip_only} slip only, {escape} escape, {unsettled} \
+             unsettled).",
+            other + two,
+            self.starts
+        );
+        let ranges = self.period_two().into_iter().filter_map(|(name, factors)| {
+            let (first, last) = (factors.first()?, factors.last()?);
+            let found = factors.len();
+            Some(format!(
+                "{name} (at {found} of {VALUES} factors, from {first:.3} to {last:.3})"
+            ))
+        });
+        let ranges = joined(ranges, ", ");
+        text += &if ranges.is_empty() {
+            " Changing one parameter by up to a factor of two, no stick–slip of period two appears."
+                .to_owned()
+        } else {
+            format!(
+                " Changing one parameter by up to a factor of two ({VALUES} factors, {:.1} % apart; narrower windows would be missed), stick–slip of \
+                 period two appears for {}.",
+                100.0 * (math::pow(4.0, 1.0 / (VALUES - 1) as f64) - 1.0),
+                ranges
+            )
+        };
+        for (what, found) in [
+            ("of period two", self.nearest(|motion| motion.period == 2)),
+            ("of any period", self.nearest(|_| true)),
+        ] {
+            if let Some(found) = found {
+                let lengths = found.motion.lengths.iter().take(2);
+                let lengths = joined(lengths.map(|l| format!("{l:.4}")), " and ");
+                let off = if found.distance.is_finite() {
+                    format!("off by {:.0} %", 100.0 * found.distance)
+                } else {
+                    "where two are published".to_owned()
+                };
+                text += &format!(
+                    " Nearest {what}: {} x {:.3}, period {}, stick phases in it {}, the longest {} m, {off}.",
+                    found.name,
+                    found.point.factor,
+                    found.motion.period,
+                    found.motion.lengths.len(),
+                    lengths,
+                );
+            }
+        }
+        text
+    }
+}
+
+/// The model as Eq. (17) prints it, with friction that drives slip on (it has the sign of a
+/// negative `mu0` here; where a start could go either way it goes up), and with the spring of Eq.
+/// (4), the opposite of Eq. (17)'s.
+fn variants() -> Result<Vec<(&'static str, Point)>, Error> {
+    let printed = ForcedOscillator::default();
+    let starts = starts(&printed)?;
+    let reversed = ForcedOscillator {
+        mu0: -printed.mu0,
+        ..printed
+    };
+    let double_well = double_well();
+    let of = |model: &ForcedOscillator, value| Point::compute(model, &starts, 1.0, value);
+    Ok(vec![
+        ("+T as Eq. (17) prints it", of(&reversed, reversed.mu0)?),
+        ("spring of Eq. (4)", of(&double_well, double_well.k1)?),
+    ])
+}
+
+/// The printed model with the spring of Eq. (4), the opposite of Eq. (17)'s.
+fn double_well() -> ForcedOscillator {
+    let printed = ForcedOscillator::default();
+    ForcedOscillator {
+        k1: -printed.k1,
+        k2: -printed.k2,
+        ..printed
     }
 }

@@ -1,13 +1,111 @@
 //! What becomes of all starts at one set of parameters.
 
-use super::class::Class;
-use super::stick_slip::StickSlip;
+use crate::numbers::largest;
 use crate::paper::pattern::two_periodic;
 use stickslip::analysis::{Destination, destination};
 use stickslip::error::Error;
 use stickslip::filippov::{AtRepelling, Options, TransitionKind, solve};
 use stickslip::models::ForcedOscillator;
 use stickslip::system::{Mode, State, Unchecked};
+
+/// What a start leads to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Class {
+    /// Out of the spring's reach.
+    Escape,
+    /// Periodic without stick.
+    SlipOnly,
+    /// Periodic with stick in each forcing period or with a period other than two.
+    StickSlip,
+    /// Periodic with stick, repeating after two forcing periods and not after one, as published.
+    StickSlipTwo,
+    /// Nothing repeats within eight forcing periods.
+    Unsettled,
+}
+
+impl Class {
+    /// All of them, in the order of the table's columns, by which they are counted.
+    pub const ALL: [Class; 5] = [
+        Class::Escape,
+        Class::SlipOnly,
+        Class::StickSlip,
+        Class::StickSlipTwo,
+        Class::Unsettled,
+    ];
+
+    /// Its name in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Class::Escape => "escapes",
+            Class::SlipOnly => "slip_only",
+            Class::StickSlip => "stick_slip_other",
+            Class::StickSlipTwo => "stick_slip_period_two",
+            Class::Unsettled => "unsettled",
+        }
+    }
+}
+
+/// Positions of the starts, in units of √(k1/k2), beyond which the spring drives bodies away;
+/// symmetrical.
+const POSITIONS: usize = 9;
+/// Their outermost.
+const REACH: f64 = 1.2;
+/// Velocities of the starts (m/s); the belt's speed comes on top.
+const VELOCITIES: [f64; 4] = [-1.6, -0.8, 0.0, 1.2];
+
+/// Starts: a grid, points on the belt, and the ends of the stick zones, of which one is the paper's
+/// start.
+pub(in crate::report) fn starts(model: &ForcedOscillator) -> Result<Vec<State<2>>, Error> {
+    let unit = (model.k1 / model.k2).sqrt();
+    let speeds = || VELOCITIES.into_iter().chain([model.belt_speed]);
+    let middle = (POSITIONS / 2) as f64;
+    let mut all: Vec<State<2>> = (0..POSITIONS)
+        .map(|k| unit * REACH * (k as f64 - middle) / middle)
+        .flat_map(|x1| speeds().map(move |x2| State::from([x1, x2])))
+        .collect();
+    for (lower, upper) in model.stick_zones()? {
+        all.extend([lower, upper].map(|z| State::from([z, model.belt_speed])));
+    }
+    Ok(all)
+}
+
+/// Stick phases whose lengths differ by no more are the same (m).
+const SAME_LENGTH: f64 = 1e-4;
+
+/// A periodic motion with stick.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StickSlip {
+    /// Forcing periods after which it repeats.
+    pub period: usize,
+    /// Lengths of its stick phases in one pattern (m), the longest first.
+    pub lengths: Vec<f64>,
+}
+
+impl StickSlip {
+    /// Larger of the relative differences of the two longest stick phases of two forcing periods
+    /// from `published`; infinite where there are not two.
+    pub fn distance(&self, published: [f64; 2]) -> f64 {
+        // A motion of period one has each of its stick phases twice in two periods.
+        let twice = if self.period == 1 { 2 } else { 1 };
+        let lengths = self.lengths.iter();
+        let mut all = lengths.flat_map(|&l| std::iter::repeat_n(l, twice));
+        match (all.next(), all.next()) {
+            (Some(first), Some(second)) => {
+                let pairs = [(first, published[0]), (second, published[1])];
+                largest(pairs.map(|(found, wanted)| (found / wanted - 1.0).abs()))
+            }
+            _ => f64::INFINITY,
+        }
+    }
+
+    /// Whether two starts have found the same motion.
+    pub(super) fn is(&self, other: &StickSlip) -> bool {
+        let near = |(a, b): (&f64, &f64)| (a - b).abs() <= SAME_LENGTH;
+        self.period == other.period
+            && self.lengths.len() == other.lengths.len()
+            && self.lengths.iter().zip(&other.lengths).all(near)
+    }
+}
 
 /// Forcing periods that a start is followed over.
 const FOLLOWED: usize = 60;
@@ -31,7 +129,8 @@ pub struct Point {
 }
 
 impl Point {
-    /// Follows all starts in a model that has `value` in the place of one parameter, `factor` times the printed one.
+    /// Follows all starts in a model that has `value` in the place of one parameter, `factor` times
+    /// the printed one.
     ///
     /// # Errors
     /// Those of [`solve`] except an escape.
@@ -79,38 +178,30 @@ impl Point {
         })
     }
 
-    /// Of the stick–slip motions the one nearest to the published lengths that `allowed` lets pass, and its distance.
+    /// Of the stick–slip motions the one nearest to the published lengths that `allowed` lets pass,
+    /// and its distance.
     pub fn nearest(
         &self,
         published: [f64; 2],
         allowed: impl Fn(&StickSlip) -> bool,
     ) -> Option<(&StickSlip, f64)> {
-        self.stick_slip
-            .iter()
-            .filter(|motion| allowed(motion))
-            .map(|motion| (motion, motion.distance(published)))
-            .min_by(|one, other| one.1.total_cmp(&other.1))
+        let motions = self.stick_slip.iter().filter(|motion| allowed(motion));
+        let distances = motions.map(|motion| (motion, motion.distance(published)));
+        distances.min_by(|one, other| one.1.total_cmp(&other.1))
     }
 }
 
-/// Where a start ends up. A motion with stick is followed on, for one that comes near its neighbour of half the period slowly is
-/// easily taken for one of twice the period.
+/// Where a start ends up. A motion with stick is followed on, for one that comes near its neighbour
+/// of half the period slowly is easily taken for one of twice the period.
 fn settled(
     model: &ForcedOscillator,
     x: State<2>,
     options: &Options,
 ) -> Result<Destination<2>, Error> {
     // Friction of the other sign is among the variants.
-    let follow = |x, periods, closeness| {
-        destination(
-            &Unchecked(model),
-            (0.0, x),
-            model.period(),
-            periods,
-            closeness,
-            options,
-        )
-    };
+    let (system, period) = (Unchecked(model), model.period());
+    let follow =
+        |x, periods, closeness| destination(&system, (0.0, x), period, periods, closeness, options);
     match follow(x, FOLLOWED, CLOSENESS)? {
         Destination::Periodic { sticks, x, .. } if sticks > 0 => {
             follow(x, 4 * FOLLOWED, 0.1 * CLOSENESS)
@@ -119,7 +210,8 @@ fn settled(
     }
 }
 
-/// Lengths of the stick phases that end within one pattern of a periodic motion (m), the longest first.
+/// Lengths of the stick phases that end within one pattern of a periodic motion (m), the longest
+/// first.
 fn lengths(
     model: &ForcedOscillator,
     x: &State<2>,
@@ -129,17 +221,12 @@ fn lengths(
     let pattern = period as f64 * model.period();
     // A phase that has begun when the first pattern begins is whole in the second.
     let orbit = solve(&Unchecked(model), 0.0, *x, 2.0 * pattern, options)?;
-    let exits = orbit
-        .transitions
-        .iter()
-        .filter(|at| at.kind == TransitionKind::StickExit);
+    let exits = orbit.transitions.iter();
+    let exits = exits.filter(|at| at.kind == TransitionKind::StickExit);
     let ends: Vec<f64> = exits.map(|at| at.t).filter(|&t| t > pattern).collect();
-    let mut lengths: Vec<f64> = orbit
-        .phases
-        .iter()
-        .filter(|phase| phase.mode == Mode::Stick && ends.contains(&phase.t_end))
-        .map(|phase| phase.displacement()[0])
-        .collect();
+    let phases = orbit.phases.iter();
+    let within = phases.filter(|phase| phase.mode == Mode::Stick && ends.contains(&phase.t_end));
+    let mut lengths: Vec<f64> = within.map(|phase| phase.displacement()[0]).collect();
     lengths.sort_by(|one, other| other.total_cmp(one));
     Ok(lengths)
 }

@@ -1,27 +1,21 @@
-//! One orbit as the estimator and the verdict on its class need it.
+//! Orbits of the three captions, followed by each integrator.
 
 use std::ops::ControlFlow;
 
-use super::plan::{DT, Group, Integrator, Plan};
-use super::scheme;
-use super::verdict::Verdict;
-use crate::correlation::correlation_dimension;
-use crate::turns::Turns;
+use super::plan::{BOUND, CURVE, DT, Group, Integrator, MOST_STEPS, Plan, SAME, TOLERANCE};
+use super::table::Verdict;
+use crate::numbers::extent;
+use crate::paper::in_place::{InPlace, Lost};
+use crate::turns::{Samples, Turns};
 use stickslip::analysis::motion::{Class, Criterion, Evidence, Of};
 use stickslip::analysis::{Exponent, SpectrumOptions, lyapunov_spectrum_watched};
 use stickslip::error::Error;
 use stickslip::filippov::{AtRepelling, Method, Observer, Options, StepRecord, run};
+use stickslip::math;
 use stickslip::models::{BlockAndBracket, Caption};
 use stickslip::orbit::Ending;
+use stickslip::statistics::PowerLaw;
 use stickslip::system::State;
-
-type X = State<4>;
-
-/// Larger components mean that the orbit has left for good.
-pub const BOUND: f64 = 1e3;
-/// Orbits that take more steps are given up: the shortest fixed steps, and one for each of some
-/// hundred thousand events.
-pub const MOST_STEPS: usize = 3_000_000;
 
 /// An orbit that stayed to the end.
 #[derive(Clone, Debug)]
@@ -39,8 +33,7 @@ pub struct Bounded {
 impl Bounded {
     /// From the series, times and states of the returns, and the class.
     pub fn new(series: Vec<[f64; 4]>, section: &[(f64, [f64; 4])], class: Class) -> Bounded {
-        let x1 = || series.iter().map(|x| x[0]);
-        let amplitude = 0.5 * (x1().fold(f64::MIN, f64::max) - x1().fold(f64::MAX, f64::min));
+        let (low, high) = extent(series.iter().map(|x| x[0]));
         let dimension = match class {
             Class::Periodic(_) => f64::NAN,
             _ => {
@@ -51,7 +44,7 @@ impl Bounded {
         Bounded {
             series,
             class,
-            amplitude,
+            amplitude: 0.5 * (high - low),
             dimension,
         }
     }
@@ -88,22 +81,20 @@ pub fn follow(group: &Group, caption: &Caption, plan: &Plan) -> Outcome {
     match group.integrator {
         Integrator::Exact => solved(&system, start, plan, Method::Dop853),
         Integrator::FourthOrder(step) => solved(&system, start, plan, Method::Rk4 { step }),
-        Integrator::InPlace(h) => scheme::follow(&system, start, h, plan),
+        Integrator::InPlace(h) => in_place(&system, start, h, plan),
     }
 }
 
-/// Tolerance of the exact solver, as in the figures.
-pub const TOLERANCE: f64 = 1e-10;
-
 /// By the library's solver, which locates Σ by Hénon's step.
-fn solved(system: &BlockAndBracket, start: X, plan: &Plan, method: Method) -> Outcome {
+fn solved(system: &BlockAndBracket, start: State<4>, plan: &Plan, method: Method) -> Outcome {
     // Where friction drives the block away from the belt, either side is as good as the other.
     let options = Options::tol(TOLERANCE)
         .method(method)
         .escape(BOUND)
         .at_repelling(AtRepelling::GoBelow);
     let t_end = plan.from + plan.duration();
-    // The spectrum tells nothing of its transient: whether the orbit can be followed at all is found out without it.
+    // The spectrum tells nothing of its transient: whether the orbit can be followed at all is
+    // found out without it.
     let mut alone = Watch::new(system, &options, plan);
     let stayed = run(system, 0.0, start, t_end, &options, &mut alone);
     match stayed.map_err(Error::from) {
@@ -126,9 +117,8 @@ fn solved(system: &BlockAndBracket, start: X, plan: &Plan, method: Method) -> Ou
 
 struct Watch<'a> {
     from: f64,
-    points: usize,
     steps: usize,
-    series: Vec<[f64; 4]>,
+    samples: Samples,
     turns: Turns<'a>,
 }
 
@@ -138,19 +128,7 @@ impl Observer<4> for Watch<'_> {
         if self.steps > MOST_STEPS {
             return ControlFlow::Break(());
         }
-        while self.series.len() < self.points {
-            // A quotient, not a sum of steps: the last of them is the end itself.
-            let due = self.from + self.series.len() as f64 / (1.0 / DT);
-            if due > step.t_end {
-                break;
-            }
-            let x = if due == step.t_end {
-                step.x_end
-            } else {
-                step.dense.at_time(due)
-            };
-            self.series.push(x.into());
-        }
+        self.samples.step(step);
         if step.t_start >= self.from {
             self.turns.step(step);
         }
@@ -162,9 +140,8 @@ impl<'a> Watch<'a> {
     fn new(system: &'a BlockAndBracket, options: &Options, plan: &Plan) -> Self {
         Watch {
             from: plan.from,
-            points: plan.points,
             steps: 0,
-            series: Vec::new(),
+            samples: Samples::new(plan.from, DT, plan.points),
             turns: Turns::new(system, options),
         }
     }
@@ -172,6 +149,93 @@ impl<'a> Watch<'a> {
     fn bounded(self, exponents: &[Exponent], duration: f64) -> Outcome {
         let (section, spectrum) = (self.turns.points, (Of::Flow, exponents, duration));
         let class = Evidence::gather(&section, spectrum, &Criterion::default()).class();
-        Outcome::Bounded(Bounded::new(self.series, &section, class))
+        Outcome::Bounded(Bounded::new(self.samples.states, &section, class))
+    }
+}
+
+/// A return to `x₂ = 0` from above between two states.
+fn crossing(before: &State<4>, after: &State<4>) -> Option<State<4>> {
+    let falls = before[1] > 0.0 && after[1] <= 0.0;
+    falls.then(|| before + (after - before) * (before[1] / (before[1] - after[1])))
+}
+
+/// Follows the scheme. Every so many passes are a point, as the listing counts its records.
+fn in_place(system: &BlockAndBracket, start: State<4>, h: f64, plan: &Plan) -> Outcome {
+    let passes = |t: f64| (t / h).round() as usize;
+    let (first, every) = (passes(plan.from), passes(DT).max(1));
+    let last = first + (plan.points - 1) * every;
+    let mut scheme = InPlace::start(system, start, h, BOUND);
+    let (mut series, mut section) = (Vec::new(), Vec::new());
+    for pass in 0..=last {
+        if pass >= first && (pass - first).is_multiple_of(every) {
+            series.push((*scheme.x()).into());
+        }
+        let before = *scheme.x();
+        match scheme.advance() {
+            Ok(()) => {}
+            Err(Lost::Escaped { t }) => return Outcome::Escaped(t),
+            Err(Lost::BrokenDown { .. }) => return Outcome::Failed,
+        }
+        if let Some(at) = crossing(&before, scheme.x()).filter(|_| pass >= first) {
+            section.push((scheme.t(), at.into()));
+        }
+    }
+    let criterion = Criterion {
+        same: SAME,
+        ..Criterion::default()
+    };
+    let closing = Evidence::gather(&section, (Of::ReturnMap, &[], 1.0), &criterion).class();
+    let mut motion = Bounded::new(series, &section, closing);
+    if closing == Class::Undecided && motion.dimension < CURVE {
+        motion.class = Class::QuasiPeriodic;
+    } else if closing == Class::Undecided && motion.dimension >= CURVE {
+        motion.class = Class::Chaotic;
+    }
+    Outcome::Bounded(motion)
+}
+
+/// Shares of pairs between which the slope is taken.
+const SHARES: (f64, f64) = (2e-3, 2e-2);
+/// Radii at which it is measured.
+const RADII: u32 = 12;
+
+/// The correlation dimension (Grassberger & Procaccia 1983): slope of ln C(r), C being the share of
+/// pairs of points nearer than r in every component.
+fn correlation_dimension<const N: usize>(points: &[[f64; N]]) -> f64 {
+    let mut distances = Vec::with_capacity(points.len() * points.len().saturating_sub(1) / 2);
+    for (i, one) in points.iter().enumerate() {
+        for other in &points[i + 1..] {
+            let apart = one.iter().zip(other).map(|(a, b)| (a - b).abs());
+            distances.push(apart.fold(0.0, f64::max));
+        }
+    }
+    distances.sort_by(f64::total_cmp);
+    let at = |share: f64| {
+        let index = (share * distances.len() as f64) as usize;
+        distances.get(index).copied().unwrap_or(f64::NAN)
+    };
+    let ratio = SHARES.1 / SHARES.0;
+    let shares = (0..RADII).map(|k| f64::from(k) / f64::from(RADII - 1));
+    let shares = shares.map(|part| SHARES.0 * math::pow(ratio, part));
+    PowerLaw::through(shares.map(|share| (at(share), share))).exponent
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_dimension_of_a_filled_square_is_two() {
+        // A low-discrepancy sequence.
+        let square: Vec<[f64; 2]> = (1..1200)
+            .map(|k| {
+                [
+                    (0.754_877_67 * f64::from(k)).fract(),
+                    (0.569_840_29 * f64::from(k)).fract(),
+                ]
+            })
+            .collect();
+        let dimension = correlation_dimension(&square);
+        assert!((dimension - 2.0).abs() < 0.3, "{dimension}");
     }
 }

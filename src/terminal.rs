@@ -1,10 +1,18 @@
-//! How a program ends: with its text on standard output, or with an error and an exit code.
+//! What all programs of the replication share on a terminal: what they print, which exit code that
+//! comes to, and how far they are.
 
+#[cfg(feature = "report")]
+use std::cell::OnceCell;
 use std::fmt::Display;
 use std::io::{self, Write};
 use std::process::ExitCode;
+use std::time::Duration;
+#[cfg(feature = "report")]
+use std::time::Instant;
 
-use super::note;
+use indicatif::ProgressBar;
+#[cfg(feature = "report")]
+use indicatif::ProgressStyle;
 
 /// An error that ends a program.
 pub(crate) trait ProgramError: Display {
@@ -16,7 +24,8 @@ pub(crate) trait ProgramError: Display {
 
 /// Prints what a program has to say, named `what` if that fails, or its error.
 ///
-/// Exit code 0 on success, 1 if something failed (`error: …` on standard error), 2 for a wrong command line.
+/// Exit code 0 on success, 1 if something failed (`error: …` on standard error), 2 for a wrong
+/// command line.
 pub(crate) fn finish<E: ProgramError>(what: &str, outcome: Result<String, E>) -> ExitCode {
     match outcome {
         Ok(text) => end_of_print(what, print(&text)),
@@ -43,6 +52,51 @@ fn end_of_print(what: &str, printed: io::Result<()>) -> ExitCode {
             ExitCode::FAILURE
         }
     }
+}
+
+/// A line on standard error; where nobody reads it any more, nothing is lost with it.
+pub(crate) fn note(line: &str) {
+    let _ = writeln!(std::io::stderr(), "{line}");
+}
+
+/// A sign that something goes on, gone when it is cleared. Only a terminal shows it.
+pub(crate) fn spinner(message: String) -> ProgressBar {
+    let spinner = ProgressBar::new_spinner().with_message(message);
+    spinner.enable_steady_tick(Duration::from_millis(120));
+    spinner
+}
+
+/// A bar with the count of what is done, and `text` in indicatif's own words. Only a terminal shows
+/// it.
+#[cfg(feature = "report")]
+pub(crate) fn bar(done: usize, total: usize, text: &str) -> ProgressBar {
+    let bar = ProgressBar::new(total as u64).with_position(done as u64);
+    match ProgressStyle::with_template(&format!("{{bar:40}} {{pos}}/{{len}}{text}")) {
+        Ok(style) => bar.with_style(style),
+        Err(_) => bar,
+    }
+}
+
+/// Only computations longer than this show how far they are.
+#[cfg(feature = "report")]
+const PATIENCE: Duration = Duration::from_secs(2);
+
+/// Runs `work` with a report of what is done and of how much, that shows up as a bar once it has
+/// taken a while.
+#[cfg(feature = "report")]
+pub(crate) fn patiently<T>(text: &str, work: impl FnOnce(&dyn Fn(usize, usize)) -> T) -> T {
+    let begin = Instant::now();
+    let shown: OnceCell<ProgressBar> = OnceCell::new();
+    let outcome = work(&|done, total| {
+        if begin.elapsed() >= PATIENCE {
+            let shown = shown.get_or_init(|| bar(0, total, text));
+            shown.set_position(done as u64);
+        }
+    });
+    if let Some(bar) = shown.get() {
+        bar.finish_and_clear();
+    }
+    outcome
 }
 
 #[cfg(test)]

@@ -1,8 +1,72 @@
-//! A configuration and what came of it, as a line of the table.
+//! The table of the search: one row for each configuration, with the classes and exponents that it
+//! gives the three figures.
 
-use super::score::Twelve;
-use super::verdict::Verdict;
+use std::fmt;
+use std::str::FromStr;
+
 use stickslip::analysis::data_spectrum::Status;
+use stickslip::analysis::motion::{Class, UnknownClass};
+
+/// The twelve exponents of Figs. 10–12, each figure's in descending order.
+pub type Twelve = [[f64; 4]; 3];
+
+/// The captioned classes of Figs. 10–12.
+const PUBLISHED: [Class; 3] = [Class::Periodic(2), Class::QuasiPeriodic, Class::Chaotic];
+
+/// The verdict on an orbit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// It stayed; this is the class of its motion.
+    Motion(Class),
+    /// It left for infinity.
+    Escaped,
+    /// It could not be followed.
+    Failed,
+}
+
+impl Verdict {
+    /// Whether it is the class that the caption of figure 10, 11 or 12 (0, 1, 2) names, loops and
+    /// all.
+    pub fn is_published(self, figure: usize) -> bool {
+        self == Verdict::Motion(PUBLISHED[figure])
+    }
+
+    /// Whether it is of that kind: periodic with any number of loops passes for Fig. 10's
+    /// "two-periodic". The search ranks by kind.
+    pub fn is_of_kind(self, figure: usize) -> bool {
+        match (self, PUBLISHED[figure]) {
+            (Verdict::Motion(Class::Periodic(_)), Class::Periodic(_)) => true,
+            _ => self.is_published(figure),
+        }
+    }
+
+    /// Whether the orbit stayed.
+    pub fn stays(self) -> bool {
+        matches!(self, Verdict::Motion(_))
+    }
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Verdict::Motion(class) => class.fmt(f),
+            Verdict::Escaped => f.write_str("escaped"),
+            Verdict::Failed => f.write_str("failed"),
+        }
+    }
+}
+
+impl FromStr for Verdict {
+    type Err = UnknownClass;
+
+    fn from_str(text: &str) -> Result<Self, UnknownClass> {
+        match text {
+            "escaped" => Ok(Verdict::Escaped),
+            "failed" => Ok(Verdict::Failed),
+            _ => text.parse().map(Verdict::Motion),
+        }
+    }
+}
 
 /// A line of `readings.csv`.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,7 +81,7 @@ pub struct Row {
     /// Exponents, descending; NaN where there is none.
     pub exponents: Twelve,
     /// What the estimator says of each.
-    pub statuses: [[String; 4]; 3],
+    pub statuses: [[&'static str; 4]; 3],
     /// Distance from the published exponents: of each figure, and of all.
     pub scores: [f64; 4],
 }
@@ -48,9 +112,14 @@ fn number(text: &str) -> Option<f64> {
     }
 }
 
-fn known(status: &str) -> bool {
-    Status::ALL.map(Status::word).contains(&status)
-        || [NO_SERIES, LOST, NO_ESTIMATE].contains(&status)
+/// A status by its name.
+fn known(status: &str) -> Option<&'static str> {
+    let mut all = Status::ALL.map(Status::word).into_iter();
+    all.find(|one| *one == status).or_else(|| {
+        [NO_SERIES, LOST, NO_ESTIMATE]
+            .into_iter()
+            .find(|one| *one == status)
+    })
 }
 
 impl Row {
@@ -80,7 +149,7 @@ impl Row {
 
     /// Whether it can match the figures: all three motions are of the published kind.
     pub fn is_ranked(&self) -> bool {
-        self.kinds_right() == 3
+        self.right(Verdict::is_of_kind) == 3
     }
 
     /// Whether all three motions stay.
@@ -88,39 +157,37 @@ impl Row {
         self.classes.iter().all(|class| class.stays())
     }
 
-    /// How many motions are of the published class, loops and all.
-    pub fn classes_right(&self) -> usize {
-        (0..3).filter(|&f| self.classes[f].is_published(f)).count()
+    /// How many motions are of the published class ([`Verdict::is_published`]) or kind
+    /// ([`Verdict::is_of_kind`]).
+    pub fn right(&self, is: fn(Verdict, usize) -> bool) -> usize {
+        (0..3).filter(|&f| is(self.classes[f], f)).count()
     }
 
-    /// How many motions are of the published kind ([`Verdict::is_of_kind`]).
-    pub fn kinds_right(&self) -> usize {
-        (0..3).filter(|&f| self.classes[f].is_of_kind(f)).count()
-    }
-
-    /// What the recommended row has least of: kinds of motion wrong, then distance of all exponents.
+    /// What the recommended row has least of: kinds of motion wrong, then distance of all
+    /// exponents.
     pub fn kinds_first(&self) -> (usize, f64) {
-        (3 - self.kinds_right(), self.scores[3])
+        (3 - self.right(Verdict::is_of_kind), self.scores[3])
     }
 
     /// The line. Numbers read back to the same bits.
     pub fn line(&self) -> String {
-        let mut line = self.key.join(",");
+        let mut fields = self.key.to_vec();
         for figure in 0..3 {
-            line += &format!(",{}", self.classes[figure]);
-            for size in self.sizes[figure] {
-                line += &format!(",{}", text(size));
-            }
+            fields.push(self.classes[figure].to_string());
+            fields.extend(self.sizes[figure].map(text));
             for k in 0..4 {
-                let value = text(self.exponents[figure][k]);
-                line += &format!(",{value},{}", self.statuses[figure][k]);
+                fields.push(text(self.exponents[figure][k]));
+                fields.push(self.statuses[figure][k].to_owned());
             }
         }
-        line += &format!(",{},{}", self.classes_right(), self.kinds_right());
-        for score in self.scores {
-            line += &format!(",{score}");
-        }
-        line + "\n"
+        fields.extend(self.rights());
+        fields.extend(self.scores.map(|score| score.to_string()));
+        fields.join(",") + "\n"
+    }
+
+    /// Classes and kinds that are right, as they stand in the table.
+    fn rights(&self) -> [String; 2] {
+        [Verdict::is_published, Verdict::is_of_kind].map(|is| self.right(is).to_string())
     }
 
     /// Reads a line; `None` if it is damaged.
@@ -142,12 +209,11 @@ impl Row {
             }
             for k in 0..4 {
                 row.exponents[figure][k] = number(next()?)?;
-                let status = next()?;
-                row.statuses[figure][k] = known(status).then(|| status.to_owned())?;
+                row.statuses[figure][k] = known(next()?)?;
             }
         }
-        for right in [row.classes_right(), row.kinds_right()] {
-            if next()? != right.to_string() {
+        for right in row.rights() {
+            if next()? != right {
                 return None;
             }
         }
@@ -161,6 +227,24 @@ impl Row {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::paper::claim_id::SpectrumFigure;
+    use crate::paper::published::Claims;
+
+    #[test]
+    fn the_classes_are_those_of_the_table_of_claims() {
+        let claims = Claims::committed().unwrap();
+        for (class, figure) in PUBLISHED.iter().zip(SpectrumFigure::ALL) {
+            assert_eq!(class.to_string(), claims.of(figure.class()).published);
+        }
+    }
+
+    #[test]
+    fn loops_count_for_the_class_and_not_for_the_kind() {
+        let one_loop: Verdict = "periodic".parse().unwrap();
+        assert!(one_loop.is_of_kind(0) && !one_loop.is_published(0));
+        assert!(!one_loop.is_of_kind(1) && one_loop.stays());
+        assert!(!Verdict::Escaped.stays());
+    }
 
     #[test]
     fn a_line_with_any_status_reads_back() {
@@ -173,7 +257,7 @@ mod tests {
             let row = Row {
                 sizes: [[1.5, f64::NAN]; 3],
                 exponents: [[0.25, -1e-17, f64::NEG_INFINITY, -0.1]; 3],
-                statuses: [[(); 4]; 3].map(|four| four.map(|()| status.to_owned())),
+                statuses: [[(); 4]; 3].map(|four| four.map(|()| status)),
                 scores: [3.0; 4],
                 ..Row::empty(["search", "r", "i", "s"].map(str::to_owned))
             };

@@ -1,0 +1,62 @@
+//! Small numerical helpers of all parts of the replication.
+
+use stickslip::error::Error;
+
+/// The least number in `(low, high]` for which `is_after` holds, if it holds from some number on.
+/// To the last bit.
+pub(crate) fn bisect(mut low: f64, mut high: f64, is_after: impl Fn(f64) -> bool) -> f64 {
+    loop {
+        let middle = 0.5 * (low + high);
+        if !(low < middle && middle < high) {
+            return high;
+        }
+        if is_after(middle) {
+            high = middle;
+        } else {
+            low = middle;
+        }
+    }
+}
+
+/// Where a property begins or ends between neighbours of an ascending grid, to the last bit.
+pub(crate) fn changes(grid: impl IntoIterator<Item = f64>, has: impl Fn(f64) -> bool) -> Vec<f64> {
+    let grid = grid.into_iter().map(|at| (at, has(at)));
+    let grid: Vec<(f64, bool)> = grid.collect();
+    let pairs = grid.windows(2).map(|pair| (pair[0], pair[1]));
+    let changing = pairs.filter(|((_, before), (_, after))| before != after);
+    changing
+        .map(|((low, before), (high, _))| bisect(low, high, |at| has(at) != before))
+        .collect()
+}
+
+/// Least and largest of some numbers; `(∞, −∞)` of none. Numbers that are NaN are passed over.
+pub(crate) fn extent(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
+    let none = (f64::INFINITY, f64::NEG_INFINITY);
+    let wider = |(low, high): (f64, f64), value: f64| (low.min(value), high.max(value));
+    values.into_iter().fold(none, wider)
+}
+
+/// The largest of some numbers that are not negative; 0 of none.
+#[cfg(feature = "report")]
+pub(crate) fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
+    values.into_iter().fold(0.0, f64::max)
+}
+
+/// The error of a search that ended without `what`, from time `t` on over `span` (s).
+pub(crate) fn missing(what: &'static str, t: f64, span: f64) -> Error {
+    Error::NotFound { what, t, span }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn neighbours_are_told_apart_and_signs_do_not_matter() {
+        for step in [1.0 / 3.0, 0.7, -0.4, -1e-300, 0.0] {
+            let found = bisect(-1.0, 1.0, |x| x >= step);
+            assert_eq!(found.to_bits() << 1, step.to_bits() << 1, "{step}");
+        }
+        assert_eq!(bisect(0.0, 1.0, |_| false), 1.0);
+    }
+}

@@ -1,0 +1,136 @@
+//! `s2.inner_points`: at the critical friction ±1/√3 are tangent points inside the stick zone of
+//! model 1.
+
+use super::{small, statement};
+use crate::paper::reading::Reading::Exact;
+use crate::report::finding::Finding;
+use stickslip::analysis::{Visibility, tangency};
+use stickslip::error::Error;
+use stickslip::filippov::{Options, solve};
+use stickslip::models::BeltOscillator;
+use stickslip::system::{Mode, Side, State};
+
+const TOLERANCE: f64 = 1e-13;
+/// Where the body is put on the belt (m): left of both inner points, inside the zone.
+const START: f64 = -0.9;
+/// A release this near to the outer point is at it (m).
+const AT: f64 = 1e-9;
+/// Friction above the critical one by these parts of it: at the critical value itself rounding
+/// decides at the inner points.
+const EXCESSES: [f64; 4] = [0.0, 1e-15, 1e-12, 1e-9];
+
+/// A ride on the belt until the body slips.
+#[derive(Clone, Copy)]
+struct Ride {
+    /// Part by which friction exceeds the critical one.
+    excess: f64,
+    /// Where the body is released (m), and the way until there (m).
+    released_at: f64,
+    length: f64,
+}
+
+impl Ride {
+    /// Through both inner points to the outer one.
+    fn goes_through(&self) -> bool {
+        START + self.length > inner() && (self.released_at - 2.0 * inner()).abs() <= AT
+    }
+}
+
+/// The upper of the inner points (m); the outer ones are twice as far out.
+fn inner() -> f64 {
+    1.0 / 3f64.sqrt()
+}
+
+pub(super) fn inner_points() -> Result<Vec<Finding>, Error> {
+    let rides: Vec<Ride> = EXCESSES.into_iter().map(ride).collect::<Result<_, _>>()?;
+    Ok(judged(&rides, ride(-0.01)?))
+}
+
+/// The statement by rides at the critical friction and above, and by one below it.
+fn judged(rides: &[Ride], below: Ride) -> Vec<Finding> {
+    let at_points = |excess| {
+        let model = with_friction(excess);
+        [-inner(), inner()].map(|x1| tangent_at(&model, x1))
+    };
+    let tangent = at_points(0.0);
+    let at_half = at_points(-0.5);
+    // The least excess from which on every body rides through.
+    let through = rides.iter().rev().take_while(|ride| ride.goes_through());
+    let least = through.last();
+    let parts = [
+        (
+            "±1/√3 are tangent points at the critical friction",
+            tangent.iter().all(Option::is_some) && at_half.iter().all(Option::is_none),
+        ),
+        (
+            "they lie inside the stick zone: a body on the belt rides through both to the outer point",
+            least.is_some() && !below.goes_through(),
+        ),
+    ];
+    let [left, right] = tangent.map(|found| match found {
+        Some(Visibility::Visible) => "visible",
+        Some(Visibility::Invisible) => "invisible",
+        Some(Visibility::Degenerate) => "degenerate",
+        None => "no",
+    });
+    let friction = match least.map(|ride| ride.excess) {
+        Some(0.0) => "at the critical friction itself".to_owned(),
+        Some(excess) => format!("friction exceeding the critical one by {excess:.0e} of it"),
+        None => "at the largest friction tried".to_owned(),
+    };
+    let released = least.or(rides.last());
+    let released = released.map_or(f64::NAN, |ride| ride.released_at);
+    let line = format!(
+        "at the critical friction a field is tangent at −1/√3 ({left}) and at 1/√3 ({right}); from x1 = {START} m on the belt, {friction}, \
+         the body is released at {released:.6} m, {} m from 2/√3; at friction a hundredth below critical at {:.6} m",
+        small((released - 2.0 * inner()).abs()),
+        below.released_at,
+    );
+    vec![statement(Exact, parts, line)]
+}
+
+fn with_friction(excess: f64) -> BeltOscillator {
+    BeltOscillator {
+        mu0: 2.0 / (3.0 * 3f64.sqrt()) * (1.0 + excess),
+        ..BeltOscillator::default()
+    }
+}
+
+/// The kind of tangency of a field at a point on the belt.
+fn tangent_at(model: &BeltOscillator, x1: f64) -> Option<Visibility> {
+    let x = State::from([x1, model.belt_speed]);
+    let mut sides = [Side::Below, Side::Above].into_iter();
+    sides.find_map(|side| tangency(model, side, 0.0, &x))
+}
+
+fn ride(excess: f64) -> Result<Ride, Error> {
+    let model = with_friction(excess);
+    let start = State::from([START, model.belt_speed]);
+    let end = 2.0 * 4.0 / 3f64.sqrt() / model.belt_speed;
+    let orbit = solve(&model, 0.0, start, end, &Options::tol(TOLERANCE))?;
+    let first = orbit.phases.first();
+    let first = first.filter(|phase| phase.mode == Mode::Stick);
+    Ok(Ride {
+        excess,
+        released_at: first.map_or(START, |phase| phase.x_end[0]),
+        length: first.map_or(0.0, |phase| phase.displacement()[0]),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_body_rides_through_both_inner_points() {
+        assert_eq!(inner_points().unwrap()[0].parts(), [true, true]);
+    }
+
+    #[test]
+    fn below_the_critical_friction_it_is_released_before() {
+        let below = ride(-0.01).unwrap();
+        assert!(below.released_at < inner());
+        // Were the rides so, the statement would fail.
+        assert!(!judged(&[below], below)[0].parts()[1]);
+    }
+}

@@ -1,0 +1,357 @@
+//! What the paper says of Fig. 8's motion: its start, its arcs, and that the Appendix's program
+//! finds it.
+
+use super::sticks::{ESCAPE, TOLERANCE};
+use super::{as_printed, statement};
+use crate::paper::claim_id::ClaimId;
+use crate::paper::listing::{Defects, Motion, Params, Run, Setup, run, run_with};
+use crate::paper::pattern::two_periodic;
+use crate::paper::published::{Claims, PublishedError};
+use crate::paper::reading::Reading::{AsPrinted, Exact};
+use crate::report::ReportError;
+use crate::report::digits::decimals;
+use crate::report::errata::{Erratum, count, erratum, number};
+use crate::report::finding::Finding;
+use stickslip::analysis::{Destination, destination};
+use stickslip::error::Error;
+use stickslip::filippov::{Options, solve};
+use stickslip::models::ForcedOscillator;
+use stickslip::system::{Filippov, Mode, Side, State};
+
+/// Forcing periods that a start of the stated model is followed over, and the distance of states
+/// that count as equal.
+const SETTLING: (usize, f64) = (60, 1e-5);
+/// End of the run that lets the motion settle (s), the listing's own, and forcing periods looked at
+/// after that.
+const SETTLED: f64 = 63.3;
+const SHOWN: f64 = 4.0;
+
+/// How many of the four published numbers a run of the listing gives to all printed digits.
+fn published_digits(run: &Run) -> Result<usize, PublishedError> {
+    let claims = Claims::committed()?;
+    let numbers = run.four_numbers().into_iter().flatten();
+    let agrees = |(id, value): &(ClaimId, f64)| claims.of(*id).agrees(*value);
+    Ok(ClaimId::FOUR
+        .into_iter()
+        .zip(numbers)
+        .filter(agrees)
+        .count())
+}
+
+/// The program and the stated model from one start on Σ.
+#[derive(Debug, PartialEq)]
+struct FromPoint {
+    /// Where it is (m).
+    x1: f64,
+    /// When the listing first releases the body (s).
+    first_release: f64,
+    /// Of the four published numbers, those that the listing settles on to all printed digits.
+    digits: usize,
+    /// Whether the stated model settles on stick–slip of period two.
+    model_two_periodic: bool,
+}
+
+fn from(x1: f64) -> Result<FromPoint, ReportError> {
+    let model = ForcedOscillator::default();
+    let params = Params {
+        x1,
+        ..Params::default()
+    };
+    let outcome = run(&Setup {
+        params,
+        ..Setup::default()
+    })?;
+    let start = (0.0, State::from([x1, model.belt_speed]));
+    let options = Options::tol(TOLERANCE).escape(ESCAPE);
+    let (periods, same) = SETTLING;
+    let end = destination(&model, start, model.period(), periods, same, &options)?;
+    let first = outcome.phases.first();
+    Ok(FromPoint {
+        x1,
+        first_release: first.map_or(f64::NAN, |phase| phase.exit.t),
+        digits: published_digits(&outcome)?,
+        model_two_periodic: matches!(end, Destination::Periodic { period, sticks, .. } if two_periodic(sticks, period)),
+    })
+}
+
+/// `fig08.start`: the caption's start, the third tangent point, and the listing's, which is `T[3]`,
+/// the fourth.
+pub(super) fn start() -> Result<(Vec<Finding>, Erratum), ReportError> {
+    let points = Params::default().tangent_points;
+    let (captioned, listed) = (from(points[2])?, from(points[3])?);
+    let parts = [(
+        "from the third tangent point the stated model settles on stick–slip of period two",
+        captioned.model_two_periodic,
+    )];
+    let printed = [(
+        "the program settles on the published trajectory with the third point put in the place of its own start, the fourth",
+        captioned.digits == ClaimId::FOUR.len(),
+    )];
+    let of = |one: &FromPoint| {
+        format!(
+            "from x1 = {} m the program releases the body first at {:.4} s and settles on {} of the four published numbers",
+            decimals(one.x1, 4),
+            one.first_release,
+            one.digits
+        )
+    };
+    let line = format!(
+        "{}; {}; the Appendix starts at the latter, T[3], which is the fourth point: another reading of the caption",
+        of(&captioned),
+        of(&listed)
+    );
+    let mut rows = Vec::new();
+    for (name, from) in [("caption", &captioned), ("listing", &listed)] {
+        let release = format!("first release of the listing from the {name}'s start");
+        rows.push(number(
+            format!("x1 at the start by the {name}"),
+            from.x1,
+            "m",
+        ));
+        rows.push(number(release, from.first_release, "s"));
+        let settles = "published numbers it settles on from there";
+        rows.push(count(settles, from.digits));
+    }
+    let apart = captioned.first_release - listed.first_release;
+    let misprint = erratum(
+        "Fig. 8 caption",
+        "the start is the third tangent point",
+        "the listing starts from T[3], the fourth; the orbits differ until they settle",
+        rows,
+        apart.abs() > 1e-3,
+    );
+    Ok((
+        vec![statement(Exact, parts, line), as_printed(printed)],
+        misprint,
+    ))
+}
+
+/// Slip phases of one motion.
+struct Sides {
+    /// Sides of the slip phases in order of time.
+    sides: Vec<Side>,
+    /// Largest velocity reached in S1, and least in S2 (m/s).
+    highest_in_s1: f64,
+    lowest_in_s2: f64,
+}
+
+impl Sides {
+    const NONE: Sides = Sides {
+        sides: Vec::new(),
+        highest_in_s1: f64::NEG_INFINITY,
+        lowest_in_s2: f64::INFINITY,
+    };
+
+    /// Pairs of slip phases, one after the other, that lie on the same side.
+    fn repeats(&self) -> usize {
+        let pairs = self.sides.windows(2);
+        pairs.filter(|pair| pair[0] == pair[1]).count()
+    }
+
+    /// Whether the arcs in S1 lie above those in S2.
+    fn s1_is_upper(&self) -> bool {
+        self.highest_in_s1 > self.lowest_in_s2
+    }
+
+    fn take(&mut self, side: Side, velocity: f64) {
+        match side {
+            Side::Below => self.highest_in_s1 = self.highest_in_s1.max(velocity),
+            Side::Above => self.lowest_in_s2 = self.lowest_in_s2.min(velocity),
+        }
+    }
+
+    fn parts(&self) -> [(&'static str, bool); 2] {
+        [
+            (
+                "slip phases lie alternately in S1 and S2",
+                self.sides.len() >= 2 && self.repeats() == 0,
+            ),
+            (
+                "those in S1 are the upper arcs, those in S2 the lower",
+                self.s1_is_upper(),
+            ),
+        ]
+    }
+
+    fn line(&self, name: &str) -> String {
+        format!(
+            "{name}: {} slip phases, {} times two on the same side, velocities up to {:.4} m/s in S1 and from {:.4} m/s in S2",
+            self.sides.len(),
+            self.repeats(),
+            self.highest_in_s1,
+            self.lowest_in_s2
+        )
+    }
+}
+
+/// `s4.arcs`: on which sides of Σ the slip phases lie, and which of them are the upper ones.
+pub(super) fn arcs() -> Result<(Vec<Finding>, Erratum), ReportError> {
+    let model = ForcedOscillator::default();
+    let (exact, listing) = (sides_of_model(&model)?, sides_of_listing()?);
+    let line = format!(
+        "{}; {}; the belt's speed is {} m/s, so that S1 holds the lower arcs",
+        listing.line("listing"),
+        exact.line("stated model"),
+        model.belt_speed
+    );
+    let mut shown = Vec::new();
+    for (name, of) in [("listing", &listing), ("stated model", &exact)] {
+        let highest = format!("{name}: largest velocity in S1");
+        shown.push(number(highest, of.highest_in_s1, "m/s"));
+        shown.push(number("least velocity in S2", of.lowest_in_s2, "m/s"));
+    }
+    let misprint = erratum(
+        "Sect. 4.2",
+        "S1 holds the upper arcs of the trajectory and S2 the lower ones",
+        "S1 = {x2 < vp} holds the lower ones, S2 the upper",
+        shown,
+        !listing.s1_is_upper() && !exact.s1_is_upper(),
+    );
+    let findings = vec![
+        statement(Exact, exact.parts(), line),
+        as_printed(listing.parts()),
+    ];
+    Ok((findings, misprint))
+}
+
+/// Of the attractor of the stated model, or of one like it.
+fn sides_of_model<S: Filippov<2>>(system: &S) -> Result<Sides, Error> {
+    let printed = ForcedOscillator::default();
+    let x = State::from([Params::default().x1, printed.belt_speed]);
+    let end = SETTLED + SHOWN * printed.period();
+    let options = Options::tol(TOLERANCE).escape(ESCAPE);
+    let orbit = solve(system, 0.0, x, end, &options)?;
+    let mut found = Sides::NONE;
+    for phase in orbit.phases.iter().filter(|phase| phase.t_start >= SETTLED) {
+        if let Mode::Slip(side) = phase.mode {
+            found.sides.push(side);
+        }
+    }
+    for step in orbit.steps.iter().filter(|step| step.t_start >= SETTLED) {
+        if let Mode::Slip(side) = step.mode {
+            let middle = step.dense.at_time(0.5 * (step.t_start + step.t_end));
+            found.take(side, middle[1]);
+        }
+    }
+    Ok(found)
+}
+
+/// Of the listing as printed, in the plotted window; the single steps on the wrong side after a
+/// stick phase left out.
+fn sides_of_listing() -> Result<Sides, ReportError> {
+    let setup = Setup::default();
+    let mut found = Sides::NONE;
+    // Side of the slip phase under way, and the passes it has lasted.
+    let mut under_way: Option<(Side, u32)> = None;
+    let belt_speed = setup.params.belt_speed;
+    run_with(&setup, |sample| {
+        if !sample.in_window {
+            return;
+        }
+        let side = match sample.mode {
+            Mode::Stick => None,
+            Mode::Slip(side) => Some(side),
+        };
+        match (side, &mut under_way) {
+            (Some(side), Some((known, passes))) if side == *known => {
+                *passes += 1;
+                // A phase counts from its second pass: the first may only mend the side after a
+                // stick phase.
+                if *passes == 2 {
+                    found.sides.push(side);
+                }
+            }
+            (Some(side), _) => under_way = Some((side, 1)),
+            (None, _) => under_way = None,
+        }
+        if let Some(side) = side
+            && sample.x2 != belt_speed
+        {
+            found.take(side, sample.x2);
+        }
+    })?;
+    Ok(found)
+}
+
+/// `s4.found_by_appendix`: what the Appendix's program finds. The claim is that; what the program
+/// without its defects finds is told beside it.
+pub(super) fn found_by_appendix(defects: Defects) -> Result<Vec<Finding>, ReportError> {
+    let with = |defects| {
+        run(&Setup {
+            defects,
+            ..Setup::default()
+        })
+    };
+    let (printed, mended) = (with(defects)?, with(Defects::MENDED)?);
+    let (digits, all) = (published_digits(&printed)?, ClaimId::FOUR.len());
+    let parts = [(
+        "the Appendix's program as printed gives the published trajectory",
+        printed.motion == Motion::PUBLISHED && digits == all,
+    )];
+    let line = format!(
+        "listing as printed: {}, {digits} of {all} published numbers to all digits; with its defects mended: {}",
+        words(printed.motion),
+        words(mended.motion),
+    );
+    Ok(vec![statement(AsPrinted, parts, line)])
+}
+
+fn words(motion: Motion) -> String {
+    match motion {
+        Motion::StickSlip { sticks, period } => {
+            format!("stick–slip, stick phases in {period} forcing periods: {sticks}")
+        }
+        Motion::Stalled { t } => format!("the clock stands at {t:.4} s"),
+        other => other.to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::paper::listing::Defect;
+    use stickslip::scalar::Scalar;
+
+    #[test]
+    fn s1_holds_the_lower_arcs() {
+        let (found, misprint) = arcs().unwrap();
+        assert_eq!(found[0].parts(), [true, false]);
+        assert!(!found[1].parts()[1] && misprint.holds);
+    }
+
+    /// Model 2 with S1 above Σ and S2 below, as Sect. 4.2 has it.
+    struct Exchanged(ForcedOscillator);
+    impl Filippov<2> for Exchanged {
+        fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; 2]) -> [T; 2] {
+            self.0.field(side.opposite(), t, x)
+        }
+        fn boundary<T: Scalar>(&self, t: T, x: &[T; 2]) -> T {
+            -self.0.boundary(t, x)
+        }
+    }
+
+    #[test]
+    fn with_the_regions_exchanged_s1_would_hold_the_upper() {
+        let found = sides_of_model(&Exchanged(ForcedOscillator::default())).unwrap();
+        assert_eq!(found.parts().map(|part| part.1), [true, true]);
+    }
+
+    #[test]
+    fn the_program_finds_it_and_not_with_its_stages_mended() {
+        let agrees = |defects| found_by_appendix(defects).unwrap()[0].agrees;
+        assert!(agrees(Defects::AS_PRINTED));
+        let mended = Defects::AS_PRINTED.flipped(Defect::InPlaceStages);
+        assert!(!agrees(mended) && !agrees(Defects::MENDED));
+    }
+
+    #[test]
+    fn the_listing_settles_on_the_published_numbers_from_its_own_start() {
+        let points = Params::default().tangent_points;
+        let (captioned, listed) = (from(points[2]).unwrap(), from(points[3]).unwrap());
+        assert_eq!(listed.digits, 4);
+        assert!((captioned.first_release - listed.first_release).abs() > 1e-3);
+        // Between the zones nothing sticks, and the program has no zone to release the body from.
+        assert_ne!(from(0.5).unwrap(), captioned);
+        assert!(start().unwrap().1.holds);
+    }
+}

@@ -1,0 +1,296 @@
+//! The motions of Figs. 10–12: by the procedure of Sect. 3, and whether exponents and sections tell
+//! the same kind of motion.
+//!
+//! Exponents: a positive one means chaos, two zeros a torus, one a closed orbit. A section closes
+//! when the figures' own test finds at most 64 distinct points that follow one another in the same
+//! order again and again ([`stickslip::analysis::motion::Evidence`]). A thousand points hardly tell
+//! an uneven curve from a chaotic set, so that whether a section that does not close is a curve
+//! decides nothing. It is shown beside: whether the points can be strung, that is whether in the
+//! tree of least length that joins them hardly any has more than two neighbours.
+
+use rayon::prelude::*;
+
+use super::{as_printed, statement};
+use crate::figures::block_and_bracket::{
+    BlockAndBracketFigure, Data, Fig10, Fig11, Fig12, Set, by_rk4_and_henon,
+};
+
+use crate::paper::reading::Reading::{Corrected, CorrectedEquations};
+use crate::readings::Verdict;
+use crate::report::ReportError;
+use crate::report::finding::Finding;
+use crate::text::joined;
+use stickslip::analysis::motion::Class;
+use stickslip::models::Reading;
+
+/// Step of the classical Runge–Kutta method; the paper states none for Figs. 10–12.
+const STEP: f64 = 0.01;
+const SETS: [Set; 3] = [Fig10::SET, Fig11::SET, Fig12::SET];
+
+/// `s5.by_procedure`: what the procedure of Sect. 3 makes of Eq. (27), steps of RK4 with Hénon's
+/// step onto Σ. Classes of the motions of Figs. 10, 11 and 12; nothing where the orbit escapes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ByProcedure {
+    /// With the corrected equations.
+    pub corrected: Vec<Option<Class>>,
+    /// With the equations as printed.
+    pub as_printed: Vec<Option<Class>>,
+}
+
+impl ByProcedure {
+    /// Follows all six orbits.
+    pub(super) fn compute() -> Result<ByProcedure, ReportError> {
+        let readings = [Reading::exact(), Reading::as_printed()];
+        let runs = readings.map(|reading| SETS.map(|set| (reading, set)));
+        let runs = runs.as_flattened().par_iter();
+        let classes = runs.map(|(reading, set)| Ok(by_rk4_and_henon(set, reading, STEP)?));
+        let mut corrected = classes.collect::<Result<Vec<_>, ReportError>>()?;
+        let as_printed = corrected.split_off(SETS.len());
+        Ok(ByProcedure {
+            corrected,
+            as_printed,
+        })
+    }
+
+    pub(super) fn findings(&self) -> Vec<Finding> {
+        let parts = |found: &[Option<Class>]| {
+            let whats = [
+                "Fig. 10: the captioned class, loops counted",
+                "Fig. 11: the captioned class",
+                "Fig. 12: the captioned class",
+            ];
+            let captioned = |figure: usize, class| Verdict::Motion(class).is_published(figure);
+            let holds = |figure: usize| found[figure].is_some_and(|one| captioned(figure, one));
+            std::array::from_fn::<_, 3, _>(|figure| (whats[figure], holds(figure)))
+        };
+        let names = |found: &[Option<Class>]| {
+            let name =
+                |one: &Option<Class>| one.map_or("escapes".to_owned(), |one| one.to_string());
+            joined(found.iter().map(name), ", ")
+        };
+        let line = format!(
+            "by RK4 with steps of {STEP} and Hénon's step, Figs. 10, 11, 12: {}; with the equations as printed: {}. Another reading, that it \
+             gave the very trajectories of the figures, cannot be decided: neither step nor program is stated, and only the text of the \
+             paper was at hand, not its pictures",
+            names(&self.corrected),
+            names(&self.as_printed)
+        );
+        vec![
+            statement(Corrected, parts(&self.corrected), line),
+            as_printed(parts(&self.as_printed)),
+        ]
+    }
+}
+
+/// A set with a smaller share of branching points can be strung: half of what the Hénon attractor
+/// has.
+const STRUNG: f64 = 0.05;
+/// Most distinct points of a section that closes.
+const MOST: usize = 64;
+
+/// One figure, looked at in two ways.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shape {
+    /// The motion by section and exponents together, as in the figure.
+    pub class: Class,
+    /// Points of the section.
+    pub points: usize,
+    /// Distinct ones among them if it closes.
+    pub closes_after: Option<usize>,
+    /// Share of the points at which the tree of least length branches, if the section does not
+    /// close.
+    pub branching: Option<f64>,
+    /// Exponents that are zero within their errors.
+    pub zeros: usize,
+    /// Whether the first is positive.
+    pub positive: bool,
+}
+
+impl Shape {
+    fn of(data: &Data) -> Shape {
+        let evidence = &data.exact.evidence;
+        let closes = evidence.repeats && (1..=MOST).contains(&evidence.distinct);
+        Shape {
+            class: data.exact.class,
+            points: data.section.len(),
+            closes_after: closes.then_some(evidence.distinct),
+            branching: (!closes).then(|| branching(&data.section)),
+            zeros: evidence.zeros,
+            positive: evidence.positive,
+        }
+    }
+
+    /// The motion by the exponents alone, which know nothing of loops.
+    fn by_exponents(&self) -> Class {
+        match (self.positive, self.zeros) {
+            (true, _) => Class::Chaotic,
+            (false, 1) => Class::Periodic(1),
+            (false, 2) => Class::QuasiPeriodic,
+            _ => Class::Undecided,
+        }
+    }
+
+    /// Whether the section closes if the exponents say so, and only then.
+    pub fn confirmed(&self) -> bool {
+        let class = self.by_exponents();
+        let closed = matches!(class, Class::Periodic(_));
+        class != Class::Undecided && self.closes_after.is_some() == closed
+    }
+
+    fn line(&self, figure: usize) -> String {
+        let section = match (self.closes_after, self.branching) {
+            (Some(points), _) => format!("closes (distinct points: {points})"),
+            (None, Some(branching)) => format!(
+                "of {} points does not close (it branches at {:.1} % of them and {} be strung, which decides nothing)",
+                self.points,
+                100.0 * branching,
+                if branching < STRUNG { "can" } else { "cannot" }
+            ),
+            _ => "does not tell".to_owned(),
+        };
+        let told = match self.by_exponents() {
+            Class::Periodic(_) => "periodic",
+            Class::QuasiPeriodic => "quasi-periodic",
+            Class::Chaotic => "chaotic",
+            Class::Undecided => "untold",
+        };
+        let positive = usize::from(self.positive);
+        format!(
+            "Fig. {}: the section {section}; the exponents ({} zero, {positive} positive): {told}",
+            figure + 10,
+            self.zeros,
+        )
+    }
+}
+
+/// Share of the points with more than two neighbours in the tree of least length through all of
+/// them (Prim 1957).
+fn branching<const N: usize>(points: &[[f64; N]]) -> f64 {
+    if points.is_empty() {
+        return f64::NAN;
+    }
+    let square = |one: &[f64; N], other: &[f64; N]| -> f64 {
+        one.iter().zip(other).map(|(a, b)| (a - b) * (a - b)).sum()
+    };
+    let mut degrees = vec![0_u32; points.len()];
+    // For each point outside the tree its square distance from it, and the member it is nearest to.
+    let mut outside: Vec<(usize, f64, usize)> = (1..points.len())
+        .map(|i| (i, square(&points[0], &points[i]), 0))
+        .collect();
+    while let Some(at) = (0..outside.len()).min_by(|&a, &b| outside[a].1.total_cmp(&outside[b].1)) {
+        let (joined, _, to) = outside.swap_remove(at);
+        degrees[joined] += 1;
+        degrees[to] += 1;
+        for (i, distance, nearest) in &mut outside {
+            let from_here = square(&points[joined], &points[*i]);
+            if from_here < *distance {
+                (*distance, *nearest) = (from_here, joined);
+            }
+        }
+    }
+    let branches = degrees.iter().filter(|degree| **degree > 2).count();
+    branches as f64 / points.len() as f64
+}
+
+/// Figs. 10, 11 and 12.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shapes {
+    /// One for each figure.
+    pub figures: [Shape; 3],
+}
+
+impl Shapes {
+    pub(super) fn of(figures: &[Data; 3]) -> Shapes {
+        Shapes {
+            figures: figures.each_ref().map(Shape::of),
+        }
+    }
+
+    /// `s5.kinds`: the kinds of motion, loops left out.
+    pub(super) fn kinds(&self) -> Vec<Finding> {
+        let whats = [
+            "Fig. 10: a periodic motion",
+            "Fig. 11: a quasi-periodic one",
+            "Fig. 12: a chaotic one",
+        ];
+        let holds = |i: usize| Verdict::Motion(self.figures[i].class).is_of_kind(i);
+        let parts = [0, 1, 2].map(|i| (whats[i], holds(i)));
+        vec![Finding::statement(Corrected, parts)]
+    }
+
+    /// `s5.shapes`: whether exponents and sections tell the same kind of motion.
+    pub(super) fn findings(&self) -> Vec<Finding> {
+        let whats = [
+            "Fig. 10: the section closes as the exponents say",
+            "Fig. 11: it does not close as they say",
+            "Fig. 12: it does not close as they say",
+        ];
+        let parts = [0, 1, 2].map(|i| (whats[i], self.figures[i].confirmed()));
+        vec![statement(CorrectedEquations, parts, self.line())]
+    }
+
+    /// What was found, in words.
+    pub fn line(&self) -> String {
+        let each = self.figures.iter().enumerate();
+        let each = joined(each.map(|(figure, one)| one.line(figure)), ". ");
+        format!("{each}. How many loops a closed orbit has the exponents cannot tell")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use stickslip::math;
+
+    /// A closed curve in space, visited like a section of a torus and unevenly.
+    fn curve(points: u32) -> Vec<[f64; 3]> {
+        (0..points)
+            .map(|k| {
+                let phase = 2.399_963 * f64::from(k);
+                let phase = phase + 0.8 * math::sin(phase);
+                [
+                    math::sin(phase),
+                    math::cos(phase),
+                    0.5 * math::sin(3.0 * phase),
+                ]
+            })
+            .collect()
+    }
+
+    fn henon(points: usize) -> Vec<[f64; 2]> {
+        let (mut x, mut y) = (0.1, 0.1);
+        let mut all = Vec::new();
+        for k in 0..points + 100 {
+            (x, y) = (1.0 - 1.4 * x * x + y, 0.3 * x);
+            if k >= 100 {
+                all.push([x, y]);
+            }
+        }
+        all
+    }
+
+    #[test]
+    fn the_limit_lies_between_curves_and_the_henon_attractor() {
+        for points in [900, 1400] {
+            let on_curve = branching(&curve(points));
+            assert!(on_curve < 0.5 * STRUNG, "{on_curve}");
+            let on_attractor = branching(&henon(points as usize));
+            assert!(on_attractor > 1.5 * STRUNG, "{on_attractor}");
+        }
+    }
+
+    #[test]
+    fn a_section_that_closes_confirms_a_periodic_motion_alone() {
+        let shape = |closes_after, zeros, positive| Shape {
+            class: Class::Undecided,
+            points: 1000,
+            closes_after,
+            branching: None,
+            zeros,
+            positive,
+        };
+        assert!(shape(Some(1), 1, false).confirmed() && shape(None, 2, false).confirmed());
+        assert!(!shape(Some(1), 2, false).confirmed() && !shape(Some(1), 1, true).confirmed());
+        assert!(!shape(None, 1, false).confirmed() && !shape(None, 0, false).confirmed());
+    }
+}

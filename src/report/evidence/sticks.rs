@@ -1,0 +1,607 @@
+//! The stick phases that a grid of starts goes through, in the stated model and in the listing,
+//! against the set (24) of tangent points.
+
+use rayon::prelude::*;
+
+use super::{as_printed, small, statement};
+use crate::numbers::{bisect, largest};
+use crate::paper::claim_id::ClaimId;
+use crate::paper::listing::{
+    Defect, Defects, End, ListingError, Params, Run, Setup, StickPhase, run,
+};
+use crate::paper::published::{Claims, PublishedError};
+use crate::paper::reading::Reading::Exact;
+use crate::paper::slip_times_three::{Injected, settled};
+use crate::report::errata::{Erratum, count, erratum, number};
+use crate::report::finding::Finding;
+use crate::report::{ReportError, until_escape};
+use stickslip::analysis::{Visibility, visibility};
+use stickslip::error::Error;
+use stickslip::filippov::{Options, TransitionKind, solve};
+use stickslip::models::ForcedOscillator;
+use stickslip::orbit::Orbit;
+use stickslip::system::{Mode, State};
+
+/// Starts in position and in velocity, and the outermost of them (m, m/s).
+const STARTS: (u32, u32) = (13, 9);
+const REACH: [f64; 2] = [1.2, 2.0];
+/// Forcing periods that each is followed over: stick phases occur on the way only.
+const FOLLOWED: f64 = 10.0;
+pub(super) const TOLERANCE: f64 = 1e-13;
+/// Beyond 10 m or 10 m/s the softening spring drives the body away for good.
+pub(super) const ESCAPE: f64 = 10.0;
+/// A stick phase of the listing no longer than ten of its steps (s) is chatter: it leaves a zone's
+/// end on the wrong side, is thrown back and sticks again, thousands of times.
+const CHATTER: f64 = 1e-3;
+/// Distances and times within this are none (m, s, m/s): the solver's tolerance, with room for it
+/// to grow.
+const NONE: f64 = 1e-9;
+
+/// The starts, none of them at the belt's speed.
+pub(super) fn starts() -> Vec<State<2>> {
+    let part = |k: u32, of: u32| 2.0 * f64::from(k) / f64::from(of - 1) - 1.0;
+    let (columns, rows) = STARTS;
+    let at = |i, j| State::from([REACH[0] * part(i, columns), REACH[1] * part(j, rows)]);
+    let all = (0..columns).flat_map(|i| (0..rows).map(move |j| at(i, j)));
+    all.collect()
+}
+
+/// The orbit from `(t0, x)` over [`FOLLOWED`] forcing periods, as far as it goes before it escapes.
+pub(super) fn follow(model: &ForcedOscillator, t0: f64, x: State<2>) -> Result<Orbit<2>, Error> {
+    let options = Options::tol(TOLERANCE).escape(ESCAPE);
+    let outcome = solve(model, t0, x, t0 + FOLLOWED * model.period(), &options);
+    Ok(until_escape(outcome)?.0)
+}
+
+/// Time (s) and position (m).
+type At = (f64, f64);
+
+/// A complete stick phase of the stated model.
+#[derive(Clone, Copy)]
+struct Stick {
+    entry: At,
+    exit: At,
+    /// Largest difference of the velocity from the belt's (m/s), at both ends and in the middle of
+    /// every step.
+    speed_error: f64,
+    /// Whether the field that takes over is visibly tangent where it ends; time counted in the
+    /// derivative.
+    visible: bool,
+}
+
+/// Stick phases of the listing: those that last longer than [`CHATTER`], in the order of the
+/// starts, and how many others there are.
+struct OfListing {
+    phases: Vec<StickPhase>,
+    chatter: usize,
+}
+
+/// What a grid of starts goes through: shared by the statements on stick phases.
+pub(super) struct Followed {
+    model: Vec<Stick>,
+    /// The listing as printed, and with both ends of the zone tested.
+    listing: OfListing,
+    both_ends_tested: OfListing,
+    /// The settled motion of the listing as printed: that of Fig. 8.
+    fig08: Run,
+    set: TangentSet,
+}
+
+impl Followed {
+    /// Follows all starts; an escape is no error.
+    pub(super) fn compute() -> Result<Followed, ReportError> {
+        let model = ForcedOscillator::default();
+        let both = Defects::AS_PRINTED.flipped(Defect::OneSidedExit);
+        Ok(Followed {
+            model: of_model(&model)?,
+            listing: of_listing(&model, Defects::AS_PRINTED)?,
+            both_ends_tested: of_listing(&model, both)?,
+            fig08: run(&Setup::default())?,
+            set: TangentSet::published()?,
+        })
+    }
+}
+
+fn of_model(model: &ForcedOscillator) -> Result<Vec<Stick>, Error> {
+    let runs = starts().into_par_iter().map(|x| of_start(model, x));
+    let runs = runs.collect::<Result<Vec<_>, Error>>()?;
+    Ok(runs.into_iter().flatten().collect())
+}
+
+fn of_start(model: &ForcedOscillator, x: State<2>) -> Result<Vec<Stick>, Error> {
+    let orbit = follow(model, 0.0, x)?;
+    let mut sticks = Vec::new();
+    for at in &orbit.transitions {
+        let (TransitionKind::StickExit, Mode::Slip(side)) = (at.kind, at.to) else {
+            continue;
+        };
+        let Some(phase) = orbit.sticks().find(|phase| phase.t_end == at.t) else {
+            continue;
+        };
+        let steps = orbit.steps.iter();
+        let within = steps.filter(|one| one.t_start >= phase.t_start && one.t_end <= phase.t_end);
+        let states = within.flat_map(|step| {
+            let middle = step.dense.at_time(0.5 * (step.t_start + step.t_end));
+            [step.x_start, middle, step.x_end]
+        });
+        sticks.push(Stick {
+            entry: (phase.t_start, phase.x_start[0]),
+            exit: (at.t, at.x[0]),
+            speed_error: largest(states.map(|x| (x[1] - model.belt_speed).abs())),
+            visible: visibility(model, side, at.t, &at.x) == Visibility::Visible,
+        });
+    }
+    Ok(sticks)
+}
+
+fn of_listing(model: &ForcedOscillator, defects: Defects) -> Result<OfListing, ListingError> {
+    let of_start = |x: State<2>| {
+        let params = Params {
+            x1: x[0],
+            x2: x[1],
+            ..Params::default()
+        };
+        run(&Setup {
+            params,
+            defects,
+            end: FOLLOWED * model.period(),
+            window_start: 0.0,
+            ..Setup::default()
+        })
+    };
+    let runs = starts().into_par_iter().map(of_start);
+    let runs = runs.collect::<Result<Vec<Run>, ListingError>>()?;
+    let all = runs.into_iter().flat_map(|run| run.phases);
+    let (phases, chatter): (Vec<_>, Vec<_>) = all.partition(|phase| phase.duration() > CHATTER);
+    let chatter = chatter.len();
+    Ok(OfListing { phases, chatter })
+}
+
+/// Begins and ends of the listing's stick phases.
+fn ends(phases: &[StickPhase]) -> impl Iterator<Item = (At, At)> {
+    let ends = |one: &StickPhase| ((one.entry.t, one.entry.x1), (one.exit.t, one.exit.x1));
+    phases.iter().map(ends)
+}
+
+/// The six tangent points of Eq. (24) at rest (m), numbered from the largest down as the paper
+/// does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct TangentSet(pub(super) [f64; 6]);
+
+impl TangentSet {
+    /// As published.
+    pub(super) fn published() -> Result<TangentSet, PublishedError> {
+        let claim = Claims::committed()?.of(ClaimId::Eq24TangentPoints);
+        let mut values = claim.values().to_vec();
+        values.sort_by(|one, other| other.total_cmp(one));
+        let value = |k| values.get(k).copied().unwrap_or(f64::NAN);
+        Ok(TangentSet(std::array::from_fn(value)))
+    }
+
+    /// Distances (m) of a body at `x1` from the points moved by the support at `t`.
+    fn gaps(&self, model: &ForcedOscillator, (t, x1): At) -> [f64; 6] {
+        let offset = model.support(t);
+        self.0.map(|z| x1 - (z + offset))
+    }
+
+    /// Number, counted from 0, of the moved point nearest to a body, and its distance (m).
+    fn nearest(&self, model: &ForcedOscillator, at: At) -> (usize, f64) {
+        let mut best = (0, f64::INFINITY);
+        for (number, gap) in self.gaps(model, at).into_iter().enumerate() {
+            if gap.abs() < best.1 {
+                best = (number, gap.abs());
+            }
+        }
+        best
+    }
+
+    /// When (s) a body that rides the belt from `(t, x1)` first meets one of the moved points, by
+    /// that equation alone; nothing within `span`.
+    fn first_meeting(&self, model: &ForcedOscillator, (t, x1): At, span: f64) -> Option<f64> {
+        // A gap changes by less than its own size over such a part of the forcing period.
+        let part = model.period() / 2000.0;
+        let ahead = |later: f64| {
+            let gaps = self.gaps(model, (t + later, x1 + model.belt_speed * later));
+            gaps.map(|gap| gap > 0.0)
+        };
+        let start = ahead(0.0);
+        let steps = (span / part).ceil() as u32;
+        let after = (1..=steps).find(|&k| ahead(f64::from(k) * part) != start)?;
+        let (low, high) = (f64::from(after - 1) * part, f64::from(after) * part);
+        Some(t + bisect(low, high, |later| ahead(later) != start))
+    }
+}
+
+/// Forcing periods within which a body on the belt is certain to meet a tangent point.
+const SPAN: f64 = 3.0;
+
+/// `s4.exact_lengths`: whether the set gives lengths and durations of the stick phases, by
+/// `x1 + vp (t − t_entry) = z_k + A sin(ωt)` from the entry alone.
+pub(super) fn exact_lengths(followed: &Followed) -> Vec<Finding> {
+    let model = ForcedOscillator::default();
+    let off = |entry: At, exit: At| {
+        let predicted = followed
+            .set
+            .first_meeting(&model, entry, SPAN * model.period());
+        predicted.map_or(f64::INFINITY, |t| (t - exit.0).abs())
+    };
+    let sticks = &followed.model;
+    let error = largest(sticks.iter().map(|one| off(one.entry, one.exit)));
+    let settled = followed.fig08.settled_phases();
+    let listing_error = largest(ends(settled).map(|(entry, exit)| off(entry, exit)));
+    let parts = [(
+        "given where and when it begins, the set gives length and duration of a stick phase of the stated model",
+        !sticks.is_empty() && error <= NONE,
+    )];
+    let printed = [(
+        "given where and when it begins, the set gives length and duration of the listing's stick phases, which are the published ones",
+        !settled.is_empty() && listing_error <= NONE,
+    )];
+    let line = format!(
+        "ends of {} stick phases of the stated model by the scalar equation from the set and the begin: off by at most {} s; of the {} \
+         of Fig. 8's motion, which the listing makes and which are another reading of the sentence: by up to {listing_error:.3} s",
+        sticks.len(),
+        small(error),
+        settled.len(),
+    );
+    vec![statement(Exact, parts, line), as_printed(printed)]
+}
+
+/// Where stick phases end: how many at each of the points, and how many elsewhere.
+#[derive(Default)]
+struct Exits {
+    at: [usize; 6],
+    elsewhere: usize,
+    /// Largest distance of an end of the stated model from the nearest point (m).
+    largest_distance: f64,
+}
+
+impl Exits {
+    fn of_model(model: &ForcedOscillator, set: &TangentSet, sticks: &[Stick]) -> Exits {
+        let mut found = Exits::default();
+        for stick in sticks {
+            let (number, distance) = set.nearest(model, stick.exit);
+            found.largest_distance = found.largest_distance.max(distance);
+            if distance <= NONE {
+                found.at[number] += 1;
+            } else {
+                found.elsewhere += 1;
+            }
+        }
+        found
+    }
+
+    /// The listing names the zone and the end that it has tested.
+    fn of_listing(phases: &[StickPhase]) -> Exits {
+        let mut found = Exits::default();
+        for phase in phases {
+            match phase.zone {
+                Some(zone) => {
+                    found.at[2 * zone as usize + usize::from(phase.end == End::Lower)] += 1;
+                }
+                None => found.elsewhere += 1,
+            }
+        }
+        found
+    }
+
+    fn all(&self) -> usize {
+        self.at.iter().sum::<usize>() + self.elsewhere
+    }
+
+    /// Those at points 1, 3 and 5, which the caption of Fig. 4 calls visible.
+    fn at_visible(&self) -> usize {
+        self.at.iter().step_by(2).sum()
+    }
+
+    /// Those at points 2, 4 and 6, which it calls invisible.
+    fn at_invisible(&self) -> usize {
+        self.at.iter().skip(1).step_by(2).sum()
+    }
+}
+
+/// `fig08.exit_at_visible`: at which of the numbered tangent points stick phases end.
+pub(super) fn exit_at_visible(followed: &Followed) -> Vec<Finding> {
+    let sticks = &followed.model;
+    let model = Exits::of_model(&ForcedOscillator::default(), &followed.set, sticks);
+    let listing = Exits::of_listing(&followed.listing.phases);
+    let mended = Exits::of_listing(&followed.both_ends_tested.phases);
+    let visible = sticks.iter().filter(|stick| stick.visible).count();
+    let parts = [
+        (
+            "every loss of stick is at a tangent point of Eq. (24) moved by the support",
+            model.all() > 0 && model.elsewhere == 0,
+        ),
+        (
+            "and it is visible there, the movement of the point counted",
+            model.all() > 0 && visible == model.all(),
+        ),
+    ];
+    let printed = [(
+        "every loss of stick of the listing in a zone is at point 1, 3 or 5",
+        listing.at_visible() > 0 && listing.at_invisible() == 0,
+    )];
+    let line = format!(
+        "stated model: {visible} of {} ends of stick phases are visibly tangent, all within {} m of a point; in another reading, by the points that \
+         Fig. 4's caption calls visible at rest, {} are at 1, 3, 5 and {} at 2, 4, 6 (by number {:?}); the listing tests upper ends only, so that {} of \
+         its {} are at 1, 3, 5 whatever the motion; with both ends tested {} of {} ({} and {} of no more than ten steps left out)",
+        model.all(),
+        small(model.largest_distance),
+        model.at_visible(),
+        model.at_invisible(),
+        model.at,
+        listing.at_visible(),
+        listing.all(),
+        mended.at_visible(),
+        mended.all(),
+        followed.listing.chatter,
+        followed.both_ends_tested.chatter,
+    );
+    // The listing tests the points 1, 3 and 5 and no others.
+    vec![
+        statement(Exact, parts, line),
+        as_printed(printed).by_construction(),
+    ]
+}
+
+/// Moments in a forcing period at which it is seen which tangent points have been passed.
+const MOMENTS: f64 = 2000.0;
+
+/// Stick phases against the tangent points that move past them.
+#[derive(Debug, Default)]
+struct Meetings {
+    phases: usize,
+    /// Those in which a tangent point is met and passed before the release.
+    passing: usize,
+    /// Largest distance of a release from the nearest moved tangent point (m).
+    largest_distance: f64,
+    /// Part of the time in stick in which the body lies in no zone between tangent points.
+    outside_zones: f64,
+}
+
+/// In between begin and end the body is taken to move evenly.
+fn meetings(
+    model: &ForcedOscillator,
+    set: &TangentSet,
+    phases: impl Iterator<Item = (At, At)>,
+) -> Meetings {
+    let mut found = Meetings::default();
+    let (mut time, mut outside) = (0.0, 0.0);
+    for (entry, exit) in phases {
+        found.phases += 1;
+        let distance = set.nearest(model, exit).1;
+        found.largest_distance = found.largest_distance.max(distance);
+        let duration = exit.0 - entry.0;
+        let places = (duration / model.period() * MOMENTS).ceil().max(2.0);
+        let (mut first, mut passes, mut places_outside) = (None, false, 0.0);
+        for k in 0..places as u32 {
+            // Amid each part, so that neither begin nor end, which lie on tangent points, is looked
+            // at.
+            let part = (f64::from(k) + 0.5) / places;
+            let at = (
+                entry.0 + part * duration,
+                entry.1 + part * (exit.1 - entry.1),
+            );
+            let above = set.gaps(model, at).map(|gap| gap > 0.0);
+            passes |= *first.get_or_insert(above) != above;
+            let in_zone = above.chunks_exact(2).any(|zone| !zone[0] && zone[1]);
+            places_outside += f64::from(u8::from(!in_zone));
+        }
+        found.passing += usize::from(passes);
+        time += duration;
+        outside += duration * places_outside / places;
+    }
+    found.outside_zones = if time > 0.0 { outside / time } else { 0.0 };
+    found
+}
+
+/// `s4.until_tangent`: whether a body in stick moves at the belt's speed until the next tangent
+/// point is met.
+pub(super) fn until_tangent(followed: &Followed) -> Result<Vec<Finding>, Error> {
+    // Stick phases of the stated model's settled motion from the start of Fig. 8.
+    let sticks_of_fig08 = settled(Injected::NONE)?.sticks_of_one().count();
+    Ok(until_tangent_with(followed, sticks_of_fig08))
+}
+
+fn until_tangent_with(followed: &Followed, sticks_of_fig08: usize) -> Vec<Finding> {
+    let met = |phases: &mut dyn Iterator<Item = (At, At)>| {
+        meetings(&ForcedOscillator::default(), &followed.set, phases)
+    };
+    let sticks = followed.model.iter();
+    let model = met(&mut sticks.clone().map(|one| (one.entry, one.exit)));
+    let fig08 = met(&mut ends(followed.fig08.settled_phases()));
+    let listing = met(&mut ends(&followed.listing.phases));
+    let speed_error = largest(sticks.map(|one| one.speed_error));
+    let holds_in_the_model = model.phases > 0
+        && speed_error <= NONE
+        && model.passing == 0
+        && model.largest_distance <= NONE;
+    let parts = [(
+        "the body of Fig. 8 in the stated model sticks and moves at the belt's speed until the next tangent point is met",
+        sticks_of_fig08 > 0 && holds_in_the_model,
+    )];
+    let printed = [(
+        "the body of Fig. 8's motion, which the program makes, does so",
+        fig08.phases > 0 && fig08.passing == 0,
+    )];
+    let line = format!(
+        "judged by Fig. 8's motion, of which the sentence speaks; from its start the stated model settles on {sticks_of_fig08} stick phases; of those of the \
+         listing {} of {} pass a tangent point, and the body is in no zone for {:.0} % of the time in stick (on its first ten forcing periods from \
+         {} starts, phases of ten steps and less left out: {} of {}, and {:.0} %). In another reading, of any stick phase of the stated model, it {}: \
+         {} phases, velocity off the belt's by at most {} m/s, {} of them pass a tangent point before they end, and the end is within {} m of one",
+        fig08.passing,
+        fig08.phases,
+        100.0 * fig08.outside_zones,
+        starts().len(),
+        listing.passing,
+        listing.phases,
+        100.0 * listing.outside_zones,
+        if holds_in_the_model { "holds" } else { "fails" },
+        model.phases,
+        small(speed_error),
+        model.passing,
+        small(model.largest_distance),
+    );
+    vec![statement(Exact, parts, line), as_printed(printed)]
+}
+
+/// `s4.length_is_way`: durations less lengths over the belt's speed (s), and the misprint that
+/// follows.
+pub(super) fn length_is_way(
+    followed: &Followed,
+) -> Result<(Vec<Finding>, Erratum), PublishedError> {
+    let claims = Claims::committed()?;
+    let published = ClaimId::FOUR.map(|id| claims.value(id));
+    Ok(length_is_way_of(followed, published))
+}
+
+fn length_is_way_of(followed: &Followed, published: [f64; 4]) -> (Vec<Finding>, Erratum) {
+    let belt = ForcedOscillator::default().belt_speed;
+    let excess = |four: [f64; 4]| [four[2] - four[0] / belt, four[3] - four[1] / belt];
+    let published = excess(published);
+    let listing = excess(followed.fig08.four_numbers().unwrap_or([f64::NAN; 4]));
+    // Half a unit of the last printed digit in both numbers.
+    let rounding = 0.5e-4 + 0.5e-4 / belt;
+    let sticks = &followed.model;
+    let of_model = largest(sticks.iter().map(|stick| {
+        let (length, duration) = (stick.exit.1 - stick.entry.1, stick.exit.0 - stick.entry.0);
+        (duration - length / belt).abs()
+    }));
+    let within = |excess: [f64; 2]| excess.iter().all(|one| one.abs() <= rounding);
+    let parts = [(
+        "the published lengths are vp times the published durations, as far as rounding lets tell",
+        within(published),
+    )];
+    let printed = [(
+        "the lengths of the program's settled stick phases are",
+        within(listing),
+    )];
+    let both = |[one, other]: [f64; 2]| format!("{:.2} and {:.2} ms", 1e3 * one, 1e3 * other);
+    let line = format!(
+        "durations less lengths/vp: published {}, the program {}, {:.2} ms can be rounding; of {} stick phases of the stated model, which are \
+         another reading of the sentence, at most {} s",
+        both(published),
+        both(listing),
+        1e3 * rounding,
+        sticks.len(),
+        small(of_model),
+    );
+    let mut rows = Vec::new();
+    for (n, (published, listing)) in (1..).zip(published.into_iter().zip(listing)) {
+        let what = format!("published duration {n} less length {n}/vp");
+        rows.push(number(what, published, "s"));
+        let what = format!("the same of the listing's run, phase {n}");
+        rows.push(number(what, listing, "s"));
+    }
+    let explained = "largest difference that rounding of print explains";
+    rows.push(number(explained, rounding, "s"));
+    rows.push(count("stick phases of the stated model", sticks.len()));
+    rows.push(number("largest difference among them", of_model, "s"));
+    let longer = published.iter().chain(&listing).all(|one| *one > rounding);
+    let misprint = erratum(
+        "Sect. 4.2",
+        "the stick phases' durations are longer than their lengths over the belt's speed",
+        "equal: the body rides the belt",
+        rows,
+        longer && !sticks.is_empty() && of_model <= NONE,
+    );
+    (
+        vec![statement(Exact, parts, line), as_printed(printed)],
+        misprint,
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_set_gives_the_stated_models_phases_and_not_the_listings() {
+        let found = exact_lengths(&Followed::compute().unwrap());
+        assert!(found[0].agrees && !found[1].agrees);
+    }
+
+    #[test]
+    fn another_belt_speed_spoils_the_prediction() {
+        let model = ForcedOscillator::default();
+        let slower = ForcedOscillator {
+            belt_speed: 0.39,
+            ..model
+        };
+        let set = TangentSet::published().unwrap();
+        let sticks = of_model(&model).unwrap();
+        let off = sticks.iter().filter(|stick| {
+            let t = set.first_meeting(&slower, stick.entry, SPAN * model.period());
+            t.is_none_or(|t| (t - stick.exit.0).abs() > NONE)
+        });
+        assert!(off.count() > sticks.len() / 2);
+    }
+
+    #[test]
+    fn a_third_of_the_releases_is_at_points_called_invisible() {
+        let followed = Followed::compute().unwrap();
+        let model = ForcedOscillator::default();
+        let exits = Exits::of_model(&model, &followed.set, &followed.model);
+        assert_eq!((exits.all(), exits.at_invisible()), (72, 24));
+        let found = exit_at_visible(&followed);
+        assert!(found[0].agrees && found[1].agrees && !found[1].is_evidence());
+        // By construction, until the other end is tested too.
+        let mended = Exits::of_listing(&followed.both_ends_tested.phases);
+        assert!(mended.at_visible() < mended.all());
+    }
+
+    #[test]
+    fn a_displaced_point_is_no_place_of_release() {
+        let model = ForcedOscillator::default();
+        let sticks = of_model(&model).unwrap();
+        let mut set = TangentSet::published().unwrap();
+        set.0[0] += 1e-6;
+        let moved = Exits::of_model(&model, &set, &sticks);
+        assert!(moved.elsewhere > 0 && moved.at[0] == 0);
+    }
+
+    #[test]
+    fn without_forcing_only_upper_ends_release() {
+        // A body that the belt carries up reaches upper ends only, if these stand still.
+        let still = ForcedOscillator {
+            amplitude: 0.0,
+            ..ForcedOscillator::default()
+        };
+        let sticks = of_model(&still).unwrap();
+        let found = Exits::of_model(&still, &TangentSet::published().unwrap(), &sticks);
+        assert!(found.all() > 0);
+        assert_eq!(found.at_visible(), found.all());
+    }
+
+    #[test]
+    fn the_stated_model_stops_at_the_next_tangent_point_and_the_listing_does_not() {
+        let followed = Followed::compute().unwrap();
+        let found = until_tangent(&followed).unwrap();
+        assert!(!found[0].agrees && !found[1].agrees);
+        assert!(until_tangent_with(&followed, 1)[0].agrees);
+        // With both ends tested the listing comes nearer to that.
+        let (model, set) = (ForcedOscillator::default(), followed.set);
+        let of = |phases: &[StickPhase]| meetings(&model, &set, ends(phases));
+        let listing = of(&followed.listing.phases);
+        let mended = of(&followed.both_ends_tested.phases);
+        assert!(listing.passing > 0 && listing.outside_zones > 0.1);
+        assert!(
+            mended.outside_zones < 0.1 * listing.outside_zones,
+            "{mended:?}"
+        );
+        // A displaced point is not met.
+        let displaced = TangentSet(set.0.map(|z| z + 1e-6));
+        let sticks = followed.model.iter().map(|one| (one.entry, one.exit));
+        assert!(meetings(&model, &displaced, sticks).largest_distance > NONE);
+    }
+
+    #[test]
+    fn lengths_of_another_belt_would_be_its_way() {
+        let followed = Followed::compute().unwrap();
+        let (found, misprint) = length_is_way(&followed).unwrap();
+        assert!(!found[0].agrees && !found[1].agrees && misprint.holds);
+        let belt = ForcedOscillator::default().belt_speed;
+        let (found, misprint) = length_is_way_of(&followed, [0.4, 0.2, 0.4 / belt, 0.2 / belt]);
+        assert!(found[0].agrees && !misprint.holds);
+    }
+}

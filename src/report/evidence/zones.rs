@@ -1,0 +1,462 @@
+//! The stick zones of model 2: where they are, how they move, and what they attract.
+
+use rayon::prelude::*;
+
+use super::sticks::TangentSet;
+use super::{small, statement};
+use crate::numbers::{bisect, changes, extent, largest, missing};
+use crate::paper::reading::Reading::Exact;
+use crate::report::errata::{Erratum, erratum, number, word};
+use crate::report::finding::Finding;
+use crate::report::scan::{Class, Point, starts};
+use crate::text::joined;
+use stickslip::error::Error;
+use stickslip::filippov::{Fate, fate};
+use stickslip::models::ForcedOscillator;
+use stickslip::system::{Filippov, Side, State};
+
+/// Positions relative to the support (m) within which zones are sought, and the number of places
+/// looked at.
+const REACH: f64 = 1.6;
+const PLACES: u32 = 1600;
+/// Differences within this are none (m): the last digits of a bisected position.
+const NONE: f64 = 1e-12;
+
+/// Positions x1 (m), ascending, at which stick begins or ends along Σ at time `t` (s).
+fn stick_ends(model: &ForcedOscillator, t: f64) -> Vec<f64> {
+    let sticks = |x1: f64| fate(model, t, &State::from([x1, model.belt_speed])) == Fate::Stick;
+    // Off the round numbers at which zones end for round parameters.
+    let place = |k: u32| REACH * (2.0 * f64::from(k) / f64::from(PLACES) - 1.0) + 1.3e-4;
+    let offset = model.support(t);
+    changes((0..=PLACES).map(|k| offset + place(k)), sticks)
+}
+
+/// Factor by which [`location`] changes each parameter.
+const FACTOR: f64 = 1.05;
+/// Parameters that Sect. 4.1 names, and others.
+type Parameter = (&'static str, fn(&mut ForcedOscillator) -> &mut f64);
+const NAMED: [Parameter; 3] = [
+    ("k1", |model| &mut model.k1),
+    ("k2", |model| &mut model.k2),
+    ("mu0", |model| &mut model.mu0),
+];
+const OTHERS: [Parameter; 3] = [
+    ("m", |model| &mut model.mass),
+    ("vp", |model| &mut model.belt_speed),
+    ("delta", |model| &mut model.delta),
+];
+
+/// Least and largest shift (m) among the ends when each parameter is changed; zones that appear or
+/// vanish have moved all the more.
+fn shifts(model: &ForcedOscillator, of: [Parameter; 3]) -> [(&'static str, (f64, f64)); 3] {
+    let ends = stick_ends(model, 0.0);
+    of.map(|(name, of)| {
+        let mut other = *model;
+        *of(&mut other) *= FACTOR;
+        let others = stick_ends(&other, 0.0);
+        if others.len() != ends.len() {
+            return (name, (f64::INFINITY, f64::INFINITY));
+        }
+        let shifts = ends.iter().zip(&others).map(|(a, b)| (a - b).abs());
+        (name, extent(shifts))
+    })
+}
+
+/// `s4.zone_location`: on which parameters the place of the stick zones depends.
+pub(super) fn location(model: &ForcedOscillator) -> Vec<Finding> {
+    let ends = stick_ends(model, 0.0).len();
+    let (named, others) = (shifts(model, NAMED), shifts(model, OTHERS));
+    let moves = named.iter().all(|(_, (least, _))| *least > NONE);
+    let parts = [(
+        "the place of the stick zones depends on k1, k2 and mu0",
+        ends > 0 && moves,
+    )];
+    let each = |(name, (_, most)): (&str, (f64, f64))| format!("{name} {}", small(most));
+    let line = format!(
+        "each parameter {:.0} % larger moves the {ends} ends of the zones by up to (m): {}; not named and without influence: {}",
+        100.0 * (FACTOR - 1.0),
+        joined(named.map(each), ", "),
+        joined(others.map(each), ", "),
+    );
+    vec![statement(Exact, parts, line)]
+}
+
+/// Times in one forcing period; a quarter and three quarters of it are among them.
+const TIMES: u32 = 48;
+
+/// How the stick zone moves over a forcing period.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Oscillation {
+    /// Whether the zone has six ends at all times.
+    six_ends: bool,
+    /// Largest difference of an end, bisected along Σ by where the body sticks, from `z_k + A
+    /// sin(ωt)` (m).
+    largest_difference: f64,
+    /// The ends at time 0, when the support is where it would rest (m), ascending.
+    pub at_rest: Vec<f64>,
+    /// Travel of the uppermost end along x1 (m), and twice the amplitude A of the support (m).
+    travel_x1: f64,
+    twice_amplitude: f64,
+    /// Travel of Σ, and of the zone in it, along x2 (m/s): where the boundary function vanishes at
+    /// the zone's ends.
+    travel_x2: f64,
+}
+
+impl Oscillation {
+    /// Bisects along Σ at all times.
+    pub(super) fn of(model: &ForcedOscillator, set: &TangentSet) -> Oscillation {
+        let times = (0..TIMES).into_par_iter();
+        let found: Vec<(f64, Vec<f64>)> = times
+            .map(|k| {
+                let t = model.period() * f64::from(k) / f64::from(TIMES);
+                (t, stick_ends(model, t))
+            })
+            .collect();
+        let ends = || {
+            let numbered = |(t, ends): &'_ (f64, Vec<f64>)| {
+                let pairs: Vec<_> = ends.iter().copied().rev().zip(set.0).collect();
+                let t = *t;
+                pairs.into_iter().map(move |(end, z)| (t, end, z))
+            };
+            found.iter().flat_map(numbered)
+        };
+        let travel = |(low, high): (f64, f64)| high - low;
+        // The velocity (m/s) at which the boundary function vanishes above a position.
+        let speed = |(t, x1, _)| bisect(-10.0, 10.0, |x2| model.boundary(t, &[x1, x2]) >= 0.0);
+        let off = |(t, end, z): (f64, f64, f64)| (end - (z + model.support(t))).abs();
+        Oscillation {
+            six_ends: found.iter().all(|(_, ends)| ends.len() == 6),
+            largest_difference: largest(ends().map(off)),
+            travel_x1: travel(extent(found.iter().filter_map(|one| one.1.last().copied()))),
+            twice_amplitude: 2.0 * model.amplitude,
+            travel_x2: travel(extent(ends().map(speed))),
+            at_rest: found.into_iter().next().map_or_else(Vec::new, |one| one.1),
+        }
+    }
+
+    /// `s4.zone_oscillates`.
+    pub(super) fn zone(&self) -> Vec<Finding> {
+        let along_x1 = (self.travel_x1 - self.twice_amplitude).abs() <= NONE;
+        let parts = [
+            (
+                "the tangent points move by A sin(ωt)",
+                self.six_ends && self.largest_difference <= NONE && along_x1,
+            ),
+            ("the zone oscillates along x2", self.travel_x2 > NONE),
+        ];
+        let line = format!(
+            "ends of the stick zone bisected along Σ at {TIMES} times of a period: within {} m of z_k + A sin(ωt); they travel {:.4} m along x1, twice A being \
+             {:.4} m, and {} m/s along x2",
+            small(self.largest_difference),
+            self.travel_x1,
+            self.twice_amplitude,
+            self.travel_x2,
+        );
+        vec![statement(Exact, parts, line)]
+    }
+
+    /// `s6.oscillating_boundary`.
+    pub(super) fn boundary(&self) -> Vec<Finding> {
+        let (boundary, zone) = (self.travel_x2, self.travel_x1);
+        let parts = [
+            ("the boundary of discontinuity oscillates", boundary > 0.0),
+            (
+                "the harmonic excitation moves the stick zone in it",
+                zone > 0.0,
+            ),
+        ];
+        let line = format!(
+            "over a forcing period Σ travels {boundary} m/s along x2; the stick zone in it travels {zone:.4} m along x1"
+        );
+        vec![statement(Exact, parts, line)]
+    }
+
+    /// The direction in which the zone is said to oscillate.
+    pub(super) fn erratum(&self) -> Erratum {
+        let which = match (self.travel_x1 > 0.0, self.travel_x2 > 0.0) {
+            (true, true) => "both",
+            (true, false) => "x1",
+            (false, true) => "x2",
+            (false, false) => "neither",
+        };
+        erratum(
+            "Sect. 4.2",
+            "the stick zone oscillates along x2",
+            "along x1: on the discontinuity zone x2 is always vp",
+            vec![
+                number(
+                    "travel of the zone's end in x1 over a period",
+                    self.travel_x1,
+                    "m",
+                ),
+                number("twice the amplitude A", self.twice_amplitude, "m"),
+                number("travel in x2", self.travel_x2, "m/s"),
+                word("which of them oscillates", which),
+            ],
+            (self.travel_x1 - self.twice_amplitude).abs() < NONE && self.travel_x2 == 0.0,
+        )
+    }
+}
+
+/// Places of the wide zone looked at, and values of friction up to the critical one, at equal
+/// distances.
+const OF_ZONE: u32 = 400;
+const VALUES: u32 = 25;
+
+/// Forcing periods and stick phases of a stick–slip cycle.
+type Cycle = (usize, usize);
+/// The cycles at one friction, each once, and the starts that lead to them.
+type Cycles = (Vec<Cycle>, usize);
+
+/// `s4.zone_attracts`: whether the wide stick zone attracts, and whether stick–slip cycles arise
+/// below the critical friction.
+pub(super) fn attracts() -> Result<Vec<Finding>, Error> {
+    let fig08 = ForcedOscillator::default();
+    let fig07 = ForcedOscillator {
+        mass: 1.0,
+        belt_speed: 1.0,
+        ..fig08
+    };
+    let (attracting, pull) = zone(&fig07);
+    let sweeps = [Sweep::of("Fig. 7", &fig07)?, Sweep::of("Fig. 8", &fig08)?];
+    Ok(judged(attracting, pull, &sweeps))
+}
+
+fn judged(attracting: usize, least_pull: f64, sweeps: &[Sweep]) -> Vec<Finding> {
+    let any = |holds: fn(&Sweep) -> bool| sweeps.iter().any(holds);
+    let parts = [
+        (
+            "at the critical friction both fields face each other on the whole zone",
+            attracting == OF_ZONE as usize,
+        ),
+        (
+            "below it, at some mu0, there are stick–slip cycles",
+            any(|sweep| sweep.with_cycles() > 0),
+        ),
+        (
+            "they are what the attraction results in: at most of the values tried",
+            any(|sweep| 2 * sweep.with_cycles() > sweep.points.len()),
+        ),
+        (
+            "they appear, vanish or change with mu0",
+            any(|sweep| sweep.births_and_deaths() + sweep.changes() > 0),
+        ),
+    ];
+    let each = sweeps.iter().map(|sweep| {
+        format!(
+            "with the parameters of {} stick–slip cycles at {} of {} values below it ({} starts each), which between neighbours \
+             appear or vanish {} times and change period or number of sticks {} times; at the critical friction itself, which is \
+             another reading of the sentence, {} starts lead to one",
+            sweep.caption,
+            sweep.with_cycles(),
+            sweep.points.len(),
+            sweep.starts,
+            sweep.births_and_deaths(),
+            sweep.changes(),
+            sweep.at_critical.1
+        )
+    });
+    let line = format!(
+        "at the critical friction {attracting} of {OF_ZONE} places of the zone attract, the weaker field by {} m/s² where it is weakest; “strongly” is not tested, \
+         for the paper gives no measure; {}",
+        small(least_pull),
+        joined(each, "; ")
+    );
+    vec![statement(Exact, parts, line)]
+}
+
+/// Critical friction (N), Eq. (23).
+fn critical(model: &ForcedOscillator) -> f64 {
+    2.0 * model.k1 / 3.0 * (model.k1 / (3.0 * model.k2)).sqrt()
+}
+
+/// Attracting places and the least pull (m/s²) along the zone at the critical friction.
+fn zone(model: &ForcedOscillator) -> (usize, f64) {
+    let model = ForcedOscillator {
+        mu0: critical(model),
+        ..*model
+    };
+    let outer = 2.0 * (model.k1 / (3.0 * model.k2)).sqrt();
+    let (mut attracting, mut least) = (0, f64::INFINITY);
+    for k in 0..OF_ZONE {
+        let part = 2.0 * (f64::from(k) + 0.5) / f64::from(OF_ZONE) - 1.0;
+        let x = State::from([outer * part, model.belt_speed]);
+        attracting += usize::from(fate(&model, 0.0, &x) == Fate::Stick);
+        for side in [Side::Below, Side::Above] {
+            least = least.min(-side.sign() * model.field(side, 0.0, x.as_ref())[1]);
+        }
+    }
+    (attracting, least)
+}
+
+/// A sweep of μ0 below its critical value with the other parameters of one caption.
+struct Sweep {
+    caption: &'static str,
+    /// Starts at each value.
+    starts: usize,
+    /// Cycles at each value, ascending, and at the critical friction itself.
+    points: Vec<Cycles>,
+    at_critical: Cycles,
+}
+
+impl Sweep {
+    fn of(caption: &'static str, model: &ForcedOscillator) -> Result<Sweep, Error> {
+        let at = |k: u32| -> Result<Cycles, Error> {
+            let ratio = f64::from(k) / f64::from(VALUES);
+            let mu0 = ratio * critical(model);
+            let model = ForcedOscillator { mu0, ..*model };
+            let found = Point::compute(&model, &starts(&model)?, ratio, mu0)?;
+            let cycles = found.stick_slip.iter();
+            let cycles = cycles.map(|motion| (motion.period, motion.lengths.len()));
+            let mut cycles: Vec<Cycle> = cycles.collect();
+            cycles.sort_unstable();
+            let leading = [Class::StickSlip, Class::StickSlipTwo];
+            let leading = leading.map(|class| found.counts[class as usize]);
+            Ok((cycles, leading.iter().sum()))
+        };
+        let points = (1..=VALUES).into_par_iter().map(at);
+        let mut points = points.collect::<Result<Vec<Cycles>, Error>>()?;
+        let at_critical = points.pop();
+        Ok(Sweep {
+            caption,
+            starts: starts(model)?.len(),
+            at_critical: at_critical.ok_or_else(|| missing("a value of friction", 0.0, 0.0))?,
+            points,
+        })
+    }
+
+    /// Values at which there is a stick–slip cycle.
+    fn with_cycles(&self) -> usize {
+        let with = self.points.iter().filter(|(cycles, _)| !cycles.is_empty());
+        with.count()
+    }
+
+    fn neighbours(&self, are: fn(&[Cycle], &[Cycle]) -> bool) -> usize {
+        let pairs = self.points.windows(2);
+        pairs.filter(|pair| are(&pair[0].0, &pair[1].0)).count()
+    }
+
+    /// Neighbouring values of which one has cycles and the other none: there cycles appear or
+    /// vanish.
+    fn births_and_deaths(&self) -> usize {
+        self.neighbours(|one, other| one.is_empty() != other.is_empty())
+    }
+
+    /// Neighbouring values, both with cycles, whose cycles differ in period or number of stick
+    /// phases.
+    fn changes(&self) -> usize {
+        self.neighbours(|one, other| !one.is_empty() && !other.is_empty() && one != other)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Friction that drives the body.
+    fn driving() -> ForcedOscillator {
+        let model = ForcedOscillator::default();
+        ForcedOscillator {
+            mu0: -model.mu0,
+            ..model
+        }
+    }
+
+    #[test]
+    fn springs_and_friction_move_the_zones_and_nothing_else_does() {
+        let model = ForcedOscillator::default();
+        assert_eq!(location(&model)[0].parts(), [true]);
+        let others = shifts(&model, OTHERS);
+        assert!(others.iter().all(|one| one.1.1 <= NONE), "{others:?}");
+        assert_eq!(stick_ends(&model, 0.0).len(), 6);
+        assert_eq!(location(&driving())[0].parts(), [false]);
+    }
+
+    #[test]
+    fn the_zone_moves_along_x1_and_not_along_x2() {
+        let (model, set) = (
+            ForcedOscillator::default(),
+            TangentSet::published().unwrap(),
+        );
+        let found = Oscillation::of(&model, &set);
+        assert_eq!(found.zone()[0].parts(), [true, false], "{found:?}");
+        assert_eq!(found.boundary()[0].parts(), [false, true]);
+        assert!(found.erratum().holds);
+        let along_x2 = Oscillation {
+            travel_x2: 0.1,
+            ..found.clone()
+        };
+        assert!(!along_x2.erratum().holds);
+        let at_rest = Oscillation {
+            travel_x1: 0.0,
+            ..found
+        };
+        assert_eq!(at_rest.boundary()[0].parts(), [false, false]);
+    }
+
+    #[test]
+    fn another_friction_or_a_displaced_point_is_seen() {
+        let (model, mut set) = (
+            ForcedOscillator::default(),
+            TangentSet::published().unwrap(),
+        );
+        let moves = |model: &ForcedOscillator, set: &TangentSet| {
+            Oscillation::of(model, set).zone()[0].parts()[0]
+        };
+        let stronger = ForcedOscillator {
+            mu0: 1.001 * model.mu0,
+            ..model
+        };
+        assert!(!moves(&stronger, &set));
+        assert!(!Oscillation::of(&driving(), &set).six_ends);
+        set.0[3] += 1e-9;
+        assert!(!moves(&model, &set));
+    }
+
+    #[test]
+    fn friction_that_drives_attracts_nowhere() {
+        let model = ForcedOscillator::default();
+        let (attracting, pull) = zone(&model);
+        assert!(attracting == OF_ZONE as usize && pull > 0.0);
+        let driving = ForcedOscillator {
+            mu0: -critical(&model),
+            ..model
+        };
+        let x = State::from([0.3, model.belt_speed]);
+        assert_eq!(fate(&driving, 0.0, &x), Fate::Repelling);
+    }
+
+    #[test]
+    fn cycles_arise_below_the_critical_friction_and_not_at_it() {
+        let fig08 = ForcedOscillator::default();
+        let fig07 = ForcedOscillator {
+            mass: 1.0,
+            belt_speed: 1.0,
+            ..fig08
+        };
+        let of_fig08 = Sweep::of("Fig. 8", &fig08).unwrap();
+        assert!(of_fig08.with_cycles() > 0 && of_fig08.at_critical.0.is_empty());
+        let of_fig07 = Sweep::of("Fig. 7", &fig07).unwrap();
+        assert_eq!(of_fig07.with_cycles(), 0);
+        let (attracting, pull) = zone(&fig07);
+        // Without the parameters of Fig. 8 nothing is left but the zone.
+        let alone = judged(attracting, pull, &[of_fig07]);
+        assert_eq!(alone[0].parts(), [true, false, false, false]);
+        let both = judged(attracting, pull, &[of_fig08])[0].parts();
+        assert!(both[1] && both.contains(&false), "{both:?}");
+    }
+
+    #[test]
+    fn changes_are_between_neighbours_that_both_have_cycles() {
+        let sweep = |points: &[&[Cycle]]| Sweep {
+            caption: "a test",
+            starts: 1,
+            points: points.iter().map(|cycles| (cycles.to_vec(), 1)).collect(),
+            at_critical: (Vec::new(), 0),
+        };
+        let same = sweep(&[&[(1, 1)], &[(1, 1)], &[]]);
+        let found = (same.with_cycles(), same.changes(), same.births_and_deaths());
+        assert_eq!(found, (2, 0, 1));
+        assert_eq!(sweep(&[&[(1, 1)], &[(2, 2)]]).changes(), 1);
+    }
+}

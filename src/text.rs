@@ -1,0 +1,77 @@
+//! Text that several programs write.
+
+use std::fmt::Display;
+
+/// The items one after the other with `between` between them.
+pub(crate) fn joined<T: Display>(items: impl IntoIterator<Item = T>, between: &str) -> String {
+    let items = items.into_iter().map(|item| item.to_string());
+    items.collect::<Vec<String>>().join(between)
+}
+
+/// Each of the items once, in the order of their first places.
+#[cfg(feature = "report")]
+pub(crate) fn distinct<T: PartialEq>(items: impl IntoIterator<Item = T>) -> Vec<T> {
+    let mut all = Vec::new();
+    for item in items {
+        if !all.contains(&item) {
+            all.push(item);
+        }
+    }
+    all
+}
+
+/// Records as CSV.
+///
+/// # Errors
+/// [`csv::Error`] of records that differ in their number of fields.
+pub(crate) fn csv<R, F>(records: impl IntoIterator<Item = R>) -> Result<String, csv::Error>
+where
+    R: IntoIterator<Item = F>,
+    F: AsRef<[u8]>,
+{
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for record in records {
+        writer.write_record(record)?;
+    }
+    let bytes = writer.into_inner().map_err(|error| error.into_error())?;
+    Ok(String::from_utf8_lossy(&bytes).into_owned())
+}
+
+/// The lines that a generated part stands between in a file that is otherwise written by hand.
+#[cfg(feature = "report")]
+#[derive(Clone, Copy, Debug)]
+pub struct Marks {
+    /// The line before it, with its end.
+    pub begin: &'static str,
+    /// The line after it, with its end.
+    pub end: &'static str,
+}
+
+#[cfg(feature = "report")]
+impl Marks {
+    /// `text` with `part` between the marks; nothing if it does not have them.
+    pub fn put(self, text: &str, part: &str) -> Option<String> {
+        let (before, rest) = text.split_once(self.begin)?;
+        let (_, after) = rest.split_once(self.end)?;
+        let Marks { begin, end } = self;
+        Some(format!("{before}{begin}\n{part}\n{end}{after}"))
+    }
+}
+
+#[cfg(all(test, feature = "report"))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_what_is_between_the_marks_is_replaced() {
+        let marks = Marks {
+            begin: "<!-- b -->\n",
+            end: "<!-- e -->\n",
+        };
+        let readme = "a\n<!-- b -->\nold\n<!-- e -->\nb\n";
+        let once = marks.put(readme, "| new |\n").unwrap();
+        assert_eq!(once, "a\n<!-- b -->\n\n| new |\n\n<!-- e -->\nb\n");
+        assert_eq!(marks.put(&once, "| new |\n"), Some(once.clone()));
+        assert_eq!(marks.put("no marks", "x"), None);
+    }
+}
