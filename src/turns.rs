@@ -30,7 +30,7 @@ impl<'a> Turns<'a> {
     /// None yet, of a run with these options.
     pub(crate) fn new(model: &'a BlockAndBracket, options: &Options) -> Self {
         Turns {
-            search: EventSearch::new(model, &Turning, options),
+            search: EventSearch::new(model, Turning, options),
             points: Vec::new(),
         }
     }

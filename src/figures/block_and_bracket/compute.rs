@@ -27,7 +27,7 @@ pub(super) const DIVERGED: f64 = 1e3;
 #[derive(Clone, Debug)]
 pub struct Measured {
     /// Exponents from the equations.
-    pub spectrum: Spectrum<4>,
+    pub spectrum: Spectrum,
     /// Evidence for the class of the motion.
     pub evidence: Evidence,
     /// The class.

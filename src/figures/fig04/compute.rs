@@ -155,13 +155,13 @@ fn cycle(model: &BeltOscillator, options: &Options) -> Result<Cycle, Error> {
     // Off Σ, a tenth of a turn before the crossing.
     let guess = settled.at(last - 0.1 * (last - before))?;
     let found = periodic_orbit(model, guess, last - before, options)?;
-    let turn = solve(model, 0.0, found.x, found.period, options)?;
+    let turn = solve(model, 0.0, &found.x, found.period, options)?;
     describe(model, &found, &turn)
 }
 
 fn describe(
     model: &BeltOscillator,
-    found: &PeriodicOrbit<2>,
+    found: &PeriodicOrbit,
     turn: &Orbit<2>,
 ) -> Result<Cycle, Error> {
     let crossing = |to: Side| {
@@ -171,7 +171,8 @@ fn describe(
         first.ok_or_else(|| missing("a crossing of Σ", 0.0, found.period))
     };
     let (up, down) = (crossing(Side::Above)?, crossing(Side::Below)?);
-    let [trivial, multiplier] = multipliers(&found.monodromy);
+    let found_multipliers = multipliers(&found.monodromy);
+    let [trivial, multiplier] = [0, 1].map(|k| found_multipliers[k]);
     let acceleration = |side| model.field(side, up.t, up.x.as_ref())[1];
     Ok(Cycle {
         period: found.period,

@@ -170,7 +170,8 @@ fn exact(model: &ForcedOscillator, options: &Options) -> Result<Exact, Error> {
         first.ok_or_else(|| missing("a crossing of Σ", 0.0, SHOWN * period))
     };
     let (up, down) = (crossing(Side::Above)?, crossing(Side::Below)?);
-    let mut multipliers = multipliers(&orbit.monodromy).map(|m| stickslip::math::hypot(m.re, m.im));
+    let sizes = multipliers(&orbit.monodromy);
+    let mut multipliers = [0, 1].map(|k| stickslip::math::hypot(sizes[k].re, sizes[k].im));
     multipliers.sort_by(|one, other| other.total_cmp(one));
     let above = (down.t - up.t).rem_euclid(period);
     Ok(Exact {
@@ -212,7 +213,7 @@ fn shares(model: &ForcedOscillator) -> Result<Shares, Error> {
     let ends = starts.par_iter().map(end);
     let ends = ends.collect::<Result<Vec<_>, Error>>()?;
     let each = 1.0 / starts.len() as f64;
-    let share = |is: fn(&Destination<2>) -> bool| {
+    let share = |is: fn(&Destination) -> bool| {
         let count = ends.iter().filter(|end| is(end)).count();
         count as f64 * each
     };

@@ -197,7 +197,7 @@ fn settled(
     model: &ForcedOscillator,
     x: State<2>,
     options: &Options,
-) -> Result<Destination<2>, Error> {
+) -> Result<Destination, Error> {
     // Friction of the other sign is among the variants.
     let (system, period) = (Unchecked(model), model.period());
     let follow =
