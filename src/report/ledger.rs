@@ -48,6 +48,19 @@ impl Entry {
         self.findings.iter().filter(has)
     }
 
+    /// The findings, each different value of a reading once.
+    pub fn distinct(&self) -> Vec<&Finding> {
+        let mut kept: Vec<&Finding> = Vec::new();
+        for one in &self.findings {
+            let same =
+                |other: &&Finding| other.reading == one.reading && other.text() == one.text();
+            if !kept.iter().any(same) {
+                kept.push(one);
+            }
+        }
+        kept
+    }
+
     /// What a reading gives.
     pub fn reading(&self, reading: Reading) -> Option<&Finding> {
         self.findings.iter().find(|one| one.reading == reading)

@@ -51,14 +51,10 @@ fn claim(ledger: &Ledger, entry: &Entry) -> Vec<String> {
         digits,
         claim.unit.clone(),
     ];
+    let values = entry.distinct();
     row.extend(Reading::ALL.map(|reading| {
-        let mut texts: Vec<String> = Vec::new();
-        for text in of(reading).map(|one| one.text()) {
-            if !texts.contains(&text) {
-                texts.push(text);
-            }
-        }
-        texts.join(" / ")
+        let of = values.iter().filter(|one| one.reading == reading);
+        joined(of.map(|one| one.text()), " / ")
     }));
     let corrections = entry.corrections.iter().map(|one| one.description());
     row.extend([

@@ -102,7 +102,7 @@ fn row(ledger: &Ledger, place: usize, entry: &Entry) -> Markup {
             }
             td data-column="Published" { (published(entry)) }
             td data-column="Found" {
-                ul.found { @for one in deciding(entry) { li { (one.reading) ": " b { (worth(entry, one)) } @if one.by_construction { " by construction: no evidence" } } } }
+                ul.found { @for one in entry.distinct().into_iter().filter(|one| one.reading.role() != Role::Beside) { li { (one.reading) ": " b { (worth(entry, one)) } @if one.by_construction { " by construction: no evidence" } } } }
                 @if let Some(remark) = &entry.remark { p.soft { (remarked(remark)) } }
             }
             td data-column="Verdict" data-key=(entry.verdict as usize) {
@@ -118,18 +118,6 @@ fn row(ledger: &Ledger, place: usize, entry: &Entry) -> Markup {
 /// Short names of corrections.
 fn labels(corrections: &[Correction]) -> String {
     joined(corrections.iter().map(|one| one.label()), ", ")
-}
-
-/// One finding of each reading that can decide, each different value once.
-fn deciding(entry: &Entry) -> Vec<&Finding> {
-    let mut kept: Vec<&Finding> = Vec::new();
-    for one in &entry.findings {
-        let known = |other: &&Finding| other.reading == one.reading && other.text() == one.text();
-        if one.reading.role() != Role::Beside && !kept.iter().any(known) {
-            kept.push(one);
-        }
-    }
-    kept
 }
 
 /// What the paper says, with its unit; long closed-form numbers to six decimals.
