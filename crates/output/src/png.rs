@@ -24,7 +24,7 @@ pub fn png(svg: &str) -> Result<Vec<u8>, PngError> {
     use resvg::{tiny_skia, usvg};
 
     let mut options = usvg::Options::default();
-    for (_, face) in &plot::FACES {
+    for face in plot::FACES {
         options.fontdb_mut().load_font_data(face.to_vec());
     }
     let tree =

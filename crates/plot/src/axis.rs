@@ -1,7 +1,6 @@
 //! An axis: range, ticks, label.
 
-use super::rich;
-use crate::error::PlotError;
+use super::{PlotError, rich};
 
 /// A linear axis.
 #[derive(Clone, Debug)]
@@ -155,7 +154,7 @@ impl Axis {
 
 /// The largest of 1, 2, 5 × 10ⁿ that is not above `rough`, or half a decade more where that is nearer.
 fn nice_step(rough: f64) -> f64 {
-    let power = crate::math::power_of_ten(crate::math::log10(rough).floor() as i32);
+    let power = power_of_ten(libm::log10(rough).floor() as i32);
     let mantissa = rough / power;
     let nice = if mantissa < 1.5 {
         1.0
@@ -169,11 +168,26 @@ fn nice_step(rough: f64) -> f64 {
     nice * power
 }
 
+/// `10^n`: multiplications only (and one division for `n < 0`), in a fixed order.
+fn power_of_ten(n: i32) -> f64 {
+    let mut base: f64 = 10.0;
+    let mut left = n.unsigned_abs();
+    let mut product = 1.0;
+    while left > 0 {
+        if left & 1 == 1 {
+            product *= base;
+        }
+        base *= base;
+        left >>= 1;
+    }
+    if n < 0 { 1.0 / product } else { product }
+}
+
 /// Digits after the decimal point needed to write `step`.
 fn decimals_of(step: f64) -> usize {
     (0..10)
         .find(|d| {
-            let scaled = step * crate::math::power_of_ten(*d as i32);
+            let scaled = step * power_of_ten(*d as i32);
             (scaled - scaled.round()).abs() < 1e-6
         })
         .unwrap_or(10)

@@ -1,12 +1,10 @@
 //! The page: rows of panels.
 
-use plotters::drawing::IntoDrawingArea;
-
+use super::PlotError;
 use super::canvas::{Canvas, Naming};
 use super::panel::{Margins, Panel};
 use super::plot::Frame;
 use super::table::Table;
-use crate::error::PlotError;
 
 /// White border of the page, px.
 const BORDER: f64 = 8.0;
@@ -100,25 +98,19 @@ impl Figure {
     /// An axis without an interval, a figure too small for its labels.
     pub fn render(&self) -> Result<String, PlotError> {
         let placed = self.layout()?;
-        let mut svg = String::new();
         let naming = Naming {
             id: &self.id,
             title: &self.title,
             description: &self.description,
         };
-        let (width, height) = self.size;
-        let canvas = Canvas::new(&mut svg, width, height, &naming)
-            .map_err(|error| PlotError::Draw(error.to_string()))?;
-        let page = canvas.into_drawing_area();
+        let canvas = Canvas::new(self.size, &naming)?;
         for place in &placed {
             match place.cell {
-                Cell::Panel(panel) => panel.draw(&page, &place.frame, &place.margins)?,
-                Cell::Table(table) => table.draw(&page, &place.frame)?,
+                Cell::Panel(panel) => panel.draw(&canvas, &place.frame, &place.margins)?,
+                Cell::Table(table) => table.draw(&canvas, &place.frame)?,
             }
         }
-        page.present()?;
-        drop(page);
-        Ok(svg)
+        Ok(canvas.closed())
     }
 
     /// Divides the page. Panels under one another get the same margins, so that their frames line up.

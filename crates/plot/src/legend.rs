@@ -1,13 +1,9 @@
 //! Legends.
 
-use plotters_backend::text_anchor::{HPos, VPos};
-
-use super::color::{BLACK, Color, WHITE};
-use super::elements::{Symbol, Words};
-use super::metrics;
-use super::pen::Pen;
-use super::plot::{Drawn, Frame, Sheet};
-use crate::error::PlotError;
+use super::canvas::{Canvas, place};
+use super::plot::{Drawn, Frame};
+use super::style::{Color, HPos, Pen, Symbol, VPos, WHITE, Words};
+use super::{PlotError, metrics};
 
 /// Where a panel's legend stands.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -95,7 +91,7 @@ pub(super) fn height_below(entries: &[Entry], available: f64) -> Result<f64, Plo
 
 /// Draws the legend under a panel: centred between `left` and `right`, from `top` down.
 pub(super) fn draw_below(
-    sheet: &Sheet<'_, '_>,
+    canvas: &Canvas,
     entries: &[Entry],
     (left, right): (f64, f64),
     top: f64,
@@ -109,17 +105,17 @@ pub(super) fn draw_below(
     for (i, entry) in entries.iter().enumerate() {
         let (line, column) = (i / count, i % count);
         let x = start + column as f64 * (width + COLUMN_GAP);
-        draw_entry(sheet, entry, x, top + PADDING + (line as f64 + 0.5) * LINE)?;
+        draw_entry(canvas, entry, x, top + PADDING + (line as f64 + 0.5) * LINE)?;
     }
     Ok(())
 }
 
 /// Draws the legend inside the plot rectangle.
 pub(super) fn draw_inside(
-    sheet: &Sheet<'_, '_>,
+    canvas: &Canvas,
     entries: &[Entry],
     plot: &Frame,
-    place: Legend,
+    corner: Legend,
 ) -> Drawn {
     if entries.is_empty() {
         return Ok(());
@@ -130,12 +126,12 @@ pub(super) fn draw_inside(
     }
     let width = KEY + KEY_GAP + widest + 2.0 * PADDING;
     let height = entries.len() as f64 * LINE + PADDING;
-    let left = match place {
+    let left = match corner {
         Legend::UpperLeft | Legend::LowerLeft => plot.left + INSET,
         Legend::UpperMiddle | Legend::LowerMiddle => (plot.left + plot.right - width) / 2.0,
         _ => plot.right - INSET - width,
     };
-    let top = match place {
+    let top = match corner {
         Legend::UpperLeft | Legend::UpperMiddle | Legend::UpperRight => plot.top + INSET,
         _ => plot.bottom - INSET - height,
     };
@@ -145,19 +141,19 @@ pub(super) fn draw_inside(
         right: left + width,
         bottom: top + height,
     };
-    sheet.rect(&frame, WHITE)?;
-    sheet.outline(&frame, &Pen::new(Color(190, 190, 190), 0.6))?;
+    canvas.rect(&frame, WHITE)?;
+    canvas.outline(&frame, &Pen::new(Color(190, 190, 190), 0.6))?;
     for (i, entry) in entries.iter().enumerate() {
         let y = top + PADDING / 2.0 + (i as f64 + 0.5) * LINE;
-        draw_entry(sheet, entry, left + PADDING, y)?;
+        draw_entry(canvas, entry, left + PADDING, y)?;
     }
     Ok(())
 }
 
-fn draw_entry(sheet: &Sheet<'_, '_>, entry: &Entry, x: f64, y: f64) -> Drawn {
+fn draw_entry(canvas: &Canvas, entry: &Entry, x: f64, y: f64) -> Drawn {
     match &entry.key {
-        Key::Line(pen) => sheet.stroke(&[(x, y), (x + KEY, y)], pen)?,
-        Key::Symbol(symbol) => sheet.symbol((x + KEY / 2.0, y), symbol)?,
+        Key::Line(pen) => canvas.stroke(&[(x, y), (x + KEY, y)], pen)?,
+        Key::Symbol(symbol) => canvas.symbol(place((x + KEY / 2.0, y)), symbol)?,
         Key::Area(color) => {
             let swatch = Frame {
                 left: x + 2.0,
@@ -165,12 +161,10 @@ fn draw_entry(sheet: &Sheet<'_, '_>, entry: &Entry, x: f64, y: f64) -> Drawn {
                 right: x + KEY - 2.0,
                 bottom: y + 4.5,
             };
-            sheet.rect(&swatch, *color)?;
-            sheet.outline(&swatch, &Pen::new(Color(150, 150, 150), 0.5))?;
+            canvas.rect(&swatch, *color)?;
+            canvas.outline(&swatch, &Pen::new(Color(150, 150, 150), 0.5))?;
         }
     }
-    let words = Words::new(&entry.text, SIZE)
-        .color(BLACK)
-        .anchor(HPos::Left, VPos::Center);
-    sheet.words((x + KEY + KEY_GAP, y), words)
+    let words = Words::new(&entry.text, SIZE).anchor(HPos::Left, VPos::Center);
+    canvas.words((x + KEY + KEY_GAP, y), words)
 }

@@ -1,4 +1,4 @@
-//! Figures for a journal, drawn over plotters, which nothing else knows; of what they show this crate knows nothing.
+//! Figures for a journal, as SVG; of what they show this crate knows nothing.
 //!
 //! A [`Figure`] is rows of [`Panel`]s; a panel has two [`Axis`]es and layers: [`Curve`], [`Markers`],
 //! [`Guide`], [`Band`], [`Region`], [`Cells`], [`Note`], [`Dimension`], [`Inset`]. Sizes, widths and offsets are in px at the
@@ -32,31 +32,20 @@
 //! # Ok::<(), plot::PlotError>(())
 //! ```
 
-mod arrow;
 mod axis;
 mod canvas;
-mod color;
-mod elements;
-mod error;
 mod figure;
 mod layers;
 mod legend;
-mod math;
 mod metrics;
 mod panel;
-mod pen;
 mod plot;
 mod polyline;
 mod rich;
+mod style;
 mod table;
 
 pub use axis::{Axis, number};
-pub use color::{
-    BLACK, BLUE, Color, GREEN, GREY, LIGHT_BLUE, LIGHT_GREY, LIGHT_ORANGE, MID_GREY, ORANGE,
-    PURPLE, SKY, VERMILLION, WHITE,
-};
-pub use elements::Shape;
-pub use error::PlotError;
 pub use figure::{Cell, Figure};
 pub use layers::{
     AnyLayer, Band, Cells, Curve, Dimension, Guide, Inset, Markers, Note, Place, Region,
@@ -64,5 +53,40 @@ pub use layers::{
 pub use legend::Legend;
 pub use metrics::FACES;
 pub use panel::Panel;
-pub use pen::{Dash, Pen};
+pub use style::{
+    BLACK, BLUE, Color, Dash, GREEN, GREY, LIGHT_BLUE, LIGHT_GREY, LIGHT_ORANGE, MID_GREY, ORANGE,
+    PURPLE, Pen, SKY, Shape, VERMILLION, WHITE,
+};
 pub use table::Table;
+
+/// Failure of a drawing, with the values that explain it and what to do about it.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum PlotError {
+    /// An axis whose ends do not make an interval.
+    #[error("axis '{label}' runs from {min} to {max}: both ends must be finite and min < max")]
+    Axis {
+        /// The axis label.
+        label: String,
+        /// Lower end, in the unit of the axis.
+        min: f64,
+        /// Upper end, in the unit of the axis.
+        max: f64,
+    },
+    /// The panels' own labels leave no room for what they are to show.
+    #[error(
+        "a panel of {figure} is only {width:.0} x {height:.0} px large once its labels are placed; \
+         enlarge the figure"
+    )]
+    NoRoom {
+        /// Name of the figure.
+        figure: String,
+        /// Width left for the plot rectangle, px.
+        width: f64,
+        /// Height left for the plot rectangle, px.
+        height: f64,
+    },
+    /// The drawing library refused.
+    #[error("cannot draw: {0}")]
+    Draw(String),
+}

@@ -5,31 +5,19 @@
 
 use std::sync::LazyLock;
 
-use plotters::style::{FontDesc, FontFamily, FontStyle, register_font};
+use ab_glyph::{Font, FontRef, ScaleFont};
 
+use super::PlotError;
 use super::rich::{self, Run};
-use crate::error::PlotError;
-
-/// Name of the embedded font.
-const FAMILY: &str = "Liberation Sans";
 
 /// Font families for the SVG, best first.
 pub(super) const CSS_FAMILY: &str = "Liberation Sans, Arial, Helvetica, sans-serif";
 
-/// The embedded faces, each with its font file: upright, italic, bold.
-pub static FACES: [(FontStyle, &[u8]); 3] = [
-    (
-        FontStyle::Normal,
-        include_bytes!("../assets/fonts/LiberationSans-Regular.ttf"),
-    ),
-    (
-        FontStyle::Italic,
-        include_bytes!("../assets/fonts/LiberationSans-Italic.ttf"),
-    ),
-    (
-        FontStyle::Bold,
-        include_bytes!("../assets/fonts/LiberationSans-Bold.ttf"),
-    ),
+/// The font files of the embedded faces: upright, italic, bold.
+pub static FACES: [&[u8]; 3] = [
+    include_bytes!("../assets/fonts/LiberationSans-Regular.ttf"),
+    include_bytes!("../assets/fonts/LiberationSans-Italic.ttf"),
+    include_bytes!("../assets/fonts/LiberationSans-Bold.ttf"),
 ];
 
 /// Height of capitals and digits in font sizes (from the font: 1409 of 2048 units).
@@ -38,14 +26,12 @@ pub(super) const CAP_HEIGHT: f64 = 0.688;
 /// The font library scales by ascender minus descender, not by the em: (1854 + 434) of 2048 units.
 const LINE_PER_EM: f64 = 1.1171875;
 
-/// Measured at this size and scaled down, because plotters returns whole pixels.
+/// Measured at this size, in whole px, and scaled down.
 const MEASURED_AT: f64 = 1000.0;
 
-/// Registration happens once per process; the registry is global to plotters.
-static REGISTERED: LazyLock<bool> = LazyLock::new(|| {
-    FACES
-        .iter()
-        .all(|(style, bytes)| register_font(FAMILY, *style, bytes).is_ok())
+static FONTS: LazyLock<Option<[FontRef<'static>; 3]>> = LazyLock::new(|| {
+    let [upright, italic, bold] = FACES.map(|face| FontRef::try_from_slice(face).ok());
+    Some([upright?, italic?, bold?])
 });
 
 /// Width in px of a marked-up text at font size `size` px.
@@ -64,19 +50,23 @@ pub(super) fn width(markup: &str, size: f64) -> Result<f64, PlotError> {
 /// # Errors
 /// As of [`width`].
 pub(super) fn run_width(run: &Run, size: f64) -> Result<f64, PlotError> {
-    if !*REGISTERED {
+    let Some(fonts) = &*FONTS else {
         return Err(PlotError::Draw("the embedded font is damaged".into()));
-    }
-    let style = match (run.bold, run.italic) {
-        (true, _) => FontStyle::Bold,
-        (false, true) => FontStyle::Italic,
-        (false, false) => FontStyle::Normal,
     };
-    let font = FontDesc::new(FontFamily::Name(FAMILY), MEASURED_AT * LINE_PER_EM, style);
-    let ((left, _), (right, _)) = font
-        .layout_box(&run.text)
-        .map_err(|error| PlotError::Draw(error.to_string()))?;
-    Ok(f64::from(right - left) / MEASURED_AT * size * run.level.scale())
+    let face = match (run.bold, run.italic) {
+        (true, _) => &fonts[2],
+        (false, true) => &fonts[1],
+        (false, false) => &fonts[0],
+    };
+    let font = face.as_scaled((MEASURED_AT * LINE_PER_EM) as f32);
+    let (mut wide, mut before) = (0.0_f32, None);
+    for glyph in run.text.chars().map(|c| font.glyph_id(c)) {
+        wide += font.h_advance(glyph);
+        if let Some(before) = before.replace(glyph) {
+            wide += font.kern(before, glyph);
+        }
+    }
+    Ok(f64::from(wide.trunc()) / MEASURED_AT * size * run.level.scale())
 }
 
 #[cfg(test)]

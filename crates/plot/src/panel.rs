@@ -1,16 +1,13 @@
 //! A panel: axes and what is drawn between them.
 
-use plotters_backend::text_anchor::{HPos, VPos};
-
+use super::PlotError;
 use super::axis::Axis;
-use super::color::BLACK;
-use super::elements::Words;
+use super::canvas::Canvas;
 use super::layers::{AnyLayer, Layer};
 use super::legend::{self, Entry, Legend};
 use super::metrics;
-use super::pen::Pen;
-use super::plot::{Drawn, Frame, Page, Plot, Sheet};
-use crate::error::PlotError;
+use super::plot::{Drawn, Frame, Plot};
+use super::style::{BLACK, HPos, Pen, VPos, Words};
 
 const TICK_TEXT: f64 = 11.0;
 const AXIS_TEXT: f64 = 12.5;
@@ -126,13 +123,7 @@ impl Panel {
         } else {
             PANEL_TEXT + 8.0
         };
-        let mut bottom = TICK_GAP;
-        if self.x.numbered {
-            bottom += TICK_TEXT + 2.0;
-        }
-        if !self.x.label.is_empty() {
-            bottom += AXIS_TEXT + DESCENT + 1.0;
-        }
+        let mut bottom = self.under();
         if self.legend == Legend::Below {
             bottom += legend::height_below(&self.entries(), cell_width - left - right)?;
         }
@@ -145,107 +136,99 @@ impl Panel {
     }
 
     /// Draws into a cell of the page, leaving these margins.
-    pub(super) fn draw(&self, page: &Page<'_>, cell: &Frame, margins: &Margins) -> Drawn {
+    pub(super) fn draw(&self, canvas: &Canvas, cell: &Frame, margins: &Margins) -> Drawn {
         let frame = Frame {
             left: cell.left + margins.left,
             top: cell.top + margins.top,
             right: cell.right - margins.right,
             bottom: cell.bottom - margins.bottom,
         };
-        let plot = Plot::new(page, frame, &self.x, &self.y);
+        let plot = Plot::new(canvas, frame, &self.x, &self.y);
         for layer in &self.layers {
             layer.draw(&plot)?;
         }
-        self.draw_x_axis(&plot)?;
-        self.draw_y_axis(&plot, cell.left)?;
+        self.draw_axis(&plot, &self.x, None)?;
+        self.draw_axis(&plot, &self.y, Some(cell.left))?;
         let pen = Pen::new(BLACK, FRAME_WIDTH);
-        plot.sheet.outline(&frame, &pen)?;
+        plot.canvas.outline(&frame, &pen)?;
         for layer in &self.layers {
             layer.annotate(&plot)?;
         }
-        self.draw_legend(&plot.sheet, &frame)?;
+        self.draw_legend(plot.canvas, &frame)?;
         let heading = self.heading();
         if heading.is_empty() {
             return Ok(());
         }
         let words = Words::new(&heading, PANEL_TEXT).anchor(HPos::Left, VPos::Bottom);
-        plot.sheet.words((frame.left, frame.top - 7.0), words)
+        plot.canvas.words((frame.left, frame.top - 7.0), words)
     }
 
-    fn draw_x_axis(&self, plot: &Plot<'_, '_>) -> Drawn {
-        let pen = Pen::new(BLACK, FRAME_WIDTH);
-        let bottom = plot.frame.bottom;
-        for v in self.x.minor_ticks() {
-            let (x, _) = plot.px((v, plot.bounds.y.0));
-            plot.sheet
-                .stroke(&[(x, bottom), (x, bottom - MINOR_TICK)], &pen)?;
-        }
-        for (v, text) in self.x.major() {
-            let (x, _) = plot.px((v, plot.bounds.y.0));
-            plot.sheet
-                .stroke(&[(x, bottom), (x, bottom - TICK)], &pen)?;
-            if self.x.numbered {
-                let words = Words::new(&text, TICK_TEXT).anchor(HPos::Center, VPos::Top);
-                plot.sheet.words((x, bottom + TICK_GAP + 1.0), words)?;
-            }
-        }
-        if self.x.label.is_empty() {
-            return Ok(());
-        }
+    /// Height under the plot rectangle that numbers and label of its lower axis take.
+    fn under(&self) -> f64 {
         let numbers = if self.x.numbered {
             TICK_TEXT + 2.0
         } else {
             0.0
         };
-        let at = (
-            (plot.frame.left + plot.frame.right) / 2.0,
-            bottom + TICK_GAP + numbers + 3.0,
-        );
-        let words = Words::new(&self.x.label, AXIS_TEXT).anchor(HPos::Center, VPos::Top);
-        plot.sheet.words(at, words)
+        let label = if self.x.label.is_empty() {
+            0.0
+        } else {
+            AXIS_TEXT + DESCENT + 1.0
+        };
+        TICK_GAP + numbers + label
     }
 
-    fn draw_y_axis(&self, plot: &Plot<'_, '_>, cell_left: f64) -> Drawn {
+    /// The lower axis, or the left one of a cell that begins at this abscissa.
+    fn draw_axis(&self, plot: &Plot<'_>, axis: &Axis, cell_left: Option<f64>) -> Drawn {
         let pen = Pen::new(BLACK, FRAME_WIDTH);
-        let left = plot.frame.left;
-        for v in self.y.minor_ticks() {
-            let (_, y) = plot.px((plot.bounds.x.0, v));
-            plot.sheet
-                .stroke(&[(left, y), (left + MINOR_TICK, y)], &pen)?;
+        let Frame { left, bottom, .. } = plot.frame;
+        // Where on the axis a value is, and so far into the panel.
+        let at = |v: f64, inside: f64| match cell_left {
+            None => (plot.px((v, plot.bounds.y.0)).0, bottom - inside),
+            Some(_) => (left + inside, plot.px((plot.bounds.x.0, v)).1),
+        };
+        let tick = |v: f64, length: f64| plot.canvas.stroke(&[at(v, 0.0), at(v, length)], &pen);
+        for v in axis.minor_ticks() {
+            tick(v, MINOR_TICK)?;
         }
-        for (v, text) in self.y.major() {
-            let (_, y) = plot.px((plot.bounds.x.0, v));
-            plot.sheet.stroke(&[(left, y), (left + TICK, y)], &pen)?;
-            if self.y.numbered {
-                let words = Words::new(&text, TICK_TEXT).anchor(HPos::Right, VPos::Center);
-                plot.sheet.words((left - TICK_GAP, y), words)?;
+        for (v, text) in axis.major() {
+            tick(v, TICK)?;
+            if axis.numbered {
+                let (gap, h, v_pos) = match cell_left {
+                    None => (TICK_GAP + 1.0, HPos::Center, VPos::Top),
+                    Some(_) => (TICK_GAP, HPos::Right, VPos::Center),
+                };
+                let words = Words::new(&text, TICK_TEXT).anchor(h, v_pos);
+                plot.canvas.words(at(v, -gap), words)?;
             }
         }
-        if self.y.label.is_empty() {
+        if axis.label.is_empty() {
             return Ok(());
         }
-        let at = (cell_left, (plot.frame.top + plot.frame.bottom) / 2.0);
-        let words = Words::new(&self.y.label, AXIS_TEXT)
-            .anchor(HPos::Center, VPos::Top)
-            .upwards();
-        plot.sheet.words(at, words)
+        let words = Words::new(&axis.label, AXIS_TEXT).anchor(HPos::Center, VPos::Top);
+        match cell_left {
+            None => {
+                let numbers = if axis.numbered { TICK_TEXT + 2.0 } else { 0.0 };
+                let y = bottom + TICK_GAP + numbers + 3.0;
+                plot.canvas
+                    .words(((left + plot.frame.right) / 2.0, y), words)
+            }
+            Some(cell_left) => {
+                let y = (plot.frame.top + bottom) / 2.0;
+                plot.canvas.words((cell_left, y), words.upwards())
+            }
+        }
     }
 
-    fn draw_legend(&self, sheet: &Sheet<'_, '_>, frame: &Frame) -> Drawn {
+    fn draw_legend(&self, canvas: &Canvas, frame: &Frame) -> Drawn {
         let entries = self.entries();
         match self.legend {
             Legend::Hidden => Ok(()),
             Legend::Below => {
-                let mut top = frame.bottom + TICK_GAP;
-                if self.x.numbered {
-                    top += TICK_TEXT + 2.0;
-                }
-                if !self.x.label.is_empty() {
-                    top += AXIS_TEXT + DESCENT + 1.0;
-                }
-                legend::draw_below(sheet, &entries, (frame.left, frame.right), top)
+                let top = frame.bottom + self.under();
+                legend::draw_below(canvas, &entries, (frame.left, frame.right), top)
             }
-            corner => legend::draw_inside(sheet, &entries, frame, corner),
+            corner => legend::draw_inside(canvas, &entries, frame, corner),
         }
     }
 }

@@ -2,29 +2,19 @@
 
 use std::fmt;
 
-use plotters::coord::Shift;
-use plotters::coord::cartesian::Cartesian2d;
-use plotters::coord::types::RangedCoordf64;
-use plotters::drawing::{DrawingArea, DrawingAreaErrorKind};
-use plotters::element::{Polygon, Rectangle};
-use plotters::style::{RGBColor, ShapeStyle};
-
+use super::PlotError;
 use super::axis::Axis;
-use super::canvas::{Canvas, units};
-use super::color::Color;
-use super::elements::{Label, Mark, Stroke, Symbol, Tiles, Words};
-use super::pen::Pen;
+use super::canvas::{Canvas, Units, units};
 use super::polyline::{self, Bounds, Point};
-use crate::error::PlotError;
+use super::style::{Color, Pen, Symbol};
 
 /// Nobody sees a curve move by less than this, px, even enlarged a few times.
 const TOLERANCE: f64 = 0.02;
 
 pub(super) type Drawn = Result<(), PlotError>;
-pub(super) type Page<'a> = DrawingArea<Canvas<'a>, Shift>;
 
-impl From<DrawingAreaErrorKind<fmt::Error>> for PlotError {
-    fn from(error: DrawingAreaErrorKind<fmt::Error>) -> Self {
+impl From<fmt::Error> for PlotError {
+    fn from(error: fmt::Error) -> Self {
         PlotError::Draw(error.to_string())
     }
 }
@@ -56,99 +46,22 @@ impl Frame {
     }
 }
 
-/// Draws on the page, in px.
-pub(super) struct Sheet<'p, 'a> {
-    pub(super) page: &'p Page<'a>,
-}
-
-impl Sheet<'_, '_> {
-    pub(super) fn stroke(&self, points: &[Point], pen: &Pen) -> Drawn {
-        let points = points.iter().map(backend).collect();
-        Ok(self.page.draw(&Stroke { points, pen: *pen })?)
-    }
-
-    pub(super) fn fill(&self, points: &[Point], color: Color) -> Drawn {
-        let points: Vec<(i32, i32)> = points.iter().map(backend).collect();
-        Ok(self.page.draw(&Polygon::new(points, solid(color)))?)
-    }
-
-    pub(super) fn rect(&self, frame: &Frame, color: Color) -> Drawn {
-        let corners = [
-            backend(&(frame.left, frame.top)),
-            backend(&(frame.right, frame.bottom)),
-        ];
-        Ok(self.page.draw(&Rectangle::new(corners, solid(color)))?)
-    }
-
-    /// Rectangles as one area.
-    pub(super) fn rects(&self, frames: &[Frame], color: Color) -> Drawn {
-        let corners = |frame: &Frame| {
-            [
-                backend(&(frame.left, frame.top)),
-                backend(&(frame.right, frame.bottom)),
-            ]
-        };
-        let corners = frames.iter().flat_map(corners).collect();
-        Ok(self.page.draw(&Tiles { corners, color })?)
-    }
-
-    pub(super) fn outline(&self, frame: &Frame, pen: &Pen) -> Drawn {
-        let Frame {
-            left,
-            top,
-            right,
-            bottom,
-        } = *frame;
-        self.stroke(
-            &[
-                (left, top),
-                (right, top),
-                (right, bottom),
-                (left, bottom),
-                (left, top),
-                (right, top),
-            ],
-            pen,
-        )
-    }
-
-    pub(super) fn words(&self, at: Point, words: Words) -> Drawn {
-        let at = backend(&at);
-        Ok(self.page.draw(&Label { at, words })?)
-    }
-
-    pub(super) fn symbol(&self, at: Point, symbol: &Symbol) -> Drawn {
-        let (at, symbol) = (backend(&at), *symbol);
-        Ok(self.page.draw(&Mark { at, symbol })?)
-    }
-}
-
 /// Draws in the data coordinates of a panel.
-pub(super) struct Plot<'p, 'a> {
-    pub(super) sheet: Sheet<'p, 'a>,
+pub(super) struct Plot<'p> {
+    pub(super) canvas: &'p Canvas,
     pub(super) frame: Frame,
     pub(super) bounds: Bounds,
-    data: DrawingArea<Canvas<'a>, Cartesian2d<RangedCoordf64, RangedCoordf64>>,
 }
 
-impl<'p, 'a> Plot<'p, 'a> {
-    pub(super) fn new(page: &'p Page<'a>, frame: Frame, x: &Axis, y: &Axis) -> Self {
-        let mapping = Cartesian2d::new(
-            x.min..x.max,
-            y.min..y.max,
-            (
-                units(frame.left)..units(frame.right),
-                units(frame.bottom)..units(frame.top),
-            ),
-        );
+impl<'p> Plot<'p> {
+    pub(super) fn new(canvas: &'p Canvas, frame: Frame, x: &Axis, y: &Axis) -> Self {
         Self {
-            sheet: Sheet { page },
+            canvas,
             frame,
             bounds: Bounds {
                 x: (x.min, x.max),
                 y: (y.min, y.max),
             },
-            data: page.apply_coord_spec(mapping),
         }
     }
 
@@ -169,11 +82,35 @@ impl<'p, 'a> Plot<'p, 'a> {
         )
     }
 
+    /// The place of a data point, by parts of the sides of the frame. Half a pixel's rounding is taken towards the lower left corner, but for a
+    /// thousandth of a unit, within which a point is on a whole one.
+    fn place(&self, points: &[Point]) -> Vec<Units> {
+        const SLACK: f64 = 1e-3;
+        let along = |v: f64, (low, high): (f64, f64), from: f64, to: f64| {
+            let (from, to) = (units(from), units(to));
+            let way = f64::from(to - from) * ((v - low) / (high - low));
+            let whole = if to > from {
+                (way + SLACK).floor()
+            } else {
+                (way - SLACK).ceil()
+            };
+            from + whole as i32
+        };
+        let frame = &self.frame;
+        let place = |p: &Point| {
+            (
+                along(p.0, self.bounds.x, frame.left, frame.right),
+                along(p.1, self.bounds.y, frame.bottom, frame.top),
+            )
+        };
+        points.iter().map(place).collect()
+    }
+
     /// A polyline in data units, cut at the frame.
     pub(super) fn stroke(&self, points: &[Point], pen: &Pen) -> Drawn {
         for piece in polyline::clip_line(points, &self.bounds) {
             let points = polyline::thin(&piece, self.scale(), TOLERANCE);
-            self.data.draw(&Stroke { points, pen: *pen })?;
+            self.canvas.path(&self.place(&points), pen)?;
         }
         Ok(())
     }
@@ -181,29 +118,15 @@ impl<'p, 'a> Plot<'p, 'a> {
     /// A filled polygon in data units, cut at the frame.
     pub(super) fn fill(&self, points: &[Point], color: Color) -> Drawn {
         let cut = polyline::clip_area(points, &self.bounds);
-        if cut.len() < 3 {
-            return Ok(());
-        }
         let corners = polyline::thin(&cut, self.scale(), TOLERANCE);
-        Ok(self.data.draw(&Polygon::new(corners, solid(color)))?)
+        self.canvas.area(&self.place(&corners), color)
     }
 
-    /// A marker at a data point; nothing if the point lies outside the frame.
-    pub(super) fn symbol(&self, at: Point, symbol: &Symbol) -> Drawn {
-        if self.bounds.contains(at) {
-            self.data.draw(&Mark {
-                at,
-                symbol: *symbol,
-            })?;
-        }
-        Ok(())
+    /// Markers at those of the data points that lie inside the frame.
+    pub(super) fn symbols(&self, points: &[Point], symbol: &Symbol) -> Drawn {
+        let inside = points.iter().filter(|point| self.bounds.contains(**point));
+        let inside: Vec<Point> = inside.copied().collect();
+        let mut places = self.place(&inside).into_iter();
+        places.try_for_each(|at| self.canvas.symbol(at, symbol))
     }
-}
-
-fn backend(p: &Point) -> (i32, i32) {
-    (units(p.0), units(p.1))
-}
-
-fn solid(color: Color) -> ShapeStyle {
-    ShapeStyle::from(RGBColor(color.0, color.1, color.2)).filled()
 }

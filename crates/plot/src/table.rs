@@ -1,13 +1,9 @@
 //! A short table of text in the place of a panel.
 
-use plotters_backend::text_anchor::{HPos, VPos};
-
-use super::color::BLACK;
-use super::elements::Words;
-use super::metrics;
-use super::pen::Pen;
-use super::plot::{Drawn, Frame, Page, Sheet};
-use crate::error::PlotError;
+use super::canvas::Canvas;
+use super::plot::{Drawn, Frame};
+use super::style::{BLACK, HPos, Pen, VPos, Words};
+use super::{PlotError, metrics};
 
 const SIZE: f64 = 11.0;
 const LINE: f64 = 17.0;
@@ -54,8 +50,7 @@ impl Table {
     }
 
     /// Draws the table in the upper part of a cell, centred.
-    pub(super) fn draw(&self, page: &Page<'_>, cell: &Frame) -> Drawn {
-        let sheet = Sheet { page };
+    pub(super) fn draw(&self, canvas: &Canvas, cell: &Frame) -> Drawn {
         let widths = self.widths()?;
         let total = widths.iter().sum::<f64>() + COLUMN_GAP * widths.len().saturating_sub(1) as f64;
         let left = cell.left + (cell.width() - total) / 2.0;
@@ -63,11 +58,11 @@ impl Table {
         let mut top = cell.top;
         if !self.title.is_empty() {
             let words = Words::new(&self.title, SIZE + 1.0).anchor(HPos::Left, VPos::Top);
-            sheet.words((left, top), words)?;
+            canvas.words((left, top), words)?;
             top += TITLE;
         }
         let rule =
-            |y: f64, width: f64| sheet.stroke(&[(left, y), (right, y)], &Pen::new(BLACK, width));
+            |y: f64, width: f64| canvas.stroke(&[(left, y), (right, y)], &Pen::new(BLACK, width));
         rule(top, 1.1)?;
         for (i, row) in self.rows.iter().enumerate() {
             let middle = top + (i as f64 + 0.5) * LINE + 0.5;
@@ -79,7 +74,7 @@ impl Table {
                     (x + width, HPos::Right)
                 };
                 let words = Words::new(cell, SIZE).anchor(h, VPos::Center);
-                sheet.words((at, middle), words)?;
+                canvas.words((at, middle), words)?;
                 x += width + COLUMN_GAP;
             }
         }
