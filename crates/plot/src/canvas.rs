@@ -8,7 +8,7 @@ use std::fmt::{self, Write};
 
 use super::plot::{Drawn, Frame};
 use super::polyline::Point;
-use super::style::{Color, HPos, Pen, Shape, Symbol, VPos, Words};
+use super::style::{Color, HPos, Pen, Shape, Symbol, Words};
 use super::{PlotError, metrics, rich};
 
 /// A place in hundredths of a px.
@@ -191,11 +191,7 @@ impl Canvas {
         let out = &mut *self.out.borrow_mut();
         let at = place(at);
         // Vertical placement is by baseline: viewers disagree about `dominant-baseline`.
-        let drop = match words.v {
-            VPos::Top => metrics::CAP_HEIGHT,
-            VPos::Center => metrics::CAP_HEIGHT / 2.0,
-            VPos::Bottom => 0.0,
-        };
+        let drop = metrics::CAP_HEIGHT * (1.0 - words.v.part());
         let drop = units(drop * words.size);
         let (x, y) = if words.upwards {
             (at.0 + drop, at.1)

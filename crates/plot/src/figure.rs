@@ -235,7 +235,7 @@ mod tests {
             (Band::y(0.2, 0.3).into(), "<rect"),
             (Band::bar((0.2, 0.3), 0.5, 6.0).into(), "<rect"),
             (
-                Band::rect((0.2, 0.3), (0.2, 0.3)).outline(BLUE, 1.0).into(),
+                Band::rect((0.2, 0.3), (0.2, 0.3)).fill(BLUE).into(),
                 "#0072b2",
             ),
             (

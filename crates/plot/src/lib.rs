@@ -54,8 +54,8 @@ pub use legend::Legend;
 pub use metrics::FACES;
 pub use panel::Panel;
 pub use style::{
-    BLACK, BLUE, Color, Dash, GREEN, GREY, LIGHT_BLUE, LIGHT_GREY, LIGHT_ORANGE, MID_GREY, ORANGE,
-    PURPLE, Pen, SKY, Shape, VERMILLION, WHITE,
+    BLACK, BLUE, Color, Dash, GREEN, GREY, LIGHT_GREY, LIGHT_ORANGE, MID_GREY, ORANGE, PURPLE, Pen,
+    SKY, Shape, VERMILLION, WHITE,
 };
 pub use table::Table;
 

@@ -29,9 +29,6 @@ pub const MID_GREY: Color = Color(185, 185, 185);
 pub const LIGHT_GREY: Color = Color(228, 228, 228);
 /// A second shading, told from [`LIGHT_GREY`] by hue and lightness.
 pub const LIGHT_ORANGE: Color = Color(252, 232, 196);
-/// A third shading.
-pub const LIGHT_BLUE: Color = Color(212, 232, 245);
-
 impl Color {
     /// `#rrggbb`, as SVG wants it.
     pub(super) fn hex(self) -> String {
@@ -117,12 +114,34 @@ pub(super) enum HPos {
     Right,
 }
 
+impl HPos {
+    /// How far from the left, in parts of the width.
+    pub(super) fn part(self) -> f64 {
+        match self {
+            HPos::Left => 0.0,
+            HPos::Center => 0.5,
+            HPos::Right => 1.0,
+        }
+    }
+}
+
 /// Which point of a text's box, from above.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum VPos {
     Top,
     Center,
     Bottom,
+}
+
+impl VPos {
+    /// How far from above, in parts of the height.
+    pub(super) fn part(self) -> f64 {
+        match self {
+            VPos::Top => 0.0,
+            VPos::Center => 0.5,
+            VPos::Bottom => 1.0,
+        }
+    }
 }
 
 /// Outline of a marker.

@@ -11,7 +11,7 @@ use stickslip_kernels::file::System;
 use stickslip_kernels::kernel::Modes;
 
 /// What a command prints at its end.
-pub(crate) struct Said {
+pub(crate) struct Answer {
     /// For standard output.
     pub(crate) text: String,
     /// What went wrong behind what was found all the same.
@@ -144,6 +144,16 @@ impl Report {
         self
     }
 
+    /// Things of one kind, each with a line for people and a value for programs.
+    pub(crate) fn list(
+        &mut self,
+        title: &str,
+        things: impl IntoIterator<Item = (String, Json)>,
+    ) -> &mut Self {
+        let (lines, values): (Vec<String>, Vec<Json>) = things.into_iter().unzip();
+        self.lines(title, lines).field(title, values)
+    }
+
     /// A line for people that has no title.
     pub(crate) fn note(&mut self, text: impl Display) -> &mut Self {
         let _ = writeln!(self.text, "  {text}");
@@ -185,13 +195,13 @@ impl Report {
     }
 
     /// What was found, of a command that writes no files.
-    pub(crate) fn said(self, as_json: bool) -> Said {
+    pub(crate) fn answer(self, as_json: bool) -> Answer {
         let text = if as_json {
             format!("{:#}\n", Json::Object(self.json))
         } else {
             self.text
         };
-        Said {
+        Answer {
             text,
             failure: self.failure,
         }
@@ -202,7 +212,7 @@ impl Report {
         mut self,
         staging: &Path,
         output: &OutputArguments,
-    ) -> Result<Said, OutputError> {
+    ) -> Result<Answer, OutputError> {
         let mut artifacts = std::mem::take(&mut self.tables);
         for (name, svg) in std::mem::take(&mut self.figures) {
             if output.png {
@@ -221,7 +231,7 @@ impl Report {
             let _ = writeln!(self.text, "wrote {path}");
         }
         self.field("files", paths);
-        Ok(self.said(output.json))
+        Ok(self.answer(output.json))
     }
 }
 

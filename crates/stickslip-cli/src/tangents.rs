@@ -352,12 +352,7 @@ impl Line {
         let x = self.state(system, s)?;
         let rates = [Side::Below, Side::Above].map(|side| {
             let tape = self.field(system, fields, side, &x);
-            let velocity = rates_of(tape, self.t, &x);
-            let moving: Vec<Dual<f64>> = x
-                .iter()
-                .zip(&velocity)
-                .map(|(&x, &v)| Dual::new(x, v))
-                .collect();
+            let moving = moving(tape, self.t, &x);
             system
                 .boundary(self.contact, Dual::new(self.t, 1.0), &moving)
                 .eps
@@ -430,12 +425,7 @@ impl Line {
     /// By the sign of the second derivative of the boundary function along the field.
     fn visibility(&self, system: &System, side: Side, x: &[f64]) -> Visibility {
         let tape = self.field(system, Fields::Slip, side, x);
-        let velocity = rates_of(tape, self.t, x);
-        let moving: Vec<Dual<f64>> = x
-            .iter()
-            .zip(&velocity)
-            .map(|(&x, &v)| Dual::new(x, v))
-            .collect();
+        let moving = moving(tape, self.t, x);
         let mut rates = vec![Dual::zero(); x.len()];
         tape.evaluate(Dual::new(self.t, 1.0), &moving, &mut rates);
         let twice: Vec<Dual<Dual<f64>>> = moving
@@ -457,9 +447,10 @@ impl Line {
     }
 }
 
-/// The rates of all states.
-fn rates_of(field: &Tape, t: f64, x: &[f64]) -> Vec<f64> {
+/// A state that moves along a field.
+fn moving(field: &Tape, t: f64, x: &[f64]) -> Vec<Dual<f64>> {
     let mut rates = vec![f64::NAN; x.len()];
     field.evaluate(t, x, &mut rates);
-    rates
+    let rates = x.iter().zip(rates);
+    rates.map(|(&x, rate)| Dual::new(x, rate)).collect()
 }

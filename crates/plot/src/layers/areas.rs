@@ -3,7 +3,7 @@
 use super::{Layer, frame_between, in_legend};
 use crate::legend::{Entry, Key};
 use crate::plot::{Drawn, Frame, Plot};
-use crate::style::{BLUE, Color, LIGHT_GREY, Pen};
+use crate::style::{BLUE, Color, LIGHT_GREY};
 
 in_legend!(Band, Cells, Region);
 
@@ -13,8 +13,7 @@ pub struct Band {
     x: (f64, f64),
     y: (f64, f64),
     bar: Option<f64>,
-    fill: Option<Color>,
-    outline: Option<Pen>,
+    fill: Color,
     legend: Option<String>,
 }
 
@@ -35,8 +34,7 @@ impl Band {
             x,
             y,
             bar: None,
-            fill: Some(LIGHT_GREY),
-            outline: None,
+            fill: LIGHT_GREY,
             legend: None,
         }
     }
@@ -51,14 +49,7 @@ impl Band {
 
     /// Colour of the shading.
     pub fn fill(mut self, color: Color) -> Self {
-        self.fill = Some(color);
-        self
-    }
-
-    /// A line around it, and no shading, such as for the part of a panel an inset enlarges.
-    pub fn outline(mut self, color: Color, width: f64) -> Self {
-        self.outline = Some(Pen::new(color, width));
-        self.fill = None;
+        self.fill = color;
         self
     }
 
@@ -86,23 +77,12 @@ impl Layer for Band {
             return Ok(());
         };
         let frame = frame_between(plot.px(low), plot.px(high));
-        if let Some(color) = self.fill {
-            plot.canvas.rect(&frame, color)?;
-        }
-        if let Some(pen) = &self.outline {
-            plot.canvas.outline(&frame, pen)?;
-        }
-        Ok(())
+        plot.canvas.rect(&frame, self.fill)
     }
 
     fn legend(&self) -> Option<Entry> {
         let text = self.legend.as_ref()?;
-        let key = match (self.fill, self.outline) {
-            (Some(color), _) => Key::Area(color),
-            (None, Some(pen)) => Key::Line(pen),
-            (None, None) => return None,
-        };
-        Some(Entry::new(text, key))
+        Some(Entry::new(text, Key::Area(self.fill)))
     }
 }
 

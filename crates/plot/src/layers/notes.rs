@@ -70,30 +70,24 @@ impl Note {
         self
     }
 
-    /// The box the text fills on the page, and how it is anchored.
-    fn layout(&self, plot: &Plot<'_>) -> Result<(Frame, HPos, VPos), PlotError> {
-        let (x, y) = self.at.px(plot);
-        let (x, y) = (x + self.offset.0, y - self.offset.1);
+    /// Where the text is anchored on the page, and at which of its points.
+    fn anchor(&self, plot: &Plot<'_>) -> (Point, (HPos, VPos)) {
+        let ((x, y), (right, up)) = (self.at.px(plot), self.offset);
+        ((x + right, y - up), anchor_of(right, up))
+    }
+
+    /// The box that the text fills on the page.
+    fn layout(&self, plot: &Plot<'_>) -> Result<Frame, PlotError> {
+        let ((x, y), (h, v)) = self.anchor(plot);
         let width = metrics::width(&self.text, self.size)?;
         let height = metrics::CAP_HEIGHT * self.size;
-        let (h, v) = anchor_of(self.offset.0, self.offset.1);
-        let left = match h {
-            HPos::Left => x,
-            HPos::Center => x - width / 2.0,
-            HPos::Right => x - width,
-        };
-        let top = match v {
-            VPos::Top => y,
-            VPos::Center => y - height / 2.0,
-            VPos::Bottom => y - height,
-        };
-        let frame = Frame {
+        let (left, top) = (x - h.part() * width, y - v.part() * height);
+        Ok(Frame {
             left,
             top,
             right: left + width,
             bottom: top + height,
-        };
-        Ok((frame, h, v))
+        })
     }
 }
 
@@ -102,7 +96,7 @@ impl Layer for Note {
         let Some(target) = self.target else {
             return Ok(());
         };
-        let (text, _, _) = self.layout(plot)?;
+        let text = self.layout(plot)?;
         let target = target.px(plot);
         let centre = text.at(0.5, 0.5);
         let (dx, dy) = (target.0 - centre.0, target.1 - centre.1);
@@ -125,22 +119,12 @@ impl Layer for Note {
     }
 
     fn annotate(&self, plot: &Plot<'_>) -> Drawn {
-        let (text, h, v) = self.layout(plot)?;
-        let x = match h {
-            HPos::Left => text.left,
-            HPos::Center => (text.left + text.right) / 2.0,
-            HPos::Right => text.right,
-        };
-        let y = match v {
-            VPos::Top => text.top,
-            VPos::Center => (text.top + text.bottom) / 2.0,
-            VPos::Bottom => text.bottom,
-        };
+        let (at, (h, v)) = self.anchor(plot);
         let words = Words::new(&self.text, self.size)
             .color(self.color)
             .anchor(h, v)
             .halo();
-        plot.canvas.words((x, y), words)
+        plot.canvas.words(at, words)
     }
 }
 

@@ -26,7 +26,7 @@ pub(super) struct SearchArguments {
     periods: Option<u32>,
 }
 
-/// How long the orbit may take to come back where nothing is said.
+/// How long the orbit may take to come back where nothing is answer.
 const LONGEST: f64 = 100.0;
 
 /// How long the run is followed to see what it comes to, where no periodic orbit was found.
