@@ -103,37 +103,32 @@ impl Axis {
         }
     }
 
+    /// Distance between the long ticks, where their places are not given.
+    fn tick_step(&self) -> f64 {
+        match self.ticks {
+            Ticks::Step(step) => step,
+            _ => nice_step((self.max - self.min) / AUTO_INTERVALS),
+        }
+    }
+
     /// Places and labels of the long ticks.
     pub(super) fn major(&self) -> Vec<(f64, String)> {
-        let step = match &self.ticks {
-            Ticks::At(ticks) => {
-                return ticks
-                    .iter()
-                    .filter(|(v, _)| self.holds(*v))
-                    .cloned()
-                    .collect();
-            }
-            Ticks::Step(step) => *step,
-            Ticks::Auto => nice_step((self.max - self.min) / AUTO_INTERVALS),
-        };
+        if let Ticks::At(ticks) = &self.ticks {
+            let inside = ticks.iter().filter(|(v, _)| self.holds(*v));
+            return inside.cloned().collect();
+        }
+        let step = self.tick_step();
         let decimals = self.decimals.unwrap_or_else(|| decimals_of(step));
-        self.multiples(step)
-            .into_iter()
-            .map(|v| (v, number(v, decimals)))
-            .collect()
+        let places = self.multiples(step).into_iter();
+        places.map(|v| (v, number(v, decimals))).collect()
     }
 
     /// Places of the short ticks.
     pub(super) fn minor_ticks(&self) -> Vec<f64> {
-        let step = match &self.ticks {
-            Ticks::At(_) => return vec![],
-            Ticks::Step(step) => *step,
-            Ticks::Auto => nice_step((self.max - self.min) / AUTO_INTERVALS),
-        };
-        if self.minor < 2 {
+        if self.minor < 2 || matches!(self.ticks, Ticks::At(_)) {
             return vec![];
         }
-        self.multiples(step / self.minor as f64)
+        self.multiples(self.tick_step() / self.minor as f64)
     }
 
     fn multiples(&self, step: f64) -> Vec<f64> {

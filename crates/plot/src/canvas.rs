@@ -1,12 +1,12 @@
 //! The SVG, as it is written.
 //!
-//! Texts stay `<text>`, with italics and subscripts. Coordinates are whole units of a hundredth of a px: a curve rounded to whole px is a
-//! staircase; rounded to tenths it still shows kinks when enlarged.
+//! Texts stay `<text>`, with italics and subscripts. Coordinates are whole units of a hundredth of
+//! a px: a curve rounded to whole px is a staircase; rounded to tenths it still shows kinks when
+//! enlarged.
 
 use std::cell::RefCell;
 use std::fmt::{self, Write};
 
-use super::plot::{Drawn, Frame};
 use super::polyline::Point;
 use super::style::{Color, HPos, Pen, Shape, Symbol, Words};
 use super::{PlotError, metrics, rich};
@@ -22,6 +22,41 @@ pub(super) fn units(px: f64) -> i32 {
 /// The place of a point in px.
 pub(super) fn place((x, y): Point) -> Units {
     (units(x), units(y))
+}
+
+pub(super) type Drawn = Result<(), PlotError>;
+
+impl From<fmt::Error> for PlotError {
+    fn from(error: fmt::Error) -> Self {
+        PlotError::Draw(error.to_string())
+    }
+}
+
+/// A rectangle on the page, px from the upper left corner of the figure.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Frame {
+    pub(super) left: f64,
+    pub(super) top: f64,
+    pub(super) right: f64,
+    pub(super) bottom: f64,
+}
+
+impl Frame {
+    pub(super) fn width(&self) -> f64 {
+        self.right - self.left
+    }
+
+    pub(super) fn height(&self) -> f64 {
+        self.bottom - self.top
+    }
+
+    /// The point at fractions of width (from the left) and height (from below).
+    pub(super) fn at(&self, fx: f64, fy: f64) -> Point {
+        (
+            self.left + fx * self.width(),
+            self.bottom - fy * self.height(),
+        )
+    }
 }
 
 /// What a figure is called, for readers who cannot see it.

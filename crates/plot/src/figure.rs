@@ -1,9 +1,8 @@
 //! The page: rows of panels.
 
 use super::PlotError;
-use super::canvas::{Canvas, Naming};
+use super::canvas::{Canvas, Frame, Naming};
 use super::panel::{Margins, Panel};
-use super::plot::Frame;
 use super::table::Table;
 
 /// White border of the page, px.
@@ -37,12 +36,7 @@ impl Cell {
     fn margins(&self, width: f64) -> Result<Margins, PlotError> {
         match self {
             Cell::Panel(panel) => panel.margins(width),
-            Cell::Table(_) => Ok(Margins {
-                left: 0.0,
-                right: 0.0,
-                top: 0.0,
-                bottom: 0.0,
-            }),
+            Cell::Table(_) => Ok(Margins::default()),
         }
     }
 }

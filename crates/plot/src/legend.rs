@@ -1,7 +1,6 @@
 //! Legends.
 
-use super::canvas::{Canvas, place};
-use super::plot::{Drawn, Frame};
+use super::canvas::{Canvas, Drawn, Frame, place};
 use super::style::{Color, HPos, Pen, Symbol, VPos, WHITE, Words};
 use super::{PlotError, metrics};
 
@@ -65,11 +64,16 @@ struct Columns {
     width: f64,
 }
 
+/// Width of the widest entry, px.
+fn widest(entries: &[Entry]) -> Result<f64, PlotError> {
+    let mut widths = entries
+        .iter()
+        .map(|entry| metrics::width(&entry.text, SIZE));
+    widths.try_fold(0.0, |most: f64, width| Ok(most.max(KEY + KEY_GAP + width?)))
+}
+
 fn columns(entries: &[Entry], available: f64) -> Result<Columns, PlotError> {
-    let mut widest: f64 = 0.0;
-    for entry in entries {
-        widest = widest.max(KEY + KEY_GAP + metrics::width(&entry.text, SIZE)?);
-    }
+    let widest = widest(entries)?;
     let fit = ((available + COLUMN_GAP) / (widest + COLUMN_GAP)).floor() as usize;
     let fit = fit.clamp(1, entries.len().max(1));
     // As many lines as that takes, but spread evenly over them: 4 entries make 2 + 2, not 3 + 1.
@@ -120,11 +124,7 @@ pub(super) fn draw_inside(
     if entries.is_empty() {
         return Ok(());
     }
-    let mut widest: f64 = 0.0;
-    for entry in entries {
-        widest = widest.max(metrics::width(&entry.text, SIZE)?);
-    }
-    let width = KEY + KEY_GAP + widest + 2.0 * PADDING;
+    let width = widest(entries)? + 2.0 * PADDING;
     let height = entries.len() as f64 * LINE + PADDING;
     let left = match corner {
         Legend::UpperLeft | Legend::LowerLeft => plot.left + INSET,

@@ -2,11 +2,11 @@
 
 use super::PlotError;
 use super::axis::Axis;
-use super::canvas::Canvas;
+use super::canvas::{Canvas, Drawn, Frame};
 use super::layers::{AnyLayer, Layer};
 use super::legend::{self, Entry, Legend};
 use super::metrics;
-use super::plot::{Drawn, Frame, Plot};
+use super::plot::Plot;
 use super::style::{BLACK, HPos, Pen, VPos, Words};
 
 const TICK_TEXT: f64 = 11.0;
@@ -21,7 +21,7 @@ const FRAME_WIDTH: f64 = 0.9;
 const DESCENT: f64 = 5.0;
 
 /// Space around the plot rectangle for numbers and labels, px.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Margins {
     pub(super) left: f64,
     pub(super) right: f64,

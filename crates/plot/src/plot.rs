@@ -1,50 +1,12 @@
 //! A panel's plot rectangle while it is being drawn: data coordinates on top of the page.
 
-use std::fmt;
-
-use super::PlotError;
 use super::axis::Axis;
-use super::canvas::{Canvas, Units, units};
+use super::canvas::{Canvas, Drawn, Frame, Units, units};
 use super::polyline::{self, Bounds, Point};
 use super::style::{Color, Pen, Symbol};
 
 /// Nobody sees a curve move by less than this, px, even enlarged a few times.
 const TOLERANCE: f64 = 0.02;
-
-pub(super) type Drawn = Result<(), PlotError>;
-
-impl From<fmt::Error> for PlotError {
-    fn from(error: fmt::Error) -> Self {
-        PlotError::Draw(error.to_string())
-    }
-}
-
-/// A rectangle on the page, px from the upper left corner of the figure.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Frame {
-    pub(super) left: f64,
-    pub(super) top: f64,
-    pub(super) right: f64,
-    pub(super) bottom: f64,
-}
-
-impl Frame {
-    pub(super) fn width(&self) -> f64 {
-        self.right - self.left
-    }
-
-    pub(super) fn height(&self) -> f64 {
-        self.bottom - self.top
-    }
-
-    /// The point at fractions of width (from the left) and height (from below).
-    pub(super) fn at(&self, fx: f64, fy: f64) -> Point {
-        (
-            self.left + fx * self.width(),
-            self.bottom - fy * self.height(),
-        )
-    }
-}
 
 /// Draws in the data coordinates of a panel.
 pub(super) struct Plot<'p> {
@@ -82,8 +44,8 @@ impl<'p> Plot<'p> {
         )
     }
 
-    /// The place of a data point, by parts of the sides of the frame. Half a pixel's rounding is taken towards the lower left corner, but for a
-    /// thousandth of a unit, within which a point is on a whole one.
+    /// The place of a data point, by parts of the sides of the frame. Places are rounded towards the
+    /// lower left corner, but for a thousandth of a unit, within which a point is on a whole one.
     fn place(&self, points: &[Point]) -> Vec<Units> {
         const SLACK: f64 = 1e-3;
         let along = |v: f64, (low, high): (f64, f64), from: f64, to: f64| {

@@ -1,5 +1,5 @@
-//! Colours, lines, markers and texts: how things are drawn. The palette is Okabe and Ito's eight colours, told apart by readers with any
-//! colour vision, and greys.
+//! Colours, lines, markers and texts: how things are drawn. The palette is Okabe and Ito's eight
+//! colours, told apart by readers with any colour vision, and greys.
 
 /// An opaque colour, red, green, blue in 0..=255.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

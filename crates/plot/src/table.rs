@@ -1,7 +1,6 @@
 //! A short table of text in the place of a panel.
 
-use super::canvas::Canvas;
-use super::plot::{Drawn, Frame};
+use super::canvas::{Canvas, Drawn, Frame};
 use super::style::{BLACK, HPos, Pen, VPos, Words};
 use super::{PlotError, metrics};
 

@@ -1,5 +1,5 @@
-//! Why a command fails, in words for somebody who writes files and not Rust: contacts by their names, options as they are given on the
-//! command line.
+//! Why a command fails, in words for somebody who writes files and not Rust: contacts by their
+//! names, options as they are given on the command line.
 
 use stickslip::Error;
 use stickslip::error::readable;

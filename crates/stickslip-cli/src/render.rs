@@ -1,4 +1,5 @@
-//! Results as text, CSV, JSON and files. A command describes what it has found once; each form is written here and nowhere else.
+//! Results as text, CSV, JSON and files. A command describes what it has found once; each form is
+//! written here and nowhere else.
 
 use std::fmt::{Display, Write};
 use std::path::{Path, PathBuf};
@@ -224,12 +225,11 @@ impl Report {
             artifacts.push(Artifact::text(format!("{name}.svg"), svg));
         }
         let written = output::write_all_by(staging, Path::new(&output.out), &artifacts)?;
-        let paths = self.there.iter().chain(&written);
-        let paths: Vec<String> = paths.map(|path| path.display().to_string()).collect();
+        let paths = [std::mem::take(&mut self.there), written].concat();
         self.text.push('\n');
-        for path in &paths {
-            let _ = writeln!(self.text, "wrote {path}");
-        }
+        self.text.push_str(&output::listing(&paths));
+        let paths = paths.iter().map(|path| path.display().to_string());
+        let paths: Vec<String> = paths.collect();
         self.field("files", paths);
         Ok(self.answer(output.json))
     }

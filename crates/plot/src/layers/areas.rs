@@ -1,8 +1,9 @@
 //! Areas.
 
 use super::{Layer, frame_between, in_legend};
+use crate::canvas::{Drawn, Frame};
 use crate::legend::{Entry, Key};
-use crate::plot::{Drawn, Frame, Plot};
+use crate::plot::Plot;
 use crate::style::{BLUE, Color, LIGHT_GREY};
 
 in_legend!(Band, Cells, Region);

@@ -2,8 +2,9 @@
 
 use super::notes::anchor_of;
 use super::{Layer, TEXT, in_legend};
+use crate::canvas::Drawn;
 use crate::legend::{Entry, Key};
-use crate::plot::{Drawn, Plot};
+use crate::plot::Plot;
 use crate::style::{BLACK, Color, Dash, GREY, HPos, Pen, Shape, Symbol, VPos, WHITE, Words};
 
 /// What lines have in common.

@@ -9,9 +9,10 @@ pub use areas::{Band, Cells, Region};
 pub use lines::{Curve, Guide, Markers};
 pub use notes::{Dimension, Note};
 
+use super::canvas::{Drawn, Frame};
 use super::legend::Entry;
 use super::panel::Panel;
-use super::plot::{Drawn, Frame, Plot};
+use super::plot::Plot;
 use super::polyline::Point;
 use super::style::WHITE;
 

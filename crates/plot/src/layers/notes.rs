@@ -2,9 +2,9 @@
 
 use super::{Layer, Place, TEXT};
 use crate::PlotError;
-use crate::canvas::Canvas;
+use crate::canvas::{Canvas, Drawn, Frame};
 use crate::metrics;
-use crate::plot::{Drawn, Frame, Plot};
+use crate::plot::Plot;
 use crate::polyline::Point;
 use crate::style::{BLACK, Color, GREY, HPos, Pen, VPos, Words};
 

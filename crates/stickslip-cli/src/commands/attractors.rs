@@ -86,7 +86,8 @@ pub(super) fn class(outcome: &Outcome) -> String {
     }
 }
 
-/// Adds motion, period, returns, phases, and part of the time in stick to a table; they are empty where there is none.
+/// Adds motion, period, returns, phases, and part of the time in stick to a table; they are empty
+/// where there is none.
 pub(super) fn columns<'a, R>(
     table: Table<'a, R>,
     of: impl Fn(&R) -> &Outcome + Copy + 'a,
@@ -163,7 +164,7 @@ pub(super) fn words(outcome: &Outcome, until: f64) -> String {
     }
 }
 
-/// The word for a motion, or for a kind of motion, with the time after which it is answer, if it is one for want of time.
+/// The word for a motion, with the time after which it is undecided, if it is that.
 pub(super) fn since(word: &str, until: f64) -> String {
     if word == Motion::Undecided.word() {
         format!("{word} after {until}")

@@ -279,8 +279,9 @@ fn numbers_of(known: &[Outcome]) -> Vec<Option<usize>> {
 }
 
 impl Basin {
-    /// Reads the blocks one after the other, tells their attractors apart, and writes the table of all starts. The attractors are in the order in
-    /// which starts lead to them first; for each start, which of these, from 0.
+    /// Reads the blocks one after the other, tells their attractors apart, and writes the table of
+    /// all starts. The attractors are in the order in which starts lead to them first; for each
+    /// start, which of these, from 0.
     fn read(
         &self,
         system: &System,

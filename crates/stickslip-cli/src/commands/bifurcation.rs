@@ -4,7 +4,7 @@ use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-use plot::{Axis, BLUE, Figure, Guide, Legend, Markers, ORANGE, Panel, Shape};
+use plot::{BLUE, Figure, Guide, Legend, Markers, ORANGE, Panel, Shape};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use stickslip::analysis::{RecurrenceSettings, SweepSettings};
@@ -397,7 +397,8 @@ fn sticks(at: &AtValue) -> impl Iterator<Item = &PhaseThere> {
 }
 
 impl Bifurcation {
-    /// Reads the blocks one after the other and writes the tables of points of the section and of sticks.
+    /// Reads the blocks one after the other and writes the tables of points of the section and of
+    /// sticks.
     fn read(
         &self,
         system: &System,
@@ -482,11 +483,7 @@ impl Bifurcation {
         let mut figure = Figure::new("bifurcation", (640.0, height), &title, &description);
         let last = rows.len().saturating_sub(1);
         for (k, (label, of)) in rows.into_iter().enumerate() {
-            let x = if k == last {
-                Axis::new(&figures::parameter_label(system, &range.name), low, high)
-            } else {
-                Axis::new("", low, high).bare()
-            };
+            let x = figures::parameter_axis(system, &range.name, (low, high), k == last);
             let values = of(up).iter().chain(of(down)).map(|point| point.1);
             let mut panel = Panel::new(x, figures::axis(&label, values));
             if label.contains('λ') {

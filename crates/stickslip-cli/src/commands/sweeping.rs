@@ -46,7 +46,8 @@ pub(super) trait Sweep: Serialize + DeserializeOwned + Sync {
         before: Option<&[u8]>,
     ) -> Result<Vec<u8>, BlockError>;
 
-    /// What was found, from all blocks; tables that need not fit into memory are in the folder `out` then.
+    /// What was found, from all blocks; tables that need not fit into memory are in the folder
+    /// `out` then.
     fn report(&self, system: &System, store: &Store, out: &Path) -> Result<Report, Failure>;
 }
 

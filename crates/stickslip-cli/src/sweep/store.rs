@@ -313,7 +313,8 @@ pub fn write_whole<E: From<SweepError>>(
     Ok(placed.map_err(failed)?)
 }
 
-/// As [`write_whole`], but what is there already stays: whoever is first has written the file. Whether it was this call.
+/// As [`write_whole`], but what is there already stays: whoever is first has written the file.
+/// Whether it was this call.
 ///
 /// # Errors
 /// [`SweepError::Write`].

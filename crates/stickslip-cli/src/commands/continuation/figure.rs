@@ -62,13 +62,7 @@ pub(super) fn diagram(system: &System, range: &ParameterRange, branch: &Branch) 
     let last = rows.len() - 1;
     let mut in_legend: Vec<Stability> = Vec::new();
     for (k, (label, value)) in rows.into_iter().enumerate() {
-        let (low, high) = ends(range, branch);
-        let x = if k == last {
-            let label = figures::parameter_label(system, &range.name);
-            plot::Axis::new(&label, low, high)
-        } else {
-            plot::Axis::new("", low, high).bare()
-        };
+        let x = figures::parameter_axis(system, &range.name, ends(range, branch), k == last);
         let ends = [branch.points.first(), branch.points.last()];
         let ends: Vec<(&Stop, (f64, f64))> = ends
             .into_iter()

@@ -200,7 +200,8 @@ struct End {
     words: String,
     /// A value for programs, with its name.
     detail: Option<(&'static str, Value)>,
-    /// The row of `special.csv`, if it is a bifurcation. Its orbit has no phases of its own, and a homoclinic one no period.
+    /// The row of `special.csv`, if it is a bifurcation. Its orbit has no phases of its own, and a
+    /// homoclinic one no period.
     row: Option<Row>,
 }
 
@@ -352,7 +353,8 @@ impl Row {
     }
 }
 
-/// The columns of `special.csv`: the special orbits, each behind so many rows of `branch.csv`, and the ends that are bifurcations.
+/// The columns of `special.csv`: the special orbits, each behind so many rows of `branch.csv`, and
+/// the ends that are bifurcations.
 fn special_columns<'a>(system: &System, parameter: &str) -> Table<'a, Row> {
     let phases = |k: usize| move |row: &Row| row.phases.as_ref().map(|phases| phases[k].clone());
     Table::new()
