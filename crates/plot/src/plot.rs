@@ -92,3 +92,31 @@ impl<'p> Plot<'p> {
         places.try_for_each(|at| self.canvas.symbol(at, symbol))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::canvas::Naming;
+
+    #[test]
+    fn data_points_are_placed_towards_the_lower_left() {
+        let naming = Naming {
+            id: "",
+            title: "",
+            description: "",
+        };
+        let canvas = Canvas::new((12.0, 12.0), &naming).unwrap();
+        let frame = Frame {
+            left: 1.0,
+            top: 1.0,
+            right: 11.0,
+            bottom: 11.0,
+        };
+        let unit = || Axis::new("", 0.0, 1.0);
+        let plot = Plot::new(&canvas, frame, &unit(), &unit());
+        // A side is a thousand units long.
+        let points = [(0.0, 0.0), (0.5, 0.25), (0.0019, 0.0019), (1.0, 1.0)];
+        let places = [(100, 1100), (600, 850), (101, 1099), (1100, 100)];
+        assert_eq!(plot.place(&points), places);
+    }
+}

@@ -510,3 +510,30 @@ pub(crate) fn sequence(modes: &[Modes]) -> String {
     let signs: Vec<String> = modes.iter().map(letters).collect();
     signs.join(" ")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use stickslip_kernels::file::SystemFile;
+
+    #[test]
+    fn csv_and_json_have_the_same_values() {
+        let system = SystemFile::open("belt").unwrap().with(&[]).unwrap();
+        type Row = (usize, Option<f64>, Vec<f64>);
+        let table = Table::new()
+            .column("k", |row: &Row| row.0)
+            .column("rate", |row| row.1)
+            .state(&system, "_end", |row| row.2.clone());
+        let rows: [Row; 2] = [(1, Some(0.1), vec![-0.0, 2.0]), (2, None, Vec::new())];
+        let csv = table.csv("rows", rows.clone()).unwrap();
+        assert_eq!(
+            String::from_utf8(csv.bytes).unwrap(),
+            "k,rate,x_end,v_end\n1,0.1,-0.0,2.0\n2,,,\n"
+        );
+        let wanted = [
+            json!({ "k": 1, "rate": 0.1, "x_end": { "x": -0.0, "v": 2.0 } }),
+            json!({ "k": 2, "rate": null, "x_end": {} }),
+        ];
+        assert_eq!(table.json(rows), wanted);
+    }
+}
