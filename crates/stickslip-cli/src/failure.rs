@@ -1,5 +1,5 @@
-//! Why a command fails, in words for somebody who writes files and not Rust: contacts by their names, options as they are given on the
-//! command line.
+//! Why a command fails, in words for somebody who writes files and not Rust: contacts by their
+//! names, options as they are given on the command line.
 
 use stickslip::Error;
 use stickslip::error::readable;
@@ -24,11 +24,11 @@ pub(crate) enum Failure {
     Sweep(#[from] SweepError),
     #[error(transparent)]
     Output(#[from] OutputError),
-    #[error("{}", told_of_any(.0))]
+    #[error("{}", in_words_by_number(.0))]
     Computation(#[from] Error),
     /// As [`Failure::Computation`], with the names of the system's contacts.
-    #[error("{told}")]
-    OfSystem { error: Error, told: String },
+    #[error("{words}")]
+    OfSystem { error: Error, words: String },
 }
 
 impl Failure {
@@ -48,7 +48,7 @@ impl Failure {
     pub(crate) fn of(self, system: &System) -> Self {
         match self {
             Failure::Computation(error) => Failure::OfSystem {
-                told: told(&error, system),
+                words: in_words(&error, system),
                 error,
             },
             other => other,
@@ -57,19 +57,19 @@ impl Failure {
 }
 
 /// An error of the library in words.
-pub(crate) fn told(error: &Error, system: &System) -> String {
-    words(error, &|contact| match contact_name(system, contact) {
+pub(crate) fn in_words(error: &Error, system: &System) -> String {
+    with_names(error, &|contact| match contact_name(system, contact) {
         name if name.is_empty() => contact.to_string(),
         name => format!("`{name}`"),
     })
 }
 
-/// As [`told`], where it is not known of which system: contacts by number.
-fn told_of_any(error: &Error) -> String {
-    words(error, &|contact| contact.to_string())
+/// As [`in_words`], where it is not known of which system: contacts by number.
+fn in_words_by_number(error: &Error) -> String {
+    with_names(error, &|contact| contact.to_string())
 }
 
-fn words(error: &Error, name: &dyn Fn(usize) -> String) -> String {
+fn with_names(error: &Error, name: &dyn Fn(usize) -> String) -> String {
     let names = |contacts: &[usize]| {
         let names: Vec<String> = contacts.iter().map(|&contact| name(contact)).collect();
         names.join(", ")

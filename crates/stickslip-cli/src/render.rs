@@ -1,4 +1,5 @@
-//! Results as text, CSV, JSON and files. A command describes what it has found once; each form is written here and nowhere else.
+//! Results as text, CSV, JSON and files. A command describes what it has found once; each form is
+//! written here and nowhere else.
 
 use std::fmt::{Display, Write};
 use std::path::{Path, PathBuf};
@@ -11,7 +12,7 @@ use stickslip_kernels::file::System;
 use stickslip_kernels::kernel::Modes;
 
 /// What a command prints at its end.
-pub(crate) struct Said {
+pub(crate) struct Answer {
     /// For standard output.
     pub(crate) text: String,
     /// What went wrong behind what was found all the same.
@@ -144,6 +145,16 @@ impl Report {
         self
     }
 
+    /// Things of one kind, each with a line for people and a value for programs.
+    pub(crate) fn list(
+        &mut self,
+        title: &str,
+        things: impl IntoIterator<Item = (String, Json)>,
+    ) -> &mut Self {
+        let (lines, values): (Vec<String>, Vec<Json>) = things.into_iter().unzip();
+        self.lines(title, lines).field(title, values)
+    }
+
     /// A line for people that has no title.
     pub(crate) fn note(&mut self, text: impl Display) -> &mut Self {
         let _ = writeln!(self.text, "  {text}");
@@ -185,13 +196,13 @@ impl Report {
     }
 
     /// What was found, of a command that writes no files.
-    pub(crate) fn said(self, as_json: bool) -> Said {
+    pub(crate) fn answer(self, as_json: bool) -> Answer {
         let text = if as_json {
             format!("{:#}\n", Json::Object(self.json))
         } else {
             self.text
         };
-        Said {
+        Answer {
             text,
             failure: self.failure,
         }
@@ -202,7 +213,7 @@ impl Report {
         mut self,
         staging: &Path,
         output: &OutputArguments,
-    ) -> Result<Said, OutputError> {
+    ) -> Result<Answer, OutputError> {
         let mut artifacts = std::mem::take(&mut self.tables);
         for (name, svg) in std::mem::take(&mut self.figures) {
             if output.png {
@@ -214,14 +225,13 @@ impl Report {
             artifacts.push(Artifact::text(format!("{name}.svg"), svg));
         }
         let written = output::write_all_by(staging, Path::new(&output.out), &artifacts)?;
-        let paths = self.there.iter().chain(&written);
-        let paths: Vec<String> = paths.map(|path| path.display().to_string()).collect();
+        let paths = [std::mem::take(&mut self.there), written].concat();
         self.text.push('\n');
-        for path in &paths {
-            let _ = writeln!(self.text, "wrote {path}");
-        }
+        self.text.push_str(&output::listing(&paths));
+        let paths = paths.iter().map(|path| path.display().to_string());
+        let paths: Vec<String> = paths.collect();
         self.field("files", paths);
-        Ok(self.said(output.json))
+        Ok(self.answer(output.json))
     }
 }
 
@@ -499,4 +509,31 @@ pub(crate) fn letters(modes: &Modes) -> String {
 pub(crate) fn sequence(modes: &[Modes]) -> String {
     let signs: Vec<String> = modes.iter().map(letters).collect();
     signs.join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use stickslip_kernels::file::SystemFile;
+
+    #[test]
+    fn csv_and_json_have_the_same_values() {
+        let system = SystemFile::open("belt").unwrap().with(&[]).unwrap();
+        type Row = (usize, Option<f64>, Vec<f64>);
+        let table = Table::new()
+            .column("k", |row: &Row| row.0)
+            .column("rate", |row| row.1)
+            .state(&system, "_end", |row| row.2.clone());
+        let rows: [Row; 2] = [(1, Some(0.1), vec![-0.0, 2.0]), (2, None, Vec::new())];
+        let csv = table.csv("rows", rows.clone()).unwrap();
+        assert_eq!(
+            String::from_utf8(csv.bytes).unwrap(),
+            "k,rate,x_end,v_end\n1,0.1,-0.0,2.0\n2,,,\n"
+        );
+        let wanted = [
+            json!({ "k": 1, "rate": 0.1, "x_end": { "x": -0.0, "v": 2.0 } }),
+            json!({ "k": 2, "rate": null, "x_end": {} }),
+        ];
+        assert_eq!(table.json(rows), wanted);
+    }
 }

@@ -9,22 +9,22 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::failure::Failure;
-use crate::render::Said;
+use crate::render::Answer;
 
 /// Prints what the program has to say, or its error.
 ///
 /// Exit code 0 on success, 1 if something failed (`error: …` on standard error), 2 for a wrong command line or file.
-pub(crate) fn finish(outcome: Result<Said, Failure>) -> ExitCode {
+pub(crate) fn finish(outcome: Result<Answer, Failure>) -> ExitCode {
     let failed = |error: &dyn std::fmt::Display, code: u8| {
         // Where nobody reads the line any more, nothing is lost with it.
         let _ = writeln!(io::stderr(), "error: {error}");
         ExitCode::from(code)
     };
-    let said = match outcome {
-        Ok(said) => said,
+    let answer = match outcome {
+        Ok(answer) => answer,
         Err(failure) => return failed(&failure, if failure.is_usage() { 2 } else { 1 }),
     };
-    match (print(&said.text), &said.failure) {
+    match (print(&answer.text), &answer.failure) {
         (_, Some(failure)) => failed(failure, 1),
         // Whoever reads may stop reading; files are written all the same.
         (Err(error), _) if error.kind() != io::ErrorKind::BrokenPipe => {
@@ -90,23 +90,23 @@ impl Patience {
     }
 }
 
-/// What is told of a computation that cannot say how far it is.
-pub(crate) struct Telling(Mutex<String>);
+/// The line shown of a computation that cannot say how far it is.
+pub(crate) struct Status(Mutex<String>);
 
-impl Telling {
-    /// Tells this from now on.
-    pub(crate) fn tell(&self, words: String) {
+impl Status {
+    /// Shows this from now on.
+    pub(crate) fn set(&self, words: String) {
         *self.0.lock().unwrap_or_else(PoisonError::into_inner) = words;
     }
 }
 
 /// Runs what cannot say how far it is, under something that moves once it has taken a while.
-pub(crate) fn patiently<T: Send>(what: &str, work: impl FnOnce(&Telling) -> T + Send) -> T {
+pub(crate) fn patiently<T: Send>(what: &str, work: impl FnOnce(&Status) -> T + Send) -> T {
     const TICK: Duration = Duration::from_millis(120);
-    let telling = Telling(Mutex::new(what.to_owned()));
+    let status = Status(Mutex::new(what.to_owned()));
     std::thread::scope(|scope| {
         let (done, wait) = std::sync::mpsc::channel::<()>();
-        let telling = &telling;
+        let status = &status;
         scope.spawn(move || {
             // The end of the work closes the channel.
             if wait.recv_timeout(PATIENCE) != Err(RecvTimeoutError::Timeout) {
@@ -114,14 +114,14 @@ pub(crate) fn patiently<T: Send>(what: &str, work: impl FnOnce(&Telling) -> T + 
             }
             let spinner = ProgressBar::new_spinner();
             while wait.recv_timeout(TICK) == Err(RecvTimeoutError::Timeout) {
-                let words = telling.0.lock().unwrap_or_else(PoisonError::into_inner);
+                let words = status.0.lock().unwrap_or_else(PoisonError::into_inner);
                 spinner.set_message(words.clone());
                 drop(words);
                 spinner.tick();
             }
             spinner.finish_and_clear();
         });
-        let result = work(telling);
+        let result = work(status);
         drop(done);
         result
     })

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use stickslip::{AtRepelling, Method, Options};
 
 use crate::failure::Failure;
-use crate::render::{OutputArguments, Report, Said};
+use crate::render::{Answer, OutputArguments, Report};
 use stickslip_kernels::expression::normal;
 use stickslip_kernels::file::{System, SystemFile, did_you_mean, number};
 
@@ -289,7 +289,7 @@ impl RunArguments {
     pub(super) fn answered(
         &self,
         find: impl FnOnce(&Ready) -> Result<Report, Failure>,
-    ) -> Result<Said, Failure> {
+    ) -> Result<Answer, Failure> {
         let ready = self.ready()?;
         let report = find(&ready).map_err(|failure| failure.of(&ready.system))?;
         Ok(report.written(self.output.out.as_ref(), &self.output)?)

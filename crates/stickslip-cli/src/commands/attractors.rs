@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 use stickslip::analysis::RecurrenceSettings;
 use stickslip::{Error, Mode, Options};
 
-use crate::failure::{Failure, told};
+use crate::failure::{Failure, in_words};
 use crate::render::{Table, by_state, known, letters, place as within, state_words};
 use stickslip_kernels::file::System;
 use stickslip_kernels::kernel::{Modes, Motion, Outcome};
@@ -26,7 +26,7 @@ fn sought(
     options: &Options,
 ) -> Result<Outcome, Error> {
     let kernel = system.kernel();
-    kernel.attractor(x, settings, options, &|error| told(error, system))
+    kernel.attractor(x, settings, options, &|error| in_words(error, system))
 }
 
 /// As [`reached_from`], for one start of many: that it lies outside the domain of the field, or beyond the escape bound, is an outcome of its own.
@@ -51,7 +51,7 @@ pub(super) fn reached_from_one_of_many(
     match sought(system, x, settings, options) {
         Err(Error::Escaped { .. }) => Ok(at_once(Motion::Escape)),
         Err(error @ Error::StartOutsideDomain { .. }) => {
-            Ok(at_once(Motion::Failure(told(&error, system))))
+            Ok(at_once(Motion::Failure(in_words(&error, system))))
         }
         outcome => outcome.map_err(|error| Failure::from(error).of(system)),
     }
@@ -86,7 +86,8 @@ pub(super) fn class(outcome: &Outcome) -> String {
     }
 }
 
-/// Adds motion, period, returns, phases, and part of the time in stick to a table; they are empty where there is none.
+/// Adds motion, period, returns, phases, and part of the time in stick to a table; they are empty
+/// where there is none.
 pub(super) fn columns<'a, R>(
     table: Table<'a, R>,
     of: impl Fn(&R) -> &Outcome + Copy + 'a,
@@ -163,7 +164,7 @@ pub(super) fn words(outcome: &Outcome, until: f64) -> String {
     }
 }
 
-/// The word for a motion, or for a kind of motion, with the time after which it is said, if it is one for want of time.
+/// The word for a motion, with the time after which it is undecided, if it is that.
 pub(super) fn since(word: &str, until: f64) -> String {
     if word == Motion::Undecided.word() {
         format!("{word} after {until}")

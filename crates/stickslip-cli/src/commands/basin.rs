@@ -12,10 +12,10 @@ use stickslip::analysis::RecurrenceSettings;
 
 use super::arguments::{RunArguments, SolverArguments, count, seed};
 use super::range::{StateRange, grid, middle, not_too_many};
-use super::sweeping::{Sweep, SweepArguments, check_period, recurrence, sweep, table, to_content};
+use super::sweeping::{Sweep, SweepArguments, recurrence, sweep, table, to_content};
 use super::{attractors, figures};
 use crate::failure::Failure;
-use crate::render::{Report, Said, Table, state_words};
+use crate::render::{Answer, Report, Table, state_words};
 use crate::sweep::{BlockError, Store, SweepError};
 use stickslip_kernels::file::System;
 use stickslip_kernels::kernel::{Motion, Outcome};
@@ -58,11 +58,10 @@ pub(super) struct Arguments {
     run: RunArguments,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
-    let system = arguments.run.system()?;
-    check_period(&system)?;
-    let wanted = Basin::new(arguments, &system)?;
-    sweep(&wanted, &system, &arguments.sweep, &arguments.run.output)
+pub(super) fn run(arguments: &Arguments) -> Result<Answer, Failure> {
+    sweep(&arguments.sweep, &arguments.run, |system| {
+        Basin::new(arguments, system)
+    })
 }
 
 /// Seed where none is given.
@@ -83,7 +82,7 @@ pub(super) struct Basin {
 
 /// What a block holds.
 #[derive(Debug, Serialize, Deserialize)]
-struct Reached {
+struct Block {
     /// The attractors that its starts lead to, in the order in which they do so first.
     attractors: Vec<Outcome>,
     /// Which of these each start leads to.
@@ -177,7 +176,7 @@ impl Sweep for Basin {
                 attractors::reached_from_one_of_many(system, &start, &settings, &options)?;
             starts.push(number(&mut known, outcome, system, &settings, &options));
         }
-        to_content(&Reached {
+        to_content(&Block {
             attractors: known,
             starts,
         })
@@ -280,8 +279,9 @@ fn numbers_of(known: &[Outcome]) -> Vec<Option<usize>> {
 }
 
 impl Basin {
-    /// Reads the blocks one after the other, tells their attractors apart, and writes the table of all starts. The attractors are in the order in
-    /// which starts lead to them first; for each start, which of these, from 0.
+    /// Reads the blocks one after the other, tells their attractors apart, and writes the table of
+    /// all starts. The attractors are in the order in which starts lead to them first; for each
+    /// start, which of these, from 0.
     fn read(
         &self,
         system: &System,
@@ -296,7 +296,7 @@ impl Basin {
             .state(system, "", |(start, ..): &Row| start.clone())
             .column("attractor", |&(_, number, _)| number)
             .column("motion", |&(.., word)| word);
-        table(store, path, &starts, |index, block: Reached| {
+        table(store, path, &starts, |index, block: Block| {
             let outcomes = block.attractors.into_iter();
             let numbers: Vec<usize> = outcomes
                 .map(|outcome| number(&mut known, outcome, system, &settings, &options))

@@ -4,7 +4,7 @@ use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-use plot::{Axis, BLUE, Figure, Guide, Legend, Markers, ORANGE, Panel, Shape};
+use plot::{BLUE, Figure, Guide, Legend, Markers, ORANGE, Panel, Shape};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use stickslip::analysis::{RecurrenceSettings, SweepSettings};
@@ -14,12 +14,11 @@ use super::arguments::{RunArguments, SolverArguments, StartArguments, count};
 use super::exponent::Largest;
 use super::range::{ParameterRange, not_too_many};
 use super::sweeping::{
-    Sweep, SweepArguments, check_duration, check_period, from_content, recurrence, sweep, table,
-    to_content,
+    Sweep, SweepArguments, check_duration, from_content, recurrence, sweep, table, to_content,
 };
 use super::{attractors, changes, figures};
 use crate::failure::Failure;
-use crate::render::{Report, Said, Table, place, rounded};
+use crate::render::{Answer, Report, Table, place, rounded};
 use crate::sweep::{BlockError, Store};
 use stickslip_kernels::file::System;
 use stickslip_kernels::kernel::{Change, Motion, Outcome, PhaseThere};
@@ -57,11 +56,10 @@ pub(super) struct Arguments {
     run: RunArguments,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
-    let system = arguments.run.system()?;
-    check_period(&system)?;
-    let wanted = Bifurcation::new(arguments, &system)?;
-    sweep(&wanted, &system, &arguments.sweep, &arguments.run.output)
+pub(super) fn run(arguments: &Arguments) -> Result<Answer, Failure> {
+    sweep(&arguments.sweep, &arguments.run, |system| {
+        Bifurcation::new(arguments, system)
+    })
 }
 
 /// Values of the parameter in a block.
@@ -84,7 +82,7 @@ pub(super) struct Bifurcation {
 
 /// What is found at one value.
 #[derive(Debug, Serialize, Deserialize)]
-struct At {
+struct AtValue {
     value: f64,
     outcome: Outcome,
     largest: Largest,
@@ -92,14 +90,14 @@ struct At {
 
 /// A change between two neighbouring values.
 #[derive(Debug, Serialize, Deserialize)]
-struct Between {
+struct ChangeBetween {
     values: (f64, f64),
     change: Change,
 }
 
 /// Where a block ends and the next one goes on.
 #[derive(Debug, Serialize, Deserialize)]
-struct Last {
+struct BlockEnd {
     value: f64,
     /// The motion there, as [`attractors::class`] has it.
     class: String,
@@ -111,11 +109,11 @@ struct Last {
 
 /// What a block holds.
 #[derive(Debug, Serialize, Deserialize)]
-struct Part {
-    found: Vec<At>,
+struct Block {
+    found: Vec<AtValue>,
     /// Changes from each value to the next, the first of them from the last value of the block before.
-    changes: Vec<Between>,
-    last: Option<Last>,
+    changes: Vec<ChangeBetween>,
+    last: Option<BlockEnd>,
 }
 
 impl Bifurcation {
@@ -173,10 +171,10 @@ impl Bifurcation {
         system: &System,
         block: usize,
         before: Option<&[u8]>,
-    ) -> Result<Part, BlockError> {
+    ) -> Result<Block, BlockError> {
         let options = self.solver.options()?;
         let mut last = match before {
-            Some(before) => from_content::<Part>(before)?.last,
+            Some(before) => from_content::<Block>(before)?.last,
             None => None,
         };
         let (mut found, mut changes) = (Vec::new(), Vec::new());
@@ -192,10 +190,10 @@ impl Bifurcation {
             if let Some(last) = last.filter(|last| last.class != class) {
                 for change in self.changes(system, &last, value, &settings, &options)? {
                     let values = (last.value, value);
-                    changes.push(Between { values, change });
+                    changes.push(ChangeBetween { values, change });
                 }
             }
-            last = Some(Last {
+            last = Some(BlockEnd {
                 value,
                 class,
                 carried: carried_on(&outcome, settings.forcing.is_some())
@@ -203,13 +201,13 @@ impl Bifurcation {
                 start,
             });
             let largest = Largest::on(&here, &outcome, self.duration, &options);
-            found.push(At {
+            found.push(AtValue {
                 value,
                 outcome,
                 largest,
             });
         }
-        Ok(Part {
+        Ok(Block {
             found,
             changes,
             last,
@@ -220,7 +218,7 @@ impl Bifurcation {
     fn changes(
         &self,
         system: &System,
-        last: &Last,
+        last: &BlockEnd,
         value: f64,
         recurrence: &RecurrenceSettings,
         options: &Options,
@@ -297,7 +295,7 @@ impl Sweep for Bifurcation {
                 let motion = attractors::since(motion, self.until);
                 report.note(format!("{name:<4}  {first} to {last}: {motion}"));
             }
-            for Between { values, change } in &way.changes {
+            for ChangeBetween { values, change } in &way.changes {
                 let at = match changes::parameter(change) {
                     Some(value) => {
                         let uncertainty = changes::uncertainty(change).unwrap_or(0.0);
@@ -313,7 +311,7 @@ impl Sweep for Bifurcation {
             let spans = way.spans.iter().map(
                 |(first, last, motion)| json!({ "from": first, "to": last, "motion": motion }),
             );
-            let changes = way.changes.iter().map(|Between { values, change }| {
+            let changes = way.changes.iter().map(|ChangeBetween { values, change }| {
                 json!({ "values": values, "change": changes::json(system, change) })
             });
             let [spans, changes] = [spans.collect::<Value>(), changes.collect()];
@@ -322,7 +320,7 @@ impl Sweep for Bifurcation {
         for path in paths {
             report.file(path);
         }
-        type Row<'a> = (&'static str, &'a Between);
+        type Row<'a> = (&'static str, &'a ChangeBetween);
         let table = Table::new()
             .column("way", |(name, _): &Row<'_>| *name)
             .column(name, |(_, at)| changes::parameter(&at.change))
@@ -353,11 +351,11 @@ const WAY_NAMES: [&str; 2] = ["up", "down"];
 type Points = Vec<(f64, f64)>;
 
 /// The points that a panel shows of a way.
-type Shown = fn(&Way) -> &Points;
+type Shown = fn(&OneDirection) -> &Points;
 
 /// What the figure shows of one way through the range, as points of parameter and value.
 #[derive(Default)]
-struct Way {
+struct OneDirection {
     /// First state at the points of the section.
     section: Points,
     /// Durations of sticks.
@@ -365,13 +363,13 @@ struct Way {
     /// Largest exponents.
     exponents: Points,
     /// What changes on the way, and between which values.
-    changes: Vec<Between>,
+    changes: Vec<ChangeBetween>,
     /// Values between which the motion stays the same, in the order of the way, and what it is.
     spans: Vec<(f64, f64, String)>,
 }
 
-impl Way {
-    fn add(&mut self, at: &At) {
+impl OneDirection {
+    fn add(&mut self, at: &AtValue) {
         let value = at.value;
         let points = at.outcome.points.iter();
         self.section.extend(points.map(|(_, x)| (value, x[0])));
@@ -392,24 +390,25 @@ impl Way {
 }
 
 /// The phases of a periodic orbit in which a contact sticks.
-fn sticks(at: &At) -> impl Iterator<Item = &PhaseThere> {
+fn sticks(at: &AtValue) -> impl Iterator<Item = &PhaseThere> {
     let is_periodic = matches!(at.outcome.motion, Motion::Periodic { .. });
     let phases = at.outcome.phases.iter().filter(move |_| is_periodic);
     phases.filter(|phase| phase.modes.to_vec().contains(&Mode::Stick))
 }
 
 impl Bifurcation {
-    /// Reads the blocks one after the other and writes the tables of points of the section and of sticks.
+    /// Reads the blocks one after the other and writes the tables of points of the section and of
+    /// sticks.
     fn read(
         &self,
         system: &System,
         store: &Store,
         [points, sticks_path]: &[PathBuf; 2],
-    ) -> Result<[Way; 2], Failure> {
-        let mut ways = [Way::default(), Way::default()];
+    ) -> Result<[OneDirection; 2], Failure> {
+        let mut ways = [OneDirection::default(), OneDirection::default()];
         let parameter = self.parameter.name.as_str();
         // One without a state where there is no point.
-        type Point = (usize, Rc<At>, Option<usize>);
+        type Point = (usize, Rc<AtValue>, Option<usize>);
         let columns = Table::new()
             .column("way", |&(way, ..): &Point| WAY_NAMES[way])
             .column(parameter, |(_, at, _)| at.value);
@@ -418,7 +417,7 @@ impl Bifurcation {
         let columns = columns.state(system, "", |(_, at, point)| {
             point.map(|point| at.outcome.points[point].1.clone())
         });
-        table(store, points, &columns, |block, part: Part| {
+        table(store, points, &columns, |block, part: Block| {
             let number = usize::from(!self.is_up(block));
             let way = &mut ways[number];
             way.changes.extend(part.changes);
@@ -442,7 +441,7 @@ impl Bifurcation {
             .column(parameter, |&(_, value, _)| value)
             .column("duration", |(.., phase)| phase.t_end - phase.t_start)
             .state(system, "_length", lengths);
-        table(store, sticks_path, &columns, |block, part: Part| {
+        table(store, sticks_path, &columns, |block, part: Block| {
             let number = usize::from(!self.is_up(block));
             let all = part
                 .found
@@ -454,7 +453,7 @@ impl Bifurcation {
     }
 
     /// The diagram: section, sticks and exponent over the parameter.
-    fn figure(&self, [up, down]: &[Way; 2], system: &System) -> Figure {
+    fn figure(&self, [up, down]: &[OneDirection; 2], system: &System) -> Figure {
         let range = &self.parameter;
         let first = &system.file.states[0];
         let rows: [(String, Shown); 3] = [
@@ -484,11 +483,7 @@ impl Bifurcation {
         let mut figure = Figure::new("bifurcation", (640.0, height), &title, &description);
         let last = rows.len().saturating_sub(1);
         for (k, (label, of)) in rows.into_iter().enumerate() {
-            let x = if k == last {
-                Axis::new(&figures::parameter_label(system, &range.name), low, high)
-            } else {
-                Axis::new("", low, high).bare()
-            };
+            let x = figures::parameter_axis(system, &range.name, (low, high), k == last);
             let values = of(up).iter().chain(of(down)).map(|point| point.1);
             let mut panel = Panel::new(x, figures::axis(&label, values));
             if label.contains('λ') {

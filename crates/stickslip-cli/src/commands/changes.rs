@@ -17,7 +17,7 @@ pub(super) fn parameter(change: &Change) -> Option<f64> {
     }
 }
 
-/// By how much that parameter may be off, as far as it is told.
+/// By how much that parameter may be off, where it is known.
 pub(super) fn uncertainty(change: &Change) -> Option<f64> {
     match *change {
         Change::Sequence { uncertainty, .. } | Change::Multiplier { uncertainty, .. } => {

@@ -8,8 +8,8 @@ use super::arguments::SystemArguments;
 use super::recording::direction_name;
 use super::sweeping::check_period;
 use super::tangents;
-use crate::failure::{Failure, told};
-use crate::render::{Report, Said, rounded};
+use crate::failure::{Failure, in_words};
+use crate::render::{Answer, Report, rounded};
 use crate::tangents::{Jumps, Line, OnLine};
 use stickslip_kernels::file::{Formula, Rate, System};
 
@@ -24,9 +24,9 @@ pub(super) struct Arguments {
     json: bool,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
+pub(super) fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     let system = arguments.system.system()?;
-    Ok(understood(&system).said(arguments.json))
+    Ok(understood(&system).answer(arguments.json))
 }
 
 /// What was understood, line by line.
@@ -46,16 +46,14 @@ fn understood(system: &System) -> Report {
     parameters(&mut report, system);
     contacts(&mut report, system);
 
-    let definitions = file.definitions.iter();
-    let definitions = definitions.map(|one| (&one.name, &one.formula.text));
-    let lines = definitions
-        .clone()
-        .map(|(name, text)| format!("{name} = {text}"));
-    let objects = definitions.map(|(name, text)| json!({ "name": name, "formula": text }));
-    report
-        .lines("definitions", lines)
-        .field("definitions", objects.collect::<Value>());
-
+    let definitions = file.definitions.iter().map(|one| {
+        let (name, text) = (&one.name, &one.formula.text);
+        (
+            format!("{name} = {text}"),
+            json!({ "name": name, "formula": text }),
+        )
+    });
+    report.list("definitions", definitions);
     let rates = file.states.iter().zip(&file.field).map(|(state, rate)| {
         let name = &state.name;
         match rate {
@@ -69,8 +67,7 @@ fn understood(system: &System) -> Report {
             ),
         }
     });
-    let (lines, objects): (Vec<String>, Vec<Value>) = rates.unzip();
-    report.lines("field", lines).field("field", objects);
+    report.list("field", rates);
 
     let period = built
         .period
@@ -158,8 +155,7 @@ fn states(report: &mut Report, system: &System) {
         });
         (line, object)
     });
-    let (lines, objects): (Vec<String>, Vec<Value>) = states.unzip();
-    report.lines("states", lines).field("states", objects);
+    report.list("states", states);
 }
 
 fn parameters(report: &mut Report, system: &System) {
@@ -184,10 +180,7 @@ fn parameters(report: &mut Report, system: &System) {
         });
         (line, object)
     });
-    let (lines, objects): (Vec<String>, Vec<Value>) = parameters.unzip();
-    report
-        .lines("parameters", lines)
-        .field("parameters", objects);
+    report.list("parameters", parameters);
 }
 
 fn contacts(report: &mut Report, system: &System) {
@@ -264,7 +257,7 @@ fn doubts(system: &System) -> Vec<String> {
     let dependent = dependent.map(|(contacts, x)| {
         let (t, contacts) = (system.built.t_start, contacts.to_vec());
         let x = Point(x);
-        told(&Error::DependentContacts { t, x, contacts }, system)
+        in_words(&Error::DependentContacts { t, x, contacts }, system)
     });
     period
         .into_iter()

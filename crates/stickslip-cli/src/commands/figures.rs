@@ -26,7 +26,8 @@ pub(super) struct Class {
     pub(super) legend: String,
 }
 
-/// Kinds of attractors as entries of a legend, the largest first and the smallest together; behind them those that are none, each by itself.
+/// Kinds of attractors as entries of a legend, the largest first and the smallest together.
+/// Outcomes that are no attractor follow, each by itself.
 /// `size` is that of an attractor, `none` the word for what is none.
 pub(super) fn by_size<T>(
     all: &[T],
@@ -137,6 +138,20 @@ pub(super) fn parameter_label(system: &System, name: &str) -> String {
     let mut parameters = system.file.parameters.iter();
     let known = parameters.find(|parameter| parameter.name == name);
     with_unit(name, known.map_or("", |parameter| &parameter.unit))
+}
+
+/// The axis of a parameter under panels above one another; it has label and numbers in the last.
+pub(super) fn parameter_axis(
+    system: &System,
+    name: &str,
+    (low, high): (f64, f64),
+    is_last: bool,
+) -> Axis {
+    if is_last {
+        Axis::new(&parameter_label(system, name), low, high)
+    } else {
+        Axis::new("", low, high).bare()
+    }
 }
 
 /// Words for what is measured in time, with its unit to a power.

@@ -7,7 +7,7 @@ use stickslip::analysis::{Exponent, SpectrumOptions};
 use super::arguments::{Ready, RunArguments};
 use super::figures;
 use crate::failure::Failure;
-use crate::render::{Report, Said, Table, within};
+use crate::render::{Answer, Report, Table, within};
 use crate::terminal::patiently;
 use stickslip_kernels::file::System;
 use stickslip_kernels::kernel::SpectrumFound;
@@ -28,7 +28,7 @@ pub(super) struct Arguments {
     run: RunArguments,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
+pub(super) fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     let over = SpectrumOptions::over(arguments.transient, arguments.duration);
     arguments
         .run

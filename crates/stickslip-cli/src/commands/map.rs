@@ -11,11 +11,11 @@ use super::arguments::{RunArguments, SolverArguments, StartArguments};
 use super::exponent::Largest;
 use super::range::{ParameterRange, grid, middle, with_values};
 use super::sweeping::{
-    Sweep, SweepArguments, check_duration, check_period, recurrence, sweep, table, to_content,
+    Sweep, SweepArguments, check_duration, recurrence, sweep, table, to_content,
 };
 use super::{attractors, figures};
 use crate::failure::Failure;
-use crate::render::{Report, Said, Table};
+use crate::render::{Answer, Report, Table};
 use crate::sweep::{BlockError, Store};
 use stickslip_kernels::file::System;
 use stickslip_kernels::kernel::Motion;
@@ -52,11 +52,10 @@ pub(super) struct Arguments {
     run: RunArguments,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
-    let system = arguments.run.system()?;
-    check_period(&system)?;
-    let wanted = Map::new(arguments, &system)?;
-    sweep(&wanted, &system, &arguments.sweep, &arguments.run.output)
+pub(super) fn run(arguments: &Arguments) -> Result<Answer, Failure> {
+    sweep(&arguments.sweep, &arguments.run, |system| {
+        Map::new(arguments, system)
+    })
 }
 
 /// Everything that a map depends on besides the system.
@@ -219,7 +218,7 @@ impl Cell {
 
 /// What the figure shows of a cell.
 #[derive(Clone, Copy)]
-struct Shown {
+struct CellShown {
     /// Which of the classes.
     class: usize,
     in_stick: Option<f64>,
@@ -237,16 +236,16 @@ struct Class {
 }
 
 /// Everything found.
-struct Found {
+struct MapResults {
     /// In the order in which they are met first.
     classes: Vec<Class>,
     /// Row by row from the lowest second parameter.
-    cells: Vec<Shown>,
+    cells: Vec<CellShown>,
 }
 
 impl Map {
     /// Reads the blocks one after the other and writes the table.
-    fn read(&self, store: &Store, path: &Path) -> Result<Found, Failure> {
+    fn read(&self, store: &Store, path: &Path) -> Result<MapResults, Failure> {
         let (mut classes, mut shown): (Vec<Class>, _) = (Vec::new(), Vec::new());
         type Row = ([f64; 2], Cell);
         let [x, y] = &self.plane;
@@ -273,7 +272,7 @@ impl Map {
                     classes.len() - 1
                 });
                 classes[class].cells += 1;
-                shown.push(Shown {
+                shown.push(CellShown {
                     class,
                     in_stick: cell.in_stick,
                     largest: cell.largest,
@@ -284,14 +283,14 @@ impl Map {
                 .map(|(column, cell)| (self.parameters(column, row), cell))
                 .collect())
         })?;
-        Ok(Found {
+        Ok(MapResults {
             classes,
             cells: shown,
         })
     }
 
     /// The plane three times: attractor, exponent, part of time in stick.
-    fn figure(&self, found: &Found, system: &System) -> Figure {
+    fn figure(&self, found: &MapResults, system: &System) -> Figure {
         let axis = |k: usize| {
             let range = &self.plane[k];
             let label = figures::parameter_label(system, &range.name);
@@ -362,7 +361,7 @@ struct Layer {
 }
 
 /// A layer for each kind of attractor, the largest first; behind them those of what is none, each by itself.
-fn kinds(found: &Found, until: f64) -> Vec<Layer> {
+fn kinds(found: &MapResults, until: f64) -> Vec<Layer> {
     let classes = figures::by_size(
         &found.classes,
         |class| class.cells,
@@ -393,12 +392,12 @@ fn filled(layers: Vec<Layer>) -> Vec<Layer> {
     layers.into_iter().filter(is_filled).collect()
 }
 
-fn exponents(cells: &[Shown]) -> Vec<Layer> {
-    let finite = |cell: &Shown| match cell.largest {
+fn exponents(cells: &[CellShown]) -> Vec<Layer> {
+    let finite = |cell: &CellShown| match cell.largest {
         Largest::Finite { value, .. } if !cell.largest.is_zero() => Some(value),
         _ => None,
     };
-    let layer = |is_in: &dyn Fn(&Shown) -> bool, colour, legend: String| Layer {
+    let layer = |is_in: &dyn Fn(&CellShown) -> bool, colour, legend: String| Layer {
         set: cells.iter().map(is_in).collect(),
         colour,
         legend,
@@ -416,7 +415,7 @@ fn exponents(cells: &[Shown]) -> Vec<Layer> {
         for (k, colour) in colours.into_iter().enumerate() {
             let [low, high] = [k, k + 1].map(|k| most * k as f64 / colours.len() as f64);
             let is_last = k + 1 == colours.len();
-            let is_in = |cell: &Shown| {
+            let is_in = |cell: &CellShown| {
                 let value = finite(cell).map(|value| sign * value);
                 // The largest is in the last, whatever rounding does to its end.
                 value.is_some_and(|value| value > low && (value <= high || is_last))
@@ -460,7 +459,7 @@ fn decimals(most: f64) -> usize {
     decimals
 }
 
-fn sticks(cells: &[Shown]) -> Vec<Layer> {
+fn sticks(cells: &[CellShown]) -> Vec<Layer> {
     let layer = |is_in: &dyn Fn(f64) -> bool, colour, legend: &str| Layer {
         set: cells
             .iter()

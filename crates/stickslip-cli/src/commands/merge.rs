@@ -5,7 +5,7 @@ use super::bifurcation::Bifurcation;
 use super::map::Map;
 use super::sweeping::{Sweep, finish, merged};
 use crate::failure::Failure;
-use crate::render::{OutputArguments, Said};
+use crate::render::{Answer, OutputArguments};
 
 /// Join the shares of a sweep that were computed with --shard, and write its tables and figures
 ///
@@ -20,7 +20,7 @@ pub(super) struct Arguments {
     output: OutputArguments,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
+pub(super) fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     arguments.output.check()?;
     let merged = merged(&arguments.output.out, &arguments.shares)?;
     match merged.store.plan().command.as_str() {

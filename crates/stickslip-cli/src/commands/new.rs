@@ -6,7 +6,7 @@ use output::{Artifact, WriteError, write_all};
 use stickslip_kernels::file::EXAMPLE;
 
 use crate::failure::Failure;
-use crate::render::{Report, Said};
+use crate::render::{Answer, Report};
 
 /// Write an example of a system's file, with comments
 #[derive(Debug, clap::Args)]
@@ -20,7 +20,7 @@ pub(super) struct Arguments {
     json: bool,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
+pub(super) fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     let path = &arguments.file;
     let shown = path.display().to_string();
     if path.exists() {
@@ -48,5 +48,5 @@ pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
     let text = format!("wrote {shown}\nnext: stickslip check {shown}\n");
     let mut report = Report::plain(text, (0, 0));
     report.field("files", [shown]);
-    Ok(report.said(arguments.json))
+    Ok(report.answer(arguments.json))
 }

@@ -7,7 +7,7 @@ use super::recording::{Phase, Recording};
 use super::search::SearchArguments;
 use super::trajectory;
 use crate::failure::Failure;
-use crate::render::{Report, Said, Table, by_state, sequence};
+use crate::render::{Answer, Report, Table, by_state, sequence};
 use stickslip::Mode;
 use stickslip::analysis::Stability;
 use stickslip::error::readable;
@@ -25,7 +25,7 @@ pub(super) struct Arguments {
     run: RunArguments,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
+pub(super) fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     arguments
         .run
         .answered(|ready| found(ready, &arguments.search))

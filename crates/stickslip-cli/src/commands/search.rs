@@ -26,7 +26,7 @@ pub(super) struct SearchArguments {
     periods: Option<u32>,
 }
 
-/// How long the orbit may take to come back where nothing is said.
+/// How long the orbit may take to come back where nothing is given.
 const LONGEST: f64 = 100.0;
 
 /// How long the run is followed to see what it comes to, where no periodic orbit was found.
@@ -46,14 +46,10 @@ impl SearchArguments {
         (t, x): (f64, &[f64]),
         options: &Options,
     ) -> Result<(Periodic, Option<u32>), Failure> {
-        let given = [
-            ("--transient", Some(self.transient)),
-            ("--longest", self.longest),
-        ];
-        for (name, value) in given
-            .into_iter()
-            .filter_map(|(name, value)| Some((name, value?)))
-        {
+        for (name, value) in [
+            ("--transient", self.transient),
+            ("--longest", self.longest.unwrap_or(LONGEST)),
+        ] {
             if !(value >= 0.0 && value.is_finite()) {
                 return Err(Failure::Usage(format!(
                     "{name} {value}: it must be finite and not negative"

@@ -7,8 +7,8 @@ use stickslip::{Ending, Error, TransitionKind};
 use super::arguments::{Ready, RunArguments};
 use super::recording::{Recording, direction_name, kind_name};
 use super::trajectory::{self, transitions};
-use crate::failure::{Failure, told};
-use crate::render::{Report, Said, Table, by_state};
+use crate::failure::{Failure, in_words};
+use crate::render::{Answer, Report, Table, by_state};
 use stickslip_kernels::file::System;
 use stickslip_kernels::kernel::{Ended, Run};
 
@@ -24,7 +24,7 @@ pub(super) struct Arguments {
     run: RunArguments,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
+pub(super) fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     arguments
         .run
         .answered(|ready| followed(ready, arguments.t_end))
@@ -57,7 +57,7 @@ fn followed(ready: &Ready, t_end: Option<f64>) -> Result<Report, Failure> {
         }
         Ok(_) => None,
         // What was reached is worth having; where nothing was, there is nothing to write.
-        Err(error) if recording.points.len() > 1 => Some(told(error, system)),
+        Err(error) if recording.points.len() > 1 => Some(in_words(error, system)),
         Err(error) => return Err(error.clone().into()),
     };
     let mut report = found(system, &recording, outcome.ok().as_ref());

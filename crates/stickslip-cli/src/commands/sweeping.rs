@@ -10,9 +10,9 @@ use serde_json::json;
 
 use stickslip::analysis::RecurrenceSettings;
 
-use super::arguments::count;
+use super::arguments::{RunArguments, count};
 use crate::failure::Failure;
-use crate::render::{OutputArguments, OutputError, Report, Said, Table};
+use crate::render::{Answer, OutputArguments, OutputError, Report, Table};
 use crate::sweep::{BlockError, Computed, Plan, Share, Store, SweepError, Task, run, write_whole};
 use crate::terminal::Patience;
 use stickslip_kernels::file::{Source, System, SystemFile};
@@ -46,7 +46,8 @@ pub(super) trait Sweep: Serialize + DeserializeOwned + Sync {
         before: Option<&[u8]>,
     ) -> Result<Vec<u8>, BlockError>;
 
-    /// What was found, from all blocks; tables that need not fit into memory are in the folder `out` then.
+    /// What was found, from all blocks; tables that need not fit into memory are in the folder
+    /// `out` then.
     fn report(&self, system: &System, store: &Store, out: &Path) -> Result<Report, Failure>;
 }
 
@@ -98,12 +99,14 @@ fn folder(out: &str) -> PathBuf {
 
 /// Computes what is missing of a sweep. If it is all there then, the sweep is finished.
 pub(super) fn sweep<S: Sweep>(
-    wanted: &S,
-    system: &System,
     arguments: &SweepArguments,
-    output: &OutputArguments,
-) -> Result<Said, Failure> {
-    let plan = plan(wanted, system)?;
+    of: &RunArguments,
+    wanted: impl FnOnce(&System) -> Result<S, Failure>,
+) -> Result<Answer, Failure> {
+    let (system, output) = (of.system()?, &of.output);
+    check_period(&system)?;
+    let wanted = wanted(&system)?;
+    let plan = plan(&wanted, &system)?;
     let task = Task {
         plan: &plan,
         folder: &folder(&output.out),
@@ -114,19 +117,19 @@ pub(super) fn sweep<S: Sweep>(
     let computed = run(
         &task,
         &|done, all| progress.done(done as u64, all as u64),
-        |index, before| wanted.block(system, index, before),
+        |index, before| wanted.block(&system, index, before),
     );
     progress.clear();
     let computed = computed?;
     if arguments.shard.is_whole() {
-        finished(wanted, system, &computed.store, output)
+        finished(&wanted, &system, &computed.store, output)
     } else {
-        Ok(share_done(arguments.shard, &computed).said(output.json))
+        Ok(share_done(arguments.shard, &computed).answer(output.json))
     }
 }
 
 /// Tables and figures of a sweep whose blocks are all there.
-pub(super) fn finish<S: Sweep>(store: &Store, output: &OutputArguments) -> Result<Said, Failure> {
+pub(super) fn finish<S: Sweep>(store: &Store, output: &OutputArguments) -> Result<Answer, Failure> {
     let (wanted, system) = of_plan::<S>(store.plan())?;
     finished(&wanted, &system, store, output)
 }
@@ -136,7 +139,7 @@ fn finished<S: Sweep>(
     system: &System,
     store: &Store,
     output: &OutputArguments,
-) -> Result<Said, Failure> {
+) -> Result<Answer, Failure> {
     let mut report = wanted.report(system, store, output.out.as_ref())?;
     report.field("arguments", wanted);
     Ok(report.written(&store.staging()?, output)?)

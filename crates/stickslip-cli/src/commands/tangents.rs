@@ -9,7 +9,7 @@ use stickslip::error::readable;
 use super::arguments::{StartArguments, SystemArguments, position};
 use super::figures;
 use crate::failure::Failure;
-use crate::render::{OutputArguments, Report, Said, Table};
+use crate::render::{Answer, OutputArguments, Report, Table};
 use crate::tangents::{Kind, Line, OnLine, TangentPoint, Zone};
 use stickslip_kernels::file::System;
 
@@ -46,7 +46,7 @@ pub(super) struct Arguments {
     output: OutputArguments,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
+pub(super) fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     arguments.output.check()?;
     let system = arguments.system.system()?;
     let start = arguments.start.of(&system)?;

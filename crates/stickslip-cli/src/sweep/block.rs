@@ -9,7 +9,7 @@ const MARKER: &str = "stickslip-block";
 
 /// What is found under the name of a block.
 #[derive(Debug, PartialEq)]
-pub(super) enum Found {
+pub(super) enum Decoded {
     /// What was computed.
     Whole(Vec<u8>),
     /// A block of another sweep.
@@ -37,32 +37,32 @@ pub(super) fn encode(fingerprint: &str, index: usize, content: &[u8]) -> Vec<u8>
 }
 
 /// What `bytes` are, under the name of block `index` of the sweep with this fingerprint.
-pub(super) fn decode(fingerprint: &str, index: usize, bytes: &[u8]) -> Found {
+pub(super) fn decode(fingerprint: &str, index: usize, bytes: &[u8]) -> Decoded {
     let Some((content, words)) = split(bytes) else {
-        return Found::Damaged("cut short or no block");
+        return Decoded::Damaged("cut short or no block");
     };
     let [marker, sweep, number, length, checksum] = words[..] else {
-        return Found::Damaged("no block");
+        return Decoded::Damaged("no block");
     };
     if marker != MARKER {
-        return Found::Damaged("no block");
+        return Decoded::Damaged("no block");
     }
     if number.parse() != Ok(index) {
-        return Found::Damaged("another block under its name");
+        return Decoded::Damaged("another block under its name");
     }
     match length.parse::<usize>() {
-        Ok(length) if content.len() < length => return Found::Damaged("cut short"),
+        Ok(length) if content.len() < length => return Decoded::Damaged("cut short"),
         Ok(length) if content.len() == length => {}
-        _ => return Found::Damaged("of another length than it says"),
+        _ => return Decoded::Damaged("of another length than it says"),
     }
     if digest(content) != checksum {
-        return Found::Damaged("changed since it was written");
+        return Decoded::Damaged("changed since it was written");
     }
     // Told last: what is damaged may have any fingerprint.
     if sweep != fingerprint {
-        return Found::Stranger;
+        return Decoded::Stranger;
     }
-    Found::Whole(content.to_vec())
+    Decoded::Whole(content.to_vec())
 }
 
 /// What follows the first line, and the words of that line.
@@ -80,7 +80,7 @@ mod tests {
     fn what_was_written_is_read() {
         for content in [&b""[..], b"1,2\n3,4\n", b"\n\0\xff"] {
             let found = decode("f", 7, &encode("f", 7, content));
-            assert_eq!(found, Found::Whole(content.to_vec()));
+            assert_eq!(found, Decoded::Whole(content.to_vec()));
         }
     }
 
@@ -90,7 +90,7 @@ mod tests {
         for cut in 0..whole.len() {
             let found = decode("fingerprint", 7, &whole[..cut]);
             assert!(
-                matches!(found, Found::Damaged(_)),
+                matches!(found, Decoded::Damaged(_)),
                 "cut at {cut}: {found:?}"
             );
         }
@@ -98,15 +98,15 @@ mod tests {
             let mut changed = whole.clone();
             changed[place] ^= 1;
             let found = decode("fingerprint", 7, &changed);
-            assert!(!matches!(found, Found::Whole(_)), "changed at {place}");
+            assert!(!matches!(found, Decoded::Whole(_)), "changed at {place}");
         }
     }
 
     #[test]
     fn a_renamed_block_and_one_of_another_sweep_are_told_apart() {
         let block = encode("ours", 7, b"x");
-        assert!(matches!(decode("ours", 8, &block), Found::Damaged(_)));
-        assert_eq!(decode("theirs", 7, &block), Found::Stranger);
+        assert!(matches!(decode("ours", 8, &block), Decoded::Damaged(_)));
+        assert_eq!(decode("theirs", 7, &block), Decoded::Stranger);
     }
 
     #[test]

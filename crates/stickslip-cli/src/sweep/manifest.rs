@@ -134,37 +134,35 @@ impl Manifest {
 
     /// What differs first between two sweeps: what it is, its value here and its value in the other; nothing if their blocks are the same.
     pub(super) fn difference(&self, other: &Self) -> Option<(String, String, String)> {
+        let (old, new) = (self.parts(), other.parts());
+        let value = |parts: &[(String, String)], name: &String| {
+            let part = parts.iter().find(|part| part.0 == *name);
+            part.map_or("not given".to_owned(), |part| part.1.clone())
+        };
+        let names = old.iter().chain(&new).map(|part| &part.0);
+        let mut both = names.map(|name| (name.clone(), value(&old, name), value(&new, name)));
+        both.find(|(_, old, new)| old != new)
+    }
+
+    /// Everything that blocks depend on, as names and values.
+    fn parts(&self) -> Vec<(String, String)> {
         let named = [
-            ("the program", &self.program, &other.program),
-            ("the command", &self.command, &other.command),
+            ("the program", &self.program),
+            ("the command", &self.command),
         ];
-        for (what, old, new) in named {
-            if old != new {
-                return Some((what.to_owned(), quoted(old), quoted(new)));
-            }
-        }
-        let names = self.arguments.keys().chain(other.arguments.keys());
-        for name in names {
-            let (old, new) = (self.arguments.get(name), other.arguments.get(name));
-            if old != new {
-                return Some((format!("the argument `{name}`"), shown(old), shown(new)));
-            }
-        }
-        if let Some((line, old, new)) = first_line(&self.system.text, &other.system.text) {
-            return Some((format!("line {line} of the system"), old, new));
-        }
+        let named = named.map(|(name, text)| (name.to_owned(), format!("`{text}`")));
+        let arguments = self.arguments.iter();
+        let arguments =
+            arguments.map(|(name, value)| (format!("the argument `{name}`"), value.to_string()));
+        let lines = (1..).zip(self.system.text.split('\n'));
+        let lines = lines.map(|(k, line)| (format!("line {k} of the system"), format!("{line:?}")));
         let counts = [
-            ("the number of chains", self.chains, other.chains),
-            (
-                "the number of blocks in a chain",
-                self.blocks_in_chain,
-                other.blocks_in_chain,
-            ),
+            ("the number of chains", self.chains),
+            ("the number of blocks in a chain", self.blocks_in_chain),
         ];
-        counts
-            .into_iter()
-            .find(|(_, old, new)| old != new)
-            .map(|(what, old, new)| (what.to_owned(), old.to_string(), new.to_string()))
+        let counts = counts.map(|(name, count)| (name.to_owned(), count.to_string()));
+        let parts = named.into_iter().chain(arguments).chain(lines);
+        parts.chain(counts).collect()
     }
 }
 
@@ -172,32 +170,4 @@ impl Manifest {
 pub(super) fn is_absent(error: &io::Error) -> bool {
     use io::ErrorKind::{NotADirectory, NotFound};
     matches!(error.kind(), NotFound | NotADirectory)
-}
-
-fn quoted(text: &str) -> String {
-    format!("`{text}`")
-}
-
-fn shown(value: Option<&Value>) -> String {
-    value.map_or("not given".to_owned(), Value::to_string)
-}
-
-/// The first line in which two texts differ, counted from 1.
-fn first_line(old: &str, new: &str) -> Option<(usize, String, String)> {
-    if old == new {
-        return None;
-    }
-    let (mut olds, mut news) = (old.split('\n'), new.split('\n'));
-    let mut line = 0;
-    loop {
-        line += 1;
-        let (old, new) = (olds.next(), news.next());
-        if old != new {
-            let shown =
-                |line: Option<&str>| line.map_or("nothing".to_owned(), |it| format!("{it:?}"));
-            return Some((line, shown(old), shown(new)));
-        }
-        // Not reached: texts that differ have a line in which they do.
-        old?;
-    }
 }

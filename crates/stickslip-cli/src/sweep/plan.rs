@@ -1,4 +1,5 @@
-//! What a sweep is, everything its blocks depend on; and a share of it, which one of several processes or machines computes.
+//! What a sweep is, everything its blocks depend on; and a share of it, which one of several
+//! processes or machines computes.
 
 use std::collections::BTreeMap;
 use std::fmt;

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use output::{place, stage};
 
-use super::block::{Found, decode, encode};
+use super::block::{Decoded, decode, encode};
 use super::error::SweepError;
 use super::manifest::{self, Manifest, is_absent};
 use super::plan::{Plan, Share};
@@ -111,9 +111,9 @@ impl Store {
         let path = self.path(block);
         match fs::read(&path) {
             Ok(bytes) => match decode(&self.fingerprint, block, &bytes) {
-                Found::Whole(content) => Ok(Some(Ok(content))),
-                Found::Damaged(damage) => Ok(Some(Err(damage))),
-                Found::Stranger => Err(SweepError::Stranger { path }),
+                Decoded::Whole(content) => Ok(Some(Ok(content))),
+                Decoded::Damaged(damage) => Ok(Some(Err(damage))),
+                Decoded::Stranger => Err(SweepError::Stranger { path }),
             },
             Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
             Err(source) => Err(SweepError::Read { path, source }),
@@ -313,7 +313,8 @@ pub fn write_whole<E: From<SweepError>>(
     Ok(placed.map_err(failed)?)
 }
 
-/// As [`write_whole`], but what is there already stays: whoever is first has written the file. Whether it was this call.
+/// As [`write_whole`], but what is there already stays: whoever is first has written the file.
+/// Whether it was this call.
 ///
 /// # Errors
 /// [`SweepError::Write`].

@@ -853,6 +853,13 @@ y = [-2, 2]
         all.map(|one| one["branch"].as_i64().unwrap()).collect()
     };
     assert_eq!(found["branches"].as_array().unwrap().len(), 2);
+    // The table has what JSON has of each point.
+    let points = text(top.path().join("o/tangents.csv"));
+    assert!(
+        points.starts_with("side,visibility,t,x,y,branch\n"),
+        "{points}"
+    );
+    assert_eq!(found["tangent_points"][0]["t"], 0.0);
     assert_eq!(
         (numbers("tangent_points"), numbers("zones")),
         (vec![1, 2], vec![1, 2])

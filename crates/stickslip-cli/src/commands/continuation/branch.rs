@@ -13,7 +13,7 @@ use stickslip_kernels::kernel::{
 use super::super::extremes::Extremes;
 use super::super::range::ParameterRange;
 use crate::failure::Failure;
-use crate::terminal::Telling;
+use crate::terminal::Status;
 use stickslip_kernels::file::System;
 
 /// An orbit of the branch.
@@ -92,7 +92,7 @@ impl<'a> Begin<'a> {
         periods: Option<u32>,
         settings: &ContinuationSettings,
         options: &Options,
-        telling: &Telling,
+        status: &Status,
     ) -> Result<Branch, Failure> {
         let settings = ContinuationSettings {
             forced: periods.map(|_| orbit.period),
@@ -107,7 +107,7 @@ impl<'a> Begin<'a> {
                 let (orbits, place) = &mut far[usize::from(upwards)];
                 (*orbits, *place) = (*orbits + 1, parameter);
                 let [down, up] = far.map(|(orbits, place)| format!("{orbits} to {place:.6}"));
-                telling.tell(format!(
+                status.set(format!(
                     "following the branch, orbits to {}: down {down}, up {up}",
                     self.range.name
                 ));

@@ -62,13 +62,7 @@ pub(super) fn diagram(system: &System, range: &ParameterRange, branch: &Branch) 
     let last = rows.len() - 1;
     let mut in_legend: Vec<Stability> = Vec::new();
     for (k, (label, value)) in rows.into_iter().enumerate() {
-        let (low, high) = ends(range, branch);
-        let x = if k == last {
-            let label = figures::parameter_label(system, &range.name);
-            plot::Axis::new(&label, low, high)
-        } else {
-            plot::Axis::new("", low, high).bare()
-        };
+        let x = figures::parameter_axis(system, &range.name, ends(range, branch), k == last);
         let ends = [branch.points.first(), branch.points.last()];
         let ends: Vec<(&Stop, (f64, f64))> = ends
             .into_iter()
@@ -95,17 +89,19 @@ pub(super) fn diagram(system: &System, range: &ParameterRange, branch: &Branch) 
             }
             panel.add(curve);
         }
-        for (name, is_this, color, shape) in KINDS {
-            let there = branch.special.iter().filter(|at| is_this(&at.what));
-            let points: Vec<(f64, f64)> =
-                there.map(|at| place(branch, at, value, is_size)).collect();
-            if !points.is_empty() {
+        for name in SPECIAL {
+            let there = branch.special.iter().map(|at| (mark(&at.what), at));
+            let there: Vec<_> = there.filter(|(mark, _)| mark.0 == name).collect();
+            if let Some(&((_, color, shape), _)) = there.first() {
+                let points = there
+                    .iter()
+                    .map(|(_, at)| place(branch, at, value, is_size));
                 let markers = Markers::new(points).shape(shape).color(color).size(6.0);
                 panel.add(markers.legend(name));
             }
         }
-        for (name, is_this, shape) in ENDS {
-            let there = ends.iter().filter(|(stop, _)| is_this(stop));
+        for (number, (name, shape)) in ENDS.into_iter().enumerate() {
+            let there = ends.iter().filter(|end| mark_of_end(end.0) == Some(number));
             let points: Vec<(f64, f64)> = there.map(|(_, mark)| *mark).collect();
             if !points.is_empty() {
                 let markers = Markers::new(points).shape(shape).color(BLACK).open();
@@ -120,63 +116,44 @@ pub(super) fn diagram(system: &System, range: &ParameterRange, branch: &Branch) 
     figure
 }
 
-/// Kinds of special orbits with their marks, as the legend has them.
-type Marked = (&'static str, fn(&SpecialKind) -> bool, Color, Shape);
-
-const KINDS: [Marked; 5] = [
-    (
-        "fold",
-        |kind| matches!(kind, SpecialKind::Fold),
-        BLACK,
-        Shape::Circle,
-    ),
-    (
-        "branch point",
-        |kind| matches!(kind, SpecialKind::BranchPoint),
-        PURPLE,
-        Shape::Up,
-    ),
-    (
-        "flip",
-        |kind| matches!(kind, SpecialKind::Flip),
-        GREEN,
-        Shape::Diamond,
-    ),
-    (
-        "Neimark–Sacker",
-        |kind| matches!(kind, SpecialKind::NeimarkSacker { .. }),
-        VERMILLION,
-        Shape::Down,
-    ),
-    (
-        "change of phases",
-        |kind| matches!(kind, SpecialKind::Sequence(_)),
-        ORANGE,
-        Shape::Square,
-    ),
+/// What marks special orbits, in the order of the legend.
+const SPECIAL: [&str; 5] = [
+    "fold",
+    "branch point",
+    "flip",
+    "Neimark–Sacker",
+    "change of phases",
 ];
 
-/// Ends of a branch with their marks.
-type MarkedEnd = (&'static str, fn(&Stop) -> bool, Shape);
+/// The mark of a special orbit, as the legend has it.
+fn mark(kind: &SpecialKind) -> (&'static str, Color, Shape) {
+    match kind {
+        SpecialKind::Fold => (SPECIAL[0], BLACK, Shape::Circle),
+        SpecialKind::BranchPoint => (SPECIAL[1], PURPLE, Shape::Up),
+        SpecialKind::Flip => (SPECIAL[2], GREEN, Shape::Diamond),
+        SpecialKind::NeimarkSacker { .. } => (SPECIAL[3], VERMILLION, Shape::Down),
+        SpecialKind::Sequence(_) => (SPECIAL[4], ORANGE, Shape::Square),
+    }
+}
 
-const ENDS: [MarkedEnd; 4] = [
-    (
-        "Hopf bifurcation",
-        |stop| matches!(stop, Stop::Equilibrium { .. }),
-        Shape::Circle,
-    ),
-    (
-        "homoclinic end",
-        |stop| matches!(stop, Stop::Homoclinic { .. }),
-        Shape::Square,
-    ),
-    (
-        "boundary equilibrium",
-        |stop| matches!(stop, Stop::BoundaryEquilibrium { .. }),
-        Shape::Down,
-    ),
-    ("rest", |stop| matches!(stop, Stop::Rest), Shape::Diamond),
+/// What marks ends of a branch, in the order of the legend.
+const ENDS: [(&str, Shape); 4] = [
+    ("Hopf bifurcation", Shape::Circle),
+    ("homoclinic end", Shape::Square),
+    ("boundary equilibrium", Shape::Down),
+    ("rest", Shape::Diamond),
 ];
+
+/// The number of the mark of an end, if it has one.
+fn mark_of_end(stop: &Stop) -> Option<usize> {
+    match stop {
+        Stop::Equilibrium { .. } => Some(0),
+        Stop::Homoclinic { .. } => Some(1),
+        Stop::BoundaryEquilibrium { .. } => Some(2),
+        Stop::Rest => Some(3),
+        _ => None,
+    }
+}
 
 /// Where the end of a branch is: an equilibrium is between the least and the greatest that the last orbit has of a state.
 fn end_mark(end: &Point, stop: &Stop, value: Value, is_extent: bool) -> (f64, f64) {

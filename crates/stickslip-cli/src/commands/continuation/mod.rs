@@ -16,8 +16,8 @@ use super::attractors::family_words;
 use super::changes;
 use super::range::ParameterRange;
 use super::search::SearchArguments;
-use crate::failure::{Failure, told};
-use crate::render::{Report, Said, Table, place, rounded, sequence, within};
+use crate::failure::{Failure, in_words};
+use crate::render::{Answer, Report, Table, place, rounded, sequence, within};
 use crate::terminal::patiently;
 use branch::{Begin, Point};
 
@@ -47,7 +47,7 @@ pub(super) struct Arguments {
     run: RunArguments,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<Said, Failure> {
+pub(super) fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     arguments.run.answered(|ready| found(arguments, ready))
 }
 
@@ -66,8 +66,8 @@ fn found(arguments: &Arguments, ready: &Ready) -> Result<Report, Failure> {
     let (orbit, periods) = arguments
         .search
         .found(system, (ready.t, &ready.x), options)?;
-    let branch = patiently("following the branch", |telling| {
-        begin.branch(&orbit, periods, &settings, options, telling)
+    let branch = patiently("following the branch", |status| {
+        begin.branch(&orbit, periods, &settings, options, status)
     })?;
     let (name, points) = (&range.name, &branch.points);
     let orbits = points.len();
@@ -200,7 +200,8 @@ struct End {
     words: String,
     /// A value for programs, with its name.
     detail: Option<(&'static str, Value)>,
-    /// The row of `special.csv`, if it is a bifurcation. Its orbit has no phases of its own, and a homoclinic one no period.
+    /// The row of `special.csv`, if it is a bifurcation. Its orbit has no phases of its own, and a
+    /// homoclinic one no period.
     row: Option<Row>,
 }
 
@@ -293,7 +294,7 @@ impl End {
                 "where it comes to rest: it moves a thousandth of what it did",
             ),
             Stop::Refused(ref error) => {
-                let told = told(error, system);
+                let told = in_words(error, system);
                 End {
                     detail: Some(("error", json!(told))),
                     ..plain("friction", &format!("where {told}"))
@@ -352,7 +353,8 @@ impl Row {
     }
 }
 
-/// The columns of `special.csv`: the special orbits, each behind so many rows of `branch.csv`, and the ends that are bifurcations.
+/// The columns of `special.csv`: the special orbits, each behind so many rows of `branch.csv`, and
+/// the ends that are bifurcations.
 fn special_columns<'a>(system: &System, parameter: &str) -> Table<'a, Row> {
     let phases = |k: usize| move |row: &Row| row.phases.as_ref().map(|phases| phases[k].clone());
     Table::new()
