@@ -387,7 +387,10 @@ impl Line {
         };
         let mut velocity = vec![T::zero(); x.len()];
         let combination = Combination { above, held };
-        system.built.fields.evaluate(combination, t, x, &mut velocity);
+        system
+            .built
+            .fields
+            .evaluate(combination, t, x, &mut velocity);
         velocity
     }
 
@@ -463,4 +466,3 @@ impl Line {
         }
     }
 }
-

@@ -41,7 +41,7 @@ impl Comparison {
 ///
 /// What differs by more has a bias that doubling the neighbourhoods does not show, as it may where no power of ε rules
 /// yet.
-pub fn compare(data: &DataSpectrum, equations: &[Exponent; 4]) -> Vec<Comparison> {
+pub fn compare(data: &DataSpectrum, equations: &[Exponent]) -> Vec<Comparison> {
     let pairs = data.exponents.iter().zip(equations).enumerate();
     pairs
         .filter(|(_, (from_data, _))| from_data.status == Status::Ok)

@@ -159,7 +159,7 @@ fn running(set: &Set, data: &Data) -> Result<Panel, PublishedError> {
     let settled = convergence
         .iter()
         .filter(|at| at.elapsed > SETTLED * end)
-        .flat_map(|at| at.exponents);
+        .flat_map(|at| at.exponents.iter().copied());
     let reliable: Vec<usize> = (0..data.from_data.exponents.len().min(4))
         .filter(|&i| data.from_data.exponents[i].status == Status::Ok)
         .collect();

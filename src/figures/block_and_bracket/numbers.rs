@@ -67,7 +67,7 @@ fn data_exponents(
     figure: SpectrumFigure,
     reading: Reading,
     spectrum: &DataSpectrum,
-    equations: &[Exponent; 4],
+    equations: &[Exponent],
 ) -> Vec<Row> {
     let comparisons = compare(spectrum, equations);
     let exponents = spectrum.exponents.iter().enumerate();

@@ -158,8 +158,8 @@ fn exact(model: &ForcedOscillator, options: &Options) -> Result<Exact, Error> {
     let whole = (SETTLED / period).floor() * period;
     let settled = solve(model, 0.0, start, whole, options)?;
     let orbit = periodic_orbit_forced(model, 0.0, settled.x_end, period, options)?;
-    let turns = solve(model, 0.0, orbit.x, SHOWN * period, options)?;
-    let many = solve(model, 0.0, orbit.x, REPEATED * period, options)?;
+    let turns = solve(model, 0.0, &orbit.x, SHOWN * period, options)?;
+    let many = solve(model, 0.0, &orbit.x, REPEATED * period, options)?;
     let pattern = Pattern::of_phases(&many.phases, many.t_end, period);
     let pattern =
         pattern.ok_or_else(|| missing("a motion that repeats", 0.0, REPEATED * period))?;

@@ -3,6 +3,7 @@
 use crate::numbers::largest;
 use crate::paper::pattern::two_periodic;
 use stickslip::analysis::{Destination, destination};
+use stickslip::dynamics::{Components, Vector};
 use stickslip::error::Error;
 use stickslip::filippov::{AtRepelling, Options, TransitionKind, solve};
 use stickslip::models::ForcedOscillator;
@@ -193,18 +194,15 @@ impl Point {
 
 /// Where a start ends up. A motion with stick is followed on, for one that comes near its neighbour
 /// of half the period slowly is easily taken for one of twice the period.
-fn settled(
-    model: &ForcedOscillator,
-    x: State<2>,
-    options: &Options,
-) -> Result<Destination, Error> {
+fn settled(model: &ForcedOscillator, x: State<2>, options: &Options) -> Result<Destination, Error> {
     // Friction of the other sign is among the variants.
     let (system, period) = (Unchecked(model), model.period());
-    let follow =
-        |x, periods, closeness| destination(&system, (0.0, x), period, periods, closeness, options);
-    match follow(x, FOLLOWED, CLOSENESS)? {
+    let follow = |x: &Vector, periods, closeness| {
+        destination(&system, (0.0, x), period, periods, closeness, options)
+    };
+    match follow(&x.vector(), FOLLOWED, CLOSENESS)? {
         Destination::Periodic { sticks, x, .. } if sticks > 0 => {
-            follow(x, 4 * FOLLOWED, 0.1 * CLOSENESS)
+            follow(&x, 4 * FOLLOWED, 0.1 * CLOSENESS)
         }
         end => Ok(end),
     }
@@ -214,13 +212,13 @@ fn settled(
 /// first.
 fn lengths(
     model: &ForcedOscillator,
-    x: &State<2>,
+    x: &Vector,
     period: usize,
     options: &Options,
 ) -> Result<Vec<f64>, Error> {
     let pattern = period as f64 * model.period();
     // A phase that has begun when the first pattern begins is whole in the second.
-    let orbit = solve(&Unchecked(model), 0.0, *x, 2.0 * pattern, options)?;
+    let orbit = solve(&Unchecked(model), 0.0, x, 2.0 * pattern, options)?;
     let exits = orbit.transitions.iter();
     let exits = exits.filter(|at| at.kind == TransitionKind::StickExit);
     let ends: Vec<f64> = exits.map(|at| at.t).filter(|&t| t > pattern).collect();

@@ -569,7 +569,11 @@ fn more_states_or_contacts_than_the_solver_has_room_for_are_told() {
     let states: String = (0..63).map(|k| format!("s{k} = \"m\"\n")).collect();
     for (from, to, message) in [
         ("[field]", format!("{contacts}[field]"), "contact number 17"),
-        ("x = \"m\"\n", format!("x = \"m\"\n{states}"), "state number 65"),
+        (
+            "x = \"m\"\n",
+            format!("x = \"m\"\n{states}"),
+            "state number 65",
+        ),
     ] {
         let (problem, _) = problem_of(&GOOD.replacen(from, &to, 1));
         assert!(problem.message.contains(message), "{}", problem.message);

@@ -321,7 +321,10 @@ fn as_many_states_and_contacts_as_a_file_can_have_move_as_each_does_alone() {
                 wanted = place;
                 let own = transitions.iter().filter(|at| at.2 == format!("c{k}"));
                 let entry = own.clone().find(|at| at.1 == "stick entry").unwrap();
-                assert!((entry.0 - PI * f64::from(turns)).abs() < 1e-8, "{k}: {entry:?}");
+                assert!(
+                    (entry.0 - PI * f64::from(turns)).abs() < 1e-8,
+                    "{k}: {entry:?}"
+                );
                 assert_eq!(own.count(), turns as usize);
             }
             let off = end(&found, &format!("x{k}")) - wanted;
@@ -348,5 +351,9 @@ fn a_system_without_contacts_is_smooth() {
     // Of a boundary there is nothing to say.
     let (_top, mut command) = program(&row_of_blocks(1, 0));
     let told = contains("contact");
-    command.args(["tangents", "system.toml"]).assert().code(2).stderr(told);
+    command
+        .args(["tangents", "system.toml"])
+        .assert()
+        .code(2)
+        .stderr(told);
 }

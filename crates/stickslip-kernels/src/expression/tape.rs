@@ -102,12 +102,22 @@ impl Tape {
     #[inline(never)]
     fn run_few<T: Scalar>(&self, t: T, x: &[T], out: &mut [T]) {
         // All places are less than this power of two: the mask tells the compiler.
-        self.run(&mut [T::zero(); FEW_REGISTERS], FEW_REGISTERS - 1, (t, x), out);
+        self.run(
+            &mut [T::zero(); FEW_REGISTERS],
+            FEW_REGISTERS - 1,
+            (t, x),
+            out,
+        );
     }
 
     #[inline(never)]
     fn run_many<T: Scalar>(&self, t: T, x: &[T], out: &mut [T]) {
-        self.run(&mut vec![T::zero(); self.registers], usize::MAX, (t, x), out);
+        self.run(
+            &mut vec![T::zero(); self.registers],
+            usize::MAX,
+            (t, x),
+            out,
+        );
     }
 
     /// One of each of the two callers for each kind of number, however many kinds of systems there

@@ -136,7 +136,10 @@ pub(crate) fn built(
     let contacts = file.contacts.len();
     let mut depends_on_time = false;
 
-    let has_static = file.contacts.iter().any(|contact| contact.holding.is_some());
+    let has_static = file
+        .contacts
+        .iter()
+        .any(|contact| contact.holding.is_some());
     for above in sides_to_check(contacts) {
         let all = (1 << contacts) - 1;
         for held in if has_static { vec![0, all] } else { vec![0] } {
@@ -148,7 +151,10 @@ pub(crate) fn built(
     }
     let fields = {
         let (file, values) = (Arc::clone(file), values.to_vec());
-        Fields::new(contacts, Arc::new(move |of| field(&file, &values, variant, of)))
+        Fields::new(
+            contacts,
+            Arc::new(move |of| field(&file, &values, variant, of)),
+        )
     };
 
     let mut heights = Vec::with_capacity(contacts);

@@ -90,9 +90,7 @@ impl BranchFound {
                 Special::BranchPoint => SpecialKind::BranchPoint,
                 Special::Flip => SpecialKind::Flip,
                 Special::NeimarkSacker { angle } => SpecialKind::NeimarkSacker { angle: *angle },
-                Special::Sequence(change) => {
-                    SpecialKind::Sequence(Change::of_sequence(change))
-                }
+                Special::Sequence(change) => SpecialKind::Sequence(Change::of_sequence(change)),
             },
             behind: at.behind,
             x: at.x.as_slice().to_vec(),

@@ -23,7 +23,9 @@ pub(super) fn of_one_contact(
         OneContact: Filippov<N>,
     {
         let system = (system, section);
-        Box::new(Typed::<_, OneContact, _, N, GUARDS>::padded(system, states, contacts))
+        Box::new(Typed::<_, OneContact, _, N, GUARDS>::padded(
+            system, states, contacts,
+        ))
     }
     let size = (states, contacts);
     Some(match states {
@@ -49,7 +51,9 @@ pub(super) fn of_many_contacts(
         (states, contacts): (usize, usize),
     ) -> Box<dyn Dynamics> {
         let system = (Several(system), section);
-        Box::new(Typed::<_, Several<ManyContacts>, _, N, M>::padded(system, states, contacts))
+        Box::new(Typed::<_, Several<ManyContacts>, _, N, M>::padded(
+            system, states, contacts,
+        ))
     }
     let size = (states, contacts);
     Some(match size {

@@ -123,7 +123,9 @@ impl Kernel {
             Some(_) => Watched::Own,
             None => Watched::None,
         };
-        let mut orbit = self.dynamics.begin(&start, run.t_end, run.options, &section)?;
+        let mut orbit = self
+            .dynamics
+            .begin(&start, run.t_end, run.options, &section)?;
         loop {
             let told = match orbit.step() {
                 Ok(Happening::Step) if !watcher.watches_steps() => ControlFlow::Continue(()),
@@ -305,12 +307,7 @@ impl Kernel {
 
     /// Dimension of the family of periodic orbits that an attractor is one of; 0 where it is
     /// isolated.
-    pub fn family(
-        &self,
-        one: &Outcome,
-        settings: &RecurrenceSettings,
-        options: &Options,
-    ) -> usize {
+    pub fn family(&self, one: &Outcome, settings: &RecurrenceSettings, options: &Options) -> usize {
         one.family(&Attractors::new(&self.dynamics, settings, options))
     }
 }

@@ -147,10 +147,7 @@ impl Outcome {
         }
     }
 
-    pub(super) fn of(
-        reached: &Reached,
-        told: &dyn Fn(&Error) -> String,
-    ) -> Self {
+    pub(super) fn of(reached: &Reached, told: &dyn Fn(&Error) -> String) -> Self {
         let motion = Motion::of(&reached.kind, told);
         let told_by_points = motion.kind().is_some();
         let points = reached.points.iter().filter(|_| told_by_points);

@@ -92,7 +92,9 @@ const PLACES: usize = 8;
 impl Fields {
     /// None of them made yet.
     pub fn new(contacts: usize, make: Arc<MakeTape>) -> Self {
-        let all = 1_usize.checked_shl(2 * contacts as u32).unwrap_or(MOST_KEPT);
+        let all = 1_usize
+            .checked_shl(2 * contacts as u32)
+            .unwrap_or(MOST_KEPT);
         let made = (0..all.min(MOST_KEPT)).map(|_| OnceLock::new());
         Fields {
             contacts,

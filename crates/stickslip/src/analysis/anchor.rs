@@ -62,7 +62,12 @@ impl Anchor {
     ///
     /// # Errors
     /// Those of [`crate::Integration::new`].
-    pub fn begun(self, system: &dyn Dynamics, t_end: f64, options: &Options) -> Result<Self, Error> {
+    pub fn begun(
+        self,
+        system: &dyn Dynamics,
+        t_end: f64,
+        options: &Options,
+    ) -> Result<Self, Error> {
         let onto = Anchor::at_start(system, self.clone().settled(system).at, t_end, options)?;
         let meant = system.normals(self.mode, &self.at);
         let sticks = |contact: usize| onto.mode.get(contact) == Mode::Stick;

@@ -110,7 +110,10 @@ impl TangentMap {
     pub(super) fn identity(states: usize) -> Self {
         let matrix = Matrix::identity(states, states);
         TangentMap {
-            columns: matrix.column_iter().map(|column| column.into_owned()).collect(),
+            columns: matrix
+                .column_iter()
+                .map(|column| column.into_owned())
+                .collect(),
             stick_entries: 0,
             along: None,
         }

@@ -222,7 +222,9 @@ fn iterate(
         let gap = &monodromy.summary.x - &at.x;
         let size = gap.amax();
         wanted = by_tolerance.max(rounding(monodromy, &at.x));
-        let speed = phase.as_ref().map_or(f64::INFINITY, |_| at.velocity(system).amax());
+        let speed = phase
+            .as_ref()
+            .map_or(f64::INFINITY, |_| at.velocity(system).amax());
         // What moves no further in a turn than it may be off repeats itself because it rests.
         if speed * period <= wanted {
             residual = size;
@@ -283,12 +285,7 @@ pub(super) fn rounding(turn: &Monodromy, x: &Vector) -> f64 {
 }
 
 /// What may be left of an orbit's gap: where the iteration came to rounding, a few units of that or what it shows; where it did not, all that is allowed.
-pub(super) fn left(
-    gap: &Vector,
-    wanted: f64,
-    turn: &Monodromy,
-    x: &Vector,
-) -> Vector {
+pub(super) fn left(gap: &Vector, wanted: f64, turn: &Monodromy, x: &Vector) -> Vector {
     const ULPS: f64 = 4.0;
     if gap.amax() > rounding(turn, x) {
         return Vector::repeat(x.len(), wanted);

@@ -85,7 +85,14 @@ impl<'a> PoincareMap<'a> {
         let options = bounded(longest, options)?;
         let orbit = watched(&typed, &at, &options)?;
         let dynamics = DynamicsRef::Owned(Box::new(typed));
-        Ok(PoincareMap::of(dynamics, orbit, Section::Own, at, longest, options))
+        Ok(PoincareMap::of(
+            dynamics,
+            orbit,
+            Section::Own,
+            at,
+            longest,
+            options,
+        ))
     }
 
     /// The map of a system that is known at run time.
@@ -103,7 +110,9 @@ impl<'a> PoincareMap<'a> {
         let options = bounded(longest, options)?;
         let orbit = dynamics.begin(&at, f64::MAX, &options, &section)?;
         let dynamics = DynamicsRef::Borrowed(dynamics);
-        Ok(PoincareMap::of(dynamics, orbit, section, at, longest, options))
+        Ok(PoincareMap::of(
+            dynamics, orbit, section, at, longest, options,
+        ))
     }
 
     fn of(

@@ -16,8 +16,8 @@ use crate::orbit::{Counters, Ending};
 use crate::system::{Filippov, State};
 
 pub use modes::Modes;
-pub(crate) use typed::{observed, watched};
 pub use typed::{NoSection, Typed};
+pub(crate) use typed::{observed, watched};
 
 /// A vector of run-time length: a state, a direction, a gradient.
 pub type Vector = DVector<f64>;

@@ -34,7 +34,11 @@ impl Modes {
     /// The mode of a contact; stick where there is no such contact.
     pub fn get(&self, contact: usize) -> Mode {
         let is_set = |bits: u64| bits >> (contact % Modes::MOST) & 1 == 1;
-        match (contact < self.len(), is_set(self.sticks), is_set(self.above)) {
+        match (
+            contact < self.len(),
+            is_set(self.sticks),
+            is_set(self.above),
+        ) {
             (true, false, false) => Mode::Slip(Side::Below),
             (true, false, true) => Mode::Slip(Side::Above),
             _ => Mode::Stick,

@@ -463,9 +463,8 @@ where
 
     fn watch(&mut self, section: &Section) {
         self.reported = 0;
-        self.search = (*section != Section::None).then(|| {
-            EventSearch::new(self.of.system, self.of.section(section), &self.options)
-        });
+        self.search = (*section != Section::None)
+            .then(|| EventSearch::new(self.of.system, self.of.section(section), &self.options));
     }
 
     fn t(&self) -> f64 {
@@ -570,7 +569,9 @@ where
             goes_on: system.passed(number, &mut S::Branch::default()).is_some(),
         };
         let guards = self.of_field(Guards).iter().copied().map(guard);
-        guards.filter(|guard| guard.contact < self.of.contacts).collect()
+        guards
+            .filter(|guard| guard.contact < self.of.contacts)
+            .collect()
     }
 
     fn guard(&self, number: usize, at: &Moment) -> f64 {
@@ -597,9 +598,12 @@ where
         // A Taylor step is longer than DOP853's would be: halving takes care of that as well.
         // A fixed step stays as it is.
         let carried = match how.method {
-            Method::Dop853 | Method::Taylor => {
-                self.of_field(Carried::<Dop853, N>::new(piece, vector, MOST_HALVINGS, tolerance))
-            }
+            Method::Dop853 | Method::Taylor => self.of_field(Carried::<Dop853, N>::new(
+                piece,
+                vector,
+                MOST_HALVINGS,
+                tolerance,
+            )),
             Method::Dop853Fixed { .. } => {
                 self.of_field(Carried::<Dop853, N>::new(piece, vector, 0, tolerance))
             }

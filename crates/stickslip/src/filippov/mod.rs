@@ -40,8 +40,8 @@ pub(crate) use rules::LieDerivatives;
 pub use rules::{Fate, Visibility, fate};
 pub use scan::first_zero;
 pub use sections::{
-    Direction, EventFunctions, EventOf, EventRecord, EventSearch, Happening, OrbitWithEvents, Plane, Strobe,
-    Watched, solve_with_events,
+    Direction, EventFunctions, EventOf, EventRecord, EventSearch, Happening, OrbitWithEvents,
+    Plane, Strobe, Watched, solve_with_events,
 };
 pub(crate) use solve::tell;
 pub use solve::{Failure, Summary, SummaryOf, run, solve};

@@ -1,11 +1,11 @@
 //! Tangent vectors through several contacts.
 
-use stickslip::dynamics::Matrix;
-use stickslip::system::IntoState;
 use stickslip::analysis::{
     Exponent, SpectrumOptions, lyapunov_spectrum, monodromy, periodic_orbit_forced,
 };
+use stickslip::dynamics::Matrix;
 use stickslip::nalgebra::SMatrix;
+use stickslip::system::IntoState;
 use stickslip::{Error, Mode, Options, Several, State, solve};
 
 use super::apart::{Alone, START, three};
@@ -13,11 +13,7 @@ use super::references::stacked;
 use super::rig::Rig;
 
 /// The monodromy matrix against differences over five points.
-fn agrees_with_differences(
-    rig: &Rig<3>,
-    start: [f64; 6],
-    t_end: f64,
-) -> (Matrix, Vec<[Mode; 3]>) {
+fn agrees_with_differences(rig: &Rig<3>, start: [f64; 6], t_end: f64) -> (Matrix, Vec<[Mode; 3]>) {
     let options = Options::tol(1e-13);
     let system = Several(rig);
     let found = monodromy(&system, 0.0, start, t_end, &options).unwrap();

@@ -3,8 +3,8 @@
 use std::f64::consts::PI;
 
 use nalgebra::{Matrix2, Matrix4, SMatrix};
-use stickslip::dynamics::Matrix;
 use stickslip::analysis::{Destination, destination, multipliers};
+use stickslip::dynamics::Matrix;
 use stickslip::{Error, Method, Options, State, math};
 
 use crate::any_system::{find_periodic_orbit, periodic_orbit_forced, run, solve};
@@ -124,7 +124,10 @@ fn the_multipliers_of_a_matrix_are_its_eigenvalues_the_nearest_to_1_first() {
     assert!((second.re - c).abs() < 1e-12 && (second.im.abs() - s).abs() < 1e-12);
     assert!((second - third.conj()).norm() < 1e-12);
     assert!((fourth + 0.3).norm() < 1e-12, "{fourth}");
-    let [one, other]: [_; 2] = multipliers(&Matrix::from_row_slice(2, 2, &[c, -2.0 * s, 0.5 * s, c])).try_into().unwrap();
+    let [one, other]: [_; 2] =
+        multipliers(&Matrix::from_row_slice(2, 2, &[c, -2.0 * s, 0.5 * s, c]))
+            .try_into()
+            .unwrap();
     assert!(
         (one.re - c).abs() < 1e-15 && (one.im.abs() - s).abs() < 1e-15,
         "{one}"

@@ -3,11 +3,11 @@
 use std::f64::consts::PI;
 
 use nalgebra::Matrix2;
-use stickslip::dynamics::{Matrix, Vector};
-use stickslip::system::IntoState;
 use stickslip::Direction::{Both, Falling, Rising};
 use stickslip::analysis::{PoincareMap, multipliers};
+use stickslip::dynamics::{Matrix, Vector};
 use stickslip::models::BeltOscillator;
+use stickslip::system::IntoState;
 use stickslip::{
     Direction, Ending, Error, EventFunctions, Happening, Integration, Method, Mode, Options, Plane,
     Progress, Scalar, Side, State, Watched, math,

@@ -119,13 +119,17 @@ fn largest(from: f64, claim: impl Fn(f64) -> bool) -> Option<f64> {
 /// A box around a state.
 fn around(x: &Vector, radius: &[f64], part: f64) -> Vec<Interval> {
     let sides = x.iter().zip(radius);
-    sides.map(|(x, radius)| Interval::around(*x, part * radius)).collect()
+    sides
+        .map(|(x, radius)| Interval::around(*x, part * radius))
+        .collect()
 }
 
 /// Whether no guard comes near zero in a box, ever.
 fn stays_clear(system: &dyn Dynamics, mode: Modes, at: &Moment, radius: &[f64]) -> bool {
     let ever = Interval::new(at.t, f64::INFINITY);
-    system.flow(mode, at).is_clear(ever, &around(&at.x, radius, 1.0))
+    system
+        .flow(mode, at)
+        .is_clear(ever, &around(&at.x, radius, 1.0))
 }
 
 /// By how much the mean of the Jacobian on a straight way from a state into the box around it differs from the one given: each part of the ways

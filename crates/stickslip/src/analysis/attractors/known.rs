@@ -192,12 +192,7 @@ impl<'a> Attractors<'a> {
     }
 
     /// Whether there is rest all the way from one point to the other.
-    fn are_joined(
-        &self,
-        one: &[Moment],
-        other: &[Moment],
-        mode: Modes,
-    ) -> bool {
+    fn are_joined(&self, one: &[Moment], other: &[Moment], mode: Modes) -> bool {
         let (Some(one), Some(other)) = (one.first(), other.first()) else {
             return false;
         };

@@ -140,13 +140,7 @@ impl Recurrence {
     }
 
     /// Takes the next point; the shortest pattern that has now repeated often enough, if there is one.
-    pub fn pass(
-        &mut self,
-        at: Moment,
-        tag: u64,
-        count: Count,
-        extent: Extent,
-    ) -> Option<Pattern> {
+    pub fn pass(&mut self, at: Moment, tag: u64, count: Count, extent: Extent) -> Option<Pattern> {
         for i in 0..self.scale.len() {
             self.scale[i] = extent.size(i).max(KEPT * self.scale[i]);
         }

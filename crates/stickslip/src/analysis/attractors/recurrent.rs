@@ -15,20 +15,13 @@ pub(super) fn returns_everywhere(points: &[Moment]) -> bool {
 }
 
 /// Whether two recurrent sets of points are one: each lies near to the other.
-pub(super) fn is_same_set(
-    one: &[Moment],
-    other: &[Moment],
-) -> bool {
+pub(super) fn is_same_set(one: &[Moment], other: &[Moment]) -> bool {
     let (a, b) = (extent(one), extent(other));
     let wider: Vec<f64> = a.iter().zip(b).map(|(a, b)| a.max(b)).collect();
     lies_in(one, other, &wider) && lies_in(other, one, &wider)
 }
 
-fn lies_in(
-    these: &[Moment],
-    those: &[Moment],
-    extent: &[f64],
-) -> bool {
+fn lies_in(these: &[Moment], those: &[Moment], extent: &[f64]) -> bool {
     let near = |one: &Moment, other: &Moment| {
         (0..extent.len()).all(|i| (one.x[i] - other.x[i]).abs() <= PART * extent[i])
     };

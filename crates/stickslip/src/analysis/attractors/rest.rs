@@ -45,7 +45,8 @@ pub(crate) fn equilibrium_near(
         if size == 0.0 || size >= 0.5 * smallest {
             let rounding = 1e-12 * at.x.amax().max(f64::MIN_POSITIVE) + f64::MIN_POSITIVE;
             // A subnormal number is what rounding left of zero.
-            let x = at.x.map(|v| if v.abs() < f64::MIN_POSITIVE { 0.0 } else { v });
+            let x =
+                at.x.map(|v| if v.abs() < f64::MIN_POSITIVE { 0.0 } else { v });
             return (size <= rounding.max(1e-12)).then_some(Rest { x, jacobian });
         }
         smallest = size;
@@ -55,11 +56,7 @@ pub(crate) fn equilibrium_near(
 }
 
 /// How far two points, each an equilibrium to rounding, are off by their own Newton steps: further apart they are two.
-pub(super) fn off_by(
-    system: &dyn Dynamics,
-    mode: Modes,
-    points: [&Moment; 2],
-) -> Option<Vector> {
+pub(super) fn off_by(system: &dyn Dynamics, mode: Modes, points: [&Moment; 2]) -> Option<Vector> {
     let [one, other] = points.map(|at| {
         let jacobian = jacobian_of(system, mode, at);
         newton_step(system, mode, at, &jacobian, system.states())
@@ -185,12 +182,7 @@ pub(super) fn kind_of_rest(system: &dyn Dynamics, mode: Modes, at: &Moment) -> O
 
 /// The same by the Jacobian there, of motion along the boundaries of the contacts that stick: off
 /// them a body held at rest has a double eigenvalue zero, which rounding splits by its root.
-fn kind_by(
-    system: &dyn Dynamics,
-    mode: Modes,
-    at: &Moment,
-    jacobian: &Matrix,
-) -> Option<Kind> {
+fn kind_by(system: &dyn Dynamics, mode: Modes, at: &Moment, jacobian: &Matrix) -> Option<Kind> {
     let bound = ZERO * jacobian.amax();
     let normals = system.normals(mode, at);
     let n = system.states();

@@ -144,9 +144,8 @@ impl<'a> Search<'a> {
     fn step(&mut self, mode: Modes, t: f64, x: &[f64]) -> Option<(Kind, Vec<Moment>)> {
         self.lately.include(x);
         self.ever.include(x);
-        let stays = |i: usize| {
-            (x[i] - self.before[i]).abs() <= self.near.allowed(self.ever.size(i))
-        };
+        let stays =
+            |i: usize| (x[i] - self.before[i]).abs() <= self.near.allowed(self.ever.size(i));
         let has_stayed = (0..x.len()).all(stays);
         self.before.copy_from_slice(x);
         if self.settings.forcing.is_some() {
@@ -221,18 +220,16 @@ impl<'a> Search<'a> {
         self.closes(found, By::Transitions)
     }
 
-    fn event(
-        &mut self,
-        at: Moment,
-        mode: Modes,
-    ) -> Option<(Kind, Vec<Moment>)> {
+    fn event(&mut self, at: Moment, mode: Modes) -> Option<(Kind, Vec<Moment>)> {
         if self.by == By::Transitions && self.quiet <= QUIET {
             return None;
         }
         let (tag, extent) = self.since_last(at.x.as_slice());
         let count = self.history.count();
         let found = self.by_event.pass(at.clone(), tag, count, extent);
-        let is_held = found.as_ref().is_some_and(|pattern| self.rests(pattern, mode));
+        let is_held = found
+            .as_ref()
+            .is_some_and(|pattern| self.rests(pattern, mode));
         if is_held && let Some(kind) = kind_of_rest(self.system, mode, &at) {
             return Some((kind, vec![at]));
         }
@@ -256,11 +253,7 @@ impl<'a> Search<'a> {
         (tag, extent)
     }
 
-    fn closes(
-        &mut self,
-        found: Option<Pattern>,
-        by: By,
-    ) -> Option<(Kind, Vec<Moment>)> {
+    fn closes(&mut self, found: Option<Pattern>, by: By) -> Option<(Kind, Vec<Moment>)> {
         let pattern = found?;
         let recurrence = match by {
             By::Transitions => &self.by_transition,

@@ -1,7 +1,7 @@
 //! The orthonormal frame.
 
-use crate::math;
 use crate::dynamics::Vector;
+use crate::math;
 
 /// Sines of the angle between a unit vector and a space below this are rounding: the vector lies in the space. Frames are
 /// orthonormal to a few units of 1e-16; an angle as small by chance comes once in 1e12 entries into stick.
@@ -139,13 +139,15 @@ impl Frame {
                 }
                 rest
             };
-            let longest = (0..states).map(rest).fold(Vector::zeros(states), |best, rest| {
-                if rest.norm() > best.norm() {
-                    rest
-                } else {
-                    best
-                }
-            });
+            let longest = (0..states)
+                .map(rest)
+                .fold(Vector::zeros(states), |best, rest| {
+                    if rest.norm() > best.norm() {
+                        rest
+                    } else {
+                        best
+                    }
+                });
             self.columns[j] = &longest / longest.norm();
             known.push(self.columns[j].clone());
         }

@@ -142,8 +142,7 @@ impl<'a> Measurement<'a> {
 impl Measurement<'_> {
     /// A run that begins in stick was on Σ before: nothing across it survives. (From where it came decides along which
     /// direction it was projected, and no exponent depends on that.)
-    fn begin_on_boundary(&mut self, step: &Step) -> Option<()>
-    {
+    fn begin_on_boundary(&mut self, step: &Step) -> Option<()> {
         let (t, x) = (step.t_start, step.x_start.clone());
         for gradient in self.gradients(step.mode, &Moment { t, x }) {
             let kernel = &gradient / gradient.norm();
@@ -159,8 +158,7 @@ impl Measurement<'_> {
     }
 
     /// Gradients of the boundaries of what sticks, made orthogonal.
-    fn gradients(&self, mode: Modes, at: &Moment) -> Vec<Vector>
-    {
+    fn gradients(&self, mode: Modes, at: &Moment) -> Vec<Vector> {
         let mut across: Vec<Vector> = Vec::new();
         for (_, mut gradient) in self.tangent.system.normals(mode, at) {
             for before in &across {
@@ -173,8 +171,7 @@ impl Measurement<'_> {
 
     /// Lays the vectors alive onto the boundaries of what sticks, where rounding has taken them off. Across a boundary the sliding flow lets be,
     /// so that in a long stick a vector that shrinks along it would become what rounding has left across.
-    fn stay_on_boundary(&mut self, step: &Step)
-    {
+    fn stay_on_boundary(&mut self, step: &Step) {
         let gradients = self.gradients(step.mode, &step.end());
         self.frame.change_living(|q| {
             for gradient in &gradients {

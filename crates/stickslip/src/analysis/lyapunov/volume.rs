@@ -12,17 +12,15 @@ const GAUSS: [(f64, f64); 5] = [
 ];
 
 /// Integral of the divergence over a step with its solution: the logarithm of the factor by which it changes volumes.
-pub(super) fn growth(
-    system: &dyn Dynamics,
-    step: &Step,
-    solution: &dyn Fn(f64) -> Vector,
-) -> f64 {
+pub(super) fn growth(system: &dyn Dynamics, step: &Step, solution: &dyn Fn(f64) -> Vector) -> f64 {
     let length = step.t_end - step.t_start;
     let flow = system.flow(step.mode, &step.end());
     let axes = Matrix::identity(system.states(), system.states());
     let divergence = |at: &Moment| -> f64 {
         let axes = axes.column_iter().map(|axis| axis.into_owned());
-        let own = axes.enumerate().map(|(i, axis)| flow.derivative(at, &axis)[i]);
+        let own = axes
+            .enumerate()
+            .map(|(i, axis)| flow.derivative(at, &axis)[i]);
         own.sum()
     };
     let mean: f64 = GAUSS

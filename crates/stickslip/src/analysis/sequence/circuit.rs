@@ -78,10 +78,7 @@ impl Circuit {
 
     /// The number of the part that it would better be anchored in, if there is one: of the parts that last, the longest of those in which the
     /// fewest contacts stick. Left is one in which more do, or that is about to vanish.
-    pub fn better_part(
-        &self,
-        system: &dyn Dynamics,
-    ) -> Option<usize> {
+    pub fn better_part(&self, system: &dyn Dynamics) -> Option<usize> {
         const LASTING: f64 = 0.1;
         const BRIEF: f64 = 0.01;
         let durations = self.parts.iter().map(|part| part.duration);
@@ -113,8 +110,7 @@ impl Circuit {
         options: &Options,
     ) -> Option<Anchor> {
         let part = self.parts.get(part)?;
-        part.middle(system, &self.anchor, self.period, options)
-            .ok()
+        part.middle(system, &self.anchor, self.period, options).ok()
     }
 
     /// The phase next to the start, where that is in this mode and the start is not.

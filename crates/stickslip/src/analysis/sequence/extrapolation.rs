@@ -79,7 +79,13 @@ pub(super) fn zero_beyond<B: Clone>(
         // Not farther beyond than the orbits lie away.
         let reach = nodes.get(begin + TOGETHER - 1)?.parameter;
         let is_near = one.parameter.abs() <= reach.abs() && one.parameter * away <= 0.0;
-        is_near.then_some((begin, Zero { uncertainty, ..one.clone() }))
+        is_near.then_some((
+            begin,
+            Zero {
+                uncertainty,
+                ..one.clone()
+            },
+        ))
     });
     let mut agreed: Vec<(usize, Zero)> = agreed.collect();
     agreed.sort_by(|a, b| a.1.uncertainty.total_cmp(&b.1.uncertainty));
@@ -114,9 +120,8 @@ pub(super) fn zero_beyond<B: Clone>(
 
 /// By the polynomial through all of the nodes, of which the last one is farthest away.
 fn zero(nodes: &[Node]) -> Option<Zero> {
-    let rises = |two: &[Node]| {
-        two[0].value.abs() < two[1].value.abs() && two[0].value * two[1].value > 0.0
-    };
+    let rises =
+        |two: &[Node]| two[0].value.abs() < two[1].value.abs() && two[0].value * two[1].value > 0.0;
     if !nodes.windows(2).all(rises) {
         return None;
     }

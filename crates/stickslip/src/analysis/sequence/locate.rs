@@ -112,11 +112,7 @@ pub(crate) fn approach<B>(
 
 /// Where the first of the margins would be zero that are falling, by the last two orbits; those of short phases and of the rate at which the
 /// boundary is come to by their squares if asked: what begins at a graze grows as a root.
-fn estimate<B>(
-    good: &[Known<B>],
-    bad: f64,
-    by_squares: bool,
-) -> Option<f64> {
+fn estimate<B>(good: &[Known<B>], bad: f64, by_squares: bool) -> Option<f64> {
     let [.., one, two] = good else { return None };
     let mut best: Option<f64> = None;
     for margin in &two.circuit.margins {
@@ -140,9 +136,7 @@ fn estimate<B>(
 }
 
 /// The margin that has come nearest to zero. If a phase is vanishing it is that, for at its end other functions vanish with it.
-pub(crate) fn least(
-    circuit: &Circuit,
-) -> Option<&Margin> {
+pub(crate) fn least(circuit: &Circuit) -> Option<&Margin> {
     let nearest = |is_asked: fn(&Margin) -> bool| {
         let asked = circuit.margins.iter().filter(|margin| is_asked(margin));
         asked.min_by(|a, b| a.relative().total_cmp(&b.relative()))
@@ -155,10 +149,7 @@ pub(crate) fn least(
 
 /// How far behind the last of the orbits a function is zero that has come near to it there, going on as before. Where orbits
 /// can be computed to the change itself that is nothing; where they cannot, it is what the location lacks.
-pub(super) fn shortfall<B>(
-    good: &[Known<B>],
-    margin: &Margin,
-) -> f64 {
+pub(super) fn shortfall<B>(good: &[Known<B>], margin: &Margin) -> f64 {
     let value = |one: &Known<B>| one.circuit.margin(margin.key).map(|m| m.value.abs());
     let values = good.iter().filter_map(|one| Some((one.s, value(one)?)));
     let values: Vec<(f64, f64)> = values.collect();

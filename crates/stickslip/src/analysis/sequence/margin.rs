@@ -90,17 +90,10 @@ impl Rates {
     }
 
     /// At a point of the boundary that a slip on `side` comes to.
-    pub fn at(
-        system: &dyn Dynamics,
-        mode: Modes,
-        contact: usize,
-        side: Side,
-        at: &Moment,
-    ) -> Self {
+    pub fn at(system: &dyn Dynamics, mode: Modes, contact: usize, side: Side, at: &Moment) -> Self {
         let of = |side| {
             let mode = mode.with(contact, Mode::Slip(side));
-            let [_, first, second, _] =
-                system.flow(mode, at).guard_jet(contact, at);
+            let [_, first, second, _] = system.flow(mode, at).guard_jet(contact, at);
             [first, second]
         };
         Rates {
@@ -111,11 +104,7 @@ impl Rates {
 }
 
 /// Where a slip ends on the boundary: whether it sticks there, and how fast it comes.
-pub(super) fn landing(
-    system: &dyn Dynamics,
-    part: usize,
-    at: &Transition,
-) -> Option<[Margin; 2]> {
+pub(super) fn landing(system: &dyn Dynamics, part: usize, at: &Transition) -> Option<[Margin; 2]> {
     let (Mode::Slip(side), TransitionKind::Crossing | TransitionKind::StickEntry) =
         (at.from.get(at.contact), at.kind)
     else {

@@ -10,11 +10,7 @@ const SAMPLES: usize = 8;
 const NEXT_TO: f64 = 1e-6;
 
 /// The smallest values of all guards within the phases, and at their ends where these are another contact's.
-pub(super) fn minima(
-    system: &dyn Dynamics,
-    orbit: &Orbit,
-    turns: &[Transition],
-) -> Vec<Margin> {
+pub(super) fn minima(system: &dyn Dynamics, orbit: &Orbit, turns: &[Transition]) -> Vec<Margin> {
     let mut found: Vec<Margin> = Vec::new();
     let last = turns.len().saturating_sub(1);
     // The period is cut in the middle of a phase: what ends with the last step goes on with the first.
@@ -42,8 +38,7 @@ pub(super) fn minima(
             scale,
         } in of_step.minima
         {
-            let same =
-                |margin: &&Margin| margin.key.part == part && margin.key.site == site;
+            let same = |margin: &&Margin| margin.key.part == part && margin.key.site == site;
             // At the end of a step rounding may have seen it, and sees it again at the beginning of the next.
             let near = NEXT_TO * (step.t_end - step.t_start);
             let is_near = |margin: &Margin| (margin.at.t - at.t).abs() <= near;
@@ -54,8 +49,9 @@ pub(super) fn minima(
             let turns_at = |t: f64| turns.iter().filter(move |turn| turn.t == t);
             // What another contact's switch lets go, or what switches with it, leaves zero or comes to it.
             let switches = match site {
-                Site::Begin(_) => turns_at(at.t)
-                    .any(|turn| turn.from.get(contact) != turn.to.get(contact)),
+                Site::Begin(_) => {
+                    turns_at(at.t).any(|turn| turn.from.get(contact) != turn.to.get(contact))
+                }
                 Site::End(_) => turns_at(at.t).any(|turn| turn.contact == contact),
                 _ => false,
             };

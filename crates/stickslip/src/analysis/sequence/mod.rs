@@ -95,8 +95,7 @@ pub(super) fn describe<B: Clone>(
     after: Vec<Modes>,
     place: Place,
     orbits: &impl Orbits<B>,
-) -> Option<SequenceChange>
-{
+) -> Option<SequenceChange> {
     let last = good.last()?;
     let margin = least(&last.circuit)?;
     let (bifurcation, rates) = name::name(system, margin);

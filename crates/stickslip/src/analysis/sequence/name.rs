@@ -54,10 +54,7 @@ impl fmt::Display for SequenceBifurcation {
 const AGREE: f64 = 1e-6;
 
 /// The name, and the first and second rates of the contact's distance along the fields of both sides.
-pub(super) fn name(
-    system: &dyn Dynamics,
-    margin: &Margin,
-) -> (SequenceBifurcation, Rates) {
+pub(super) fn name(system: &dyn Dynamics, margin: &Margin) -> (SequenceBifurcation, Rates) {
     if !margin.vanishes() {
         return (SequenceBifurcation::Unnamed, Rates::none());
     }

@@ -190,7 +190,13 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
 
     fn restored(modes: Modes) -> [Mode; M] {
         let beyond = Mode::Slip(Side::Above);
-        std::array::from_fn(|i| if i < modes.len() { modes.get(i) } else { beyond })
+        std::array::from_fn(|i| {
+            if i < modes.len() {
+                modes.get(i)
+            } else {
+                beyond
+            }
+        })
     }
 }
 

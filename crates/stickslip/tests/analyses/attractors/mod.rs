@@ -2,12 +2,12 @@
 
 use std::f64::consts::PI;
 
-use stickslip::system::IntoState;
 use stickslip::analysis::{
     Attractors, Kind, Reached, RecurrenceSettings, attractor, attractor_on, basin, is_same_cycle,
     periodic_orbit, periodic_orbit_forced,
 };
 use stickslip::statistics::SplitMix;
+use stickslip::system::IntoState;
 use stickslip::{Direction, Error, Method, Mode, Options, Plane, Side, State, math, solve};
 
 use crate::den_hartog::DenHartog;
@@ -86,7 +86,13 @@ fn shares_of_starts_are_the_published_ones_within_three_standard_errors() {
             closeness: 1e-5,
             ..within(2e4)
         };
-        let found = basin(&system.dynamics(), starts(5000), &settings, &Options::tol(1e-8)).unwrap();
+        let found = basin(
+            &system.dynamics(),
+            starts(5000),
+            &settings,
+            &Options::tol(1e-8),
+        )
+        .unwrap();
         let at = |kind: fn(&Kind) -> bool| {
             let mut these =
                 (0..found.attractors.len()).filter(|k| kind(&found.attractors[*k].kind));

@@ -45,7 +45,8 @@ fn one_beyond_the_range_is_none() {
         .unwrap()
         .x_end;
     let settings = ContinuationSettings::over(-2.0, 0.999999);
-    let found = continue_periodic_orbit(&ONE.dynamics(), x, 3.67, true, &settings, &options).unwrap();
+    let found =
+        continue_periodic_orbit(&ONE.dynamics(), x, 3.67, true, &settings, &options).unwrap();
     assert_eq!(found.stop, Stop::Range);
     let last = found.points.last().unwrap();
     assert!((last.parameter - 0.999999).abs() < 1e-12);

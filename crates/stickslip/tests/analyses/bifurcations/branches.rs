@@ -156,8 +156,14 @@ fn every_change_of_the_phases_is_located_and_named_on_a_branch() {
             let options = Options::tol(1e-13);
             let family = BeatFamily(rhythm);
             let start = find(&family, begin);
-            let found =
-                continue_periodic_orbit(&family.dynamics(), start, 6.3, upwards, &settings, &options);
+            let found = continue_periodic_orbit(
+                &family.dynamics(),
+                start,
+                6.3,
+                upwards,
+                &settings,
+                &options,
+            );
             let found = found.unwrap();
             assert_eq!(found.stop, Stop::Range, "{rhythm:?}: {:?}", found.special);
             let [special] = found.special.as_slice() else {
@@ -646,8 +652,14 @@ fn points_at_which_symmetry_breaks_are_found_with_any_step() {
             step,
             ..ContinuationSettings::over(1.5, 2.2)
         };
-        let found =
-            continue_periodic_orbit(&Resonant.dynamics(), start, period, false, &settings, &options);
+        let found = continue_periodic_orbit(
+            &Resonant.dynamics(),
+            start,
+            period,
+            false,
+            &settings,
+            &options,
+        );
         let found = found.unwrap();
         let points = found
             .special

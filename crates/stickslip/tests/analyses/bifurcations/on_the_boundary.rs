@@ -50,7 +50,8 @@ fn a_strongly_attracting_orbit_is_not_found_with_several_times_its_period() {
     for method in [Method::Taylor, Method::Dop853] {
         for tolerance in [1e-9, 1e-10, 1e-11, 1e-12] {
             let (start, options) = ([1.0, 0.0, 0.0], Options::tol(tolerance).method(method));
-            let cycle = find_periodic_orbit(&system.dynamics(), start, 200.0, 100.0, &options).unwrap();
+            let cycle =
+                find_periodic_orbit(&system.dynamics(), start, 200.0, 100.0, &options).unwrap();
             assert!((cycle.period - PI).abs() < 1e-7, "{}", cycle.period);
         }
     }
@@ -64,8 +65,8 @@ fn it_is_followed_round_a_fold_on_a_boundary_that_moves_with_the_parameter() {
     let x = (1.0 + (1.0 + p).sqrt()).sqrt();
     let start = [x, 0.0, x * x + p, p];
     let options = Options::tol(1e-13);
-    let found =
-        continue_periodic_orbit(&system.dynamics(), start, 6.2, false, &settings, &options).unwrap();
+    let found = continue_periodic_orbit(&system.dynamics(), start, 6.2, false, &settings, &options)
+        .unwrap();
     let [fold] = found.special.as_slice() else {
         panic!("{:?}", found.special);
     };
@@ -200,8 +201,14 @@ fn on_a_belt_that_shakes_the_block_sticks_for_ever_from_a_known_friction_on() {
                 ..ContinuationSettings::over(exact - 0.1, 2.5).forced(2.0 * PI)
             };
             let start = [0.0, from];
-            let found =
-                continue_periodic_orbit(&shaken.dynamics(), start, 6.3, upwards, &settings, &options);
+            let found = continue_periodic_orbit(
+                &shaken.dynamics(),
+                start,
+                6.3,
+                upwards,
+                &settings,
+                &options,
+            );
             let found = found.unwrap();
             let [change] = found.special.as_slice() else {
                 panic!("{:?}", found.special);

@@ -114,7 +114,8 @@ fn a_branch_goes_on_behind_a_jump_and_does_not_take_another_family_for_it() {
         let options = Options::tol(1e-12);
         let [down, up] = [false, true].map(|upwards| {
             let start = start_of_cycle(start);
-            continue_periodic_orbit(&Grip.dynamics(), start, 7.55, upwards, &settings, &options).unwrap()
+            continue_periodic_orbit(&Grip.dynamics(), start, 7.55, upwards, &settings, &options)
+                .unwrap()
         });
         let expected = [
             (&down, lets_go, SequenceBifurcation::CrossingSliding, 3),
@@ -219,7 +220,8 @@ fn a_fold_is_told_beside_the_graze_in_which_another_orbit_begins() {
     let begin = [0.5, 0.3, 0.35];
     let settled = solve(&Dragged.any(), 0.0, begin, 60.0 * period, &options).unwrap();
     let x = settled.x_end;
-    let branch = continue_periodic_orbit(&Dragged.dynamics(), x, period, false, &settings, &options);
+    let branch =
+        continue_periodic_orbit(&Dragged.dynamics(), x, period, false, &settings, &options);
     let branch = branch.unwrap();
     let mut folds = branch.special.iter().filter(|at| at.what == Special::Fold);
     let fold = folds.next().unwrap().parameter;

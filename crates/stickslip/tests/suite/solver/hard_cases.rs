@@ -1,9 +1,9 @@
 //! Cases that are easy to get wrong: on Σ to rounding only, at two-folds, at the edge of a field's domain, where
 //! transitions pile up, and where a step is long against what happens in it.
 
-use std::sync::atomic::AtomicU64;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::ops::ControlFlow;
+use std::sync::atomic::AtomicU64;
 
 use stickslip::TransitionKind::{ContactGain, ContactLoss, Crossing, StickEntry, StickExit, Touch};
 use stickslip::models::{BlockAndBracket, Caption, Reading};

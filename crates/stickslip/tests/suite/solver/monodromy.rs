@@ -1,9 +1,9 @@
 //! The derivative of the flow map by saltation matrices against differences of the flow map itself.
 
 use nalgebra::SMatrix;
-use stickslip::dynamics::Matrix;
 use stickslip::TransitionKind::StickEntry;
 use stickslip::analysis::multipliers;
+use stickslip::dynamics::Matrix;
 use stickslip::models::BeltOscillator;
 use stickslip::{Filippov, Mode, Scalar, Side, State, math};
 

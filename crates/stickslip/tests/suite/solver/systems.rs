@@ -1,7 +1,7 @@
 //! The systems that the tests run, each with the property that makes its orbit known beforehand.
 
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::f64::consts::PI;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use stickslip::models::BeltOscillator;
 use stickslip::{Filippov, Scalar, Side};
