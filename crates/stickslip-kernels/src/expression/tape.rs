@@ -129,7 +129,9 @@ impl Tape {
             *register = component;
         }
         for step in &self.steps {
-            let [a, b, to] = [step.a, step.b, step.to].map(|k| usize::from(k) & mask);
+            // Not a map of three: development builds would call it for every operation.
+            let (a, b) = (usize::from(step.a) & mask, usize::from(step.b) & mask);
+            let to = usize::from(step.to) & mask;
             let constant = step.constant;
             let r = &mut *registers;
             // Each writes its result itself. One place for all would have it put together first and copied then, which takes longer than
