@@ -8,9 +8,10 @@ use super::graph::{Graph, Id, Node};
 /// How many numbers a tape can hold at once, time and states among them.
 pub const MOST_REGISTERS: usize = 1024;
 
-/// How many the short tapes hold, a power of two: most systems need no more, and have their room on
-/// the stack.
+/// How many the short tapes hold, and those of some length; powers of two. Most systems need no
+/// more, and have their room on the stack.
 const FEW_REGISTERS: usize = 16;
+const SOME_REGISTERS: usize = 64;
 
 /// An expression needs more than [`MOST_REGISTERS`] numbers at once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -93,21 +94,18 @@ impl Tape {
     #[inline(always)]
     pub fn evaluate<T: Scalar>(&self, t: T, x: &[T], out: &mut [T]) {
         if self.registers <= FEW_REGISTERS {
-            self.run_few(t, x, out);
+            self.run_within::<T, FEW_REGISTERS>(t, x, out);
+        } else if self.registers <= SOME_REGISTERS {
+            self.run_within::<T, SOME_REGISTERS>(t, x, out);
         } else {
             self.run_many(t, x, out);
         }
     }
 
     #[inline(never)]
-    fn run_few<T: Scalar>(&self, t: T, x: &[T], out: &mut [T]) {
+    fn run_within<T: Scalar, const R: usize>(&self, t: T, x: &[T], out: &mut [T]) {
         // All places are less than this power of two: the mask tells the compiler.
-        self.run(
-            &mut [T::zero(); FEW_REGISTERS],
-            FEW_REGISTERS - 1,
-            (t, x),
-            out,
-        );
+        self.run(&mut [T::zero(); R], R - 1, (t, x), out);
     }
 
     #[inline(never)]

@@ -1,7 +1,5 @@
 //! All systems of these tests as one type for each number of states.
 
-use stickslip::{Error, Filippov, Scalar, Side};
-
 use crate::attractors::systems::{
     Backwards, Detour, Driven, Leine, NearWells, Pushed, Rings, Shear, ToZero, Wells,
 };

@@ -5,8 +5,7 @@ use stickslip::analysis::{Monodromy, PeriodicOrbit, Spectrum, SpectrumOptions};
 use stickslip::dynamics::Components;
 use stickslip::models::{BeltOscillator, BlockAndBracket, ForcedOscillator};
 use stickslip::{
-    Error, Failure, Filippov, Observer, Options, Orbit, OrbitWithEvents, Scalar, Side, State,
-    Summary, analysis,
+    Error, Failure, Filippov, Observer, Options, Orbit, OrbitWithEvents, Summary, analysis,
 };
 
 use stickslip::system::IntoState;
