@@ -10,7 +10,7 @@ use crate::bifurcations::systems::{
 };
 use crate::den_hartog::DenHartog;
 use crate::line::Line;
-use crate::listed::{Listed, traced};
+use crate::listed::traced;
 use crate::smooth::{Lorenz, Smooth};
 
 traced!(
