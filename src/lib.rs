@@ -13,8 +13,6 @@ pub mod peers;
 pub mod readings;
 #[cfg(feature = "report")]
 pub mod report;
-#[cfg(feature = "report")]
-pub mod spectrum_cli;
 mod terminal;
 mod turns;
 

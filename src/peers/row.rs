@@ -2,7 +2,7 @@
 
 use super::error::PeersError;
 use super::problem::Problem;
-use stickslip::statistics::middle_two;
+use stickslip_series::statistics::middle_two;
 
 /// A row of report/bench.csv.
 #[derive(Clone, Debug, PartialEq)]

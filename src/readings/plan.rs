@@ -7,9 +7,9 @@ use super::search::CAPTIONS;
 use super::spread::spread_settings;
 use super::trajectory::{BOUND, MOST_STEPS, TOLERANCE};
 use crate::correlation::CURVE;
-use stickslip::analysis::data_spectrum::{DataSettings, Neighbourhood};
 use stickslip::analysis::motion::Criterion;
 use stickslip::models::{Amplitude, CaptionOrder, Reading, Unloading};
+use stickslip_series::{DataSettings, Neighbourhood};
 
 /// How the equations are integrated.
 #[derive(Clone, Copy, Debug, PartialEq)]

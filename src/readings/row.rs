@@ -2,7 +2,7 @@
 
 use super::score::Twelve;
 use super::verdict::Verdict;
-use stickslip::analysis::data_spectrum::Status;
+use stickslip_series::Status;
 
 /// A line of `readings.csv`.
 #[derive(Clone, Debug, PartialEq)]

@@ -6,8 +6,8 @@ use super::score::{self, Twelve};
 use super::store;
 use super::trajectory::{Outcome, follow};
 use super::verdict::Verdict;
-use stickslip::analysis::data_spectrum::{Neighbourhood, Series, data_spectrum};
 use stickslip::models::Caption;
+use stickslip_series::{Neighbourhood, Series, data_spectrum};
 
 /// The captions of Figs. 10–12.
 pub const CAPTIONS: [Caption; 3] = [Caption::FIG10, Caption::FIG11, Caption::FIG12];
@@ -166,7 +166,7 @@ mod tests {
     }
 
     fn found(rows: &[[f64; 4]], unit: Unit, eps: f64) -> Four {
-        let data = stickslip::analysis::data_spectrum::DataSettings {
+        let data = stickslip_series::DataSettings {
             neighbours: Neighbourhood::Ball {
                 eps,
                 min: 12,

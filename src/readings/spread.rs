@@ -6,8 +6,8 @@
 use super::counts::Exponents;
 use super::plan::{MANY, everywhere};
 use super::row::Row;
-use stickslip::analysis::data_spectrum::{DataSettings, Neighbourhood, Status};
-use stickslip::statistics::middle_two;
+use stickslip_series::statistics::middle_two;
+use stickslip_series::{DataSettings, Neighbourhood, Status};
 
 /// Neighbourhoods by count and by radius, none so small that it starves. A radius is a fraction of the signal's spread.
 const NEIGHBOURHOODS: [Neighbourhood; 5] = [

@@ -23,8 +23,8 @@ use crate::paper::claim_id::{ClaimId, SpectrumFigure};
 use crate::paper::published::{Claim, Claims, PublishedError};
 use crate::paper::reading::{Reading, Role};
 use crate::readings::ZERO;
-use stickslip::analysis::data_spectrum::Status;
 use stickslip::error::Error;
+use stickslip_series::Status;
 
 /// Everything the report says.
 pub struct Ledger {

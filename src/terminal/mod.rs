@@ -11,8 +11,6 @@ use std::io::Write;
 
 pub(crate) use ending::{ProgramError, finish};
 pub(crate) use progress::Progress;
-#[cfg(feature = "report")]
-pub(crate) use progress::patiently;
 
 /// A line on standard error; where nobody reads it any more, nothing is lost with it.
 pub(crate) fn note(line: &str) {

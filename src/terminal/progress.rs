@@ -1,7 +1,6 @@
 //! How far a program is: drawn on standard error, only if that is a terminal, and gone before anything is printed.
 
-use std::cell::OnceCell;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
@@ -31,11 +30,6 @@ impl Progress {
         self
     }
 
-    /// The count is `done`.
-    pub(crate) fn set(&self, done: usize) {
-        self.0.set_position(done as u64);
-    }
-
     /// One more is done.
     pub(crate) fn advance(&self) {
         self.0.inc(1);
@@ -45,24 +39,4 @@ impl Progress {
     pub(crate) fn clear(&self) {
         self.0.finish_and_clear();
     }
-}
-
-/// Only computations longer than this show how far they are.
-const PATIENCE: Duration = Duration::from_secs(2);
-
-/// Runs `work` with a report of what is done and of how much, that shows up as a bar once it has taken a while.
-pub(crate) fn patiently<T>(text: &str, work: impl FnOnce(&dyn Fn(usize, usize)) -> T) -> T {
-    let begin = Instant::now();
-    let shown: OnceCell<Progress> = OnceCell::new();
-    let outcome = work(&|done, total| {
-        if begin.elapsed() >= PATIENCE {
-            shown
-                .get_or_init(|| Progress::bar(0, total, text))
-                .set(done);
-        }
-    });
-    if let Some(bar) = shown.get() {
-        bar.clear();
-    }
-    outcome
 }

@@ -7,5 +7,6 @@ pub mod problem;
 pub mod shipped;
 pub mod sweep;
 pub mod system;
+pub mod table;
 pub mod tangents;
 mod terminal;

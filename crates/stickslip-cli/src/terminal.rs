@@ -54,7 +54,7 @@ fn print(text: &str) -> io::Result<()> {
 }
 
 /// A line on standard error; where nobody reads it any more, nothing is lost with it.
-fn note(line: &str) {
+pub(crate) fn note(line: &str) {
     let _ = writeln!(io::stderr(), "{line}");
 }
 

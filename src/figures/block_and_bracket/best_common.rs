@@ -1,6 +1,6 @@
 //! The settings of the search over readings that suit the corrected equations best.
 
-use stickslip::analysis::data_spectrum::{DataSettings, Neighbourhood};
+use stickslip_series::{DataSettings, Neighbourhood};
 
 /// The estimator's settings that come nearest to all three figures together, of the settings of the
 /// program `readings` with a radius in units of the spread, for

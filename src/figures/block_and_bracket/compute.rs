@@ -3,13 +3,13 @@
 use super::watch::Watch;
 use super::{Set, best_common};
 use crate::figures::error::FigureError;
-use stickslip::analysis::data_spectrum::{DataSettings, DataSpectrum, data_spectrum_of_rows};
 use stickslip::analysis::motion::{Class, Criterion, Evidence, Of};
 use stickslip::analysis::{Spectrum, SpectrumOptions, lyapunov_spectrum_watched};
 use stickslip::error::Error;
 use stickslip::filippov::{Locator, Method, Options, run};
 use stickslip::models::{BlockAndBracket, Reading};
 use stickslip::system::State;
+use stickslip_series::{DataSettings, DataSpectrum, data_spectrum_of_rows};
 
 /// The series begins here, as in the paper.
 pub(super) const START: f64 = 3000.0;

@@ -8,9 +8,9 @@ use crate::paper::claim_id::ClaimId;
 use crate::paper::published::{Claims, PublishedError};
 use plot::*;
 use stickslip::analysis::Exponent;
-use stickslip::analysis::data_spectrum::Status;
 use stickslip::analysis::motion::Class;
 use stickslip::math;
+use stickslip_series::Status;
 
 const COLOURS: [Color; 4] = [BLUE, VERMILLION, GREEN, PURPLE];
 /// Margin around a curve, as a fraction of its extent.

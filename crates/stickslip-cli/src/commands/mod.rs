@@ -18,6 +18,7 @@ mod range;
 mod recording;
 mod search;
 mod simulate;
+mod spectrum;
 mod sweeping;
 mod tables;
 mod tangents;
@@ -27,11 +28,13 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Arg, CommandFactory, FromArgMatches, Parser, Subcommand};
+use stickslip_series::DataError;
 
 use crate::file::FileError;
 use crate::output::{Artifact, OutputError, png, write_all_by};
 use crate::sweep::SweepError;
 use crate::system::{SettingError, System};
+use crate::table::TableError;
 use crate::terminal::{Said, finish};
 use arguments::OutputArguments;
 use told::{told, told_of_any};
@@ -65,6 +68,7 @@ enum Command {
     Tangents(tangents::Arguments),
     Orbit(orbit::Arguments),
     Lyapunov(lyapunov::Arguments),
+    Spectrum(spectrum::Arguments),
 }
 
 /// The command line. What follows an option is its value, also where it begins with a hyphen as a negative number does; but for the folder,
@@ -96,6 +100,7 @@ pub fn main() -> ExitCode {
         Command::Tangents(arguments) => tangents::run(&arguments),
         Command::Orbit(arguments) => orbit::run(&arguments),
         Command::Lyapunov(arguments) => lyapunov::run(&arguments),
+        Command::Spectrum(arguments) => spectrum::run(&arguments),
     };
     finish(outcome)
 }
@@ -116,6 +121,10 @@ pub(crate) enum Failure {
     Sweep(#[from] SweepError),
     #[error(transparent)]
     Output(#[from] OutputError),
+    #[error(transparent)]
+    Table(#[from] TableError),
+    #[error(transparent)]
+    Series(DataError),
     #[error("{}", told_of_any(.0))]
     Computation(#[from] stickslip::Error),
     /// As [`Failure::Computation`], with the names of the system's contacts.
@@ -132,7 +141,8 @@ impl Failure {
         match self {
             Failure::File(_) | Failure::Setting(_) | Failure::Usage(_) => true,
             Failure::Sweep(error) => error.is_usage(),
-            Failure::Output(_) | Failure::NoPeriodicOrbit(_) => false,
+            Failure::Table(error) => matches!(error, TableError::Request(_)),
+            Failure::Output(_) | Failure::NoPeriodicOrbit(_) | Failure::Series(_) => false,
             Failure::Computation(error) | Failure::OfSystem { error, .. } => matches!(
                 error,
                 stickslip::Error::Option { .. } | stickslip::Error::Interval { .. }

@@ -1,0 +1,237 @@
+//! Which directions a series has points in.
+//!
+//! Around a point of a smooth manifold of dimension m the neighbours within r lie in m directions at distances of the order of
+//! r, in further ones at r² or less, where the manifold curves, and in noise at distances that do not depend on r. The
+//! slope of `log s_i` over `log r`, with `s_i` the singular values of the neighbour matrix, tells the three apart.
+
+use rayon::prelude::*;
+
+use super::cloud::Cloud;
+use super::fit::{Rule, Scratch};
+use super::neighbours::{Finder, Neighbour};
+use crate::statistics::{power, upper_median};
+
+/// Neighbourhoods of so many sizes are compared.
+pub const LEVELS: usize = 4;
+/// Points looked at, spread evenly over the series.
+const SAMPLES: usize = 512;
+/// The largest neighbourhood has so many times the points of the smallest,
+const RANGE: usize = 16;
+/// but not more than this part of the series.
+const LARGEST_PART: usize = 20;
+/// Slopes below are noise,
+const NOISE: f64 = 0.5;
+/// slopes above are curvature.
+const CURVATURE: f64 = 1.5;
+/// Neighbourhoods must differ in size by this factor in all for a slope to mean something.
+const SMALLEST_SPAN: f64 = 1.2;
+
+/// What the neighbours do in a direction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// They spread in proportion to the size of the neighbourhood: the manifold extends there.
+    Tangent,
+    /// They leave with a higher power of the size: the manifold curves into it, and no neighbour tells what a
+    /// perturbation in that direction does.
+    Curvature,
+    /// They spread to the same extent at all sizes.
+    Noise,
+    /// They do not spread beyond rounding.
+    Flat,
+}
+
+impl Kind {
+    /// A word for tables.
+    pub fn word(self) -> &'static str {
+        match self {
+            Kind::Tangent => "tangent",
+            Kind::Curvature => "curvature",
+            Kind::Noise => "noise",
+            Kind::Flat => "flat",
+        }
+    }
+}
+
+/// One direction of the neighbourhoods, the widest first.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Direction {
+    /// What the neighbours do there.
+    pub kind: Kind,
+    /// Median slope of the singular value over the radius, both logarithmic; NaN where it is flat.
+    pub slope: f64,
+    /// Median radius and median singular value per root of the number of neighbours, in the unit of the data, at sizes from
+    /// small to large.
+    pub sizes: Vec<(f64, f64)>,
+}
+
+/// What one point says.
+struct Vote<const N: usize> {
+    radius: [f64; LEVELS],
+    sizes: [[f64; N]; LEVELS],
+    /// NaN where a singular value is zero at some size.
+    slopes: [f64; N],
+}
+
+/// Measures the directions. `smallest` is the number of neighbours in the smallest neighbourhood.
+pub(crate) fn measure<const N: usize>(
+    cloud: &Cloud<N>,
+    finder: &Finder<'_, N>,
+    rule: &Rule,
+    smallest: usize,
+) -> Vec<Direction> {
+    let points = cloud.points.len() - rule.step;
+    let counts = counts(smallest, points);
+    let every = points.div_ceil(SAMPLES).max(1);
+    let votes: Vec<Option<Vote<N>>> = (0..points.div_ceil(every))
+        .into_par_iter()
+        .map_init(
+            || (Scratch::default(), Vec::new()),
+            |(scratch, found), i| vote(cloud, finder, rule, &counts, i * every, scratch, found),
+        )
+        .collect();
+    let votes: Vec<Vote<N>> = votes.into_iter().flatten().collect();
+    (0..N).map(|i| direction(&votes, i, cloud.unit)).collect()
+}
+
+/// Numbers of neighbours, in geometric progression.
+fn counts(smallest: usize, points: usize) -> [usize; LEVELS] {
+    let largest = (RANGE * smallest).min((points / LARGEST_PART).max(4 * smallest));
+    let ratio = largest as f64 / smallest as f64;
+    std::array::from_fn(|level| {
+        let part = level as f64 / (LEVELS - 1) as f64;
+        (smallest as f64 * libm::pow(ratio, part)).round() as usize
+    })
+}
+
+fn vote<const N: usize>(
+    cloud: &Cloud<N>,
+    finder: &Finder<'_, N>,
+    rule: &Rule,
+    counts: &[usize; LEVELS],
+    j: usize,
+    scratch: &mut Scratch,
+    found: &mut Vec<Neighbour>,
+) -> Option<Vote<N>> {
+    finder.nearest(j, counts[LEVELS - 1], f64::INFINITY, found);
+    let mut vote = Vote {
+        radius: [0.0; LEVELS],
+        sizes: [[0.0; N]; LEVELS],
+        slopes: [0.0; N],
+    };
+    let mut neighbourhoods: [&[Neighbour]; LEVELS] = [&[]; LEVELS];
+    for (level, &count) in counts.iter().enumerate() {
+        neighbourhoods[level] = found.get(..count)?;
+        vote.radius[level] = neighbourhoods[level].last()?.0.sqrt();
+    }
+    let mut zero = [0.0; LEVELS];
+    let sizes = scratch.singular_values(cloud, j, neighbourhoods, rule);
+    for (level, found) in sizes.into_iter().enumerate() {
+        (vote.sizes[level], zero[level]) = found;
+    }
+    if vote.radius[LEVELS - 1] < SMALLEST_SPAN * vote.radius[0] {
+        return None;
+    }
+    for i in 0..N {
+        let resolved = (0..LEVELS).all(|level| vote.sizes[level][i] > zero[level]);
+        vote.slopes[i] = if resolved {
+            let sizes = vote.sizes.iter().map(|sizes| sizes[i]);
+            power(vote.radius.into_iter().zip(sizes))
+        } else {
+            f64::NAN
+        };
+    }
+    Some(vote)
+}
+
+fn direction<const N: usize>(votes: &[Vote<N>], i: usize, unit: f64) -> Direction {
+    let slopes: Vec<f64> = votes
+        .iter()
+        .map(|vote| vote.slopes[i])
+        .filter(|slope| !slope.is_nan())
+        .collect();
+    let sizes = (0..LEVELS)
+        .map(|level| {
+            let radius = upper_median(votes.iter().map(|vote| vote.radius[level]));
+            let size = upper_median(votes.iter().map(|vote| vote.sizes[level][i]));
+            (unit * radius, unit * size)
+        })
+        .collect();
+    // Flat where most points say so, and where no point has anything to say.
+    let (kind, slope) = if 2 * slopes.len() <= votes.len() {
+        (Kind::Flat, f64::NAN)
+    } else {
+        let slope = upper_median(slopes);
+        let kind = if slope < NOISE {
+            Kind::Noise
+        } else if slope <= CURVATURE {
+            Kind::Tangent
+        } else {
+            Kind::Curvature
+        };
+        (kind, slope)
+    };
+    Direction { kind, slope, sizes }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fit::tests::PLAIN;
+    use crate::series::Series;
+
+    #[test]
+    fn counts_grow_geometrically_and_stay_a_small_part() {
+        assert_eq!(counts(20, 45_000), [20, 50, 127, 320]);
+        assert_eq!(counts(20, 500), [20, 32, 50, 80]);
+    }
+
+    #[test]
+    fn a_point_whose_neighbourhoods_do_not_differ_in_size_has_no_vote() {
+        // A circle and its centre.
+        let rows = (0..300).map(|i| {
+            let angle = std::f64::consts::TAU * f64::from(i) / 300.0;
+            let radius = f64::from(u8::from(i != 150));
+            [radius * libm::cos(angle), radius * libm::sin(angle)]
+        });
+        let cloud = Cloud::<2>::new(&Series::from_rows(rows, 1.0).unwrap()).unwrap();
+        let finder = Finder::new(&cloud, 1, 0).unwrap();
+        let (mut scratch, mut found) = (Scratch::default(), Vec::new());
+        let counts = counts(20, 300);
+        let mut has_vote = |j| {
+            vote(
+                &cloud,
+                &finder,
+                &PLAIN,
+                &counts,
+                j,
+                &mut scratch,
+                &mut found,
+            )
+            .is_some()
+        };
+        assert!(has_vote(10) && !has_vote(150));
+    }
+
+    #[test]
+    fn a_direction_is_flat_unless_more_than_half_of_the_points_have_a_slope_there() {
+        for (with_slope, kind) in [
+            (0, Kind::Flat),
+            (5, Kind::Flat),
+            (6, Kind::Tangent),
+            (10, Kind::Tangent),
+        ] {
+            let votes = (0..10).map(|i| Vote {
+                radius: [1.0, 2.0, 4.0, 8.0],
+                sizes: [[0.5], [1.0], [2.0], [4.0]],
+                slopes: [if i < with_slope { 1.0 } else { f64::NAN }],
+            });
+            // The points are in units of 3 of the data.
+            let found = direction(&votes.collect::<Vec<_>>(), 0, 3.0);
+            assert_eq!(found.kind, kind, "{with_slope}");
+            assert_eq!(
+                found.sizes,
+                [(3.0, 1.5), (6.0, 3.0), (12.0, 6.0), (24.0, 12.0)]
+            );
+        }
+    }
+}

@@ -1,0 +1,307 @@
+//! The estimate from neighbourhoods of two sizes, extrapolated to size zero.
+//!
+//! What is left of the bias of local polynomials of degree p falls as `r^(p + 1)` where neighbourhoods are symmetric on average,
+//! with p + 1 = 2 for linear maps, and as `r²` at least for quadratic ones. From the exponents λ₁ at radius r₁ and λ₂ at r₂ the one at
+//! zero is `λ₀ = λ₁ + w (λ₁ − λ₂)` with `w = r₁²/(r₂² − r₁²)`. The same combination is made of the stretchings at every point, so that the
+//! scatter of its block means holds the correlation of the two. All of `λ₀ − λ₂` is counted as an error besides: the power of r is
+//! a law for small r, and nothing says that r is.
+//!
+//! Linear maps that were asked for show why: of one column of Hénon's map their second exponent is 0.09 off and hardly moves with the
+//! size, for what fits the folds badly does so at any size. Quadratic maps are fitted beside them where the points suffice, and the distance
+//! between the two is counted as an error, too.
+
+use super::averages::{Average, average, volume};
+use super::chain::{Stretch, carry};
+use super::cloud::Cloud;
+use super::neighbours::Neighbour;
+use super::polynomial::{Degree, Derivative, Fitter, Polynomial};
+use super::settings::DataSettings;
+use super::statistics::upper_median;
+use super::svd::Square;
+
+/// Neighbours of the smaller size for each unknown.
+const PER_UNKNOWN: usize = 3;
+/// This part of a chain is left out: its vectors begin with the directions of a neighbourhood and have to turn to those that they keep.
+const SETTLING: usize = 20;
+/// The larger size holds no more than this part of the points.
+const LARGEST_PART: usize = 20;
+
+/// The sizes and what is fitted at them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sizes {
+    /// Degree of the maps.
+    pub degree: Degree,
+    /// Neighbours of the smaller and the larger size.
+    pub neighbours: [usize; 2],
+    /// Mean distance of the furthest of them, in the unit of the data.
+    pub radius: [f64; 2],
+}
+
+/// A plan for sizes and maps.
+pub(crate) struct Plan {
+    pub(crate) degree: Degree,
+    pub(crate) polynomial: Polynomial,
+    pub(crate) neighbours: [usize; 2],
+    /// What linear maps are held against, and its neighbours.
+    pub(crate) judge: Option<(Polynomial, usize)>,
+}
+
+impl Plan {
+    /// Quadratic maps where the points suffice or they are asked for, linear ones elsewhere. Where linear ones are asked for and the
+    /// points suffice for quadratic ones, these judge them.
+    pub(crate) fn new<const N: usize>(
+        cloud: &Cloud<N>,
+        settings: &DataSettings,
+        degree: Option<Degree>,
+        tangent: usize,
+    ) -> Self {
+        let linear = Polynomial {
+            forms: 0,
+            tangent,
+            affine: settings.affine,
+            step: settings.step,
+            rounding: cloud.rounding,
+        };
+        let quadratic = linear.quadratic(N);
+        let fewest = settings.neighbours.fewest();
+        let needed = fewest.max(PER_UNKNOWN * quadratic.unknowns(N));
+        let enough = 2 * needed <= cloud.points.len() / LARGEST_PART;
+        match degree {
+            Some(Degree::Quadratic) => Self::of(Degree::Quadratic, quadratic, needed),
+            None if enough => Self::of(Degree::Quadratic, quadratic, needed),
+            None | Some(Degree::Linear) => Self {
+                judge: enough.then_some((quadratic, needed)),
+                ..Self::of(Degree::Linear, linear, fewest)
+            },
+        }
+    }
+
+    fn of(degree: Degree, polynomial: Polynomial, neighbours: usize) -> Self {
+        Self {
+            degree,
+            polynomial,
+            neighbours: [neighbours, 2 * neighbours],
+            judge: None,
+        }
+    }
+
+    /// Neighbours of the largest neighbourhood.
+    pub(crate) fn furthest(&self) -> usize {
+        let judge = self.judge.map_or(0, |(_, neighbours)| neighbours);
+        self.neighbours[1].max(judge)
+    }
+
+    /// The maps around point `j` from its nearest neighbours; `directions` are those of the neighbourhood, the widest first.
+    pub(crate) fn fit<const N: usize>(
+        &self,
+        fitter: &mut Fitter<N>,
+        points: &[[f64; N]],
+        j: usize,
+        found: &[Neighbour],
+        directions: &Square<N>,
+    ) -> Maps<N> {
+        let (small, further) = found.split_at(self.neighbours[0].min(found.len()));
+        let further = &further[..further.len().min(self.neighbours[1] - self.neighbours[0])];
+        let distance = |near: &[Neighbour]| near.last().map(|far| far.0.sqrt());
+        let radius = distance(small).unwrap_or(0.0);
+        Maps {
+            sizes: [
+                (
+                    fitter.fit(points, j, small, directions, &self.polynomial),
+                    radius,
+                ),
+                (
+                    fitter.extend(points, j, further, directions, &self.polynomial),
+                    distance(further).unwrap_or(radius),
+                ),
+            ],
+            judge: self.judge.as_ref().map(|(polynomial, count)| {
+                let near = &found[..found.len().min(*count)];
+                fitter.fit(points, j, near, directions, polynomial)
+            }),
+        }
+    }
+}
+
+/// The maps around a point.
+pub(crate) struct Maps<const N: usize> {
+    /// Of both sizes, with their radii.
+    sizes: [(Derivative<N>, f64); 2],
+    judge: Option<Derivative<N>>,
+}
+
+impl<const N: usize> Maps<N> {
+    /// Radius of the smaller size, in the unit of the cloud.
+    pub(crate) fn radius(&self) -> f64 {
+        self.sizes[0].1
+    }
+}
+
+/// The chains at both sizes, and that of the maps that judge.
+pub(crate) struct Chains<const N: usize> {
+    /// Interleaved chains of each of them.
+    count: usize,
+    bases: [Vec<Square<N>>; 2],
+    judging: Vec<Square<N>>,
+    stretches: [Vec<Stretch<N>>; 2],
+    /// By the maps that judge; none without them.
+    judged: Vec<Stretch<N>>,
+    /// Sum of the radii, in the unit of the cloud.
+    radius: [f64; 2],
+    /// Part of the neighbours' variance in each direction that is noise, at the smaller size.
+    noises: Vec<[f64; N]>,
+    /// Tangent directions.
+    dimension: usize,
+}
+
+/// Averages at both sizes and at size zero.
+pub(crate) struct Corrected<const N: usize> {
+    pub(crate) sizes: Sizes,
+    pub(crate) small: [Average; N],
+    pub(crate) large: [Average; N],
+    /// With statistical errors.
+    pub(crate) zero: [Average; N],
+    /// Part of the neighbours' variance in each direction that is noise, by which the maps are flattened.
+    pub(crate) noise: [f64; N],
+    /// Reference points that the averages are over.
+    pub(crate) counted: usize,
+    /// By the maps that judge linear ones.
+    pub(crate) judged: Option<[Average; N]>,
+    /// Sum of the exponents of the tangent directions, with its whole error.
+    pub(crate) sum: Average,
+}
+
+impl<const N: usize> Corrected<N> {
+    /// The way from the larger size to zero.
+    pub(crate) fn range(&self, i: usize) -> f64 {
+        self.zero[i].mean - self.large[i].mean
+    }
+
+    /// From the maps that judge linear ones to size zero; 0 if there are none, NaN where they determine nothing.
+    pub(crate) fn gap(&self, i: usize) -> f64 {
+        gap(&self.zero[i], self.judged.as_ref().map(|judged| &judged[i]))
+    }
+
+    /// At size zero, with the whole error.
+    pub(crate) fn best(&self, i: usize) -> Average {
+        with_bias(self.zero[i], self.range(i), self.gap(i))
+    }
+}
+
+fn gap(zero: &Average, judged: Option<&Average>) -> f64 {
+    judged.map_or(0.0, |judged| zero.mean - judged.mean)
+}
+
+/// The error holds the range and the gap, too. A gap to nothing adds nothing; the status tells.
+fn with_bias(zero: Average, range: f64, gap: f64) -> Average {
+    let gap = gap.abs().max(0.0);
+    Average {
+        stderr: (zero.stderr * zero.stderr + range * range + gap * gap).sqrt(),
+        ..zero
+    }
+}
+
+impl<const N: usize> Chains<N> {
+    /// So many interleaved chains, of which nothing is known yet.
+    pub(crate) fn new(plan: &Plan, count: usize) -> Self {
+        Self {
+            count,
+            bases: [Vec::new(), Vec::new()],
+            judging: Vec::new(),
+            stretches: [Vec::new(), Vec::new()],
+            judged: Vec::new(),
+            radius: [0.0; 2],
+            noises: Vec::new(),
+            dimension: plan.polynomial.tangent,
+        }
+    }
+
+    /// Takes them through the maps of the next reference point. A chain begins with the directions of the neighbourhood.
+    pub(crate) fn push(&mut self, maps: &Maps<N>, directions: &Square<N>) {
+        let i = self.noises.len();
+        let chain = i % self.count;
+        let through = |map: &Derivative<N>, bases: &mut Vec<Square<N>>| {
+            if i < self.count {
+                bases.push(*directions);
+            }
+            carry(&map.matrix, map.nothing, map.rank, &mut bases[chain], N)
+        };
+        for (size, (map, distance)) in maps.sizes.iter().enumerate() {
+            self.radius[size] += distance;
+            self.stretches[size].push(through(map, &mut self.bases[size]));
+        }
+        if let Some(map) = &maps.judge {
+            self.judged.push(through(map, &mut self.judging));
+        }
+        self.noises.push(maps.sizes[0].0.noise);
+    }
+    /// The averages, and the running means at size zero; `unit` is that of the cloud.
+    pub(crate) fn corrected(
+        &self,
+        plan: &Plan,
+        tau: f64,
+        unit: f64,
+    ) -> (Corrected<N>, Vec<(usize, [f64; N])>) {
+        let settled = self.noises.len() / self.count / SETTLING * self.count;
+        let stretches = self.at_zero();
+        let stretches = &stretches[settled..];
+        let [small, large] = [0, 1].map(|size| &self.stretches[size][settled..]);
+        let (zero, mut running) = average(stretches, tau);
+        for (count, _) in &mut running {
+            *count += settled;
+        }
+        let sum = volume(stretches, self.dimension, tau);
+        let range = sum.mean - volume(large, self.dimension, tau).mean;
+        let judged = self
+            .judged
+            .get(settled..)
+            .filter(|judged| !judged.is_empty());
+        let judged_sum = judged.map(|judged| volume(judged, self.dimension, tau));
+        let corrected = Corrected {
+            sizes: Sizes {
+                degree: plan.degree,
+                neighbours: plan.neighbours,
+                radius: self.radius().map(|radius| unit * radius),
+            },
+            small: average(small, tau).0,
+            large: average(large, tau).0,
+            zero,
+            noise: std::array::from_fn(|i| upper_median(self.noises.iter().map(|noise| noise[i]))),
+            counted: stretches.len(),
+            judged: judged.map(|judged| average(judged, tau).0),
+            sum: with_bias(sum, range, gap(&sum, judged_sum.as_ref())),
+        };
+        (corrected, running)
+    }
+
+    /// Mean radii, in the unit of the cloud.
+    fn radius(&self) -> [f64; 2] {
+        self.radius.map(|sum| sum / self.noises.len() as f64)
+    }
+
+    /// The stretchings at size zero.
+    fn at_zero(&self) -> Vec<Stretch<N>> {
+        let [small, large] = self.radius();
+        let rise = large * large - small * small;
+        // Neighbourhoods of the same radius, as of points in few places, tell nothing of another.
+        let weight = if rise > 0.0 {
+            small * small / rise
+        } else {
+            0.0
+        };
+        let [small, large] = &self.stretches;
+        let pairs = small.iter().zip(large);
+        pairs
+            .map(|(small, large)| {
+                let mut zero = *small;
+                zero.alive = small.alive.min(large.alive);
+                zero.determined = small.determined.min(large.determined);
+                for c in 0..zero.alive {
+                    let change = small.factor[c] / large.factor[c];
+                    zero.factor[c] = small.factor[c] * libm::pow(change, weight);
+                }
+                zero
+            })
+            .collect()
+    }
+}
