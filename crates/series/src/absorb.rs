@@ -2,10 +2,10 @@
 
 use pulp::NullaryFnOnce;
 
-use super::images::Images;
+use super::matrix::Matrix;
 use super::neighbours::Neighbour;
 use super::polynomial::Polynomial;
-use super::svd::{Square, dot, reflect_below};
+use super::svd::{dot, reflect_below};
 
 /// A column of which less than this part is left by those before it is a combination of them.
 const DEPENDENT: f64 = 1e-10;
@@ -14,59 +14,56 @@ const VECTOR: usize = 4;
 
 /// Adds neighbours to a triangle, by reflections that take their rows to zero, and returns the sum of squares of what is left of their images.
 /// A column that depends on those before it gets a zero corner and is passed over.
-pub(crate) struct Absorb<'a, const N: usize> {
-    pub(crate) images: &'a Images<N>,
+pub(crate) struct Absorb<'a> {
+    /// Components of the images that are fitted.
+    pub(crate) fitted: &'a [usize],
     pub(crate) triangle: &'a mut [f64],
     pub(crate) rows: &'a mut Vec<f64>,
-    pub(crate) points: &'a [[f64; N]],
+    pub(crate) points: &'a Matrix,
     pub(crate) j: usize,
     pub(crate) further: &'a [Neighbour],
-    pub(crate) directions: &'a Square<N>,
+    pub(crate) directions: &'a Matrix,
     pub(crate) polynomial: &'a Polynomial,
 }
 
-impl<const N: usize> Absorb<'_, N> {
+impl Absorb<'_> {
     /// Writes the columns, each of `long` rows.
     #[inline(always)]
     fn fill(&mut self, long: usize) {
         let (forms, affine) = (self.polynomial.forms, self.polynomial.affine);
-        let unknowns = self.polynomial.unknowns(N);
-        let fitted = self.images.fitted();
+        let components = self.points.columns();
+        let unknowns = self.polynomial.unknowns(components);
         // Differences to the point come last, for a while.
-        let cells = (unknowns + fitted.len() + N) * long;
+        let columns = unknowns + self.fitted.len();
+        let cells = (columns + components) * long;
         if self.rows.len() < cells {
             self.rows.resize(cells, 0.0);
         }
-        let (columns, rest) = self.rows.split_at_mut((unknowns + fitted.len()) * long);
+        let (columns, differences) = self.rows[..cells].split_at_mut(columns * long);
         let (known, images) = columns.split_at_mut(unknowns * long);
-        let (before, along) = known.split_at_mut((unknowns - N) * long);
-        let mut rest = rest.chunks_exact_mut(long);
-        let differences: [&mut [f64]; N] = std::array::from_fn(|_| rest.next().unwrap_or_default());
+        let (before, along) = known.split_at_mut((unknowns - components) * long);
         let count = self.further.len();
         let origin = &self.points[self.j];
         let image = &self.points[self.j + self.polynomial.step];
         for (row, &(_, k)) in self.further.iter().enumerate() {
             let point = &self.points[k as usize];
-            for c in 0..N {
-                differences[c][row] = point[c] - origin[c];
+            for (c, (v, origin)) in point.iter().zip(origin).enumerate() {
+                differences[c * long + row] = v - origin;
             }
             let ahead = &self.points[k as usize + self.polynomial.step];
-            for (i, &c) in fitted.iter().enumerate() {
+            for (i, &c) in self.fitted.iter().enumerate() {
                 images[i * long + row] = ahead[c] - image[c];
             }
         }
-        for column in images.chunks_exact_mut(long) {
+        let written = images.chunks_exact_mut(long);
+        for column in written.chain(differences.chunks_exact_mut(long)) {
             column[count..].fill(0.0);
         }
-        let differences = differences.map(|column| {
-            column[count..].fill(0.0);
-            &*column
-        });
-        for (along, direction) in along.chunks_exact_mut(long).zip(self.directions) {
-            for (row, sum) in along.iter_mut().enumerate() {
-                *sum = 0.0;
-                for c in 0..N {
-                    *sum += direction[c] * differences[c][row];
+        for (along, direction) in along.chunks_exact_mut(long).zip(self.directions.rows()) {
+            along.fill(0.0);
+            for (part, column) in direction.iter().zip(differences.chunks_exact(long)) {
+                for (sum, difference) in along.iter_mut().zip(column) {
+                    *sum += part * difference;
                 }
             }
         }
@@ -86,14 +83,14 @@ impl<const N: usize> Absorb<'_, N> {
 }
 
 /// With the machine's vectors, which change no bit: the partial sums of [`dot`] are lanes of one vector.
-impl<const N: usize> NullaryFnOnce for Absorb<'_, N> {
+impl NullaryFnOnce for Absorb<'_> {
     type Output = f64;
 
     #[inline(always)]
     fn call(mut self) -> f64 {
         let long = self.further.len().next_multiple_of(VECTOR);
         self.fill(long);
-        let unknowns = self.polynomial.unknowns(N);
+        let unknowns = self.polynomial.unknowns(self.points.columns());
         let columns = self.triangle.len() / unknowns;
         let rows = &mut self.rows[..columns * long];
         for i in 0..unknowns {

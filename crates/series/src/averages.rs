@@ -45,60 +45,60 @@ impl Sum {
     }
 }
 
-/// Averages over the stretchings of all reference points in the order of time, each over the time `tau`. Running means follow,
-/// each with the number of reference points before it.
-pub(crate) fn average<const N: usize>(
-    stretches: &[Stretch<N>],
-    tau: f64,
-) -> ([Average; N], Vec<(usize, [f64; N])>) {
+/// Averages over the stretchings of all reference points in the order of time, each over the time `tau`.
+pub(crate) fn averages(stretches: &[Stretch], tau: f64) -> Vec<Average> {
+    let columns = stretches.first().map_or(0, |one| one.factor.len());
+    (0..columns)
+        .map(|position| average(stretches, position, tau))
+        .collect()
+}
+
+fn average(stretches: &[Stretch], position: usize, tau: f64) -> Average {
     let blocks = (stretches.len() / SHORTEST_BLOCK).clamp(1, BLOCKS);
-    let thin = stretches.len().div_ceil(ROWS).max(1);
-    let mut sums = [Sum::default(); N];
-    let mut parts = vec![[Sum::default(); N]; blocks];
-    let mut collapses = [0; N];
-    let mut undetermined = [0; N];
-    let mut running = Vec::with_capacity(ROWS + 1);
+    let mut all = Sum::default();
+    let mut parts = vec![Sum::default(); blocks];
+    let (mut collapses, mut undetermined) = (0, 0);
     for (i, stretch) in stretches.iter().enumerate() {
-        let block = &mut parts[i * blocks / stretches.len()];
-        for c in 0..N {
-            if c < stretch.alive {
-                let term = libm::log(stretch.factor[c]);
-                sums[c].add(term);
-                block[c].add(term);
-            } else if c < stretch.determined {
-                collapses[c] += 1;
-            } else {
-                undetermined[c] += 1;
-            }
-        }
-        if (i + 1) % thin == 0 || i + 1 == stretches.len() {
-            running.push((i + 1, sums.map(|sum| sum.mean() / tau)));
+        if position < stretch.alive {
+            let term = libm::log(stretch.factor[position]);
+            all.add(term);
+            parts[i * blocks / stretches.len()].add(term);
+        } else if position < stretch.determined {
+            collapses += 1;
+        } else {
+            undetermined += 1;
         }
     }
-    let averages = std::array::from_fn(|c| {
-        let (scatter, widened) = block_error(parts.iter().map(|block| block[c]));
-        Average {
-            mean: sums[c].mean() / tau,
-            stderr: widened * scatter / tau,
-            scatter: scatter / tau,
-            collapses: collapses[c],
-            undetermined: undetermined[c],
+    let (scatter, widened) = block_error(parts.into_iter());
+    Average {
+        mean: all.mean() / tau,
+        stderr: widened * scatter / tau,
+        scatter: scatter / tau,
+        collapses,
+        undetermined,
+    }
+}
+
+/// Running means of the same, each with the number of reference points before it.
+pub(crate) fn running(stretches: &[Stretch], tau: f64) -> Vec<(usize, Vec<f64>)> {
+    let thin = stretches.len().div_ceil(ROWS).max(1);
+    let mut sums = vec![Sum::default(); stretches.first().map_or(0, |one| one.factor.len())];
+    let mut rows = Vec::with_capacity(ROWS + 1);
+    for (i, stretch) in (1..).zip(stretches) {
+        for (sum, factor) in sums.iter_mut().zip(&stretch.factor[..stretch.alive]) {
+            sum.add(libm::log(*factor));
         }
-    });
-    (averages, running)
+        if i % thin == 0 || i == stretches.len() {
+            rows.push((i, sums.iter().map(|sum| sum.mean() / tau).collect()));
+        }
+    }
+    rows
 }
 
 /// The average of the volume that the first `dimension` vectors span: the sum of their exponents.
-pub(crate) fn volume<const N: usize>(
-    stretches: &[Stretch<N>],
-    dimension: usize,
-    tau: f64,
-) -> Average {
-    let volumes: Vec<Stretch<1>> = stretches
-        .iter()
-        .map(|stretch| stretch.volume(dimension))
-        .collect();
-    average(&volumes, tau).0[0]
+pub(crate) fn volume(stretches: &[Stretch], dimension: usize, tau: f64) -> Average {
+    let volumes = stretches.iter().map(|stretch| stretch.volume(dimension));
+    average(&volumes.collect::<Vec<_>>(), 0, tau)
 }
 
 /// Standard error of the mean from the scatter of the means of blocks, and how many times it is widened. Fewer than [`BLOCKS`] tell their own

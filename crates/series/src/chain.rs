@@ -1,27 +1,62 @@
 //! The product of the local maps, taken along the series.
 
 use super::fit::LocalMap;
-use super::svd::{Square, product, svd};
+use super::matrix::{Matrix, product};
+use super::svd::svds;
 
 /// What one map did to the tangent vectors.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Stretch<const N: usize> {
+#[derive(Clone, Debug)]
+pub(crate) struct Stretch {
     /// Stretching in each position; 0 where there was none.
-    pub(crate) factor: [f64; N],
+    pub(crate) factor: Vec<f64>,
     /// Positions from here on were annihilated: the data determine the map, and it is zero.
     pub(crate) alive: usize,
     /// Positions from here on are not determined by the data.
     pub(crate) determined: usize,
 }
 
-impl<const N: usize> Stretch<N> {
+impl Stretch {
     /// The stretching of the volume that the first `dimension` vectors span.
-    pub(crate) fn volume(&self, dimension: usize) -> Stretch<1> {
+    pub(crate) fn volume(&self, dimension: usize) -> Stretch {
         Stretch {
-            factor: [self.factor[..dimension].iter().product()],
+            factor: vec![self.factor[..dimension].iter().product()],
             alive: usize::from(self.alive >= dimension),
             determined: usize::from(self.determined >= dimension),
         }
+    }
+}
+
+/// Interleaved chains of maps: the point that a reference point moves to is one of the same chain.
+pub(crate) struct Chains {
+    /// How many chains there are, and how many vectors are taken along each.
+    count: usize,
+    width: usize,
+    /// Where the vectors of each chain are.
+    bases: Vec<Matrix>,
+    /// At all reference points so far, in the order of time.
+    pub(crate) stretches: Vec<Stretch>,
+}
+
+impl Chains {
+    pub(crate) fn new(count: usize, width: usize) -> Self {
+        Self {
+            count,
+            width,
+            bases: Vec::new(),
+            stretches: Vec::new(),
+        }
+    }
+
+    /// Takes the vectors through the map of the next reference point. They begin with the directions of the neighbourhood, so that
+    /// undetermined ones come last.
+    pub(crate) fn push(&mut self, map: &LocalMap, directions: &Matrix) {
+        let i = self.stretches.len();
+        if i < self.count {
+            self.bases.push(directions.clone());
+        }
+        let basis = &mut self.bases[i % self.count];
+        let stretch = advance(map, directions, basis, self.width);
+        self.stretches.push(stretch);
     }
 }
 
@@ -30,28 +65,11 @@ impl<const N: usize> Stretch<N> {
 /// A vector of which nothing is left after the map, or nothing that is independent of those before it, goes to the end and is
 /// replaced by one orthogonal to all others. Positions are thus in the order of exponents also when the map is singular,
 /// and the product never contains the rounding error of a vector that vanished.
-pub(crate) fn advance<const N: usize>(
-    map: &LocalMap<N>,
-    basis: &mut Square<N>,
-    width: usize,
-) -> Stretch<N> {
+fn advance(map: &LocalMap, directions: &Matrix, basis: &mut Matrix, width: usize) -> Stretch {
+    let columns = basis.columns();
     let determined = map.rank.min(width);
-    if width < N && determined == width && determined > 0 {
-        align(basis, &map.domain, width);
-    }
-    carry(&map.matrix, map.nothing, determined, basis, width)
-}
-
-/// As [`advance`] without turning the vectors first, with a matrix that is determined in so many directions and takes to nothing what it makes shorter than `nothing`.
-pub(crate) fn carry<const N: usize>(
-    matrix: &Square<N>,
-    nothing: f64,
-    determined: usize,
-    basis: &mut Square<N>,
-    width: usize,
-) -> Stretch<N> {
     let mut stretch = Stretch {
-        factor: [0.0; N],
+        factor: vec![0.0; columns],
         alive: determined,
         determined,
     };
@@ -59,23 +77,32 @@ pub(crate) fn carry<const N: usize>(
         // Nothing is known here; the vectors wait for the next map.
         return stretch;
     }
-    let mut next = [[0.0; N]; N];
+    if width < columns && determined == width {
+        align(basis, directions, width);
+    }
+    let mut next = Matrix::zeros(columns, columns);
     let mut kept = 0;
-    for vector in basis.iter().take(width) {
+    let mut image = vec![0.0; columns];
+    for vector in basis.first(width) {
         if kept == determined {
             break;
         }
-        let mut image = std::array::from_fn(|row| product(&matrix[row], vector));
-        let length = orthogonalise(&mut image, &next[..kept]);
-        if length > nothing {
-            next[kept] = image.map(|v| v / length);
+        for (cell, row) in image.iter_mut().zip(map.matrix.rows()) {
+            *cell = product(row, vector);
+        }
+        let length = orthogonalise(&mut image, next.first(kept));
+        if length > map.nothing {
+            for (cell, v) in next[kept].iter_mut().zip(&image) {
+                *cell = v / length;
+            }
             stretch.factor[kept] = length;
             kept += 1;
         }
     }
     stretch.alive = kept;
     for position in kept..width {
-        next[position] = complement(&next[..position]);
+        let vector = complement(&next, position);
+        next[position].copy_from_slice(&vector);
     }
     *basis = next;
     stretch
@@ -87,18 +114,18 @@ pub(crate) fn carry<const N: usize>(
 /// a projection from the one onto the other would lose the cosine of the angle at every step, which adds up to a
 /// negative contribution that grows with the sampling rate. The rotation nearest to the projection (its orthogonal polar factor)
 /// loses nothing.
-fn align<const N: usize>(basis: &mut Square<N>, domain: &Square<N>, width: usize) {
-    let mut projection = [[0.0; N]; N];
-    for (row, direction) in projection.iter_mut().zip(domain).take(width) {
-        for (cell, vector) in row.iter_mut().zip(basis.iter()).take(width) {
+fn align(basis: &mut Matrix, domain: &Matrix, width: usize) {
+    let columns = basis.columns();
+    let mut projection = Matrix::zeros(columns, columns);
+    for (row, direction) in projection.rows_mut().zip(domain.first(width)) {
+        for (cell, vector) in row.iter_mut().zip(basis.first(width)) {
             *cell = product(direction, vector);
         }
     }
-    let parts = svd(&projection);
-    let mut turned = *basis;
-    for (c, vector) in turned.iter_mut().enumerate().take(width) {
-        *vector = [0.0; N];
-        for (r, direction) in domain.iter().enumerate().take(width) {
+    let [parts] = svds([&projection]);
+    for (c, vector) in basis.rows_mut().enumerate().take(width) {
+        vector.fill(0.0);
+        for (r, direction) in domain.first(width).enumerate() {
             let mut factor = 0.0;
             for i in 0..width {
                 factor += parts.u[i][r] * parts.v[i][c];
@@ -108,14 +135,13 @@ fn align<const N: usize>(basis: &mut Square<N>, domain: &Square<N>, width: usize
             }
         }
     }
-    *basis = turned;
 }
 
 /// Subtracts the components along orthonormal vectors, twice, so that what is left is orthogonal to rounding (Giraud,
 /// Langou and Rozložník 2005); returns its length.
-fn orthogonalise<const N: usize>(vector: &mut [f64; N], others: &[[f64; N]]) -> f64 {
+fn orthogonalise<'a>(vector: &mut [f64], others: impl Iterator<Item = &'a [f64]> + Clone) -> f64 {
     for _ in 0..2 {
-        for other in others {
+        for other in others.clone() {
             let along = product(vector, other);
             for (v, o) in vector.iter_mut().zip(other) {
                 *v -= along * o;
@@ -125,15 +151,17 @@ fn orthogonalise<const N: usize>(vector: &mut [f64; N], others: &[[f64; N]]) -> 
     product(vector, vector).sqrt()
 }
 
-/// A unit vector orthogonal to fewer than N orthonormal ones: what is left of the coordinate axis furthest from them.
-fn complement<const N: usize>(others: &[[f64; N]]) -> [f64; N] {
-    let mut best = ([0.0; N], 0.0);
-    for axis in 0..N {
-        let mut vector = [0.0; N];
+/// A unit vector orthogonal to so many orthonormal ones, fewer than they have components: what is left of the coordinate axis furthest from
+/// them.
+fn complement(others: &Matrix, count: usize) -> Vec<f64> {
+    let columns = others.columns();
+    let mut best = (vec![0.0; columns], 0.0);
+    for axis in 0..columns {
+        let mut vector = vec![0.0; columns];
         vector[axis] = 1.0;
-        let length = orthogonalise(&mut vector, others);
+        let length = orthogonalise(&mut vector, others.first(count));
         if length > best.1 {
-            best = (vector.map(|v| v / length), length);
+            best = (vector.iter().map(|v| v / length).collect(), length);
         }
     }
     best.0
@@ -143,24 +171,20 @@ fn complement<const N: usize>(others: &[[f64; N]]) -> [f64; N] {
 mod tests {
     use super::*;
 
-    fn map<const N: usize>(matrix: Square<N>, rank: usize) -> LocalMap<N> {
-        LocalMap {
-            matrix,
+    /// Through a map of a rank, from the coordinate axes; with the vectors after it.
+    fn through<const N: usize>(matrix: [[f64; N]; N], rank: usize) -> (Stretch, Matrix) {
+        let map = LocalMap {
+            matrix: Matrix::new(matrix.concat(), N),
             rank,
-            domain: identity(),
             nothing: 1e-12,
-        }
-    }
-
-    fn identity<const N: usize>() -> Square<N> {
-        std::array::from_fn(|i| std::array::from_fn(|k| f64::from(u8::from(i == k))))
+        };
+        let mut basis = Matrix::identity(N);
+        (advance(&map, &Matrix::identity(N), &mut basis, N), basis)
     }
 
     #[test]
     fn the_product_of_the_factors_is_the_determinant() {
-        let matrix = [[2.0, 1.0, 0.0], [0.0, 3.0, 1.0], [1.0, 0.0, 1.0]];
-        let mut basis = identity();
-        let stretch = advance(&map(matrix, 3), &mut basis, 3);
+        let (stretch, _) = through([[2.0, 1.0, 0.0], [0.0, 3.0, 1.0], [1.0, 0.0, 1.0]], 3);
         // 2 (3 · 1 − 1 · 0) − 1 (0 · 1 − 1 · 1) = 7.
         assert!((stretch.factor.iter().product::<f64>() - 7.0).abs() < 1e-14);
         assert_eq!((stretch.alive, stretch.determined), (3, 3));
@@ -168,28 +192,24 @@ mod tests {
 
     #[test]
     fn an_annihilated_vector_goes_to_the_end() {
-        let matrix = [[0.0, 0.0, 0.0], [0.0, 5.0, 0.0], [0.0, 0.0, 3.0]];
-        let mut basis = identity();
-        let stretch = advance(&map(matrix, 3), &mut basis, 3);
+        let (stretch, basis) = through([[0.0, 0.0, 0.0], [0.0, 5.0, 0.0], [0.0, 0.0, 3.0]], 3);
         assert_eq!(stretch.factor, [5.0, 3.0, 0.0]);
         assert_eq!((stretch.alive, stretch.determined), (2, 3));
-        assert_eq!(basis[2].map(f64::abs), [1.0, 0.0, 0.0]);
+        assert_eq!([0, 1, 2].map(|c| basis[2][c].abs()), [1.0, 0.0, 0.0]);
     }
 
     #[test]
     fn a_complement_is_a_unit_vector_orthogonal_to_the_others() {
-        let found = complement(&[[0.6, 0.8]]);
+        let found = complement(&Matrix::new(vec![0.6, 0.8], 2), 1);
         assert!((found[0] - 0.8).abs() < 1e-15 && (found[1] + 0.6).abs() < 1e-15);
     }
 
     #[test]
     fn undetermined_is_told_from_annihilated() {
-        let matrix = [[0.0, 0.0], [0.0, 5.0]];
-        let stretch = advance(&map(matrix, 1), &mut identity(), 2);
+        let (stretch, _) = through([[0.0, 0.0], [0.0, 5.0]], 1);
         assert_eq!((stretch.alive, stretch.determined), (1, 1));
-        let mut basis = identity();
-        let stretch = advance(&map([[0.0; 2]; 2], 0), &mut basis, 2);
+        let (stretch, basis) = through([[0.0; 2]; 2], 0);
         assert_eq!((stretch.alive, stretch.determined), (0, 0));
-        assert_eq!(basis, identity());
+        assert_eq!(basis, Matrix::identity(2));
     }
 }

@@ -1,6 +1,7 @@
-//! The points as the estimator works on them: rows of fixed length, scaled by a power of two.
+//! The points as the estimator works on them: rows scaled by a power of two.
 
 use super::error::DataError;
+use super::matrix::{Matrix, distance2};
 use super::series::Series;
 
 /// Longest Theiler window the automatic choice makes, as a fraction of the series.
@@ -10,8 +11,8 @@ const TERMS: usize = 4096;
 
 /// The points, divided by a power of two near their extent. Exponents do not change by that, and no square over- or
 /// underflows whatever the unit of the data.
-pub(crate) struct Cloud<const N: usize> {
-    pub(crate) points: Vec<[f64; N]>,
+pub(crate) struct Cloud {
+    pub(crate) points: Matrix,
     /// What the points were divided by.
     pub(crate) unit: f64,
     /// `√Σ var`, in the scaled unit.
@@ -20,19 +21,20 @@ pub(crate) struct Cloud<const N: usize> {
     pub(crate) rounding: f64,
 }
 
-impl<const N: usize> Cloud<N> {
+impl Cloud {
     /// # Errors
     /// [`DataError::Constant`] if the points differ by rounding at most, [`DataError::Overflow`] if by too much.
     pub(crate) fn new(series: &Series) -> Result<Self, DataError> {
         let constant = DataError::Constant { rows: series.len() };
-        let (rows, _) = series.values().as_chunks::<N>();
-        let Some(first) = rows.first() else {
+        let columns = series.columns();
+        let rows = || series.values().chunks_exact(columns);
+        let Some(first) = rows().next() else {
             return Err(constant);
         };
         let mut extent: f64 = 0.0;
         // Two points may be on either side of the first, and differ so in all columns.
-        let farthest = 0.25 * f64::MAX / (N as f64).sqrt();
-        for (i, row) in rows.iter().enumerate() {
+        let farthest = 0.25 * f64::MAX / (columns as f64).sqrt();
+        for (i, row) in rows().enumerate() {
             for (c, (v, origin)) in row.iter().zip(first).enumerate() {
                 // Halves first: the difference of two finite numbers may be infinite.
                 let half = (0.5 * v - 0.5 * origin).abs();
@@ -47,13 +49,12 @@ impl<const N: usize> Cloud<N> {
             return Err(constant);
         }
         let unit = power_of_two_near(extent);
-        let points: Vec<[f64; N]> = rows.iter().map(|row| row.map(|v| v / unit)).collect();
+        let scaled = series.values().iter().map(|v| v / unit).collect();
+        let points = Matrix::new(scaled, columns);
         let mean = mean(&points);
-        let largest = points
-            .iter()
-            .flatten()
-            .fold(0.0, |m: f64, v| m.max(v.abs()));
-        let variance = points.iter().map(|p| distance2(p, &mean)).sum::<f64>() / rows.len() as f64;
+        let largest = points.cells().iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+        let squares = points.rows().map(|p| distance2(p, &mean)).sum::<f64>();
+        let variance = squares / series.len() as f64;
         let spread = variance.sqrt();
         let rounding = f64::EPSILON * largest;
         if spread.is_nan() || spread <= 4.0 * rounding {
@@ -74,6 +75,11 @@ impl<const N: usize> Cloud<N> {
         at.unwrap_or(self.longest_lag())
     }
 
+    /// Decorrelation time and spread of all columns together, in the unit of the data.
+    pub(crate) fn scales(&self) -> (usize, f64) {
+        (self.decorrelation(), self.unit * self.spread)
+    }
+
     /// The longest lag that is looked at.
     fn longest_lag(&self) -> usize {
         (self.points.len() / LONGEST_WINDOW).max(1)
@@ -85,10 +91,10 @@ impl<const N: usize> Cloud<N> {
         let mean = mean(points);
         let thin = points.len().div_ceil(TERMS);
         let correlation = |lag: usize| -> (f64, f64) {
-            let pairs = points.iter().zip(&points[lag..]).step_by(thin);
+            let pairs = points.rows().zip(points.rows().skip(lag)).step_by(thin);
             pairs.fold((0.0, 0.0), |(product, square), (a, b)| {
                 let mut sums = (product, square);
-                for c in 0..N {
+                for c in 0..mean.len() {
                     sums.0 += (a[c] - mean[c]) * (b[c] - mean[c]);
                     sums.1 += (a[c] - mean[c]) * (a[c] - mean[c]);
                 }
@@ -102,23 +108,14 @@ impl<const N: usize> Cloud<N> {
     }
 }
 
-fn mean<const N: usize>(points: &[[f64; N]]) -> [f64; N] {
-    let mut mean = [0.0; N];
-    for point in points {
+fn mean(points: &Matrix) -> Vec<f64> {
+    let mut mean = vec![0.0; points.columns()];
+    for point in points.rows() {
         for (sum, v) in mean.iter_mut().zip(point) {
             *sum += v;
         }
     }
-    mean.map(|sum| sum / points.len() as f64)
-}
-
-/// Square of the distance of two points, always added in the same order.
-pub(crate) fn distance2<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
-    let mut sum = 0.0;
-    for c in 0..N {
-        sum += (a[c] - b[c]) * (a[c] - b[c]);
-    }
-    sum
+    mean.iter().map(|sum| sum / points.len() as f64).collect()
 }
 
 /// The power of two not above `v > 0` and not below half of it, within what has an exact reciprocal.
@@ -149,7 +146,7 @@ mod tests {
         // Wherever the sine's mean is.
         for mean in [0.0, 1000.0] {
             let rows = (0..5000).map(|i| [libm::cos(angle(i)) + mean, libm::sin(angle(i))]);
-            let cloud = Cloud::<2>::new(&Series::from_rows(rows, 1.0).unwrap()).unwrap();
+            let cloud = Cloud::new(&Series::from_rows(rows, 1.0).unwrap()).unwrap();
             assert!((19..=20).contains(&cloud.decorrelation()), "{mean}");
         }
     }

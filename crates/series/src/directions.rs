@@ -65,32 +65,35 @@ pub struct Direction {
 }
 
 /// What one point says.
-struct Vote<const N: usize> {
+struct Vote {
     radius: [f64; LEVELS],
-    sizes: [[f64; N]; LEVELS],
+    /// The singular values at each size.
+    sizes: [Vec<f64>; LEVELS],
     /// NaN where a singular value is zero at some size.
-    slopes: [f64; N],
+    slopes: Vec<f64>,
 }
 
 /// Measures the directions. `smallest` is the number of neighbours in the smallest neighbourhood.
-pub(crate) fn measure<const N: usize>(
-    cloud: &Cloud<N>,
-    finder: &Finder<'_, N>,
+pub(crate) fn measure(
+    cloud: &Cloud,
+    finder: &Finder<'_>,
     rule: &Rule,
     smallest: usize,
 ) -> Vec<Direction> {
     let points = cloud.points.len() - rule.step;
     let counts = counts(smallest, points);
     let every = points.div_ceil(SAMPLES).max(1);
-    let votes: Vec<Option<Vote<N>>> = (0..points.div_ceil(every))
+    let votes: Vec<Option<Vote>> = (0..points.div_ceil(every))
         .into_par_iter()
         .map_init(
             || (Scratch::default(), Vec::new()),
             |(scratch, found), i| vote(cloud, finder, rule, &counts, i * every, scratch, found),
         )
         .collect();
-    let votes: Vec<Vote<N>> = votes.into_iter().flatten().collect();
-    (0..N).map(|i| direction(&votes, i, cloud.unit)).collect()
+    let votes: Vec<Vote> = votes.into_iter().flatten().collect();
+    (0..cloud.points.columns())
+        .map(|i| direction(&votes, i, cloud.unit))
+        .collect()
 }
 
 /// Numbers of neighbours, in geometric progression.
@@ -103,47 +106,41 @@ fn counts(smallest: usize, points: usize) -> [usize; LEVELS] {
     })
 }
 
-fn vote<const N: usize>(
-    cloud: &Cloud<N>,
-    finder: &Finder<'_, N>,
+fn vote(
+    cloud: &Cloud,
+    finder: &Finder<'_>,
     rule: &Rule,
     counts: &[usize; LEVELS],
     j: usize,
     scratch: &mut Scratch,
     found: &mut Vec<Neighbour>,
-) -> Option<Vote<N>> {
+) -> Option<Vote> {
     finder.nearest(j, counts[LEVELS - 1], f64::INFINITY, found);
-    let mut vote = Vote {
-        radius: [0.0; LEVELS],
-        sizes: [[0.0; N]; LEVELS],
-        slopes: [0.0; N],
-    };
+    let mut radius = [0.0; LEVELS];
     let mut neighbourhoods: [&[Neighbour]; LEVELS] = [&[]; LEVELS];
     for (level, &count) in counts.iter().enumerate() {
         neighbourhoods[level] = found.get(..count)?;
-        vote.radius[level] = neighbourhoods[level].last()?.0.sqrt();
+        radius[level] = neighbourhoods[level].last()?.0.sqrt();
     }
-    let mut zero = [0.0; LEVELS];
-    let sizes = scratch.singular_values(cloud, j, neighbourhoods, rule);
-    for (level, found) in sizes.into_iter().enumerate() {
-        (vote.sizes[level], zero[level]) = found;
-    }
-    if vote.radius[LEVELS - 1] < SMALLEST_SPAN * vote.radius[0] {
+    if radius[LEVELS - 1] < SMALLEST_SPAN * radius[0] {
         return None;
     }
-    for i in 0..N {
-        let resolved = (0..LEVELS).all(|level| vote.sizes[level][i] > zero[level]);
-        vote.slopes[i] = if resolved {
-            let sizes = vote.sizes.iter().map(|sizes| sizes[i]);
-            power(vote.radius.into_iter().zip(sizes))
-        } else {
-            f64::NAN
-        };
-    }
-    Some(vote)
+    let found = scratch.singular_values(cloud, j, neighbourhoods, rule);
+    let slope = |i: usize| {
+        let sizes = found.iter().map(|(sizes, _)| sizes[i]);
+        let is_resolved = found.iter().all(|(sizes, zero)| sizes[i] > *zero);
+        is_resolved.then(|| power(radius.into_iter().zip(sizes)))
+    };
+    Some(Vote {
+        slopes: (0..cloud.points.columns())
+            .map(|i| slope(i).unwrap_or(f64::NAN))
+            .collect(),
+        radius,
+        sizes: found.map(|(sizes, _)| sizes),
+    })
 }
 
-fn direction<const N: usize>(votes: &[Vote<N>], i: usize, unit: f64) -> Direction {
+fn direction(votes: &[Vote], i: usize, unit: f64) -> Direction {
     let slopes: Vec<f64> = votes
         .iter()
         .map(|vote| vote.slopes[i])
@@ -193,7 +190,7 @@ mod tests {
             let radius = f64::from(u8::from(i != 150));
             [radius * libm::cos(angle), radius * libm::sin(angle)]
         });
-        let cloud = Cloud::<2>::new(&Series::from_rows(rows, 1.0).unwrap()).unwrap();
+        let cloud = Cloud::new(&Series::from_rows(rows, 1.0).unwrap()).unwrap();
         let finder = Finder::new(&cloud, 1, 0).unwrap();
         let (mut scratch, mut found) = (Scratch::default(), Vec::new());
         let counts = counts(20, 300);
@@ -222,8 +219,8 @@ mod tests {
         ] {
             let votes = (0..10).map(|i| Vote {
                 radius: [1.0, 2.0, 4.0, 8.0],
-                sizes: [[0.5], [1.0], [2.0], [4.0]],
-                slopes: [if i < with_slope { 1.0 } else { f64::NAN }],
+                sizes: [0.5, 1.0, 2.0, 4.0].map(|size| vec![size]),
+                slopes: vec![if i < with_slope { 1.0 } else { f64::NAN }],
             });
             // The points are in units of 3 of the data.
             let found = direction(&votes.collect::<Vec<_>>(), 0, 3.0);

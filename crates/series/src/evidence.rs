@@ -10,12 +10,12 @@ const UNDETERMINED: f64 = 0.01;
 const STARVED: f64 = 0.5;
 /// With a larger residual ratio the maps predict next to nothing: about a third of the variance.
 const UNPREDICTABLE: f64 = 0.8;
-/// Two estimates differ if they are apart by more than so many standard errors,
-const STANDARD_ERRORS: f64 = 4.0;
-/// and by more than this part of the value.
+/// An estimate moves with the size of the neighbourhoods if it does by more than this part of the value,
 const PART: f64 = 0.05;
-/// An extrapolation over more than so many standard errors, and more than that part of the value, is none from small sizes.
-const RANGE: f64 = 2.0;
+/// and by more than so many standard errors of Eqs. (25) and (26), whose error holds no bias,
+const STANDARD_ERRORS: f64 = 4.0;
+/// or so many of an extrapolated one: its error holds the way to size zero, and two are to hold the true value.
+const EXTRAPOLATED_ERRORS: f64 = 2.0;
 
 /// What is known of all exponents alike.
 pub(crate) struct Evidence {
@@ -30,29 +30,22 @@ pub(crate) struct Evidence {
 impl Evidence {
     /// Puts together what is known of exponent `i`. `wide` is its estimate from neighbourhoods of twice the size, if
     /// there is one.
-    pub(crate) fn exponent<const N: usize>(
+    pub(crate) fn exponent(
         &self,
         i: usize,
         full: &Average,
         fixed: Option<&Average>,
         wide: Option<&Average>,
-        corrected: Option<&Corrected<N>>,
+        corrected: Option<&Corrected>,
     ) -> DataExponent {
-        let mut eps_sensitivity = match wide {
-            Some(wide) => wide.mean - full.mean,
-            None => f64::NAN,
+        let corrected = corrected.filter(|_| i < self.dimension);
+        let best = corrected.map_or(*full, |corrected| corrected.best(i));
+        let eps_sensitivity = match (corrected, wide) {
+            (Some(corrected), _) => corrected.large[i].mean - corrected.small[i].mean,
+            (None, Some(wide)) => wide.mean - full.mean,
+            (None, None) => f64::NAN,
         };
-        let mut status = self.status(i, full, eps_sensitivity);
-        let mut best = *full;
-        if let Some(corrected) = corrected
-            && i < self.dimension
-        {
-            eps_sensitivity = corrected.large[i].mean - corrected.small[i].mean;
-            best = corrected.best(i);
-            if status == Status::Ok {
-                status = self.extrapolated(i, &best, corrected);
-            }
-        }
+        let status = self.status(i, full, &best, eps_sensitivity, corrected);
         let annihilated = status == Status::Annihilated;
         let of = |average: &Average| {
             if annihilated {
@@ -78,45 +71,51 @@ impl Evidence {
         }
     }
 
-    /// Of an exponent that nothing speaks against before it is extrapolated, the `best` of its averages.
-    fn extrapolated<const N: usize>(
+    /// The first of all reasons against an exponent, the gravest first: it is none of the system's, none of the data's, none of small
+    /// neighbourhoods.
+    fn status(
         &self,
         i: usize,
+        full: &Average,
         best: &Average,
-        corrected: &Corrected<N>,
+        eps_sensitivity: f64,
+        corrected: Option<&Corrected>,
     ) -> Status {
-        // To those at the larger size, and by the maps that judge linear ones.
-        let ways = [corrected.range(i), corrected.gap(i)];
-        // Two errors are to hold the true value.
-        let flattened = corrected.noise[i] / self.tau > 2.0 * best.stderr;
-        let tolerance = (RANGE * corrected.zero[i].scatter).max(PART * best.mean.abs());
-        if best.undetermined as f64 > UNDETERMINED * corrected.counted as f64 {
-            Status::Undetermined
-        } else if flattened {
-            Status::Noisy
-        } else if ways.iter().all(|way| way.abs() <= tolerance) {
-            Status::Ok
-        } else {
-            Status::Unstable
-        }
-    }
-
-    fn status(&self, i: usize, full: &Average, eps_sensitivity: f64) -> Status {
-        let references = self.references as f64;
-        let tolerance = (STANDARD_ERRORS * full.scatter).max(PART * full.mean.abs());
-        if i >= self.dimension || full.undetermined as f64 > UNDETERMINED * references {
-            Status::Unidentified
-        } else if full.collapses > 0 {
-            Status::Annihilated
-        } else if self.residual_ratio > UNPREDICTABLE {
-            Status::Unpredictable
-        } else if self.starved as f64 > STARVED * references {
-            Status::Starved
-        } else if eps_sensitivity.abs() > tolerance {
-            Status::Unstable
-        } else {
-            Status::Ok
-        }
+        let are_many = |count: usize, part: f64, all: usize| count as f64 > part * all as f64;
+        let undetermined = corrected
+            .is_some_and(|corrected| are_many(best.undetermined, UNDETERMINED, corrected.counted));
+        let flattened = corrected.is_some_and(|corrected| {
+            corrected.noise[i] / self.tau > EXTRAPOLATED_ERRORS * best.stderr
+        });
+        let moves = match corrected {
+            // To the exponents at the larger size, and from those by the maps that judge linear ones, if these exist.
+            Some(corrected) => {
+                let tolerance = EXTRAPOLATED_ERRORS * corrected.zero[i].scatter;
+                let ways = [corrected.range(i), corrected.gap(i)];
+                !ways
+                    .iter()
+                    .all(|way| way.abs() <= tolerance.max(PART * best.mean.abs()))
+            }
+            None => {
+                let tolerance = STANDARD_ERRORS * full.scatter;
+                eps_sensitivity.abs() > tolerance.max(PART * full.mean.abs())
+            }
+        };
+        let is_unknown = are_many(full.undetermined, UNDETERMINED, self.references);
+        let reasons = [
+            (i >= self.dimension || is_unknown, Status::Unidentified),
+            (full.collapses > 0, Status::Annihilated),
+            (self.residual_ratio > UNPREDICTABLE, Status::Unpredictable),
+            (
+                are_many(self.starved, STARVED, self.references),
+                Status::Starved,
+            ),
+            (undetermined, Status::Undetermined),
+            (flattened, Status::Noisy),
+            (moves, Status::Unstable),
+        ];
+        let reason = reasons.iter().find(|(holds, _)| *holds);
+        reason.map_or(Status::Ok, |(_, status)| *status)
     }
 }
 
@@ -149,8 +148,9 @@ mod tests {
     fn few_blocks_make_the_error_wider_and_allow_for_no_more_bias() {
         let full = from_few_blocks(0.1);
         // Four times the scatter.
-        assert_eq!(EVIDENCE.status(0, &full, 0.039), Status::Ok);
-        assert_eq!(EVIDENCE.status(0, &full, 0.041), Status::Unstable);
+        let status = |way| EVIDENCE.status(0, &full, &full, way, None);
+        assert_eq!(status(0.039), Status::Ok);
+        assert_eq!(status(0.041), Status::Unstable);
         // Twice, on the way from the larger size to zero.
         for (way, status) in [(0.019, Status::Ok), (0.021, Status::Unstable)] {
             let corrected = Corrected {
@@ -159,16 +159,18 @@ mod tests {
                     neighbours: [20, 40],
                     radius: [0.1, 0.2],
                 },
-                small: [full],
-                large: [from_few_blocks(0.1 + way)],
-                zero: [full],
-                noise: [0.0],
+                small: vec![full],
+                large: vec![from_few_blocks(0.1 + way)],
+                zero: vec![full],
+                noise: vec![0.0],
                 counted: 1000,
                 judged: None,
                 sum: full,
+                running: Vec::new(),
             };
             let best = corrected.best(0);
-            assert_eq!(EVIDENCE.extrapolated(0, &best, &corrected), status);
+            let found = EVIDENCE.status(0, &full, &best, f64::NAN, Some(&corrected));
+            assert_eq!(found, status);
             let whole = (0.05_f64 * 0.05 + way * way).sqrt();
             assert!((best.stderr - whole).abs() < 1e-15);
         }

@@ -10,14 +10,15 @@
 //! size, for what fits the folds badly does so at any size. Quadratic maps are fitted beside them where the points suffice, and the distance
 //! between the two is counted as an error, too.
 
-use super::averages::{Average, average, volume};
-use super::chain::{Stretch, carry};
+use super::averages::{Average, averages, running, volume};
+use super::chain::{Chains, Stretch};
 use super::cloud::Cloud;
+use super::fit::LocalMap;
+use super::matrix::Matrix;
 use super::neighbours::Neighbour;
-use super::polynomial::{Degree, Derivative, Fitter, Polynomial};
+use super::polynomial::{Degree, Fitter, Polynomial};
 use super::settings::DataSettings;
 use super::statistics::upper_median;
-use super::svd::Square;
 
 /// Neighbours of the smaller size for each unknown.
 const PER_UNKNOWN: usize = 3;
@@ -49,12 +50,13 @@ pub(crate) struct Plan {
 impl Plan {
     /// Quadratic maps where the points suffice or they are asked for, linear ones elsewhere. Where linear ones are asked for and the
     /// points suffice for quadratic ones, these judge them.
-    pub(crate) fn new<const N: usize>(
-        cloud: &Cloud<N>,
+    pub(crate) fn new(
+        cloud: &Cloud,
         settings: &DataSettings,
         degree: Option<Degree>,
         tangent: usize,
     ) -> Self {
+        let columns = cloud.points.columns();
         let linear = Polynomial {
             forms: 0,
             tangent,
@@ -62,26 +64,23 @@ impl Plan {
             step: settings.step,
             rounding: cloud.rounding,
         };
-        let quadratic = linear.quadratic(N);
+        let quadratic = linear.quadratic(columns);
         let fewest = settings.neighbours.fewest();
-        let needed = fewest.max(PER_UNKNOWN * quadratic.unknowns(N));
+        let needed = fewest.max(PER_UNKNOWN * quadratic.unknowns(columns));
         let enough = 2 * needed <= cloud.points.len() / LARGEST_PART;
-        match degree {
-            Some(Degree::Quadratic) => Self::of(Degree::Quadratic, quadratic, needed),
-            None if enough => Self::of(Degree::Quadratic, quadratic, needed),
-            None | Some(Degree::Linear) => Self {
-                judge: enough.then_some((quadratic, needed)),
-                ..Self::of(Degree::Linear, linear, fewest)
-            },
-        }
-    }
-
-    fn of(degree: Degree, polynomial: Polynomial, neighbours: usize) -> Self {
-        Self {
+        let of = |degree, polynomial, neighbours, judge| Self {
             degree,
             polynomial,
             neighbours: [neighbours, 2 * neighbours],
-            judge: None,
+            judge,
+        };
+        match degree {
+            Some(Degree::Quadratic) => of(Degree::Quadratic, quadratic, needed, None),
+            None if enough => of(Degree::Quadratic, quadratic, needed, None),
+            None | Some(Degree::Linear) => {
+                let judge = enough.then_some((quadratic, needed));
+                of(Degree::Linear, linear, fewest, judge)
+            }
         }
     }
 
@@ -92,86 +91,75 @@ impl Plan {
     }
 
     /// The maps around point `j` from its nearest neighbours; `directions` are those of the neighbourhood, the widest first.
-    pub(crate) fn fit<const N: usize>(
+    pub(crate) fn fit(
         &self,
-        fitter: &mut Fitter<N>,
-        points: &[[f64; N]],
+        fitter: &mut Fitter<'_>,
         j: usize,
         found: &[Neighbour],
-        directions: &Square<N>,
-    ) -> Maps<N> {
-        let (small, further) = found.split_at(self.neighbours[0].min(found.len()));
+        directions: &Matrix,
+    ) -> Maps {
+        let (near, further) = found.split_at(self.neighbours[0].min(found.len()));
         let further = &further[..further.len().min(self.neighbours[1] - self.neighbours[0])];
         let distance = |near: &[Neighbour]| near.last().map(|far| far.0.sqrt());
-        let radius = distance(small).unwrap_or(0.0);
+        let radius = distance(near).unwrap_or(0.0);
+        let small = fitter.fit(j, near, directions, &self.polynomial);
+        let large = fitter.extend(j, further, directions, &self.polynomial);
         Maps {
-            sizes: [
-                (
-                    fitter.fit(points, j, small, directions, &self.polynomial),
-                    radius,
-                ),
-                (
-                    fitter.extend(points, j, further, directions, &self.polynomial),
-                    distance(further).unwrap_or(radius),
-                ),
-            ],
+            radius: [radius, distance(further).unwrap_or(radius)],
+            noise: small.noise,
+            sizes: [small.map, large.map],
             judge: self.judge.as_ref().map(|(polynomial, count)| {
                 let near = &found[..found.len().min(*count)];
-                fitter.fit(points, j, near, directions, polynomial)
+                fitter.fit(j, near, directions, polynomial).map
             }),
         }
     }
 }
 
 /// The maps around a point.
-pub(crate) struct Maps<const N: usize> {
-    /// Of both sizes, with their radii.
-    sizes: [(Derivative<N>, f64); 2],
-    judge: Option<Derivative<N>>,
-}
-
-impl<const N: usize> Maps<N> {
-    /// Radius of the smaller size, in the unit of the cloud.
-    pub(crate) fn radius(&self) -> f64 {
-        self.sizes[0].1
-    }
+pub(crate) struct Maps {
+    /// Of the smaller and the larger size.
+    sizes: [LocalMap; 2],
+    /// Radii of both, in the unit of the cloud.
+    pub(crate) radius: [f64; 2],
+    /// Part of the neighbours' variance in each direction that is noise, at the smaller size.
+    noise: Vec<f64>,
+    judge: Option<LocalMap>,
 }
 
 /// The chains at both sizes, and that of the maps that judge.
-pub(crate) struct Chains<const N: usize> {
+pub(crate) struct Extrapolation {
+    sizes: [Chains; 2],
+    /// Without maps that judge nothing is pushed.
+    judged: Chains,
     /// Interleaved chains of each of them.
     count: usize,
-    bases: [Vec<Square<N>>; 2],
-    judging: Vec<Square<N>>,
-    stretches: [Vec<Stretch<N>>; 2],
-    /// By the maps that judge; none without them.
-    judged: Vec<Stretch<N>>,
     /// Sum of the radii, in the unit of the cloud.
     radius: [f64; 2],
     /// Part of the neighbours' variance in each direction that is noise, at the smaller size.
-    noises: Vec<[f64; N]>,
-    /// Tangent directions.
-    dimension: usize,
+    noises: Vec<Vec<f64>>,
 }
 
 /// Averages at both sizes and at size zero.
-pub(crate) struct Corrected<const N: usize> {
+pub(crate) struct Corrected {
     pub(crate) sizes: Sizes,
-    pub(crate) small: [Average; N],
-    pub(crate) large: [Average; N],
+    pub(crate) small: Vec<Average>,
+    pub(crate) large: Vec<Average>,
     /// With statistical errors.
-    pub(crate) zero: [Average; N],
+    pub(crate) zero: Vec<Average>,
     /// Part of the neighbours' variance in each direction that is noise, by which the maps are flattened.
-    pub(crate) noise: [f64; N],
+    pub(crate) noise: Vec<f64>,
     /// Reference points that the averages are over.
     pub(crate) counted: usize,
     /// By the maps that judge linear ones.
-    pub(crate) judged: Option<[Average; N]>,
+    pub(crate) judged: Option<Vec<Average>>,
     /// Sum of the exponents of the tangent directions, with its whole error.
     pub(crate) sum: Average,
+    /// Running means at size zero, with the number of reference points before each.
+    pub(crate) running: Vec<(usize, Vec<f64>)>,
 }
 
-impl<const N: usize> Corrected<N> {
+impl Corrected {
     /// The way from the larger size to zero.
     pub(crate) fn range(&self, i: usize) -> f64 {
         self.zero[i].mean - self.large[i].mean
@@ -201,77 +189,63 @@ fn with_bias(zero: Average, range: f64, gap: f64) -> Average {
     }
 }
 
-impl<const N: usize> Chains<N> {
+impl Extrapolation {
     /// So many interleaved chains, of which nothing is known yet.
-    pub(crate) fn new(plan: &Plan, count: usize) -> Self {
+    pub(crate) fn new(count: usize, columns: usize) -> Self {
+        let chains = || Chains::new(count, columns);
         Self {
+            sizes: [chains(), chains()],
+            judged: chains(),
             count,
-            bases: [Vec::new(), Vec::new()],
-            judging: Vec::new(),
-            stretches: [Vec::new(), Vec::new()],
-            judged: Vec::new(),
             radius: [0.0; 2],
             noises: Vec::new(),
-            dimension: plan.polynomial.tangent,
         }
     }
 
-    /// Takes them through the maps of the next reference point. A chain begins with the directions of the neighbourhood.
-    pub(crate) fn push(&mut self, maps: &Maps<N>, directions: &Square<N>) {
-        let i = self.noises.len();
-        let chain = i % self.count;
-        let through = |map: &Derivative<N>, bases: &mut Vec<Square<N>>| {
-            if i < self.count {
-                bases.push(*directions);
-            }
-            carry(&map.matrix, map.nothing, map.rank, &mut bases[chain], N)
-        };
-        for (size, (map, distance)) in maps.sizes.iter().enumerate() {
-            self.radius[size] += distance;
-            self.stretches[size].push(through(map, &mut self.bases[size]));
+    /// Takes the chains through the maps of the next reference point.
+    pub(crate) fn push(&mut self, maps: Maps, directions: &Matrix) {
+        for (size, map) in maps.sizes.iter().enumerate() {
+            self.radius[size] += maps.radius[size];
+            self.sizes[size].push(map, directions);
         }
         if let Some(map) = &maps.judge {
-            self.judged.push(through(map, &mut self.judging));
+            self.judged.push(map, directions);
         }
-        self.noises.push(maps.sizes[0].0.noise);
+        self.noises.push(maps.noise);
     }
-    /// The averages, and the running means at size zero; `unit` is that of the cloud.
-    pub(crate) fn corrected(
-        &self,
-        plan: &Plan,
-        tau: f64,
-        unit: f64,
-    ) -> (Corrected<N>, Vec<(usize, [f64; N])>) {
+
+    /// The averages; `unit` is that of the cloud.
+    pub(crate) fn corrected(&self, plan: &Plan, tau: f64, unit: f64) -> Corrected {
+        let dimension = plan.polynomial.tangent;
         let settled = self.noises.len() / self.count / SETTLING * self.count;
         let stretches = self.at_zero();
         let stretches = &stretches[settled..];
-        let [small, large] = [0, 1].map(|size| &self.stretches[size][settled..]);
-        let (zero, mut running) = average(stretches, tau);
-        for (count, _) in &mut running {
-            *count += settled;
-        }
-        let sum = volume(stretches, self.dimension, tau);
-        let range = sum.mean - volume(large, self.dimension, tau).mean;
-        let judged = self
-            .judged
-            .get(settled..)
-            .filter(|judged| !judged.is_empty());
-        let judged_sum = judged.map(|judged| volume(judged, self.dimension, tau));
-        let corrected = Corrected {
+        let [small, large] = [0, 1].map(|size| &self.sizes[size].stretches[settled..]);
+        let mut running = running(stretches, tau);
+        running.iter_mut().for_each(|(count, _)| *count += settled);
+        let sum = volume(stretches, dimension, tau);
+        let range = sum.mean - volume(large, dimension, tau).mean;
+        let judged = self.judged.stretches.get(settled..);
+        let judged = judged.filter(|judged| !judged.is_empty());
+        let judged_sum = judged.map(|judged| volume(judged, dimension, tau));
+        let columns = 0..self.noises.first().map_or(0, Vec::len);
+        Corrected {
             sizes: Sizes {
                 degree: plan.degree,
                 neighbours: plan.neighbours,
                 radius: self.radius().map(|radius| unit * radius),
             },
-            small: average(small, tau).0,
-            large: average(large, tau).0,
-            zero,
-            noise: std::array::from_fn(|i| upper_median(self.noises.iter().map(|noise| noise[i]))),
+            small: averages(small, tau),
+            large: averages(large, tau),
+            zero: averages(stretches, tau),
+            noise: columns
+                .map(|i| upper_median(self.noises.iter().map(|noise| noise[i])))
+                .collect(),
             counted: stretches.len(),
-            judged: judged.map(|judged| average(judged, tau).0),
+            judged: judged.map(|judged| averages(judged, tau)),
             sum: with_bias(sum, range, gap(&sum, judged_sum.as_ref())),
-        };
-        (corrected, running)
+            running,
+        }
     }
 
     /// Mean radii, in the unit of the cloud.
@@ -280,7 +254,7 @@ impl<const N: usize> Chains<N> {
     }
 
     /// The stretchings at size zero.
-    fn at_zero(&self) -> Vec<Stretch<N>> {
+    fn at_zero(&self) -> Vec<Stretch> {
         let [small, large] = self.radius();
         let rise = large * large - small * small;
         // Neighbourhoods of the same radius, as of points in few places, tell nothing of another.
@@ -289,11 +263,11 @@ impl<const N: usize> Chains<N> {
         } else {
             0.0
         };
-        let [small, large] = &self.stretches;
-        let pairs = small.iter().zip(large);
+        let [small, large] = &self.sizes;
+        let pairs = small.stretches.iter().zip(&large.stretches);
         pairs
             .map(|(small, large)| {
-                let mut zero = *small;
+                let mut zero = small.clone();
                 zero.alive = small.alive.min(large.alive);
                 zero.determined = small.determined.min(large.determined);
                 for c in 0..zero.alive {

@@ -100,7 +100,6 @@
 
 mod absorb;
 mod averages;
-mod balance;
 mod chain;
 mod cloud;
 mod directions;
@@ -111,7 +110,7 @@ mod estimate;
 mod evidence;
 mod extrapolation;
 mod fit;
-mod images;
+mod matrix;
 mod neighbours;
 mod polynomial;
 mod result;
@@ -123,7 +122,6 @@ mod surrogates;
 mod svd;
 mod tree;
 
-pub use balance::Balance;
 pub use directions::{Direction, Kind};
 pub use divergence::{Divergence, DivergenceCurve, StraightPart, divergence};
 pub use embedding::{
@@ -131,10 +129,10 @@ pub use embedding::{
     NO_FALSE_NEIGHBOURS, choose_embedding, lacks_columns, needed_embedding,
 };
 pub use error::DataError;
-pub use estimate::{data_spectrum, data_spectrum_of_rows, data_spectrum_with};
+pub use estimate::{data_spectrum, data_spectrum_with};
 pub use extrapolation::Sizes;
 pub use polynomial::Degree;
-pub use result::{Counts, DataExponent, DataSpectrum, Running, Status};
+pub use result::{Balance, Counts, DataExponent, DataSpectrum, Running, Status};
 pub use reversal::{Origin, Reversal, reversal};
 pub use series::{MAX_COLUMNS, Series};
 pub use settings::{DataSettings, Estimator, FEWEST_REFERENCES, Neighbourhood};

@@ -1,7 +1,8 @@
 //! Neighbours of a point.
 
-use super::cloud::{Cloud, distance2};
+use super::cloud::Cloud;
 use super::error::DataError;
+use super::matrix::{Matrix, distance2};
 use super::settings::Neighbourhood;
 use super::tree::Tree;
 
@@ -42,19 +43,19 @@ impl Selection {
 }
 
 /// Finds neighbours among the points that have an image.
-pub(crate) struct Finder<'c, const N: usize> {
-    tree: Tree<N>,
-    points: &'c [[f64; N]],
+pub(crate) struct Finder<'c> {
+    tree: Tree,
+    points: &'c Matrix,
     /// So many of them, from the first on, have an image.
     candidates: usize,
     theiler: usize,
     repeat2: f64,
 }
 
-impl<'c, const N: usize> Finder<'c, N> {
+impl<'c> Finder<'c> {
     /// # Errors
     /// [`DataError::TooMany`].
-    pub(crate) fn new(cloud: &'c Cloud<N>, step: usize, theiler: usize) -> Result<Self, DataError> {
+    pub(crate) fn new(cloud: &'c Cloud, step: usize, theiler: usize) -> Result<Self, DataError> {
         let rows = cloud.points.len();
         if u32::try_from(rows).is_err() {
             return Err(DataError::TooMany {
@@ -62,12 +63,12 @@ impl<'c, const N: usize> Finder<'c, N> {
                 max: u32::MAX as usize,
             });
         }
-        let with_image = &cloud.points[..rows.saturating_sub(step)];
+        let candidates = rows.saturating_sub(step);
         let repeat = (REPEAT * cloud.spread).max(4.0 * cloud.rounding);
         Ok(Self {
-            tree: Tree::new(with_image),
+            tree: Tree::new(&cloud.points, candidates),
             points: &cloud.points,
-            candidates: with_image.len(),
+            candidates,
             theiler,
             repeat2: repeat * repeat,
         })
@@ -117,18 +118,12 @@ impl<'c, const N: usize> Finder<'c, N> {
 
     /// Square of the largest distance from point `j` of where neighbours are so much later; infinite if one of them is none then.
     fn reach2(&self, j: usize, later: usize, found: &[Neighbour]) -> f64 {
-        let candidates = &self.points[..self.candidates];
         found.iter().fold(0.0, |reach: f64, &(_, k)| {
-            let square = match candidates.get(k as usize + later) {
-                Some(point) => distance2(point, &self.points[j]),
-                None => f64::INFINITY,
-            };
-            let square = if square > self.repeat2 {
-                square
-            } else {
-                f64::INFINITY
-            };
-            reach.max(square)
+            let k = k as usize + later;
+            let is_candidate = k < self.candidates;
+            let square = is_candidate.then(|| distance2(&self.points[k], &self.points[j]));
+            let admissible = square.filter(|square| *square > self.repeat2);
+            reach.max(admissible.unwrap_or(f64::INFINITY))
         })
     }
 
@@ -149,13 +144,12 @@ impl<'c, const N: usize> Finder<'c, N> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cloud::distance2;
     use crate::series::Series;
 
     /// As [`Finder::nearest`], by looking at every point.
-    fn brute<const N: usize>(
-        cloud: &Cloud<N>,
-        finder: &Finder<'_, N>,
+    fn brute(
+        cloud: &Cloud,
+        finder: &Finder<'_>,
         step: usize,
         j: usize,
         wanted: usize,
@@ -174,7 +168,7 @@ mod tests {
 
     fn agrees_with_brute_force<const N: usize>(rows: impl Iterator<Item = [f64; N]>) {
         let series = Series::from_rows(rows, 1.0).unwrap();
-        let cloud = Cloud::<N>::new(&series).unwrap();
+        let cloud = Cloud::new(&series).unwrap();
         let mut found = Vec::new();
         for (step, theiler) in [(1, 0), (1, 1), (3, 40)] {
             let finder = Finder::new(&cloud, step, theiler).unwrap();
@@ -240,7 +234,7 @@ mod tests {
     fn only_repeats_end_the_search_with_nothing() {
         // The last point alone is another, and has no image.
         let rows = (0..3000).map(|i| [f64::from(u8::from(i == 2999))]);
-        let cloud = Cloud::<1>::new(&Series::from_rows(rows, 1.0).unwrap()).unwrap();
+        let cloud = Cloud::new(&Series::from_rows(rows, 1.0).unwrap()).unwrap();
         let finder = Finder::new(&cloud, 1, 1).unwrap();
         let mut found = vec![(0.0, 0)];
         finder.nearest(10, 20, f64::INFINITY, &mut found);

@@ -9,15 +9,14 @@
 use pulp::Arch;
 
 use super::absorb::Absorb;
-use super::images::Images;
+use super::fit::{ABOVE_ROUNDING, LocalMap};
+use super::matrix::Matrix;
 use super::neighbours::Neighbour;
-use super::svd::{Square, dot};
+use super::svd::dot;
 
 /// A direction that is not tangent is left out where less than this part of the widest is left of it by the quadratic forms: what
 /// cubic terms do to such a small rest would pass for a derivative.
 const THIN: f64 = 1e-3;
-/// How far above the rounding of the data a direction must be, for one neighbour.
-const ABOVE_ROUNDING: f64 = 4.0;
 /// Most unknowns of one image's component; with many columns the forms are of the widest directions only.
 const MOST_UNKNOWNS: usize = 28;
 
@@ -71,23 +70,45 @@ impl Polynomial {
     }
 }
 
-/// The linear part of a fitted polynomial.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Derivative<const N: usize> {
-    /// `[row][column]`.
-    pub(crate) matrix: Square<N>,
-    /// How many directions it is determined in; it is zero in the others. Zero if not all tangent directions are.
-    pub(crate) rank: usize,
-    /// A stretching below this is rounding.
-    pub(crate) nothing: f64,
+/// The linear part of a fitted polynomial. It is not determined in any direction if not in all tangent ones.
+#[derive(Clone, Debug)]
+pub(crate) struct Derivative {
+    pub(crate) map: LocalMap,
     /// Part of the neighbours' variance in each direction that is noise, by which a slope is too small, if the noise is the same in all columns:
     /// what the images leave unpredicted is theirs and, through the map, that of the points. NaN where there is nothing to tell it from.
-    pub(crate) noise: [f64; N],
+    pub(crate) noise: Vec<f64>,
+}
+
+/// Where the components of images come from: of delayed values, a delay ahead, all but the last are values of the point itself, and only the
+/// last is to be fitted.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Images {
+    /// The column that holds a component already.
+    known: Vec<Option<usize>>,
+    /// The components that are to be fitted.
+    fitted: Vec<usize>,
+}
+
+impl Images {
+    /// Of points whose images come `step` later. A component is known if its column is another one so much earlier, at all points.
+    pub(crate) fn of(points: &Matrix, step: usize) -> Self {
+        let columns = points.columns();
+        let is_column = |component: usize, column: usize| {
+            let mut pairs = points.rows().zip(points.rows().skip(step));
+            column != component && pairs.all(|(a, b)| a[column] == b[component])
+        };
+        let known: Vec<Option<usize>> = (0..columns)
+            .map(|component| (0..columns).find(|&column| is_column(component, column)))
+            .collect();
+        let fitted = (0..columns).filter(|&c| known[c].is_none()).collect();
+        Self { known, fitted }
+    }
 }
 
 /// Memory for a fit, used again for every point.
-pub(crate) struct Fitter<const N: usize> {
-    images: Images<N>,
+pub(crate) struct Fitter<'a> {
+    points: &'a Matrix,
+    images: &'a Images,
     /// Of the neighbours so far, row after row: constant, forms, coordinates along the directions, images. The linear ones come after the
     /// forms, so that the corner of the triangle that belongs to them holds what is theirs alone.
     triangle: Vec<f64>,
@@ -99,9 +120,10 @@ pub(crate) struct Fitter<const N: usize> {
     left: f64,
 }
 
-impl<const N: usize> Fitter<N> {
-    pub(crate) fn new(images: Images<N>) -> Self {
+impl<'a> Fitter<'a> {
+    pub(crate) fn new(points: &'a Matrix, images: &'a Images) -> Self {
         Self {
+            points,
             images,
             triangle: Vec::new(),
             rows: Vec::new(),
@@ -113,117 +135,110 @@ impl<const N: usize> Fitter<N> {
     /// Fits the polynomial to the neighbours of point `j`; `directions` are those of the neighbourhood, the widest first.
     pub(crate) fn fit(
         &mut self,
-        points: &[[f64; N]],
         j: usize,
         neighbours: &[Neighbour],
-        directions: &Square<N>,
+        directions: &Matrix,
         polynomial: &Polynomial,
-    ) -> Derivative<N> {
-        let columns = polynomial.unknowns(N) + self.images.fitted().len();
+    ) -> Derivative {
+        let unknowns = polynomial.unknowns(self.points.columns());
+        let columns = unknowns + self.images.fitted.len();
         self.triangle.clear();
-        self.triangle.resize(polynomial.unknowns(N) * columns, 0.0);
+        self.triangle.resize(unknowns * columns, 0.0);
         (self.count, self.left) = (0, 0.0);
-        self.extend(points, j, neighbours, directions, polynomial)
+        self.extend(j, neighbours, directions, polynomial)
     }
 
     /// Fits it to further neighbours beside those of the last call, of which the triangle holds all that is needed.
     pub(crate) fn extend(
         &mut self,
-        points: &[[f64; N]],
         j: usize,
         further: &[Neighbour],
-        directions: &Square<N>,
+        directions: &Matrix,
         polynomial: &Polynomial,
-    ) -> Derivative<N> {
+    ) -> Derivative {
         self.count += further.len();
         if !further.is_empty() {
             self.left += Arch::new().dispatch(Absorb {
-                images: &self.images,
+                fitted: &self.images.fitted,
                 triangle: &mut self.triangle,
                 rows: &mut self.rows,
-                points,
+                points: self.points,
                 j,
                 further,
                 directions,
                 polynomial,
             });
         }
-        let unknowns = polynomial.unknowns(N);
-        if self.count < unknowns {
-            return Derivative {
-                matrix: [[0.0; N]; N],
+        self.derivative(directions, polynomial)
+    }
+
+    /// The linear part by back substitution in the last rows of the triangle.
+    fn derivative(&self, directions: &Matrix, polynomial: &Polynomial) -> Derivative {
+        let components = self.points.columns();
+        let (rows, unknowns) = (self.count, polynomial.unknowns(components));
+        let mut derivative = Derivative {
+            map: LocalMap {
+                matrix: Matrix::zeros(components, components),
                 rank: 0,
                 nothing: 0.0,
-                noise: [f64::NAN; N],
-            };
+            },
+            noise: vec![f64::NAN; components],
+        };
+        if rows < unknowns {
+            return derivative;
         }
-        self.derivative(self.count, unknowns, directions, polynomial)
-    }
-
-    /// Variance that the polynomial leaves of a component of the images; NaN where there are no degrees of freedom to tell from.
-    fn unpredicted(&self, rows: usize, unknowns: usize) -> f64 {
-        self.left / ((rows - unknowns) * N) as f64
-    }
-
-    /// The linear part by back substitution in the last N rows of the triangle.
-    fn derivative(
-        &self,
-        rows: usize,
-        unknowns: usize,
-        directions: &Square<N>,
-        polynomial: &Polynomial,
-    ) -> Derivative<N> {
-        let first = unknowns - N;
+        let first = unknowns - components;
         let columns = self.triangle.len() / unknowns;
         let at = |column: usize, row: usize| self.triangle[(first + row) * columns + column];
         // What belongs to a component in a row: of a known one it is that of its column, along all directions.
-        let mut images = [[0.0; N]; N];
-        for (component, images) in images.iter_mut().enumerate() {
+        let mut images = Matrix::zeros(components, components);
+        for (component, images) in images.rows_mut().enumerate() {
             if let Some(column) = self.images.known[component] {
                 for (i, image) in images.iter_mut().enumerate() {
-                    *image = (i..N)
+                    *image = (i..components)
                         .map(|k| at(first + k, i) * directions[k][column])
                         .sum();
                 }
             }
         }
-        for (fitted, &component) in self.images.fitted().iter().enumerate() {
-            images[component] = std::array::from_fn(|i| at(unknowns + fitted, i));
+        for (fitted, &component) in self.images.fitted.iter().enumerate() {
+            for (i, image) in images[component].iter_mut().enumerate() {
+                *image = at(unknowns + fitted, i);
+            }
         }
         let rounding = ABOVE_ROUNDING * polynomial.rounding * (rows as f64).sqrt();
-        let mut derivative = Derivative {
-            matrix: [[0.0; N]; N],
-            rank: 0,
-            nothing: 0.0,
-            noise: [f64::NAN; N],
-        };
         let widest = at(first, 0).abs();
+        let Derivative { map, noise } = &mut derivative;
         // `[component of the image][direction]`
-        let mut slopes = [[0.0; N]; N];
-        for i in (0..N).rev() {
+        let mut slopes = Matrix::zeros(components, components);
+        for i in (0..components).rev() {
             let corner = at(first + i, i);
             let tangent = i < polynomial.tangent;
             let thin = if tangent { 0.0 } else { THIN * widest };
             if corner.abs() <= rounding.max(thin) {
                 if tangent {
-                    derivative.rank = 0;
+                    map.rank = 0;
                     return derivative;
                 }
                 continue;
             }
-            derivative.rank += 1;
-            derivative.noise[i] = rows as f64 / (corner * corner);
-            derivative.nothing = derivative.nothing.max(rounding / corner.abs());
-            for (out, slopes) in slopes.iter_mut().enumerate() {
-                let others: f64 = (i + 1..N).map(|k| at(first + k, i) * slopes[k]).sum();
-                slopes[i] = (images[out][i] - others) / corner;
+            map.rank += 1;
+            noise[i] = rows as f64 / (corner * corner);
+            map.nothing = map.nothing.max(rounding / corner.abs());
+            for (slopes, images) in slopes.rows_mut().zip(images.rows()) {
+                let others: f64 = (i + 1..components)
+                    .map(|k| at(first + k, i) * slopes[k])
+                    .sum();
+                slopes[i] = (images[i] - others) / corner;
             }
         }
-        let carried: f64 = slopes.iter().map(|slopes| dot(slopes, slopes)).sum();
-        let noise = self.unpredicted(rows, unknowns) / (1.0 + carried / N as f64);
-        derivative.noise = derivative.noise.map(|part| part * noise);
-        for (row, slopes) in derivative.matrix.iter_mut().zip(&slopes) {
-            for (slope, direction) in slopes.iter().zip(directions) {
+        let carried: f64 = slopes.rows().map(|slopes| dot(slopes, slopes)).sum();
+        // Variance that the polynomial leaves of a component; NaN where there are no degrees of freedom to tell from.
+        let unpredicted = self.left / ((rows - unknowns) * components) as f64;
+        let of_noise = unpredicted / (1.0 + carried / components as f64);
+        noise.iter_mut().for_each(|part| *part *= of_noise);
+        for (row, slopes) in map.matrix.rows_mut().zip(slopes.rows()) {
+            for (slope, direction) in slopes.iter().zip(directions.rows()) {
                 for (cell, d) in row.iter_mut().zip(direction) {
                     *cell += slope * d;
                 }
@@ -236,8 +251,20 @@ impl<const N: usize> Fitter<N> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::matrix::product;
     use crate::statistics::SplitMix;
-    use crate::svd::product;
+
+    fn fitted(
+        points: &[f64],
+        columns: usize,
+        j: &[Neighbour],
+        polynomial: &Polynomial,
+    ) -> Derivative {
+        let points = Matrix::new(points.to_vec(), columns);
+        let images = Images::of(&points, 1);
+        let directions = Matrix::identity(columns);
+        Fitter::new(&points, &images).fit(0, j, &directions, polynomial)
+    }
 
     /// Any quadratic map is recovered to rounding, also where the neighbours lie on a curved surface, of which a linear fit
     /// would take the curvature for a third direction.
@@ -259,7 +286,6 @@ mod tests {
             neighbours.push((product(&point, &point), points.len() as u32));
             points.extend([point, map(point)]);
         }
-        let directions = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let polynomial = Polynomial {
             forms: 3,
             tangent: 2,
@@ -267,19 +293,11 @@ mod tests {
             step: 1,
             rounding: f64::EPSILON,
         };
-        let fit = |polynomial: &Polynomial| {
-            Fitter::new(Images::of(&points, 1)).fit(
-                &points,
-                0,
-                &neighbours,
-                &directions,
-                polynomial,
-            )
-        };
+        let fit = |polynomial: &Polynomial| fitted(&points.concat(), 3, &neighbours, polynomial);
         let found = fit(&polynomial);
-        assert_eq!(found.rank, 2);
+        assert_eq!(found.map.rank, 2);
         let wanted = [[0.4, -1.1], [0.9, 0.1], [-0.6, 0.8]];
-        for (row, wanted) in found.matrix.iter().zip(wanted) {
+        for (row, wanted) in found.map.matrix.rows().zip(wanted) {
             for (cell, wanted) in row.iter().zip(wanted) {
                 assert!((cell - wanted).abs() < 1e-11, "{cell} {wanted}");
             }
@@ -289,7 +307,7 @@ mod tests {
             forms: 0,
             ..polynomial
         });
-        assert_eq!(linear.rank, 3);
+        assert_eq!(linear.map.rank, 3);
     }
 
     /// Points and images with noise of variance σ² beside a spread of s², turned and stretched a times: its slopes come out too small by
@@ -310,7 +328,6 @@ mod tests {
                 neighbours.push((1.0, points.len() as u32));
                 points.extend(pair.map(|[a, b]| [a + 0.2 * normal(), b + 0.2 * normal()]));
             }
-            let directions = [[1.0, 0.0], [0.0, 1.0]];
             let linear = Polynomial {
                 forms: 0,
                 tangent: 2,
@@ -318,14 +335,8 @@ mod tests {
                 step: 1,
                 rounding: f64::EPSILON,
             };
-            let found = Fitter::new(Images::of(&points, 1)).fit(
-                &points,
-                0,
-                &neighbours,
-                &directions,
-                &linear,
-            );
-            let slope = 0.5 * (found.matrix[0][1] - found.matrix[1][0]);
+            let found = fitted(&points.concat(), 2, &neighbours, &linear);
+            let slope = 0.5 * (found.map.matrix[0][1] - found.map.matrix[1][0]);
             let flattened = 1.0 - slope / stretch;
             let wanted = 0.04 / 1.04;
             let scatter = 4e-3 * (1.0 + 0.1 / stretch);
@@ -358,14 +369,12 @@ mod tests {
             step: 1,
             rounding: f64::EPSILON,
         };
-        let directions = [[1.0, 0.0], [0.0, 1.0]];
         // All on a straight line.
         let points: Vec<[f64; 2]> = (0..40).map(|i| [0.1 * f64::from(i), 0.0]).collect();
         let neighbours: Vec<Neighbour> = (1..30).map(|k| (0.01 * f64::from(k * k), k)).collect();
-        let mut fitter = Fitter::new(Images::of(&points, 1));
-        let mut rank = |neighbours: &[Neighbour]| {
-            fitter
-                .fit(&points, 0, neighbours, &directions, &polynomial)
+        let rank = |neighbours: &[Neighbour]| {
+            fitted(&points.concat(), 2, neighbours, &polynomial)
+                .map
                 .rank
         };
         assert_eq!(rank(&neighbours), 0);

@@ -11,7 +11,7 @@
 use super::error::DataError;
 use super::estimate::fixed_rank;
 use super::result::DataSpectrum;
-use super::series::{Series, for_columns};
+use super::series::Series;
 use super::settings::{DataSettings, longest_stride};
 
 /// Two values are the same if they are apart by less than so many of their standard errors,
@@ -86,10 +86,7 @@ pub fn reversal(
     settings.references = Some(settings.references_before(covered));
     let turned_series = reversed(embedded)?;
     let rank = spectrum.fixed_rank;
-    let backward = for_columns!(
-        turned_series,
-        fixed_rank(&turned_series, &settings, rank, progress)
-    )?;
+    let backward = fixed_rank(&turned_series, &settings, rank, progress)?;
     let all = spectrum.exponents.iter();
     let forward: Vec<(f64, f64)> = all.filter_map(|exponent| exponent.fixed_rank).collect();
     let reversed = backward.exponents;

@@ -7,28 +7,6 @@ pub const MAX_COLUMNS: usize = 10;
 /// Shortest time between two rows; one over it is the longest.
 const SHORTEST: f64 = 1e-100;
 
-/// Calls `function::<N>(arguments)` with the number `N` of columns of a series, up to [`MAX_COLUMNS`].
-///
-/// Code for all these numbers takes the compiler a minute: what leads here is left out without the feature `data`.
-macro_rules! for_columns {
-    ($series:expr, $function:ident($($argument:expr),* $(,)?)) => {
-        for_columns!(@ $series, $function, ($($argument),*), 1 2 3 4 5 6 7 8 9 10)
-    };
-    (@ $series:expr, $function:ident, $arguments:tt, $($n:literal)*) => {
-        match $series.columns() {
-            $($n => for_columns!(@ call $function, $n, $arguments),)*
-            columns => Err($crate::DataError::Columns {
-                columns,
-                max: $crate::MAX_COLUMNS,
-            }),
-        }
-    };
-    (@ call $function:ident, $n:literal, ($($argument:expr),*)) => {
-        $function::<$n>($($argument),*)
-    };
-}
-pub(crate) use for_columns;
-
 /// Points of a state space at equal intervals of time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Series {

@@ -76,7 +76,7 @@ const PART: usize = 100;
 /// nor fewer than so many for each value.
 const FOR_EACH_VALUE: usize = 4;
 
-/// Settings of [`super::data_spectrum_of_rows`] and, with the feature `data`, of `data_spectrum`. The defaults suit noise-free series of some ten thousand points: the nearest dozen, which
+/// Settings of [`super::data_spectrum`]. The defaults suit noise-free series of some ten thousand points: the nearest dozen, which
 /// keeps the bias small, and a radius at which a neighbourhood is too large to be called one. Noise wants
 /// more neighbours.
 ///

@@ -5,6 +5,8 @@
 
 use pulp::{Arch, NullaryFnOnce};
 
+use super::matrix::Matrix;
+
 /// A number in each lane.
 type Lanes<const L: usize> = [f64; L];
 
@@ -23,35 +25,44 @@ const SWEEPS: usize = 40;
 /// Cosine of two columns that counts as orthogonal.
 const ORTHOGONAL: f64 = 1e-15;
 
-/// A square matrix, `[row][column]`.
-pub(crate) type Square<const N: usize> = [[f64; N]; N];
-
-/// Turns `left` (`rows` × N, column after column) into an upper triangle by reflections, and applies them to `right`
-/// (also `rows` × N). Returns the triangle and the upper N rows of the other. `rows` must be at least N.
-pub(crate) fn triangle<const N: usize>(
+/// Turns `left` (`rows` × `columns`, column after column) into an upper triangle by reflections, and applies them to `right` (with as many
+/// columns, or none). Returns the triangle and the upper rows of the other. There must be as many rows as columns at least.
+pub(crate) fn triangle(
     left: &mut [f64],
     right: &mut [f64],
     rows: usize,
-) -> (Square<N>, Square<N>) {
-    Arch::new().dispatch(Triangle { left, right, rows })
+    columns: usize,
+) -> (Matrix, Matrix) {
+    Arch::new().dispatch(Triangle {
+        left,
+        right,
+        rows,
+        columns,
+    })
 }
 
-struct Triangle<'a, const N: usize> {
+struct Triangle<'a> {
     left: &'a mut [f64],
     right: &'a mut [f64],
     rows: usize,
+    columns: usize,
 }
 
 /// With the machine's vectors, which change no bit: the partial sums of [`dot`] are lanes of one vector.
-impl<const N: usize> NullaryFnOnce for Triangle<'_, N> {
-    type Output = (Square<N>, Square<N>);
+impl NullaryFnOnce for Triangle<'_> {
+    type Output = (Matrix, Matrix);
 
     #[inline(always)]
     fn call(self) -> Self::Output {
-        let Self { left, right, rows } = self;
-        let mut r = [[0.0; N]; N];
-        let mut c = [[0.0; N]; N];
-        for i in 0..N {
+        let Self {
+            left,
+            right,
+            rows,
+            columns,
+        } = self;
+        let mut r = Matrix::zeros(columns, columns);
+        let mut c = Matrix::zeros(columns, columns);
+        for i in 0..columns {
             let (done, rest) = left.split_at_mut((i + 1) * rows);
             let mirror = &mut done[i * rows + i..];
             let norm = dot(mirror, mirror).sqrt();
@@ -67,8 +78,8 @@ impl<const N: usize> NullaryFnOnce for Triangle<'_, N> {
                 r[i][i + 1 + k] = column[i];
             }
         }
-        for (k, column) in right.chunks_exact(rows).take(N).enumerate() {
-            for i in 0..N {
+        for (k, column) in right.chunks_exact(rows).enumerate() {
+            for i in 0..columns {
                 c[i][k] = column[i];
             }
         }
@@ -195,46 +206,38 @@ pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// `m = u diag(s) vᵀ`, singular values in descending order.
-#[derive(Clone, Copy)]
-pub(crate) struct Svd<const N: usize> {
+#[derive(Default)]
+pub(crate) struct Svd {
     /// Left singular vectors, `u[i]` the `i`th; zero where the singular value is.
-    pub(crate) u: Square<N>,
+    pub(crate) u: Matrix,
     /// Singular values.
-    pub(crate) s: [f64; N],
+    pub(crate) s: Vec<f64>,
     /// Right singular vectors, `v[i]` the `i`th.
-    pub(crate) v: Square<N>,
+    pub(crate) v: Matrix,
 }
 
-/// Singular value decomposition by rotations of the columns (Hestenes), which finds small singular values to high relative
-/// accuracy.
-pub(crate) fn svd<const N: usize>(m: &Square<N>) -> Svd<N> {
-    let [svd] = svds([m]);
-    svd
-}
-
-/// A square matrix in each lane.
-type Squares<const N: usize, const L: usize> = [[Lanes<L>; N]; N];
-
-/// [`svd`] of several matrices at once: every rotation waits for roots and quotients, which a vector of them takes no longer for. Each has the
-/// bits that it has alone.
-pub(crate) fn svds<const N: usize, const L: usize>(m: [&Square<N>; L]) -> [Svd<N>; L] {
+/// Singular value decomposition of square matrices by rotations of the columns (Hestenes), which finds small singular values to high
+/// relative accuracy. Several at once: every rotation waits for roots and quotients, which a vector of them takes no longer for. Each has
+/// the bits that it has alone.
+pub(crate) fn svds<const L: usize>(m: [&Matrix; L]) -> [Svd; L] {
+    let n = m.first().map_or(0, |m| m.columns());
     // Columns as rows: w[i] becomes u_i s_i.
-    let mut w: Squares<N, L> = [[[0.0; L]; N]; N];
-    let mut v = w;
-    for i in 0..N {
-        for k in 0..N {
-            w[i][k] = lanes(|l| m[l][k][i]);
+    let mut w: Vec<Lanes<L>> = vec![[0.0; L]; n * n];
+    let mut v = w.clone();
+    for i in 0..n {
+        for k in 0..n {
+            w[i * n + k] = lanes(|l| m[l][k][i]);
         }
-        v[i][i] = [1.0; L];
+        v[i * n + i] = [1.0; L];
     }
     // Squares of the columns' lengths and their roots change by rotations only.
-    let mut squares = w.map(|column| products(&column, &column));
-    let mut norms = squares.map(|square| square.map(f64::sqrt));
+    let mut squares: Vec<Lanes<L>> = w.chunks(n).map(|column| products(column, column)).collect();
+    let mut norms: Vec<Lanes<L>> = squares.iter().map(|square| square.map(f64::sqrt)).collect();
     for _ in 0..SWEEPS {
         let mut rotated = false;
-        for p in 0..N {
-            for q in p + 1..N {
-                let pq = products(&w[p], &w[q]);
+        for p in 0..n {
+            for q in p + 1..n {
+                let pq = products(&w[p * n..][..n], &w[q * n..][..n]);
                 let turns: [bool; L] = std::array::from_fn(|l| {
                     let is_right = pq[l].abs() <= ORTHOGONAL * norms[p][l] * norms[q][l];
                     !(pq[l] == 0.0 || is_right)
@@ -243,9 +246,10 @@ pub(crate) fn svds<const N: usize, const L: usize>(m: [&Square<N>; L]) -> [Svd<N
                     continue;
                 }
                 let zeta = lanes(|l| (squares[q][l] - squares[p][l]) / (2.0 * pq[l]));
-                rotate([&mut w, &mut v], (p, q), turns, zeta);
+                rotate([&mut w, &mut v], n, (p, q), turns, zeta);
                 for column in [p, q] {
-                    squares[column] = products(&w[column], &w[column]);
+                    let w = &w[column * n..][..n];
+                    squares[column] = products(w, w);
                     norms[column] = squares[column].map(f64::sqrt);
                 }
                 rotated = true;
@@ -257,21 +261,27 @@ pub(crate) fn svds<const N: usize, const L: usize>(m: [&Square<N>; L]) -> [Svd<N
     }
     std::array::from_fn(|l| {
         let norm = |i: usize| norms[i][l];
-        let mut order: [usize; N] = std::array::from_fn(|i| i);
+        let mut order: Vec<usize> = (0..n).collect();
         order.sort_by(|&a, &b| norm(b).total_cmp(&norm(a)));
         let unit = |i: usize, x: f64| if norm(i) > 0.0 { x / norm(i) } else { 0.0 };
+        let cells = || {
+            order
+                .iter()
+                .flat_map(|&i| (i * n..(i + 1) * n).map(move |at| (i, at)))
+        };
         Svd {
-            u: order.map(|i| w[i].map(|x| unit(i, x[l]))),
-            s: order.map(norm),
-            v: order.map(|i| v[i].map(|x| x[l])),
+            u: Matrix::new(cells().map(|(i, at)| unit(i, w[at][l])).collect(), n),
+            s: order.iter().map(|&i| norm(i)).collect(),
+            v: Matrix::new(cells().map(|(_, at)| v[at][l]).collect(), n),
         }
     })
 }
 
 /// Makes columns `p` and `q` orthogonal where they turn, by a rotation whose double angle has the cotangent `zeta`.
 #[inline(always)]
-fn rotate<const N: usize, const L: usize>(
-    matrices: [&mut Squares<N, L>; 2],
+fn rotate<const L: usize>(
+    matrices: [&mut [Lanes<L>]; 2],
+    n: usize,
     (p, q): (usize, usize),
     turns: [bool; L],
     zeta: Lanes<L>,
@@ -281,8 +291,8 @@ fn rotate<const N: usize, const L: usize>(
     let cosine: Lanes<L> = lanes(|l| 1.0 / (1.0 + t[l] * t[l]).sqrt());
     let sine: Lanes<L> = lanes(|l| cosine[l] * t[l]);
     for matrix in matrices {
-        let (upper, lower) = matrix.split_at_mut(q);
-        for (a, b) in upper[p].iter_mut().zip(&mut lower[0]) {
+        let (upper, lower) = matrix.split_at_mut(q * n);
+        for (a, b) in upper[p * n..][..n].iter_mut().zip(lower) {
             let (x, y) = (*a, *b);
             for l in 0..L {
                 if turns[l] {
@@ -296,21 +306,12 @@ fn rotate<const N: usize, const L: usize>(
 
 /// Scalar products.
 #[inline(always)]
-fn products<const N: usize, const L: usize>(a: &[Lanes<L>; N], b: &[Lanes<L>; N]) -> Lanes<L> {
+fn products<const L: usize>(a: &[Lanes<L>], b: &[Lanes<L>]) -> Lanes<L> {
     let mut sum = [0.0; L];
-    for i in 0..N {
+    for (a, b) in a.iter().zip(b) {
         for l in 0..L {
-            sum[l] += a[i][l] * b[i][l];
+            sum[l] += a[l] * b[l];
         }
-    }
-    sum
-}
-
-/// Scalar product.
-pub(crate) fn product<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
-    let mut sum = 0.0;
-    for i in 0..N {
-        sum += a[i] * b[i];
     }
     sum
 }
@@ -318,18 +319,16 @@ pub(crate) fn product<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::matrix::product;
     use crate::statistics::SplitMix;
 
-    fn multiply<const N: usize>(d: &Svd<N>) -> Square<N> {
-        let mut m = [[0.0; N]; N];
-        for i in 0..N {
-            for (r, row) in m.iter_mut().enumerate() {
-                for (c, cell) in row.iter_mut().enumerate() {
-                    *cell += d.u[i][r] * d.s[i] * d.v[i][c];
-                }
-            }
-        }
-        m
+    fn matrix<const N: usize>(rows: [[f64; N]; N]) -> Matrix {
+        Matrix::new(rows.concat(), N)
+    }
+
+    fn svd(m: &Matrix) -> Svd {
+        let [svd] = svds([m]);
+        svd
     }
 
     #[test]
@@ -337,64 +336,67 @@ mod tests {
         let mut draw = SplitMix::new(1958);
         for case in 0..200 {
             // One needs many rotations, another none, a third has no rank.
-            let random: Square<4> =
-                std::array::from_fn(|_| std::array::from_fn(|_| draw.between(-1.0, 1.0)));
-            let mut diagonal = [[0.0; 4]; 4];
-            for (i, row) in diagonal.iter_mut().enumerate() {
-                row[i] = draw.between(-1.0, 1.0);
-            }
-            let mut narrow = random;
-            narrow[3] = random[case % 3];
-            let all = [&random, &diagonal, &narrow, &[[0.0; 4]; 4]];
+            let random = Matrix::new((0..16).map(|_| draw.between(-1.0, 1.0)).collect(), 4);
+            let mut diagonal = Matrix::zeros(4, 4);
+            (0..4).for_each(|i| diagonal[i][i] = draw.between(-1.0, 1.0));
+            let mut narrow = random.clone();
+            narrow[3].copy_from_slice(&random[case % 3]);
+            let all = [&random, &diagonal, &narrow, &Matrix::zeros(4, 4)];
             for (together, one) in svds(all).iter().zip(all) {
-                let bits =
-                    |d: &Svd<4>| [d.u, [d.s; 4], d.v].map(|m| m.map(|row| row.map(f64::to_bits)));
-                assert_eq!(bits(together), bits(&svd(one)));
+                let alone = svd(one);
+                for (one, other) in [
+                    (together.u.cells(), alone.u.cells()),
+                    (&together.s, &alone.s),
+                    (together.v.cells(), alone.v.cells()),
+                ] {
+                    let bits = |m: &[f64]| m.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
+                    assert_eq!(bits(one), bits(other));
+                }
             }
         }
     }
 
     #[test]
     fn the_decomposition_multiplies_back() {
-        let m = [[1.0, 2.0, -3.0], [0.0, 1e-6, 4.0], [0.0, 0.0, 1e-9]];
+        let m = matrix([[1.0, 2.0, -3.0], [0.0, 1e-6, 4.0], [0.0, 0.0, 1e-9]]);
         let d = svd(&m);
-        for (row, back) in m.iter().zip(multiply(&d)) {
-            for (x, y) in row.iter().zip(back) {
-                assert!((x - y).abs() < 1e-14, "{x} {y}");
+        for r in 0..3 {
+            for c in 0..3 {
+                let back: f64 = (0..3).map(|i| d.u[i][r] * d.s[i] * d.v[i][c]).sum();
+                assert!((m[r][c] - back).abs() < 1e-14, "{} {back}", m[r][c]);
+                let unit = f64::from(u8::from(r == c));
+                assert!((product(&d.v[r], &d.v[c]) - unit).abs() < 1e-14);
             }
         }
         assert!(d.s[0] > d.s[1] && d.s[1] > d.s[2]);
-        for (i, a) in d.v.iter().enumerate() {
-            for (k, b) in d.v.iter().enumerate() {
-                assert!((product(a, b) - f64::from(u8::from(i == k))).abs() < 1e-14);
-            }
-        }
     }
 
     #[test]
     fn zero_and_deficient_matrices_have_zero_singular_values() {
-        assert_eq!(svd(&[[0.0; 3]; 3]).s, [0.0; 3]);
-        let d = svd(&[[0.0, 3.0], [0.0, 4.0]]);
+        assert_eq!(svd(&Matrix::zeros(3, 3)).s, [0.0; 3]);
+        let d = svd(&matrix([[0.0, 3.0], [0.0, 4.0]]));
         assert_eq!(d.s, [5.0, 0.0]);
-        assert_eq!(d.v[0].map(f64::abs), [0.0, 1.0]);
+        assert_eq!([d.v[0][0].abs(), d.v[0][1].abs()], [0.0, 1.0]);
     }
 
     #[test]
     fn a_triangle_is_its_own_up_to_signs() {
         let (mut left, mut right) = (vec![2.0, 0.0, 0.0, 1.0, 3.0, 0.0], vec![1.0; 6]);
-        let (r, c) = triangle::<2>(&mut left, &mut right, 3);
-        assert_eq!(r.map(|row| row.map(f64::abs)), [[2.0, 1.0], [0.0, 3.0]]);
-        assert_eq!(c.map(|row| row.map(f64::abs)), [[1.0; 2]; 2]);
+        let (r, c) = triangle(&mut left, &mut right, 3, 2);
+        let sizes = |m: &Matrix| m.cells().iter().map(|v| v.abs()).collect::<Vec<_>>();
+        assert_eq!(sizes(&r), [2.0, 1.0, 0.0, 3.0]);
+        assert_eq!(sizes(&c), [1.0; 4]);
     }
 
     #[test]
     fn the_machine_s_vectors_change_no_bit() {
         let mut draw = SplitMix::new(14);
         let columns: Vec<f64> = (0..8 * 37).map(|_| draw.between(-1.0, 1.0)).collect();
-        let triangle = |left, right| Triangle::<4> {
+        let triangle = |left, right| Triangle {
             left,
             right,
             rows: 37,
+            columns: 4,
         };
         let [mut plain, mut vectors] = [columns.clone(), columns];
         let (left, right) = plain.split_at_mut(4 * 37);
@@ -421,7 +423,7 @@ mod tests {
                 right[c * ROWS + k] = map[c][0] * y[0] + map[c][1] * y[1];
             }
         }
-        let (r, c) = triangle::<2>(&mut left, &mut right, ROWS);
+        let (r, c) = triangle(&mut left, &mut right, ROWS, 2);
         let d = svd(&r);
         for (out, row) in map.iter().enumerate() {
             for (from, expected) in row.iter().enumerate() {

@@ -6,6 +6,7 @@
 
 use pulp::{Arch, NullaryFnOnce};
 
+use super::matrix::Matrix;
 use super::neighbours::Neighbour;
 
 /// Points whose distances are computed together.
@@ -15,53 +16,38 @@ const BLOCKS: usize = 4;
 
 /// The box around the points of a node.
 #[derive(Clone, Copy)]
-struct Bounds<const N: usize> {
-    low: [f64; N],
-    high: [f64; N],
+struct Bounds<'a> {
+    low: &'a [f64],
+    high: &'a [f64],
     /// The smallest index.
     first: u32,
 }
 
-impl<const N: usize> Bounds<N> {
-    fn around(points: &[[f64; N]], indices: &[u32]) -> Self {
-        let mut bounds = Bounds {
-            low: [f64::INFINITY; N],
-            high: [f64::NEG_INFINITY; N],
-            first: indices.iter().copied().min().unwrap_or(u32::MAX),
-        };
-        for &index in indices {
-            for (c, v) in points[index as usize].iter().enumerate() {
-                bounds.low[c] = bounds.low[c].min(*v);
-                bounds.high[c] = bounds.high[c].max(*v);
-            }
-        }
-        bounds
-    }
-
+impl Bounds<'_> {
     /// The column in which the box is widest.
     fn widest(&self) -> usize {
         let width = |c: &usize| self.high[*c] - self.low[*c];
-        (0..N)
+        (0..self.low.len())
             .max_by(|a, b| width(a).total_cmp(&width(b)))
             .unwrap_or(0)
     }
 
-    /// A square that no point of the box is nearer than: the subtractions and squares are those of [`super::cloud::distance2`], in its order,
-    /// with smaller operands, and rounding is monotonic.
+    /// A square that no point of the box is nearer than: the subtractions and squares are those of [`super::matrix::distance2`], in its
+    /// order, with smaller operands, and rounding is monotonic.
     #[inline(always)]
-    fn distance2(&self, centre: &[f64; N]) -> f64 {
+    fn distance2(&self, centre: &[f64]) -> f64 {
         let mut sum = 0.0;
-        for (c, v) in centre.iter().enumerate() {
-            let outside = (self.low[c] - v).max(v - self.high[c]).max(0.0);
+        for ((v, low), high) in centre.iter().zip(self.low).zip(self.high) {
+            let outside = (low - v).max(v - high).max(0.0);
             sum += outside * outside;
         }
         sum
     }
 
     /// A square that no point of the box is further than, in the same way.
-    fn furthest2(&self, centre: &[f64; N]) -> f64 {
+    fn furthest2(&self, centre: &[f64]) -> f64 {
         let mut sum = 0.0;
-        for (v, (low, high)) in centre.iter().zip(self.low.iter().zip(&self.high)) {
+        for ((v, low), high) in centre.iter().zip(self.low).zip(self.high) {
             let inside = (v - low).max(high - v);
             sum += inside * inside;
         }
@@ -70,94 +56,113 @@ impl<const N: usize> Bounds<N> {
 
     /// Whether the box, which is no nearer than `least`, holds nothing but repeats, or nothing before the `furthest` neighbour found.
     #[inline(always)]
-    fn has_none(&self, centre: &[f64; N], least: f64, repeat2: f64, furthest: Neighbour) -> bool {
+    fn has_none(&self, centre: &[f64], least: f64, repeat2: f64, furthest: Neighbour) -> bool {
         let is_far = least > furthest.0 || least == furthest.0 && self.first > furthest.1;
         is_far || least <= repeat2 && self.furthest2(centre) <= repeat2
     }
 }
 
-/// Some points of a leaf, column by column.
-#[derive(Clone, Copy)]
-struct Block<const N: usize> {
-    columns: [[f64; LANES]; N],
-    indices: [u32; LANES],
-}
-
-impl<const N: usize> Block<N> {
-    /// Places that no point takes are no numbers, and so not within any distance.
-    fn of(points: &[[f64; N]], indices: &[u32]) -> Self {
-        let mut block = Block {
-            columns: [[f64::NAN; LANES]; N],
-            indices: [0; LANES],
-        };
-        for (lane, &index) in indices.iter().enumerate() {
-            for (column, v) in block.columns.iter_mut().zip(&points[index as usize]) {
-                column[lane] = *v;
-            }
-            block.indices[lane] = index;
-        }
-        block
-    }
-
-    /// Squares of the distances, each with the bits of [`super::cloud::distance2`].
-    #[inline(always)]
-    fn distances2(&self, centre: &[f64; N]) -> [f64; LANES] {
-        let mut sums = [0.0; LANES];
-        for (column, centre) in self.columns.iter().zip(centre) {
-            for (sum, v) in sums.iter_mut().zip(column) {
-                *sum += (v - centre) * (v - centre);
-            }
-        }
-        sums
-    }
-}
-
 /// A balanced tree: the children of node `i` are the nodes `2 i + 1` and `2 i + 2`, leaves are the nodes of the last level.
-pub(crate) struct Tree<const N: usize> {
-    bounds: Vec<Bounds<N>>,
+pub(crate) struct Tree {
+    columns: usize,
+    /// Of each node the lower ends of its box, and then the upper ones.
+    boxes: Vec<f64>,
+    /// Of each node the smallest index.
+    first: Vec<u32>,
     first_leaf: usize,
-    /// [`BLOCKS`] of each leaf, from left to right.
-    blocks: Vec<Block<N>>,
+    /// Points of the leaves, from left to right: [`BLOCKS`] blocks of each, and of each block its lanes, column by column. Places that no
+    /// point takes are no numbers, and so not within any distance.
+    lanes: Vec<[f64; LANES]>,
+    /// Their indices, block by block.
+    indices: Vec<[u32; LANES]>,
 }
 
-impl<const N: usize> Tree<N> {
-    /// A tree of the points, which are numbers.
-    pub(crate) fn new(points: &[[f64; N]]) -> Self {
-        let mut indices: Vec<u32> = (0..).take(points.len()).collect();
+impl Tree {
+    /// A tree of so many of the first points, which are numbers.
+    pub(crate) fn new(points: &Matrix, count: usize) -> Self {
+        let mut indices: Vec<u32> = (0..).take(count).collect();
         let mut leaves = 1;
-        while leaves * LANES * BLOCKS < points.len() {
+        while leaves * LANES * BLOCKS < count {
             leaves *= 2;
         }
         let first_leaf = leaves - 1;
-        let mut bounds = Vec::with_capacity(first_leaf + leaves);
+        let mut tree = Self {
+            columns: points.columns(),
+            boxes: Vec::with_capacity((first_leaf + leaves) * 2 * points.columns()),
+            first: Vec::with_capacity(first_leaf + leaves),
+            first_leaf,
+            lanes: Vec::with_capacity(leaves * BLOCKS * points.columns()),
+            indices: Vec::with_capacity(leaves * BLOCKS),
+        };
         // Of each node of a level, from left to right.
         let mut level: Vec<&mut [u32]> = vec![&mut indices];
         while level.len() < leaves {
             let mut next = Vec::with_capacity(2 * level.len());
             for part in level {
-                let node = Bounds::around(points, part);
-                let (c, middle) = (node.widest(), part.len() / 2);
+                let node = tree.push_box(points, part);
+                let (c, middle) = (tree.bounds(node).widest(), part.len() / 2);
                 if middle > 0 {
                     let value = |index: &u32| points[*index as usize][c];
                     part.select_nth_unstable_by(middle, |a, b| value(a).total_cmp(&value(b)));
                 }
                 let (left, right) = part.split_at_mut(middle);
                 next.extend([left, right]);
-                bounds.push(node);
             }
             level = next;
         }
-        let mut blocks = Vec::with_capacity(leaves * BLOCKS);
         for leaf in &level {
-            bounds.push(Bounds::around(points, leaf));
+            tree.push_box(points, leaf);
             let parts = leaf.chunks(LANES).chain(std::iter::repeat(&[][..]));
-            blocks.extend(parts.take(BLOCKS).map(|part| Block::of(points, part)));
+            parts
+                .take(BLOCKS)
+                .for_each(|part| tree.push_block(points, part));
         }
-        Self {
-            bounds,
-            first_leaf,
-            blocks,
+        tree
+    }
+
+    /// The next node's box, around these points; returns its number.
+    fn push_box(&mut self, points: &Matrix, indices: &[u32]) -> usize {
+        let rows = || indices.iter().map(|index| &points[*index as usize]);
+        let ends: [(f64, fn(f64, f64) -> f64); 2] =
+            [(f64::INFINITY, f64::min), (f64::NEG_INFINITY, f64::max)];
+        for (start, further) in ends {
+            let end = |c: usize| rows().fold(start, |end, row| further(end, row[c]));
+            self.boxes.extend((0..points.columns()).map(end));
         }
+        let first = indices.iter().copied().min();
+        self.first.push(first.unwrap_or(u32::MAX));
+        self.first.len() - 1
+    }
+
+    fn push_block(&mut self, points: &Matrix, indices: &[u32]) {
+        let row = |lane: usize| Some(&points[*indices.get(lane)? as usize]);
+        for c in 0..points.columns() {
+            let value = |lane| row(lane).map_or(f64::NAN, |row| row[c]);
+            self.lanes.push(std::array::from_fn(value));
+        }
+        let index = |lane| indices.get(lane).copied().unwrap_or(0);
+        self.indices.push(std::array::from_fn(index));
+    }
+
+    #[inline(always)]
+    fn bounds(&self, node: usize) -> Bounds<'_> {
+        let ends = &self.boxes[2 * node * self.columns..][..2 * self.columns];
+        let (low, high) = ends.split_at(self.columns);
+        let first = self.first[node];
+        Bounds { low, high, first }
+    }
+
+    /// Squares of the distances of a block's points, each with the bits of [`super::matrix::distance2`].
+    #[inline(always)]
+    fn distances2(&self, block: usize, centre: &[f64]) -> [f64; LANES] {
+        let columns = &self.lanes[block * self.columns..][..self.columns];
+        let mut sums = [0.0; LANES];
+        for (column, centre) in columns.iter().zip(centre) {
+            for (sum, v) in sums.iter_mut().zip(column) {
+                *sum += (v - centre) * (v - centre);
+            }
+        }
+        sums
     }
 
     /// The `wanted` points nearest to `centre` whose square of distance is above `repeat2` and at most `radius2`, of those that are
@@ -167,7 +172,7 @@ impl<const N: usize> Tree<N> {
     /// last of those found, if all indices in it are larger.
     pub(crate) fn nearest(
         &self,
-        centre: &[f64; N],
+        centre: &[f64],
         wanted: usize,
         between: (f64, f64),
         admissible: impl Fn(u32) -> bool,
@@ -190,9 +195,9 @@ impl<const N: usize> Tree<N> {
 }
 
 /// A search of [`Tree::nearest`], which leaves those found unsorted, and some beyond the wanted ones.
-struct Search<'a, const N: usize, A> {
-    tree: &'a Tree<N>,
-    centre: &'a [f64; N],
+struct Search<'a, A> {
+    tree: &'a Tree,
+    centre: &'a [f64],
     wanted: usize,
     between: (f64, f64),
     admissible: A,
@@ -200,7 +205,7 @@ struct Search<'a, const N: usize, A> {
 }
 
 /// With the machine's vectors, which change no bit: a distance is a lane.
-impl<const N: usize, A: Fn(u32) -> bool> NullaryFnOnce for Search<'_, N, A> {
+impl<A: Fn(u32) -> bool> NullaryFnOnce for Search<'_, A> {
     type Output = ();
 
     #[inline(always)]
@@ -221,12 +226,12 @@ impl<const N: usize, A: Fn(u32) -> bool> NullaryFnOnce for Search<'_, N, A> {
         } else {
             wanted
         };
-        let child = |node: usize| (node, tree.bounds[node].distance2(centre));
+        let child = |node: usize| (node, tree.bounds(node).distance2(centre));
         // One of each level and the root's other child: no more levels are needed for all indices.
         let mut open = Vec::with_capacity(u32::BITS as usize);
         open.push((0, 0.0));
         while let Some((node, least)) = open.pop() {
-            if tree.bounds[node].has_none(centre, least, repeat2, furthest) {
+            if tree.bounds(node).has_none(centre, least, repeat2, furthest) {
                 continue;
             }
             if node < tree.first_leaf {
@@ -240,8 +245,8 @@ impl<const N: usize, A: Fn(u32) -> bool> NullaryFnOnce for Search<'_, N, A> {
                 continue;
             }
             let leaf = (node - tree.first_leaf) * BLOCKS;
-            for block in &tree.blocks[leaf..leaf + BLOCKS] {
-                let squares = block.distances2(centre);
+            for block in leaf..leaf + BLOCKS {
+                let squares = tree.distances2(block, centre);
                 // Most blocks hold none that is near enough: these are passed over.
                 let is_any = squares
                     .iter()
@@ -256,7 +261,7 @@ impl<const N: usize, A: Fn(u32) -> bool> NullaryFnOnce for Search<'_, N, A> {
                 while near != 0 {
                     let lane = near.trailing_zeros() as usize;
                     near &= near - 1;
-                    let (square, index) = (squares[lane], block.indices[lane]);
+                    let (square, index) = (squares[lane], tree.indices[block][lane]);
                     let is_near = square < furthest.0 || index <= furthest.1;
                     if is_near && admissible(index) {
                         found.push((square, index));
@@ -309,32 +314,32 @@ fn order(neighbour: &Neighbour) -> u128 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cloud::distance2;
+    use crate::matrix::distance2;
     use crate::statistics::SplitMix;
 
     /// Against all points one by one: from none of them to some hundred, in space, on a grid, in a few places far from the origin.
-    fn agrees_with_brute_force<const N: usize>() {
+    fn agrees_with_brute_force(columns: usize) {
         let mut draw = SplitMix::new(45);
         for round in 0..200 {
             let count = draw.between(0.0, 300.0) as usize;
-            let points: Vec<[f64; N]> = (0..count)
-                .map(|_| {
-                    std::array::from_fn(|_| match round % 3 {
-                        0 => draw.uniform(),
-                        1 => (4.0 * draw.uniform()).floor(),
-                        _ => 1e6 + (2.0 * draw.uniform()).floor() * 1e-9,
-                    })
-                })
-                .collect();
-            let tree = Tree::new(&points);
-            let centre = points.last().copied().unwrap_or([0.5; N]);
+            let cells = (0..count * columns).map(|_| match round % 3 {
+                0 => draw.uniform(),
+                1 => (4.0 * draw.uniform()).floor(),
+                _ => 1e6 + (2.0 * draw.uniform()).floor() * 1e-9,
+            });
+            let points = Matrix::new(cells.collect(), columns);
+            let tree = Tree::new(&points, count);
+            let centre = points
+                .rows()
+                .last()
+                .map_or(vec![0.5; columns], <[f64]>::to_vec);
             let admissible = |k: u32| !k.is_multiple_of(3);
             for wanted in [0, 1, 2, 30, 500, usize::MAX] {
                 for between in [(-1.0, f64::INFINITY), (0.0, 0.0), (1e-20, 0.05), (0.0, 2.0)] {
                     let mut found = Vec::new();
                     tree.nearest(&centre, wanted, between, admissible, &mut found);
                     let mut all: Vec<Neighbour> = (0..)
-                        .zip(&points)
+                        .zip(points.rows())
                         .map(|(k, point)| (distance2(point, &centre), k))
                         .filter(|&(square, k)| {
                             square > between.0 && square <= between.1 && admissible(k)
@@ -342,7 +347,7 @@ mod tests {
                         .collect();
                     all.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
                     all.truncate(wanted);
-                    assert_eq!(found, all, "{N} {count} {wanted} {between:?}");
+                    assert_eq!(found, all, "{columns} {count} {wanted} {between:?}");
                 }
             }
         }
@@ -350,9 +355,9 @@ mod tests {
 
     #[test]
     fn nearest_points_are_those_of_a_look_at_all() {
-        agrees_with_brute_force::<1>();
-        agrees_with_brute_force::<3>();
-        agrees_with_brute_force::<10>();
+        agrees_with_brute_force(1);
+        agrees_with_brute_force(3);
+        agrees_with_brute_force(10);
     }
 
     /// In few places, a few units in the last place apart, and more than there are positions for.
@@ -385,7 +390,8 @@ mod tests {
     #[test]
     fn a_box_of_repeats_and_one_of_later_points_as_far_are_passed_over() {
         let (place, beside) = ([0.5, 1.0], [0.5, 3.0]);
-        let root = Tree::new(&[place; 1000]).bounds[0];
+        let tree = Tree::new(&Matrix::new(place.repeat(1000), 2), 1000);
+        let root = tree.bounds(0);
         assert!(root.has_none(&place, 0.0, 1e-18, (f64::INFINITY, u32::MAX)));
         assert!(!root.has_none(&place, 0.0, -1.0, (f64::INFINITY, u32::MAX)));
         let least = root.distance2(&beside);

@@ -75,17 +75,16 @@ pub(super) fn worth(data: &DataSpectrum, place: usize, comparisons: &[Comparison
 mod tests {
     use super::*;
     use stickslip::math;
-    use stickslip_series::{DataSettings, data_spectrum_of_rows};
+    use stickslip_series::{DataSettings, Series, data_spectrum};
 
     /// A circle run through at a golden number of radians per sample: one exponent, zero.
     fn circle() -> DataSpectrum {
-        let rows: Vec<[f64; 4]> = (0..4000)
-            .map(|k| {
-                let angle = 0.618_034 * f64::from(k);
-                [math::cos(angle), math::sin(angle), 0.0, 0.0]
-            })
-            .collect();
-        data_spectrum_of_rows(&rows, 0.1, &DataSettings::sano_sawada()).unwrap()
+        let rows = (0..4000).map(|k| {
+            let angle = 0.618_034 * f64::from(k);
+            [math::cos(angle), math::sin(angle), 0.0, 0.0]
+        });
+        let series = Series::from_rows(rows, 0.1).unwrap();
+        data_spectrum(&series, &DataSettings::sano_sawada()).unwrap()
     }
 
     #[test]

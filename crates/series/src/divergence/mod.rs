@@ -10,10 +10,11 @@ mod straight;
 use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
-use super::cloud::{Cloud, distance2};
+use super::cloud::Cloud;
 use super::error::DataError;
+use super::matrix::distance2;
 use super::neighbours::{Finder, Neighbour};
-use super::series::{Series, for_columns};
+use super::series::Series;
 use super::statistics::upper_median;
 
 pub use straight::StraightPart;
@@ -21,6 +22,8 @@ use straight::straight_part;
 
 /// Points that are followed, spread evenly over the series.
 const SAMPLES: usize = 1000;
+/// With fewer points there is nothing to follow.
+const FEWEST: usize = 50;
 /// Points of time they are followed over, at most,
 const LONGEST: usize = 2048;
 /// and as a part of the series.
@@ -94,17 +97,6 @@ pub fn divergence(
     theiler: Option<usize>,
     progress: &dyn Fn(usize, usize),
 ) -> Result<Divergence, DataError> {
-    for_columns!(series, of_size(series, theiler, progress))
-}
-
-/// With fewer points there is nothing to follow.
-const FEWEST: usize = 50;
-
-fn of_size<const N: usize>(
-    series: &Series,
-    theiler: Option<usize>,
-    progress: &dyn Fn(usize, usize),
-) -> Result<Divergence, DataError> {
     let rows = series.len();
     let longest = (rows / LONGEST_PART).clamp(1, LONGEST);
     let too_few = |theiler: usize| DataError::TooFew {
@@ -120,7 +112,7 @@ fn of_size<const N: usize>(
     if rows < FEWEST {
         return Err(too_few(theiler.unwrap_or(0)));
     }
-    let cloud = Cloud::<N>::new(series)?;
+    let cloud = Cloud::new(series)?;
     let theiler = theiler.unwrap_or_else(|| cloud.decorrelation());
     if theiler >= rows - longest {
         return Err(too_few(theiler));
@@ -152,11 +144,11 @@ fn of_size<const N: usize>(
     let mut courses = vec![Course::new(None, nearest)];
     courses.extend(balls);
     let column = |c: usize| -> Vec<f64> {
-        let values = cloud.points.iter().map(|point| point[c]);
+        let values = cloud.points.rows().map(|point| point[c]);
         values.chain([0.0; LANES]).collect()
     };
-    let follow: Follow<'_, N> = Follow {
-        columns: std::array::from_fn(column),
+    let follow = Follow {
+        columns: (0..series.columns()).map(column).collect(),
         references: &references,
         found: &found,
         longest,
@@ -178,7 +170,7 @@ fn of_size<const N: usize>(
 }
 
 /// Mean logarithm of the distance of points half a series apart, and a little more from pair to pair.
-fn saturation<const N: usize>(cloud: &Cloud<N>) -> f64 {
+fn saturation(cloud: &Cloud) -> f64 {
     let points = &cloud.points;
     let half = points.len() / 2;
     let every = half.div_ceil(PAIRS).max(1);
@@ -298,7 +290,7 @@ impl Course {
         self.blocks.push(sums.map(|(sum, count)| sum / count));
     }
 
-    fn curve<const N: usize>(&self, follow: &Follow<'_, N>, unit: f64, dt: f64) -> DivergenceCurve {
+    fn curve(&self, follow: &Follow<'_>, unit: f64, dt: f64) -> DivergenceCurve {
         let level = self.level.unwrap_or(follow.saturation);
         let points = self.curve.iter().enumerate();
         DivergenceCurve {
@@ -313,9 +305,9 @@ impl Course {
 }
 
 /// How neighbours are followed.
-struct Follow<'a, const N: usize> {
+struct Follow<'a> {
     /// The points, column by column: what a neighbour does lies together. Zeros follow, so that there are always as many as lanes.
-    columns: [Vec<f64>; N],
+    columns: Vec<Vec<f64>>,
     references: &'a [usize],
     /// Their neighbours, the nearest first.
     found: &'a [Vec<Neighbour>],
@@ -326,7 +318,7 @@ struct Follow<'a, const N: usize> {
 /// A point of time after another, until the distances are those of any two points: so many between two looks.
 const TOGETHER: usize = 2 * LANES;
 
-impl<const N: usize> Follow<'_, N> {
+impl Follow<'_> {
     /// All curves at once: the neighbours of one are among those of the next.
     fn run(&self, courses: &mut [Course]) {
         let mut from = 0;
@@ -408,15 +400,15 @@ impl<const N: usize> Follow<'_, N> {
 
 /// Some points of time that are followed together: the logarithms of the mean distances of the neighbours, for each curve and block of
 /// reference points. Distances of zero are passed over.
-struct Lanes<'a, const N: usize> {
-    follow: &'a Follow<'a, N>,
+struct Lanes<'a> {
+    follow: &'a Follow<'a>,
     /// For each curve how many neighbours are followed, and how many reference points have any.
     counts: &'a [(&'a [usize], usize)],
     ahead: usize,
 }
 
 /// With the machine's vectors, which change no bit: every point of time is a lane.
-impl<const N: usize> NullaryFnOnce for Lanes<'_, N> {
+impl NullaryFnOnce for Lanes<'_> {
     type Output = Vec<[SumsOfLogarithms; BLOCKS]>;
 
     #[inline(always)]

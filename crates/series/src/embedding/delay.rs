@@ -1,7 +1,7 @@
 //! Vectors of delayed values: Takens, Lecture Notes in Mathematics 898, 366 (1981); Sauer, Yorke and Casdagli, J. Stat. Phys.
 //! 65, 579 (1991).
 
-use super::choice::scales;
+use crate::cloud::Cloud;
 use crate::error::DataError;
 use crate::series::{MAX_COLUMNS, Series};
 use crate::settings::DataSettings;
@@ -43,7 +43,7 @@ impl Embedding {
             let columns = series.columns() * self.dimension;
             let one = Series::new(vec![0.0; columns], columns, series.dt())?;
             let settings = DataSettings::default().delayed(self.delay, &one);
-            let window = scales(series).map_or(0, |scales| scales.0);
+            let window = Cloud::new(series).map_or(0, |cloud| cloud.scales().0);
             return Err(DataError::Span {
                 rows,
                 delay: self.delay,

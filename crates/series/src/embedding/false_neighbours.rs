@@ -7,7 +7,7 @@ use super::delay::Embedding;
 use crate::cloud::Cloud;
 use crate::error::DataError;
 use crate::neighbours::Finder;
-use crate::series::{Series, for_columns};
+use crate::series::Series;
 
 /// Points whose nearest neighbour is looked at, spread evenly over the series.
 const SAMPLES: usize = 2000;
@@ -51,20 +51,7 @@ pub(crate) fn level(
         });
     }
     let embedded = embedding.of(series)?;
-    for_columns!(
-        embedded,
-        of_size(series, &embedded, embedding, theiler, spread)
-    )
-}
-
-fn of_size<const N: usize>(
-    series: &Series,
-    embedded: &Series,
-    embedding: Embedding,
-    theiler: usize,
-    spread: f64,
-) -> Result<Option<Level>, DataError> {
-    let cloud = Cloud::<N>::new(embedded)?;
+    let cloud = Cloud::new(&embedded)?;
     // Points whose next value is one delay behind the end have none.
     let finder = Finder::new(&cloud, embedding.delay, theiler.min(series.len()))?;
     let points = cloud.points.len() - embedding.delay;

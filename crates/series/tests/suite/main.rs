@@ -11,7 +11,7 @@ use stickslip::ode::{Rk4, stages};
 use stickslip::system::State;
 use stickslip_series::{
     DataError, DataSettings, DataSpectrum, Estimator, Kind, MAX_COLUMNS, Neighbourhood, Series,
-    Status, data_spectrum, data_spectrum_of_rows,
+    Status, data_spectrum,
 };
 
 const POINTS: usize = 45_001;
@@ -611,26 +611,6 @@ fn the_order_of_columns_does_not_matter() {
         assert_eq!(a.status, b.status);
         near(b.value, a.value, 1e-6 * a.value.abs().max(1.0));
     }
-}
-
-#[test]
-fn rows_have_the_bits_of_their_series_and_its_errors() {
-    let (rows, settings) = (lorenz(5000), DataSettings::default());
-    // Debug prints the shortest text that reads back as the same number, and NaN as such.
-    let text = |spectrum: &DataSpectrum| format!("{spectrum:?}");
-    let of_rows = data_spectrum_of_rows(&rows, 0.05, &settings).unwrap();
-    assert_eq!(text(&of_rows), text(&spectrum(&rows, 0.05, &settings)));
-    let none = data_spectrum_of_rows(&[[0.0; MAX_COLUMNS + 1]; 5000], 1.0, &settings);
-    assert!(matches!(none, Err(DataError::Columns { columns, .. }) if columns > MAX_COLUMNS));
-    let bad = DataSettings {
-        step: 0,
-        ..settings
-    };
-    let refused = data_spectrum_of_rows(&rows, 0.05, &bad);
-    assert!(matches!(
-        refused,
-        Err(DataError::Setting { name: "step", .. })
-    ));
 }
 
 #[test]
