@@ -46,8 +46,7 @@ impl Sum {
 }
 
 /// Averages over the stretchings of all reference points in the order of time, each over the time `tau`.
-pub(crate) fn averages(stretches: &[Stretch], tau: f64) -> Vec<Average> {
-    let columns = stretches.first().map_or(0, |one| one.factor.len());
+pub(crate) fn averages(stretches: &[Stretch], columns: usize, tau: f64) -> Vec<Average> {
     (0..columns)
         .map(|position| average(stretches, position, tau))
         .collect()
@@ -80,9 +79,9 @@ fn average(stretches: &[Stretch], position: usize, tau: f64) -> Average {
 }
 
 /// Running means of the same, each with the number of reference points before it.
-pub(crate) fn running(stretches: &[Stretch], tau: f64) -> Vec<(usize, Vec<f64>)> {
+pub(crate) fn running(stretches: &[Stretch], columns: usize, tau: f64) -> Vec<(usize, Vec<f64>)> {
     let thin = stretches.len().div_ceil(ROWS).max(1);
-    let mut sums = vec![Sum::default(); stretches.first().map_or(0, |one| one.factor.len())];
+    let mut sums = vec![Sum::default(); columns];
     let mut rows = Vec::with_capacity(ROWS + 1);
     for (i, stretch) in (1..).zip(stretches) {
         for (sum, factor) in sums.iter_mut().zip(&stretch.factor[..stretch.alive]) {

@@ -1,14 +1,15 @@
 //! The product of the local maps, taken along the series.
 
 use super::fit::LocalMap;
-use super::matrix::{Matrix, product};
+use super::matrix::{Matrix, Row, product};
+use super::series::MAX_COLUMNS;
 use super::svd::svds;
 
 /// What one map did to the tangent vectors.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Stretch {
     /// Stretching in each position; 0 where there was none.
-    pub(crate) factor: Vec<f64>,
+    pub(crate) factor: Row,
     /// Positions from here on were annihilated: the data determine the map, and it is zero.
     pub(crate) alive: usize,
     /// Positions from here on are not determined by the data.
@@ -18,8 +19,10 @@ pub(crate) struct Stretch {
 impl Stretch {
     /// The stretching of the volume that the first `dimension` vectors span.
     pub(crate) fn volume(&self, dimension: usize) -> Stretch {
+        let mut factor = [0.0; MAX_COLUMNS];
+        factor[0] = self.factor[..dimension].iter().product();
         Stretch {
-            factor: vec![self.factor[..dimension].iter().product()],
+            factor,
             alive: usize::from(self.alive >= dimension),
             determined: usize::from(self.determined >= dimension),
         }
@@ -33,6 +36,8 @@ pub(crate) struct Chains {
     width: usize,
     /// Where the vectors of each chain are.
     bases: Vec<Matrix>,
+    /// Memory for where they are next.
+    next: Matrix,
     /// At all reference points so far, in the order of time.
     pub(crate) stretches: Vec<Stretch>,
 }
@@ -43,6 +48,7 @@ impl Chains {
             count,
             width,
             bases: Vec::new(),
+            next: Matrix::default(),
             stretches: Vec::new(),
         }
     }
@@ -53,23 +59,29 @@ impl Chains {
         let i = self.stretches.len();
         if i < self.count {
             self.bases.push(directions.clone());
+            self.next = directions.clone();
         }
         let basis = &mut self.bases[i % self.count];
-        let stretch = advance(map, directions, basis, self.width);
+        let stretch = advance(map, directions, (basis, &mut self.next), self.width);
         self.stretches.push(stretch);
     }
 }
 
-/// Takes orthonormal vectors (the first `width` rows of `basis`) through a map and makes them orthonormal again.
+/// Takes orthonormal vectors (the first `width` rows of `basis`) through a map and makes them orthonormal again, in the memory of `next`.
 ///
 /// A vector of which nothing is left after the map, or nothing that is independent of those before it, goes to the end and is
 /// replaced by one orthogonal to all others. Positions are thus in the order of exponents also when the map is singular,
 /// and the product never contains the rounding error of a vector that vanished.
-fn advance(map: &LocalMap, directions: &Matrix, basis: &mut Matrix, width: usize) -> Stretch {
+fn advance(
+    map: &LocalMap,
+    directions: &Matrix,
+    (basis, next): (&mut Matrix, &mut Matrix),
+    width: usize,
+) -> Stretch {
     let columns = basis.columns();
     let determined = map.rank.min(width);
     let mut stretch = Stretch {
-        factor: vec![0.0; columns],
+        factor: [0.0; MAX_COLUMNS],
         alive: determined,
         determined,
     };
@@ -80,9 +92,9 @@ fn advance(map: &LocalMap, directions: &Matrix, basis: &mut Matrix, width: usize
     if width < columns && determined == width {
         align(basis, directions, width);
     }
-    let mut next = Matrix::zeros(columns, columns);
     let mut kept = 0;
-    let mut image = vec![0.0; columns];
+    let mut image = [0.0; MAX_COLUMNS];
+    let image = &mut image[..columns];
     for vector in basis.first(width) {
         if kept == determined {
             break;
@@ -90,9 +102,9 @@ fn advance(map: &LocalMap, directions: &Matrix, basis: &mut Matrix, width: usize
         for (cell, row) in image.iter_mut().zip(map.matrix.rows()) {
             *cell = product(row, vector);
         }
-        let length = orthogonalise(&mut image, next.first(kept));
+        let length = orthogonalise(image, next.first(kept));
         if length > map.nothing {
-            for (cell, v) in next[kept].iter_mut().zip(&image) {
+            for (cell, v) in next[kept].iter_mut().zip(&*image) {
                 *cell = v / length;
             }
             stretch.factor[kept] = length;
@@ -101,10 +113,13 @@ fn advance(map: &LocalMap, directions: &Matrix, basis: &mut Matrix, width: usize
     }
     stretch.alive = kept;
     for position in kept..width {
-        let vector = complement(&next, position);
+        let vector = complement(next, position);
         next[position].copy_from_slice(&vector);
     }
-    *basis = next;
+    for row in width..columns {
+        next[row].fill(0.0);
+    }
+    std::mem::swap(basis, next);
     stretch
 }
 
@@ -179,21 +194,23 @@ mod tests {
             nothing: 1e-12,
         };
         let mut basis = Matrix::identity(N);
-        (advance(&map, &Matrix::identity(N), &mut basis, N), basis)
+        let mut next = basis.clone();
+        let stretch = advance(&map, &Matrix::identity(N), (&mut basis, &mut next), N);
+        (stretch, basis)
     }
 
     #[test]
     fn the_product_of_the_factors_is_the_determinant() {
         let (stretch, _) = through([[2.0, 1.0, 0.0], [0.0, 3.0, 1.0], [1.0, 0.0, 1.0]], 3);
         // 2 (3 · 1 − 1 · 0) − 1 (0 · 1 − 1 · 1) = 7.
-        assert!((stretch.factor.iter().product::<f64>() - 7.0).abs() < 1e-14);
+        assert!((stretch.factor[..3].iter().product::<f64>() - 7.0).abs() < 1e-14);
         assert_eq!((stretch.alive, stretch.determined), (3, 3));
     }
 
     #[test]
     fn an_annihilated_vector_goes_to_the_end() {
         let (stretch, basis) = through([[0.0, 0.0, 0.0], [0.0, 5.0, 0.0], [0.0, 0.0, 3.0]], 3);
-        assert_eq!(stretch.factor, [5.0, 3.0, 0.0]);
+        assert_eq!(stretch.factor[..3], [5.0, 3.0, 0.0]);
         assert_eq!((stretch.alive, stretch.determined), (2, 3));
         assert_eq!([0, 1, 2].map(|c| basis[2][c].abs()), [1.0, 0.0, 0.0]);
     }

@@ -8,6 +8,7 @@ use rayon::prelude::*;
 
 use super::cloud::Cloud;
 use super::fit::{Rule, Scratch};
+use super::matrix::Row;
 use super::neighbours::{Finder, Neighbour};
 use crate::statistics::{power, upper_median};
 
@@ -68,9 +69,9 @@ pub struct Direction {
 struct Vote {
     radius: [f64; LEVELS],
     /// The singular values at each size.
-    sizes: [Vec<f64>; LEVELS],
+    sizes: [Row; LEVELS],
     /// NaN where a singular value is zero at some size.
-    slopes: Vec<f64>,
+    slopes: Row,
 }
 
 /// Measures the directions. `smallest` is the number of neighbours in the smallest neighbourhood.
@@ -132,9 +133,7 @@ fn vote(
         is_resolved.then(|| power(radius.into_iter().zip(sizes)))
     };
     Some(Vote {
-        slopes: (0..cloud.points.columns())
-            .map(|i| slope(i).unwrap_or(f64::NAN))
-            .collect(),
+        slopes: std::array::from_fn(|i| slope(i).unwrap_or(f64::NAN)),
         radius,
         sizes: found.map(|(sizes, _)| sizes),
     })
@@ -174,7 +173,7 @@ fn direction(votes: &[Vote], i: usize, unit: f64) -> Direction {
 mod tests {
     use super::*;
     use crate::fit::tests::PLAIN;
-    use crate::series::Series;
+    use crate::series::{MAX_COLUMNS, Series};
 
     #[test]
     fn counts_grow_geometrically_and_stay_a_small_part() {
@@ -219,8 +218,8 @@ mod tests {
         ] {
             let votes = (0..10).map(|i| Vote {
                 radius: [1.0, 2.0, 4.0, 8.0],
-                sizes: [0.5, 1.0, 2.0, 4.0].map(|size| vec![size]),
-                slopes: vec![if i < with_slope { 1.0 } else { f64::NAN }],
+                sizes: [0.5, 1.0, 2.0, 4.0].map(|size| [size; MAX_COLUMNS]),
+                slopes: [if i < with_slope { 1.0 } else { f64::NAN }; MAX_COLUMNS],
             });
             // The points are in units of 3 of the data.
             let found = direction(&votes.collect::<Vec<_>>(), 0, 3.0);

@@ -162,8 +162,9 @@ pub fn data_spectrum_with(
 
     let tau = step as f64 * series.dt();
     let corrected = plan.map(|plan| extrapolation.corrected(&plan, tau, cloud.unit));
-    let of = |chains: &Chains| averages(&chains.stretches, tau);
-    let [full_averages, fixed_averages, wide_averages] = [&full, &fixed, &wide].map(of);
+    let of = |chains: &Chains| averages(&chains.stretches, columns, tau);
+    let [full_averages, fixed_averages] = [&full, &fixed].map(of);
+    let wide_averages = sensitivity.then(|| of(&wide));
     let residual_ratio = upper_median(points.iter().map(|point| point.residual_ratio));
     let evidence = Evidence {
         dimension,
@@ -178,7 +179,7 @@ pub fn data_spectrum_with(
                 i,
                 &full_averages[i],
                 (i < fixed_rank).then(|| &fixed_averages[i]),
-                wide_averages.get(i),
+                wide_averages.as_ref().map(|wide| &wide[i]),
                 corrected.as_ref(),
             )
         })
@@ -189,7 +190,7 @@ pub fn data_spectrum_with(
     };
     let running = match &corrected {
         Some(corrected) => corrected.running.clone(),
-        None => running(&full.stretches, tau),
+        None => running(&full.stretches, columns, tau),
     };
     let time = |count: usize| settings.reference(count) as f64 * series.dt();
     let distances: f64 = points.iter().map(|point| point.radius).sum();
@@ -363,7 +364,7 @@ pub(crate) fn fixed_rank(
         },
     );
     let tau = settings.step as f64 * series.dt();
-    let known = averages(&chains.stretches, tau).into_iter().take(rank);
+    let known = averages(&chains.stretches, rank, tau).into_iter();
     let finite = |average: Average| match average.collapses {
         0 => (average.mean, average.stderr),
         _ => (f64::NEG_INFINITY, f64::NAN),

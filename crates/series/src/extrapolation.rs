@@ -14,7 +14,7 @@ use super::averages::{Average, averages, running, volume};
 use super::chain::{Chains, Stretch};
 use super::cloud::Cloud;
 use super::fit::LocalMap;
-use super::matrix::Matrix;
+use super::matrix::{Matrix, Row};
 use super::neighbours::Neighbour;
 use super::polynomial::{Degree, Fitter, Polynomial};
 use super::settings::DataSettings;
@@ -123,7 +123,7 @@ pub(crate) struct Maps {
     /// Radii of both, in the unit of the cloud.
     pub(crate) radius: [f64; 2],
     /// Part of the neighbours' variance in each direction that is noise, at the smaller size.
-    noise: Vec<f64>,
+    noise: Row,
     judge: Option<LocalMap>,
 }
 
@@ -137,7 +137,8 @@ pub(crate) struct Extrapolation {
     /// Sum of the radii, in the unit of the cloud.
     radius: [f64; 2],
     /// Part of the neighbours' variance in each direction that is noise, at the smaller size.
-    noises: Vec<Vec<f64>>,
+    noises: Vec<Row>,
+    columns: usize,
 }
 
 /// Averages at both sizes and at size zero.
@@ -199,6 +200,7 @@ impl Extrapolation {
             count,
             radius: [0.0; 2],
             noises: Vec::new(),
+            columns,
         }
     }
 
@@ -221,28 +223,28 @@ impl Extrapolation {
         let stretches = self.at_zero();
         let stretches = &stretches[settled..];
         let [small, large] = [0, 1].map(|size| &self.sizes[size].stretches[settled..]);
-        let mut running = running(stretches, tau);
+        let columns = self.columns;
+        let mut running = running(stretches, columns, tau);
         running.iter_mut().for_each(|(count, _)| *count += settled);
         let sum = volume(stretches, dimension, tau);
         let range = sum.mean - volume(large, dimension, tau).mean;
         let judged = self.judged.stretches.get(settled..);
         let judged = judged.filter(|judged| !judged.is_empty());
         let judged_sum = judged.map(|judged| volume(judged, dimension, tau));
-        let columns = 0..self.noises.first().map_or(0, Vec::len);
         Corrected {
             sizes: Sizes {
                 degree: plan.degree,
                 neighbours: plan.neighbours,
                 radius: self.radius().map(|radius| unit * radius),
             },
-            small: averages(small, tau),
-            large: averages(large, tau),
-            zero: averages(stretches, tau),
-            noise: columns
+            small: averages(small, columns, tau),
+            large: averages(large, columns, tau),
+            zero: averages(stretches, columns, tau),
+            noise: (0..columns)
                 .map(|i| upper_median(self.noises.iter().map(|noise| noise[i])))
                 .collect(),
             counted: stretches.len(),
-            judged: judged.map(|judged| averages(judged, tau)),
+            judged: judged.map(|judged| averages(judged, columns, tau)),
             sum: with_bias(sum, range, gap(&sum, judged_sum.as_ref())),
             running,
         }
@@ -267,7 +269,7 @@ impl Extrapolation {
         let pairs = small.stretches.iter().zip(&large.stretches);
         pairs
             .map(|(small, large)| {
-                let mut zero = small.clone();
+                let mut zero = *small;
                 zero.alive = small.alive.min(large.alive);
                 zero.determined = small.determined.min(large.determined);
                 for c in 0..zero.alive {

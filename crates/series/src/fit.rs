@@ -1,7 +1,7 @@
 //! The map between neighbourhoods, Eq. (25).
 
 use super::cloud::Cloud;
-use super::matrix::{Matrix, product};
+use super::matrix::{Matrix, Row, product};
 use super::neighbours::Neighbour;
 use super::settings::DataSettings;
 use super::svd::{Svd, svds, triangle};
@@ -105,7 +105,7 @@ impl Scratch {
         j: usize,
         neighbourhoods: [&[Neighbour]; L],
         rule: &Rule,
-    ) -> [(Vec<f64>, f64); L] {
+    ) -> [(Row, f64); L] {
         let triangles = neighbourhoods.map(|neighbours| {
             let rows = self.fill(&cloud.points, j, neighbours, None, false);
             triangle(
@@ -119,7 +119,7 @@ impl Scratch {
         let found = svds(triangles.each_ref());
         std::array::from_fn(|l| {
             let root = (neighbourhoods[l].len().max(1) as f64).sqrt();
-            let s: Vec<f64> = found[l].s.iter().map(|s| s / root).collect();
+            let s = found[l].s.map(|s| s / root);
             let zero = (ABOVE_ROUNDING * cloud.rounding).max(rule.rank_tolerance * s[0]);
             (s, zero)
         })
@@ -209,7 +209,7 @@ impl Decomposed {
     /// The least-squares map, restricted to at most the `limit` widest directions: `A = Yᵀ' U S⁻¹ Vᵀ`.
     pub(crate) fn map(&self, limit: usize, rule: &Rule) -> LocalMap {
         let Svd { s, v, .. } = &self.svd;
-        let columns = s.len();
+        let columns = v.columns();
         let rank = self.rank.min(limit);
         let mut matrix = Matrix::zeros(columns, columns);
         let ridge = rule.ridge * s[0];

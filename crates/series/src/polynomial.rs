@@ -10,8 +10,9 @@ use pulp::Arch;
 
 use super::absorb::Absorb;
 use super::fit::{ABOVE_ROUNDING, LocalMap};
-use super::matrix::Matrix;
+use super::matrix::{Matrix, Row};
 use super::neighbours::Neighbour;
+use super::series::MAX_COLUMNS;
 use super::svd::dot;
 
 /// A direction that is not tangent is left out where less than this part of the widest is left of it by the quadratic forms: what
@@ -76,7 +77,7 @@ pub(crate) struct Derivative {
     pub(crate) map: LocalMap,
     /// Part of the neighbours' variance in each direction that is noise, by which a slope is too small, if the noise is the same in all columns:
     /// what the images leave unpredicted is theirs and, through the map, that of the points. NaN where there is nothing to tell it from.
-    pub(crate) noise: Vec<f64>,
+    pub(crate) noise: Row,
 }
 
 /// Where the components of images come from: of delayed values, a delay ahead, all but the last are values of the point itself, and only the
@@ -182,7 +183,7 @@ impl<'a> Fitter<'a> {
                 rank: 0,
                 nothing: 0.0,
             },
-            noise: vec![f64::NAN; components],
+            noise: [f64::NAN; MAX_COLUMNS],
         };
         if rows < unknowns {
             return derivative;
@@ -191,10 +192,10 @@ impl<'a> Fitter<'a> {
         let columns = self.triangle.len() / unknowns;
         let at = |column: usize, row: usize| self.triangle[(first + row) * columns + column];
         // What belongs to a component in a row: of a known one it is that of its column, along all directions.
-        let mut images = Matrix::zeros(components, components);
-        for (component, images) in images.rows_mut().enumerate() {
+        let mut images = [[0.0; MAX_COLUMNS]; MAX_COLUMNS];
+        for (component, images) in images.iter_mut().enumerate().take(components) {
             if let Some(column) = self.images.known[component] {
-                for (i, image) in images.iter_mut().enumerate() {
+                for (i, image) in images.iter_mut().enumerate().take(components) {
                     *image = (i..components)
                         .map(|k| at(first + k, i) * directions[k][column])
                         .sum();
@@ -202,7 +203,8 @@ impl<'a> Fitter<'a> {
             }
         }
         for (fitted, &component) in self.images.fitted.iter().enumerate() {
-            for (i, image) in images[component].iter_mut().enumerate() {
+            let images = images[component].iter_mut().take(components);
+            for (i, image) in images.enumerate() {
                 *image = at(unknowns + fitted, i);
             }
         }
@@ -210,7 +212,8 @@ impl<'a> Fitter<'a> {
         let widest = at(first, 0).abs();
         let Derivative { map, noise } = &mut derivative;
         // `[component of the image][direction]`
-        let mut slopes = Matrix::zeros(components, components);
+        let mut slopes = [[0.0; MAX_COLUMNS]; MAX_COLUMNS];
+        let slopes = &mut slopes[..components];
         for i in (0..components).rev() {
             let corner = at(first + i, i);
             let tangent = i < polynomial.tangent;
@@ -225,19 +228,22 @@ impl<'a> Fitter<'a> {
             map.rank += 1;
             noise[i] = rows as f64 / (corner * corner);
             map.nothing = map.nothing.max(rounding / corner.abs());
-            for (slopes, images) in slopes.rows_mut().zip(images.rows()) {
+            for (slopes, images) in slopes.iter_mut().zip(&images) {
                 let others: f64 = (i + 1..components)
                     .map(|k| at(first + k, i) * slopes[k])
                     .sum();
                 slopes[i] = (images[i] - others) / corner;
             }
         }
-        let carried: f64 = slopes.rows().map(|slopes| dot(slopes, slopes)).sum();
+        let carried: f64 = slopes
+            .iter()
+            .map(|slopes| dot(&slopes[..components], &slopes[..components]))
+            .sum();
         // Variance that the polynomial leaves of a component; NaN where there are no degrees of freedom to tell from.
         let unpredicted = self.left / ((rows - unknowns) * components) as f64;
         let of_noise = unpredicted / (1.0 + carried / components as f64);
         noise.iter_mut().for_each(|part| *part *= of_noise);
-        for (row, slopes) in map.matrix.rows_mut().zip(slopes.rows()) {
+        for (row, slopes) in map.matrix.rows_mut().zip(&*slopes) {
             for (slope, direction) in slopes.iter().zip(directions.rows()) {
                 for (cell, d) in row.iter_mut().zip(direction) {
                     *cell += slope * d;

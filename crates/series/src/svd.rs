@@ -5,7 +5,8 @@
 
 use pulp::{Arch, NullaryFnOnce};
 
-use super::matrix::Matrix;
+use super::matrix::{Matrix, Row};
+use super::series::MAX_COLUMNS;
 
 /// A number in each lane.
 type Lanes<const L: usize> = [f64; L];
@@ -211,7 +212,7 @@ pub(crate) struct Svd {
     /// Left singular vectors, `u[i]` the `i`th; zero where the singular value is.
     pub(crate) u: Matrix,
     /// Singular values.
-    pub(crate) s: Vec<f64>,
+    pub(crate) s: Row,
     /// Right singular vectors, `v[i]` the `i`th.
     pub(crate) v: Matrix,
 }
@@ -222,22 +223,28 @@ pub(crate) struct Svd {
 pub(crate) fn svds<const L: usize>(m: [&Matrix; L]) -> [Svd; L] {
     let n = m.first().map_or(0, |m| m.columns());
     // Columns as rows: w[i] becomes u_i s_i.
-    let mut w: Vec<Lanes<L>> = vec![[0.0; L]; n * n];
-    let mut v = w.clone();
-    for i in 0..n {
-        for k in 0..n {
-            w[i * n + k] = lanes(|l| m[l][k][i]);
-        }
-        v[i * n + i] = [1.0; L];
-    }
+    let mut w = [[[0.0; L]; MAX_COLUMNS]; MAX_COLUMNS];
+    let mut v = w;
     // Squares of the columns' lengths and their roots change by rotations only.
-    let mut squares: Vec<Lanes<L>> = w.chunks(n).map(|column| products(column, column)).collect();
-    let mut norms: Vec<Lanes<L>> = squares.iter().map(|square| square.map(f64::sqrt)).collect();
+    let mut squares = [[0.0; L]; MAX_COLUMNS];
+    let mut norms = squares;
+    for l in 0..L {
+        for (k, row) in m[l].rows().enumerate() {
+            for (column, cell) in w.iter_mut().zip(row) {
+                column[k][l] = *cell;
+            }
+        }
+    }
+    for i in 0..n {
+        v[i][i] = [1.0; L];
+        squares[i] = products(&w[i][..n], &w[i][..n]);
+        norms[i] = squares[i].map(f64::sqrt);
+    }
     for _ in 0..SWEEPS {
         let mut rotated = false;
         for p in 0..n {
             for q in p + 1..n {
-                let pq = products(&w[p * n..][..n], &w[q * n..][..n]);
+                let pq = products(&w[p][..n], &w[q][..n]);
                 let turns: [bool; L] = std::array::from_fn(|l| {
                     let is_right = pq[l].abs() <= ORTHOGONAL * norms[p][l] * norms[q][l];
                     !(pq[l] == 0.0 || is_right)
@@ -248,7 +255,7 @@ pub(crate) fn svds<const L: usize>(m: [&Matrix; L]) -> [Svd; L] {
                 let zeta = lanes(|l| (squares[q][l] - squares[p][l]) / (2.0 * pq[l]));
                 rotate([&mut w, &mut v], n, (p, q), turns, zeta);
                 for column in [p, q] {
-                    let w = &w[column * n..][..n];
+                    let w = &w[column][..n];
                     squares[column] = products(w, w);
                     norms[column] = squares[column].map(f64::sqrt);
                 }
@@ -261,26 +268,32 @@ pub(crate) fn svds<const L: usize>(m: [&Matrix; L]) -> [Svd; L] {
     }
     std::array::from_fn(|l| {
         let norm = |i: usize| norms[i][l];
-        let mut order: Vec<usize> = (0..n).collect();
+        let mut order: [usize; MAX_COLUMNS] = std::array::from_fn(|i| i);
+        let order = &mut order[..n];
         order.sort_by(|&a, &b| norm(b).total_cmp(&norm(a)));
         let unit = |i: usize, x: f64| if norm(i) > 0.0 { x / norm(i) } else { 0.0 };
-        let cells = || {
-            order
-                .iter()
-                .flat_map(|&i| (i * n..(i + 1) * n).map(move |at| (i, at)))
+        let mut svd = Svd {
+            u: Matrix::zeros(n, n),
+            s: [0.0; MAX_COLUMNS],
+            v: Matrix::zeros(n, n),
         };
-        Svd {
-            u: Matrix::new(cells().map(|(i, at)| unit(i, w[at][l])).collect(), n),
-            s: order.iter().map(|&i| norm(i)).collect(),
-            v: Matrix::new(cells().map(|(_, at)| v[at][l]).collect(), n),
+        for (to, &i) in order.iter().enumerate() {
+            svd.s[to] = norm(i);
+            for (u, w) in svd.u[to].iter_mut().zip(&w[i]) {
+                *u = unit(i, w[l]);
+            }
+            for (to, v) in svd.v[to].iter_mut().zip(&v[i]) {
+                *to = v[l];
+            }
         }
+        svd
     })
 }
 
 /// Makes columns `p` and `q` orthogonal where they turn, by a rotation whose double angle has the cotangent `zeta`.
 #[inline(always)]
 fn rotate<const L: usize>(
-    matrices: [&mut [Lanes<L>]; 2],
+    matrices: [&mut [[Lanes<L>; MAX_COLUMNS]; MAX_COLUMNS]; 2],
     n: usize,
     (p, q): (usize, usize),
     turns: [bool; L],
@@ -291,8 +304,8 @@ fn rotate<const L: usize>(
     let cosine: Lanes<L> = lanes(|l| 1.0 / (1.0 + t[l] * t[l]).sqrt());
     let sine: Lanes<L> = lanes(|l| cosine[l] * t[l]);
     for matrix in matrices {
-        let (upper, lower) = matrix.split_at_mut(q * n);
-        for (a, b) in upper[p * n..][..n].iter_mut().zip(lower) {
+        let (upper, lower) = matrix.split_at_mut(q);
+        for (a, b) in upper[p][..n].iter_mut().zip(&mut lower[0]) {
             let (x, y) = (*a, *b);
             for l in 0..L {
                 if turns[l] {
@@ -346,7 +359,7 @@ mod tests {
                 let alone = svd(one);
                 for (one, other) in [
                     (together.u.cells(), alone.u.cells()),
-                    (&together.s, &alone.s),
+                    (&together.s[..], &alone.s),
                     (together.v.cells(), alone.v.cells()),
                 ] {
                     let bits = |m: &[f64]| m.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
@@ -373,9 +386,9 @@ mod tests {
 
     #[test]
     fn zero_and_deficient_matrices_have_zero_singular_values() {
-        assert_eq!(svd(&Matrix::zeros(3, 3)).s, [0.0; 3]);
+        assert_eq!(svd(&Matrix::zeros(3, 3)).s[..3], [0.0; 3]);
         let d = svd(&matrix([[0.0, 3.0], [0.0, 4.0]]));
-        assert_eq!(d.s, [5.0, 0.0]);
+        assert_eq!(d.s[..2], [5.0, 0.0]);
         assert_eq!([d.v[0][0].abs(), d.v[0][1].abs()], [0.0, 1.0]);
     }
 

@@ -80,6 +80,9 @@ pub(crate) struct Tree {
 impl Tree {
     /// A tree of so many of the first points, which are numbers.
     pub(crate) fn new(points: &Matrix, count: usize) -> Self {
+        // Column by column: what a node looks at lies together.
+        let column = |c: usize| points.first(count).map(|row| row[c]).collect();
+        let columns: Vec<Vec<f64>> = (0..points.columns()).map(column).collect();
         let mut indices: Vec<u32> = (0..).take(count).collect();
         let mut leaves = 1;
         while leaves * LANES * BLOCKS < count {
@@ -99,10 +102,11 @@ impl Tree {
         while level.len() < leaves {
             let mut next = Vec::with_capacity(2 * level.len());
             for part in level {
-                let node = tree.push_box(points, part);
+                let node = tree.push_box(&columns, part);
                 let (c, middle) = (tree.bounds(node).widest(), part.len() / 2);
                 if middle > 0 {
-                    let value = |index: &u32| points[*index as usize][c];
+                    let column = columns[c].as_slice();
+                    let value = |index: &u32| column[*index as usize];
                     part.select_nth_unstable_by(middle, |a, b| value(a).total_cmp(&value(b)));
                 }
                 let (left, right) = part.split_at_mut(middle);
@@ -111,37 +115,41 @@ impl Tree {
             level = next;
         }
         for leaf in &level {
-            tree.push_box(points, leaf);
+            tree.push_box(&columns, leaf);
             let parts = leaf.chunks(LANES).chain(std::iter::repeat(&[][..]));
             parts
                 .take(BLOCKS)
-                .for_each(|part| tree.push_block(points, part));
+                .for_each(|part| tree.push_block(&columns, part));
         }
         tree
     }
 
     /// The next node's box, around these points; returns its number.
-    fn push_box(&mut self, points: &Matrix, indices: &[u32]) -> usize {
-        let rows = || indices.iter().map(|index| &points[*index as usize]);
-        let ends: [(f64, fn(f64, f64) -> f64); 2] =
-            [(f64::INFINITY, f64::min), (f64::NEG_INFINITY, f64::max)];
-        for (start, further) in ends {
-            let end = |c: usize| rows().fold(start, |end, row| further(end, row[c]));
-            self.boxes.extend((0..points.columns()).map(end));
+    fn push_box(&mut self, columns: &[Vec<f64>], indices: &[u32]) -> usize {
+        for column in columns {
+            let values = indices.iter().map(|index| column[*index as usize]);
+            self.boxes.push(values.fold(f64::INFINITY, f64::min));
+        }
+        for column in columns {
+            let values = indices.iter().map(|index| column[*index as usize]);
+            self.boxes.push(values.fold(f64::NEG_INFINITY, f64::max));
         }
         let first = indices.iter().copied().min();
         self.first.push(first.unwrap_or(u32::MAX));
         self.first.len() - 1
     }
 
-    fn push_block(&mut self, points: &Matrix, indices: &[u32]) {
-        let row = |lane: usize| Some(&points[*indices.get(lane)? as usize]);
-        for c in 0..points.columns() {
-            let value = |lane| row(lane).map_or(f64::NAN, |row| row[c]);
-            self.lanes.push(std::array::from_fn(value));
+    fn push_block(&mut self, columns: &[Vec<f64>], indices: &[u32]) {
+        for column in columns {
+            let mut lanes = [f64::NAN; LANES];
+            for (lane, index) in lanes.iter_mut().zip(indices) {
+                *lane = column[*index as usize];
+            }
+            self.lanes.push(lanes);
         }
-        let index = |lane| indices.get(lane).copied().unwrap_or(0);
-        self.indices.push(std::array::from_fn(index));
+        let mut lanes = [0; LANES];
+        lanes[..indices.len()].copy_from_slice(indices);
+        self.indices.push(lanes);
     }
 
     #[inline(always)]
