@@ -7,7 +7,7 @@ use super::neighbours::Neighbour;
 use super::polynomial::Polynomial;
 use super::svd::{dot, reflect_below};
 
-/// A column of which less than this part is left by those before it is a combination of them.
+/// A column of which less than this part is left by those before it is a combination of them: the default of the rank tolerance.
 const DEPENDENT: f64 = 1e-10;
 /// Rows are filled up with zeros, which change no sum, so that no vector is broken.
 const VECTOR: usize = 4;

@@ -4,9 +4,9 @@ use super::error::DataError;
 use super::matrix::{Matrix, distance2};
 use super::series::Series;
 
-/// Longest Theiler window the automatic choice makes, as a fraction of the series.
+/// Longest Theiler window the automatic choice makes, as a fraction of the series: four fifths of the points are left to be neighbours.
 const LONGEST_WINDOW: usize = 10;
-/// Terms in the estimate of an autocorrelation; more would not change the window.
+/// Terms in the estimate of an autocorrelation, whose standard error is then 1/64.
 const TERMS: usize = 4096;
 
 /// The points, divided by a power of two near their extent. Exponents do not change by that, and no square over- or

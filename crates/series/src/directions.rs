@@ -7,22 +7,23 @@
 use rayon::prelude::*;
 
 use super::cloud::Cloud;
-use super::fit::{Rule, Scratch};
+use super::fit::Scratch;
 use super::matrix::Row;
 use super::neighbours::{Finder, Neighbour};
+use super::settings::DataSettings;
 use crate::statistics::{power, upper_median};
 
 /// Neighbourhoods of so many sizes are compared.
 pub const LEVELS: usize = 4;
-/// Points looked at, spread evenly over the series.
+/// Points looked at, spread evenly over the series: the median of their slopes is known to a twentieth of the scatter.
 const SAMPLES: usize = 512;
-/// The largest neighbourhood has so many times the points of the smallest,
+/// The largest neighbourhood has so many times the points of the smallest, in two dimensions four times the radius and in four twice,
 const RANGE: usize = 16;
 /// but not more than this part of the series.
 const LARGEST_PART: usize = 20;
-/// Slopes below are noise,
+/// Half way between the slopes 0 of noise and 1 of a tangent direction,
 const NOISE: f64 = 0.5;
-/// slopes above are curvature.
+/// and between that and the 2 of curvature.
 const CURVATURE: f64 = 1.5;
 /// Neighbourhoods must differ in size by this factor in all for a slope to mean something.
 const SMALLEST_SPAN: f64 = 1.2;
@@ -78,17 +79,17 @@ struct Vote {
 pub(crate) fn measure(
     cloud: &Cloud,
     finder: &Finder<'_>,
-    rule: &Rule,
+    settings: &DataSettings,
     smallest: usize,
 ) -> Vec<Direction> {
-    let points = cloud.points.len() - rule.step;
+    let points = cloud.points.len() - settings.step;
     let counts = counts(smallest, points);
     let every = points.div_ceil(SAMPLES).max(1);
     let votes: Vec<Option<Vote>> = (0..points.div_ceil(every))
         .into_par_iter()
         .map_init(
             || (Scratch::default(), Vec::new()),
-            |(scratch, found), i| vote(cloud, finder, rule, &counts, i * every, scratch, found),
+            |(scratch, found), i| vote(cloud, finder, settings, &counts, i * every, scratch, found),
         )
         .collect();
     let votes: Vec<Vote> = votes.into_iter().flatten().collect();
@@ -110,7 +111,7 @@ fn counts(smallest: usize, points: usize) -> [usize; LEVELS] {
 fn vote(
     cloud: &Cloud,
     finder: &Finder<'_>,
-    rule: &Rule,
+    settings: &DataSettings,
     counts: &[usize; LEVELS],
     j: usize,
     scratch: &mut Scratch,
@@ -126,7 +127,7 @@ fn vote(
     if radius[LEVELS - 1] < SMALLEST_SPAN * radius[0] {
         return None;
     }
-    let found = scratch.singular_values(cloud, j, neighbourhoods, rule);
+    let found = scratch.singular_values(cloud, j, neighbourhoods, settings);
     let slope = |i: usize| {
         let sizes = found.iter().map(|(sizes, _)| sizes[i]);
         let is_resolved = found.iter().all(|(sizes, zero)| sizes[i] > *zero);
@@ -172,7 +173,7 @@ fn direction(votes: &[Vote], i: usize, unit: f64) -> Direction {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::tests::PLAIN;
+    use crate::fit::tests::plain;
     use crate::series::{MAX_COLUMNS, Series};
 
     #[test]
@@ -197,7 +198,7 @@ mod tests {
             vote(
                 &cloud,
                 &finder,
-                &PLAIN,
+                &plain(),
                 &counts,
                 j,
                 &mut scratch,

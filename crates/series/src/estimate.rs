@@ -2,14 +2,14 @@
 
 use rayon::prelude::*;
 
-use super::averages::{Average, averages, running, volume};
+use super::averages::{averages, running, volume};
 use super::chain::Chains;
 use super::cloud::Cloud;
 use super::directions::{self, Kind};
 use super::error::DataError;
 use super::evidence::Evidence;
 use super::extrapolation::{Extrapolation, Maps, Plan};
-use super::fit::{LocalMap, Rule, Scratch};
+use super::fit::{LocalMap, Scratch};
 use super::matrix::Matrix;
 use super::neighbours::{Finder, Neighbour, Selection};
 use super::polynomial::{Fitter, Images};
@@ -69,8 +69,8 @@ pub fn data_spectrum_with(
     enough(series.len(), settings, theiler)?;
     let cloud = cloud?;
     let finder = Finder::new(&cloud, step, theiler)?;
-    let rule = Rule::of(settings);
-    let directions = directions::measure(&cloud, &finder, &rule, SMALLEST_LEVEL.max(2 * columns));
+    let directions =
+        directions::measure(&cloud, &finder, settings, SMALLEST_LEVEL.max(2 * columns));
     let dimension = directions
         .iter()
         .take_while(|direction| direction.kind == Kind::Tangent)
@@ -99,55 +99,60 @@ pub fn data_spectrum_with(
     let mut fixed = Chains::new(count, fixed_rank);
     let mut extrapolation = Extrapolation::new(count, columns);
     let mut points: Vec<Point> = Vec::with_capacity(references);
-    in_order(
-        references,
-        progress,
-        || {
-            let fitter = Fitter::new(&cloud.points, &images);
-            (Scratch::default(), fitter, Found::default())
-        },
-        |(scratch, fitter, found), i| {
-            let j = settings.reference(i);
-            let selection = search.around(j, found);
-            let neighbours = &found.neighbours[..selection.count];
-            let (wide, decomposed) = if sensitivity {
-                let both = [found.neighbours.as_slice(), neighbours];
-                let [wide, decomposed] = scratch.decompose(&cloud, j, both, &rule);
-                let map = wide.map(columns, &rule);
-                (Some((map, wide.into_directions())), decomposed)
-            } else {
-                let [decomposed] = scratch.decompose(&cloud, j, [neighbours], &rule);
-                (None, decomposed)
-            };
-            let mut point = Point {
-                neighbours: selection.count,
-                radius: neighbours.last().map_or(0.0, |furthest| furthest.0.sqrt()),
-                residual_ratio: decomposed.residual_ratio(),
-                starved: selection.starved,
-            };
-            let full = decomposed.map(columns, &rule);
-            let fixed = decomposed.map(fixed_rank, &rule);
-            let directions = decomposed.into_directions();
-            let maps = plan.as_ref().map(|plan| {
-                let nearest = search.furthest(j, found);
-                let maps = plan.fit(fitter, j, nearest, &directions);
-                // Judged by what the exponents come from.
-                if let Neighbourhood::Ball { eps, .. } = settings.neighbours {
-                    point.starved = maps.radius[0] > LARGE * eps * cloud.spread
-                        || nearest.len() < plan.neighbours[0];
-                }
-                maps
-            });
-            Local {
-                directions,
-                full,
-                fixed,
-                wide,
-                maps,
-                point,
-            }
-        },
-        |local: Local| {
+    while points.len() < references {
+        progress(points.len(), references);
+        let until = (points.len() + CHUNK).min(references);
+        let locals: Vec<Local> = (points.len()..until)
+            .into_par_iter()
+            .map_init(
+                || {
+                    let fitter = Fitter::new(&cloud.points, &images);
+                    (Scratch::default(), fitter, Found::default())
+                },
+                |(scratch, fitter, found), i| {
+                    let j = settings.reference(i);
+                    let selection = search.around(j, found);
+                    let neighbours = &found.neighbours[..selection.count];
+                    let (wide, decomposed) = if sensitivity {
+                        let both = [found.neighbours.as_slice(), neighbours];
+                        let [wide, decomposed] = scratch.decompose(&cloud, j, both, settings);
+                        let map = wide.map(columns, settings);
+                        (Some((map, wide.into_directions())), decomposed)
+                    } else {
+                        let [decomposed] = scratch.decompose(&cloud, j, [neighbours], settings);
+                        (None, decomposed)
+                    };
+                    let mut point = Point {
+                        neighbours: selection.count,
+                        radius: neighbours.last().map_or(0.0, |furthest| furthest.0.sqrt()),
+                        residual_ratio: decomposed.residual_ratio(),
+                        starved: selection.starved,
+                    };
+                    let full = decomposed.map(columns, settings);
+                    let fixed = decomposed.map(fixed_rank, settings);
+                    let directions = decomposed.into_directions();
+                    let maps = plan.as_ref().map(|plan| {
+                        let nearest = search.furthest(j, found);
+                        let maps = plan.fit(fitter, j, nearest, &directions);
+                        // Judged by what the exponents come from.
+                        if let Neighbourhood::Ball { eps, .. } = settings.neighbours {
+                            point.starved = maps.radius[0] > LARGE * eps * cloud.spread
+                                || nearest.len() < plan.neighbours[0];
+                        }
+                        maps
+                    });
+                    Local {
+                        directions,
+                        full,
+                        fixed,
+                        wide,
+                        maps,
+                        point,
+                    }
+                },
+            )
+            .collect();
+        for local in locals {
             full.push(&local.full, &local.directions);
             fixed.push(&local.fixed, &local.directions);
             if let Some((map, directions)) = &local.wide {
@@ -157,8 +162,9 @@ pub fn data_spectrum_with(
                 extrapolation.push(maps, &local.directions);
             }
             points.push(local.point);
-        },
-    );
+        }
+    }
+    progress(references, references);
 
     let tau = step as f64 * series.dt();
     let corrected = plan.map(|plan| extrapolation.corrected(&plan, tau, cloud.unit));
@@ -307,92 +313,6 @@ struct Local {
     wide: Option<(LocalMap, Matrix)>,
     maps: Option<Maps>,
     point: Point,
-}
-
-/// What the fit of fixed rank says by itself.
-pub(crate) struct FixedRank {
-    /// Exponents with their standard errors.
-    pub(crate) exponents: Vec<(f64, f64)>,
-    /// As [`DataSpectrum::residual_ratio`].
-    pub(crate) residual_ratio: f64,
-}
-
-/// The fit of fixed rank of [`data_spectrum`] alone. Stride and references may be others than those of the settings' spectrum.
-///
-/// # Errors
-/// As [`data_spectrum`].
-pub(crate) fn fixed_rank(
-    series: &Series,
-    settings: &DataSettings,
-    rank: usize,
-    progress: &dyn Fn(usize, usize),
-) -> Result<FixedRank, DataError> {
-    settings.check(series.columns())?;
-    let cloud = Cloud::new(series)?;
-    let theiler = settings.theiler.unwrap_or_else(|| cloud.decorrelation());
-    enough(series.len(), settings, theiler)?;
-    let finder = Finder::new(&cloud, settings.step, theiler)?;
-    let rule = Rule::of(settings);
-    let search = Search {
-        finder: &finder,
-        settings,
-        spread: cloud.spread,
-        times: 1,
-        furthest: None,
-    };
-    let mut chains = Chains::new(settings.chains(), rank);
-    let mut ratios = Vec::new();
-    in_order(
-        references(series.len(), settings),
-        progress,
-        <(Scratch, Found)>::default,
-        |(scratch, found), i| {
-            let j = settings.reference(i);
-            let selection = search.around(j, found);
-            let neighbours = &found.neighbours[..selection.count];
-            let [decomposed] = scratch.decompose(&cloud, j, [neighbours], &rule);
-            let ratio = decomposed.residual_ratio();
-            (
-                decomposed.map(rank, &rule),
-                decomposed.into_directions(),
-                ratio,
-            )
-        },
-        |(map, directions, ratio)| {
-            chains.push(&map, &directions);
-            ratios.push(ratio);
-        },
-    );
-    let tau = settings.step as f64 * series.dt();
-    let known = averages(&chains.stretches, rank, tau).into_iter();
-    let finite = |average: Average| match average.collapses {
-        0 => (average.mean, average.stderr),
-        _ => (f64::NEG_INFINITY, f64::NAN),
-    };
-    Ok(FixedRank {
-        exponents: known.map(finite).collect(),
-        residual_ratio: upper_median(ratios),
-    })
-}
-
-/// Makes something of each of so many reference points in parallel, some at a time, and takes it in their order.
-fn in_order<S, T: Send>(
-    references: usize,
-    progress: &dyn Fn(usize, usize),
-    scratch: impl Fn() -> S + Sync + Send,
-    make: impl Fn(&mut S, usize) -> T + Sync + Send,
-    mut take: impl FnMut(T),
-) {
-    for from in (0..references).step_by(CHUNK) {
-        progress(from, references);
-        let until = (from + CHUNK).min(references);
-        let made: Vec<T> = (from..until)
-            .into_par_iter()
-            .map_init(&scratch, &make)
-            .collect();
-        made.into_iter().for_each(&mut take);
-    }
-    progress(references, references);
 }
 
 /// Reference points of so many rows.

@@ -9,26 +9,6 @@ use super::svd::{Svd, svds, triangle};
 /// How far above the rounding of the data a singular value must be, for one neighbour.
 pub(crate) const ABOVE_ROUNDING: f64 = 4.0;
 
-/// What of the settings a fit depends on.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Rule {
-    pub(crate) step: usize,
-    pub(crate) affine: bool,
-    pub(crate) rank_tolerance: f64,
-    pub(crate) ridge: f64,
-}
-
-impl Rule {
-    pub(crate) fn of(settings: &DataSettings) -> Self {
-        Self {
-            step: settings.step,
-            affine: settings.affine,
-            rank_tolerance: settings.rank_tolerance,
-            ridge: settings.ridge,
-        }
-    }
-}
-
 /// A linear map fitted to a neighbourhood.
 #[derive(Clone, Debug)]
 pub(crate) struct LocalMap {
@@ -70,11 +50,17 @@ impl Scratch {
         cloud: &Cloud,
         j: usize,
         neighbourhoods: [&[Neighbour]; L],
-        rule: &Rule,
+        settings: &DataSettings,
     ) -> [Decomposed; L] {
         let columns = cloud.points.columns();
         let mut decomposed = neighbourhoods.map(|neighbours| {
-            let rows = self.fill(&cloud.points, j, neighbours, Some(rule.step), rule.affine);
+            let rows = self.fill(
+                &cloud.points,
+                j,
+                neighbours,
+                Some(settings.step),
+                settings.affine,
+            );
             let (triangle, images) = triangle(&mut self.left, &mut self.right, rows, columns);
             let right = self.right.chunks_exact(rows);
             let rest = right.flat_map(|column| &column[columns..]);
@@ -83,14 +69,16 @@ impl Scratch {
                 images,
                 rounding: ABOVE_ROUNDING * cloud.rounding * (rows as f64).sqrt(),
                 outside: rest.map(|v| v * v).sum(),
-                independent: neighbours.len().saturating_sub(usize::from(rule.affine)),
+                independent: neighbours
+                    .len()
+                    .saturating_sub(usize::from(settings.affine)),
                 svd: Svd::default(),
                 rank: 0,
             }
         });
         let found = svds(decomposed.each_ref().map(|one| &one.triangle));
         for (one, svd) in decomposed.iter_mut().zip(found) {
-            let zero = one.rounding.max(rule.rank_tolerance * svd.s[0]);
+            let zero = one.rounding.max(settings.rank_tolerance * svd.s[0]);
             one.rank = svd.s.iter().filter(|&&s| s > zero).count();
             one.svd = svd;
         }
@@ -104,7 +92,7 @@ impl Scratch {
         cloud: &Cloud,
         j: usize,
         neighbourhoods: [&[Neighbour]; L],
-        rule: &Rule,
+        settings: &DataSettings,
     ) -> [(Row, f64); L] {
         let triangles = neighbourhoods.map(|neighbours| {
             let rows = self.fill(&cloud.points, j, neighbours, None, false);
@@ -120,7 +108,7 @@ impl Scratch {
         std::array::from_fn(|l| {
             let root = (neighbourhoods[l].len().max(1) as f64).sqrt();
             let s = found[l].s.map(|s| s / root);
-            let zero = (ABOVE_ROUNDING * cloud.rounding).max(rule.rank_tolerance * s[0]);
+            let zero = (ABOVE_ROUNDING * cloud.rounding).max(settings.rank_tolerance * s[0]);
             (s, zero)
         })
     }
@@ -207,12 +195,12 @@ impl Decomposed {
     }
 
     /// The least-squares map, restricted to at most the `limit` widest directions: `A = Yᵀ' U S⁻¹ Vᵀ`.
-    pub(crate) fn map(&self, limit: usize, rule: &Rule) -> LocalMap {
+    pub(crate) fn map(&self, limit: usize, settings: &DataSettings) -> LocalMap {
         let Svd { s, v, .. } = &self.svd;
         let columns = v.columns();
         let rank = self.rank.min(limit);
         let mut matrix = Matrix::zeros(columns, columns);
-        let ridge = rule.ridge * s[0];
+        let ridge = settings.ridge * s[0];
         for (i, &s) in s.iter().enumerate().take(rank) {
             let inverse = if ridge > 0.0 {
                 s / (s * s + ridge * ridge)
@@ -234,7 +222,7 @@ impl Decomposed {
         LocalMap {
             matrix,
             rank,
-            nothing: uncertainty.max(rule.rank_tolerance * squares.sqrt()),
+            nothing: uncertainty.max(settings.rank_tolerance * squares.sqrt()),
         }
     }
 
@@ -251,12 +239,12 @@ pub(crate) mod tests {
     use crate::series::Series;
 
     /// A linear fit that cuts nothing off.
-    pub(crate) const PLAIN: Rule = Rule {
-        step: 1,
-        affine: false,
-        rank_tolerance: 0.0,
-        ridge: 0.0,
-    };
+    pub(crate) fn plain() -> DataSettings {
+        DataSettings {
+            rank_tolerance: 0.0,
+            ..DataSettings::default()
+        }
+    }
 
     #[test]
     fn a_linear_map_is_recovered_to_the_rounding_over_the_extent_of_the_neighbourhood() {
@@ -273,8 +261,8 @@ pub(crate) mod tests {
         let (mut scratch, mut found) = (Scratch::default(), Vec::new());
         for count in [10, 40] {
             finder.nearest(500, count, f64::INFINITY, &mut found);
-            let [decomposed] = scratch.decompose(&cloud, 500, [&found], &PLAIN);
-            let map = decomposed.map(2, &PLAIN);
+            let [decomposed] = scratch.decompose(&cloud, 500, [&found], &plain());
+            let map = decomposed.map(2, &plain());
             assert_eq!(map.rank, 2);
             for (row, wanted) in map.matrix.rows().zip([[c, -s], [s, c]]) {
                 for (cell, wanted) in row.iter().zip(wanted) {
@@ -282,7 +270,7 @@ pub(crate) mod tests {
                 }
             }
             // Both by the root of the number of neighbours.
-            let [(sizes, zero)] = scratch.singular_values(&cloud, 500, [&found], &PLAIN);
+            let [(sizes, zero)] = scratch.singular_values(&cloud, 500, [&found], &plain());
             assert!((map.nothing * sizes[1] / zero - 1.0).abs() < 1e-9);
         }
     }

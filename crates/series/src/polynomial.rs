@@ -18,7 +18,8 @@ use super::svd::dot;
 /// A direction that is not tangent is left out where less than this part of the widest is left of it by the quadratic forms: what
 /// cubic terms do to such a small rest would pass for a derivative.
 const THIN: f64 = 1e-3;
-/// Most unknowns of one image's component; with many columns the forms are of the widest directions only.
+/// Most unknowns of one image's component: six columns, all their 21 forms and a constant. With more columns the forms are of the widest
+/// directions only.
 const MOST_UNKNOWNS: usize = 28;
 
 /// Degree of local maps.

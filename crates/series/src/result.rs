@@ -148,7 +148,7 @@ pub struct DataSpectrum {
     pub settings: DataSettings,
 }
 
-/// The sums differ if they are apart by more than so many standard errors,
+/// The sums differ if they are apart by more than so many standard errors, within which `ok` promises the truth,
 const STANDARD_ERRORS: f64 = 2.0;
 /// and by more than this part of the divergence: it is given in a few digits.
 const ROUNDING: f64 = 5e-4;

@@ -9,10 +9,10 @@
 //! exponents none of the system's; then it finds not even the first exponent again, and is not asked.
 
 use super::error::DataError;
-use super::estimate::fixed_rank;
+use super::estimate::data_spectrum_with;
 use super::result::DataSpectrum;
 use super::series::Series;
-use super::settings::{DataSettings, longest_stride};
+use super::settings::{DataSettings, Estimator, longest_stride};
 
 /// Two values are the same if they are apart by less than so many of their standard errors,
 const STANDARD_ERRORS: f64 = 4.0;
@@ -80,16 +80,18 @@ pub fn reversal(
     let step = spectrum.settings.step;
     let stride = longest_stride(step, covered.saturating_add(step), REFERENCES);
     let mut settings = DataSettings {
+        estimator: Estimator::SanoSawada,
+        sensitivity: false,
         stride: stride.max(spectrum.settings.stride),
         ..spectrum.settings.clone()
     };
     settings.references = Some(settings.references_before(covered));
     let turned_series = reversed(embedded)?;
-    let rank = spectrum.fixed_rank;
-    let backward = fixed_rank(&turned_series, &settings, rank, progress)?;
-    let all = spectrum.exponents.iter();
-    let forward: Vec<(f64, f64)> = all.filter_map(|exponent| exponent.fixed_rank).collect();
-    let reversed = backward.exponents;
+    let backward = data_spectrum_with(&turned_series, &settings, progress)?;
+    let [forward, reversed] = [spectrum, &backward].map(|spectrum| -> Vec<(f64, f64)> {
+        let all = spectrum.exponents.iter();
+        all.filter_map(|exponent| exponent.fixed_rank).collect()
+    });
     let turned: Vec<(f64, f64)> = reversed
         .iter()
         .map(|&(value, stderr)| (-value, stderr))

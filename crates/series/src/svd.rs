@@ -23,7 +23,7 @@ fn lanes<const L: usize>(mut f: impl FnMut(usize) -> f64) -> Lanes<L> {
 
 /// Sweeps after which Jacobi's rotations stop; ten are more than ever needed.
 const SWEEPS: usize = 40;
-/// Cosine of two columns that counts as orthogonal.
+/// Cosine of two columns that counts as orthogonal: some units of rounding.
 const ORTHOGONAL: f64 = 1e-15;
 
 /// Turns `left` (`rows` × `columns`, column after column) into an upper triangle by reflections, and applies them to `right` (with as many

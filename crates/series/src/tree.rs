@@ -9,7 +9,7 @@ use pulp::{Arch, NullaryFnOnce};
 use super::matrix::Matrix;
 use super::neighbours::Neighbour;
 
-/// Points whose distances are computed together.
+/// Points whose distances are computed together: two vectors of the machine.
 const LANES: usize = 8;
 /// Most blocks of points in a leaf.
 const BLOCKS: usize = 4;
@@ -285,7 +285,7 @@ impl<A: Fn(u32) -> bool> NullaryFnOnce for Search<'_, A> {
     }
 }
 
-/// Bits of a distance that a position takes while neighbours are sorted.
+/// Bits of a distance that a position takes while neighbours are sorted: 40 bits of it are left, and 4096 neighbours have place.
 const POSITION_BITS: u32 = 12;
 
 /// Sorts by [`order`] and keeps the first so many. Numbers are sorted in half of the time that pairs take: the last bits of the distances make

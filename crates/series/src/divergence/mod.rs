@@ -20,9 +20,9 @@ use super::statistics::upper_median;
 pub use straight::StraightPart;
 use straight::straight_part;
 
-/// Points that are followed, spread evenly over the series.
+/// Points that are followed, spread evenly over the series: a mean logarithm of so many is known to some hundredths.
 const SAMPLES: usize = 1000;
-/// With fewer points there is nothing to follow.
+/// With fewer points there is nothing to follow: eight blocks would hold fewer than seven each.
 const FEWEST: usize = 50;
 /// Points of time they are followed over, at most,
 const LONGEST: usize = 2048;
@@ -30,11 +30,11 @@ const LONGEST: usize = 2048;
 const LONGEST_PART: usize = 4;
 /// Neighbours in Kantz' smallest ball at half of the points, and those in the larger ones.
 const KANTZ: [usize; 3] = [3, 6, 12];
-/// Neighbours of a point in a ball that are followed, at most.
+/// Neighbours of a point in a ball that are followed, at most: more than the largest ball holds at most points.
 const MOST: usize = 20;
 /// Blocks of points for the standard error of a slope.
 const BLOCKS: usize = 8;
-/// Points that tell the size of the attractor.
+/// Pairs of points that tell the size of the attractor, in logarithms to some hundredths.
 const PAIRS: usize = 2000;
 /// Whether a curve still rises is asked after so many points.
 const LOOKED_BACK: usize = 256;

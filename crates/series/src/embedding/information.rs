@@ -4,11 +4,11 @@ use rayon::prelude::*;
 
 use crate::series::Series;
 
-/// Pairs that are counted at most; more would not move a minimum.
+/// Pairs that are counted at most: 32 for each cell of the most classes.
 const PAIRS: usize = 1 << 15;
-/// Pairs to a cell on average, at least.
+/// Pairs to a cell on average, at least: what they scatter by is then a third of their number.
 const PAIRS_PER_CELL: usize = 8;
-/// Fewest and most classes.
+/// Fewest and most classes: with 32 of them a correlated Gaussian loses 2 % of its information.
 const CLASSES: (usize, usize) = (4, 32);
 
 /// A series sorted into classes, ready to be compared with itself at any lag.

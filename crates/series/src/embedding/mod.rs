@@ -14,7 +14,7 @@ use information::Classes;
 
 /// Longest delay that is looked at, as a part of the series: ten vectors of two values then follow one another.
 const LONGEST_PART: usize = 10;
-/// Lags that are looked at, at most.
+/// Lags that are looked at, at most: a bound on the time that it takes.
 const MOST_LAGS: usize = 2000;
 /// A minimum is one if the information rises behind it by this part of what it is at the first lag.
 const RISE: f64 = 0.01;
@@ -23,15 +23,15 @@ const RISE: f64 = 0.01;
 const ON_CURVE: f64 = 0.5;
 /// On a curve nothing else is to be expected after so many decorrelation times, a period or more: of a sine a period has 5.3.
 const PERIOD: usize = 6;
-/// The curve is given up to so many times the delay.
+/// The curve is given up to so many times the delay, for a picture in which the minimum stands inside.
 const SHOWN: usize = 3;
 /// With a smaller part of false neighbours there are none: Kennel's 1 %.
 pub const NO_FALSE_NEIGHBOURS: f64 = 0.01;
 /// With a larger part of them columns are missing: whole states have up to 3 % where they stick, and Lorenz' x and z at 3000 points 5 %.
 const MANY_FALSE_NEIGHBOURS: f64 = 0.05;
-/// Dimensions that are looked at beyond a given one, at least.
+/// Dimensions that are looked at beyond a given one, at least: Cao's E1 takes the next one, and its change the one after.
 const BEYOND: usize = 2;
-/// Cao's E1 has stopped changing where it is above,
+/// Cao reads off a curve where E1 stops changing, at about 1: it has where it is above,
 const CAO_SETTLED: f64 = 0.9;
 /// and differs from the one of a dimension more by less.
 const CAO_CHANGE: f64 = 0.05;

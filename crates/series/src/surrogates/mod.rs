@@ -18,7 +18,7 @@ use super::series::Series;
 use super::settings::DataSettings;
 use iaaft::Randomiser;
 
-/// Fewest surrogates: fewer give no level of 5 %.
+/// Fewest surrogates: the level is one over one more, 5 %.
 pub const FEWEST_SURROGATES: usize = 19;
 /// Most surrogates: more tell no more, and each takes an estimate.
 pub const MOST_SURROGATES: usize = 10_000;
