@@ -1,7 +1,5 @@
 //! All systems of these tests as one type for each number of states.
 
-use stickslip::{Error, Filippov, Scalar, Side};
-
 use crate::attractors::systems::{
     Backwards, Detour, Driven, Leine, NearWells, Pushed, Rings, Shear, ToZero, Wells,
 };
@@ -12,7 +10,7 @@ use crate::bifurcations::systems::{
 };
 use crate::den_hartog::DenHartog;
 use crate::line::Line;
-use crate::listed::{Listed, traced};
+use crate::listed::traced;
 use crate::smooth::{Lorenz, Smooth};
 
 traced!(

@@ -4,7 +4,6 @@ use stickslip::analysis::{
     Exponent, SpectrumOptions, lyapunov_spectrum, monodromy, periodic_orbit_forced,
 };
 use stickslip::dynamics::Matrix;
-use stickslip::nalgebra::SMatrix;
 use stickslip::system::IntoState;
 use stickslip::{Error, Mode, Options, Several, State, solve};
 

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use nalgebra::{Matrix2, Matrix4, SMatrix};
+use nalgebra::Matrix4;
 use stickslip::analysis::{Destination, destination, multipliers};
 use stickslip::dynamics::Matrix;
 use stickslip::{Error, Method, Options, State, math};

@@ -2,7 +2,6 @@
 
 use std::f64::consts::PI;
 
-use nalgebra::Matrix2;
 use stickslip::Direction::{Both, Falling, Rising};
 use stickslip::analysis::{PoincareMap, multipliers};
 use stickslip::dynamics::{Matrix, Vector};
