@@ -101,13 +101,12 @@ bench-basins: ## Starts of a basin per second on one thread, by library and prog
 	@$(PEERS_INSTALL) || { echo "Python 3.11 or later ($(PYTHON)) with venv, and a network to install $(PEERS_WANTED) from, are needed" >&2; exit 1; }
 	$(PEERS_VENV)/bin/python benches/peers/basins.py $(subst /debug/,/release/,$(STICKSLIP)) $(subst /debug/stickslip,/release/examples/basin,$(STICKSLIP)) report/basins.csv
 
-SPECTRUM = $(subst /debug/stickslip,/release/spectrum,$(STICKSLIP))
 SPECTRA_ARGS ?=
 
 bench-spectra: ## Exponents of ten series beside nolds and neurokit2, error and time: report/spectra.csv; needs Python
-	$(CARGO) build --locked --release -p stickslip-replication --bin spectrum
+	$(CARGO) build --locked --release -p stickslip-cli
 	@$(PEERS_INSTALL) || { echo "Python 3.11 or later ($(PYTHON)) with venv, and a network to install $(PEERS_WANTED) from, are needed" >&2; exit 1; }
-	$(PEERS_VENV)/bin/python benches/peers/spectra.py $(SPECTRUM) $(SPECTRA_ARGS)
+	$(PEERS_VENV)/bin/python benches/peers/spectra.py $(subst /debug/,/release/,$(STICKSLIP)) $(SPECTRA_ARGS)
 
 check: ## Formatting, lints and documentation, every warning an error
 	$(CARGO) fmt --all --check

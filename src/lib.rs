@@ -10,8 +10,6 @@ pub mod peers;
 pub mod readings;
 #[cfg(feature = "report")]
 pub mod report;
-#[cfg(feature = "report")]
-pub mod spectrum_cli;
 mod terminal;
 mod text;
 mod turns;

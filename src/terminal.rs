@@ -1,14 +1,10 @@
 //! What all programs of the replication share on a terminal: what they print, which exit code that
 //! comes to, and how far they are.
 
-#[cfg(feature = "report")]
-use std::cell::OnceCell;
 use std::fmt::Display;
 use std::io::{self, Write};
 use std::process::ExitCode;
 use std::time::Duration;
-#[cfg(feature = "report")]
-use std::time::Instant;
 
 use indicatif::ProgressBar;
 #[cfg(feature = "report")]
@@ -75,28 +71,6 @@ pub(crate) fn bar(done: usize, total: usize, text: &str) -> ProgressBar {
         Ok(style) => bar.with_style(style),
         Err(_) => bar,
     }
-}
-
-/// Only computations longer than this show how far they are.
-#[cfg(feature = "report")]
-const PATIENCE: Duration = Duration::from_secs(2);
-
-/// Runs `work` with a report of what is done and of how much, that shows up as a bar once it has
-/// taken a while.
-#[cfg(feature = "report")]
-pub(crate) fn patiently<T>(text: &str, work: impl FnOnce(&dyn Fn(usize, usize)) -> T) -> T {
-    let begin = Instant::now();
-    let shown: OnceCell<ProgressBar> = OnceCell::new();
-    let outcome = work(&|done, total| {
-        if begin.elapsed() >= PATIENCE {
-            let shown = shown.get_or_init(|| bar(0, total, text));
-            shown.set_position(done as u64);
-        }
-    });
-    if let Some(bar) = shown.get() {
-        bar.finish_and_clear();
-    }
-    outcome
 }
 
 #[cfg(test)]

@@ -10,5 +10,3 @@ mod peers;
 mod readings;
 mod report;
 mod spectra_table;
-mod spectrum_cli;
-mod spectrum_embedding;

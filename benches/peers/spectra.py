@@ -1,4 +1,4 @@
-"""Lyapunov exponents of ten series of one column: the program `spectrum` beside nolds and neurokit2, error and time.
+"""Lyapunov exponents of ten series of one column: `stickslip spectrum` beside nolds and neurokit2, error and time.
 
     python spectra.py PROGRAM [--points N] [--rounds N] [--csv FILE]
 
@@ -85,7 +85,7 @@ def by_neurokit(case, x, method, **settings):
 
 def by_program(program, case, path, *options):
     """The exponents that are not the embedding's own, and what is said of the first."""
-    command = [program, path, "--dt", repr(case.dt), "--json", *options]
+    command = [program, "spectrum", path, "--dt", repr(case.dt), "--json", *options]
     run = subprocess.run(command, check=True, capture_output=True, text=True)
     exponents = [one for one in json.loads(run.stdout)["exponents"] if one["status"] != "spurious"]
     return [math.nan if one["exponent"] is None else one["exponent"] for one in exponents], exponents[0]["status"]

@@ -5,7 +5,7 @@ use std::str::FromStr;
 use super::error::PeersError;
 use super::problem::Problem;
 use crate::text;
-use stickslip::statistics::middle_two;
+use stickslip_series::statistics::middle_two;
 
 /// A row of report/bench.csv.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -7,9 +7,10 @@ use super::plan::{CAP, FLOOR, Group, Part};
 use super::table::{Row, Twelve, Verdict};
 use crate::paper::claim_id::SpectrumFigure;
 use crate::paper::published::{Claim, Claims, PublishedError};
-use stickslip::analysis::data_spectrum::Status;
 use stickslip::math;
-use stickslip::statistics::{SplitMix, middle_two};
+use stickslip::statistics::SplitMix;
+use stickslip_series::Status;
+use stickslip_series::statistics::middle_two;
 
 /// The published exponents of Figs. 10–12, the largest first.
 pub type Exponents = [[Claim; 4]; 3];

@@ -2,9 +2,9 @@
 
 use super::table::{Row, Twelve};
 use crate::text::joined;
-use stickslip::analysis::data_spectrum::{DataSettings, Neighbourhood};
 use stickslip::analysis::motion::Criterion;
 use stickslip::models::{Amplitude, Caption, CaptionOrder, Reading, Unloading};
+use stickslip_series::{DataSettings, Neighbourhood};
 
 /// How the equations are integrated.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -5,7 +5,7 @@ use super::orbit::{Outcome, follow};
 use super::plan::{self, CAPTIONS, DT, Group, Plan, Setting, Unit};
 use super::table::{self, Row, Twelve, Verdict};
 use crate::numbers::extent;
-use stickslip::analysis::data_spectrum::{Neighbourhood, Series, data_spectrum};
+use stickslip_series::{Neighbourhood, Series, data_spectrum};
 
 /// A series with its spread, and the same with every column scaled by its range.
 struct Scaled {
@@ -154,7 +154,7 @@ mod tests {
     }
 
     fn found(rows: &[[f64; 4]], unit: Unit, eps: f64) -> Four {
-        let data = stickslip::analysis::data_spectrum::DataSettings {
+        let data = stickslip_series::DataSettings {
             neighbours: Neighbourhood::Ball {
                 eps,
                 min: 12,

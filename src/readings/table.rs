@@ -4,8 +4,8 @@
 use std::fmt;
 use std::str::FromStr;
 
-use stickslip::analysis::data_spectrum::Status;
 use stickslip::analysis::motion::{Class, UnknownClass};
+use stickslip_series::Status;
 
 /// The twelve exponents of Figs. 10–12, each figure's in descending order.
 pub type Twelve = [[f64; 4]; 3];

@@ -22,7 +22,7 @@ use crate::paper::claim_id::{ClaimId, SpectrumFigure};
 use crate::paper::published::{Claim, Claims, Digits};
 use crate::paper::reading::{Reading, Role};
 use crate::readings::ZERO;
-use stickslip::analysis::data_spectrum::Status;
+use stickslip_series::Status;
 
 /// One claim, what the readings give for it, and what that comes to.
 #[derive(Clone, Debug, PartialEq)]

@@ -107,7 +107,9 @@ pub fn quasi_periodic(data: &Data) {
 pub fn chaotic(data: &Data) {
     spectrum_holds(data);
     assert!(data.exact.least_force < -1.0, "{}", data.exact.least_force);
-    let [first, second, third, _] = data.exact.spectrum.exponents;
+    let [first, second, third, _] = data.exact.spectrum.exponents[..] else {
+        panic!("four exponents");
+    };
     // Twenty standard errors from zero; eight are asked for.
     let error = first.std_error().unwrap();
     assert!(first.value() > 8.0 * error);

@@ -4,9 +4,11 @@
 use stickslip::Error;
 use stickslip::error::readable;
 use stickslip_kernels::file::{FileError, SettingError, System};
+use stickslip_series::DataError;
 
 use crate::render::{OutputError, contact_name};
 use crate::sweep::SweepError;
+use crate::table::TableError;
 
 /// Why a command failed.
 #[derive(Debug, thiserror::Error)]
@@ -24,6 +26,10 @@ pub(crate) enum Failure {
     Sweep(#[from] SweepError),
     #[error(transparent)]
     Output(#[from] OutputError),
+    #[error(transparent)]
+    Table(#[from] TableError),
+    #[error(transparent)]
+    Series(DataError),
     #[error("{}", in_words_by_number(.0))]
     Computation(#[from] Error),
     /// As [`Failure::Computation`], with the names of the system's contacts.
@@ -37,7 +43,8 @@ impl Failure {
         match self {
             Failure::File(_) | Failure::Setting(_) | Failure::Usage(_) => true,
             Failure::Sweep(error) => error.is_usage(),
-            Failure::Output(_) | Failure::NoPeriodicOrbit(_) => false,
+            Failure::Table(error) => matches!(error, TableError::Request(_)),
+            Failure::Output(_) | Failure::NoPeriodicOrbit(_) | Failure::Series(_) => false,
             Failure::Computation(error) | Failure::OfSystem { error, .. } => {
                 matches!(error, Error::Option { .. } | Error::Interval { .. })
             }

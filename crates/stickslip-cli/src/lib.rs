@@ -4,5 +4,6 @@ pub mod commands;
 mod failure;
 mod render;
 pub mod sweep;
+pub mod table;
 pub mod tangents;
 mod terminal;

@@ -16,8 +16,7 @@ use crate::render::Answer;
 /// Exit code 0 on success, 1 if something failed (`error: …` on standard error), 2 for a wrong command line or file.
 pub(crate) fn finish(outcome: Result<Answer, Failure>) -> ExitCode {
     let failed = |error: &dyn std::fmt::Display, code: u8| {
-        // Where nobody reads the line any more, nothing is lost with it.
-        let _ = writeln!(io::stderr(), "error: {error}");
+        note(&format!("error: {error}"));
         ExitCode::from(code)
     };
     let answer = match outcome {
@@ -40,22 +39,27 @@ fn print(text: &str) -> io::Result<()> {
     out.flush()
 }
 
+/// A line on standard error; where nobody reads it any more, nothing is lost with it.
+pub(crate) fn note(line: &str) {
+    let _ = writeln!(io::stderr(), "{line}");
+}
+
 /// Only computations longer than this show how far they are.
 const PATIENCE: Duration = Duration::from_secs(2);
 
 /// How far a computation is: drawn on standard error, if that is a terminal, once it has taken a while.
 pub(crate) struct Patience {
     begin: Instant,
-    template: &'static str,
+    template: String,
     bar: OnceLock<ProgressBar>,
 }
 
 impl Patience {
     /// For a bar of this template of [`ProgressStyle`].
-    pub(crate) fn new(template: &'static str) -> Self {
+    pub(crate) fn new(template: impl Into<String>) -> Self {
         Patience {
             begin: Instant::now(),
-            template,
+            template: template.into(),
             bar: OnceLock::new(),
         }
     }
@@ -69,7 +73,7 @@ impl Patience {
             let bar = ProgressBar::new(all)
                 .with_position(done)
                 .with_elapsed(self.begin.elapsed());
-            let bar = match ProgressStyle::with_template(self.template) {
+            let bar = match ProgressStyle::with_template(&self.template) {
                 Ok(style) => bar.with_style(style),
                 Err(_) => bar,
             };

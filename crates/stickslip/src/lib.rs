@@ -197,10 +197,6 @@
 //!     }
 //! }
 //! ```
-//!
-//! # Features
-//! `data`: Lyapunov spectra from time series, `analysis::data_spectrum`. Off by default: it takes the compiler a minute, and a Fourier transform is among
-//! its dependencies. `data-rows`: `data_spectrum_of_rows` alone, without that minute and that dependency; other names in its docs need `data`.
 
 pub mod analysis;
 mod dual;

@@ -2,14 +2,6 @@
 
 use crate::math;
 
-/// The two values in the middle, which are one for an odd number of values; none of no values. What is not a number is passed over.
-pub fn middle_two(values: impl IntoIterator<Item = f64>) -> Option<[f64; 2]> {
-    let mut values: Vec<f64> = values.into_iter().filter(|v| !v.is_nan()).collect();
-    values.sort_by(f64::total_cmp);
-    let upper = *values.get(values.len() / 2)?;
-    Some([values[(values.len() - 1) / 2], upper])
-}
-
 /// A straight line through points whose coordinates are both positive, in logarithms.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PowerLaw {
@@ -81,15 +73,6 @@ impl SplitMix {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_middle_of_even_and_odd_counts() {
-        assert_eq!(middle_two([]), None);
-        assert_eq!(middle_two([f64::NAN]), None);
-        assert_eq!(middle_two([3.0]), Some([3.0, 3.0]));
-        assert_eq!(middle_two([5.0, 1.0, 2.0]), Some([2.0, 2.0]));
-        assert_eq!(middle_two([9.0, 1.0, f64::NAN, 5.0, 2.0]), Some([2.0, 5.0]));
-    }
 
     #[test]
     fn a_power_law_with_scatter_has_the_textbook_s_error() {

@@ -1,7 +1,7 @@
 //! Exponents from data beside those from the equations, wherever the estimator says that the data tell them.
 
 use stickslip::analysis::Exponent;
-use stickslip::analysis::data_spectrum::{DataSpectrum, Status};
+use stickslip_series::{DataSpectrum, Status};
 
 /// Standard errors that two estimates of one number may differ by: three leave chance 0.3 % of each comparison.
 const STANDARD_ERRORS: f64 = 3.0;
@@ -74,18 +74,17 @@ pub(super) fn worth(data: &DataSpectrum, place: usize, comparisons: &[Comparison
 #[cfg(test)]
 mod tests {
     use super::*;
-    use stickslip::analysis::data_spectrum::{DataSettings, data_spectrum_of_rows};
     use stickslip::math;
+    use stickslip_series::{DataSettings, Series, data_spectrum};
 
     /// A circle run through at a golden number of radians per sample: one exponent, zero.
     fn circle() -> DataSpectrum {
-        let rows: Vec<[f64; 4]> = (0..4000)
-            .map(|k| {
-                let angle = 0.618_034 * f64::from(k);
-                [math::cos(angle), math::sin(angle), 0.0, 0.0]
-            })
-            .collect();
-        data_spectrum_of_rows(&rows, 0.1, &DataSettings::sano_sawada()).unwrap()
+        let rows = (0..4000).map(|k| {
+            let angle = 0.618_034 * f64::from(k);
+            [math::cos(angle), math::sin(angle), 0.0, 0.0]
+        });
+        let series = Series::from_rows(rows, 0.1).unwrap();
+        data_spectrum(&series, &DataSettings::sano_sawada()).unwrap()
     }
 
     #[test]

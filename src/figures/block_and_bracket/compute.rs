@@ -3,15 +3,13 @@
 use super::Set;
 use super::watch::Watch;
 use crate::figures::FigureError;
-use stickslip::analysis::data_spectrum::{
-    DataSettings, DataSpectrum, Neighbourhood, data_spectrum_of_rows,
-};
 use stickslip::analysis::motion::{Class, Criterion, Evidence, Of};
 use stickslip::analysis::{Spectrum, SpectrumOptions, lyapunov_spectrum_watched};
 use stickslip::error::Error;
 use stickslip::filippov::{Locator, Method, Options, run};
 use stickslip::models::{BlockAndBracket, Reading};
 use stickslip::system::State;
+use stickslip_series::{DataSettings, DataSpectrum, Neighbourhood, Series, data_spectrum};
 
 /// The series begins here, as in the paper.
 pub(super) const START: f64 = 3000.0;
@@ -83,9 +81,10 @@ pub fn compute(set: &Set) -> Result<Data, FigureError> {
     let (exact, literal) = rayon::join(|| exact(set), || literal(set));
     let (model, exact, watched) = exact.map_err(|error| failed(error.into()))?;
     let samples = watched.series.len();
-    let spectrum = |settings| {
-        data_spectrum_of_rows(&watched.series, DT, &settings).map_err(|error| failed(error.into()))
-    };
+    let rows = watched.series.iter().copied();
+    let series = Series::from_rows(rows, DT).map_err(|error| failed(error.into()))?;
+    let spectrum =
+        |settings| data_spectrum(&series, &settings).map_err(|error| failed(error.into()));
     let from_data = spectrum(DataSettings::sano_sawada())?;
     let best_of_readings = spectrum(best_common())?;
     let section: Vec<[f64; 4]> = watched.section.iter().map(|(_, x)| *x).collect();

@@ -10,9 +10,9 @@ use crate::paper::published::{Claims, PublishedError};
 use crate::text::joined;
 use plot::*;
 use stickslip::analysis::Exponent;
-use stickslip::analysis::data_spectrum::Status;
 use stickslip::analysis::motion::Class;
 use stickslip::math;
+use stickslip_series::Status;
 
 const COLOURS: [Color; 4] = [BLUE, VERMILLION, GREEN, PURPLE];
 /// Margin around a curve, as a fraction of its extent.

@@ -7,7 +7,7 @@ use crate::figures::rows::Row;
 use crate::paper::claim_id::{ClaimId, SpectrumFigure};
 use crate::paper::reading::Reading;
 use stickslip::analysis::Exponent;
-use stickslip::analysis::data_spectrum::{DataExponent, DataSpectrum, Status};
+use stickslip_series::{DataExponent, DataSpectrum, Status};
 
 /// What becomes of an orbit that leaves every bound, in the place of a class.
 pub const DIVERGES: &str = "diverges";

@@ -19,6 +19,7 @@ mod range;
 mod recording;
 mod search;
 mod simulate;
+mod spectrum;
 mod sweeping;
 mod tangents;
 mod trajectory;
@@ -58,6 +59,7 @@ enum Command {
     Tangents(tangents::Arguments),
     Orbit(orbit::Arguments),
     Lyapunov(lyapunov::Arguments),
+    Spectrum(spectrum::Arguments),
 }
 
 /// The command line. What follows an option is its value, also where it begins with a hyphen as a negative number does; but for the folder,
@@ -89,6 +91,7 @@ pub fn main() -> ExitCode {
         Command::Tangents(arguments) => tangents::run(&arguments),
         Command::Orbit(arguments) => orbit::run(&arguments),
         Command::Lyapunov(arguments) => lyapunov::run(&arguments),
+        Command::Spectrum(arguments) => spectrum::run(&arguments),
     };
     finish(outcome)
 }

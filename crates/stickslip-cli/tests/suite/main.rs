@@ -9,3 +9,6 @@ mod known_answers;
 mod public_cases;
 mod readme;
 mod recorded;
+mod spectrum;
+mod spectrum_embedding;
+mod tables;

@@ -8,8 +8,6 @@ mod bifurcation;
 mod boundary_equilibrium;
 mod continuation;
 mod critical;
-#[cfg(feature = "data-rows")]
-pub mod data_spectrum;
 mod destination;
 mod lagrange;
 mod lyapunov;

@@ -4,9 +4,7 @@
 use stickslip::analysis::{Monodromy, PeriodicOrbit, Spectrum, SpectrumOptions};
 use stickslip::dynamics::Components;
 use stickslip::models::{BeltOscillator, BlockAndBracket, ForcedOscillator};
-use stickslip::{
-    Error, Failure, Filippov, Observer, Options, Orbit, OrbitWithEvents, Summary, analysis,
-};
+use stickslip::{Error, Failure, Observer, Options, Orbit, OrbitWithEvents, Summary, analysis};
 
 use stickslip::system::IntoState;
 

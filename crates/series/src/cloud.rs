@@ -1,0 +1,153 @@
+//! The points as the estimator works on them: rows scaled by a power of two.
+
+use super::error::DataError;
+use super::matrix::{Matrix, distance2};
+use super::series::Series;
+
+/// Longest Theiler window the automatic choice makes, as a fraction of the series: four fifths of the points are left to be neighbours.
+const LONGEST_WINDOW: usize = 10;
+/// Terms in the estimate of an autocorrelation, whose standard error is then 1/64.
+const TERMS: usize = 4096;
+
+/// The points, divided by a power of two near their extent. Exponents do not change by that, and no square over- or
+/// underflows whatever the unit of the data.
+pub(crate) struct Cloud {
+    pub(crate) points: Matrix,
+    /// What the points were divided by.
+    pub(crate) unit: f64,
+    /// `√Σ var`, in the scaled unit.
+    pub(crate) spread: f64,
+    /// Unit roundoff of the largest value, in the scaled unit.
+    pub(crate) rounding: f64,
+}
+
+impl Cloud {
+    /// # Errors
+    /// [`DataError::Constant`] if the points differ by rounding at most, [`DataError::Overflow`] if by too much.
+    pub(crate) fn new(series: &Series) -> Result<Self, DataError> {
+        let constant = DataError::Constant { rows: series.len() };
+        let columns = series.columns();
+        let rows = || series.values().chunks_exact(columns);
+        let Some(first) = rows().next() else {
+            return Err(constant);
+        };
+        let mut extent: f64 = 0.0;
+        // Two points may be on either side of the first, and differ so in all columns.
+        let farthest = 0.25 * f64::MAX / (columns as f64).sqrt();
+        for (i, row) in rows().enumerate() {
+            for (c, (v, origin)) in row.iter().zip(first).enumerate() {
+                // Halves first: the difference of two finite numbers may be infinite.
+                let half = (0.5 * v - 0.5 * origin).abs();
+                if half > farthest {
+                    let (row, column, value) = (i + 1, c + 1, *v);
+                    return Err(DataError::Overflow { row, column, value });
+                }
+                extent = extent.max(half);
+            }
+        }
+        if extent == 0.0 {
+            return Err(constant);
+        }
+        let unit = power_of_two_near(extent);
+        let scaled = series.values().iter().map(|v| v / unit).collect();
+        let points = Matrix::new(scaled, columns);
+        let mean = mean(&points);
+        let largest = points.cells().iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+        let squares = points.rows().map(|p| distance2(p, &mean)).sum::<f64>();
+        let variance = squares / series.len() as f64;
+        let spread = variance.sqrt();
+        let rounding = f64::EPSILON * largest;
+        if spread.is_nan() || spread <= 4.0 * rounding {
+            return Err(constant);
+        }
+        Ok(Self {
+            points,
+            unit,
+            spread,
+            rounding,
+        })
+    }
+
+    /// The first lag at which the autocorrelation of the series, all columns together, is below 1/e, or the longest that is looked
+    /// at.
+    pub(crate) fn decorrelation(&self) -> usize {
+        let at = self.uncorrelated_at(libm::exp(-1.0));
+        at.unwrap_or(self.longest_lag())
+    }
+
+    /// Decorrelation time and spread of all columns together, in the unit of the data.
+    pub(crate) fn scales(&self) -> (usize, f64) {
+        (self.decorrelation(), self.unit * self.spread)
+    }
+
+    /// The longest lag that is looked at.
+    fn longest_lag(&self) -> usize {
+        (self.points.len() / LONGEST_WINDOW).max(1)
+    }
+
+    /// The first lag at which the autocorrelation of the series, all columns together, is below the threshold, if one that is looked at is.
+    pub(crate) fn uncorrelated_at(&self, threshold: f64) -> Option<usize> {
+        let points = &self.points;
+        let mean = mean(points);
+        let thin = points.len().div_ceil(TERMS);
+        let correlation = |lag: usize| -> (f64, f64) {
+            let pairs = points.rows().zip(points.rows().skip(lag)).step_by(thin);
+            pairs.fold((0.0, 0.0), |(product, square), (a, b)| {
+                let mut sums = (product, square);
+                for c in 0..mean.len() {
+                    sums.0 += (a[c] - mean[c]) * (b[c] - mean[c]);
+                    sums.1 += (a[c] - mean[c]) * (a[c] - mean[c]);
+                }
+                sums
+            })
+        };
+        (1..self.longest_lag()).find(|&lag| {
+            let (product, square) = correlation(lag);
+            product < threshold * square
+        })
+    }
+}
+
+fn mean(points: &Matrix) -> Vec<f64> {
+    let mut mean = vec![0.0; points.columns()];
+    for point in points.rows() {
+        for (sum, v) in mean.iter_mut().zip(point) {
+            *sum += v;
+        }
+    }
+    mean.iter().map(|sum| sum / points.len() as f64).collect()
+}
+
+/// The power of two not above `v > 0` and not below half of it, within what has an exact reciprocal.
+fn power_of_two_near(v: f64) -> f64 {
+    const BIAS: i32 = 1023;
+    // Eleven bits of exponent follow the sign.
+    let exponent = ((v.to_bits() >> 52) & 0x7ff) as i32 - BIAS;
+    f64::from_bits(((exponent.clamp(-1021, 1021) + BIAS) as u64) << 52)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn powers_of_two() {
+        for v in [1.0, 1.9, 2.0, 0.3, 5e300, 3e-300] {
+            let power = power_of_two_near(v);
+            assert!(power <= v && v < 2.0 * power, "{v}: {power}");
+            assert_eq!(power.to_bits() << 12, 0, "{v}: {power}");
+        }
+    }
+
+    #[test]
+    fn decorrelation_of_a_sine_is_its_arc() {
+        // cos(2π lag / 100) < 1/e from lag = 100 acos(1/e)/2π = 19.005 on.
+        let angle = |i: usize| std::f64::consts::TAU * i as f64 / 100.0;
+        // Wherever the sine's mean is.
+        for mean in [0.0, 1000.0] {
+            let rows = (0..5000).map(|i| [libm::cos(angle(i)) + mean, libm::sin(angle(i))]);
+            let cloud = Cloud::new(&Series::from_rows(rows, 1.0).unwrap()).unwrap();
+            assert!((19..=20).contains(&cloud.decorrelation()), "{mean}");
+        }
+    }
+}

@@ -1,0 +1,234 @@
+//! Which directions a series has points in.
+//!
+//! Around a point of a smooth manifold of dimension m the neighbours within r lie in m directions at distances of the order of
+//! r, in further ones at r² or less, where the manifold curves, and in noise at distances that do not depend on r. The
+//! slope of `log s_i` over `log r`, with `s_i` the singular values of the neighbour matrix, tells the three apart.
+
+use rayon::prelude::*;
+
+use super::cloud::Cloud;
+use super::fit::Scratch;
+use super::matrix::Row;
+use super::neighbours::{Finder, Neighbour};
+use super::settings::DataSettings;
+use crate::statistics::{power, upper_median};
+
+/// Neighbourhoods of so many sizes are compared.
+pub const LEVELS: usize = 4;
+/// Points looked at, spread evenly over the series: the median of their slopes is known to a twentieth of the scatter.
+const SAMPLES: usize = 512;
+/// The largest neighbourhood has so many times the points of the smallest, in two dimensions four times the radius and in four twice,
+const RANGE: usize = 16;
+/// but not more than this part of the series.
+const LARGEST_PART: usize = 20;
+/// Half way between the slopes 0 of noise and 1 of a tangent direction,
+const NOISE: f64 = 0.5;
+/// and between that and the 2 of curvature.
+const CURVATURE: f64 = 1.5;
+/// Neighbourhoods must differ in size by this factor in all for a slope to mean something.
+const SMALLEST_SPAN: f64 = 1.2;
+
+/// What the neighbours do in a direction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// They spread in proportion to the size of the neighbourhood: the manifold extends there.
+    Tangent,
+    /// They leave with a higher power of the size: the manifold curves into it, and no neighbour tells what a
+    /// perturbation in that direction does.
+    Curvature,
+    /// They spread to the same extent at all sizes.
+    Noise,
+    /// They do not spread beyond rounding.
+    Flat,
+}
+
+impl Kind {
+    /// A word for tables.
+    pub fn word(self) -> &'static str {
+        match self {
+            Kind::Tangent => "tangent",
+            Kind::Curvature => "curvature",
+            Kind::Noise => "noise",
+            Kind::Flat => "flat",
+        }
+    }
+}
+
+/// One direction of the neighbourhoods, the widest first.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Direction {
+    /// What the neighbours do there.
+    pub kind: Kind,
+    /// Median slope of the singular value over the radius, both logarithmic; NaN where it is flat.
+    pub slope: f64,
+    /// Median radius and median singular value per root of the number of neighbours, in the unit of the data, at sizes from
+    /// small to large.
+    pub sizes: Vec<(f64, f64)>,
+}
+
+/// What one point says.
+struct Vote {
+    radius: [f64; LEVELS],
+    /// The singular values at each size.
+    sizes: [Row; LEVELS],
+    /// NaN where a singular value is zero at some size.
+    slopes: Row,
+}
+
+/// Measures the directions. `smallest` is the number of neighbours in the smallest neighbourhood.
+pub(crate) fn measure(
+    cloud: &Cloud,
+    finder: &Finder<'_>,
+    settings: &DataSettings,
+    smallest: usize,
+) -> Vec<Direction> {
+    let points = cloud.points.len() - settings.step;
+    let counts = counts(smallest, points);
+    let every = points.div_ceil(SAMPLES).max(1);
+    let votes: Vec<Option<Vote>> = (0..points.div_ceil(every))
+        .into_par_iter()
+        .map_init(
+            || (Scratch::default(), Vec::new()),
+            |(scratch, found), i| vote(cloud, finder, settings, &counts, i * every, scratch, found),
+        )
+        .collect();
+    let votes: Vec<Vote> = votes.into_iter().flatten().collect();
+    (0..cloud.points.columns())
+        .map(|i| direction(&votes, i, cloud.unit))
+        .collect()
+}
+
+/// Numbers of neighbours, in geometric progression.
+fn counts(smallest: usize, points: usize) -> [usize; LEVELS] {
+    let largest = (RANGE * smallest).min((points / LARGEST_PART).max(4 * smallest));
+    let ratio = largest as f64 / smallest as f64;
+    std::array::from_fn(|level| {
+        let part = level as f64 / (LEVELS - 1) as f64;
+        (smallest as f64 * libm::pow(ratio, part)).round() as usize
+    })
+}
+
+fn vote(
+    cloud: &Cloud,
+    finder: &Finder<'_>,
+    settings: &DataSettings,
+    counts: &[usize; LEVELS],
+    j: usize,
+    scratch: &mut Scratch,
+    found: &mut Vec<Neighbour>,
+) -> Option<Vote> {
+    finder.nearest(j, counts[LEVELS - 1], f64::INFINITY, found);
+    let mut radius = [0.0; LEVELS];
+    let mut neighbourhoods: [&[Neighbour]; LEVELS] = [&[]; LEVELS];
+    for (level, &count) in counts.iter().enumerate() {
+        neighbourhoods[level] = found.get(..count)?;
+        radius[level] = neighbourhoods[level].last()?.0.sqrt();
+    }
+    if radius[LEVELS - 1] < SMALLEST_SPAN * radius[0] {
+        return None;
+    }
+    let found = scratch.singular_values(cloud, j, neighbourhoods, settings);
+    let slope = |i: usize| {
+        let sizes = found.iter().map(|(sizes, _)| sizes[i]);
+        let is_resolved = found.iter().all(|(sizes, zero)| sizes[i] > *zero);
+        is_resolved.then(|| power(radius.into_iter().zip(sizes)))
+    };
+    Some(Vote {
+        slopes: std::array::from_fn(|i| slope(i).unwrap_or(f64::NAN)),
+        radius,
+        sizes: found.map(|(sizes, _)| sizes),
+    })
+}
+
+fn direction(votes: &[Vote], i: usize, unit: f64) -> Direction {
+    let slopes: Vec<f64> = votes
+        .iter()
+        .map(|vote| vote.slopes[i])
+        .filter(|slope| !slope.is_nan())
+        .collect();
+    let sizes = (0..LEVELS)
+        .map(|level| {
+            let radius = upper_median(votes.iter().map(|vote| vote.radius[level]));
+            let size = upper_median(votes.iter().map(|vote| vote.sizes[level][i]));
+            (unit * radius, unit * size)
+        })
+        .collect();
+    // Flat where most points say so, and where no point has anything to say.
+    let (kind, slope) = if 2 * slopes.len() <= votes.len() {
+        (Kind::Flat, f64::NAN)
+    } else {
+        let slope = upper_median(slopes);
+        let kind = if slope < NOISE {
+            Kind::Noise
+        } else if slope <= CURVATURE {
+            Kind::Tangent
+        } else {
+            Kind::Curvature
+        };
+        (kind, slope)
+    };
+    Direction { kind, slope, sizes }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fit::tests::plain;
+    use crate::series::{MAX_COLUMNS, Series};
+
+    #[test]
+    fn counts_grow_geometrically_and_stay_a_small_part() {
+        assert_eq!(counts(20, 45_000), [20, 50, 127, 320]);
+        assert_eq!(counts(20, 500), [20, 32, 50, 80]);
+    }
+
+    #[test]
+    fn a_point_whose_neighbourhoods_do_not_differ_in_size_has_no_vote() {
+        // A circle and its centre.
+        let rows = (0..300).map(|i| {
+            let angle = std::f64::consts::TAU * f64::from(i) / 300.0;
+            let radius = f64::from(u8::from(i != 150));
+            [radius * libm::cos(angle), radius * libm::sin(angle)]
+        });
+        let cloud = Cloud::new(&Series::from_rows(rows, 1.0).unwrap()).unwrap();
+        let finder = Finder::new(&cloud, 1, 0).unwrap();
+        let (mut scratch, mut found) = (Scratch::default(), Vec::new());
+        let counts = counts(20, 300);
+        let mut has_vote = |j| {
+            vote(
+                &cloud,
+                &finder,
+                &plain(),
+                &counts,
+                j,
+                &mut scratch,
+                &mut found,
+            )
+            .is_some()
+        };
+        assert!(has_vote(10) && !has_vote(150));
+    }
+
+    #[test]
+    fn a_direction_is_flat_unless_more_than_half_of_the_points_have_a_slope_there() {
+        for (with_slope, kind) in [
+            (0, Kind::Flat),
+            (5, Kind::Flat),
+            (6, Kind::Tangent),
+            (10, Kind::Tangent),
+        ] {
+            let votes = (0..10).map(|i| Vote {
+                radius: [1.0, 2.0, 4.0, 8.0],
+                sizes: [0.5, 1.0, 2.0, 4.0].map(|size| [size; MAX_COLUMNS]),
+                slopes: [if i < with_slope { 1.0 } else { f64::NAN }; MAX_COLUMNS],
+            });
+            // The points are in units of 3 of the data.
+            let found = direction(&votes.collect::<Vec<_>>(), 0, 3.0);
+            assert_eq!(found.kind, kind, "{with_slope}");
+            assert_eq!(
+                found.sizes,
+                [(3.0, 1.5), (6.0, 3.0), (12.0, 6.0), (24.0, 12.0)]
+            );
+        }
+    }
+}

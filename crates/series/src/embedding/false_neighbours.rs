@@ -1,0 +1,102 @@
+//! How many values make a state: false nearest neighbours (Kennel, Brown and Abarbanel, Phys. Rev. A 45, 3403, 1992) and Cao's
+//! averages (Physica D 110, 43, 1997), both from the nearest neighbour of each point at every dimension.
+
+use rayon::prelude::*;
+
+use super::delay::Embedding;
+use crate::cloud::Cloud;
+use crate::error::DataError;
+use crate::neighbours::Finder;
+use crate::series::Series;
+
+/// Points whose nearest neighbour is looked at, spread evenly over the series: 1 % of so many has a standard error of 0.2 %.
+const SAMPLES: usize = 2000;
+/// A neighbour is false if the next value is further off than so many times its distance (Kennel: 10 or more tell them clearly),
+const DISTANCE_RATIO: f64 = 15.0;
+/// or so many times the spread of the series: of points without neighbours nothing else is known (Kennel's second criterion).
+const SPREADS: f64 = 2.0;
+
+/// What one dimension shows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Level {
+    /// Part of the nearest neighbours that are false.
+    pub(crate) false_part: f64,
+    /// Cao's E: mean ratio of the distances with and without the next value, in the maximum norm.
+    pub(crate) stretching: f64,
+    /// Cao's E*: mean difference of the next values.
+    pub(crate) next_difference: f64,
+}
+
+/// Looks at nearest neighbours in `dimension` delayed values and at the next value; `None` if no point has a neighbour.
+///
+/// # Errors
+/// [`DataError::Span`] if no point has a next value, [`DataError::Constant`], [`DataError::Overflow`].
+pub(crate) fn level(
+    series: &Series,
+    embedding: Embedding,
+    theiler: usize,
+    spread: f64,
+) -> Result<Option<Level>, DataError> {
+    // That the next value exists.
+    let next = Embedding {
+        dimension: embedding.dimension + 1,
+        ..embedding
+    };
+    if series.len() <= next.span() {
+        return Err(DataError::Span {
+            rows: series.len(),
+            delay: next.delay,
+            dimension: next.dimension,
+            needed: next.span().saturating_add(1),
+        });
+    }
+    let embedded = embedding.of(series)?;
+    let cloud = Cloud::new(&embedded)?;
+    // Points whose next value is one delay behind the end have none.
+    let finder = Finder::new(&cloud, embedding.delay, theiler.min(series.len()))?;
+    let points = cloud.points.len() - embedding.delay;
+    let every = points.div_ceil(SAMPLES).max(1);
+    let columns = series.columns();
+    let ahead = embedding.delay * embedding.dimension;
+    let votes: Vec<Option<Vote>> = (0..points.div_ceil(every))
+        .into_par_iter()
+        .map_init(Vec::new, |found, i| {
+            let j = i * every;
+            finder.nearest(j, 1, f64::INFINITY, found);
+            let &(square, k) = found.first()?;
+            let k = k as usize;
+            let near = cloud.points[j].iter().zip(&cloud.points[k]);
+            let largest = near.fold(0.0, |m: f64, (a, b)| m.max((a - b).abs()));
+            let (mut next_square, mut next_largest): (f64, f64) = (0.0, 0.0);
+            for column in 0..columns {
+                let value = |row: usize| series.values()[(row + ahead) * columns + column];
+                let difference = value(j) / cloud.unit - value(k) / cloud.unit;
+                next_square += difference * difference;
+                next_largest = next_largest.max(difference.abs());
+            }
+            let is_far = (square + next_square).sqrt() > SPREADS * spread / cloud.unit;
+            Some(Vote {
+                is_false: next_square > DISTANCE_RATIO * DISTANCE_RATIO * square || is_far,
+                stretching: largest.max(next_largest) / largest,
+                next_difference: next_largest * cloud.unit,
+            })
+        })
+        .collect();
+    let votes: Vec<Vote> = votes.into_iter().flatten().collect();
+    if votes.is_empty() {
+        return Ok(None);
+    }
+    let count = votes.len() as f64;
+    Ok(Some(Level {
+        false_part: votes.iter().filter(|vote| vote.is_false).count() as f64 / count,
+        stretching: votes.iter().map(|vote| vote.stretching).sum::<f64>() / count,
+        next_difference: votes.iter().map(|vote| vote.next_difference).sum::<f64>() / count,
+    }))
+}
+
+/// What the nearest neighbour of one point shows.
+struct Vote {
+    is_false: bool,
+    stretching: f64,
+    next_difference: f64,
+}

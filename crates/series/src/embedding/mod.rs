@@ -1,0 +1,381 @@
+//! States from fewer columns than the system has: delayed values, and how many of them at what delay.
+
+mod delay;
+mod false_neighbours;
+mod information;
+
+use crate::cloud::Cloud;
+use crate::error::DataError;
+use crate::series::Series;
+pub use delay::Embedding;
+use delay::most_dimensions;
+use false_neighbours::{Level, level};
+use information::Classes;
+
+/// Longest delay that is looked at, as a part of the series: ten vectors of two values then follow one another.
+const LONGEST_PART: usize = 10;
+/// Lags that are looked at, at most: a bound on the time that it takes.
+const MOST_LAGS: usize = 2000;
+/// A minimum is one if the information rises behind it by this part of what it is at the first lag.
+const RISE: f64 = 0.01;
+/// At a minimum at which more than this part of the information at lag 0 is left, a value tells all but two or three classes of the other, as on
+/// a closed curve, of which the information has no minimum: where it is less, and it rises, only the borders of the classes decide.
+const ON_CURVE: f64 = 0.5;
+/// On a curve nothing else is to be expected after so many decorrelation times, a period or more: of a sine a period has 5.3.
+const PERIOD: usize = 6;
+/// The curve is given up to so many times the delay, for a picture in which the minimum stands inside.
+const SHOWN: usize = 3;
+/// With a smaller part of false neighbours there are none: Kennel's 1 %.
+pub const NO_FALSE_NEIGHBOURS: f64 = 0.01;
+/// With a larger part of them columns are missing: whole states have up to 3 % where they stick, and Lorenz' x and z at 3000 points 5 %.
+const MANY_FALSE_NEIGHBOURS: f64 = 0.05;
+/// Dimensions that are looked at beyond a given one, at least: Cao's E1 takes the next one, and its change the one after.
+const BEYOND: usize = 2;
+/// Cao reads off a curve where E1 stops changing, at about 1: it has where it is above,
+const CAO_SETTLED: f64 = 0.9;
+/// and differs from the one of a dimension more by less.
+const CAO_CHANGE: f64 = 0.05;
+/// Cao's E2 is 1 at all dimensions for noise; further off it is not.
+const CAO_NOISE: f64 = 0.1;
+
+/// What is given of an embedding, and what it is chosen with.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct EmbeddingSettings {
+    /// Delay in points; `None` takes it from the mutual information.
+    pub delay: Option<usize>,
+    /// Delayed values of each column; `None` takes it from false neighbours.
+    pub dimension: Option<usize>,
+    /// Theiler window in points, as in [`crate::DataSettings`].
+    pub theiler: Option<usize>,
+}
+
+/// Where the delay comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DelayReason {
+    /// It was given.
+    Given,
+    /// The autocorrelation is below 1/e after one point: the points follow one another as those of a map, whose delay is 1.
+    Uncorrelated,
+    /// The first minimum of the mutual information.
+    FirstMinimum,
+    /// The values lie on a curve, as of a periodic motion without noise, and the minima of the mutual information are those of the classes' borders: the
+    /// first zero of the autocorrelation, of a sine a quarter of its period.
+    OnCurve,
+    /// The mutual information falls to what independent values show, without a minimum before.
+    Independent,
+    /// Neither a minimum nor independence at any lag looked at: the longest.
+    NoMinimum,
+}
+
+impl DelayReason {
+    /// A few words for tables.
+    pub fn words(self) -> &'static str {
+        match self {
+            DelayReason::Given => "given",
+            DelayReason::Uncorrelated => "uncorrelated after one point, as a map",
+            DelayReason::FirstMinimum => "first minimum of the mutual information",
+            DelayReason::OnCurve => "values on a curve, first zero of the autocorrelation",
+            DelayReason::Independent => "mutual information falls to zero",
+            DelayReason::NoMinimum => "no minimum of the mutual information, longest lag",
+        }
+    }
+}
+
+/// Where the dimension comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DimensionReason {
+    /// It was given.
+    Given,
+    /// The first at which less than 1 % of the nearest neighbours are false.
+    FalseNeighbours,
+    /// More are false at all dimensions; the one at which fewest are: noise, or more dimensions than can be looked at.
+    FewestFalse,
+}
+
+impl DimensionReason {
+    /// A few words for tables.
+    pub fn words(self) -> &'static str {
+        match self {
+            DimensionReason::Given => "given",
+            DimensionReason::FalseNeighbours => "below 1 % false neighbours",
+            DimensionReason::FewestFalse => "fewest false neighbours, never below 1 %",
+        }
+    }
+}
+
+/// What one dimension shows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DimensionEvidence {
+    /// Delayed values of each column.
+    pub dimension: usize,
+    /// Part of the nearest neighbours that the next value shows to be false.
+    pub false_neighbours: f64,
+    /// Cao's E1, near 1 where the dimension suffices; NaN at the last dimension.
+    pub e1: f64,
+    /// Cao's E2, 1 at all dimensions for noise; NaN at the last dimension.
+    pub e2: f64,
+}
+
+/// An embedding and the evidence for it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EmbeddingChoice {
+    /// Delay and dimension.
+    pub embedding: Embedding,
+    /// Where the delay comes from.
+    pub delay_reason: DelayReason,
+    /// Where the dimension comes from.
+    pub dimension_reason: DimensionReason,
+    /// Mutual information in nats over the lag in points, averaged over the columns.
+    pub information: Vec<(usize, f64)>,
+    /// False neighbours and Cao's averages, dimension after dimension, until both methods have theirs.
+    pub dimensions: Vec<DimensionEvidence>,
+    /// The dimension by Cao's method: the first from which E1 does not change; `None` if it does at all, and for noise.
+    pub cao: Option<usize>,
+    /// Cao's E2 is 1 at all dimensions: the next value does not depend on those before, as in noise.
+    pub is_noise: bool,
+}
+
+/// With fewer points nothing is embedded unasked.
+const FEWEST_POINTS: usize = 50;
+
+/// The embedding that the settings ask for or the data need; `None` if the columns are the state as they are.
+///
+/// One column is embedded in as many delayed values as it needs. Several are embedded only if a delay or a dimension is given, or if they
+/// [lack columns](lacks_columns) and delayed values cure it. Fewer than 50 points are too few to tell. `progress(done, total)` is called in between.
+///
+/// # Errors
+/// Those of [`choose_embedding`].
+pub fn needed_embedding(
+    series: &Series,
+    settings: &EmbeddingSettings,
+    progress: &dyn Fn(usize, usize),
+) -> Result<Option<EmbeddingChoice>, DataError> {
+    let asked = settings.delay.is_some() || settings.dimension.is_some();
+    let is_short = series.len() < FEWEST_POINTS;
+    if !asked && (is_short || series.columns() > 1 && !lacks_columns(series, settings.theiler)?) {
+        return Ok(None);
+    }
+    let choice = choose_embedding(series, settings, progress)?;
+    let cures = choice.dimension_reason != DimensionReason::FewestFalse;
+    let wanted = asked || series.columns() == 1 || cures;
+    Ok((wanted && choice.embedding.dimension > 1).then_some(choice))
+}
+
+/// Chooses an embedding, or gives the evidence for a given one. `progress(done, total)` is called in between.
+///
+/// # Errors
+/// [`DataError::Setting`] for a delay or dimension that is not allowed, [`DataError::Span`] for one that the series is too short
+/// for, [`DataError::Constant`], [`DataError::Overflow`], [`DataError::TooMany`].
+pub fn choose_embedding(
+    series: &Series,
+    settings: &EmbeddingSettings,
+    progress: &dyn Fn(usize, usize),
+) -> Result<EmbeddingChoice, DataError> {
+    let most = most_dimensions(series.columns());
+    // A given one must fit before anything is computed.
+    Embedding {
+        delay: settings.delay.unwrap_or(1),
+        dimension: settings.dimension.unwrap_or(1),
+    }
+    .of(series)?;
+    let longest = longest_delay(series.len());
+    if let (Some(delay), None) = (settings.delay, settings.dimension)
+        && delay > longest
+    {
+        return Err(DataError::Setting {
+            name: "delay",
+            value: delay as f64,
+            bound: format!("at most {longest}, a tenth of the points, where no dimension is given"),
+        });
+    }
+    let (decorrelation, spread) = Cloud::new(series)?.scales();
+    let theiler = settings.theiler.unwrap_or(decorrelation);
+    progress(0, most + 1);
+    let Delay {
+        points: delay,
+        reason: delay_reason,
+        information,
+    } = delay(
+        &Classes::new(series),
+        series.len(),
+        decorrelation,
+        settings.delay,
+        || first_zero(series),
+    )?;
+
+    let mut levels: Vec<Level> = Vec::new();
+    let mut dimensions: Vec<DimensionEvidence> = Vec::new();
+    let shown = settings.dimension.unwrap_or(0).saturating_add(BEYOND);
+    for dimension in 1..=most {
+        progress(dimension, most + 1);
+        match level(series, Embedding { delay, dimension }, theiler, spread) {
+            Ok(Some(found)) => levels.push(found),
+            // Too short for more, or nothing but repeats.
+            Ok(None) | Err(DataError::Span { .. }) => break,
+            Err(error) => return Err(error),
+        }
+        dimensions = evidence(&levels);
+        if dimension >= shown && is_settled(&dimensions) {
+            break;
+        }
+    }
+    progress(most + 1, most + 1);
+    let (dimension, dimension_reason) = match settings.dimension {
+        Some(dimension) => (dimension, DimensionReason::Given),
+        None => without_false_neighbours(&dimensions),
+    };
+    let is_noise = is_noise(&dimensions);
+    Ok(EmbeddingChoice {
+        embedding: Embedding { delay, dimension },
+        delay_reason,
+        dimension_reason,
+        information,
+        // Of noise E1 comes near 1 slowly, too, as its neighbours go apart.
+        cao: cao(&dimensions).filter(|_| !is_noise),
+        is_noise,
+        dimensions,
+    })
+}
+
+/// Whether the columns are too few for a state: of more than 5 % of the nearest neighbours what follows a decorrelation time later shows
+/// that they are false. A quicker question than [`choose_embedding`], for several columns that may be the whole state.
+///
+/// # Errors
+/// [`DataError::Constant`], [`DataError::Overflow`], [`DataError::TooMany`].
+pub fn lacks_columns(series: &Series, theiler: Option<usize>) -> Result<bool, DataError> {
+    let (delay, spread) = Cloud::new(series)?.scales();
+    let alone = Embedding {
+        delay,
+        dimension: 1,
+    };
+    match level(series, alone, theiler.unwrap_or(delay), spread) {
+        Ok(level) => Ok(level.is_some_and(|level| level.false_part > MANY_FALSE_NEIGHBOURS)),
+        Err(DataError::Span { .. }) => Ok(false),
+        Err(error) => Err(error),
+    }
+}
+
+/// The longest delay that leaves something to choose a dimension by.
+fn longest_delay(rows: usize) -> usize {
+    (rows / LONGEST_PART).max(1)
+}
+
+/// The first zero of the autocorrelation, if there is one within a tenth of the series.
+fn first_zero(series: &Series) -> Result<Option<usize>, DataError> {
+    Ok(Cloud::new(series)?.uncorrelated_at(0.0))
+}
+
+/// A delay and why it is this one.
+struct Delay {
+    points: usize,
+    reason: DelayReason,
+    /// At all lags that were looked at.
+    information: Vec<(usize, f64)>,
+}
+
+fn delay(
+    classes: &Classes,
+    rows: usize,
+    decorrelation: usize,
+    given: Option<usize>,
+    zero: impl Fn() -> Result<Option<usize>, DataError>,
+) -> Result<Delay, DataError> {
+    let longest = longest_delay(rows).min(MOST_LAGS);
+    let mut curve: Vec<(usize, f64)> = Vec::new();
+    let mut found = given.map(|delay| (delay, DelayReason::Given));
+    if found.is_none() && decorrelation <= 1 {
+        found = Some((1, DelayReason::Uncorrelated));
+    }
+    let mut least = (1, f64::INFINITY);
+    let mut has_risen = false;
+    for lag in 0..=longest {
+        let shown = found.map(|(delay, _)| delay.saturating_mul(SHOWN).max(10));
+        if shown.is_some_and(|shown| lag > shown) {
+            break;
+        }
+        let information = classes.information(lag);
+        curve.push((lag, information));
+        if lag == 0 || found.is_some() {
+            continue;
+        }
+        if information < least.1 {
+            least = (lag, information);
+        }
+        let rise = (RISE * curve[1].1).max(classes.chance(lag));
+        let rises = information > least.1 + rise;
+        has_risen |= rises;
+        let on_curve = least.1 > ON_CURVE * curve[0].1;
+        if information < classes.chance(lag) {
+            found = Some((lag, DelayReason::Independent));
+        } else if rises && !on_curve {
+            found = Some((least.0, DelayReason::FirstMinimum));
+        } else if on_curve && has_risen && lag >= longest.min(PERIOD.saturating_mul(decorrelation))
+        {
+            let zero = zero()?.filter(|&lag| lag <= longest);
+            found = Some(match zero {
+                Some(lag) => (lag, DelayReason::OnCurve),
+                None => (longest, DelayReason::NoMinimum),
+            });
+        }
+    }
+    let (points, reason) = found.unwrap_or((longest, DelayReason::NoMinimum));
+    Ok(Delay {
+        points,
+        reason,
+        information: curve,
+    })
+}
+
+fn evidence(levels: &[Level]) -> Vec<DimensionEvidence> {
+    (1..)
+        .zip(levels)
+        .enumerate()
+        .map(|(i, (dimension, level))| DimensionEvidence {
+            dimension,
+            false_neighbours: level.false_part,
+            e1: ratio(levels, i, |level| level.stretching),
+            e2: ratio(levels, i, |level| level.next_difference),
+        })
+        .collect()
+}
+
+/// Whether Cao's E2 is 1 at all dimensions.
+fn is_noise(dimensions: &[DimensionEvidence]) -> bool {
+    let known = || dimensions.iter().filter(|one| !one.e2.is_nan());
+    known().count() > 1 && known().all(|one| (one.e2 - 1.0).abs() < CAO_NOISE)
+}
+
+/// Whether both methods have their dimension, and more delayed values would say nothing else.
+fn is_settled(dimensions: &[DimensionEvidence]) -> bool {
+    let (_, reason) = without_false_neighbours(dimensions);
+    let is_enough = reason == DimensionReason::FalseNeighbours;
+    is_enough && cao(dimensions).is_some() && !is_noise(dimensions)
+}
+
+fn without_false_neighbours(dimensions: &[DimensionEvidence]) -> (usize, DimensionReason) {
+    let enough = |one: &&DimensionEvidence| one.false_neighbours < NO_FALSE_NEIGHBOURS;
+    if let Some(first) = dimensions.iter().find(enough) {
+        return (first.dimension, DimensionReason::FalseNeighbours);
+    }
+    let fewest = dimensions
+        .iter()
+        .min_by(|a, b| a.false_neighbours.total_cmp(&b.false_neighbours));
+    let dimension = fewest.map_or(1, |one| one.dimension);
+    (dimension, DimensionReason::FewestFalse)
+}
+
+/// How a quantity changes from one dimension to the next.
+fn ratio(levels: &[Level], i: usize, quantity: impl Fn(&Level) -> f64) -> f64 {
+    match levels.get(i + 1) {
+        Some(next) => quantity(next) / quantity(&levels[i]),
+        None => f64::NAN,
+    }
+}
+
+fn cao(dimensions: &[DimensionEvidence]) -> Option<usize> {
+    let settled = |pair: &&[DimensionEvidence]| {
+        pair[0].e1 > CAO_SETTLED && (pair[1].e1 - pair[0].e1).abs() < CAO_CHANGE
+    };
+    let first = dimensions.windows(2).find(settled)?;
+    Some(first[0].dimension)
+}

@@ -1,0 +1,178 @@
+//! What speaks for and against an exponent.
+
+use super::averages::Average;
+use super::extrapolation::Corrected;
+use super::result::{DataExponent, Status};
+
+/// Part of the reference points that may fail to determine a direction that counts as determined.
+const UNDETERMINED: f64 = 0.01;
+/// With a larger part of the reference points starved no estimate is the one asked for.
+const STARVED: f64 = 0.5;
+/// With a larger residual ratio the maps predict next to nothing: about a third of the variance.
+const UNPREDICTABLE: f64 = 0.8;
+/// An estimate moves with the size of the neighbourhoods if it does by more than this part of the value,
+const PART: f64 = 0.05;
+/// and by more than so many standard errors of Eqs. (25) and (26), whose error holds no bias,
+const STANDARD_ERRORS: f64 = 4.0;
+/// or so many of an extrapolated one: its error holds the way to size zero, and two are to hold the true value.
+const EXTRAPOLATED_ERRORS: f64 = 2.0;
+
+/// What is known of all exponents alike.
+pub(crate) struct Evidence {
+    pub(crate) dimension: usize,
+    pub(crate) references: usize,
+    pub(crate) starved: usize,
+    pub(crate) residual_ratio: f64,
+    /// Time that a map takes.
+    pub(crate) tau: f64,
+}
+
+impl Evidence {
+    /// Puts together what is known of exponent `i`. `wide` is its estimate from neighbourhoods of twice the size, if
+    /// there is one.
+    pub(crate) fn exponent(
+        &self,
+        i: usize,
+        full: &Average,
+        fixed: Option<&Average>,
+        wide: Option<&Average>,
+        corrected: Option<&Corrected>,
+    ) -> DataExponent {
+        let corrected = corrected.filter(|_| i < self.dimension);
+        let best = corrected.map_or(*full, |corrected| corrected.best(i));
+        let eps_sensitivity = match (corrected, wide) {
+            (Some(corrected), _) => corrected.large[i].mean - corrected.small[i].mean,
+            (None, Some(wide)) => wide.mean - full.mean,
+            (None, None) => f64::NAN,
+        };
+        let status = self.status(i, full, &best, eps_sensitivity, corrected);
+        let annihilated = status == Status::Annihilated;
+        let of = |average: &Average| {
+            if annihilated {
+                (f64::NEG_INFINITY, f64::NAN)
+            } else {
+                (average.mean, average.stderr)
+            }
+        };
+        let (value, stderr) = of(&best);
+        DataExponent {
+            sano_sawada: of(full),
+            value,
+            stderr,
+            eps_sensitivity: if annihilated {
+                f64::NAN
+            } else {
+                eps_sensitivity
+            },
+            status,
+            fixed_rank: fixed.map(of),
+            collapses: full.collapses,
+            undetermined: best.undetermined,
+        }
+    }
+
+    /// The first of all reasons against an exponent, the gravest first: it is none of the system's, none of the data's, none of small
+    /// neighbourhoods.
+    fn status(
+        &self,
+        i: usize,
+        full: &Average,
+        best: &Average,
+        eps_sensitivity: f64,
+        corrected: Option<&Corrected>,
+    ) -> Status {
+        let are_many = |count: usize, part: f64, all: usize| count as f64 > part * all as f64;
+        let undetermined = corrected
+            .is_some_and(|corrected| are_many(best.undetermined, UNDETERMINED, corrected.counted));
+        let flattened = corrected.is_some_and(|corrected| {
+            corrected.noise[i] / self.tau > EXTRAPOLATED_ERRORS * best.stderr
+        });
+        let moves = match corrected {
+            // To the exponents at the larger size, and from those by the maps that judge linear ones, if these exist.
+            Some(corrected) => {
+                let tolerance = EXTRAPOLATED_ERRORS * corrected.zero[i].scatter;
+                let ways = [corrected.range(i), corrected.gap(i)];
+                !ways
+                    .iter()
+                    .all(|way| way.abs() <= tolerance.max(PART * best.mean.abs()))
+            }
+            None => {
+                let tolerance = STANDARD_ERRORS * full.scatter;
+                eps_sensitivity.abs() > tolerance.max(PART * full.mean.abs())
+            }
+        };
+        let is_unknown = are_many(full.undetermined, UNDETERMINED, self.references);
+        let reasons = [
+            (i >= self.dimension || is_unknown, Status::Unidentified),
+            (full.collapses > 0, Status::Annihilated),
+            (self.residual_ratio > UNPREDICTABLE, Status::Unpredictable),
+            (
+                are_many(self.starved, STARVED, self.references),
+                Status::Starved,
+            ),
+            (undetermined, Status::Undetermined),
+            (flattened, Status::Noisy),
+            (moves, Status::Unstable),
+        ];
+        let reason = reasons.iter().find(|(holds, _)| *holds);
+        reason.map_or(Status::Ok, |(_, status)| *status)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::extrapolation::Sizes;
+    use crate::polynomial::Degree;
+
+    const EVIDENCE: Evidence = Evidence {
+        dimension: 1,
+        references: 1000,
+        starved: 0,
+        residual_ratio: 0.1,
+        tau: 1.0,
+    };
+
+    /// From so few blocks that Student's error is five times the scatter.
+    fn from_few_blocks(mean: f64) -> Average {
+        Average {
+            mean,
+            stderr: 0.05,
+            scatter: 0.01,
+            collapses: 0,
+            undetermined: 0,
+        }
+    }
+
+    #[test]
+    fn few_blocks_make_the_error_wider_and_allow_for_no_more_bias() {
+        let full = from_few_blocks(0.1);
+        // Four times the scatter.
+        let status = |way| EVIDENCE.status(0, &full, &full, way, None);
+        assert_eq!(status(0.039), Status::Ok);
+        assert_eq!(status(0.041), Status::Unstable);
+        // Twice, on the way from the larger size to zero.
+        for (way, status) in [(0.019, Status::Ok), (0.021, Status::Unstable)] {
+            let corrected = Corrected {
+                sizes: Sizes {
+                    degree: Degree::Linear,
+                    neighbours: [20, 40],
+                    radius: [0.1, 0.2],
+                },
+                small: vec![full],
+                large: vec![from_few_blocks(0.1 + way)],
+                zero: vec![full],
+                noise: vec![0.0],
+                counted: 1000,
+                judged: None,
+                sum: full,
+                running: Vec::new(),
+            };
+            let best = corrected.best(0);
+            let found = EVIDENCE.status(0, &full, &best, f64::NAN, Some(&corrected));
+            assert_eq!(found, status);
+            let whole = (0.05_f64 * 0.05 + way * way).sqrt();
+            assert!((best.stderr - whole).abs() < 1e-15);
+        }
+    }
+}

@@ -1,0 +1,243 @@
+//! Neighbours of a point.
+
+use super::cloud::Cloud;
+use super::error::DataError;
+use super::matrix::{Matrix, distance2};
+use super::settings::Neighbourhood;
+use super::tree::Tree;
+
+/// Points nearer than this fraction of the spread are the same point met again. Their difference is rounding or the
+/// tolerance of an integrator, and tells nothing of the dynamics.
+const REPEAT: f64 = 1e-9;
+
+/// A neighbour: squared distance and index.
+pub(crate) type Neighbour = (f64, u32);
+
+/// How many of the points found are the neighbourhood asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Selection {
+    /// The first so many.
+    pub(crate) count: usize,
+    /// The ball held too few, so that the nearest were taken.
+    pub(crate) starved: bool,
+}
+
+impl Selection {
+    /// Of the nearest points, at least as many as the neighbourhood may have.
+    pub(crate) fn of(found: &[Neighbour], neighbours: &Neighbourhood, spread: f64) -> Self {
+        match *neighbours {
+            Neighbourhood::Nearest(k) => Selection {
+                count: found.len().min(k),
+                starved: found.len() < k,
+            },
+            Neighbourhood::Ball { eps, min, max } => {
+                let radius = eps * spread;
+                let inside = found.partition_point(|n| n.0 <= radius * radius).min(max);
+                Selection {
+                    count: inside.max(min).min(found.len()),
+                    starved: inside < min,
+                }
+            }
+        }
+    }
+}
+
+/// Finds neighbours among the points that have an image.
+pub(crate) struct Finder<'c> {
+    tree: Tree,
+    points: &'c Matrix,
+    /// So many of them, from the first on, have an image.
+    candidates: usize,
+    theiler: usize,
+    repeat2: f64,
+}
+
+impl<'c> Finder<'c> {
+    /// # Errors
+    /// [`DataError::TooMany`].
+    pub(crate) fn new(cloud: &'c Cloud, step: usize, theiler: usize) -> Result<Self, DataError> {
+        let rows = cloud.points.len();
+        if u32::try_from(rows).is_err() {
+            return Err(DataError::TooMany {
+                rows,
+                max: u32::MAX as usize,
+            });
+        }
+        let candidates = rows.saturating_sub(step);
+        let repeat = (REPEAT * cloud.spread).max(4.0 * cloud.rounding);
+        Ok(Self {
+            tree: Tree::new(&cloud.points, candidates),
+            points: &cloud.points,
+            candidates,
+            theiler,
+            repeat2: repeat * repeat,
+        })
+    }
+
+    /// The neighbours of point `j` in a neighbourhood `times` the size, nearest first, and how many of them are the
+    /// neighbourhood itself. `found` are those of the point `before`, if there is one.
+    pub(crate) fn select(
+        &self,
+        (before, j): (Option<usize>, usize),
+        neighbours: &Neighbourhood,
+        times: usize,
+        spread: f64,
+        found: &mut Vec<Neighbour>,
+    ) -> Selection {
+        match *neighbours {
+            Neighbourhood::Nearest(k) => {
+                let wanted = k.saturating_mul(times);
+                self.follow((before, j), wanted, f64::INFINITY, found);
+            }
+            Neighbourhood::Ball { eps, min, max } => {
+                let (least, most) = (min.saturating_mul(times), max.saturating_mul(times));
+                self.follow((before, j), most, times as f64 * eps * spread, found);
+                if found.len() < least {
+                    self.nearest(j, least, f64::INFINITY, found);
+                }
+            }
+        }
+        Selection::of(found, neighbours, spread)
+    }
+
+    /// As [`Finder::nearest`], where `found` are those of the point `before`: where they have gone is no nearer than the ones that are looked
+    /// for, which makes for a short search in a flow.
+    pub(crate) fn follow(
+        &self,
+        (before, j): (Option<usize>, usize),
+        wanted: usize,
+        radius: f64,
+        found: &mut Vec<Neighbour>,
+    ) {
+        let reach2 = match (before, found.get(..wanted)) {
+            (Some(before), Some(found)) if before < j => self.reach2(j, j - before, found),
+            _ => f64::INFINITY,
+        };
+        self.within(j, wanted, reach2.min(radius * radius), found);
+    }
+
+    /// Square of the largest distance from point `j` of where neighbours are so much later; infinite if one of them is none then.
+    fn reach2(&self, j: usize, later: usize, found: &[Neighbour]) -> f64 {
+        found.iter().fold(0.0, |reach: f64, &(_, k)| {
+            let k = k as usize + later;
+            let is_candidate = k < self.candidates;
+            let square = is_candidate.then(|| distance2(&self.points[k], &self.points[j]));
+            let admissible = square.filter(|square| *square > self.repeat2);
+            reach.max(admissible.unwrap_or(f64::INFINITY))
+        })
+    }
+
+    /// The `wanted` nearest admissible points within `radius`, nearest first, equally distant ones by index. Fewer if there
+    /// are no more.
+    pub(crate) fn nearest(&self, j: usize, wanted: usize, radius: f64, found: &mut Vec<Neighbour>) {
+        self.within(j, wanted, radius * radius, found);
+    }
+
+    fn within(&self, j: usize, wanted: usize, radius2: f64, found: &mut Vec<Neighbour>) {
+        let between = (self.repeat2, radius2);
+        let admissible = |k: u32| (k as usize).abs_diff(j) > self.theiler;
+        self.tree
+            .nearest(&self.points[j], wanted, between, admissible, found);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::series::Series;
+
+    /// As [`Finder::nearest`], by looking at every point.
+    fn brute(
+        cloud: &Cloud,
+        finder: &Finder<'_>,
+        step: usize,
+        j: usize,
+        wanted: usize,
+        radius: f64,
+    ) -> Vec<Neighbour> {
+        let last = cloud.points.len() - step;
+        let mut all: Vec<Neighbour> = (0..last)
+            .filter(|k| k.abs_diff(j) > finder.theiler)
+            .map(|k| (distance2(&cloud.points[k], &cloud.points[j]), k as u32))
+            .filter(|n| n.0 > finder.repeat2 && n.0 <= radius * radius)
+            .collect();
+        all.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        all.truncate(wanted);
+        all
+    }
+
+    fn agrees_with_brute_force<const N: usize>(rows: impl Iterator<Item = [f64; N]>) {
+        let series = Series::from_rows(rows, 1.0).unwrap();
+        let cloud = Cloud::new(&series).unwrap();
+        let mut found = Vec::new();
+        for (step, theiler) in [(1, 0), (1, 1), (3, 40)] {
+            let finder = Finder::new(&cloud, step, theiler).unwrap();
+            for j in (0..cloud.points.len()).step_by(17) {
+                for (wanted, radius) in [(30, f64::INFINITY), (30, 0.05), (500, 0.3), (1, 1.0)] {
+                    finder.nearest(j, wanted, radius, &mut found);
+                    let expected = brute(&cloud, &finder, step, j, wanted, radius);
+                    assert_eq!(found, expected, "{j} {wanted} {radius}");
+                }
+            }
+            // A chain for each radius: what is followed was found within it, and is fewer than wanted where the ball holds fewer.
+            for (wanted, radius) in [(30, f64::INFINITY), (30, 0.05), (30, 0.3), (3, 1.5)] {
+                let mut before = None;
+                for j in (0..cloud.points.len()).step_by(3) {
+                    finder.follow((before, j), wanted, radius, &mut found);
+                    before = Some(j);
+                    if j % 17 == 0 {
+                        let expected = brute(&cloud, &finder, step, j, wanted, radius);
+                        assert_eq!(found, expected, "{j} {wanted} {radius}");
+                    }
+                }
+            }
+        }
+    }
+
+    /// Stick data: one coordinate is the belt's speed, exactly, for a good part of the time; one is constant; and the other two
+    /// are rounded to a grid, so that coordinates and distances repeat.
+    #[test]
+    fn the_tree_finds_what_brute_force_finds_on_stick_data() {
+        agrees_with_brute_force((0..3000).map(|i| {
+            let t = f64::from(i) * 0.137;
+            let grid = |v: f64| (v * 64.0).round() / 64.0;
+            [
+                grid(libm::sin(t)),
+                libm::cos(t).min(0.5),
+                0.25,
+                grid(libm::cos(0.7 * t)),
+            ]
+        }));
+    }
+
+    #[test]
+    fn the_tree_finds_what_brute_force_finds_on_a_grid() {
+        agrees_with_brute_force((0..2500).map(|i| [f64::from(i % 50), f64::from(i / 50)]));
+    }
+
+    /// Nine tenths of the points are one, from which there is nothing near but repeats, and which is one far neighbour from elsewhere.
+    #[test]
+    fn the_tree_finds_what_brute_force_finds_beside_rest() {
+        agrees_with_brute_force((0..3000).map(|i| {
+            let at = f64::from(if i % 100 < 90 { 0 } else { i });
+            [libm::sin(at), libm::sin(2.0 * at), 0.1 * at]
+        }));
+    }
+
+    /// Half of the points are repeats of the one looked at, and all others are equally distant.
+    #[test]
+    fn the_tree_finds_what_brute_force_finds_behind_repeats() {
+        agrees_with_brute_force((0..3000).map(|i| [f64::from(i % 2)]));
+    }
+
+    #[test]
+    fn only_repeats_end_the_search_with_nothing() {
+        // The last point alone is another, and has no image.
+        let rows = (0..3000).map(|i| [f64::from(u8::from(i == 2999))]);
+        let cloud = Cloud::new(&Series::from_rows(rows, 1.0).unwrap()).unwrap();
+        let finder = Finder::new(&cloud, 1, 1).unwrap();
+        let mut found = vec![(0.0, 0)];
+        finder.nearest(10, 20, f64::INFINITY, &mut found);
+        assert!(found.is_empty());
+    }
+}

@@ -1,0 +1,210 @@
+//! Which exponents of an embedding are the system's.
+//!
+//! m delayed values of a system whose attractor has fewer dimensions give m exponents, of which some are the embedding's own, and
+//! those may be anywhere: of x alone of Hénon's map the first of three is 0.8, twice the system's. Two things tell them apart.
+//! A fit restricted to the tangent directions of the points has no room for them (Stoop and Parisi, Physica D 50, 89, 1991). And with the
+//! time reversed true exponents change their sign, while spurious ones have no reason to (Parlitz, Int. J. Bifurcation Chaos 2, 155,
+//! 1992). Quadratic maps that are extrapolated leave directions out in which the points only bend, and with them mostly the embedding's own
+//! exponents; then the first are the system's already. A map that cannot be inverted and a contraction that is finer than the points lie make the reversed series unpredictable or its
+//! exponents none of the system's; then it finds not even the first exponent again, and is not asked.
+
+use super::error::DataError;
+use super::estimate::data_spectrum_with;
+use super::result::DataSpectrum;
+use super::series::Series;
+use super::settings::{DataSettings, Estimator, longest_stride};
+
+/// Two values are the same if they are apart by less than so many of their standard errors,
+const STANDARD_ERRORS: f64 = 4.0;
+/// or by less than this part of the larger one, or of the first exponent: neighbourhoods are finite, and bias is not in the errors.
+const PART: f64 = 0.25;
+/// or if they stretch by parts of each map that are so near: the exponents of a regular motion are all about 0, and a fit is no better.
+const FIT: f64 = 0.01;
+/// Reference points of the reversed series, where the step allows for fewer than all: it is asked whether exponents are near, and no more.
+const REFERENCES: usize = 1000;
+/// With a larger residual ratio a series is not predictable enough, in either direction of time, for its exponents to be compared.
+const UNPREDICTABLE: f64 = 0.5;
+
+/// Whose an exponent is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Origin {
+    /// The system's: the fit restricted to the tangent directions has it, or the reversed series with the other sign.
+    System,
+    /// The embedding's: neither has it.
+    Spurious,
+    /// There is nothing to compare with: no tangent direction was found, or as many as there are values and no reversed series that has the
+    /// first exponent, the maps predict too little, or the exponent has no value.
+    Unknown,
+}
+
+impl Origin {
+    /// A word for tables.
+    pub fn word(self) -> &'static str {
+        match self {
+            Origin::System => "system",
+            Origin::Spurious => "spurious",
+            Origin::Unknown => "unknown",
+        }
+    }
+}
+
+/// What the reversed series says of the exponents of an embedding.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reversal {
+    /// Whose the exponents are, in the order of the spectrum.
+    pub origins: Vec<Origin>,
+    /// The exponents of the reversed series by the fit of fixed rank, with their standard errors.
+    pub reversed: Vec<(f64, f64)>,
+    /// Whether the reversed series has the first exponent with the other sign. Where it does not it tells nothing of the others.
+    pub is_conclusive: bool,
+}
+
+/// Holds the spectrum of an embedded series against its fit of fixed rank and against the reversed series. `progress(done,
+/// total)` is called in between with numbers of reference points.
+///
+/// # Errors
+/// Those of [`super::data_spectrum`].
+pub fn reversal(
+    embedded: &Series,
+    spectrum: &DataSpectrum,
+    progress: &dyn Fn(usize, usize),
+) -> Result<Reversal, DataError> {
+    if spectrum.fixed_rank == 0 {
+        return Ok(Reversal {
+            origins: vec![Origin::Unknown; spectrum.exponents.len()],
+            reversed: Vec::new(),
+            is_conclusive: false,
+        });
+    }
+    let covered = spectrum.settings.reference(spectrum.references);
+    let step = spectrum.settings.step;
+    let stride = longest_stride(step, covered.saturating_add(step), REFERENCES);
+    let mut settings = DataSettings {
+        estimator: Estimator::SanoSawada,
+        sensitivity: false,
+        stride: stride.max(spectrum.settings.stride),
+        ..spectrum.settings.clone()
+    };
+    settings.references = Some(settings.references_before(covered));
+    let turned_series = reversed(embedded)?;
+    let backward = data_spectrum_with(&turned_series, &settings, progress)?;
+    let [forward, reversed] = [spectrum, &backward].map(|spectrum| -> Vec<(f64, f64)> {
+        let all = spectrum.exponents.iter();
+        all.filter_map(|exponent| exponent.fixed_rank).collect()
+    });
+    let turned: Vec<(f64, f64)> = reversed
+        .iter()
+        .map(|&(value, stderr)| (-value, stderr))
+        .collect();
+    let of_a_map = FIT / (step as f64 * embedded.dt());
+    let first = forward.first().map_or(0.0, |first| first.0.abs());
+    let scale = if first < of_a_map {
+        of_a_map / PART
+    } else {
+        first
+    };
+    let is_conclusive = backward.residual_ratio < UNPREDICTABLE
+        && forward.first().is_some_and(|first| {
+            turned
+                .iter()
+                .any(|other| gap(*first, *other, scale).is_some())
+        });
+    let noisy = spectrum.residual_ratio > UNPREDICTABLE;
+    let full: Vec<(f64, f64)> = spectrum
+        .exponents
+        .iter()
+        .map(|exponent| (exponent.value, exponent.stderr))
+        .collect();
+    let determined = spectrum.dimension;
+    let mut found = matched(&full, &forward, scale, determined);
+    if is_conclusive {
+        let also = matched(&full, &turned, scale, determined);
+        found
+            .iter_mut()
+            .zip(also)
+            .for_each(|(one, other)| *one |= other);
+    }
+    // A fit of full rank has room for the embedding's own, too, and tells nothing of what it has not.
+    let is_judged = is_conclusive || forward.len() < full.len();
+    let origins = full.iter().zip(found).map(|(exponent, found)| {
+        if forward.is_empty() || noisy || !exponent.0.is_finite() {
+            Origin::Unknown
+        } else if found {
+            Origin::System
+        } else if is_judged {
+            Origin::Spurious
+        } else {
+            Origin::Unknown
+        }
+    });
+    Ok(Reversal {
+        origins: origins.collect(),
+        reversed,
+        is_conclusive,
+    })
+}
+
+/// The series, last point first.
+fn reversed(series: &Series) -> Result<Series, DataError> {
+    let rows = series.values().chunks(series.columns()).rev();
+    Series::new(
+        rows.flatten().copied().collect(),
+        series.columns(),
+        series.dt(),
+    )
+}
+
+/// The distance of two values that are the same, none of others.
+fn gap(a: (f64, f64), b: (f64, f64), scale: f64) -> Option<f64> {
+    let distance = (a.0 - b.0).abs();
+    let errors = STANDARD_ERRORS * (a.1 * a.1 + b.1 * b.1).sqrt();
+    let bias = PART * scale.max(a.0.abs()).max(b.0.abs());
+    // Not a number is not near.
+    (distance <= errors.max(bias)).then_some(distance)
+}
+
+/// Which of `all` are among `known`; each of these is one of them only, the nearest. The first `determined`, which the data tell, come
+/// before the others.
+fn matched(all: &[(f64, f64)], known: &[(f64, f64)], scale: f64, determined: usize) -> Vec<bool> {
+    let mut pairs: Vec<(f64, usize, usize)> = Vec::new();
+    for (i, a) in all.iter().enumerate() {
+        for (k, b) in known.iter().enumerate() {
+            pairs.extend(gap(*a, *b, scale).map(|distance| (distance, i, k)));
+        }
+    }
+    pairs.sort_by(|a, b| {
+        let late = |pair: &(f64, usize, usize)| pair.1 >= determined;
+        late(a).cmp(&late(b)).then(a.0.total_cmp(&b.0))
+    });
+    let mut found = vec![false; all.len()];
+    let mut used = vec![false; known.len()];
+    for (_, i, k) in pairs {
+        if !found[i] && !used[k] {
+            (found[i], used[k]) = (true, true);
+        }
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_known_value_is_one_of_the_others_only() {
+        let exact =
+            |values: &[f64]| -> Vec<(f64, f64)> { values.iter().map(|&v| (v, 0.0)).collect() };
+        let all = exact(&[0.85, 0.42, -1.1, -1.63]);
+        assert_eq!(
+            matched(&all, &exact(&[0.418, -1.45]), 0.418, 2),
+            [false, true, false, true]
+        );
+        assert_eq!(matched(&all, &exact(&[f64::NAN]), 0.4, 2), [false; 4]);
+        // Nearer is the last, but the second is one that the data tell.
+        let all = exact(&[0.42, -1.63, -1.1, -1.5]);
+        assert_eq!(
+            matched(&all, &exact(&[0.418, -1.45]), 0.418, 2),
+            [true, true, false, false]
+        );
+    }
+}

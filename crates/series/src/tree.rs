@@ -1,0 +1,413 @@
+//! A search tree for the nearest points among those that may be neighbours.
+//!
+//! Own code, because the neighbours of a time series are not its nearest points: those next to them in time and exact repeats do not count,
+//! and equally distant ones are told apart by index. Said inside the search, this costs nothing; from outside of it more points had to be
+//! asked for, often several times, and half of the time of a spectrum went there.
+
+use pulp::{Arch, NullaryFnOnce};
+
+use super::matrix::Matrix;
+use super::neighbours::Neighbour;
+
+/// Points whose distances are computed together: two vectors of the machine.
+const LANES: usize = 8;
+/// Most blocks of points in a leaf.
+const BLOCKS: usize = 4;
+
+/// The box around the points of a node.
+#[derive(Clone, Copy)]
+struct Bounds<'a> {
+    low: &'a [f64],
+    high: &'a [f64],
+    /// The smallest index.
+    first: u32,
+}
+
+impl Bounds<'_> {
+    /// The column in which the box is widest.
+    fn widest(&self) -> usize {
+        let width = |c: &usize| self.high[*c] - self.low[*c];
+        (0..self.low.len())
+            .max_by(|a, b| width(a).total_cmp(&width(b)))
+            .unwrap_or(0)
+    }
+
+    /// A square that no point of the box is nearer than: the subtractions and squares are those of [`super::matrix::distance2`], in its
+    /// order, with smaller operands, and rounding is monotonic.
+    #[inline(always)]
+    fn distance2(&self, centre: &[f64]) -> f64 {
+        let mut sum = 0.0;
+        for ((v, low), high) in centre.iter().zip(self.low).zip(self.high) {
+            let outside = (low - v).max(v - high).max(0.0);
+            sum += outside * outside;
+        }
+        sum
+    }
+
+    /// A square that no point of the box is further than, in the same way.
+    fn furthest2(&self, centre: &[f64]) -> f64 {
+        let mut sum = 0.0;
+        for ((v, low), high) in centre.iter().zip(self.low).zip(self.high) {
+            let inside = (v - low).max(high - v);
+            sum += inside * inside;
+        }
+        sum
+    }
+
+    /// Whether the box, which is no nearer than `least`, holds nothing but repeats, or nothing before the `furthest` neighbour found.
+    #[inline(always)]
+    fn has_none(&self, centre: &[f64], least: f64, repeat2: f64, furthest: Neighbour) -> bool {
+        let is_far = least > furthest.0 || least == furthest.0 && self.first > furthest.1;
+        is_far || least <= repeat2 && self.furthest2(centre) <= repeat2
+    }
+}
+
+/// A balanced tree: the children of node `i` are the nodes `2 i + 1` and `2 i + 2`, leaves are the nodes of the last level.
+pub(crate) struct Tree {
+    columns: usize,
+    /// Of each node the lower ends of its box, and then the upper ones.
+    boxes: Vec<f64>,
+    /// Of each node the smallest index.
+    first: Vec<u32>,
+    first_leaf: usize,
+    /// Points of the leaves, from left to right: [`BLOCKS`] blocks of each, and of each block its lanes, column by column. Places that no
+    /// point takes are no numbers, and so not within any distance.
+    lanes: Vec<[f64; LANES]>,
+    /// Their indices, block by block.
+    indices: Vec<[u32; LANES]>,
+}
+
+impl Tree {
+    /// A tree of so many of the first points, which are numbers.
+    pub(crate) fn new(points: &Matrix, count: usize) -> Self {
+        // Column by column: what a node looks at lies together.
+        let column = |c: usize| points.first(count).map(|row| row[c]).collect();
+        let columns: Vec<Vec<f64>> = (0..points.columns()).map(column).collect();
+        let mut indices: Vec<u32> = (0..).take(count).collect();
+        let mut leaves = 1;
+        while leaves * LANES * BLOCKS < count {
+            leaves *= 2;
+        }
+        let first_leaf = leaves - 1;
+        let mut tree = Self {
+            columns: points.columns(),
+            boxes: Vec::with_capacity((first_leaf + leaves) * 2 * points.columns()),
+            first: Vec::with_capacity(first_leaf + leaves),
+            first_leaf,
+            lanes: Vec::with_capacity(leaves * BLOCKS * points.columns()),
+            indices: Vec::with_capacity(leaves * BLOCKS),
+        };
+        // Of each node of a level, from left to right.
+        let mut level: Vec<&mut [u32]> = vec![&mut indices];
+        while level.len() < leaves {
+            let mut next = Vec::with_capacity(2 * level.len());
+            for part in level {
+                let node = tree.push_box(&columns, part);
+                let (c, middle) = (tree.bounds(node).widest(), part.len() / 2);
+                if middle > 0 {
+                    let column = columns[c].as_slice();
+                    let value = |index: &u32| column[*index as usize];
+                    part.select_nth_unstable_by(middle, |a, b| value(a).total_cmp(&value(b)));
+                }
+                let (left, right) = part.split_at_mut(middle);
+                next.extend([left, right]);
+            }
+            level = next;
+        }
+        for leaf in &level {
+            tree.push_box(&columns, leaf);
+            let parts = leaf.chunks(LANES).chain(std::iter::repeat(&[][..]));
+            parts
+                .take(BLOCKS)
+                .for_each(|part| tree.push_block(&columns, part));
+        }
+        tree
+    }
+
+    /// The next node's box, around these points; returns its number.
+    fn push_box(&mut self, columns: &[Vec<f64>], indices: &[u32]) -> usize {
+        for column in columns {
+            let values = indices.iter().map(|index| column[*index as usize]);
+            self.boxes.push(values.fold(f64::INFINITY, f64::min));
+        }
+        for column in columns {
+            let values = indices.iter().map(|index| column[*index as usize]);
+            self.boxes.push(values.fold(f64::NEG_INFINITY, f64::max));
+        }
+        let first = indices.iter().copied().min();
+        self.first.push(first.unwrap_or(u32::MAX));
+        self.first.len() - 1
+    }
+
+    fn push_block(&mut self, columns: &[Vec<f64>], indices: &[u32]) {
+        for column in columns {
+            let mut lanes = [f64::NAN; LANES];
+            for (lane, index) in lanes.iter_mut().zip(indices) {
+                *lane = column[*index as usize];
+            }
+            self.lanes.push(lanes);
+        }
+        let mut lanes = [0; LANES];
+        lanes[..indices.len()].copy_from_slice(indices);
+        self.indices.push(lanes);
+    }
+
+    #[inline(always)]
+    fn bounds(&self, node: usize) -> Bounds<'_> {
+        let ends = &self.boxes[2 * node * self.columns..][..2 * self.columns];
+        let (low, high) = ends.split_at(self.columns);
+        let first = self.first[node];
+        Bounds { low, high, first }
+    }
+
+    /// Squares of the distances of a block's points, each with the bits of [`super::matrix::distance2`].
+    #[inline(always)]
+    fn distances2(&self, block: usize, centre: &[f64]) -> [f64; LANES] {
+        let columns = &self.lanes[block * self.columns..][..self.columns];
+        let mut sums = [0.0; LANES];
+        for (column, centre) in columns.iter().zip(centre) {
+            for (sum, v) in sums.iter_mut().zip(column) {
+                *sum += (v - centre) * (v - centre);
+            }
+        }
+        sums
+    }
+
+    /// The `wanted` points nearest to `centre` whose square of distance is above `repeat2` and at most `radius2`, of those that are
+    /// `admissible` by index: nearest first, equally distant ones by index. Fewer if there are no more.
+    ///
+    /// Where a system rests or sticks, thousands of points are one: a node of repeats only is passed over, and so is one as far as the
+    /// last of those found, if all indices in it are larger.
+    pub(crate) fn nearest(
+        &self,
+        centre: &[f64],
+        wanted: usize,
+        between: (f64, f64),
+        admissible: impl Fn(u32) -> bool,
+        found: &mut Vec<Neighbour>,
+    ) {
+        found.clear();
+        if wanted == 0 {
+            return;
+        }
+        Arch::new().dispatch(Search {
+            tree: self,
+            centre,
+            wanted,
+            between,
+            admissible,
+            found,
+        });
+        sort(found, wanted);
+    }
+}
+
+/// A search of [`Tree::nearest`], which leaves those found unsorted, and some beyond the wanted ones.
+struct Search<'a, A> {
+    tree: &'a Tree,
+    centre: &'a [f64],
+    wanted: usize,
+    between: (f64, f64),
+    admissible: A,
+    found: &'a mut Vec<Neighbour>,
+}
+
+/// With the machine's vectors, which change no bit: a distance is a lane.
+impl<A: Fn(u32) -> bool> NullaryFnOnce for Search<'_, A> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self {
+            tree,
+            centre,
+            wanted,
+            between: (repeat2, radius2),
+            admissible,
+            found,
+        } = self;
+        let mut furthest = (radius2, u32::MAX);
+        // Candidates are collected until they are twice as many, and those that are too far then go together; the first time as soon as they
+        // tell a distance, where none is known.
+        let mut full = if radius2.is_finite() {
+            wanted.saturating_mul(2)
+        } else {
+            wanted
+        };
+        let child = |node: usize| (node, tree.bounds(node).distance2(centre));
+        // One of each level and the root's other child: no more levels are needed for all indices.
+        let mut open = Vec::with_capacity(u32::BITS as usize);
+        open.push((0, 0.0));
+        while let Some((node, least)) = open.pop() {
+            if tree.bounds(node).has_none(centre, least, repeat2, furthest) {
+                continue;
+            }
+            if node < tree.first_leaf {
+                let (left, right) = (child(2 * node + 1), child(2 * node + 2));
+                // The nearer one is looked at first.
+                open.extend(if left.1 <= right.1 {
+                    [right, left]
+                } else {
+                    [left, right]
+                });
+                continue;
+            }
+            let leaf = (node - tree.first_leaf) * BLOCKS;
+            for block in leaf..leaf + BLOCKS {
+                let squares = tree.distances2(block, centre);
+                // Most blocks hold none that is near enough: these are passed over.
+                let is_any = squares
+                    .iter()
+                    .fold(false, |any, square| any | (*square <= furthest.0));
+                if !is_any {
+                    continue;
+                }
+                let mut near = 0_u32;
+                for (lane, square) in squares.iter().enumerate() {
+                    near |= u32::from(*square <= furthest.0 && *square > repeat2) << lane;
+                }
+                while near != 0 {
+                    let lane = near.trailing_zeros() as usize;
+                    near &= near - 1;
+                    let (square, index) = (squares[lane], tree.indices[block][lane]);
+                    let is_near = square < furthest.0 || index <= furthest.1;
+                    if is_near && admissible(index) {
+                        found.push((square, index));
+                    }
+                }
+            }
+            if found.len() >= full {
+                furthest = *found.select_nth_unstable_by_key(wanted - 1, order).1;
+                found.truncate(wanted);
+                full = wanted.saturating_mul(2);
+            }
+        }
+    }
+}
+
+/// Bits of a distance that a position takes while neighbours are sorted: 40 bits of it are left, and 4096 neighbours have place.
+const POSITION_BITS: u32 = 12;
+
+/// Sorts by [`order`] and keeps the first so many. Numbers are sorted in half of the time that pairs take: the last bits of the distances make
+/// place for where the pair stands, and those that differ in these bits only, which are few, are sorted once more.
+fn sort(found: &mut Vec<Neighbour>, wanted: usize) {
+    const POSITION: u64 = (1 << POSITION_BITS) - 1;
+    if found.len() > 1 << POSITION_BITS {
+        found.sort_unstable_by_key(order);
+        found.truncate(wanted);
+        return;
+    }
+    let pairs = found.iter().zip(0..);
+    let mut keys: Vec<u64> = pairs
+        .map(|(neighbour, position)| neighbour.0.to_bits() & !POSITION | position)
+        .collect();
+    keys.sort_unstable();
+    let pair = |key: &u64| found[(key & POSITION) as usize];
+    let mut sorted: Vec<Neighbour> = keys.iter().map(pair).collect();
+    let is_same = |a: &Neighbour, b: &Neighbour| (a.0.to_bits() ^ b.0.to_bits()) & !POSITION == 0;
+    for same in sorted.chunk_by_mut(is_same) {
+        if same.len() > 1 {
+            same.sort_unstable_by_key(order);
+        }
+    }
+    found.clear();
+    found.extend(sorted.into_iter().take(wanted));
+}
+
+/// By distance and then by index, as one number: the bits of positive numbers are in the order of the numbers.
+fn order(neighbour: &Neighbour) -> u128 {
+    u128::from(neighbour.0.to_bits()) << u32::BITS | u128::from(neighbour.1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::matrix::distance2;
+    use crate::statistics::SplitMix;
+
+    /// Against all points one by one: from none of them to some hundred, in space, on a grid, in a few places far from the origin.
+    fn agrees_with_brute_force(columns: usize) {
+        let mut draw = SplitMix::new(45);
+        for round in 0..200 {
+            let count = draw.between(0.0, 300.0) as usize;
+            let cells = (0..count * columns).map(|_| match round % 3 {
+                0 => draw.uniform(),
+                1 => (4.0 * draw.uniform()).floor(),
+                _ => 1e6 + (2.0 * draw.uniform()).floor() * 1e-9,
+            });
+            let points = Matrix::new(cells.collect(), columns);
+            let tree = Tree::new(&points, count);
+            let centre = points
+                .rows()
+                .last()
+                .map_or(vec![0.5; columns], <[f64]>::to_vec);
+            let admissible = |k: u32| !k.is_multiple_of(3);
+            for wanted in [0, 1, 2, 30, 500, usize::MAX] {
+                for between in [(-1.0, f64::INFINITY), (0.0, 0.0), (1e-20, 0.05), (0.0, 2.0)] {
+                    let mut found = Vec::new();
+                    tree.nearest(&centre, wanted, between, admissible, &mut found);
+                    let mut all: Vec<Neighbour> = (0..)
+                        .zip(points.rows())
+                        .map(|(k, point)| (distance2(point, &centre), k))
+                        .filter(|&(square, k)| {
+                            square > between.0 && square <= between.1 && admissible(k)
+                        })
+                        .collect();
+                    all.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+                    all.truncate(wanted);
+                    assert_eq!(found, all, "{columns} {count} {wanted} {between:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn nearest_points_are_those_of_a_look_at_all() {
+        agrees_with_brute_force(1);
+        agrees_with_brute_force(3);
+        agrees_with_brute_force(10);
+    }
+
+    /// In few places, a few units in the last place apart, and more than there are positions for.
+    #[test]
+    fn neighbours_are_sorted_by_distance_and_then_by_index() {
+        let mut draw = SplitMix::new(7);
+        for count in [0, 1, 2, 50, 4096, 4097, 6000] {
+            let mut found: Vec<Neighbour> = (0..count)
+                .map(|_| {
+                    let place = (3.0 * draw.uniform()).floor();
+                    let ulps = (5.0 * draw.uniform()).floor();
+                    (
+                        1.0 + place + ulps * f64::EPSILON,
+                        draw.between(0.0, 20.0) as u32,
+                    )
+                })
+                .collect();
+            let mut expected = found.clone();
+            expected.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+            let mut all = found.clone();
+            sort(&mut all, count);
+            assert_eq!(all, expected, "{count}");
+            expected.truncate(40);
+            sort(&mut found, 40);
+            assert_eq!(found, expected, "40 of {count}");
+        }
+    }
+
+    /// What keeps a search short where a system rests.
+    #[test]
+    fn a_box_of_repeats_and_one_of_later_points_as_far_are_passed_over() {
+        let (place, beside) = ([0.5, 1.0], [0.5, 3.0]);
+        let tree = Tree::new(&Matrix::new(place.repeat(1000), 2), 1000);
+        let root = tree.bounds(0);
+        assert!(root.has_none(&place, 0.0, 1e-18, (f64::INFINITY, u32::MAX)));
+        assert!(!root.has_none(&place, 0.0, -1.0, (f64::INFINITY, u32::MAX)));
+        let least = root.distance2(&beside);
+        assert_eq!((least, root.furthest2(&beside)), (4.0, 4.0));
+        // Its first point is wanted if it is not behind the last that was found.
+        assert!(!root.has_none(&beside, least, 1e-18, (4.0, 0)));
+        assert!(root.has_none(&beside, least, 1e-18, (3.9, u32::MAX)));
+        let later = Bounds { first: 7, ..root };
+        assert!(later.has_none(&beside, least, 1e-18, (4.0, 6)));
+    }
+}

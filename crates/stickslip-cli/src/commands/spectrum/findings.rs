@@ -1,0 +1,435 @@
+//! All that is found out about a series, in words.
+
+use std::fmt::Write;
+
+use stickslip::error::readable;
+use stickslip_series::{
+    Balance, DataExponent, DataSpectrum, Divergence, EmbeddingChoice, Estimator, Neighbourhood,
+    Origin, Reversal, Statistics, Status, SurrogateTest,
+};
+
+use crate::render::{self, OutputError};
+use crate::table::Table;
+
+/// What is called ok was held against the truth on series of so many points and more.
+const COUNTED_POINTS: usize = 5000;
+/// An exponent that is called ok is within so many standard errors of the truth nine times in ten.
+const STANDARD_ERRORS: f64 = 2.0;
+/// What exponents are measured in.
+pub(super) const UNIT: &str =
+    "natural logarithms of growth per unit of the time that dt is given in";
+
+/// The spectrum and what stands beside it.
+pub(super) struct Findings {
+    /// The spectrum, of the columns or of delayed values.
+    pub(super) spectrum: DataSpectrum,
+    /// The divergence that was given and what it says of the spectrum; none of delayed values.
+    pub(super) balance: Option<(f64, Balance)>,
+    /// The embedding, if the columns were embedded.
+    pub(super) embedded: Option<Embedded>,
+    /// The largest exponent by diverging neighbours, where there are points enough.
+    pub(super) divergence: Option<Divergence>,
+    /// The test against surrogates, if it was asked for.
+    pub(super) surrogates: Option<SurrogateTest>,
+}
+
+/// An embedding and what became of it.
+pub(super) struct Embedded {
+    /// Delay and dimension, with the evidence.
+    pub(super) choice: EmbeddingChoice,
+    /// Which exponents are the system's.
+    pub(super) reversal: Reversal,
+}
+
+/// Five significant digits or five decimals, whichever is shorter.
+pub(super) fn short(v: f64) -> String {
+    if v.is_nan() {
+        "–".into()
+    } else if !v.is_finite() || v == 0.0 {
+        format!("{v}")
+    } else if (1e-3..1e5).contains(&v.abs()) {
+        format!("{v:.5}")
+    } else {
+        format!("{v:.2e}")
+    }
+}
+
+/// A value with its standard error.
+fn with_error((value, stderr): (f64, f64)) -> String {
+    format!("{} ± {}", short(value), short(stderr))
+}
+
+/// Numbers counted from 1 of those of which something holds, for a list.
+pub(super) fn numbers(all: impl IntoIterator<Item = bool>) -> Vec<String> {
+    let holding = (1..).zip(all).filter(|(_, holds)| *holds);
+    holding.map(|(i, _): (usize, _)| i.to_string()).collect()
+}
+
+impl Findings {
+    /// The status of an exponent in a word: that of the estimator, but for exponents of the embedding's own, which no
+    /// other status would make one of the system's.
+    pub(super) fn status(&self, i: usize) -> &'static str {
+        match self.spectrum.exponents[i].status {
+            _ if self.is_spurious(i) => "spurious",
+            status => status.word(),
+        }
+    }
+
+    pub(super) fn is_ok(&self, i: usize) -> bool {
+        self.status(i) == Status::Ok.word()
+    }
+
+    /// Whether the next delayed value does not depend on those before.
+    pub(super) fn is_noise(&self) -> bool {
+        let embedded = self.embedded.as_ref();
+        embedded.is_some_and(|embedded| embedded.choice.is_noise)
+    }
+
+    /// Whether an exponent that the data determine is the embedding's own.
+    pub(super) fn is_spurious(&self, i: usize) -> bool {
+        let status = self.spectrum.exponents[i].status;
+        let embedded = self.embedded.as_ref();
+        !matches!(status, Status::Unidentified | Status::Annihilated)
+            && embedded.is_some_and(|embedded| embedded.is_spurious(i))
+    }
+
+    /// The spectrum and its evidence, for the terminal. Writing to a string cannot fail.
+    pub(super) fn table(&self, source: &Table) -> String {
+        let spectrum = &self.spectrum;
+        let time = source.time.as_ref();
+        let mut text = format!(
+            "{}: {} points of ({}), dt = {}{}\n",
+            source.input,
+            source.rows(),
+            source.names.join(", "),
+            readable(source.dt),
+            time.map_or(String::new(), |name| format!(" from column {name}")),
+        );
+        if let Some(embedded) = &self.embedded {
+            text += &embedded.text(source);
+        }
+        text.push('\n');
+        let by_rank = format!("by rank {}", spectrum.fixed_rank);
+        let mut rows = vec![
+            [
+                "index",
+                "exponent",
+                "stderr",
+                "eps_sensitivity",
+                "status",
+                &by_rank,
+                "direction",
+                "slope",
+            ]
+            .map(str::to_owned),
+        ];
+        for (i, exponent) in spectrum.exponents.iter().enumerate() {
+            let direction = &spectrum.directions[i];
+            let fixed = exponent.fixed_rank.map_or(f64::NAN, |(value, _)| value);
+            let slope = direction.slope;
+            rows.push([
+                (i + 1).to_string(),
+                value(exponent, self.is_spurious(i)),
+                short(exponent.stderr),
+                short(exponent.eps_sensitivity),
+                self.status(i).to_owned(),
+                short(fixed),
+                direction.kind.word().to_owned(),
+                if slope.is_nan() {
+                    "–".to_owned()
+                } else {
+                    format!("{slope:.2}")
+                },
+            ]);
+        }
+        for [
+            index,
+            exponent,
+            stderr,
+            sensitivity,
+            status,
+            fixed,
+            kind,
+            slope,
+        ] in rows
+        {
+            let _ = writeln!(
+                text,
+                "{index:>5}  {exponent:>12}  {stderr:>10}  {sensitivity:>15}  {status:<13} {fixed:>15}  {kind:<10} {slope:>5}"
+            );
+        }
+        let _ = writeln!(
+            text,
+            "\n{} tangent direction{}: {}; a value in brackets is none of the system's.\n\
+             {}; eps_sensitivity is the change with neighbourhoods of twice the size, a measure of bias.\n\
+             Exponents are {UNIT}.",
+            spectrum.dimension,
+            if spectrum.dimension == 1 { "" } else { "s" },
+            self.determined(),
+            estimator(spectrum)
+        );
+        if let Some(embedded) = &self.embedded {
+            text += &embedded.origins(spectrum);
+        }
+        if let Some((divergence, balance)) = &self.balance {
+            text += &against_divergence(spectrum, *divergence, balance);
+        }
+        if let Some(divergence) = &self.divergence {
+            text += &by_divergence(divergence);
+        }
+        for note in self.notes(source) {
+            let _ = writeln!(text, "{note}");
+        }
+        if let Some(test) = &self.surrogates {
+            text += &against_surrogates(test);
+        }
+        let (counts, settings) = (&spectrum.neighbours, &spectrum.settings);
+        let _ = writeln!(
+            text,
+            "{} reference points, {} starved; residual ratio {}; neighbours {} to {}, median {}; mean eps {} ({} of the spread); \
+             {}, Theiler window {}, step {}, {}",
+            spectrum.references,
+            spectrum.starved,
+            short(spectrum.residual_ratio),
+            counts.min,
+            counts.max,
+            counts.median,
+            short(spectrum.mean_eps),
+            short(spectrum.mean_eps / spectrum.spread),
+            match settings.neighbours {
+                Neighbourhood::Ball { eps, min, max } =>
+                    format!("eps {}, neighbours {min}-{max}", readable(eps)),
+                Neighbourhood::Nearest(k) => format!("nearest {k}"),
+            },
+            settings.theiler.unwrap_or(0),
+            settings.step,
+            if settings.affine { "affine" } else { "linear" },
+        );
+        if !(0..spectrum.exponents.len()).all(|i| self.is_ok(i)) {
+            text += "What the statuses mean: --help\n";
+        }
+        text
+    }
+
+    /// How many of the tangent directions have an exponent to be trusted.
+    fn determined(&self) -> String {
+        let dimension = self.spectrum.dimension;
+        match (0..dimension).filter(|&i| self.is_ok(i)).count() {
+            _ if self.is_noise() => "noise has as many as are looked at, and no exponent".into(),
+            0 => "no exponent is ok".into(),
+            1 => "1 exponent is ok".into(),
+            ok => format!("{ok} exponents are ok"),
+        }
+    }
+
+    /// What is to be known of the exponents that are ok: which have no sign for certain, and that nobody counted what "ok" is worth of so
+    /// few points.
+    pub(super) fn notes(&self, source: &Table) -> Vec<String> {
+        let spectrum = &self.spectrum;
+        let mut notes = Vec::new();
+        let exponents = spectrum.exponents.iter().enumerate();
+        let near = numbers(exponents.map(|(i, exponent)| {
+            self.is_ok(i) && exponent.value.abs() <= STANDARD_ERRORS * exponent.stderr
+        }));
+        if !near.is_empty() {
+            let plural = if near.len() > 1 { "s" } else { "" };
+            notes.push(format!(
+                "Zero is within two stderr of exponent{plural} {}: that it is ok says nothing of its sign.",
+                near.join(", ")
+            ));
+        }
+        let rows = source.rows();
+        let is_any_ok = (0..spectrum.exponents.len()).any(|i| self.is_ok(i));
+        if is_any_ok && rows < COUNTED_POINTS && spectrum.sizes.is_some() {
+            notes.push(format!(
+                "What ok is worth was counted on series of {COUNTED_POINTS} points and more, and not on {rows}."
+            ));
+        }
+        notes
+    }
+
+    /// `index,exponent,stderr,status`, full precision; `-inf` for an annihilated direction, an empty cell where there is no value.
+    pub(super) fn csv(&self) -> Result<String, OutputError> {
+        let number = |value: f64| (!value.is_nan()).then_some(value);
+        let exponent = |&i: &usize| &self.spectrum.exponents[i];
+        let table = render::Table::new()
+            .column("index", |i: &usize| i + 1)
+            .column("exponent", |i| number(exponent(i).value))
+            .column("stderr", |i| number(exponent(i).stderr))
+            .column("status", |&i| self.status(i));
+        let table = table.csv("spectrum", 0..self.spectrum.exponents.len())?;
+        Ok(String::from_utf8_lossy(&table.bytes).into_owned())
+    }
+}
+
+/// Which estimator it is, and what its error holds.
+fn estimator(spectrum: &DataSpectrum) -> String {
+    let Some(sizes) = &spectrum.sizes else {
+        let why = match spectrum.settings.estimator {
+            Estimator::SanoSawada => "",
+            Estimator::Extrapolated { .. } => {
+                " (no direction is tangent, and nothing to extrapolate)"
+            }
+        };
+        return format!("Sano-Sawada, Eqs. (25) and (26){why}: stderr is statistical only");
+    };
+    let tangent = spectrum.exponents.iter().take(spectrum.dimension);
+    let uncorrected: Vec<String> = tangent
+        .map(|exponent| short(exponent.sano_sawada.0))
+        .collect();
+    let ([few, many], [near, far]) = (sizes.neighbours, sizes.radius.map(short));
+    format!(
+        "Extrapolated to size zero from {} maps of {few} and {many} neighbours, mean distance {near} and {far}; by Sano-Sawada, Eqs. (25) and \
+         (26), no correction: {}.\nstderr holds scatter over time and extrapolation",
+        sizes.degree.word(),
+        uncorrected.join(", ")
+    )
+}
+
+fn value(exponent: &DataExponent, is_spurious: bool) -> String {
+    let value = short(exponent.value);
+    match exponent.status {
+        Status::Unidentified if exponent.value.is_nan() => value,
+        Status::Unidentified => format!("({value})"),
+        _ if is_spurious => format!("({value})"),
+        _ => value,
+    }
+}
+
+impl Embedded {
+    /// Whether exponent `i` is the embedding's and not the system's.
+    pub(super) fn is_spurious(&self, i: usize) -> bool {
+        self.reversal.origins.get(i) == Some(&Origin::Spurious)
+    }
+
+    /// What was embedded and why so.
+    fn text(&self, source: &Table) -> String {
+        let choice = &self.choice;
+        // A number alone would read as a value.
+        let column = |name: &String| match name.parse::<usize>() {
+            Ok(_) => format!("column {name}"),
+            Err(_) => name.clone(),
+        };
+        let columns: Vec<String> = source.names.iter().map(column).collect();
+        let cao = match choice.cao {
+            Some(dimension) => dimension.to_string(),
+            None => format!("none up to {}", choice.dimensions.len()),
+        };
+        format!(
+            "embedded: {} values of {} with a delay of {} points ({}); dimension: {}; by Cao's method {cao}\n",
+            choice.embedding.dimension,
+            columns.join(" and of "),
+            choice.embedding.delay,
+            choice.delay_reason.words(),
+            choice.dimension_reason.words(),
+        )
+    }
+
+    /// Whose the exponents are.
+    fn origins(&self, spectrum: &DataSpectrum) -> String {
+        let [system, spurious, unknown] =
+            [Origin::System, Origin::Spurious, Origin::Unknown].map(|origin| {
+                let all = self.reversal.origins.iter();
+                numbers(all.map(|one| *one == origin)).join(", ")
+            });
+        if system.is_empty() && spurious.is_empty() {
+            return "Which exponents are the system's and which the embedding's cannot be told.\n"
+                .into();
+        }
+        let reversed = if self.reversal.is_conclusive {
+            " and by time reversal"
+        } else {
+            "; the reversed series does not have the first exponent again and tells nothing"
+        };
+        let or_none = |list: String| {
+            if list.is_empty() {
+                "none".to_owned()
+            } else {
+                list
+            }
+        };
+        let unknown = match unknown.as_str() {
+            "" => String::new(),
+            which => format!("; not told: {which}"),
+        };
+        format!(
+            "The system's exponents: {}; the embedding's own: {}{unknown} (by the fit of rank {}{reversed}).\n",
+            or_none(system),
+            or_none(spurious),
+            spectrum.fixed_rank
+        )
+    }
+}
+
+/// What a known divergence says of a spectrum.
+fn against_divergence(spectrum: &DataSpectrum, divergence: f64, balance: &Balance) -> String {
+    let divergence = short(divergence);
+    match *balance {
+        Balance::Whole { agrees, .. } => {
+            let as_does = if agrees { "as does" } else { "unlike" };
+            let sum = with_error(spectrum.sum);
+            format!("The exponents add up to {sum}, {as_does} the divergence {divergence}.\n")
+        }
+        Balance::Rest {
+            exponents,
+            sum,
+            stderr,
+        } => {
+            let (which, must) = match exponents {
+                1 => ("exponent".to_owned(), "be"),
+                more => (format!("{more} exponents"), "add up to"),
+            };
+            let sum = with_error((sum, stderr));
+            format!(
+                "With the divergence {divergence} the {which} that the data do not tell must {must} {sum}.\n"
+            )
+        }
+        Balance::Unknown => {
+            "The exponents have no sum to hold against the divergence.\n".to_owned()
+        }
+    }
+}
+
+/// The largest exponent by diverging neighbours.
+fn by_divergence(divergence: &Divergence) -> String {
+    let opinion = |found: Option<(f64, f64)>| {
+        found.map_or(
+            "none, distances do not grow by a factor of e in a straight line".into(),
+            with_error,
+        )
+    };
+    let curve = &divergence.rosenstein;
+    let part = curve.straight.as_ref().map_or(String::new(), |straight| {
+        let [from, to] = [straight.from, straight.to].map(|at| short(curve.points[at].0));
+        format!(" (scatter over blocks of points alone; straight from t = {from} to {to})")
+    });
+    format!(
+        "Largest exponent by diverging neighbours, fitting no maps:\n  Rosenstein  {}{part}\n  Kantz       {}\n",
+        opinion(divergence.by_rosenstein()),
+        opinion(divergence.by_kantz())
+    )
+}
+
+/// The outcome of the test against surrogates.
+fn against_surrogates(test: &SurrogateTest) -> String {
+    let range = |of: fn(&Statistics) -> f64| {
+        let values = test.surrogates.iter().map(of);
+        let low = values.clone().fold(f64::INFINITY, f64::min);
+        let high = values.fold(f64::NEG_INFINITY, f64::max);
+        format!("{} to {}", short(low), short(high))
+    };
+    let verdict = if test.is_significant() {
+        "the series is told from linear noise"
+    } else {
+        "the series is not told from linear noise: a positive exponent may be the noise's"
+    };
+    format!(
+        "Surrogates (amplitude-adjusted, {}): {verdict}, p = {:.3}; unpredicted part {} against {}, first exponent {} against {}\n",
+        test.surrogates.len(),
+        test.p,
+        short(test.series.residual),
+        range(|one| one.residual),
+        short(test.series.exponent),
+        range(|one| one.exponent),
+    )
+}

@@ -1,0 +1,190 @@
+//! All that is found out about a series, for programs. Infinity and what has no value are `null`, as JSON has no word for them; `status`
+//! tells which.
+
+use serde_json::{Value, json};
+use stickslip_series::{Balance, Divergence, DivergenceCurve, Neighbourhood, Statistics};
+
+use super::findings::{Embedded, Findings, UNIT};
+use crate::render::Report;
+use crate::table::Table;
+
+pub(super) fn fields(
+    report: &mut Report,
+    findings: &Findings,
+    source: &Table,
+    warnings: &[String],
+) {
+    let spectrum = &findings.spectrum;
+    let exponents = spectrum.exponents.iter().enumerate().map(|(i, exponent)| {
+        json!({
+            "index": i + 1,
+            "exponent": exponent.value,
+            "stderr": exponent.stderr,
+            "eps_sensitivity": exponent.eps_sensitivity,
+            "status": findings.status(i),
+            "fixed_rank": exponent.fixed_rank.map(|(value, _)| value),
+            "fixed_rank_stderr": exponent.fixed_rank.map(|(_, stderr)| stderr),
+            "collapses": exponent.collapses,
+            "undetermined": exponent.undetermined,
+            "sano_sawada": exponent.sano_sawada.0,
+            "sano_sawada_stderr": exponent.sano_sawada.1,
+        })
+    });
+    let directions = spectrum
+        .directions
+        .iter()
+        .map(|direction| json!({ "kind": direction.kind.word(), "slope": direction.slope }));
+    let settings = &spectrum.settings;
+    let (eps, min, max) = match settings.neighbours {
+        Neighbourhood::Ball { eps, min, max } => (Some(eps), min, max),
+        Neighbourhood::Nearest(k) => (None, k, k),
+    };
+    let statistics =
+        |one: &Statistics| json!({ "residual_ratio": one.residual, "exponent": one.exponent });
+    report
+        .field(
+            "settings",
+            json!({
+                "estimator": settings.estimator.words(),
+                "dt": source.dt,
+                "columns": source.names,
+                "eps": eps,
+                "min_neighbours": min,
+                "max_neighbours": max,
+                "theiler": settings.theiler,
+                "step": settings.step,
+                "affine": settings.affine,
+                "rank_tolerance": settings.rank_tolerance,
+                "ridge": settings.ridge,
+                "fixed_rank": settings.fixed_rank,
+                "stride": settings.stride,
+                "references": settings.references,
+            }),
+        )
+        .field("unit", UNIT)
+        .field("exponents", exponents.collect::<Vec<_>>())
+        .field("sum", spectrum.sum.0)
+        .field("sum_stderr", spectrum.sum.1)
+        .field(
+            "balance",
+            findings.balance.as_ref().map(|(_, found)| balance(found)),
+        )
+        .field(
+            "sizes",
+            spectrum.sizes.as_ref().map(|sizes| {
+                json!({
+                    "degree": sizes.degree.word(),
+                    "neighbours": sizes.neighbours,
+                    "radius": sizes.radius,
+                })
+            }),
+        )
+        .field("dimension", spectrum.dimension)
+        .field("directions", directions.collect::<Vec<_>>())
+        .field(
+            "neighbourhoods",
+            json!({
+                "spread": spectrum.spread,
+                "mean_eps": spectrum.mean_eps,
+                "min": spectrum.neighbours.min,
+                "median": spectrum.neighbours.median,
+                "max": spectrum.neighbours.max,
+                "starved": spectrum.starved,
+            }),
+        )
+        .field("residual_ratio", spectrum.residual_ratio)
+        .field("embedding", findings.embedded.as_ref().map(embedding))
+        .field(
+            "diverging_neighbours",
+            findings.divergence.as_ref().map(diverging),
+        )
+        .field(
+            "surrogates",
+            findings.surrogates.as_ref().map(|test| {
+                json!({
+                    "p": test.p,
+                    "is_significant": test.is_significant(),
+                    "series": statistics(&test.series),
+                    "surrogates": test.surrogates.iter().map(statistics).collect::<Vec<_>>(),
+                })
+            }),
+        )
+        .field(
+            "grid",
+            source.grid().map(|grid| {
+                json!({
+                    "column": source.names[grid.column],
+                    "values": grid.values,
+                    "step": grid.step,
+                })
+            }),
+        )
+        .field("warnings", warnings)
+        .field("notes", findings.notes(source));
+}
+
+fn balance(found: &Balance) -> Value {
+    match *found {
+        Balance::Whole {
+            excess,
+            stderr,
+            agrees,
+        } => json!({ "excess": excess, "stderr": stderr, "agrees": agrees }),
+        Balance::Rest {
+            exponents,
+            sum,
+            stderr,
+        } => json!({ "others": exponents, "sum_of_others": sum, "stderr": stderr }),
+        Balance::Unknown => Value::Null,
+    }
+}
+
+fn embedding(embedded: &Embedded) -> Value {
+    let choice = &embedded.choice;
+    let dimensions = choice.dimensions.iter().map(|one| {
+        json!({
+            "dimension": one.dimension,
+            "false_neighbours": one.false_neighbours,
+            "cao_e1": one.e1,
+            "cao_e2": one.e2,
+        })
+    });
+    let origins = embedded.reversal.origins.iter();
+    json!({
+        "delay": choice.embedding.delay,
+        "delay_reason": choice.delay_reason.words(),
+        "dimension": choice.embedding.dimension,
+        "dimension_reason": choice.dimension_reason.words(),
+        "cao_dimension": choice.cao,
+        "mutual_information": choice.information,
+        "dimensions": dimensions.collect::<Vec<_>>(),
+        "reversal_is_conclusive": embedded.reversal.is_conclusive,
+        "origins": origins.map(|origin| origin.word()).collect::<Vec<_>>(),
+    })
+}
+
+fn diverging(divergence: &Divergence) -> Value {
+    let opinion = |found: Option<(f64, f64)>| {
+        found.map(|(value, stderr)| json!({ "exponent": value, "stderr": stderr }))
+    };
+    let curve = |curve: &DivergenceCurve| {
+        json!({
+            "radius": curve.radius,
+            "references": curve.references,
+            "curve": curve.points,
+            "straight": curve.straight.as_ref().map(|straight| json!({
+                "from": curve.points[straight.from].0,
+                "to": curve.points[straight.to].0,
+                "slope": straight.slope,
+                "stderr": straight.stderr,
+                "scatter": straight.scatter,
+            })),
+        })
+    };
+    json!({
+        "rosenstein": opinion(divergence.by_rosenstein()),
+        "kantz": opinion(divergence.by_kantz()),
+        "rosenstein_curve": curve(&divergence.rosenstein),
+        "kantz_curves": divergence.kantz.iter().map(curve).collect::<Vec<_>>(),
+    })
+}

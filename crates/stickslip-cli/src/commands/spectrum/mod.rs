@@ -1,0 +1,474 @@
+//! `stickslip spectrum`: the Lyapunov spectrum of anyone's time series.
+
+mod figure;
+mod findings;
+mod json;
+mod warnings;
+
+use std::borrow::Cow;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use clap::ValueEnum;
+use stickslip::error::readable;
+use stickslip_series::{
+    DataError, DataSettings, Degree, EmbeddingSettings, Estimator, Neighbourhood, Series,
+    check_surrogates, data_spectrum_with, divergence, needed_embedding, reversal, surrogate_test,
+};
+
+use crate::failure::Failure;
+use crate::render::{Answer, OutputArguments, Report};
+use crate::table;
+use crate::terminal::{Patience, note};
+use findings::{Embedded, Findings};
+
+/// The first random number of the surrogates, so that two runs find the same.
+const SEED: u64 = 19_920_901;
+
+const ABOUT: &str = "Lyapunov exponents of a time series: maps fitted to neighbours of each point at two sizes, chained along the series and \
+    extrapolated to size zero. Tells which of the exponents the data determine. --estimator sano-sawada is the method of Sano and Sawada, \
+    linear maps of one size.";
+
+const AFTER: &str = "\
+Status of an exponent:
+  ok            the series has points in its direction, and nothing else speaks against it
+  unstable      what the neighbourhoods' curvature does to it is not small: extrapolated to zero size, or by quadratic maps where linear
+                ones were asked for, it is another by more than 2 statistical errors and 5 % (sano-sawada: with neighbourhoods of
+                twice the size, by more than 4 stderr and 5 %)
+  starved       at most points the smaller neighbourhood reaches farther than 1.5 --eps, and is none (sano-sawada: most balls held too few
+                neighbours, so that the nearest were taken at any distance): give more points. A larger --eps makes exponents ok whose
+                bias nobody counted
+  undetermined  at more than 1 % of the points the neighbours do not determine the maps that are extrapolated, as where values lie on a
+                grid: give values with more digits, more points, or more --neighbours
+  noisy         noise of the points may flatten the maps by more than 2 stderr: give more --neighbours, values with less noise, or a
+                longer --step
+  unpredictable the maps do not predict the next state: noise, or columns of the state are missing
+  unidentified  the series has no points in its direction: the value, in brackets in the table, comes from curvature, noise or
+                rounding and is none of the system's
+  annihilated   minus infinity: maps that the data determine take the direction to nothing; values on a coarse grid look like that, too
+  spurious      the embedding's own, and none of the system's (only of delayed values)
+
+One column is no state: it is embedded, which is to say that x(t), x(t + delay), x(t + 2 delay), … are the state. The delay is the first
+minimum of the average mutual information behind which it rises by 1 % of its value at lag 1 (1 for a series that is uncorrelated after one point, as of a map; the first zero of
+the autocorrelation where the values lie on a curve, as of a sine, and there is no such minimum), the number of values the first with less than 1 % false nearest neighbours (Kennel), beside which Cao's method is shown. --delay and --dimension
+override them. Several columns are taken as they are; they are embedded, each in as many values, if an option asks for it, or if more than
+5 % of their nearest neighbours are false and delayed values cure that. --dimension 1 turns it off. More values than the system has
+dimensions make exponents of the embedding's own, of linear maps more than of the quadratic ones. They are told by the fit of rank r, which has no room for them, and by the
+series with the time reversed, in which only the system's change sign. With delayed values the maps are affine and go one delay ahead.
+
+Exponents are natural logarithms of growth per unit of the time that --dt is given in, of a map with --dt 1 per iteration.
+stderr holds the scatter over time and the whole way of the extrapolation to neighbourhoods of size zero; over 200 series of known
+spectrum, over one column of each, and over these states with noise of a thousandth of their spread, the true value was within two of it
+in total at least nine times in ten where the status is ok. None of these jumps: of values that wrap around, as angles or numbers modulo 1, neighbours
+are torn apart, and ok is worth nothing; give their sine and cosine (a warning tells of angles in radians and degrees only). These were 5000 points or more, with the default settings; of their states it was as often
+with 30 --references, if these reach over two Theiler windows, and a warning tells if not. With --estimator sano-sawada, the estimator of Eqs. (25) and (26) of Olejnik and Awrejcewicz (2013) without correction, it is statistical only and
+knows nothing of bias.
+eps_sensitivity (table and --json) is by how much the exponent changes with neighbourhoods of twice the size, a measure of the bias.
+Columns are used as they are, not standardised: bring them to comparable units first. Flows that are sampled densely gain from --step 5 --affine.
+
+Further columns of the table:
+  by rank r     the exponent by a linear fit restricted to the r tangent directions (r is set by --rank), never extrapolated; where it
+                differs from that of --estimator sano-sawada by much more than both errors, believe neither of these two
+  direction     what neighbours do in the direction of that number, by decreasing size: tangent (they spread in proportion to the
+                neighbourhood), curvature (with a higher power), noise (to the same extent at all sizes), flat (not at all)
+  slope         of that spread over the radius, both logarithmic: 1 tangent, 2 curvature, 0 noise
+The residual ratio is what the maps leave unexplained of the neighbours' motion: near 0 for a deterministic system, 1 for noise.
+
+Beside the spectrum stands the largest exponent by how neighbours part, without maps: by the nearest neighbour (Rosenstein) and within
+three radii (Kantz; the median, with half the range if it is more than the error). The straight part of a curve is the one with the smallest
+scatter about its line against its rise, of all that have 5 points, rise by a factor of e and by half of the whole, and end a factor of e below where
+the distances level off. --surrogates N compares the series with N series of the same spectrum and the same values, amplitude-adjusted by iterated
+phase randomisation (IAAFT): the series is told from linear noise if the maps predict it better
+than at least 95 % of all, itself among them (than all of 19); the exponents are shown beside. A clean periodic motion is told from noise, too.
+
+Exit codes: 0 done (warnings go to standard error), 1 a bad file or a failure, 2 a wrong command line.
+
+Output for machines:
+  --csv   index,exponent,stderr,status; -inf if annihilated, an empty cell where there is no value
+  --json  an object with settings and exponents, a list of {index, exponent, stderr, status, …}, warnings, and notes on what ok is worth; null for -inf and where
+          there is no value. Of an exponent also: eps_sensitivity; fixed_rank and fixed_rank_stderr, the second fit; collapses,
+          the number of reference points at which its direction is annihilated; undetermined, of those whose neighbours do not
+          determine it; sano_sawada and sano_sawada_stderr, Eqs. (25) and (26) without correction. Of the spectrum also: sum, of the
+          exponents of the tangent directions, and its sum_stderr; balance, what --divergence says of it
+
+A column named t or time is no coordinate: it gives the time step, or is held against --dt. Without names a first column that goes on
+evenly is the time, too, and of ten rows or more an error if it goes by another step than --dt, or has one to ten gaps in a hundred
+times as many rows; --columns takes it as part of the state. Of others that do a warning tells. A comma is a decimal comma where something else separates the columns and
+no number has a point, or where it is the only one in each line and what it parts cannot be whole numbers, such as -0 and 05. Lines that start with # or % are skipped; the last one above the numbers may hold the names.
+A column that never changes is left out.
+
+Examples:
+  stickslip spectrum lorenz.csv
+  stickslip spectrum lorenz.dat --dt 0.02
+  stickslip spectrum sensor.txt --dt 0.001 --out pictures
+  stickslip spectrum lorenz.dat --dt 0.02 --columns 1 --delay 8 --dimension 3
+  stickslip spectrum run.csv --dt 0.2 --columns x1,x2,x3,x4 --step 3 --out pictures
+  stickslip spectrum henon.csv --dt 1 --neighbours 30 --json
+  stickslip spectrum lorenz.csv --dt 0.02 --divergence -13.6667
+  stickslip spectrum heart.txt --dt 1 --surrogates 39
+  generate | stickslip spectrum - --dt 0.01 --csv";
+
+/// With `-h`, which has a line for each option.
+const AFTER_SHORT: &str = "\
+One column is embedded; several are the state as they are, unless they lack one. A column named t or time gives --dt.
+Example: stickslip spectrum lorenz.dat --dt 0.02 --columns 1
+What the statuses of exponents and the columns of the table mean, which files are read, more examples: --help";
+
+/// Lyapunov exponents of a time series from a file, without equations
+#[derive(Debug, clap::Args)]
+#[command(long_about = ABOUT, after_help = AFTER_SHORT, after_long_help = AFTER)]
+pub(super) struct Arguments {
+    /// Text with one state per line, separated by commas, semicolons, tabs or spaces, with or without names in the first line; or a
+    /// .npy array; - for standard input
+    file: PathBuf,
+
+    /// Time between two lines; 1 for a map [default: from a column named t or time]
+    #[arg(long, value_parser = number, value_name = "TIME")]
+    dt: Option<f64>,
+
+    /// Columns to use, by number (from 1) or name [default: all]
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    columns: Vec<String>,
+
+    /// Radius of the neighbourhoods, as a fraction of the signal's spread √Σvar [default: 0.1]
+    #[arg(long, value_parser = number, value_name = "FRACTION")]
+    eps: Option<f64>,
+
+    /// Fewest and most neighbours taken from the ball, as MIN-MAX, or the number of nearest neighbours
+    /// [default: 12-12; 40-40 for delayed values, fewer below 4000 points]
+    #[arg(long, value_name = "MIN-MAX|K")]
+    neighbours: Option<Count>,
+
+    /// Delayed values of each column that make a state, 1 for the columns as they are [default: for one column the first number
+    /// with less than 1 % false neighbours]
+    #[arg(long, value_parser = count, value_name = "VALUES")]
+    dimension: Option<usize>,
+
+    /// Points between delayed values [default: first minimum of the mutual information; 1 for a map, a quarter of a period for a clean periodic motion]
+    #[arg(long, value_parser = count, value_name = "POINTS")]
+    delay: Option<usize>,
+
+    /// Points that a map goes ahead [default: 1, the delay for delayed values]
+    #[arg(long, value_parser = count, value_name = "D")]
+    step: Option<usize>,
+
+    /// Points that follow one another so closely are no neighbours [default: time in which the autocorrelation falls to 1/e]
+    #[arg(long, value_parser = count, value_name = "POINTS")]
+    theiler: Option<usize>,
+
+    /// Fit a constant beside the linear map, which is Eq. (25) as it stands
+    #[arg(long)]
+    affine: bool,
+
+    /// Singular values below this fraction of the largest are zero
+    #[arg(long, value_parser = number, value_name = "FRACTION", default_value_t = DataSettings::default().rank_tolerance)]
+    rank_tolerance: f64,
+
+    /// What is made of the local maps
+    #[arg(long, value_enum, default_value_t = Method::Extrapolated)]
+    estimator: Method,
+
+    /// Degree of the maps that are extrapolated; the error of linear ones holds how far they are from quadratic ones where the series is
+    /// long enough for these, and elsewhere too little of the bias [default: quadratic where the series is long enough]
+    #[arg(long, value_enum)]
+    degree: Option<MapDegree>,
+
+    /// Mean divergence of the system per unit of time (trace of the Jacobian; of a map ln |det J|), which the exponents must add up to;
+    /// only where the columns are its state
+    #[arg(long, value_parser = number, value_name = "VALUE")]
+    divergence: Option<f64>,
+
+    /// Tikhonov regularisation, as a fraction of the largest singular value
+    #[arg(long, value_parser = number, value_name = "FRACTION", default_value_t = 0.0)]
+    ridge: f64,
+
+    /// Rank of the second fit [default: number of tangent directions]
+    #[arg(long, value_parser = count, value_name = "RANK")]
+    rank: Option<usize>,
+
+    /// Use every so many points of a step as reference points [default: 1; for delayed values over one delay the largest that leaves a third of all, and 1500]
+    #[arg(long, value_parser = count, value_name = "POINTS")]
+    stride: Option<usize>,
+
+    /// Use only the first so many reference points, at least 20 [default: all]
+    #[arg(long, value_parser = count, value_name = "COUNT")]
+    references: Option<usize>,
+
+    /// Test against so many surrogates, at least 19, whether the series is told from linear noise; takes as many estimates
+    #[arg(long, value_parser = count, value_name = "COUNT")]
+    surrogates: Option<usize>,
+
+    /// Print JSON
+    #[arg(long, conflicts_with = "csv")]
+    json: bool,
+
+    /// Print CSV
+    #[arg(long)]
+    csv: bool,
+
+    /// Folder for a picture, spectrum.svg; made if it does not exist
+    #[arg(long, value_name = "DIR", visible_alias = "out-dir")]
+    out: Option<String>,
+}
+
+/// What is made of the local maps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Method {
+    /// From two sizes of the neighbourhoods to size zero, with the error of that
+    Extrapolated,
+    /// Linear maps of one size, Eqs. (25) and (26) of the paper, no correction
+    SanoSawada,
+}
+
+/// Degree of the maps that are extrapolated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum MapDegree {
+    /// Linear maps
+    Linear,
+    /// Quadratic forms beside them
+    Quadratic,
+}
+
+/// How many neighbours.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Count {
+    /// So many in a ball.
+    Range(usize, usize),
+    /// The nearest so many.
+    Nearest(usize),
+}
+
+impl FromStr for Count {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let number = |part: &str| {
+            part.trim().parse::<usize>().map_err(|_| {
+                format!("'{part}' is no number of neighbours; give 30, or a range such as 20-40")
+            })
+        };
+        match text.split_once('-') {
+            Some((min, max)) => Ok(Self::Range(number(min)?, number(max)?)),
+            None => Ok(Self::Nearest(number(text)?)),
+        }
+    }
+}
+
+/// A number of the command line.
+fn number(text: &str) -> Result<f64, String> {
+    let pointed = text.replace(',', ".");
+    match text.parse() {
+        Ok(value) => Ok(value),
+        Err(_) if pointed.parse::<f64>().is_ok() => Err(format!(
+            "a number has a decimal point here: write {pointed}"
+        )),
+        Err(_) => Err("this is not a number; write it as 0.02 or 2e-2".into()),
+    }
+}
+
+/// A whole number of the command line.
+fn count(text: &str) -> Result<usize, String> {
+    text.parse()
+        .map_err(|_| format!("a whole number from 0 to {} is needed", usize::MAX))
+}
+
+impl Arguments {
+    /// The estimator's settings.
+    ///
+    /// # Errors
+    /// [`Failure::Usage`] for options that exclude one another.
+    fn settings(&self) -> Result<DataSettings, Failure> {
+        let degree = self.degree.map(|degree| match degree {
+            MapDegree::Linear => Degree::Linear,
+            MapDegree::Quadratic => Degree::Quadratic,
+        });
+        let mut settings = DataSettings {
+            estimator: match self.estimator {
+                Method::Extrapolated => Estimator::Extrapolated { degree },
+                Method::SanoSawada => Estimator::SanoSawada,
+            },
+            theiler: self.theiler,
+            step: self.step.unwrap_or(1),
+            affine: self.affine,
+            rank_tolerance: self.rank_tolerance,
+            ridge: self.ridge,
+            fixed_rank: self.rank,
+            stride: self.stride.unwrap_or(1),
+            references: self.references,
+            ..DataSettings::default()
+        };
+        match (self.neighbours, &mut settings.neighbours) {
+            (Some(Count::Nearest(count)), _) if self.eps.is_some() => {
+                let twice = count.saturating_mul(2);
+                return Err(Failure::Usage(format!(
+                    "--neighbours {count} takes the nearest {count} points and no ball, so that --eps has no meaning; give a range such \
+                     as --neighbours {count}-{twice}, or no --eps"
+                )));
+            }
+            (Some(Count::Nearest(count)), neighbours) => {
+                *neighbours = Neighbourhood::Nearest(count);
+            }
+            (range, Neighbourhood::Ball { eps, min, max }) => {
+                *eps = self.eps.unwrap_or(*eps);
+                if let Some(Count::Range(least, most)) = range {
+                    (*min, *max) = (least, most);
+                }
+            }
+            (_, Neighbourhood::Nearest(_)) => {}
+        }
+        Ok(settings)
+    }
+
+    /// What can be refused before the file is read.
+    fn check(&self) -> Result<(), Failure> {
+        if let Some(dt) = self.dt {
+            Series::new(vec![0.0], 1, dt)?;
+        }
+        self.surrogates.map_or(Ok(()), check_surrogates)?;
+        match self.divergence {
+            Some(value) if !value.is_finite() => {
+                Err(Failure::Usage(refused("divergence", value, "finite")))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+fn refused(setting: &str, value: f64, bound: &str) -> String {
+    let flag = match setting {
+        // The two ends of one option.
+        "min" => "neighbours, minimum",
+        "max" => "neighbours, maximum",
+        "fixed_rank" => "rank",
+        "rank_tolerance" => "rank-tolerance",
+        same => same,
+    };
+    let value = readable(value);
+    format!("--{flag} = {value} is not allowed: it must be {bound}")
+}
+
+impl From<DataError> for Failure {
+    /// A setting is called by its option.
+    fn from(error: DataError) -> Self {
+        match error {
+            DataError::Setting { name, value, bound } => Self::Usage(refused(name, value, &bound)),
+            // The defaults never reach over the end of a series.
+            DataError::Span { .. } => Self::Usage(error.to_string()),
+            other => Self::Series(other),
+        }
+    }
+}
+
+/// Runs `work` with a report of what is done and of how much.
+fn counted<T>(what: &str, work: impl FnOnce(&dyn Fn(usize, usize)) -> T) -> T {
+    let patience = Patience::new(format!("{what} {{bar:40}} {{percent}} %, {{eta}} to go"));
+    let outcome = work(&|done, total| patience.done(done as u64, total.max(1) as u64));
+    patience.clear();
+    outcome
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<Answer, Failure> {
+    let settings = arguments.settings()?;
+    arguments.check()?;
+    let source = counted("reading", |report| {
+        table::read(&arguments.file, &arguments.columns, arguments.dt, report)
+    })?;
+    let series = Series::new(source.values.clone(), source.names.len(), source.dt)?;
+    let findings = find(&series, settings, arguments)?;
+    let warnings = warnings::all(&findings, &source, arguments);
+    let mut report = Report::plain(findings.table(&source), (0, 0));
+    json::fields(&mut report, &findings, &source, &warnings);
+    let mut answer = match &arguments.out {
+        Some(folder) => {
+            report.figure("spectrum", &figure::figure(&findings, &source.input))?;
+            let output = OutputArguments {
+                out: folder.clone(),
+                json: arguments.json,
+                png: false,
+            };
+            report.written(Path::new(folder), &output)?
+        }
+        None => report.answer(arguments.json),
+    };
+    if arguments.csv {
+        answer.text = findings.csv()?;
+    }
+    for warning in &warnings {
+        note(&format!("warning: {warning}"));
+    }
+    Ok(answer)
+}
+
+/// Everything that is computed.
+fn find(
+    series: &Series,
+    settings: DataSettings,
+    arguments: &Arguments,
+) -> Result<Findings, Failure> {
+    let embedding = EmbeddingSettings {
+        delay: arguments.delay,
+        dimension: arguments.dimension,
+        theiler: arguments.theiler,
+    };
+    let as_they_are = arguments.dimension == Some(1) && arguments.delay != Some(0);
+    let choice = counted("embedding", |report| match as_they_are {
+        true => Ok(None),
+        false => needed_embedding(series, &embedding, report),
+    })?;
+    let embedding = choice.as_ref().map(|choice| choice.embedding);
+    let (vectors, settings) = match embedding {
+        Some(embedding) => {
+            let vectors = embedding.of(series)?;
+            let mut delayed = settings.clone().delayed(embedding.delay, &vectors);
+            if arguments.neighbours.is_some() {
+                delayed.neighbours = settings.neighbours;
+            }
+            if let Some(step) = arguments.step {
+                (delayed.step, delayed.stride) = (step, 1);
+            }
+            delayed.stride = arguments.stride.unwrap_or(delayed.stride);
+            (Cow::Owned(vectors), delayed)
+        }
+        None => (Cow::Borrowed(series), settings),
+    };
+    let vectors = vectors.as_ref();
+    let spectrum = counted("spectrum", |report| {
+        let span = series.len() - vectors.len();
+        let found = data_spectrum_with(vectors, &settings, report);
+        found.map_err(|error| error.in_rows(span))
+    })?;
+    let embedded = match choice {
+        Some(choice) => Some(Embedded {
+            choice,
+            reversal: counted("reversed series", |report| {
+                reversal(vectors, &spectrum, report)
+            })?,
+        }),
+        None => None,
+    };
+    let curves = counted("diverging neighbours", |report| {
+        divergence(vectors, settings.theiler, report)
+    });
+    let surrogates = match arguments.surrogates {
+        Some(count) => Some(counted("surrogates", |report| {
+            surrogate_test(series, embedding, &settings, count, SEED, report)
+        })?),
+        None => None,
+    };
+    // Some exponents of delayed values may be none of the system's.
+    let balance = arguments
+        .divergence
+        .filter(|_| embedded.is_none())
+        .map(|divergence| (divergence, spectrum.balance(divergence)));
+    Ok(Findings {
+        spectrum,
+        balance,
+        embedded,
+        // A spectrum may be had of fewer points.
+        divergence: match curves {
+            Err(DataError::TooFew { .. }) => None,
+            other => Some(other?),
+        },
+        surrogates,
+    })
+}

@@ -1,0 +1,128 @@
+//! The lines of a text, one at a time and none without bound.
+
+use std::io::{BufRead, Read};
+
+use super::TableError;
+
+/// Longest line.
+const LONGEST: usize = 1 << 26;
+
+/// Marks at the start of files that are no text, with what they are and what to do.
+const FOREIGN: [(&[u8], &str); 9] = [
+    (b"\x1f\x8b", "compressed by gzip; unpack it first: gunzip"),
+    (b"BZh", "compressed by bzip2; unpack it first: bunzip2"),
+    (b"\xfd7zXZ", "compressed by xz; unpack it first: unxz"),
+    (
+        b"\x28\xb5\x2f\xfd",
+        "compressed by zstd; unpack it first: unzstd",
+    ),
+    (
+        b"PK\x03\x04",
+        "a zip archive or a spreadsheet; unpack it, or save the sheet as CSV",
+    ),
+    (
+        b"MATLAB 5.0",
+        "a MAT-file; save the variable as text: save('x.txt', 'x', '-ascii', '-double')",
+    ),
+    (b"\x89HDF", "an HDF5 file; write the array as text or .npy"),
+    (b"\xff\xfe", UTF16),
+    (b"\xfe\xff", UTF16),
+];
+const UTF16: &str = "UTF-16; save it as UTF-8 or plain ASCII";
+
+/// Reads line after line.
+pub(super) struct Lines<'i, R> {
+    input: &'i str,
+    source: R,
+    number: u64,
+    bytes: Vec<u8>,
+    /// Whether a line with content came.
+    has_begun: bool,
+    /// The last comment above the content, without its mark.
+    pub(super) comment: Option<String>,
+    /// A blank line behind content.
+    blank: Option<u64>,
+    /// The first blank line with content before and behind it.
+    pub(super) gap: Option<u64>,
+}
+
+impl<'i, R: BufRead> Lines<'i, R> {
+    /// The lines of a text; other kinds of files are refused.
+    pub(super) fn new(input: &'i str, mut source: R) -> Result<Self, TableError> {
+        let start = source
+            .fill_buf()
+            .map_err(|source| TableError::read(input, source))?;
+        let foreign = FOREIGN.iter().find(|(mark, _)| start.starts_with(mark));
+        let refusal = if let Some((_, what)) = foreign {
+            Some(*what)
+        } else if start.contains(&0) {
+            Some("no text; give a file of numbers in lines")
+        } else {
+            None
+        };
+        if let Some(what) = refusal {
+            return Err(TableError::File(format!("{input} is {what}")));
+        }
+        if start.contains(&b'\r') && !start.contains(&b'\n') {
+            return Err(TableError::File(format!(
+                "{input} ends its lines with carriage returns alone; turn them into line feeds: tr '\\r' '\\n'"
+            )));
+        }
+        // Spreadsheets put a mark before the first character.
+        if start.starts_with(b"\xef\xbb\xbf") {
+            source.consume(3);
+        }
+        Ok(Lines {
+            input,
+            source,
+            number: 0,
+            bytes: Vec::new(),
+            has_begun: false,
+            comment: None,
+            blank: None,
+            gap: None,
+        })
+    }
+
+    /// The next line that holds something but a comment, with its number counted from 1; `None` at the end.
+    pub(super) fn next(&mut self) -> Result<Option<(u64, &str)>, TableError> {
+        loop {
+            self.number += 1;
+            self.bytes.clear();
+            let mut part = self.source.by_ref().take(LONGEST as u64 + 1);
+            let read = part
+                .read_until(b'\n', &mut self.bytes)
+                .map_err(|source| TableError::read(self.input, source))?;
+            if read > LONGEST {
+                return Err(self.refused(&format!("the line is longer than {LONGEST} bytes: is this a table of numbers with one state in a line?")));
+            }
+            match self.bytes.trim_ascii() {
+                _ if read == 0 => return Ok(None),
+                [] if self.has_begun => {
+                    self.blank.get_or_insert(self.number);
+                }
+                [] => {}
+                [b'#' | b'%', comment @ ..] => {
+                    if !self.has_begun {
+                        // In whatever encoding.
+                        let text = String::from_utf8_lossy(comment);
+                        self.comment = Some(text.trim().to_owned());
+                    }
+                }
+                _ => break,
+            }
+        }
+        self.has_begun = true;
+        self.gap = self.gap.or(self.blank);
+        match std::str::from_utf8(&self.bytes) {
+            Ok(text) if !text.contains('\0') => {
+                Ok(Some((self.number, text.trim_end_matches(['\r', '\n']))))
+            }
+            _ => Err(self.refused("the text is not UTF-8; save the file as UTF-8 or plain ASCII")),
+        }
+    }
+
+    fn refused(&self, cause: &str) -> TableError {
+        TableError::File(format!("{}, line {}: {cause}", self.input, self.number))
+    }
+}

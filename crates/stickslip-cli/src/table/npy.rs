@@ -1,0 +1,102 @@
+//! An array of numpy.
+
+use std::io::{BufRead, Error, ErrorKind, Read};
+
+use npyz::{DType, Deserialize, NpyFile, Order, TypeChar};
+
+use super::rows::Rows;
+use super::{MOST, Table, TableError};
+
+/// Whether the source begins as one.
+pub(super) fn is_array(source: &mut impl BufRead) -> bool {
+    let start = source.fill_buf();
+    start.is_ok_and(|start| start.starts_with(b"\x93NUMPY"))
+}
+
+/// Rows are states; an array of one dimension is one column.
+pub(super) fn read(
+    input: String,
+    source: impl BufRead,
+    wanted: &[String],
+    dt: Option<f64>,
+) -> Result<Table, TableError> {
+    let refused = |cause: String| TableError::File(format!("{input} is a .npy array, but {cause}"));
+    let file = NpyFile::new(source).map_err(|error| refused(error.to_string()))?;
+    let shape = file.shape().to_vec();
+    let (rows, count) = match shape[..] {
+        [rows] => (rows, 1),
+        [rows, count] => (rows, count),
+        _ => {
+            return Err(refused(format!(
+                "its shape is {shape:?}; give one of rows and columns"
+            )));
+        }
+    };
+    let numbers = usize::try_from(rows.saturating_mul(count)).unwrap_or(usize::MAX);
+    if numbers > MOST {
+        return Err(refused(format!(
+            "it holds {numbers} numbers, at most {MOST} are read; save fewer columns, or thin the series"
+        )));
+    }
+    if numbers == 0 {
+        return Err(TableError::empty(&input));
+    }
+    let (rows, count) = (rows as usize, count as usize);
+    let strides = match file.order() {
+        Order::C => (count, 1),
+        Order::Fortran => (1, rows),
+    };
+    let values = numbers_of(file).map_err(refused)?;
+    let mut chosen = Rows::new(&input, count, None, wanted)?;
+    for row in 0..rows {
+        for &column in &chosen.columns {
+            let value = values[row * strides.0 + column * strides.1];
+            if !value.is_finite() {
+                return Err(refused(format!(
+                    "row {}, column {} (counted from 1) is {value}; a series must have no gaps: cut it there or fill the gap",
+                    row + 1,
+                    column + 1
+                )));
+            }
+            chosen.values.push(value);
+        }
+    }
+    chosen.finish(dt)
+}
+
+/// Whatever real numbers they are, as doubles.
+fn numbers_of<R: Read>(file: NpyFile<R>) -> Result<Vec<f64>, String> {
+    let dtype = file.dtype();
+    let DType::Plain(kind) = &dtype else {
+        return Err("it is a structured array; give one of real numbers".to_owned());
+    };
+    match (kind.type_char(), kind.size_field()) {
+        (TypeChar::Float, 8) => widened(file, |v: f64| v),
+        (TypeChar::Float, 4) => widened(file, |v: f32| v.into()),
+        // The default of numpy for whole numbers; what is above 2⁵³ is rounded.
+        (TypeChar::Int, 8) => widened(file, |v: i64| v as f64),
+        (TypeChar::Int, 4) => widened(file, |v: i32| v.into()),
+        (TypeChar::Int, 2) => widened(file, |v: i16| v.into()),
+        (TypeChar::Uint, 4) => widened(file, |v: u32| v.into()),
+        (TypeChar::Uint, 2) => widened(file, |v: u16| v.into()),
+        (TypeChar::Uint, 1) => widened(file, |v: u8| v.into()),
+        _ => {
+            let numbers = dtype.descr();
+            Err(format!("its numbers are {numbers}; save it as float64"))
+        }
+    }
+}
+
+fn widened<R: Read, T: Deserialize>(
+    file: NpyFile<R>,
+    widen: impl Fn(T) -> f64,
+) -> Result<Vec<f64>, String> {
+    let told = |error: Error| match error.kind() {
+        ErrorKind::UnexpectedEof => {
+            "it ends before its last number; save or copy it once more".to_owned()
+        }
+        _ => error.to_string(),
+    };
+    let numbers = file.into_vec::<T>().map_err(told)?;
+    Ok(numbers.into_iter().map(widen).collect())
+}
