@@ -255,6 +255,21 @@ fn writes_a_named_picture() {
 }
 
 #[test]
+fn the_picture_is_listed_in_json_and_leaves_the_csv_as_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = file(folder.path(), &henon(false));
+    let of = |options: &[&str]| succeed(program().arg(&path).args(["--dt", "1"]).args(options));
+    let out = folder.path().join("picture");
+    let out = out.to_str().unwrap();
+    let json = of(&["--json", "--out", out]);
+    let document: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let picture = Path::new(out).join("spectrum.svg");
+    assert_eq!(document["files"], serde_json::json!([picture]));
+    assert!(picture.exists());
+    assert_eq!(of(&["--csv", "--out", out]), of(&["--csv"]));
+}
+
+#[test]
 fn bad_files_are_failures_that_say_where() {
     let broken = henon(true).replacen("\n", "\n1,oops\n", 1);
     for (text, place) in [
