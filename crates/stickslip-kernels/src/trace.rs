@@ -160,12 +160,10 @@ fn traced<const N: usize, const K: usize>(
 /// # Ok::<(), stickslip::Error>(())
 /// ```
 pub fn trace<S: Filippov<N>, const N: usize>(system: &S) -> Option<OneContact> {
-    let sides = |of: &dyn Fn(Side, Symbol, &[Symbol; N]) -> [Symbol; N]| {
-        let [below, above] = [Side::Below, Side::Above].map(|side| traced(|t, x| of(side, t, x)));
-        Some([below?, above?])
-    };
-    let field = sides(&|side, t, x| system.field(side, t, x))?;
-    let holding = sides(&|side, t, x| system.holding(side, t, x))?;
+    let field = |side| traced(|t, x| system.field(side, t, x));
+    let holding = |side| traced(|t, x| system.holding(side, t, x));
+    let field = [field(Side::Below)?, field(Side::Above)?];
+    let holding = [holding(Side::Below)?, holding(Side::Above)?];
     let mut has_contact = false;
     let force = traced(|t, x: &[Symbol; N]| {
         let force = system.contact(t, x);

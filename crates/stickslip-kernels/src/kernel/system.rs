@@ -74,12 +74,15 @@ pub struct Combination {
 /// Makes the tape of the field of a combination; `None` where there is none.
 pub type MakeTape = dyn Fn(Combination) -> Option<Tape> + Send + Sync;
 
+/// Where the tape of a combination is kept.
+type Place = OnceLock<(Combination, Option<Tape>)>;
+
 /// The fields of all combinations of sides and holding contacts, of which there are 4 to the number
 /// of contacts. Each is made when it is first asked for.
 #[derive(Clone)]
 pub struct Fields {
     contacts: usize,
-    made: Arc<[OnceLock<(Combination, Option<Tape>)>]>,
+    made: Arc<[Place]>,
     make: Arc<MakeTape>,
 }
 

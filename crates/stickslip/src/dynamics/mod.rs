@@ -173,6 +173,9 @@ pub trait Dynamics: Send + Sync {
     fn section_gradient(&self, section: &Section, at: &Moment) -> (Vector, f64);
 }
 
+/// The state at each time of a step.
+pub type Solution = Box<dyn Fn(f64) -> Vector + Send + Sync>;
+
 /// An orbit that goes on step by step.
 pub trait OrbitUnderWay {
     /// Takes the next step and reports it, or what the last one has led to: one thing a call, in
@@ -204,7 +207,7 @@ pub trait OrbitUnderWay {
     fn last_step(&mut self) -> Step;
 
     /// The solution over the last step.
-    fn solution(&mut self) -> Box<dyn Fn(f64) -> Vector + Send + Sync>;
+    fn solution(&mut self) -> Solution;
 }
 
 impl dyn OrbitUnderWay + '_ {
@@ -414,7 +417,7 @@ pub(crate) fn run(
 pub(crate) struct Orbit {
     pub phases: Vec<Phase>,
     pub transitions: Vec<Transition>,
-    pub steps: Vec<(Step, Box<dyn Fn(f64) -> Vector + Send + Sync>)>,
+    pub steps: Vec<(Step, Solution)>,
     pub start: Moment,
     pub end: Summary,
 }

@@ -6,7 +6,7 @@ use std::marker::PhantomData;
 
 use super::{
     Carrying, Dynamics, Guard, Happening, Modes, Moment, OrbitUnderWay, Passage, Phase, Section,
-    SmoothFlow, Step, Summary, Transition, Vector,
+    SmoothFlow, Solution, Step, Summary, Transition, Vector,
 };
 use crate::dual::Dual;
 use crate::error::Error;
@@ -499,7 +499,7 @@ where
         }
     }
 
-    fn solution(&mut self) -> Box<dyn Fn(f64) -> Vector + Send + Sync> {
+    fn solution(&mut self) -> Solution {
         let dense = self.integration.last_step().dense;
         let states = self.of.states;
         Box::new(move |t| Vector::from_column_slice(&dense.at_time(t).as_slice()[..states]))
