@@ -113,6 +113,7 @@ check: ## Formatting, lints and documentation, every warning an error
 	$(CARGO) clippy --locked --workspace --all-targets -- -D warnings
 	$(CARGO) clippy --locked --workspace --all-targets --all-features -- -D warnings
 	$(CARGO) clippy --locked -p stickslip-replication --no-default-features --lib --bins --tests -- -D warnings
+	$(CARGO) test --locked --quiet -p output --features png
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --locked --workspace --no-deps
 
 clean: ## Remove what was built; figures/ and golden/ are part of the repository and stay

@@ -119,7 +119,7 @@
 //!     for _ in 0..20 {
 //!         map.step()?;
 //!     }
-//!     let before = *map.state();
+//!     let before = map.state().clone();
 //!     let (turned, derivative) = map.step_with_derivative()?;
 //!     // It has settled, and a change of the place would be an eighth of it the next time.
 //!     assert!((turned.x - before).amax() < 1e-10);

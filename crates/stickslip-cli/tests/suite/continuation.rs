@@ -580,22 +580,6 @@ fn what_cannot_be_continued_is_told_with_a_remedy() {
             .code(2)
             .stderr(contains(told));
     }
-    let mut text = "name = \"many\"\n[parameters]\nvd = 1\n[states]\n".to_owned();
-    let (mut field, mut start) = (String::new(), String::new());
-    for k in 1..=32 {
-        text += &format!("x{k} = \"\"\nv{k} = \"\"\n");
-        let friction = if k == 1 { " - friction(belt)" } else { "" };
-        field += &format!("x{k} = \"v{k}\"\nv{k} = \"-x{k}{friction}\"\n");
-        start += &format!("x{k} = 0\nv{k} = 0\n");
-    }
-    text += &format!(
-        "[contacts.belt]\nboundary = \"v1 - vd\"\nfriction = \"1\"\n[field]\n{field}[start]\n{start}"
-    );
-    std::fs::write(top.path().join("many.toml"), text).unwrap();
-    program(top.path(), &["many.toml", "--parameter", "vd=0.5:2"])
-        .assert()
-        .code(2)
-        .stderr(contains("64 states; orbits can be continued of at most 63"));
 }
 
 /// About the orbit (cos t, sin t) turns a linear flow, by 0.3 while it grows at the rate p: the angle of the multipliers at p = 0 is 0.6π.

@@ -177,7 +177,6 @@ fn a_longer_run_allocates_no_more() {
         mu0: 0.5,
         ..BeltOscillator::default()
     };
-    let belt = belt.any();
     let count = |t_end: f64| {
         let info = allocation_counter::measure(|| {
             let start = State::from([0.1, 0.2]);

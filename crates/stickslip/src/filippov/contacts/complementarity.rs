@@ -18,7 +18,7 @@ const MOST_MINORS: usize = 16;
 /// Changes for each contact after which the least-index method is taken to go in circles.
 const MOST_CHANGES: usize = 64;
 
-/// Parts of the shares, and of the terms that a rate is summed from, below which they are rounding.
+/// Part of the terms that a rate is summed from below which it is rounding.
 const ROUNDING: f64 = 1e-13;
 
 /// Part of what friction can do to a rate below which an iteration has brought it to zero.
@@ -240,11 +240,15 @@ impl<const M: usize> Problem<M> {
         ROUNDING * size
     }
 
-    /// The outcome that a contact would rather have; its own where it is consistent. To rounding it holds: the derivatives behind decide then.
-    fn wanted(outcome: Outcome, share: f64, rate: f64, floor: f64) -> Outcome {
+    /// The outcome that a contact would rather have; its own where it is consistent. To rounding it
+    /// holds: the derivatives behind decide then. What a share lacks is held against the rate that
+    /// the contact would have in slip, so that rounding does not let it go and hold it by turns.
+    fn wanted(&self, i: usize, outcome: Outcome, shares: &[f64; M], rate: f64) -> Outcome {
+        let floor = self.floor(i, shares);
+        let most = floor / self.slopes[i][i].abs();
         match outcome {
-            Mode::Stick if share < -ROUNDING => Mode::Slip(Side::Below),
-            Mode::Stick if share > 1.0 + ROUNDING => Mode::Slip(Side::Above),
+            Mode::Stick if shares[i] < -most => Mode::Slip(Side::Below),
+            Mode::Stick if shares[i] - 1.0 > most => Mode::Slip(Side::Above),
             Mode::Slip(side) if rate * side.sign() < floor => Mode::Stick,
             _ => outcome,
         }
@@ -257,10 +261,7 @@ impl<const M: usize> Problem<M> {
         for _ in 0..MOST_CHANGES * self.count {
             let (shares, rates) = self.shares_and_rates(&outcomes);
             let change = (0..self.count)
-                .map(|i| {
-                    let floor = self.floor(i, &shares);
-                    (i, Self::wanted(outcomes[i], shares[i], rates[i], floor))
-                })
+                .map(|i| (i, self.wanted(i, outcomes[i], &shares, rates[i])))
                 .find(|&(i, wanted)| wanted != outcomes[i]);
             match change {
                 Some((i, wanted)) => outcomes[i] = wanted,
@@ -272,9 +273,6 @@ impl<const M: usize> Problem<M> {
 
     fn is_solved_by(&self, outcomes: &[Outcome; M]) -> bool {
         let (shares, rates) = self.shares_and_rates(outcomes);
-        (0..self.count).all(|i| match outcomes[i] {
-            Mode::Stick => (-ROUNDING..=1.0 + ROUNDING).contains(&shares[i]),
-            Mode::Slip(side) => rates[i] * side.sign() > self.floor(i, &shares),
-        })
+        (0..self.count).all(|i| self.wanted(i, outcomes[i], &shares, rates[i]) == outcomes[i])
     }
 }
