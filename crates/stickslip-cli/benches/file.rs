@@ -5,11 +5,12 @@ use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use criterion::{Criterion, criterion_group, criterion_main};
+use stickslip::dynamics::Section;
 use stickslip::models::{BeltOscillator, BlockAndBracket, Caption, ForcedOscillator, Reading};
 use stickslip::{Filippov, Method, Options, State, run};
 use stickslip_kernels::file::System;
 use stickslip_kernels::file::SystemFile;
-use stickslip_kernels::kernel::Run;
+use stickslip_kernels::kernel::{Run, follow};
 
 /// Time that each orbit is followed for.
 const SPAN: f64 = 100.0;
@@ -36,9 +37,7 @@ fn from_file(system: &System, x: &[f64], options: &Options) -> f64 {
         t_end: SPAN,
         options,
     };
-    system
-        .kernel()
-        .run(&settings, None, &mut ())
+    follow(system.dynamics(), &settings, &Section::None, &mut ())
         .map_or(f64::NAN, |ended| ended.x[0])
 }
 

@@ -7,9 +7,9 @@ use std::path::{Path, PathBuf};
 use output::{Artifact, PngError, WriteError};
 use serde::Serialize;
 use serde_json::{Map, Value as Json, json};
+use stickslip::dynamics::{Modes, Vector};
 use stickslip::{Mode, Side, math};
 use stickslip_kernels::file::System;
-use stickslip_kernels::kernel::Modes;
 
 /// What a command prints at its end.
 pub(crate) struct Answer {
@@ -292,6 +292,12 @@ macro_rules! value_from {
     )*};
 }
 value_from!(f64 => Number, usize => Count, &str => Text, String => Text, Vec<f64> => State, Modes => Modes);
+
+impl From<Vector> for Value {
+    fn from(from: Vector) -> Self {
+        Value::State(from.as_slice().to_vec())
+    }
+}
 
 impl<T: Into<Value>> From<Option<T>> for Value {
     fn from(from: Option<T>) -> Self {

@@ -1,13 +1,14 @@
 //! Attractors in words, tables and JSON.
 
 use serde_json::{Value, json};
-use stickslip::analysis::RecurrenceSettings;
+use stickslip::analysis::{RecurrenceSettings, attractor};
+use stickslip::dynamics::Modes;
 use stickslip::{Error, Mode, Options};
 
 use crate::failure::{Failure, in_words};
 use crate::render::{Table, by_state, known, letters, place as within, state_words};
 use stickslip_kernels::file::System;
-use stickslip_kernels::kernel::{Modes, Motion, Outcome};
+use stickslip_kernels::kernel::{Motion, Outcome};
 
 /// What the orbit from `x` at time 0 comes to.
 pub(super) fn reached_from(
@@ -25,8 +26,8 @@ fn sought(
     settings: &RecurrenceSettings,
     options: &Options,
 ) -> Result<Outcome, Error> {
-    let kernel = system.kernel();
-    kernel.attractor(x, settings, options, &|error| in_words(error, system))
+    let reached = attractor(system.dynamics(), x, settings, options)?;
+    Ok(Outcome::of(&reached, &|error| in_words(error, system)))
 }
 
 /// As [`reached_from`], for one start of many: that it lies outside the domain of the field, or beyond the escape bound, is an outcome of its own.

@@ -8,7 +8,7 @@ use plot::{Axis, Cells, Figure, Legend, Markers, Panel};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use stickslip::Options;
-use stickslip::analysis::RecurrenceSettings;
+use stickslip::analysis::{Attractors, RecurrenceSettings};
 
 use super::arguments::{RunArguments, SolverArguments, count, seed};
 use super::range::{StateRange, grid, middle, not_too_many};
@@ -253,13 +253,13 @@ fn number(
     settings: &RecurrenceSettings,
     options: &Options,
 ) -> usize {
-    let kernel = system.kernel();
-    let same = |one: &Outcome| kernel.is_same_attractor(one, &outcome, settings, options);
+    let attractors = Attractors::new(system.dynamics(), settings, options);
+    let same = |one: &Outcome| one.is_same(&outcome, &attractors);
     match known.iter().position(same) {
         Some(number) => number,
         None => {
             // Once: each further orbit is compared with it.
-            outcome.family = Some(kernel.family(&outcome, settings, options));
+            outcome.family = Some(outcome.family(&attractors));
             known.push(outcome);
             known.len() - 1
         }

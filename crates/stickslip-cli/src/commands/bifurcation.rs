@@ -1,5 +1,6 @@
 //! `stickslip bifurcation`: attractors over one parameter, up and down.
 
+use std::cell::Cell;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -7,7 +8,8 @@ use std::rc::Rc;
 use plot::{BLUE, Figure, Guide, Legend, Markers, ORANGE, Panel, Shape};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use stickslip::analysis::{RecurrenceSettings, SweepSettings};
+use stickslip::analysis::{RecurrenceSettings, SweepSettings, sweep as sweep_of};
+use stickslip::dynamics::DynamicsRef;
 use stickslip::{Mode, Options};
 
 use super::arguments::{RunArguments, SolverArguments, StartArguments, count};
@@ -227,16 +229,25 @@ impl Bifurcation {
             recurrence: *recurrence,
             ..SweepSettings::within(self.until)
         };
-        // In a time in which the drive has one period, though its own may change with the parameter.
+        // In a time in which the drive has one period, though its own may change with the parameter. Where there is no system, the search goes on
+        // with this one, and what it finds is not told.
+        let complete = Cell::new(true);
         let family = |value| {
-            let there = self.parameter.system(system, value).ok()?;
-            there.equations_in(recurrence.forcing).ok()
+            let there = self.parameter.system(system, value).ok();
+            let there = there.and_then(|there| there.in_period(recurrence.forcing).ok()?);
+            there.unwrap_or_else(|| {
+                complete.set(false);
+                DynamicsRef::Borrowed(&**system.dynamics())
+            })
         };
-        let between = (last.value, value);
-        let kernel = system.kernel();
-        let mut found = kernel
-            .changes(&family, between, &last.start, &settings, options)
+        let between = [last.value, value];
+        let found = sweep_of(family, between, last.start.as_slice(), &settings, options)
             .map_err(|error| Failure::from(error).of(system))?;
+        if !complete.get() {
+            return Ok(vec![Change::Unlocated]);
+        }
+        let found = found.changes.iter();
+        let mut found: Vec<Change> = found.map(|change| Change::from(&change.what)).collect();
         for change in &mut found {
             if let (
                 Change::Sequence {

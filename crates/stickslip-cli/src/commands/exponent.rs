@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use stickslip::Options;
-use stickslip::analysis::{Exponent, SpectrumOptions};
+use stickslip::analysis::{Exponent, SpectrumOptions, lyapunov_spectrum};
 use stickslip_kernels::kernel::Outcome;
 
 use crate::render::Table;
@@ -60,7 +60,7 @@ impl Largest {
         let (t, x) = &outcome.left_at;
         // On the attractor already: only the frame has to turn to it.
         let settings = SpectrumOptions::over(0.1 * duration, duration).solver(*options);
-        match system.kernel().spectrum(*t, x, &settings) {
+        match lyapunov_spectrum(system.dynamics(), (*t, x.as_slice()), &settings) {
             Ok(spectrum) => match spectrum.exponents.first() {
                 Some(&Exponent::Finite { value, std_error }) => {
                     Largest::Finite { value, std_error }

@@ -2,7 +2,8 @@
 
 use std::ops::ControlFlow;
 
-use stickslip_kernels::kernel::{StepView, Watcher};
+use stickslip::dynamics::{Step, Vector};
+use stickslip_kernels::kernel::Watcher;
 
 /// Points of a step at which its states are looked at first.
 const PER_STEP: u32 = 16;
@@ -30,18 +31,21 @@ impl Extremes {
     pub(super) fn found(self) -> Vec<(f64, f64)> {
         self.found
     }
+}
 
-    /// A step of the orbit.
-    pub(super) fn see(&mut self, step: &StepView<'_>) {
-        let mut x = vec![0.0; self.found.len()];
+impl Watcher for Extremes {
+    fn watches_steps(&self) -> bool {
+        true
+    }
+
+    fn step(&mut self, step: &Step, solution: &dyn Fn(f64) -> Vector) -> ControlFlow<()> {
         let at = |k: u32| {
             step.t_start + (step.t_end - step.t_start) * f64::from(k) / f64::from(PER_STEP)
         };
         let mut best = vec![[0; 2]; self.found.len()];
         let mut values = vec![[f64::INFINITY, f64::NEG_INFINITY]; self.found.len()];
         for k in 0..=PER_STEP {
-            step.at(at(k), &mut x);
-            for (i, &value) in x.iter().enumerate() {
+            for (i, &value) in solution(at(k)).iter().enumerate() {
                 if value < values[i][0] {
                     (values[i][0], best[i][0]) = (value, k);
                 }
@@ -54,31 +58,18 @@ impl Extremes {
             for (which, sign) in [(0, -1.0), (1, 1.0)] {
                 let k = best[i][which];
                 let around = (at(k.saturating_sub(1)), at((k + 1).min(PER_STEP)));
-                let mut height = |t: f64| {
-                    step.at(t, &mut x);
-                    sign * x[i]
-                };
-                let value = sign * greatest(&mut height, around).max(sign * values[i][which]);
+                let height = |t: f64| sign * solution(t)[i];
+                let value = sign * greatest(&height, around).max(sign * values[i][which]);
                 let (low, high) = &mut self.found[i];
                 (*low, *high) = (low.min(value), high.max(value));
             }
         }
-    }
-}
-
-impl Watcher for Extremes {
-    fn watches_steps(&self) -> bool {
-        true
-    }
-
-    fn step(&mut self, step: &StepView<'_>) -> ControlFlow<()> {
-        self.see(step);
         ControlFlow::Continue(())
     }
 }
 
 /// The greatest value of a function with one maximum in an interval.
-fn greatest(function: &mut impl FnMut(f64) -> f64, (mut a, mut b): (f64, f64)) -> f64 {
+fn greatest(function: &impl Fn(f64) -> f64, (mut a, mut b): (f64, f64)) -> f64 {
     let (mut c, mut d) = (b - GOLDEN * (b - a), a + GOLDEN * (b - a));
     let (mut at_c, mut at_d) = (function(c), function(d));
     for _ in 0..SECTIONS {
@@ -101,7 +92,7 @@ mod tests {
 
     #[test]
     fn a_maximum_inside_is_found_to_rounding() {
-        let mut parabola = |t: f64| 2.0 - (t - 0.3) * (t - 0.3);
-        assert_eq!(greatest(&mut parabola, (0.0, 1.0)), 2.0);
+        let parabola = |t: f64| 2.0 - (t - 0.3) * (t - 0.3);
+        assert_eq!(greatest(&parabola, (0.0, 1.0)), 2.0);
     }
 }

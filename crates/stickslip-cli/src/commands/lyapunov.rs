@@ -2,7 +2,7 @@
 
 use plot::*;
 use serde_json::json;
-use stickslip::analysis::{Exponent, SpectrumOptions};
+use stickslip::analysis::{Exponent, Running, Spectrum, SpectrumOptions, lyapunov_spectrum};
 
 use super::arguments::{Ready, RunArguments};
 use super::figures;
@@ -10,7 +10,6 @@ use crate::failure::Failure;
 use crate::render::{Answer, Report, Table, within};
 use crate::terminal::patiently;
 use stickslip_kernels::file::System;
-use stickslip_kernels::kernel::SpectrumFound;
 
 /// Lyapunov exponents of an orbit, from the equations, through slips, sticks and crossings
 ///
@@ -38,7 +37,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Answer, Failure> {
 fn found(ready: &Ready, settings: &SpectrumOptions) -> Result<Report, Failure> {
     let system = &ready.system;
     let spectrum = patiently("measuring the spectrum", |_| {
-        system.kernel().spectrum(ready.t, &ready.x, settings)
+        lyapunov_spectrum(system.dynamics(), (ready.t, ready.x.as_slice()), settings)
     })?;
     let duration = spectrum.duration;
     let what = format!("Lyapunov exponents, measured for {duration} time units");
@@ -63,7 +62,7 @@ fn found(ready: &Ready, settings: &SpectrumOptions) -> Result<Report, Failure> {
         exponents.push(json);
     }
     // Of either sign, and zero has none.
-    let defect = spectrum.defect.abs();
+    let defect = spectrum.defect();
     let entries = spectrum.stick_entries;
     let percent = 100.0 * spectrum.stick_fraction;
     report
@@ -71,9 +70,9 @@ fn found(ready: &Ready, settings: &SpectrumOptions) -> Result<Report, Failure> {
         .field("duration", duration)
         .line(
             "defect",
-            format!("{defect:.1e}  (against the rate of volumes)"),
+            format!("{:.1e}  (against the rate of volumes)", defect.abs()),
         )
-        .field("defect", spectrum.defect)
+        .field("defect", defect)
         .line(
             "stick",
             format!("{entries} entries, {percent:.1} % of the time"),
@@ -88,25 +87,21 @@ fn found(ready: &Ready, settings: &SpectrumOptions) -> Result<Report, Failure> {
     report.table(table.csv("exponents", (1..).zip(&spectrum.exponents))?);
     let numbers = (1..=spectrum.exponents.len()).map(|k| format!("lambda{k}"));
     let table = Table::new()
-        .column("elapsed", |&(elapsed, _): &(f64, &Vec<f64>)| elapsed)
-        .many("lambda", numbers.collect(), Vec::new(), |(_, exponents)| {
-            (*exponents).clone()
+        .column("elapsed", |at: &&Running| at.elapsed)
+        .many("lambda", numbers.collect(), Vec::new(), |at| {
+            at.exponents.clone()
         });
-    let running = spectrum.convergence.iter();
-    let running = running.map(|(elapsed, exponents)| (*elapsed, exponents));
-    report.table(table.csv("convergence", running)?);
+    report.table(table.csv("convergence", &spectrum.convergence)?);
     report.figure("convergence", &figure(system, &spectrum))?;
     Ok(report)
 }
 
-fn figure(system: &System, spectrum: &SpectrumFound) -> Figure {
+fn figure(system: &System, spectrum: &Spectrum) -> Figure {
     let running = &spectrum.convergence;
-    let end = running
-        .last()
-        .map_or(spectrum.duration, |(elapsed, _)| *elapsed);
+    let end = running.last().map_or(spectrum.duration, |at| at.elapsed);
     // The beginning swings far out; what is looked at is where the exponents go.
-    let settled = running.iter().filter(|(elapsed, _)| *elapsed >= 0.05 * end);
-    let values = settled.flat_map(|(_, exponents)| exponents.iter().copied());
+    let settled = running.iter().filter(|at| at.elapsed >= 0.05 * end);
+    let values = settled.flat_map(|at| at.exponents.iter().copied());
     let mut panel = Panel::new(
         Axis::new(&figures::in_time(system, "time measured", ""), 0.0, end),
         figures::axis(
@@ -118,9 +113,7 @@ fn figure(system: &System, spectrum: &SpectrumFound) -> Figure {
     panel.add(Guide::horizontal(0.0));
     let colours = [BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, BLACK, GREY];
     for (k, exponent) in spectrum.exponents.iter().enumerate() {
-        let curve = running
-            .iter()
-            .map(|(elapsed, exponents)| (*elapsed, exponents[k]));
+        let curve = running.iter().map(|at| (at.elapsed, at.exponents[k]));
         let name = match exponent {
             Exponent::Finite { .. } => format!("*λ*_{}", k + 1),
             Exponent::Annihilated => format!("*λ*_{} = −∞", k + 1),

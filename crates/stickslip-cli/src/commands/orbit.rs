@@ -3,15 +3,15 @@
 use super::arguments::{Ready, RunArguments};
 use super::attractors::family_words;
 use super::extremes::Extremes;
-use super::recording::{Phase, Recording};
+use super::recording::Recording;
 use super::search::SearchArguments;
 use super::trajectory;
 use crate::failure::Failure;
 use crate::render::{Answer, Report, Table, by_state, sequence};
-use stickslip::Mode;
-use stickslip::analysis::Stability;
+use stickslip::analysis::{Stability, multipliers};
+use stickslip::dynamics::{Modes, Phase, Section};
 use stickslip::error::readable;
-use stickslip_kernels::kernel::{Modes, Run};
+use stickslip_kernels::kernel::{Run, follow};
 
 /// Find a periodic orbit: from a run, refined by shooting; period, multipliers, sequence of phases
 ///
@@ -36,19 +36,19 @@ fn found(ready: &Ready, search: &SearchArguments) -> Result<Report, Failure> {
         system, options, ..
     } = ready;
     let (orbit, periods) = search.found(system, (ready.t, &ready.x), options)?;
-    let t_end = orbit.t + orbit.period;
-    let mut recording = Recording::new(orbit.t, &orbit.x, t_end);
+    let (x, t_end) = (orbit.x.as_slice(), orbit.t + orbit.period);
+    let mut recording = Recording::new(orbit.t, x, t_end);
     let once = Run {
         t: orbit.t,
-        x: &orbit.x,
+        x,
         t_end,
         options,
     };
-    let outcome = system.kernel().run(&once, system.section(), &mut recording);
+    let outcome = follow(system.dynamics(), &once, &system.section(), &mut recording);
     recording.close();
     outcome?;
-    let mut extremes = Extremes::from(&orbit.x);
-    system.kernel().run(&once, None, &mut extremes)?;
+    let mut extremes = Extremes::from(x);
+    follow(system.dynamics(), &once, &Section::None, &mut extremes)?;
     let extremes = extremes.found();
 
     let mut report = Report::of(system, "periodic orbit");
@@ -64,11 +64,12 @@ fn found(ready: &Ready, search: &SearchArguments) -> Result<Report, Failure> {
         .line("residual", format!("{:e}", orbit.residual))
         .field("residual", orbit.residual)
         .field("t", orbit.t)
-        .field("x", by_state(system, &orbit.x));
+        .field("x", by_state(system, x));
 
     // The first one of a system that does not depend on time is trivial.
     let trivial = usize::from(periods.is_none());
-    let multipliers = orbit.multipliers.iter().enumerate().map(|(k, multiplier)| {
+    let multipliers = multipliers(&orbit.monodromy);
+    let lines = multipliers.iter().enumerate().map(|(k, multiplier)| {
         let note = if k < trivial {
             "  (the trivial one)"
         } else {
@@ -80,10 +81,10 @@ fn found(ready: &Ready, search: &SearchArguments) -> Result<Report, Failure> {
         };
         format!("{:?}{imaginary}{note}", multiplier.re)
     });
-    let pairs: Vec<[f64; 2]> = orbit.multipliers.iter().map(|m| [m.re, m.im]).collect();
-    let stability = Stability::of(orbit.multipliers.get(trivial..).unwrap_or_default()).to_string();
+    let pairs: Vec<[f64; 2]> = multipliers.iter().map(|m| [m.re, m.im]).collect();
+    let stability = Stability::of(multipliers.get(trivial..).unwrap_or_default()).to_string();
     report
-        .lines("multipliers", multipliers)
+        .lines("multipliers", lines)
         .field("multipliers", pairs)
         .line("stability", &stability)
         .field("stability", stability)
@@ -94,12 +95,12 @@ fn found(ready: &Ready, search: &SearchArguments) -> Result<Report, Failure> {
 
     // The orbit begins in the middle of a phase, which is counted once.
     let phases = recording.phases.iter();
-    let mut modes: Vec<Modes> = phases.map(|phase| phase.modes).collect();
+    let mut modes: Vec<Modes> = phases.map(|phase| phase.mode).collect();
     if modes.len() > 1 && modes.first() == modes.last() {
         modes.pop();
     }
     let phases = sequence(&modes);
-    let sticks = |phase: &&Phase| phase.modes.to_vec().contains(&Mode::Stick);
+    let sticks = |phase: &&Phase| phase.mode.any_sticks();
     let sticks = recording.phases.iter().filter(sticks).map(Phase::duration);
     let stick = sticks.fold(0.0, |sum, duration| sum + duration);
     let percent = 100.0 * stick / orbit.period;
@@ -109,7 +110,7 @@ fn found(ready: &Ready, search: &SearchArguments) -> Result<Report, Failure> {
         .line("stick", format!("{stick} of the period, {percent:.1} %"))
         .field("stick_time", stick)
         .field("extremes", by_state(system, &extremes));
-    let states = system.file.states.iter().zip(&extremes).zip(&orbit.x);
+    let states = system.file.states.iter().zip(&extremes).zip(x);
     for ((state, (low, high)), x) in states {
         let [low, high, x] = [low, high, x].map(|&x| readable(x));
         report.line(&state.name, format!("from {low} to {high}, at first {x}"));
@@ -122,10 +123,10 @@ fn found(ready: &Ready, search: &SearchArguments) -> Result<Report, Failure> {
         .state(system, "", |()| orbit.x.clone());
     report.table(table.csv("orbit", [()])?);
     let table = Table::new()
-        .column("re", |&k: &usize| orbit.multipliers[k].re)
-        .column("im", |&k| orbit.multipliers[k].im)
-        .column("modulus", |&k| orbit.multipliers[k].norm());
-    report.table(table.csv("multipliers", 0..orbit.multipliers.len())?);
+        .column("re", |&k: &usize| multipliers[k].re)
+        .column("im", |&k| multipliers[k].im)
+        .column("modulus", |&k| multipliers[k].norm());
+    report.table(table.csv("multipliers", 0..multipliers.len())?);
     trajectory::put(system, &recording, &mut report)?;
     Ok(report)
 }

@@ -1,8 +1,11 @@
 //! The search for a periodic orbit, from a run and by shooting.
 
-use stickslip::analysis::RecurrenceSettings;
+use stickslip::analysis::{
+    PeriodicOrbit, RecurrenceSettings, find_periodic_orbit, periodic_orbit, periodic_orbit_forced,
+};
+use stickslip::dynamics::{Section, Summary, Vector};
 use stickslip::{Ending, Error, Options};
-use stickslip_kernels::kernel::{Motion, Periodic, Run, Shooting};
+use stickslip_kernels::kernel::{Motion, Run, Watcher, follow};
 
 use super::attractors;
 use super::extremes::Extremes;
@@ -45,7 +48,7 @@ impl SearchArguments {
         system: &System,
         (t, x): (f64, &[f64]),
         options: &Options,
-    ) -> Result<(Periodic, Option<u32>), Failure> {
+    ) -> Result<(PeriodicOrbit, Option<u32>), Failure> {
         for (name, value) in [
             ("--transient", self.transient),
             ("--longest", self.longest.unwrap_or(LONGEST)),
@@ -67,7 +70,7 @@ impl SearchArguments {
         self.have_effect(drive)?;
         patiently("looking for a periodic orbit", |_| match drive {
             Some(period) => search.driven(t, x, period, self.periods),
-            None => match search.free(t, x) {
+            None => match search.free(x) {
                 Ok(orbit) => Ok((orbit, None)),
                 Err(error) => Err(search.instead(error, x)),
             },
@@ -98,42 +101,41 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    fn run<'x>(&'x self, t: f64, x: &'x [f64], t_end: f64) -> Run<'x> {
-        Run {
+    /// Follows the orbit from `(t, x)` for a time.
+    fn follow(
+        &self,
+        (t, x): (f64, &Vector),
+        span: f64,
+        watcher: &mut dyn Watcher,
+    ) -> Result<Summary, Error> {
+        let run = Run {
             t,
-            x,
-            t_end,
+            x: x.as_slice(),
+            t_end: t + span,
             options: self.options,
-        }
+        };
+        follow(self.system.dynamics(), &run, &Section::None, watcher)
     }
 
     /// Of a system that does not depend on time.
-    fn free(&self, t: f64, x: &[f64]) -> Result<Periodic, Error> {
-        let shooting = Shooting::Found {
-            transient: self.transient,
-            longest: self.longest,
-        };
-        let found = self
-            .system
-            .kernel()
-            .periodic(&self.run(t, x, t), shooting)?;
-        self.shortest(found)
+    fn free(&self, x: &[f64]) -> Result<PeriodicOrbit, Error> {
+        let system = self.system.dynamics();
+        let orbit = find_periodic_orbit(system, x, self.transient, self.longest, self.options)?;
+        self.shortest(orbit)
     }
 
     /// The same orbit with its shortest period. Where stick has made all returns equal but for rounding, one of the later ones may be the nearest.
-    fn shortest(&self, orbit: Periodic) -> Result<Periodic, Error> {
-        let kernel = self.system.kernel();
+    fn shortest(&self, orbit: PeriodicOrbit) -> Result<PeriodicOrbit, Error> {
         let size = orbit
             .x
             .iter()
             .fold(f64::MIN_POSITIVE, |size, x| size.max(x.abs()));
         for parts in (2..=MOST_PERIODS).rev() {
             let period = orbit.period / f64::from(parts);
-            let part = self.run(orbit.t, &orbit.x, orbit.t + period);
-            let ended = kernel.run(&part, None, &mut ())?;
+            let ended = self.follow((orbit.t, &orbit.x), period, &mut ())?;
             let away = ended.x.iter().zip(&orbit.x).map(|(a, b)| (a - b).abs());
             if away.fold(0.0, f64::max) <= RETURNED * size {
-                return kernel.periodic(&part, Shooting::Free { period });
+                return periodic_orbit(self.system.dynamics(), &orbit.x, period, self.options);
             }
         }
         Ok(orbit)
@@ -146,28 +148,27 @@ impl Search<'_> {
         x: &[f64],
         period: f64,
         periods: Option<u32>,
-    ) -> Result<(Periodic, Option<u32>), Failure> {
+    ) -> Result<(PeriodicOrbit, Option<u32>), Failure> {
         if periods == Some(0) {
             return Err(Failure::Usage(
                 "--periods 0: an orbit takes one period at least".to_owned(),
             ));
         }
         let wait = (self.transient / period).ceil() * period;
+        let x = Vector::from_column_slice(x);
         let (t, x) = if wait > 0.0 {
-            self.strobed(t, x, wait)?
+            self.strobed(t, &x, wait)?
         } else {
-            (t, x.to_vec())
+            (t, x)
         };
         let count = match periods {
             Some(count) => count,
             None => self.comes_back(t, &x, period)?,
         };
-        let forced = Shooting::Forced {
-            period: f64::from(count) * period,
-        };
-        let orbit = self.system.kernel().periodic(&self.run(t, &x, t), forced)?;
+        let period = f64::from(count) * period;
+        let orbit = periodic_orbit_forced(self.system.dynamics(), t, &x, period, self.options)?;
         if self.rests(&orbit)? {
-            let place = state_words(&orbit.x);
+            let place = state_words(orbit.x.as_slice());
             return Err(comes_to(&format!(
                 "rest at {place}, where friction holds it against the drive"
             )));
@@ -176,10 +177,9 @@ impl Search<'_> {
     }
 
     /// Whether nothing moves in a period.
-    fn rests(&self, orbit: &Periodic) -> Result<bool, Error> {
-        let mut extremes = Extremes::from(&orbit.x);
-        let once = self.run(orbit.t, &orbit.x, orbit.t + orbit.period);
-        self.system.kernel().run(&once, None, &mut extremes)?;
+    fn rests(&self, orbit: &PeriodicOrbit) -> Result<bool, Error> {
+        let mut extremes = Extremes::from(orbit.x.as_slice());
+        self.follow((orbit.t, &orbit.x), orbit.period, &mut extremes)?;
         let found = extremes.found();
         Ok(found.iter().all(|(low, high)| low == high))
     }
@@ -219,12 +219,9 @@ impl Search<'_> {
         }
     }
 
-    fn strobed(&self, t: f64, x: &[f64], span: f64) -> Result<(f64, Vec<f64>), Failure> {
-        let ended = self
-            .system
-            .kernel()
-            .run(&self.run(t, x, t + span), None, &mut ())?;
-        let (t, x) = (ended.t, stickslip::error::Point(ended.x.clone()));
+    fn strobed(&self, t: f64, x: &Vector, span: f64) -> Result<(f64, Vector), Failure> {
+        let ended = self.follow((t, x), span, &mut ())?;
+        let (t, x) = (ended.t, stickslip::error::Point::from(&ended.x));
         match ended.ending {
             Ending::Shrunk => return Err(Error::Shrunk { t, x }.into()),
             ending if ending.is_final() => return Err(Error::NoUniqueFuture { t, x }.into()),
@@ -234,9 +231,9 @@ impl Search<'_> {
     }
 
     /// After how many periods the run is about where it was, as near as it ever comes.
-    fn comes_back(&self, t: f64, x: &[f64], period: f64) -> Result<u32, Failure> {
+    fn comes_back(&self, t: f64, x: &Vector, period: f64) -> Result<u32, Failure> {
         let mut distances = Vec::new();
-        let (mut at, mut now) = (t, x.to_vec());
+        let (mut at, mut now) = (t, x.clone());
         for _ in 0..MOST_PERIODS {
             (at, now) = self.strobed(at, &now, period)?;
             let away = now.iter().zip(x).map(|(a, b)| (a - b).abs());

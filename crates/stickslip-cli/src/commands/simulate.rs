@@ -1,16 +1,17 @@
 //! `stickslip simulate`: an orbit, its phases and its transitions.
 
 use serde_json::{Map, json};
+use stickslip::dynamics::{Passage, Section, Summary};
 use stickslip::error::{Point, readable};
 use stickslip::{Ending, Error, TransitionKind};
 
 use super::arguments::{Ready, RunArguments};
-use super::recording::{Recording, direction_name, kind_name};
+use super::recording::{self, Recording, direction_name, kind_name};
 use super::trajectory::{self, transitions};
 use crate::failure::{Failure, in_words};
 use crate::render::{Answer, Report, Table, by_state};
 use stickslip_kernels::file::System;
-use stickslip_kernels::kernel::{Ended, Run};
+use stickslip_kernels::kernel::{Run, follow};
 
 /// Follow an orbit: phases of slip and stick, transitions, passages of the section
 ///
@@ -47,12 +48,12 @@ fn followed(ready: &Ready, t_end: Option<f64>) -> Result<Report, Failure> {
         t_end,
         options,
     };
-    let outcome = system.kernel().run(&run, system.section(), &mut recording);
+    let outcome = follow(system.dynamics(), &run, &system.section(), &mut recording);
     recording.close();
     let failure = match &outcome {
         // At a start whose future is not unique there is nothing to draw.
         Ok(ended) if ended.t == *t => {
-            let x = Point(ended.x.clone());
+            let x = Point::from(&ended.x);
             return Err(Error::NoUniqueFuture { t: *t, x }.into());
         }
         Ok(_) => None,
@@ -63,29 +64,25 @@ fn followed(ready: &Ready, t_end: Option<f64>) -> Result<Report, Failure> {
     let mut report = found(system, &recording, outcome.ok().as_ref());
     trajectory::put(system, &recording, &mut report)?;
     let steps = Table::new()
-        .column("t", |&(t, _): &(f64, &Vec<f64>)| t)
-        .state(system, "", |(_, x)| (*x).clone());
+        .column("t", |at: &&recording::Point| at.t)
+        .state(system, "", |at| at.x.clone());
     // Where the solution is as accurate as the run.
     let ends = recording.points.iter().filter(|point| point.ends_step);
-    report.table(steps.csv("steps", ends.map(|point| (point.t, &point.x)))?);
+    report.table(steps.csv("steps", ends)?);
     let passages = Table::new()
-        .column("t", |&(t, _, _): &(f64, &Vec<f64>, &str)| t)
-        .column("direction", |&(_, _, direction)| direction)
-        .state(system, "", |(_, x, _)| (*x).clone());
-    let passed = || {
-        let passed = recording.passages.iter();
-        passed.map(|at| (at.t, &at.x, direction_name(at.direction)))
-    };
-    if system.section().is_some() {
-        report.table(passages.csv("section", passed())?);
+        .column("t", |at: &&Passage| at.t)
+        .column("direction", |at| direction_name(at.direction))
+        .state(system, "", |at| at.x.clone());
+    if system.section() != Section::None {
+        report.table(passages.csv("section", &recording.passages)?);
     }
-    report.field("section", passages.json(passed()));
+    report.field("section", passages.json(&recording.passages));
     report.field("error", &failure).failure(failure);
     Ok(report)
 }
 
 /// How a run ended, in words.
-fn ending(ended: Option<&Ended>) -> &'static str {
+fn ending(ended: Option<&Summary>) -> &'static str {
     match ended.map(|ended| ended.ending) {
         Some(Ending::EndTime) => "end time",
         Some(Ending::Repelling) => "no unique future: the boundary repels",
@@ -106,7 +103,7 @@ const KINDS: [TransitionKind; 6] = [
     TransitionKind::ContactGain,
 ];
 
-fn found(system: &System, recording: &Recording, ended: Option<&Ended>) -> Report {
+fn found(system: &System, recording: &Recording, ended: Option<&Summary>) -> Report {
     let points = &recording.points;
     let [from, to] =
         [points.first(), points.last()].map(|point| point.map_or(f64::NAN, |point| point.t));
@@ -161,7 +158,7 @@ fn found(system: &System, recording: &Recording, ended: Option<&Ended>) -> Repor
         let states: Vec<String> = states.collect();
         report.line("state at end", states.join(", "));
     }
-    report.field("x_end", last.map(|x| by_state(system, x)));
+    report.field("x_end", last.map(|x| by_state(system, x.as_slice())));
 
     if let Some(ended) = ended {
         let counters = &ended.counters;

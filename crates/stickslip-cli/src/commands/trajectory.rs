@@ -2,9 +2,10 @@
 
 use plot::*;
 use stickslip::Mode;
+use stickslip::dynamics::{Phase, Transition};
 
 use super::figures::{axis, extremes, symbol, time_label, with_unit};
-use super::recording::{Phase, Recording, Transition, kind_name};
+use super::recording::{Recording, kind_name};
 use crate::render::{OutputError, Report, Table, contact_name};
 use stickslip_kernels::file::System;
 
@@ -40,7 +41,7 @@ pub(super) fn put(
         .column("t_start", |(_, phase)| phase.t_start)
         .column("t_end", |(_, phase)| phase.t_end)
         .column("duration", |(_, phase)| phase.duration())
-        .modes(system, ("modes", ""), |(_, phase)| phase.modes)
+        .modes(system, ("modes", ""), |(_, phase)| phase.mode)
         .state(system, "_start", |(_, phase)| phase.x_start.clone())
         .state(system, "_end", |(_, phase)| phase.x_end.clone());
     let transitions = transitions(system).column("residual", |at| at.residual);
@@ -136,7 +137,7 @@ fn portrait(system: &System, recording: &Recording) -> Figure {
         recording
             .phases
             .iter()
-            .filter(|phase| phase.modes.to_vec().contains(&Mode::Stick))
+            .filter(|phase| phase.mode.any_sticks())
             .count()
     );
     let title = format!("{}: phase portrait", system.file.name);
@@ -151,7 +152,7 @@ fn standing(recording: &Recording, contact: usize) -> Vec<(f64, f64)> {
         let (low, high) = extremes(points.iter().map(|point| point.x[k]));
         high - low
     });
-    let is_stick = |phase: &&Phase| phase.modes.to_vec().get(contact) == Some(&Mode::Stick);
+    let is_stick = |phase: &&Phase| phase.mode.get(contact) == Mode::Stick;
     let stands = recording.phases.iter().filter(is_stick).filter(|phase| {
         let from = points.partition_point(|point| point.t < phase.t_start);
         let end = points.partition_point(|point| point.t <= phase.t_end);

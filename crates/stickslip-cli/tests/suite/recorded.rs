@@ -2,11 +2,12 @@
 
 use std::ops::ControlFlow;
 
+use stickslip::dynamics::{Section, Summary, Transition};
 use stickslip::{Method, Options, TransitionKind};
 use stickslip_kernels::file::Source;
 use stickslip_kernels::file::System;
 use stickslip_kernels::file::SystemFile;
-use stickslip_kernels::kernel::{Ended, Run, TransitionView, Watcher};
+use stickslip_kernels::kernel::{Run, Watcher, follow};
 
 /// A transition: kind, contact, time and state.
 pub type Event = (TransitionKind, usize, f64, Vec<f64>);
@@ -16,8 +17,9 @@ pub type Event = (TransitionKind, usize, f64, Vec<f64>);
 pub struct Events(pub Vec<Event>);
 
 impl Watcher for Events {
-    fn transition(&mut self, at: &TransitionView<'_>) -> ControlFlow<()> {
-        self.0.push((at.kind, at.contact, at.t, at.x.to_vec()));
+    fn transition(&mut self, at: &Transition) -> ControlFlow<()> {
+        self.0
+            .push((at.kind, at.contact, at.t, at.x.as_slice().to_vec()));
         ControlFlow::Continue(())
     }
 }
@@ -44,7 +46,7 @@ pub fn methods() -> [Options; 2] {
 }
 
 /// A run from the start of the file.
-pub fn run(system: &System, t_end: f64, options: &Options) -> (Ended, Vec<Event>) {
+pub fn run(system: &System, t_end: f64, options: &Options) -> (Summary, Vec<Event>) {
     let x = system.built.start.clone().expect("the file has a start");
     let run = Run {
         t: system.built.t_start,
@@ -53,6 +55,6 @@ pub fn run(system: &System, t_end: f64, options: &Options) -> (Ended, Vec<Event>
         options,
     };
     let mut events = Events::default();
-    let ended = system.kernel().run(&run, None, &mut events).unwrap();
+    let ended = follow(system.dynamics(), &run, &Section::None, &mut events).unwrap();
     (ended, events.0)
 }

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use stickslip::dynamics::{DynamicsRef, Section as Watched};
 use stickslip::nalgebra::{DMatrix, DVector};
 use stickslip::scalar::Dual;
 use stickslip::statistics::SplitMix;
@@ -10,7 +11,7 @@ use stickslip::{Direction, Scalar};
 use super::build::{self, Built, Variant};
 use super::{FileError, Problem, Source, SystemFile, did_you_mean};
 use crate::kernel::{
-    Combination, Equations, Kernel, ManyContacts, OneContact, Section, sides_to_check,
+    Combination, Equations, ManyContacts, OneContact, Section, dynamics, sides_to_check,
 };
 
 /// States at which a period is tried.
@@ -37,8 +38,7 @@ pub struct System {
     pub values: Vec<f64>,
     /// Its equations.
     pub built: Built,
-    kernel: Kernel,
-    section: Option<Section>,
+    dynamics: DynamicsRef<'static>,
 }
 
 /// A parameter was set wrongly.
@@ -135,7 +135,7 @@ impl System {
             direction,
         });
         let size = (states, file.contacts.len());
-        let Some(kernel) = Kernel::new(equations(&built), section.clone(), size) else {
+        let Some(dynamics) = dynamics(equations(&built), section, size) else {
             // The reader lets no file through that has more states or contacts than the solver has room for, save one of
             // more contacts than states.
             let problem = Problem::new(
@@ -151,29 +151,39 @@ impl System {
             file,
             values,
             built,
-            kernel,
-            section,
+            dynamics,
         })
     }
 
-    /// The compiled solver for the system with a parameter as one more state behind the others, along which its orbits can be continued;
-    /// `None` if no system has so many states. Time runs so that a period that depends on the parameter keeps the value that it has now.
+    /// The system with a parameter as one more state behind the others, along which its orbits can be continued; `None` if no system has so many
+    /// states. Time runs so that a period that depends on the parameter keeps the value that it has now.
     ///
     /// # Errors
     /// [`SettingError::File`] where the expressions are too large with one more state.
-    pub fn along(&self, parameter: usize) -> Result<Option<Kernel>, SettingError> {
-        let built = built(&self.file, &self.values, Variant::Free(parameter))?;
-        let size = (self.states() + 1, self.contacts());
-        Ok(Kernel::new(equations(&built), None, size))
+    pub fn along(&self, parameter: usize) -> Result<Option<DynamicsRef<'static>>, SettingError> {
+        self.varied(Variant::Free(parameter), self.states() + 1)
     }
 
-    /// Its equations alone, in a time in which the period, if it has one, is the one given.
+    /// The system in a time in which the period, if it has one, is the one given.
     ///
     /// # Errors
     /// [`SettingError::File`] where the expressions are too large with another time.
-    pub fn equations_in(&self, period: Option<f64>) -> Result<Equations, SettingError> {
+    pub fn in_period(
+        &self,
+        period: Option<f64>,
+    ) -> Result<Option<DynamicsRef<'static>>, SettingError> {
         let variant = period.map_or(Variant::AsWritten, Variant::InPeriod);
-        Ok(equations(&built(&self.file, &self.values, variant)?))
+        self.varied(variant, self.states())
+    }
+
+    fn varied(
+        &self,
+        variant: Variant,
+        states: usize,
+    ) -> Result<Option<DynamicsRef<'static>>, SettingError> {
+        let built = built(&self.file, &self.values, variant)?;
+        let size = (states, self.contacts());
+        Ok(dynamics(equations(&built), None, size))
     }
 
     /// Whether field and boundaries are what they were a period ago, at some states; `None` where there is no period.
@@ -259,14 +269,17 @@ impl System {
         None
     }
 
-    /// The compiled solver for it.
-    pub fn kernel(&self) -> &Kernel {
-        &self.kernel
+    /// The system as the library's analyses take it.
+    pub fn dynamics(&self) -> &DynamicsRef<'static> {
+        &self.dynamics
     }
 
-    /// The section that the file has.
-    pub fn section(&self) -> Option<&Section> {
-        self.section.as_ref()
+    /// The section that the file has, or none.
+    pub fn section(&self) -> Watched {
+        match self.built.section {
+            Some(_) => Watched::Own,
+            None => Watched::None,
+        }
     }
 
     /// Number of states.

@@ -1,22 +1,8 @@
-//! What becomes of an attractor between two values of a parameter, without the number of states and contacts in its type, and on disk.
+//! What becomes of an attractor between two values of a parameter, on disk.
 
 use serde::{Deserialize, Serialize};
-use stickslip::analysis::{AttractorChange, SequenceChange, Special, WhatChanges};
+use stickslip::analysis::{SequenceChange, WhatChanges};
 use stickslip::dynamics::Modes;
-
-use super::system::{ManyContacts, OneContact};
-
-/// The equations of a system of any kind.
-#[derive(Clone, Debug)]
-pub enum Equations {
-    /// Of one contact.
-    OneContact(Box<OneContact>),
-    /// Of several.
-    ManyContacts(ManyContacts),
-}
-
-/// The equations at each value of a parameter; `None` where there are none.
-pub type Family<'a> = dyn Fn(f64) -> Option<Equations> + 'a;
 
 /// What becomes of an attractor between two neighbouring values of a parameter.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -74,10 +60,25 @@ pub enum Change {
     Unlocated,
 }
 
-impl Change {
-    pub(super) fn of(change: &AttractorChange) -> Self {
-        match &change.what {
-            WhatChanges::Sequence(change) => Change::of_sequence(change),
+impl From<&SequenceChange> for Change {
+    fn from(change: &SequenceChange) -> Self {
+        Change::Sequence {
+            parameter: change.parameter,
+            uncertainty: change.uncertainty,
+            name: change.bifurcation.to_string(),
+            contacts: change.contacts.clone(),
+            x: change.x.as_slice().to_vec(),
+            period: change.period,
+            before: change.before.clone(),
+            after: change.after.clone(),
+        }
+    }
+}
+
+impl From<&WhatChanges> for Change {
+    fn from(change: &WhatChanges) -> Self {
+        match change {
+            WhatChanges::Sequence(change) => change.into(),
             WhatChanges::Equilibrium {
                 parameter,
                 x,
@@ -100,35 +101,11 @@ impl Change {
             } => Change::Multiplier {
                 parameter: *parameter,
                 uncertainty: *uncertainty,
-                name: special_name(what),
+                name: what.to_string(),
                 x: x.as_slice().to_vec(),
                 period: *period,
             },
             WhatChanges::Unlocated => Change::Unlocated,
         }
-    }
-
-    pub(super) fn of_sequence(change: &SequenceChange) -> Self {
-        Change::Sequence {
-            parameter: change.parameter,
-            uncertainty: change.uncertainty,
-            name: change.bifurcation.to_string(),
-            contacts: change.contacts.clone(),
-            x: change.x.as_slice().to_vec(),
-            period: change.period,
-            before: change.before.clone(),
-            after: change.after.clone(),
-        }
-    }
-}
-
-/// What a special orbit is called.
-fn special_name(what: &Special) -> String {
-    match what {
-        Special::Fold => "fold".to_owned(),
-        Special::BranchPoint => "branch point".to_owned(),
-        Special::Flip => "flip".to_owned(),
-        Special::NeimarkSacker { .. } => "Neimark-Sacker".to_owned(),
-        Special::Sequence(change) => change.bifurcation.to_string(),
     }
 }

@@ -1,15 +1,31 @@
 //! The sizes that the solver is compiled for.
 
-use stickslip::dynamics::{Dynamics, Typed};
+use stickslip::dynamics::{Dynamics, DynamicsRef, Typed};
 use stickslip::{Filippov, Several};
 
-use super::system::{ManyContacts, OneContact, OwnSection};
+use super::system::{Equations, ManyContacts, OneContact, OwnSection, Section};
 
 /// Functions whose zeros end a mode of a system of one contact.
 const GUARDS: usize = 3;
 
+/// The dynamics of these equations with numbers of states and contacts, which the library's analyses
+/// take; `None` for more states than [`super::MOST_STATES`] and a parameter, or more contacts than
+/// [`super::MOST_CONTACTS`].
+pub fn dynamics(
+    equations: Equations,
+    section: Option<Section>,
+    size: (usize, usize),
+) -> Option<DynamicsRef<'static>> {
+    let section = OwnSection(section);
+    let dynamics = match equations {
+        Equations::OneContact(system) => of_one_contact(*system, section, size),
+        Equations::ManyContacts(system) => of_many_contacts(system, section, size),
+    };
+    dynamics.map(DynamicsRef::Owned)
+}
+
 /// The dynamics of a system of one contact, or of none; `None` for more states than any size has.
-pub(super) fn of_one_contact(
+fn of_one_contact(
     system: OneContact,
     section: OwnSection,
     (states, contacts): (usize, usize),
@@ -40,7 +56,7 @@ pub(super) fn of_one_contact(
 
 /// The dynamics of a system of several contacts; `None` for more of them, or more states, than any
 /// size has.
-pub(super) fn of_many_contacts(
+fn of_many_contacts(
     system: ManyContacts,
     section: OwnSection,
     (states, contacts): (usize, usize),

@@ -1,35 +1,24 @@
 //! Systems that are known at run time: their tapes, and the library's solver for them.
 
-mod branch;
 mod change;
 mod compiled;
-mod erased;
 mod reached;
 mod system;
 
-use std::cell::Cell;
 use std::ops::ControlFlow;
 
-use stickslip::analysis::{
-    Attractors, BranchPoint, ContinuationSettings, RecurrenceSettings, SpectrumOptions,
-    SweepSettings, attractor, continue_periodic_orbit_while, find_periodic_orbit,
-    lyapunov_spectrum, multipliers, periodic_orbit, periodic_orbit_forced, sweep,
-};
 use stickslip::dynamics::{
-    Dynamics, DynamicsRef, Happening, Moment, OrbitUnderWay, Phase, Section as Watched, Vector,
+    DynamicsRef, Happening, Moment, OrbitUnderWay, Passage, Phase, Section as Watched, Step,
+    Summary, Transition, Vector,
 };
-use stickslip::{Ending, Error, Options};
+use stickslip::{Ending, Error, Options, TransitionKind};
 
-pub use branch::{BranchFound, OrbitThere, SpecialKind, SpecialThere};
-pub use change::{Change, Equations, Family};
-pub use erased::{
-    Ended, Passage, Periodic, PhaseView, SpectrumFound, StepView, TransitionView, Watcher,
-};
+pub use change::Change;
+pub use compiled::dynamics;
 pub use reached::{Motion, Outcome, PhaseThere, TransitionThere};
-pub use stickslip::dynamics::Modes;
-pub use system::{Combination, Fields, ManyContacts, OneContact, Section, sides_to_check};
-
-use system::OwnSection;
+pub use system::{
+    Combination, Equations, Fields, ManyContacts, OneContact, Section, sides_to_check,
+};
 
 /// Most states that a system may have.
 pub const MOST_STATES: usize = 64;
@@ -50,288 +39,96 @@ pub struct Run<'a> {
     pub options: &'a Options,
 }
 
-/// How a periodic orbit is looked for.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Shooting {
-    /// Newton's iteration for the state, of a system whose period is known because it is driven.
-    Forced {
-        /// Period.
-        period: f64,
-    },
-    /// Newton's iteration for state and period together.
-    Free {
-        /// About the period.
-        period: f64,
-    },
-    /// A run first, then Newton's iteration from where it has come.
-    Found {
-        /// How long the run is.
-        transient: f64,
-        /// How long after that a return may take.
-        longest: f64,
-    },
+/// Told of an orbit as it is made, in order of time. Each method may end the run.
+pub trait Watcher {
+    /// Whether it is told of steps; where it is not, a part of the work can be left out.
+    fn watches_steps(&self) -> bool {
+        false
+    }
+    /// After every step, with the solution over it.
+    fn step(&mut self, _step: &Step, _solution: &dyn Fn(f64) -> Vector) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+    /// After every phase.
+    fn phase(&mut self, _phase: &Phase) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+    /// At every transition, after the phase that it ends; of several contacts, once for each whose
+    /// mode changes.
+    fn transition(&mut self, _at: &Transition) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+    /// At every passage of the section.
+    fn passage(&mut self, _at: &Passage) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
 }
 
-/// A system of equations ready to be integrated. It can be shared between threads.
-pub struct Kernel {
-    dynamics: DynamicsRef<'static>,
-}
+/// Watches nothing.
+impl Watcher for () {}
 
-impl Kernel {
-    /// The kernel of these equations, with a section of their own; `None` for more states than
-    /// [`MOST_STATES`] and a parameter, or more contacts than [`MOST_CONTACTS`].
-    pub fn new(
-        equations: Equations,
-        section: Option<Section>,
-        (states, contacts): (usize, usize),
-    ) -> Option<Self> {
-        let section = OwnSection(section);
-        let size = (states, contacts);
-        let dynamics = match equations {
-            Equations::OneContact(system) => compiled::of_one_contact(*system, section, size),
-            Equations::ManyContacts(system) => compiled::of_many_contacts(system, section, size),
-        };
-        let dynamics = DynamicsRef::Owned(dynamics?);
-        Some(Kernel { dynamics })
-    }
-
-    /// Its dynamics, which the library's analyses take.
-    pub fn dynamics(&self) -> &dyn Dynamics {
-        &*self.dynamics
-    }
-
-    /// Its dynamics alone.
-    pub fn into_dynamics(self) -> DynamicsRef<'static> {
-        self.dynamics
-    }
-
-    /// Follows an orbit and tells `watcher` of it; passages of its section among the rest, if they are asked for.
-    ///
-    /// # Errors
-    /// Those of [`stickslip::run`].
-    pub fn run(
-        &self,
-        run: &Run<'_>,
-        section: Option<&Section>,
-        watcher: &mut dyn Watcher,
-    ) -> Result<Ended, Error> {
-        let start = Moment {
-            t: run.t,
-            x: Vector::from_column_slice(run.x),
-        };
-        let section = match section {
-            Some(_) => Watched::Own,
-            None => Watched::None,
-        };
-        let mut orbit = self
-            .dynamics
-            .begin(&start, run.t_end, run.options, &section)?;
-        loop {
-            let told = match orbit.step() {
-                Ok(Happening::Step) if !watcher.watches_steps() => ControlFlow::Continue(()),
-                Ok(Happening::Step) => {
-                    let (step, solution) = (orbit.last_step(), orbit.solution());
-                    watcher.step(&StepView {
-                        modes: step.mode,
-                        t_start: step.t_start,
-                        t_end: step.t_end,
-                        x_end: step.x_end.as_slice(),
-                        sample: &|t, x| x.copy_from_slice(solution(t).as_slice()),
-                    })
-                }
-                Ok(Happening::PhaseEnd(phase)) => tell_phase(&phase, watcher),
-                Ok(Happening::Passage(at)) => watcher.passage(&Passage {
-                    t: at.t,
-                    x: at.x.as_slice(),
-                    modes: at.mode,
-                    direction: at.direction,
-                }),
-                Ok(Happening::Transition(at)) => TransitionView {
-                    kind: at.kind,
-                    contact: at.contact,
-                    from: at.from,
-                    to: at.to,
-                    t: at.t,
-                    x: at.x.as_slice(),
-                    residual: at.residual,
-                }
-                .tell(watcher),
-                Ok(Happening::End(summary)) => {
-                    return Ok(Ended {
-                        ending: summary.ending,
-                        t: summary.t,
-                        x: summary.x.as_slice().to_vec(),
-                        counters: summary.counters,
-                    });
-                }
-                Err(error) => {
-                    close(&*orbit, watcher);
-                    return Err(error);
-                }
-            };
-            if told.is_break() {
-                return Ok(close(&*orbit, watcher));
+/// Follows an orbit and tells `watcher` of it, passages of the section among the rest.
+///
+/// # Errors
+/// Those of [`stickslip::run`].
+pub fn follow(
+    system: &DynamicsRef<'_>,
+    run: &Run<'_>,
+    section: &Watched,
+    watcher: &mut dyn Watcher,
+) -> Result<Summary, Error> {
+    let start = Moment {
+        t: run.t,
+        x: Vector::from_column_slice(run.x),
+    };
+    let mut orbit = system.begin(&start, run.t_end, run.options, section)?;
+    loop {
+        let told = match orbit.step() {
+            Ok(Happening::Step) if !watcher.watches_steps() => ControlFlow::Continue(()),
+            Ok(Happening::Step) => {
+                let (step, solution) = (orbit.last_step(), orbit.solution());
+                watcher.step(&step, &*solution)
             }
+            Ok(Happening::PhaseEnd(phase)) => watcher.phase(&phase),
+            Ok(Happening::Passage(at)) => watcher.passage(&at),
+            Ok(Happening::Transition(at)) => tell(at, watcher),
+            Ok(Happening::End(summary)) => return Ok(summary),
+            Err(error) => {
+                tell_last_phase(&*orbit, watcher);
+                return Err(error);
+            }
+        };
+        if told.is_break() {
+            tell_last_phase(&*orbit, watcher);
+            let Moment { t, x } = orbit.now();
+            return Ok(Summary {
+                ending: Ending::Stopped,
+                t,
+                x,
+                counters: orbit.counters(),
+            });
         }
     }
-
-    /// A periodic orbit near the start of `run`, whose end is not looked at.
-    ///
-    /// # Errors
-    /// Those of [`stickslip::analysis::periodic_orbit`] and [`stickslip::analysis::find_periodic_orbit`].
-    pub fn periodic(&self, run: &Run<'_>, shooting: Shooting) -> Result<Periodic, Error> {
-        let (system, x, options) = (&self.dynamics, run.x, run.options);
-        let orbit = match shooting {
-            Shooting::Forced { period } => periodic_orbit_forced(system, run.t, x, period, options),
-            Shooting::Free { period } => periodic_orbit(system, x, period, options),
-            Shooting::Found { transient, longest } => {
-                find_periodic_orbit(system, x, transient, longest, options)
-            }
-        }?;
-        Ok(Periodic {
-            t: orbit.t,
-            x: orbit.x.as_slice().to_vec(),
-            period: orbit.period,
-            residual: orbit.residual,
-            multipliers: multipliers(&orbit.monodromy),
-            family: orbit.family,
-        })
-    }
-
-    /// The Lyapunov spectrum of the orbit from `(t, x)`.
-    ///
-    /// # Errors
-    /// Those of [`stickslip::analysis::lyapunov_spectrum`].
-    pub fn spectrum(
-        &self,
-        t: f64,
-        x: &[f64],
-        settings: &SpectrumOptions,
-    ) -> Result<SpectrumFound, Error> {
-        let spectrum = lyapunov_spectrum(&self.dynamics, (t, x), settings)?;
-        let defect = spectrum.defect();
-        let running = spectrum.convergence.into_iter();
-        Ok(SpectrumFound {
-            convergence: running.map(|at| (at.elapsed, at.exponents)).collect(),
-            defect,
-            exponents: spectrum.exponents,
-            stick_entries: spectrum.stick_entries,
-            stick_fraction: spectrum.stick_fraction,
-            duration: spectrum.duration,
-        })
-    }
-
-    /// The attractor that the orbit from `x` at time 0 comes to; `told` puts into words what an integration failed with.
-    ///
-    /// # Errors
-    /// Those of [`stickslip::analysis::attractor`].
-    pub fn attractor(
-        &self,
-        x: &[f64],
-        settings: &RecurrenceSettings,
-        options: &Options,
-        told: &dyn Fn(&Error) -> String,
-    ) -> Result<Outcome, Error> {
-        let reached = attractor(&self.dynamics, x, settings, options)?;
-        Ok(Outcome::of(&reached, told))
-    }
-
-    /// What becomes of the attractor that the orbit from `x` comes to at the first of two values of a parameter, when the parameter goes to
-    /// the second and the state is carried on; nothing if it stays the same kind of motion.
-    ///
-    /// # Errors
-    /// Those of [`stickslip::analysis::sweep`].
-    pub fn changes(
-        &self,
-        family: &Family<'_>,
-        (from, to): (f64, f64),
-        x: &[f64],
-        settings: &SweepSettings,
-        options: &Options,
-    ) -> Result<Vec<Change>, Error> {
-        // Where there is no system, the search goes on with this one, and what it finds is not told.
-        let complete = Cell::new(true);
-        let size = (self.dynamics.states(), self.dynamics.contacts());
-        let system = |parameter| {
-            let kernel = family(parameter).and_then(|one| Kernel::new(one, None, size));
-            kernel.map_or_else(
-                || {
-                    complete.set(false);
-                    DynamicsRef::Borrowed(&*self.dynamics)
-                },
-                |kernel| kernel.dynamics,
-            )
-        };
-        let found = sweep(system, [from, to], x, settings, options)?;
-        if !complete.get() {
-            return Ok(vec![Change::Unlocated]);
-        }
-        let changes = found.changes.iter();
-        Ok(changes.map(Change::of).collect())
-    }
-
-    /// The branch of periodic orbits through the one near `x` at time 0, with a period near `period`. The last state is its parameter; `seen` gets that of
-    /// every orbit as it is found.
-    ///
-    /// # Errors
-    /// Those of [`stickslip::analysis::continue_periodic_orbit`].
-    pub fn branch(
-        &self,
-        x: &[f64],
-        period: f64,
-        upwards: bool,
-        settings: &ContinuationSettings,
-        options: &Options,
-        seen: &dyn Fn(f64),
-    ) -> Result<BranchFound, Error> {
-        let each = |point: &BranchPoint| {
-            seen(point.parameter);
-            ControlFlow::Continue(())
-        };
-        let system = &self.dynamics;
-        let found =
-            continue_periodic_orbit_while(system, x, period, upwards, settings, options, each)?;
-        Ok(BranchFound::of(&found))
-    }
-
-    /// Whether two orbits have come to the same attractor.
-    pub fn is_same_attractor(
-        &self,
-        one: &Outcome,
-        other: &Outcome,
-        settings: &RecurrenceSettings,
-        options: &Options,
-    ) -> bool {
-        one.is_same(other, &Attractors::new(&self.dynamics, settings, options))
-    }
-
-    /// Dimension of the family of periodic orbits that an attractor is one of; 0 where it is
-    /// isolated.
-    pub fn family(&self, one: &Outcome, settings: &RecurrenceSettings, options: &Options) -> usize {
-        one.family(&Attractors::new(&self.dynamics, settings, options))
-    }
 }
 
-fn tell_phase(phase: &Phase, watcher: &mut dyn Watcher) -> ControlFlow<()> {
-    watcher.phase(&PhaseView {
-        modes: phase.mode,
-        t_start: phase.t_start,
-        t_end: phase.t_end,
-        x_start: phase.x_start.as_slice(),
-        x_end: phase.x_end.as_slice(),
-    })
+/// Tells of a transition, and of what happens to each other contact whose mode changes in the same
+/// instant.
+fn tell(mut at: Transition, watcher: &mut dyn Watcher) -> ControlFlow<()> {
+    watcher.transition(&at)?;
+    let first = at.contact;
+    for (contact, (from, to)) in at.from.iter().zip(at.to.iter()).enumerate() {
+        if contact != first && from != to {
+            (at.kind, at.contact) = (TransitionKind::between(from, to), contact);
+            watcher.transition(&at)?;
+        }
+    }
+    ControlFlow::Continue(())
 }
 
 /// Where a run stops or fails, the phase under way ends, too.
-fn close(orbit: &dyn OrbitUnderWay, watcher: &mut dyn Watcher) -> Ended {
+fn tell_last_phase(orbit: &dyn OrbitUnderWay, watcher: &mut dyn Watcher) {
     if let Some(phase) = orbit.phase() {
         // The run ends whatever the watcher says.
-        let _ = tell_phase(&phase, watcher);
-    }
-    Ended {
-        ending: Ending::Stopped,
-        t: orbit.t(),
-        x: orbit.x().to_vec(),
-        counters: orbit.counters(),
+        let _ = watcher.phase(&phase);
     }
 }

@@ -1,4 +1,4 @@
-//! What an orbit has come to, without the number of states and contacts in its type, and on disk.
+//! What an orbit has come to, on disk.
 
 use serde::{Deserialize, Serialize};
 use stickslip::analysis::{Attractors, Kind, Reached};
@@ -147,7 +147,8 @@ impl Outcome {
         }
     }
 
-    pub(super) fn of(reached: &Reached, told: &dyn Fn(&Error) -> String) -> Self {
+    /// What the library has found; `told` puts into words what an integration failed with.
+    pub fn of(reached: &Reached, told: &dyn Fn(&Error) -> String) -> Self {
         let motion = Motion::of(&reached.kind, told);
         let told_by_points = motion.kind().is_some();
         let points = reached.points.iter().filter(|_| told_by_points);
@@ -176,7 +177,7 @@ impl Outcome {
     }
 
     /// Dimension of the family of periodic orbits that it is one of.
-    pub(super) fn family(&self, known: &Attractors<'_>) -> usize {
+    pub fn family(&self, known: &Attractors<'_>) -> usize {
         let kind = self.motion.kind();
         kind.map_or(0, |kind| known.family(&self.restored(kind)))
     }
@@ -209,7 +210,7 @@ impl Outcome {
     }
 
     /// Whether it is the same attractor of the system as the other.
-    pub(super) fn is_same(&self, other: &Outcome, known: &Attractors<'_>) -> bool {
+    pub fn is_same(&self, other: &Outcome, known: &Attractors<'_>) -> bool {
         match (self.motion.kind(), other.motion.kind()) {
             (Some(one), Some(two)) => known.is_same(&self.restored(one), &other.restored(two)),
             (None, None) => self.motion.word() == other.motion.word(),

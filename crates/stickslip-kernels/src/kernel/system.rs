@@ -209,6 +209,15 @@ impl<const N: usize, const M: usize> Contacts<N, M> for ManyContacts {
     }
 }
 
+/// The equations of a system of any kind.
+#[derive(Clone, Debug)]
+pub enum Equations {
+    /// Of one contact.
+    OneContact(Box<OneContact>),
+    /// Of several.
+    ManyContacts(ManyContacts),
+}
+
 /// A Poincaré section.
 #[derive(Clone, Debug)]
 pub struct Section {

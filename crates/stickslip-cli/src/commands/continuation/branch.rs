@@ -1,14 +1,16 @@
 //! The branch through an orbit, both ways.
 
+use std::ops::ControlFlow;
 use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
-use stickslip::analysis::{ContinuationSettings, Stop};
-use stickslip::{Ending, Error, Options};
-use stickslip_kernels::kernel::{
-    BranchFound, Change, Ended, Kernel, MOST_STATES, OrbitThere, Periodic, Run, SpecialKind,
-    SpecialThere,
+use stickslip::analysis::{
+    Branch as Way, BranchPoint, ContinuationSettings, PeriodicOrbit, Special, SpecialPoint, Stop,
+    continue_periodic_orbit_while,
 };
+use stickslip::dynamics::{DynamicsRef, Section, Summary, Vector};
+use stickslip::{Ending, Error, Options};
+use stickslip_kernels::kernel::{MOST_STATES, Run, Watcher, follow};
 
 use super::super::extremes::Extremes;
 use super::super::range::ParameterRange;
@@ -18,7 +20,7 @@ use stickslip_kernels::file::System;
 
 /// An orbit of the branch.
 pub(super) struct Point {
-    pub(super) orbit: OrbitThere,
+    pub(super) orbit: BranchPoint,
     /// Least and greatest value of each state on it.
     pub(super) extremes: Vec<(f64, f64)>,
 }
@@ -27,7 +29,7 @@ pub(super) struct Point {
 pub(super) struct Branch {
     pub(super) points: Vec<Point>,
     /// The special orbits, in the same order.
-    pub(super) special: Vec<SpecialThere>,
+    pub(super) special: Vec<SpecialPoint>,
     /// The orbit that the branch was begun with.
     pub(super) first: usize,
     /// Why it ends downwards and upwards.
@@ -41,7 +43,7 @@ pub(super) struct Begin<'a> {
     /// The parameter's value.
     value: f64,
     /// The system with the parameter as a state.
-    along: Kernel,
+    along: DynamicsRef<'static>,
 }
 
 impl<'a> Begin<'a> {
@@ -88,7 +90,7 @@ impl<'a> Begin<'a> {
     /// The branch through an orbit that takes so many periods of the drive, if there is one.
     pub(super) fn branch(
         &self,
-        orbit: &Periodic,
+        orbit: &PeriodicOrbit,
         periods: Option<u32>,
         settings: &ContinuationSettings,
         options: &Options,
@@ -98,22 +100,23 @@ impl<'a> Begin<'a> {
             forced: periods.map(|_| orbit.period),
             ..*settings
         };
-        let mut x = self.at_zero(orbit, options)?;
-        x.push(self.value);
+        let x = self.at_zero(orbit, options)?;
+        let x = [x.as_slice(), &[self.value]].concat();
         let far = Mutex::new([(0_usize, self.value); 2]);
         let way = |upwards| {
-            let seen = |parameter: f64| {
+            let seen = |at: &BranchPoint| {
                 let mut far = far.lock().unwrap_or_else(PoisonError::into_inner);
                 let (orbits, place) = &mut far[usize::from(upwards)];
-                (*orbits, *place) = (*orbits + 1, parameter);
+                (*orbits, *place) = (*orbits + 1, at.parameter);
                 let [down, up] = far.map(|(orbits, place)| format!("{orbits} to {place:.6}"));
                 status.set(format!(
                     "following the branch, orbits to {}: down {down}, up {up}",
                     self.range.name
                 ));
+                ControlFlow::Continue(())
             };
-            let along = &self.along;
-            along.branch(&x, orbit.period, upwards, &settings, options, &seen)
+            let (along, period) = (&self.along, orbit.period);
+            continue_periodic_orbit_while(along, &*x, period, upwards, &settings, options, seen)
         };
         let (down, up) = rayon::join(|| way(false), || way(true));
         let (mut down, mut up) = (down?, up?);
@@ -127,7 +130,7 @@ impl<'a> Begin<'a> {
     }
 
     /// A state of the orbit at a time that is a multiple of its period: there the clock of the branch begins.
-    fn at_zero(&self, orbit: &Periodic, options: &Options) -> Result<Vec<f64>, Failure> {
+    fn at_zero(&self, orbit: &PeriodicOrbit, options: &Options) -> Result<Vector, Failure> {
         let behind = orbit.t.rem_euclid(orbit.period);
         let t_end = orbit.t + (orbit.period - behind);
         // What is behind by rounding may be a whole period, or none.
@@ -136,34 +139,28 @@ impl<'a> Begin<'a> {
         }
         let run = Run {
             t: orbit.t,
-            x: &orbit.x,
+            x: orbit.x.as_slice(),
             t_end,
             options,
         };
-        let ended = self.system.kernel().run(&run, None, &mut ())?;
-        whole(&ended, orbit.period)?;
+        let ended = whole(self.system, &run, orbit.period, &mut ())?;
         Ok(ended.x)
     }
 
     /// Both ways as one, in the time of the file and with how far each orbit goes.
-    fn joined(
-        &self,
-        down: BranchFound,
-        up: BranchFound,
-        options: &Options,
-    ) -> Result<Branch, Failure> {
+    fn joined(&self, down: Way, up: Way, options: &Options) -> Result<Branch, Failure> {
         // The first orbit is on both.
         let first = down.points.len().saturating_sub(1);
-        let mut orbits: Vec<OrbitThere> = down.points.into_iter().skip(1).rev().collect();
+        let mut orbits: Vec<BranchPoint> = down.points.into_iter().skip(1).rev().collect();
         orbits.extend(up.points);
-        let mut special: Vec<SpecialThere> = down.special.into_iter().rev().collect();
+        let mut special: Vec<SpecialPoint> = down.special.into_iter().rev().collect();
         for at in &mut special {
             at.behind = (first + 1).saturating_sub(at.behind);
-            if let SpecialKind::Sequence(Change::Sequence { before, after, .. }) = &mut at.what {
-                std::mem::swap(before, after);
+            if let Special::Sequence(change) = &mut at.what {
+                std::mem::swap(&mut change.before, &mut change.after);
             }
         }
-        special.extend(up.special.into_iter().map(|at| SpecialThere {
+        special.extend(up.special.into_iter().map(|at| SpecialPoint {
             behind: at.behind + first,
             ..at
         }));
@@ -176,10 +173,10 @@ impl<'a> Begin<'a> {
             at.parameter = within(at.parameter);
             let pace = self.pace(at.parameter)?;
             at.period *= pace;
-            at.x.truncate(self.system.states());
-            if let SpecialKind::Sequence(Change::Sequence { period, x, .. }) = &mut at.what {
-                *period *= pace;
-                x.truncate(self.system.states());
+            at.x = self.states_of(&at.x);
+            if let Special::Sequence(change) = &mut at.what {
+                change.period *= pace;
+                change.x = self.states_of(&change.x);
             }
         }
         let points = orbits
@@ -202,25 +199,29 @@ impl<'a> Begin<'a> {
         Ok(there.built.period.map_or(1.0, |there| there / here))
     }
 
-    fn point(&self, orbit: OrbitThere, options: &Options) -> Result<Point, Failure> {
+    /// What is the system's own of a state with the parameter behind it.
+    fn states_of(&self, x: &Vector) -> Vector {
+        x.rows(0, self.system.states()).into_owned()
+    }
+
+    fn point(&self, orbit: BranchPoint, options: &Options) -> Result<Point, Failure> {
         let pace = self.pace(orbit.parameter)?;
-        let mut orbit = OrbitThere {
+        let orbit = BranchPoint {
             t: orbit.t * pace,
+            x: self.states_of(&orbit.x),
             period: orbit.period * pace,
             ..orbit
         };
-        orbit.x.truncate(self.system.states());
         let system = self.range.system(self.system, orbit.parameter)?;
         let t_end = orbit.t + orbit.period;
         let once = Run {
             t: orbit.t,
-            x: &orbit.x,
+            x: orbit.x.as_slice(),
             t_end,
             options,
         };
-        let mut extremes = Extremes::from(&orbit.x);
-        let ended = system.kernel().run(&once, None, &mut extremes)?;
-        whole(&ended, orbit.period)?;
+        let mut extremes = Extremes::from(once.x);
+        whole(&system, &once, orbit.period, &mut extremes)?;
         Ok(Point {
             extremes: extremes.found(),
             orbit,
@@ -228,10 +229,16 @@ impl<'a> Begin<'a> {
     }
 }
 
-/// Whether a run over a period has come to its end.
-fn whole(ended: &Ended, period: f64) -> Result<(), Error> {
+/// Follows an orbit to the end of its period.
+fn whole(
+    system: &System,
+    run: &Run<'_>,
+    period: f64,
+    watcher: &mut dyn Watcher,
+) -> Result<Summary, Error> {
+    let ended = follow(system.dynamics(), run, &Section::None, watcher)?;
     match ended.ending {
-        Ending::EndTime => Ok(()),
+        Ending::EndTime => Ok(ended),
         _ => Err(Error::NotFound {
             what: "the end of the period",
             t: ended.t,
@@ -241,7 +248,7 @@ fn whole(ended: &Ended, period: f64) -> Result<(), Error> {
 }
 
 /// Leaves of one way only where it begins.
-fn only_begun(way: &mut BranchFound) {
+fn only_begun(way: &mut Way) {
     way.points.truncate(1);
     way.special.clear();
     way.stop = Stop::Closed;

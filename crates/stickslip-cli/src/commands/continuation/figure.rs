@@ -4,8 +4,7 @@ use plot::{
     BLACK, BLUE, Color, Curve, Dash, Figure, GREEN, Guide, Legend, Markers, ORANGE, PURPLE, Panel,
     Shape, VERMILLION,
 };
-use stickslip::analysis::{Stability, Stop};
-use stickslip_kernels::kernel::{SpecialKind, SpecialThere};
+use stickslip::analysis::{Special, SpecialPoint, Stability, Stop};
 
 use super::super::figures;
 use super::super::range::ParameterRange;
@@ -126,13 +125,13 @@ const SPECIAL: [&str; 5] = [
 ];
 
 /// The mark of a special orbit, as the legend has it.
-fn mark(kind: &SpecialKind) -> (&'static str, Color, Shape) {
+fn mark(kind: &Special) -> (&'static str, Color, Shape) {
     match kind {
-        SpecialKind::Fold => (SPECIAL[0], BLACK, Shape::Circle),
-        SpecialKind::BranchPoint => (SPECIAL[1], PURPLE, Shape::Up),
-        SpecialKind::Flip => (SPECIAL[2], GREEN, Shape::Diamond),
-        SpecialKind::NeimarkSacker { .. } => (SPECIAL[3], VERMILLION, Shape::Down),
-        SpecialKind::Sequence(_) => (SPECIAL[4], ORANGE, Shape::Square),
+        Special::Fold => (SPECIAL[0], BLACK, Shape::Circle),
+        Special::BranchPoint => (SPECIAL[1], PURPLE, Shape::Up),
+        Special::Flip => (SPECIAL[2], GREEN, Shape::Diamond),
+        Special::NeimarkSacker { .. } => (SPECIAL[3], VERMILLION, Shape::Down),
+        Special::Sequence(_) => (SPECIAL[4], ORANGE, Shape::Square),
     }
 }
 
@@ -185,10 +184,10 @@ fn ends(range: &ParameterRange, branch: &Branch) -> (f64, f64) {
 }
 
 /// Where a special orbit is on the curve of a value: between its neighbours. Where stability changes by a multiplier, its size is 1.
-fn place(branch: &Branch, at: &SpecialThere, value: Value, is_size: bool) -> (f64, f64) {
-    let stability = |k: usize| branch.points.get(k).map(|point| point.orbit.stability);
+fn place(branch: &Branch, at: &SpecialPoint, value: Value, is_size: bool) -> (f64, f64) {
+    let stability = |k: usize| branch.points.get(k).map(|point| point.orbit.stability());
     let changes = at.behind.checked_sub(1).and_then(stability) != stability(at.behind);
-    if is_size && changes && !matches!(at.what, SpecialKind::Sequence(_)) {
+    if is_size && changes && !matches!(at.what, Special::Sequence(_)) {
         return (at.parameter, 1.0);
     }
     let orbit = |k: usize| {
@@ -202,7 +201,7 @@ fn place(branch: &Branch, at: &SpecialThere, value: Value, is_size: bool) -> (f6
         (Some(a), Some(b)) => {
             let [from, to] = [a.0, b.0].map(|parameter| (parameter - at.parameter).abs());
             // A fold lies beyond both; along the branch the parameter goes there like a square.
-            let is_fold = matches!(at.what, SpecialKind::Fold);
+            let is_fold = matches!(at.what, Special::Fold);
             let [from, to] = [from, to].map(|way| if is_fold { way.sqrt() } else { way });
             let part = if from + to > 0.0 {
                 from / (from + to)
@@ -221,7 +220,7 @@ fn runs(branch: &Branch, value: Value, is_size: bool) -> Vec<(Stability, Vec<(f6
     let mut runs: Vec<(Stability, Vec<(f64, f64)>)> = Vec::new();
     for (k, at) in branch.points.iter().enumerate() {
         let here = (at.orbit.parameter, value(at));
-        let stability = at.orbit.stability;
+        let stability = at.orbit.stability();
         let special = branch.special.iter().filter(|at| at.behind == k);
         let between: Vec<_> = special
             .map(|at| place(branch, at, value, is_size))

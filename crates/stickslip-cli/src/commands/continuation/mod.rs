@@ -7,9 +7,9 @@ use std::f64::consts::TAU;
 use std::num::NonZeroUsize;
 
 use serde_json::{Value, json};
-use stickslip::analysis::{ContinuationSettings, Stop};
+use stickslip::analysis::{ContinuationSettings, Special, SpecialPoint, Stop};
 use stickslip_kernels::file::System;
-use stickslip_kernels::kernel::{SpecialKind, SpecialThere};
+use stickslip_kernels::kernel::Change;
 
 use super::arguments::{Ready, RunArguments, count};
 use super::attractors::family_words;
@@ -82,7 +82,7 @@ fn found(arguments: &Arguments, ready: &Ready) -> Result<Report, Failure> {
         .field("family_dimension", orbit.family);
     if let Some(Point { orbit, .. }) = points.get(branch.first) {
         let [at, period] = [orbit.parameter, orbit.period].map(rounded);
-        let (stability, phases) = (orbit.stability, sequence(&orbit.phases));
+        let (stability, phases) = (orbit.stability(), sequence(&orbit.sequence));
         report.note(format!(
             "begun at {name} = {at}: period {period}, {stability}, phases {phases}  (- below, + above, S stick)"
         ));
@@ -108,7 +108,7 @@ fn found(arguments: &Arguments, ready: &Ready) -> Result<Report, Failure> {
     let mut objects = Vec::new();
     for ((last, end), way) in last.into_iter().zip(&ends).zip(["downwards", "upwards"]) {
         if let Some(Point { orbit, .. }) = last {
-            let (stability, at, words) = (orbit.stability, rounded(orbit.parameter), &end.words);
+            let (stability, at, words) = (orbit.stability(), rounded(orbit.parameter), &end.words);
             report.note(format!(
                 "begun {way}, {stability} at its last orbit ({name} = {at}), it ends {words}"
             ));
@@ -138,55 +138,52 @@ fn found(arguments: &Arguments, ready: &Ready) -> Result<Report, Failure> {
     Ok(report)
 }
 
-/// What a special orbit is called.
-fn what(kind: &SpecialKind) -> String {
-    match kind {
-        SpecialKind::Fold => "fold".to_owned(),
-        SpecialKind::BranchPoint => "branch point".to_owned(),
-        SpecialKind::Flip => "flip".to_owned(),
-        SpecialKind::NeimarkSacker { .. } => "Neimark-Sacker".to_owned(),
-        SpecialKind::Sequence(change) => changes::name(change),
-    }
-}
-
-/// A special orbit in words.
-fn words(at: &SpecialThere, system: &System) -> String {
+/// The change of the phases at a special orbit, if it is one.
+fn change(at: &SpecialPoint) -> Option<Change> {
     match &at.what {
-        kind @ SpecialKind::NeimarkSacker { angle } => {
-            format!("{}, angle {}", what(kind), rounded(*angle))
-        }
-        SpecialKind::Sequence(change) => {
-            let name = changes::words(system, change);
-            match changes::phases(change) {
-                Some([before, after]) if !before.is_empty() && !after.is_empty() => {
-                    format!("{name}, between phases {before} and {after}")
-                }
-                _ => name,
-            }
-        }
-        kind => what(kind),
-    }
-}
-
-fn angle(at: &SpecialThere) -> Option<f64> {
-    match at.what {
-        SpecialKind::NeimarkSacker { angle } => Some(angle),
+        Special::Sequence(change) => Some(Change::from(&**change)),
         _ => None,
     }
 }
 
-fn json(at: &SpecialThere, system: &System) -> Value {
-    let change = match &at.what {
-        SpecialKind::Sequence(change) => changes::json(system, change),
-        _ => Value::Null,
+/// What a special orbit is called.
+fn what(at: &SpecialPoint) -> String {
+    change(at).map_or_else(|| at.what.to_string(), |change| changes::name(&change))
+}
+
+/// A special orbit in words.
+fn words(at: &SpecialPoint, system: &System) -> String {
+    if let Some(angle) = angle(at) {
+        return format!("{}, angle {}", what(at), rounded(angle));
+    }
+    let Some(change) = change(at) else {
+        return what(at);
     };
+    let name = changes::words(system, &change);
+    match changes::phases(&change) {
+        Some([before, after]) if !before.is_empty() && !after.is_empty() => {
+            format!("{name}, between phases {before} and {after}")
+        }
+        _ => name,
+    }
+}
+
+fn angle(at: &SpecialPoint) -> Option<f64> {
+    match at.what {
+        Special::NeimarkSacker { angle } => Some(angle),
+        _ => None,
+    }
+}
+
+fn json(at: &SpecialPoint, system: &System) -> Value {
+    let change = change(at).map(|change| changes::json(system, &change));
     json!({
         "parameter": at.parameter,
         "uncertainty": at.uncertainty,
-        "what": what(&at.what),
+        "what": what(at),
         "behind": at.behind,
         "period": at.period,
-        "x": at.x,
+        "x": at.x.as_slice(),
         "angle": angle(at),
         "change": change,
     })
@@ -333,22 +330,21 @@ struct Row {
 }
 
 impl Row {
-    fn of(at: &SpecialThere, system: &System) -> Self {
-        let change = match &at.what {
-            SpecialKind::Sequence(change) => Some(change),
-            _ => None,
-        };
-        let contacts = change.map(|change| changes::contacts(system, change));
+    fn of(at: &SpecialPoint, system: &System) -> Self {
+        let change = change(at);
+        let contacts = change
+            .as_ref()
+            .map(|change| changes::contacts(system, change));
         Row {
             behind: at.behind,
             parameter: at.parameter,
-            what: what(&at.what),
+            what: what(at),
             contacts: contacts.unwrap_or_default(),
             angle: angle(at),
             uncertainty: Some(at.uncertainty),
-            phases: change.and_then(changes::phases),
+            phases: change.as_ref().and_then(changes::phases),
             period: Some(at.period),
-            x: at.x.clone(),
+            x: at.x.as_slice().to_vec(),
         }
     }
 }
@@ -380,8 +376,8 @@ fn columns<'a>(system: &System, parameter: &str, points: &[Point]) -> Table<'a, 
     Table::new()
         .column(parameter, |at: &&Point| at.orbit.parameter)
         .column("period", |at| at.orbit.period)
-        .column("stability", |at| at.orbit.stability.to_string())
-        .column("phases", |at| sequence(&at.orbit.phases))
+        .column("stability", |at| at.orbit.stability().to_string())
+        .column("phases", |at| sequence(&at.orbit.sequence))
         .column("t", |at| at.orbit.t)
         .state(system, "", |at| at.orbit.x.clone())
         .many("extremes", ends.collect(), Vec::new(), |at| -> Vec<f64> {

@@ -8,6 +8,7 @@ mod rest;
 mod special;
 mod walk;
 
+use std::fmt;
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 
@@ -123,6 +124,18 @@ pub enum Special {
     },
     /// The phases change.
     Sequence(Box<SequenceChange>),
+}
+
+impl fmt::Display for Special {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Special::Fold => f.write_str("fold"),
+            Special::BranchPoint => f.write_str("branch point"),
+            Special::Flip => f.write_str("flip"),
+            Special::NeimarkSacker { .. } => f.write_str("Neimark-Sacker"),
+            Special::Sequence(change) => change.bifurcation.fmt(f),
+        }
+    }
 }
 
 /// A special orbit on a branch.
