@@ -306,7 +306,8 @@ where
         let Timed { t, x } = self.timed(start);
         Ok(Run {
             of: self,
-            integration: Integration::new(self.system, t, x, t_end, options)?,
+            integration: Integration::new(self.system, t, x, t_end, options)?
+                .of_states(self.states),
             options: *options,
             search: None,
             reported: 0,
@@ -592,6 +593,7 @@ where
             t: step.t_start,
             x: self.of.state(step.x_start.as_slice()),
             h: step.t_end - step.t_start,
+            states: self.of.states,
         };
         let vector = self.of.state(vector.as_slice());
         let tolerance = how.tolerance;
@@ -694,6 +696,8 @@ struct Piece<const N: usize> {
     t: f64,
     x: State<N>,
     h: f64,
+    /// States of the system.
+    states: usize,
 }
 
 /// A tangent vector to be carried over a piece by method `M`: the piece is run again on dual
@@ -762,7 +766,7 @@ fn advanced<M: RungeKutta, F: Flow<N>, const N: usize>(
         rtol: 0.0,
         atol: tolerance * size,
     };
-    let error = squared_error::<M, N>(&of_vector, vector, piece.h, &allowed);
+    let error = squared_error::<M, N>(&of_vector, vector, piece.h, (&allowed, piece.states));
     // Not a number where the piece is so long that its stages overflow.
     if error <= SLACK * SLACK {
         return end;

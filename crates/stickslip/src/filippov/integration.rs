@@ -112,6 +112,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
         system.check(&start, t_end, options)?;
         let mut run = Run {
             options: *options,
+            states: N,
             counters: Counters::default(),
             pile_up: PileUp::new(),
             t_end,
@@ -140,6 +141,12 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
             last_mode: mode,
             due,
         })
+    }
+
+    /// Of a system with fewer states than its type has room for.
+    pub(crate) fn of_states(mut self, states: usize) -> Self {
+        self.run.states = states;
+        self
     }
 
     /// Takes the next step and says so, or says what the last one has led to, one thing a call: the end of a phase, then the

@@ -18,6 +18,8 @@ pub(crate) const SHORTEST: f64 = 4.0 * f64::EPSILON;
 /// What a run carries from step to step, whatever makes the steps.
 pub struct Run<const N: usize, const G: usize> {
     pub options: Options,
+    /// How many of the type's states the system has.
+    pub states: usize,
     pub counters: Counters,
     pub pile_up: PileUp<N>,
     pub t_end: f64,
@@ -91,7 +93,14 @@ impl<const N: usize, const G: usize> Run<N, G> {
             return step.min(longest);
         }
         // A state that is nearly zero asks for less than moves the time, though nothing is singular there.
-        let chosen = first_step(field, t, x, slope, &self.options.tolerance(), longest);
+        let chosen = first_step(
+            field,
+            t,
+            x,
+            slope,
+            (&self.options.tolerance(), self.states),
+            longest,
+        );
         chosen.max(2.0 * SHORTEST * t.abs())
     }
 

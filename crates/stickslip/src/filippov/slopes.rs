@@ -182,7 +182,7 @@ impl<const N: usize, const G: usize> Run<N, G> {
             }
             let step = stages::<M, f64, _>(field, t, &x, slope, h);
             self.counters.field_calls += flow.field_calls() * (M::COEFFICIENTS.stages as u64 - 1);
-            let error = squared_error::<M, N>(&step, &x, h, &tolerance);
+            let error = squared_error::<M, N>(&step, &x, h, (&tolerance, self.states));
             if self.options.fixed_step().is_some() {
                 if error.is_finite() {
                     return Ok((h, is_last, true, step));

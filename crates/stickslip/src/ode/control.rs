@@ -28,7 +28,8 @@ const SHRINK_MOST: f64 = 0.333;
 const GROW_MOST: f64 = 6.0;
 const SAFETY: f64 = 0.9;
 
-/// Square of the error of a step in units of the tolerance: at most 1 is good. Not finite where the step is not.
+/// Square of the error of a step in units of the tolerance: at most 1 is good. Not finite where the step is not. It is the mean over so many states;
+/// further ones, which only fill up the type, are zero.
 ///
 /// The square, because the next step waits for it and a root would take as long as two calls of a small field. DOP853's combination of its estimates of orders 5 and 3 (Hairer, Nørsett & Wanner, Eq. II.10.17).
 #[inline(always)]
@@ -36,7 +37,7 @@ pub(crate) fn squared_error<M: RungeKutta, const N: usize>(
     step: &Stages<State<N>>,
     x0: &State<N>,
     h: f64,
-    tolerance: &Tolerance,
+    (tolerance, states): (&Tolerance, usize),
 ) -> f64 {
     let Some(embedded) = &M::EMBEDDED else {
         // A method without an estimate takes every finite step.
@@ -65,7 +66,7 @@ pub(crate) fn squared_error<M: RungeKutta, const N: usize>(
         };
     }
     let along = h * sum5;
-    along * (along / (denominator * N as f64))
+    along * (along / (denominator * states as f64))
 }
 
 /// Factor by which the step changes after a step of this squared error: about `0.9 · error^(-1/8)`, within bounds.
@@ -91,7 +92,7 @@ pub(crate) fn first_step<const N: usize>(
     t: f64,
     x: &State<N>,
     slope: &State<N>,
-    tolerance: &Tolerance,
+    (tolerance, states): (&Tolerance, usize),
     longest: f64,
 ) -> f64 {
     let norm = |v: &State<N>| {
@@ -100,7 +101,7 @@ pub(crate) fn first_step<const N: usize>(
             let q = v[i] / tolerance.scale(x[i].abs());
             sum += q * q;
         }
-        (sum / N as f64).sqrt()
+        (sum / states as f64).sqrt()
     };
     let (size, speed) = (norm(x), norm(slope));
     let guess = if size < 1e-5 || speed < 1e-5 {

@@ -223,7 +223,7 @@ mod tests {
             let mut h = 4.0;
             let mut step = loop {
                 let step = stages::<Dop853, f64, _>(&mut field, 0.0, &x, slope, h);
-                if squared_error::<Dop853, 2>(&step, &x, h, &tolerance) <= 1.0 {
+                if squared_error::<Dop853, 2>(&step, &x, h, (&tolerance, 2)) <= 1.0 {
                     break step;
                 }
                 h *= 0.9;

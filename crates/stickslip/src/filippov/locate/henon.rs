@@ -122,7 +122,7 @@ mod tests {
         let mut h = 8.0;
         loop {
             let step = stages::<Dop853, f64, _>(&mut field, from.t, &from.x, slope, h);
-            if squared_error::<Dop853, 2>(&step, &from.x, h, &tolerance) <= 1.0 {
+            if squared_error::<Dop853, 2>(&step, &from.x, h, (&tolerance, 2)) <= 1.0 {
                 return h;
             }
             h *= 0.9;
