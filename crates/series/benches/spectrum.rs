@@ -1,5 +1,5 @@
-//! Speed of the spectrum from a series: 45001 points in four columns, all of them reference points, on one thread and on
-//! two.
+//! Speed of the spectrum from a series: 45001 points in four columns, all of them reference points,
+//! on one thread and on two.
 
 use std::hint::black_box;
 use std::time::Duration;
@@ -11,7 +11,8 @@ use stickslip_series::{DataSettings, Series, data_spectrum};
 const POINTS: usize = 45_001;
 const DT: f64 = 0.2;
 
-/// A torus in four dimensions whose fast angle is the sum of two: some seventy points in a ball of a tenth of the spread.
+/// A torus in four dimensions whose fast angle is the sum of two: some seventy points in a ball of
+/// a tenth of the spread.
 fn series() -> Option<Series> {
     let rows = (0..POINTS).map(|i| {
         let (a, b) = (DT * i as f64, 1.618_033_988_749_895 * DT * i as f64);

@@ -7,13 +7,15 @@ use super::neighbours::Neighbour;
 use super::polynomial::Polynomial;
 use super::svd::{dot, reflect_below};
 
-/// A column of which less than this part is left by those before it is a combination of them: the default of the rank tolerance.
+/// A column of which less than this part is left by those before it is a combination of them: the
+/// default of the rank tolerance.
 const DEPENDENT: f64 = 1e-10;
 /// Rows are filled up with zeros, which change no sum, so that no vector is broken.
 const VECTOR: usize = 4;
 
-/// Adds neighbours to a triangle, by reflections that take their rows to zero, and returns the sum of squares of what is left of their images.
-/// A column that depends on those before it gets a zero corner and is passed over.
+/// Adds neighbours to a triangle, by reflections that take their rows to zero, and returns the sum
+/// of squares of what is left of their images. A column that depends on those before it gets a zero
+/// corner and is passed over.
 pub(crate) struct Absorb<'a> {
     /// Components of the images that are fitted.
     pub(crate) fitted: &'a [usize],
@@ -82,7 +84,8 @@ impl Absorb<'_> {
     }
 }
 
-/// With the machine's vectors, which change no bit: the partial sums of [`dot`] are lanes of one vector.
+/// With the machine's vectors, which change no bit: the partial sums of [`dot`] are lanes of one
+/// vector.
 impl NullaryFnOnce for Absorb<'_> {
     type Output = f64;
 

@@ -4,7 +4,8 @@ use std::f64::consts::FRAC_2_PI;
 
 use super::chain::Stretch;
 
-/// Blocks the reference points are divided into for the standard error: of so many it is 4 % wider than of any number.
+/// Blocks the reference points are divided into for the standard error: of so many it is 4 % wider
+/// than of any number.
 const BLOCKS: usize = 32;
 /// Fewest reference points of a block.
 const SHORTEST_BLOCK: usize = 10;
@@ -18,7 +19,8 @@ pub(crate) struct Average {
     pub(crate) mean: f64,
     /// Standard error from the means over blocks of time; NaN for fewer than two blocks.
     pub(crate) stderr: f64,
-    /// The same without regard to how few the blocks are: what a difference is measured by that is not told by scatter.
+    /// The same without regard to how few the blocks are: what a difference is measured by that is
+    /// not told by scatter.
     pub(crate) scatter: f64,
     /// Steps in which the direction was annihilated.
     pub(crate) collapses: usize,
@@ -45,7 +47,8 @@ impl Sum {
     }
 }
 
-/// Averages over the stretchings of all reference points in the order of time, each over the time `tau`.
+/// Averages over the stretchings of all reference points in the order of time, each over the time
+/// `tau`.
 pub(crate) fn averages(stretches: &[Stretch], columns: usize, tau: f64) -> Vec<Average> {
     (0..columns)
         .map(|position| average(stretches, position, tau))
@@ -100,8 +103,9 @@ pub(crate) fn volume(stretches: &[Stretch], dimension: usize, tau: f64) -> Avera
     average(&volumes.collect::<Vec<_>>(), 0, tau)
 }
 
-/// Standard error of the mean from the scatter of the means of blocks, and how many times it is widened. Fewer than [`BLOCKS`] tell their own
-/// scatter less well: the error then is wider, so that twice as much holds the mean as often as with all of them.
+/// Standard error of the mean from the scatter of the means of blocks, and how many times it is
+/// widened. Fewer than [`BLOCKS`] tell their own scatter less well: the error then is wider, so
+/// that twice as much holds the mean as often as with all of them.
 fn block_error(blocks: impl Iterator<Item = Sum>) -> (f64, f64) {
     let means: Vec<f64> = blocks.filter(|b| b.1 > 0).map(Sum::mean).collect();
     let count = means.len() as f64;
@@ -118,8 +122,8 @@ fn block_error(blocks: impl Iterator<Item = Sum>) -> (f64, f64) {
     ((squares / (count - 1.0) / count).sqrt(), widened)
 }
 
-/// How many standard errors hold a mean as often as two do where the scatter is known exactly, if it is known from `freedom` degrees of freedom:
-/// a quantile of Student's distribution.
+/// How many standard errors hold a mean as often as two do where the scatter is known exactly, if
+/// it is known from `freedom` degrees of freedom: a quantile of Student's distribution.
 fn student(freedom: usize) -> f64 {
     const HELD: f64 = 0.954_499_736_103_641_6;
     // The probability grows from 0 to 1, and one degree of freedom needs 14.
@@ -135,11 +139,13 @@ fn student(freedom: usize) -> f64 {
     high
 }
 
-/// Probability that a quantity of Student's distribution is within `t` of zero (Abramowitz & Stegun 1964, 26.7.3 and 26.7.4).
+/// Probability that a quantity of Student's distribution is within `t` of zero (Abramowitz & Stegun
+/// 1964, 26.7.3 and 26.7.4).
 fn within(t: f64, freedom: usize) -> f64 {
     let angle = libm::atan(t / (freedom as f64).sqrt());
     let (sine, cosine) = (libm::sin(angle), libm::cos(angle));
-    // Of powers of the cosine: odd ones for an odd number of degrees of freedom, even ones for an even number.
+    // Of powers of the cosine: odd ones for an odd number of degrees of freedom, even ones for an
+    // even number.
     let odd = freedom % 2;
     let mut term = if odd == 1 { cosine } else { 1.0 };
     let mut sum = 0.0;

@@ -53,8 +53,8 @@ impl Chains {
         }
     }
 
-    /// Takes the vectors through the map of the next reference point. They begin with the directions of the neighbourhood, so that
-    /// undetermined ones come last.
+    /// Takes the vectors through the map of the next reference point. They begin with the
+    /// directions of the neighbourhood, so that undetermined ones come last.
     pub(crate) fn push(&mut self, map: &LocalMap, directions: &Matrix) {
         let i = self.stretches.len();
         if i < self.count {
@@ -67,11 +67,13 @@ impl Chains {
     }
 }
 
-/// Takes orthonormal vectors (the first `width` rows of `basis`) through a map and makes them orthonormal again, in the memory of `next`.
+/// Takes orthonormal vectors (the first `width` rows of `basis`) through a map and makes them
+/// orthonormal again, in the memory of `next`.
 ///
-/// A vector of which nothing is left after the map, or nothing that is independent of those before it, goes to the end and is
-/// replaced by one orthogonal to all others. Positions are thus in the order of exponents also when the map is singular,
-/// and the product never contains the rounding error of a vector that vanished.
+/// A vector of which nothing is left after the map, or nothing that is independent of those before
+/// it, goes to the end and is replaced by one orthogonal to all others. Positions are thus in the
+/// order of exponents also when the map is singular, and the product never contains the rounding
+/// error of a vector that vanished.
 fn advance(
     map: &LocalMap,
     directions: &Matrix,
@@ -125,10 +127,10 @@ fn advance(
 
 /// Turns the vectors into the space that the map is determined in, without shortening them.
 ///
-/// The images of the last neighbourhood and the points of this one span the same tangent space, but for the error of either;
-/// a projection from the one onto the other would lose the cosine of the angle at every step, which adds up to a
-/// negative contribution that grows with the sampling rate. The rotation nearest to the projection (its orthogonal polar factor)
-/// loses nothing.
+/// The images of the last neighbourhood and the points of this one span the same tangent space, but
+/// for the error of either; a projection from the one onto the other would lose the cosine of the
+/// angle at every step, which adds up to a negative contribution that grows with the sampling rate.
+/// The rotation nearest to the projection (its orthogonal polar factor) loses nothing.
 fn align(basis: &mut Matrix, domain: &Matrix, width: usize) {
     let columns = basis.columns();
     let mut projection = Matrix::zeros(columns, columns);
@@ -152,8 +154,8 @@ fn align(basis: &mut Matrix, domain: &Matrix, width: usize) {
     }
 }
 
-/// Subtracts the components along orthonormal vectors, twice, so that what is left is orthogonal to rounding (Giraud,
-/// Langou and Rozložník 2005); returns its length.
+/// Subtracts the components along orthonormal vectors, twice, so that what is left is orthogonal to
+/// rounding (Giraud, Langou and Rozložník 2005); returns its length.
 fn orthogonalise<'a>(vector: &mut [f64], others: impl Iterator<Item = &'a [f64]> + Clone) -> f64 {
     for _ in 0..2 {
         for other in others.clone() {
@@ -166,8 +168,8 @@ fn orthogonalise<'a>(vector: &mut [f64], others: impl Iterator<Item = &'a [f64]>
     product(vector, vector).sqrt()
 }
 
-/// A unit vector orthogonal to so many orthonormal ones, fewer than they have components: what is left of the coordinate axis furthest from
-/// them.
+/// A unit vector orthogonal to so many orthonormal ones, fewer than they have components: what is
+/// left of the coordinate axis furthest from them.
 fn complement(others: &Matrix, count: usize) -> Vec<f64> {
     let columns = others.columns();
     let mut best = (vec![0.0; columns], 0.0);

@@ -4,13 +4,14 @@ use super::error::DataError;
 use super::matrix::{Matrix, distance2};
 use super::series::Series;
 
-/// Longest Theiler window the automatic choice makes, as a fraction of the series: four fifths of the points are left to be neighbours.
+/// Longest Theiler window the automatic choice makes, as a fraction of the series: four fifths of
+/// the points are left to be neighbours.
 const LONGEST_WINDOW: usize = 10;
 /// Terms in the estimate of an autocorrelation, whose standard error is then 1/64.
 const TERMS: usize = 4096;
 
-/// The points, divided by a power of two near their extent. Exponents do not change by that, and no square over- or
-/// underflows whatever the unit of the data.
+/// The points, divided by a power of two near their extent. Exponents do not change by that, and no
+/// square over- or underflows whatever the unit of the data.
 pub(crate) struct Cloud {
     pub(crate) points: Matrix,
     /// What the points were divided by.
@@ -68,8 +69,8 @@ impl Cloud {
         })
     }
 
-    /// The first lag at which the autocorrelation of the series, all columns together, is below 1/e, or the longest that is looked
-    /// at.
+    /// The first lag at which the autocorrelation of the series, all columns together, is below
+    /// 1/e, or the longest that is looked at.
     pub(crate) fn decorrelation(&self) -> usize {
         let at = self.uncorrelated_at(libm::exp(-1.0));
         at.unwrap_or(self.longest_lag())
@@ -85,7 +86,8 @@ impl Cloud {
         (self.points.len() / LONGEST_WINDOW).max(1)
     }
 
-    /// The first lag at which the autocorrelation of the series, all columns together, is below the threshold, if one that is looked at is.
+    /// The first lag at which the autocorrelation of the series, all columns together, is below the
+    /// threshold, if one that is looked at is.
     pub(crate) fn uncorrelated_at(&self, threshold: f64) -> Option<usize> {
         let points = &self.points;
         let mean = mean(points);
@@ -118,7 +120,8 @@ fn mean(points: &Matrix) -> Vec<f64> {
     mean.iter().map(|sum| sum / points.len() as f64).collect()
 }
 
-/// The power of two not above `v > 0` and not below half of it, within what has an exact reciprocal.
+/// The power of two not above `v > 0` and not below half of it, within what has an exact
+/// reciprocal.
 fn power_of_two_near(v: f64) -> f64 {
     const BIAS: i32 = 1023;
     // Eleven bits of exponent follow the sign.

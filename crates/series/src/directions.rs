@@ -1,8 +1,9 @@
 //! Which directions a series has points in.
 //!
-//! Around a point of a smooth manifold of dimension m the neighbours within r lie in m directions at distances of the order of
-//! r, in further ones at r² or less, where the manifold curves, and in noise at distances that do not depend on r. The
-//! slope of `log s_i` over `log r`, with `s_i` the singular values of the neighbour matrix, tells the three apart.
+//! Around a point of a smooth manifold of dimension m the neighbours within r lie in m directions
+//! at distances of the order of r, in further ones at r² or less, where the manifold curves, and in
+//! noise at distances that do not depend on r. The slope of `log s_i` over `log r`, with `s_i` the
+//! singular values of the neighbour matrix, tells the three apart.
 
 use rayon::prelude::*;
 
@@ -15,9 +16,11 @@ use crate::statistics::{power, upper_median};
 
 /// Neighbourhoods of so many sizes are compared.
 pub const LEVELS: usize = 4;
-/// Points looked at, spread evenly over the series: the median of their slopes is known to a twentieth of the scatter.
+/// Points looked at, spread evenly over the series: the median of their slopes is known to a
+/// twentieth of the scatter.
 const SAMPLES: usize = 512;
-/// The largest neighbourhood has so many times the points of the smallest, in two dimensions four times the radius and in four twice,
+/// The largest neighbourhood has so many times the points of the smallest, in two dimensions four
+/// times the radius and in four twice,
 const RANGE: usize = 16;
 /// but not more than this part of the series.
 const LARGEST_PART: usize = 20;
@@ -33,8 +36,8 @@ const SMALLEST_SPAN: f64 = 1.2;
 pub enum Kind {
     /// They spread in proportion to the size of the neighbourhood: the manifold extends there.
     Tangent,
-    /// They leave with a higher power of the size: the manifold curves into it, and no neighbour tells what a
-    /// perturbation in that direction does.
+    /// They leave with a higher power of the size: the manifold curves into it, and no neighbour
+    /// tells what a perturbation in that direction does.
     Curvature,
     /// They spread to the same extent at all sizes.
     Noise,
@@ -61,8 +64,8 @@ pub struct Direction {
     pub kind: Kind,
     /// Median slope of the singular value over the radius, both logarithmic; NaN where it is flat.
     pub slope: f64,
-    /// Median radius and median singular value per root of the number of neighbours, in the unit of the data, at sizes from
-    /// small to large.
+    /// Median radius and median singular value per root of the number of neighbours, in the unit of
+    /// the data, at sizes from small to large.
     pub sizes: Vec<(f64, f64)>,
 }
 

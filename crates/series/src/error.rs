@@ -127,7 +127,8 @@ impl DataError {
     }
 }
 
-/// A number for messages: with an exponent where it would otherwise be a row of zeros, and zero without a sign.
+/// A number for messages: with an exponent where it would otherwise be a row of zeros, and zero
+/// without a sign.
 pub(crate) fn readable(value: f64) -> String {
     if value == 0.0 {
         "0".to_owned()

@@ -18,12 +18,15 @@ use super::series::Series;
 use super::settings::{DataSettings, Estimator, Neighbourhood};
 use super::statistics::upper_median;
 
-/// Reference points between two reports of progress. Few enough that their maps stay near the processor.
+/// Reference points between two reports of progress. Few enough that their maps stay near the
+/// processor.
 const CHUNK: usize = 512;
 
-/// What is extrapolated comes from neighbourhoods if the smaller ones are within so many times the radius given. On starts that the table of
-/// `spectrum_coverage` is not of (the seeds 1007 to 1009, up to 50000 points) the true value is within two errors of 99 % of those exponents
-/// of one column that are called ok with 1, of 96 % with 1.5, 92 % with 2 and 87 % with any; of whole states it is of 98 % with each.
+/// What is extrapolated comes from neighbourhoods if the smaller ones are within so many times the
+/// radius given. On starts that the table of `spectrum_coverage` is not of (the seeds 1007 to 1009,
+/// up to 50000 points) the true value is within two errors of 99 % of those exponents of one column
+/// that are called ok with 1, of 96 % with 1.5, 92 % with 2 and 87 % with any; of whole states it
+/// is of 98 % with each.
 const LARGE: f64 = 1.5;
 
 /// The spectrum of a series.
@@ -50,7 +53,8 @@ pub fn data_spectrum(series: &Series, settings: &DataSettings) -> Result<DataSpe
     data_spectrum_with(series, settings, &|_, _| ())
 }
 
-/// As [`data_spectrum`], calling `progress(done, total)` in between, with numbers of reference points.
+/// As [`data_spectrum`], calling `progress(done, total)` in between, with numbers of reference
+/// points.
 ///
 /// # Errors
 /// As [`data_spectrum`].
@@ -256,7 +260,8 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// The neighbourhood of Eq. (25), among others of the nearest where these are looked for anyway.
+    /// The neighbourhood of Eq. (25), among others of the nearest where these are looked for
+    /// anyway.
     fn around(&self, j: usize, found: &mut Found) -> Selection {
         let neighbours = &self.settings.neighbours;
         let from = (found.of, j);
@@ -321,7 +326,8 @@ fn references(rows: usize, settings: &DataSettings) -> usize {
     settings.references.map_or(all, |asked| asked.min(all))
 }
 
-/// The smallest neighbourhood in which directions are measured has so many points, or twice as many as there are columns.
+/// The smallest neighbourhood in which directions are measured has so many points, or twice as many
+/// as there are columns.
 const SMALLEST_LEVEL: usize = 20;
 
 /// # Errors

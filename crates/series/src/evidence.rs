@@ -10,11 +10,13 @@ const UNDETERMINED: f64 = 0.01;
 const STARVED: f64 = 0.5;
 /// With a larger residual ratio the maps predict next to nothing: about a third of the variance.
 const UNPREDICTABLE: f64 = 0.8;
-/// An estimate moves with the size of the neighbourhoods if it does by more than this part of the value,
+/// An estimate moves with the size of the neighbourhoods if it does by more than this part of the
+/// value,
 const PART: f64 = 0.05;
 /// and by more than so many standard errors of Eqs. (25) and (26), whose error holds no bias,
 const STANDARD_ERRORS: f64 = 4.0;
-/// or so many of an extrapolated one: its error holds the way to size zero, and two are to hold the true value.
+/// or so many of an extrapolated one: its error holds the way to size zero, and two are to hold the
+/// true value.
 const EXTRAPOLATED_ERRORS: f64 = 2.0;
 
 /// What is known of all exponents alike.
@@ -28,8 +30,8 @@ pub(crate) struct Evidence {
 }
 
 impl Evidence {
-    /// Puts together what is known of exponent `i`. `wide` is its estimate from neighbourhoods of twice the size, if
-    /// there is one.
+    /// Puts together what is known of exponent `i`. `wide` is its estimate from neighbourhoods of
+    /// twice the size, if there is one.
     pub(crate) fn exponent(
         &self,
         i: usize,
@@ -71,8 +73,8 @@ impl Evidence {
         }
     }
 
-    /// The first of all reasons against an exponent, the gravest first: it is none of the system's, none of the data's, none of small
-    /// neighbourhoods.
+    /// The first of all reasons against an exponent, the gravest first: it is none of the system's,
+    /// none of the data's, none of small neighbourhoods.
     fn status(
         &self,
         i: usize,
@@ -88,7 +90,8 @@ impl Evidence {
             corrected.noise[i] / self.tau > EXTRAPOLATED_ERRORS * best.stderr
         });
         let moves = match corrected {
-            // To the exponents at the larger size, and from those by the maps that judge linear ones, if these exist.
+            // To the exponents at the larger size, and from those by the maps that judge linear
+            // ones, if these exist.
             Some(corrected) => {
                 let tolerance = EXTRAPOLATED_ERRORS * corrected.zero[i].scatter;
                 let ways = [corrected.range(i), corrected.gap(i)];

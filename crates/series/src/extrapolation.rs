@@ -1,14 +1,17 @@
 //! The estimate from neighbourhoods of two sizes, extrapolated to size zero.
 //!
-//! What is left of the bias of local polynomials of degree p falls as `r^(p + 1)` where neighbourhoods are symmetric on average,
-//! with p + 1 = 2 for linear maps, and as `r²` at least for quadratic ones. From the exponents λ₁ at radius r₁ and λ₂ at r₂ the one at
-//! zero is `λ₀ = λ₁ + w (λ₁ − λ₂)` with `w = r₁²/(r₂² − r₁²)`. The same combination is made of the stretchings at every point, so that the
-//! scatter of its block means holds the correlation of the two. All of `λ₀ − λ₂` is counted as an error besides: the power of r is
-//! a law for small r, and nothing says that r is.
+//! What is left of the bias of local polynomials of degree p falls as `r^(p + 1)` where
+//! neighbourhoods are symmetric on average, with p + 1 = 2 for linear maps, and as `r²` at least
+//! for quadratic ones. From the exponents λ₁ at radius r₁ and λ₂ at r₂ the one at zero is `λ₀ = λ₁
+//! + w (λ₁ − λ₂)` with `w = r₁²/(r₂² − r₁²)`. The same combination is made of the stretchings at
+//! every point, so that the scatter of its block means holds the correlation of the two. All of `λ₀
+//! − λ₂` is counted as an error besides: the power of r is a law for small r, and nothing says that
+//! r is.
 //!
-//! Linear maps that were asked for show why: of one column of Hénon's map their second exponent is 0.09 off and hardly moves with the
-//! size, for what fits the folds badly does so at any size. Quadratic maps are fitted beside them where the points suffice, and the distance
-//! between the two is counted as an error, too.
+//! Linear maps that were asked for show why: of one column of Hénon's map their second exponent is
+//! 0.09 off and hardly moves with the size, for what fits the folds badly does so at any size.
+//! Quadratic maps are fitted beside them where the points suffice, and the distance between the two
+//! is counted as an error, too.
 
 use super::averages::{Average, averages, running, volume};
 use super::chain::{Chains, Stretch};
@@ -22,7 +25,8 @@ use super::statistics::upper_median;
 
 /// Neighbours of the smaller size for each unknown.
 const PER_UNKNOWN: usize = 3;
-/// This part of a chain is left out: its vectors begin with the directions of a neighbourhood and have to turn to those that they keep.
+/// This part of a chain is left out: its vectors begin with the directions of a neighbourhood and
+/// have to turn to those that they keep.
 const SETTLING: usize = 20;
 /// The larger size holds no more than this part of the points.
 const LARGEST_PART: usize = 20;
@@ -48,8 +52,8 @@ pub(crate) struct Plan {
 }
 
 impl Plan {
-    /// Quadratic maps where the points suffice or they are asked for, linear ones elsewhere. Where linear ones are asked for and the
-    /// points suffice for quadratic ones, these judge them.
+    /// Quadratic maps where the points suffice or they are asked for, linear ones elsewhere. Where
+    /// linear ones are asked for and the points suffice for quadratic ones, these judge them.
     pub(crate) fn new(
         cloud: &Cloud,
         settings: &DataSettings,
@@ -90,7 +94,8 @@ impl Plan {
         self.neighbours[1].max(judge)
     }
 
-    /// The maps around point `j` from its nearest neighbours; `directions` are those of the neighbourhood, the widest first.
+    /// The maps around point `j` from its nearest neighbours; `directions` are those of the
+    /// neighbourhood, the widest first.
     pub(crate) fn fit(
         &self,
         fitter: &mut Fitter<'_>,
@@ -148,7 +153,8 @@ pub(crate) struct Corrected {
     pub(crate) large: Vec<Average>,
     /// With statistical errors.
     pub(crate) zero: Vec<Average>,
-    /// Part of the neighbours' variance in each direction that is noise, by which the maps are flattened.
+    /// Part of the neighbours' variance in each direction that is noise, by which the maps are
+    /// flattened.
     pub(crate) noise: Vec<f64>,
     /// Reference points that the averages are over.
     pub(crate) counted: usize,
@@ -166,7 +172,8 @@ impl Corrected {
         self.zero[i].mean - self.large[i].mean
     }
 
-    /// From the maps that judge linear ones to size zero; 0 if there are none, NaN where they determine nothing.
+    /// From the maps that judge linear ones to size zero; 0 if there are none, NaN where they
+    /// determine nothing.
     pub(crate) fn gap(&self, i: usize) -> f64 {
         gap(&self.zero[i], self.judged.as_ref().map(|judged| &judged[i]))
     }

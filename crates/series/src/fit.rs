@@ -16,7 +16,8 @@ pub(crate) struct LocalMap {
     pub(crate) matrix: Matrix,
     /// How many directions the neighbourhood determines it in; it is zero in the others.
     pub(crate) rank: usize,
-    /// A stretching below this is nothing: the map's own uncertainty from the rounding of the data, or the tolerance.
+    /// A stretching below this is nothing: the map's own uncertainty from the rounding of the data,
+    /// or the tolerance.
     pub(crate) nothing: f64,
 }
 
@@ -44,7 +45,8 @@ pub(crate) struct Scratch {
 }
 
 impl Scratch {
-    /// The matrices of several neighbourhoods of `j` and their images, decomposed, which takes hardly longer than of one.
+    /// The matrices of several neighbourhoods of `j` and their images, decomposed, which takes
+    /// hardly longer than of one.
     pub(crate) fn decompose<const L: usize>(
         &mut self,
         cloud: &Cloud,
@@ -85,8 +87,8 @@ impl Scratch {
         decomposed
     }
 
-    /// Singular values of several neighbour matrices of `j`, each divided by the root of the number of neighbours, and what below
-    /// is zero.
+    /// Singular values of several neighbour matrices of `j`, each divided by the root of the number
+    /// of neighbours, and what below is zero.
     pub(crate) fn singular_values<const L: usize>(
         &mut self,
         cloud: &Cloud,
@@ -113,7 +115,8 @@ impl Scratch {
         })
     }
 
-    /// Writes the differences to the neighbours, column after column, and returns the number of rows (at least that of columns).
+    /// Writes the differences to the neighbours, column after column, and returns the number of
+    /// rows (at least that of columns).
     fn fill(
         &mut self,
         points: &Matrix,
@@ -132,8 +135,8 @@ impl Scratch {
     }
 }
 
-/// `x_{k + ahead} − x_{j + ahead}` of all neighbours `k`; with `centred` minus their mean, which is what a fitted
-/// constant amounts to.
+/// `x_{k + ahead} − x_{j + ahead}` of all neighbours `k`; with `centred` minus their mean, which is
+/// what a fitted constant amounts to.
 fn differences(
     points: &Matrix,
     j: usize,
@@ -163,9 +166,10 @@ fn differences(
 }
 
 impl Decomposed {
-    /// Part of the images' deviations from the image of the point that the map (without ridge) does not predict: root mean
-    /// square per degree of freedom, over the same without a map. 0 for a smooth map of small neighbourhoods, 1 if the
-    /// images have nothing to do with the points. NaN if there are no degrees of freedom to tell from.
+    /// Part of the images' deviations from the image of the point that the map (without ridge) does
+    /// not predict: root mean square per degree of freedom, over the same without a map. 0 for a
+    /// smooth map of small neighbourhoods, 1 if the images have nothing to do with the points. NaN
+    /// if there are no degrees of freedom to tell from.
     pub(crate) fn residual_ratio(&self) -> f64 {
         let (rank, columns) = (self.rank, self.images.columns());
         if self.independent <= rank {
@@ -194,7 +198,8 @@ impl Decomposed {
         image
     }
 
-    /// The least-squares map, restricted to at most the `limit` widest directions: `A = Yᵀ' U S⁻¹ Vᵀ`.
+    /// The least-squares map, restricted to at most the `limit` widest directions: `A = Yᵀ' U S⁻¹
+    /// Vᵀ`.
     pub(crate) fn map(&self, limit: usize, settings: &DataSettings) -> LocalMap {
         let Svd { s, v, .. } = &self.svd;
         let columns = v.columns();

@@ -1,5 +1,6 @@
-//! Lyapunov spectrum of a series of states, without the equations: Sano and Sawada, Phys. Rev. Lett. 55, 1082 (1985);
-//! Eckmann, Oseledets, Ruelle and Ciliberto, Phys. Rev. A 34, 4971 (1986); Eqs. (25) and (26) of the paper.
+//! Lyapunov spectrum of a series of states, without the equations: Sano and Sawada, Phys. Rev.
+//! Lett. 55, 1082 (1985); Eckmann, Oseledets, Ruelle and Ciliberto, Phys. Rev. A 34, 4971 (1986);
+//! Eqs. (25) and (26) of the paper.
 //!
 //! 1. Every point's neighbours are found, and the linear map that takes them to where they are a step later, by
 //!    least squares through an orthogonal decomposition of the neighbour matrix.
@@ -16,9 +17,11 @@
 //! 5. It is measured how much of the neighbours' motion the maps predict. Noise, and a single column of a system of more
 //!    dimensions, give exponents, too; these are [`Status::Unpredictable`].
 //!
-//! Points 1 and 2 alone are [`Estimator::SanoSawada`] ([`DataSettings::sano_sawada`]), the estimator of the paper's Figs. 10 to 12. Its
-//! value comes along with the other ([`DataExponent::sano_sawada`]). There the chain is run a second time with maps from neighbourhoods
-//! of twice the size, and an exponent that changes by much more than its standard error is [`Status::Unstable`].
+//! Points 1 and 2 alone are [`Estimator::SanoSawada`] ([`DataSettings::sano_sawada`]), the
+//! estimator of the paper's Figs. 10 to 12. Its value comes along with the other
+//! ([`DataExponent::sano_sawada`]). There the chain is run a second time with maps from
+//! neighbourhoods of twice the size, and an exponent that changes by much more than its standard
+//! error is [`Status::Unstable`].
 //!
 //! # What is extrapolated
 //! Maps are fitted as `y' = A y + Q(u, u)`, with a quadratic form of the widest directions for each component (at most 28 unknowns, so that
@@ -87,12 +90,13 @@
 //! the reference points, and [`Status::Undetermined`] if it is by those that are extrapolated only. After a collapse the lost vector is
 //! replaced by one orthogonal to the others, in the last position.
 //!
-//! A collapse is seen where the images do not differ in some direction at all, as velocities in stick. Images on a curved
-//! line lose a dimension, too, but a linear fit to them keeps the curvature and reports a strong contraction.
+//! A collapse is seen where the images do not differ in some direction at all, as velocities in
+//! stick. Images on a curved line lose a dimension, too, but a linear fit to them keeps the
+//! curvature and reports a strong contraction.
 //!
-//! An attractor that passes through stick phases regularly has fewer dimensions afterwards, too, and then the direction is not
-//! tangent anywhere: the usual verdict for such data is `unidentified`, not `annihilated`. The spectrum from the equations
-//! can tell, the data cannot.
+//! An attractor that passes through stick phases regularly has fewer dimensions afterwards, too,
+//! and then the direction is not tangent anywhere: the usual verdict for such data is
+//! `unidentified`, not `annihilated`. The spectrum from the equations can tell, the data cannot.
 //!
 //! # Same bits
 //! Maps are computed in parallel, each on its own; everything that adds up over points is sequential. Distances are compared

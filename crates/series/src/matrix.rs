@@ -4,7 +4,8 @@ use std::ops::{Index, IndexMut};
 
 use super::series::MAX_COLUMNS;
 
-/// A number for each column, and zeros behind them: what is kept of every point takes no memory of its own.
+/// A number for each column, and zeros behind them: what is kept of every point takes no memory of
+/// its own.
 pub(crate) type Row = [f64; MAX_COLUMNS];
 
 /// A matrix, `[row][column]`; of points each is a row.

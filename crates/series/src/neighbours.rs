@@ -6,8 +6,8 @@ use super::matrix::{Matrix, distance2};
 use super::settings::Neighbourhood;
 use super::tree::Tree;
 
-/// Points nearer than this fraction of the spread are the same point met again. Their difference is rounding or the
-/// tolerance of an integrator, and tells nothing of the dynamics.
+/// Points nearer than this fraction of the spread are the same point met again. Their difference is
+/// rounding or the tolerance of an integrator, and tells nothing of the dynamics.
 const REPEAT: f64 = 1e-9;
 
 /// A neighbour: squared distance and index.
@@ -74,8 +74,9 @@ impl<'c> Finder<'c> {
         })
     }
 
-    /// The neighbours of point `j` in a neighbourhood `times` the size, nearest first, and how many of them are the
-    /// neighbourhood itself. `found` are those of the point `before`, if there is one.
+    /// The neighbours of point `j` in a neighbourhood `times` the size, nearest first, and how many
+    /// of them are the neighbourhood itself. `found` are those of the point `before`, if there is
+    /// one.
     pub(crate) fn select(
         &self,
         (before, j): (Option<usize>, usize),
@@ -100,8 +101,8 @@ impl<'c> Finder<'c> {
         Selection::of(found, neighbours, spread)
     }
 
-    /// As [`Finder::nearest`], where `found` are those of the point `before`: where they have gone is no nearer than the ones that are looked
-    /// for, which makes for a short search in a flow.
+    /// As [`Finder::nearest`], where `found` are those of the point `before`: where they have gone
+    /// is no nearer than the ones that are looked for, which makes for a short search in a flow.
     pub(crate) fn follow(
         &self,
         (before, j): (Option<usize>, usize),
@@ -116,7 +117,8 @@ impl<'c> Finder<'c> {
         self.within(j, wanted, reach2.min(radius * radius), found);
     }
 
-    /// Square of the largest distance from point `j` of where neighbours are so much later; infinite if one of them is none then.
+    /// Square of the largest distance from point `j` of where neighbours are so much later;
+    /// infinite if one of them is none then.
     fn reach2(&self, j: usize, later: usize, found: &[Neighbour]) -> f64 {
         found.iter().fold(0.0, |reach: f64, &(_, k)| {
             let k = k as usize + later;
@@ -127,8 +129,8 @@ impl<'c> Finder<'c> {
         })
     }
 
-    /// The `wanted` nearest admissible points within `radius`, nearest first, equally distant ones by index. Fewer if there
-    /// are no more.
+    /// The `wanted` nearest admissible points within `radius`, nearest first, equally distant ones
+    /// by index. Fewer if there are no more.
     pub(crate) fn nearest(&self, j: usize, wanted: usize, radius: f64, found: &mut Vec<Neighbour>) {
         self.within(j, wanted, radius * radius, found);
     }
@@ -179,7 +181,8 @@ mod tests {
                     assert_eq!(found, expected, "{j} {wanted} {radius}");
                 }
             }
-            // A chain for each radius: what is followed was found within it, and is fewer than wanted where the ball holds fewer.
+            // A chain for each radius: what is followed was found within it, and is fewer than
+            // wanted where the ball holds fewer.
             for (wanted, radius) in [(30, f64::INFINITY), (30, 0.05), (30, 0.3), (3, 1.5)] {
                 let mut before = None;
                 for j in (0..cloud.points.len()).step_by(3) {
@@ -194,8 +197,8 @@ mod tests {
         }
     }
 
-    /// Stick data: one coordinate is the belt's speed, exactly, for a good part of the time; one is constant; and the other two
-    /// are rounded to a grid, so that coordinates and distances repeat.
+    /// Stick data: one coordinate is the belt's speed, exactly, for a good part of the time; one is
+    /// constant; and the other two are rounded to a grid, so that coordinates and distances repeat.
     #[test]
     fn the_tree_finds_what_brute_force_finds_on_stick_data() {
         agrees_with_brute_force((0..3000).map(|i| {
@@ -215,7 +218,8 @@ mod tests {
         agrees_with_brute_force((0..2500).map(|i| [f64::from(i % 50), f64::from(i / 50)]));
     }
 
-    /// Nine tenths of the points are one, from which there is nothing near but repeats, and which is one far neighbour from elsewhere.
+    /// Nine tenths of the points are one, from which there is nothing near but repeats, and which
+    /// is one far neighbour from elsewhere.
     #[test]
     fn the_tree_finds_what_brute_force_finds_beside_rest() {
         agrees_with_brute_force((0..3000).map(|i| {

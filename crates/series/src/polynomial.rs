@@ -1,10 +1,11 @@
 //! Local maps with the curvature taken out: polynomials of second degree.
 //!
-//! A linear map fitted to a neighbourhood of radius r is off by what the quadratic terms of the true map do to it, of the order of r
-//! where the neighbourhood is not symmetric, and on a curved attractor far more: there a direction is wide by curvature alone.
-//! A fit `y' = A y + Q(u, u)`, with u the coordinates of y along the widest directions, leaves an error of the order of r² and takes the
-//! curvature of the attractor for what it is (Bryant, Brown and Abarbanel, Phys. Rev. Lett. 65, 1523 (1990); Brown, Bryant
-//! and Abarbanel, Phys. Rev. A 43, 2787 (1991)).
+//! A linear map fitted to a neighbourhood of radius r is off by what the quadratic terms of the
+//! true map do to it, of the order of r where the neighbourhood is not symmetric, and on a curved
+//! attractor far more: there a direction is wide by curvature alone. A fit `y' = A y + Q(u, u)`,
+//! with u the coordinates of y along the widest directions, leaves an error of the order of r² and
+//! takes the curvature of the attractor for what it is (Bryant, Brown and Abarbanel, Phys. Rev.
+//! Lett. 65, 1523 (1990); Brown, Bryant and Abarbanel, Phys. Rev. A 43, 2787 (1991)).
 
 use pulp::Arch;
 
@@ -15,11 +16,11 @@ use super::neighbours::Neighbour;
 use super::series::MAX_COLUMNS;
 use super::svd::dot;
 
-/// A direction that is not tangent is left out where less than this part of the widest is left of it by the quadratic forms: what
-/// cubic terms do to such a small rest would pass for a derivative.
+/// A direction that is not tangent is left out where less than this part of the widest is left of
+/// it by the quadratic forms: what cubic terms do to such a small rest would pass for a derivative.
 const THIN: f64 = 1e-3;
-/// Most unknowns of one image's component: six columns, all their 21 forms and a constant. With more columns the forms are of the widest
-/// directions only.
+/// Most unknowns of one image's component: six columns, all their 21 forms and a constant. With
+/// more columns the forms are of the widest directions only.
 const MOST_UNKNOWNS: usize = 28;
 
 /// Degree of local maps.
@@ -62,7 +63,8 @@ impl Polynomial {
         columns + self.forms * (self.forms + 1) / 2 + usize::from(self.affine)
     }
 
-    /// With forms of all directions, or of so many of the widest that the unknowns do not become too many.
+    /// With forms of all directions, or of so many of the widest that the unknowns do not become
+    /// too many.
     pub(crate) fn quadratic(self, columns: usize) -> Self {
         let of = |forms| Self { forms, ..self };
         let widest = (0..=columns)
@@ -72,17 +74,19 @@ impl Polynomial {
     }
 }
 
-/// The linear part of a fitted polynomial. It is not determined in any direction if not in all tangent ones.
+/// The linear part of a fitted polynomial. It is not determined in any direction if not in all
+/// tangent ones.
 #[derive(Clone, Debug)]
 pub(crate) struct Derivative {
     pub(crate) map: LocalMap,
-    /// Part of the neighbours' variance in each direction that is noise, by which a slope is too small, if the noise is the same in all columns:
-    /// what the images leave unpredicted is theirs and, through the map, that of the points. NaN where there is nothing to tell it from.
+    /// Part of the neighbours' variance in each direction that is noise, by which a slope is too
+    /// small, if the noise is the same in all columns: what the images leave unpredicted is theirs
+    /// and, through the map, that of the points. NaN where there is nothing to tell it from.
     pub(crate) noise: Row,
 }
 
-/// Where the components of images come from: of delayed values, a delay ahead, all but the last are values of the point itself, and only the
-/// last is to be fitted.
+/// Where the components of images come from: of delayed values, a delay ahead, all but the last are
+/// values of the point itself, and only the last is to be fitted.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Images {
     /// The column that holds a component already.
@@ -92,7 +96,8 @@ pub(crate) struct Images {
 }
 
 impl Images {
-    /// Of points whose images come `step` later. A component is known if its column is another one so much earlier, at all points.
+    /// Of points whose images come `step` later. A component is known if its column is another one
+    /// so much earlier, at all points.
     pub(crate) fn of(points: &Matrix, step: usize) -> Self {
         let columns = points.columns();
         let is_column = |component: usize, column: usize| {
@@ -111,8 +116,9 @@ impl Images {
 pub(crate) struct Fitter<'a> {
     points: &'a Matrix,
     images: &'a Images,
-    /// Of the neighbours so far, row after row: constant, forms, coordinates along the directions, images. The linear ones come after the
-    /// forms, so that the corner of the triangle that belongs to them holds what is theirs alone.
+    /// Of the neighbours so far, row after row: constant, forms, coordinates along the directions,
+    /// images. The linear ones come after the forms, so that the corner of the triangle that
+    /// belongs to them holds what is theirs alone.
     triangle: Vec<f64>,
     /// Of the neighbours that are added, column after column.
     rows: Vec<f64>,
@@ -134,7 +140,8 @@ impl<'a> Fitter<'a> {
         }
     }
 
-    /// Fits the polynomial to the neighbours of point `j`; `directions` are those of the neighbourhood, the widest first.
+    /// Fits the polynomial to the neighbours of point `j`; `directions` are those of the
+    /// neighbourhood, the widest first.
     pub(crate) fn fit(
         &mut self,
         j: usize,
@@ -150,7 +157,8 @@ impl<'a> Fitter<'a> {
         self.extend(j, neighbours, directions, polynomial)
     }
 
-    /// Fits it to further neighbours beside those of the last call, of which the triangle holds all that is needed.
+    /// Fits it to further neighbours beside those of the last call, of which the triangle holds all
+    /// that is needed.
     pub(crate) fn extend(
         &mut self,
         j: usize,
@@ -192,7 +200,8 @@ impl<'a> Fitter<'a> {
         let first = unknowns - components;
         let columns = self.triangle.len() / unknowns;
         let at = |column: usize, row: usize| self.triangle[(first + row) * columns + column];
-        // What belongs to a component in a row: of a known one it is that of its column, along all directions.
+        // What belongs to a component in a row: of a known one it is that of its column, along all
+        // directions.
         let mut images = [[0.0; MAX_COLUMNS]; MAX_COLUMNS];
         for (component, images) in images.iter_mut().enumerate().take(components) {
             if let Some(column) = self.images.known[component] {
@@ -240,7 +249,8 @@ impl<'a> Fitter<'a> {
             .iter()
             .map(|slopes| dot(&slopes[..components], &slopes[..components]))
             .sum();
-        // Variance that the polynomial leaves of a component; NaN where there are no degrees of freedom to tell from.
+        // Variance that the polynomial leaves of a component; NaN where there are no degrees of
+        // freedom to tell from.
         let unpredicted = self.left / ((rows - unknowns) * components) as f64;
         let of_noise = unpredicted / (1.0 + carried / components as f64);
         noise.iter_mut().for_each(|part| *part *= of_noise);
@@ -273,8 +283,8 @@ mod tests {
         Fitter::new(&points, &images).fit(0, j, &directions, polynomial)
     }
 
-    /// Any quadratic map is recovered to rounding, also where the neighbours lie on a curved surface, of which a linear fit
-    /// would take the curvature for a third direction.
+    /// Any quadratic map is recovered to rounding, also where the neighbours lie on a curved
+    /// surface, of which a linear fit would take the curvature for a third direction.
     #[test]
     fn a_quadratic_map_is_recovered_from_points_on_a_curved_surface() {
         let map = |[x, y, z]: [f64; 3]| {
@@ -317,9 +327,10 @@ mod tests {
         assert_eq!(linear.map.rank, 3);
     }
 
-    /// Points and images with noise of variance σ² beside a spread of s², turned and stretched a times: its slopes come out too small by
-    /// f = σ²/(s² + σ²). What is left of a component of the images is σ² + a² s² f, which the fitted slope a (1 − f) passes for a noise of the
-    /// points that is less by a part of the order of f.
+    /// Points and images with noise of variance σ² beside a spread of s², turned and stretched a
+    /// times: its slopes come out too small by f = σ²/(s² + σ²). What is left of a component of the
+    /// images is σ² + a² s² f, which the fitted slope a (1 − f) passes for a noise of the points
+    /// that is less by a part of the order of f.
     #[test]
     fn what_is_unpredicted_shows_by_how_much_noise_flattens_a_map() {
         const COUNT: u32 = 20_000;

@@ -7,31 +7,40 @@ use super::settings::DataSettings;
 /// Whether an exponent can be had from the series.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
-    /// It belongs to a direction that the series has points in, and no sign of an error beyond the standard one was found.
+    /// It belongs to a direction that the series has points in, and no sign of an error beyond the
+    /// standard one was found.
     Ok,
-    /// It belongs to such a direction, but depends on the size of the neighbourhoods: what they do to it by the curvature of map and
-    /// attractor is not small. Extrapolated, it is at size zero another than at the larger size, by more than two statistical errors
-    /// and 5 %, or linear maps that were asked for give another than quadratic ones by as much; by [`super::Estimator::SanoSawada`] it is another with neighbourhoods of twice the size, by more than four standard errors
-    /// and 5 %.
+    /// It belongs to such a direction, but depends on the size of the neighbourhoods: what they do
+    /// to it by the curvature of map and attractor is not small. Extrapolated, it is at size zero
+    /// another than at the larger size, by more than two statistical errors and 5 %, or linear maps
+    /// that were asked for give another than quadratic ones by as much; by
+    /// [`super::Estimator::SanoSawada`] it is another with neighbourhoods of twice the size, by
+    /// more than four standard errors and 5 %.
     Unstable,
-    /// It belongs to such a direction, but at more than half of the reference points the ball held too few neighbours and the
-    /// nearest were taken, at whatever distance: not the estimate that was asked for.
+    /// It belongs to such a direction, but at more than half of the reference points the ball held
+    /// too few neighbours and the nearest were taken, at whatever distance: not the estimate that
+    /// was asked for.
     Starved,
-    /// It belongs to such a direction, but at more than 1 % of the reference points the neighbours do not determine the maps that are
-    /// extrapolated ([`DataExponent::undetermined`]), as where values lie on a grid.
+    /// It belongs to such a direction, but at more than 1 % of the reference points the neighbours
+    /// do not determine the maps that are extrapolated ([`DataExponent::undetermined`]), as where
+    /// values lie on a grid.
     Undetermined,
-    /// It belongs to such a direction, but noise may flatten the maps that are extrapolated by more than two errors. What they leave unpredicted
-    /// of the images is taken for noise, the same in all columns, of images and points. The part that it is of the neighbours' variance in a
-    /// direction is what slopes, and logarithms of stretchings, are too small by; the first exponent is held against the widest direction, and so
-    /// on. Many that are called so are within two errors nevertheless.
+    /// It belongs to such a direction, but noise may flatten the maps that are extrapolated by more
+    /// than two errors. What they leave unpredicted of the images is taken for noise, the same in
+    /// all columns, of images and points. The part that it is of the neighbours' variance in a
+    /// direction is what slopes, and logarithms of stretchings, are too small by; the first
+    /// exponent is held against the widest direction, and so on. Many that are called so are within
+    /// two errors nevertheless.
     Noisy,
-    /// The maps do not predict where neighbours go ([`DataSpectrum::residual_ratio`] above 0.8): the points are not states of a
-    /// deterministic system, or noise is as large as the neighbourhoods.
+    /// The maps do not predict where neighbours go ([`DataSpectrum::residual_ratio`] above 0.8):
+    /// the points are not states of a deterministic system, or noise is as large as the
+    /// neighbourhoods.
     Unpredictable,
-    /// The series has no points in that direction. The value comes from curvature, noise or the regularisation and is no
-    /// property of the system.
+    /// The series has no points in that direction. The value comes from curvature, noise or the
+    /// regularisation and is no property of the system.
     Unidentified,
-    /// The direction is lost: maps that the data do determine take it to nothing. The exponent is minus infinity.
+    /// The direction is lost: maps that the data do determine take it to nothing. The exponent is
+    /// minus infinity.
     Annihilated,
 }
 
@@ -66,20 +75,25 @@ impl Status {
 /// An exponent estimated from a series.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DataExponent {
-    /// Per unit of time, by the estimator of the settings. For [`Status::Unidentified`] what that fit happens to give, or NaN if
-    /// no reference point determines it; for [`Status::Annihilated`] minus infinity.
+    /// Per unit of time, by the estimator of the settings. For [`Status::Unidentified`] what that
+    /// fit happens to give, or NaN if no reference point determines it; for [`Status::Annihilated`]
+    /// minus infinity.
     pub value: f64,
-    /// Standard error. By [`super::Estimator::SanoSawada`] that of the mean from the scatter between blocks of time, which is statistical
-    /// only and knows nothing of bias; by [`super::Estimator::Extrapolated`] the root of the sum of squares of that, of the whole
-    /// step from the larger size to zero, and of the distance of linear maps that were asked for from quadratic ones. With fewer than 320
-    /// reference points there are fewer than 32 blocks, of ten points at least; the scatter is then wider by the quotient of Student's quantiles,
-    /// so that two errors hold as much. NaN where nothing determines the value.
+    /// Standard error. By [`super::Estimator::SanoSawada`] that of the mean from the scatter
+    /// between blocks of time, which is statistical only and knows nothing of bias; by
+    /// [`super::Estimator::Extrapolated`] the root of the sum of squares of that, of the whole step
+    /// from the larger size to zero, and of the distance of linear maps that were asked for from
+    /// quadratic ones. With fewer than 320 reference points there are fewer than 32 blocks, of ten
+    /// points at least; the scatter is then wider by the quotient of Student's quantiles, so that
+    /// two errors hold as much. NaN where nothing determines the value.
     pub stderr: f64,
-    /// The exponent by Eqs. (25) and (26), with its statistical error: the value itself with [`super::Estimator::SanoSawada`].
+    /// The exponent by Eqs. (25) and (26), with its statistical error: the value itself with
+    /// [`super::Estimator::SanoSawada`].
     pub sano_sawada: (f64, f64),
-    /// By how much the value changes with neighbourhoods of twice the size: radius and counts doubled by
-    /// [`super::Estimator::SanoSawada`], whose `stderr` does not contain that bias, and from the smaller to the larger of
-    /// [`DataSpectrum::sizes`] by the other. NaN for [`Status::Annihilated`] and where one of the two does not exist.
+    /// By how much the value changes with neighbourhoods of twice the size: radius and counts
+    /// doubled by [`super::Estimator::SanoSawada`], whose `stderr` does not contain that bias, and
+    /// from the smaller to the larger of [`DataSpectrum::sizes`] by the other. NaN for
+    /// [`Status::Annihilated`] and where one of the two does not exist.
     pub eps_sensitivity: f64,
     /// Whether the value means something.
     pub status: Status,
@@ -114,10 +128,12 @@ pub struct Running {
 /// What [`super::data_spectrum`] finds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DataSpectrum {
-    /// The exponents, in the order the chain finds them: descending, but for differences within the error.
+    /// The exponents, in the order the chain finds them: descending, but for differences within the
+    /// error.
     pub exponents: Vec<DataExponent>,
-    /// Sum of the exponents of the tangent directions, with its standard error, which is smaller than theirs where what one gains the
-    /// other loses. NaN where there is none; see [`DataSpectrum::balance`].
+    /// Sum of the exponents of the tangent directions, with its standard error, which is smaller
+    /// than theirs where what one gains the other loses. NaN where there is none; see
+    /// [`DataSpectrum::balance`].
     pub sum: (f64, f64),
     /// Number of tangent directions: so many exponents the series can tell.
     pub dimension: usize,
@@ -133,12 +149,14 @@ pub struct DataSpectrum {
     pub neighbours: Counts,
     /// Reference points.
     pub references: usize,
-    /// Reference points whose ball held fewer neighbours than asked for; where exponents are extrapolated, those at which the smaller
-    /// of the two neighbourhoods reaches farther than one and a half radii of the ball.
+    /// Reference points whose ball held fewer neighbours than asked for; where exponents are
+    /// extrapolated, those at which the smaller of the two neighbourhoods reaches farther than one
+    /// and a half radii of the ball.
     pub starved: usize,
-    /// Median over reference points of the part of the images' deviations that the local map does not predict (root mean square
-    /// per degree of freedom): near 0 for states of a smooth deterministic system, near 1 for noise, and for a
-    /// single column of a system of more dimensions. NaN if no neighbourhood has more points than its map has columns.
+    /// Median over reference points of the part of the images' deviations that the local map does
+    /// not predict (root mean square per degree of freedom): near 0 for states of a smooth
+    /// deterministic system, near 1 for noise, and for a single column of a system of more
+    /// dimensions. NaN if no neighbourhood has more points than its map has columns.
     pub residual_ratio: f64,
     /// Sizes that the exponents were extrapolated from; none with [`super::Estimator::SanoSawada`].
     pub sizes: Option<Sizes>,
@@ -148,7 +166,8 @@ pub struct DataSpectrum {
     pub settings: DataSettings,
 }
 
-/// The sums differ if they are apart by more than so many standard errors, within which `ok` promises the truth,
+/// The sums differ if they are apart by more than so many standard errors, within which `ok`
+/// promises the truth,
 const STANDARD_ERRORS: f64 = 2.0;
 /// and by more than this part of the divergence: it is given in a few digits.
 const ROUNDING: f64 = 5e-4;
@@ -179,9 +198,9 @@ pub enum Balance {
 }
 
 impl DataSpectrum {
-    /// Holds the sum of the exponents against the mean divergence of the system, per unit of time: the trace of the Jacobian of a
-    /// flow, `ln |det J|` of a map, over `dt` for the step between two points. The columns must be the states of the system, no more and
-    /// no fewer.
+    /// Holds the sum of the exponents against the mean divergence of the system, per unit of time:
+    /// the trace of the Jacobian of a flow, `ln |det J|` of a map, over `dt` for the step between
+    /// two points. The columns must be the states of the system, no more and no fewer.
     pub fn balance(&self, divergence: f64) -> Balance {
         let (sum, stderr) = self.sum;
         if !sum.is_finite() || self.dimension == 0 {

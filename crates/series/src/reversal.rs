@@ -1,12 +1,16 @@
 //! Which exponents of an embedding are the system's.
 //!
-//! m delayed values of a system whose attractor has fewer dimensions give m exponents, of which some are the embedding's own, and
-//! those may be anywhere: of x alone of Hénon's map the first of three is 0.8, twice the system's. Two things tell them apart.
-//! A fit restricted to the tangent directions of the points has no room for them (Stoop and Parisi, Physica D 50, 89, 1991). And with the
-//! time reversed true exponents change their sign, while spurious ones have no reason to (Parlitz, Int. J. Bifurcation Chaos 2, 155,
-//! 1992). Quadratic maps that are extrapolated leave directions out in which the points only bend, and with them mostly the embedding's own
-//! exponents; then the first are the system's already. A map that cannot be inverted and a contraction that is finer than the points lie make the reversed series unpredictable or its
-//! exponents none of the system's; then it finds not even the first exponent again, and is not asked.
+//! m delayed values of a system whose attractor has fewer dimensions give m exponents, of which
+//! some are the embedding's own, and those may be anywhere: of x alone of Hénon's map the first of
+//! three is 0.8, twice the system's. Two things tell them apart. A fit restricted to the tangent
+//! directions of the points has no room for them (Stoop and Parisi, Physica D 50, 89, 1991). And
+//! with the time reversed true exponents change their sign, while spurious ones have no reason to
+//! (Parlitz, Int. J. Bifurcation Chaos 2, 155, 1992). Quadratic maps that are extrapolated leave
+//! directions out in which the points only bend, and with them mostly the embedding's own
+//! exponents; then the first are the system's already. A map that cannot be inverted and a
+//! contraction that is finer than the points lie make the reversed series unpredictable or its
+//! exponents none of the system's; then it finds not even the first exponent again, and is not
+//! asked.
 
 use super::error::DataError;
 use super::estimate::data_spectrum_with;
@@ -16,24 +20,30 @@ use super::settings::{DataSettings, Estimator, longest_stride};
 
 /// Two values are the same if they are apart by less than so many of their standard errors,
 const STANDARD_ERRORS: f64 = 4.0;
-/// or by less than this part of the larger one, or of the first exponent: neighbourhoods are finite, and bias is not in the errors.
+/// or by less than this part of the larger one, or of the first exponent: neighbourhoods are
+/// finite, and bias is not in the errors.
 const PART: f64 = 0.25;
-/// or if they stretch by parts of each map that are so near: the exponents of a regular motion are all about 0, and a fit is no better.
+/// or if they stretch by parts of each map that are so near: the exponents of a regular motion are
+/// all about 0, and a fit is no better.
 const FIT: f64 = 0.01;
-/// Reference points of the reversed series, where the step allows for fewer than all: it is asked whether exponents are near, and no more.
+/// Reference points of the reversed series, where the step allows for fewer than all: it is asked
+/// whether exponents are near, and no more.
 const REFERENCES: usize = 1000;
-/// With a larger residual ratio a series is not predictable enough, in either direction of time, for its exponents to be compared.
+/// With a larger residual ratio a series is not predictable enough, in either direction of time,
+/// for its exponents to be compared.
 const UNPREDICTABLE: f64 = 0.5;
 
 /// Whose an exponent is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Origin {
-    /// The system's: the fit restricted to the tangent directions has it, or the reversed series with the other sign.
+    /// The system's: the fit restricted to the tangent directions has it, or the reversed series
+    /// with the other sign.
     System,
     /// The embedding's: neither has it.
     Spurious,
-    /// There is nothing to compare with: no tangent direction was found, or as many as there are values and no reversed series that has the
-    /// first exponent, the maps predict too little, or the exponent has no value.
+    /// There is nothing to compare with: no tangent direction was found, or as many as there are
+    /// values and no reversed series that has the first exponent, the maps predict too little, or
+    /// the exponent has no value.
     Unknown,
 }
 
@@ -55,12 +65,13 @@ pub struct Reversal {
     pub origins: Vec<Origin>,
     /// The exponents of the reversed series by the fit of fixed rank, with their standard errors.
     pub reversed: Vec<(f64, f64)>,
-    /// Whether the reversed series has the first exponent with the other sign. Where it does not it tells nothing of the others.
+    /// Whether the reversed series has the first exponent with the other sign. Where it does not it
+    /// tells nothing of the others.
     pub is_conclusive: bool,
 }
 
-/// Holds the spectrum of an embedded series against its fit of fixed rank and against the reversed series. `progress(done,
-/// total)` is called in between with numbers of reference points.
+/// Holds the spectrum of an embedded series against its fit of fixed rank and against the reversed
+/// series. `progress(done, total)` is called in between with numbers of reference points.
 ///
 /// # Errors
 /// Those of [`super::data_spectrum`].
@@ -124,7 +135,8 @@ pub fn reversal(
             .zip(also)
             .for_each(|(one, other)| *one |= other);
     }
-    // A fit of full rank has room for the embedding's own, too, and tells nothing of what it has not.
+    // A fit of full rank has room for the embedding's own, too, and tells nothing of what it has
+    // not.
     let is_judged = is_conclusive || forward.len() < full.len();
     let origins = full.iter().zip(found).map(|(exponent, found)| {
         if forward.is_empty() || noisy || !exponent.0.is_finite() {
@@ -163,8 +175,8 @@ fn gap(a: (f64, f64), b: (f64, f64), scale: f64) -> Option<f64> {
     (distance <= errors.max(bias)).then_some(distance)
 }
 
-/// Which of `all` are among `known`; each of these is one of them only, the nearest. The first `determined`, which the data tell, come
-/// before the others.
+/// Which of `all` are among `known`; each of these is one of them only, the nearest. The first
+/// `determined`, which the data tell, come before the others.
 fn matched(all: &[(f64, f64)], known: &[(f64, f64)], scale: f64, determined: usize) -> Vec<bool> {
     let mut pairs: Vec<(f64, usize, usize)> = Vec::new();
     for (i, a) in all.iter().enumerate() {

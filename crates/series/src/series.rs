@@ -4,7 +4,8 @@ use super::error::{DataError, readable};
 
 /// Most columns: what is kept of a point has place for so many numbers.
 pub const MAX_COLUMNS: usize = 10;
-/// Shortest time between two rows; one over it is the longest. A logarithm of a double, below 750, stays a number over either.
+/// Shortest time between two rows; one over it is the longest. A logarithm of a double, below 750,
+/// stays a number over either.
 const SHORTEST: f64 = 1e-100;
 
 /// Points of a state space at equal intervals of time.

@@ -11,8 +11,9 @@ pub enum Neighbourhood {
     Ball {
         /// Radius, as a fraction of the signal's spread `√Σ var`.
         eps: f64,
-        /// With fewer than so many in the ball the nearest so many are taken, and the reference point counts as starved. Where exponents are
-        /// extrapolated it does if the smaller of the two neighbourhoods reaches farther than one and a half times the radius.
+        /// With fewer than so many in the ball the nearest so many are taken, and the reference
+        /// point counts as starved. Where exponents are extrapolated it does if the smaller of the
+        /// two neighbourhoods reaches farther than one and a half times the radius.
         min: usize,
         /// With more than so many in the ball the nearest so many are taken.
         max: usize,
@@ -42,10 +43,11 @@ impl Neighbourhood {
 /// What is made of the local maps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Estimator {
-    /// Sano and Sawada's: linear maps of one neighbourhood, Eqs. (25) and (26) of the paper as they stand. Its error is statistical
-    /// only.
+    /// Sano and Sawada's: linear maps of one neighbourhood, Eqs. (25) and (26) of the paper as they
+    /// stand. Its error is statistical only.
     SanoSawada,
-    /// Maps from neighbourhoods of two sizes, extrapolated to size zero. The error holds that of the extrapolation.
+    /// Maps from neighbourhoods of two sizes, extrapolated to size zero. The error holds that of
+    /// the extrapolation.
     Extrapolated {
         /// Degree of the maps; `None` takes quadratic ones where the series is long enough.
         degree: Option<Degree>,
@@ -76,42 +78,47 @@ const PART: usize = 100;
 /// nor fewer than so many for each value.
 const FOR_EACH_VALUE: usize = 4;
 
-/// Settings of [`super::data_spectrum`]. The defaults suit noise-free series of some ten thousand points: the nearest dozen, which
-/// keeps the bias small, and a radius at which a neighbourhood is too large to be called one. Noise wants
-/// more neighbours.
+/// Settings of [`super::data_spectrum`]. The defaults suit noise-free series of some ten thousand
+/// points: the nearest dozen, which keeps the bias small, and a radius at which a neighbourhood is
+/// too large to be called one. Noise wants more neighbours.
 ///
-/// How many points a ball holds can be estimated beforehand: of n points on a surface of area S it holds about
-/// n π (eps · spread)² / S. For 45001 points on the torus (cos a, sin a, cos b, sin b) with its spread √2 and its area 4π² and `eps`
-/// 0.02 these are 2.9: such a series needs an `eps` of 0.04 for a dozen.
+/// How many points a ball holds can be estimated beforehand: of n points on a surface of area S it
+/// holds about n π (eps · spread)² / S. For 45001 points on the torus (cos a, sin a, cos b, sin b)
+/// with its spread √2 and its area 4π² and `eps` 0.02 these are 2.9: such a series needs an `eps`
+/// of 0.04 for a dozen.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DataSettings {
     /// What is made of the local maps.
     pub estimator: Estimator,
-    /// Which points are neighbours. What is extrapolated comes from the nearest points, [`Neighbourhood::fewest`] or more of them.
+    /// Which points are neighbours. What is extrapolated comes from the nearest points,
+    /// [`Neighbourhood::fewest`] or more of them.
     pub neighbours: Neighbourhood,
-    /// Theiler window, in points: `k` is no neighbour of `j` where `|k − j|` is not above it, since points that follow
-    /// one another are near for no other reason. `None` takes the time in which the autocorrelation of the series falls below
-    /// 1/e.
+    /// Theiler window, in points: `k` is no neighbour of `j` where `|k − j|` is not above it, since
+    /// points that follow one another are near for no other reason. `None` takes the time in which
+    /// the autocorrelation of the series falls below 1/e.
     pub theiler: Option<usize>,
     /// `d` of Eq. (25): a map takes `x_j` to `x_{j+d}`.
     pub step: usize,
     /// Fits `y' = A y + b` instead of `y' = A y`.
     pub affine: bool,
-    /// Singular values of the neighbour matrix below this fraction of the largest are taken for zero, and contractions
-    /// within one step below this fraction of the map's norm for annihilation. Rounding of the data is a second bound.
+    /// Singular values of the neighbour matrix below this fraction of the largest are taken for
+    /// zero, and contractions within one step below this fraction of the map's norm for
+    /// annihilation. Rounding of the data is a second bound.
     pub rank_tolerance: f64,
-    /// Tikhonov regularisation, as a fraction of the largest singular value: `s⁻¹` becomes `s/(s² + ridge² s_1²)`. 0 is none.
+    /// Tikhonov regularisation, as a fraction of the largest singular value: `s⁻¹` becomes `s/(s² +
+    /// ridge² s_1²)`. 0 is none.
     pub ridge: f64,
     /// Rank of the second fit; `None` takes the number of tangent directions found.
     pub fixed_rank: Option<usize>,
-    /// Reference points are 0, `stride`, 2·`stride`, … below `step`, and those one step later, two steps, …, so that the point a reference
-    /// point moves to is one again: as many interleaved chains as there are below `step`. With 1 all points are reference points.
+    /// Reference points are 0, `stride`, 2·`stride`, … below `step`, and those one step later, two
+    /// steps, …, so that the point a reference point moves to is one again: as many interleaved
+    /// chains as there are below `step`. With 1 all points are reference points.
     pub stride: usize,
     /// Uses only the first so many reference points, at least [`FEWEST_REFERENCES`].
     pub references: Option<usize>,
-    /// Estimates a second time from neighbourhoods of twice the size, to say how far the result depends on them; takes as
-    /// long again. Without it no `eps_sensitivity` is known and no exponent is called unstable. [`Estimator::Extrapolated`] has two
-    /// sizes anyhow.
+    /// Estimates a second time from neighbourhoods of twice the size, to say how far the result
+    /// depends on them; takes as long again. Without it no `eps_sensitivity` is known and no
+    /// exponent is called unstable. [`Estimator::Extrapolated`] has two sizes anyhow.
     pub sensitivity: bool,
 }
 
@@ -168,7 +175,8 @@ impl DataSettings {
 }
 
 impl DataSettings {
-    /// The estimator of the paper, Eqs. (25) and (26), which corrects no bias; all else as by default.
+    /// The estimator of the paper, Eqs. (25) and (26), which corrects no bias; all else as by
+    /// default.
     pub fn sano_sawada() -> Self {
         Self {
             estimator: Estimator::SanoSawada,
@@ -176,13 +184,16 @@ impl DataSettings {
         }
     }
 
-    /// For the delayed values `embedded`, what they need beyond states: maps over the `delay`, of which all but the last value are known, affine
-    /// ones, and more neighbours, since each value brings the noise of its own: with a dozen 2000 points of Lorenz' x have an exponent three
-    /// errors off that is called [`super::Status::Ok`]. They are 40, but not more than a hundredth of the points, and four for each value at
-    /// least, or those set already where these are more; a ball takes so many and no more.
+    /// For the delayed values `embedded`, what they need beyond states: maps over the `delay`, of
+    /// which all but the last value are known, affine ones, and more neighbours, since each value
+    /// brings the noise of its own: with a dozen 2000 points of Lorenz' x have an exponent three
+    /// errors off that is called [`super::Status::Ok`]. They are 40, but not more than a hundredth
+    /// of the points, and four for each value at least, or those set already where these are more;
+    /// a ball takes so many and no more.
     ///
-    /// Not every point of a flow is a reference point, but every so many that a third of them is left, and 1500, or more: those in between lie on
-    /// the same orbit and have the same neighbours. Step, stride and affine maps are overwritten.
+    /// Not every point of a flow is a reference point, but every so many that a third of them is
+    /// left, and 1500, or more: those in between lie on the same orbit and have the same
+    /// neighbours. Step, stride and affine maps are overwritten.
     pub fn delayed(mut self, delay: usize, embedded: &Series) -> Self {
         self.step = delay;
         let enough = REFERENCES.max(embedded.len() / REFERENCES_PART);
@@ -214,7 +225,8 @@ impl DataSettings {
     /// [`DataError::Setting`] with the first setting that is not allowed.
     pub(crate) fn check(&self, columns: usize) -> Result<(), DataError> {
         let refuse = |name, value, bound: String| Err(DataError::Setting { name, value, bound });
-        // With as many neighbours as unknowns every map fits them, and nothing is left to judge it by.
+        // With as many neighbours as unknowns every map fits them, and nothing is left to judge it
+        // by.
         let unknowns = columns + usize::from(self.affine);
         let bound = if self.affine {
             format!("above the number of columns plus one for the affine fit, {unknowns}")

@@ -1,6 +1,7 @@
 //! Medians, a power law, and random numbers with the same bits on every machine.
 
-/// The two values in the middle, which are one for an odd number of values; none of no values. What is not a number is passed over.
+/// The two values in the middle, which are one for an odd number of values; none of no values. What
+/// is not a number is passed over.
 pub fn middle_two(values: impl IntoIterator<Item = f64>) -> Option<[f64; 2]> {
     let mut values: Vec<f64> = values.into_iter().filter(|v| !v.is_nan()).collect();
     values.sort_by(f64::total_cmp);
@@ -13,7 +14,8 @@ pub(crate) fn upper_median(values: impl IntoIterator<Item = f64>) -> f64 {
     middle_two(values).map_or(f64::NAN, |[_, upper]| upper)
 }
 
-/// The power of `x` that `y` goes with: the slope of the line of least squares through the logarithms of positive numbers.
+/// The power of `x` that `y` goes with: the slope of the line of least squares through the
+/// logarithms of positive numbers.
 pub(crate) fn power(points: impl Iterator<Item = (f64, f64)>) -> f64 {
     let logs: Vec<(f64, f64)> = points.map(|(x, y)| (libm::log(x), libm::log(y))).collect();
     let n = logs.len() as f64;
@@ -65,7 +67,8 @@ mod tests {
 
     #[test]
     fn the_generator_is_the_published_one() {
-        // The first two outputs of the reference implementation for the seed 1234567, their upper 53 bits.
+        // The first two outputs of the reference implementation for the seed 1234567, their upper
+        // 53 bits.
         let mut generator = SplitMix::new(1_234_567);
         for wanted in [6_457_827_717_110_365_317_u64, 3_203_168_211_198_807_973] {
             assert_eq!(

@@ -1,7 +1,8 @@
 //! Small dense least squares: Householder triangle and one-sided Jacobi.
 //!
-//! Own code, because the sizes are tiny and the bits must be the same everywhere: only `+ − × ÷ √`, in a fixed order. The
-//! triangle is found from the neighbour matrix itself and never from `Σ y yᵀ`, whose condition number is the square.
+//! Own code, because the sizes are tiny and the bits must be the same everywhere: only `+ − × ÷ √`,
+//! in a fixed order. The triangle is found from the neighbour matrix itself and never from `Σ y
+//! yᵀ`, whose condition number is the square.
 
 use pulp::{Arch, NullaryFnOnce};
 
@@ -11,7 +12,8 @@ use super::series::MAX_COLUMNS;
 /// A number in each lane.
 type Lanes<const L: usize> = [f64; L];
 
-/// One number for each lane. A loop over the array: the library's own way to fill one is not inlined for many lanes.
+/// One number for each lane. A loop over the array: the library's own way to fill one is not
+/// inlined for many lanes.
 #[inline(always)]
 fn lanes<const L: usize>(mut f: impl FnMut(usize) -> f64) -> Lanes<L> {
     let mut out = [0.0; L];
@@ -26,8 +28,9 @@ const SWEEPS: usize = 40;
 /// Cosine of two columns that counts as orthogonal: some units of rounding.
 const ORTHOGONAL: f64 = 1e-15;
 
-/// Turns `left` (`rows` × `columns`, column after column) into an upper triangle by reflections, and applies them to `right` (with as many
-/// columns, or none). Returns the triangle and the upper rows of the other. There must be as many rows as columns at least.
+/// Turns `left` (`rows` × `columns`, column after column) into an upper triangle by reflections,
+/// and applies them to `right` (with as many columns, or none). Returns the triangle and the upper
+/// rows of the other. There must be as many rows as columns at least.
 pub(crate) fn triangle(
     left: &mut [f64],
     right: &mut [f64],
@@ -49,7 +52,8 @@ struct Triangle<'a> {
     columns: usize,
 }
 
-/// With the machine's vectors, which change no bit: the partial sums of [`dot`] are lanes of one vector.
+/// With the machine's vectors, which change no bit: the partial sums of [`dot`] are lanes of one
+/// vector.
 impl NullaryFnOnce for Triangle<'_> {
     type Output = (Matrix, Matrix);
 
@@ -91,7 +95,8 @@ impl NullaryFnOnce for Triangle<'_> {
 /// Columns that are reflected together: their sums do not wait for one another.
 const TOGETHER: usize = 4;
 
-/// Reflects columns of so many rows, each from row `first` on, at the plane across `mirror`, whose square of length is `square`.
+/// Reflects columns of so many rows, each from row `first` on, at the plane across `mirror`, whose
+/// square of length is `square`.
 #[inline(always)]
 pub(crate) fn reflect_all(
     mirror: &[f64],
@@ -134,8 +139,8 @@ fn subtract<const C: usize>(mirror: &[f64], factors: [f64; C], columns: [&mut [f
     }
 }
 
-/// Reflects a row and the columns below it, each with as many rows as `mirror`, at the plane across `first` and, below, `mirror`, whose square of
-/// length together is `square`.
+/// Reflects a row and the columns below it, each with as many rows as `mirror`, at the plane across
+/// `first` and, below, `mirror`, whose square of length together is `square`.
 #[inline(always)]
 pub(crate) fn reflect_below(
     mirror: &[f64],
@@ -191,7 +196,8 @@ fn dots<const C: usize>(a: &[f64], columns: [&[f64]; C]) -> [f64; C] {
     })
 }
 
-/// Four partial sums, in a fixed order: independent additions, so that they need not wait for one another.
+/// Four partial sums, in a fixed order: independent additions, so that they need not wait for one
+/// another.
 #[inline(always)]
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     let (a_fours, a_rest) = a.as_chunks::<4>();
@@ -217,9 +223,10 @@ pub(crate) struct Svd {
     pub(crate) v: Matrix,
 }
 
-/// Singular value decomposition of square matrices by rotations of the columns (Hestenes), which finds small singular values to high
-/// relative accuracy. Several at once: every rotation waits for roots and quotients, which a vector of them takes no longer for. Each has
-/// the bits that it has alone.
+/// Singular value decomposition of square matrices by rotations of the columns (Hestenes), which
+/// finds small singular values to high relative accuracy. Several at once: every rotation waits for
+/// roots and quotients, which a vector of them takes no longer for. Each has the bits that it has
+/// alone.
 pub(crate) fn svds<const L: usize>(m: [&Matrix; L]) -> [Svd; L] {
     let n = m.first().map_or(0, |m| m.columns());
     // Columns as rows: w[i] becomes u_i s_i.
@@ -290,7 +297,8 @@ pub(crate) fn svds<const L: usize>(m: [&Matrix; L]) -> [Svd; L] {
     })
 }
 
-/// Makes columns `p` and `q` orthogonal where they turn, by a rotation whose double angle has the cotangent `zeta`.
+/// Makes columns `p` and `q` orthogonal where they turn, by a rotation whose double angle has the
+/// cotangent `zeta`.
 #[inline(always)]
 fn rotate<const L: usize>(
     matrices: [&mut [[Lanes<L>; MAX_COLUMNS]; MAX_COLUMNS]; 2],
@@ -420,8 +428,8 @@ mod tests {
         assert_eq!(plain, vectors);
     }
 
-    /// A map with a condition number of 1e10 is recovered to 1e-5 (rounding times condition); normal equations, whose
-    /// condition would be 1e20, would recover nothing.
+    /// A map with a condition number of 1e10 is recovered to 1e-5 (rounding times condition);
+    /// normal equations, whose condition would be 1e20, would recover nothing.
     #[test]
     fn ill_conditioned_least_squares() {
         const ROWS: usize = 9;

@@ -1,8 +1,9 @@
 //! A search tree for the nearest points among those that may be neighbours.
 //!
-//! Own code, because the neighbours of a time series are not its nearest points: those next to them in time and exact repeats do not count,
-//! and equally distant ones are told apart by index. Said inside the search, this costs nothing; from outside of it more points had to be
-//! asked for, often several times, and half of the time of a spectrum went there.
+//! Own code, because the neighbours of a time series are not its nearest points: those next to them
+//! in time and exact repeats do not count, and equally distant ones are told apart by index. Said
+//! inside the search, this costs nothing; from outside of it more points had to be asked for, often
+//! several times, and half of the time of a spectrum went there.
 
 use pulp::{Arch, NullaryFnOnce};
 
@@ -32,8 +33,9 @@ impl Bounds<'_> {
             .unwrap_or(0)
     }
 
-    /// A square that no point of the box is nearer than: the subtractions and squares are those of [`super::matrix::distance2`], in its
-    /// order, with smaller operands, and rounding is monotonic.
+    /// A square that no point of the box is nearer than: the subtractions and squares are those of
+    /// [`super::matrix::distance2`], in its order, with smaller operands, and rounding is
+    /// monotonic.
     #[inline(always)]
     fn distance2(&self, centre: &[f64]) -> f64 {
         let mut sum = 0.0;
@@ -54,7 +56,8 @@ impl Bounds<'_> {
         sum
     }
 
-    /// Whether the box, which is no nearer than `least`, holds nothing but repeats, or nothing before the `furthest` neighbour found.
+    /// Whether the box, which is no nearer than `least`, holds nothing but repeats, or nothing
+    /// before the `furthest` neighbour found.
     #[inline(always)]
     fn has_none(&self, centre: &[f64], least: f64, repeat2: f64, furthest: Neighbour) -> bool {
         let is_far = least > furthest.0 || least == furthest.0 && self.first > furthest.1;
@@ -62,7 +65,8 @@ impl Bounds<'_> {
     }
 }
 
-/// A balanced tree: the children of node `i` are the nodes `2 i + 1` and `2 i + 2`, leaves are the nodes of the last level.
+/// A balanced tree: the children of node `i` are the nodes `2 i + 1` and `2 i + 2`, leaves are the
+/// nodes of the last level.
 pub(crate) struct Tree {
     columns: usize,
     /// Of each node the lower ends of its box, and then the upper ones.
@@ -70,8 +74,9 @@ pub(crate) struct Tree {
     /// Of each node the smallest index.
     first: Vec<u32>,
     first_leaf: usize,
-    /// Points of the leaves, from left to right: [`BLOCKS`] blocks of each, and of each block its lanes, column by column. Places that no
-    /// point takes are no numbers, and so not within any distance.
+    /// Points of the leaves, from left to right: [`BLOCKS`] blocks of each, and of each block its
+    /// lanes, column by column. Places that no point takes are no numbers, and so not within any
+    /// distance.
     lanes: Vec<[f64; LANES]>,
     /// Their indices, block by block.
     indices: Vec<[u32; LANES]>,
@@ -160,7 +165,8 @@ impl Tree {
         Bounds { low, high, first }
     }
 
-    /// Squares of the distances of a block's points, each with the bits of [`super::matrix::distance2`].
+    /// Squares of the distances of a block's points, each with the bits of
+    /// [`super::matrix::distance2`].
     #[inline(always)]
     fn distances2(&self, block: usize, centre: &[f64]) -> [f64; LANES] {
         let columns = &self.lanes[block * self.columns..][..self.columns];
@@ -173,11 +179,13 @@ impl Tree {
         sums
     }
 
-    /// The `wanted` points nearest to `centre` whose square of distance is above `repeat2` and at most `radius2`, of those that are
-    /// `admissible` by index: nearest first, equally distant ones by index. Fewer if there are no more.
+    /// The `wanted` points nearest to `centre` whose square of distance is above `repeat2` and at
+    /// most `radius2`, of those that are `admissible` by index: nearest first, equally distant ones
+    /// by index. Fewer if there are no more.
     ///
-    /// Where a system rests or sticks, thousands of points are one: a node of repeats only is passed over, and so is one as far as the
-    /// last of those found, if all indices in it are larger.
+    /// Where a system rests or sticks, thousands of points are one: a node of repeats only is
+    /// passed over, and so is one as far as the last of those found, if all indices in it are
+    /// larger.
     pub(crate) fn nearest(
         &self,
         centre: &[f64],
@@ -202,7 +210,8 @@ impl Tree {
     }
 }
 
-/// A search of [`Tree::nearest`], which leaves those found unsorted, and some beyond the wanted ones.
+/// A search of [`Tree::nearest`], which leaves those found unsorted, and some beyond the wanted
+/// ones.
 struct Search<'a, A> {
     tree: &'a Tree,
     centre: &'a [f64],
@@ -227,8 +236,8 @@ impl<A: Fn(u32) -> bool> NullaryFnOnce for Search<'_, A> {
             found,
         } = self;
         let mut furthest = (radius2, u32::MAX);
-        // Candidates are collected until they are twice as many, and those that are too far then go together; the first time as soon as they
-        // tell a distance, where none is known.
+        // Candidates are collected until they are twice as many, and those that are too far then go
+        // together; the first time as soon as they tell a distance, where none is known.
         let mut full = if radius2.is_finite() {
             wanted.saturating_mul(2)
         } else {
@@ -285,11 +294,13 @@ impl<A: Fn(u32) -> bool> NullaryFnOnce for Search<'_, A> {
     }
 }
 
-/// Bits of a distance that a position takes while neighbours are sorted: 40 bits of it are left, and 4096 neighbours have place.
+/// Bits of a distance that a position takes while neighbours are sorted: 40 bits of it are left,
+/// and 4096 neighbours have place.
 const POSITION_BITS: u32 = 12;
 
-/// Sorts by [`order`] and keeps the first so many. Numbers are sorted in half of the time that pairs take: the last bits of the distances make
-/// place for where the pair stands, and those that differ in these bits only, which are few, are sorted once more.
+/// Sorts by [`order`] and keeps the first so many. Numbers are sorted in half of the time that
+/// pairs take: the last bits of the distances make place for where the pair stands, and those that
+/// differ in these bits only, which are few, are sorted once more.
 fn sort(found: &mut Vec<Neighbour>, wanted: usize) {
     const POSITION: u64 = (1 << POSITION_BITS) - 1;
     if found.len() > 1 << POSITION_BITS {
@@ -314,7 +325,8 @@ fn sort(found: &mut Vec<Neighbour>, wanted: usize) {
     found.extend(sorted.into_iter().take(wanted));
 }
 
-/// By distance and then by index, as one number: the bits of positive numbers are in the order of the numbers.
+/// By distance and then by index, as one number: the bits of positive numbers are in the order of
+/// the numbers.
 fn order(neighbour: &Neighbour) -> u128 {
     u128::from(neighbour.0.to_bits()) << u32::BITS | u128::from(neighbour.1)
 }
@@ -325,7 +337,8 @@ mod tests {
     use crate::matrix::distance2;
     use crate::statistics::SplitMix;
 
-    /// Against all points one by one: from none of them to some hundred, in space, on a grid, in a few places far from the origin.
+    /// Against all points one by one: from none of them to some hundred, in space, on a grid, in a
+    /// few places far from the origin.
     fn agrees_with_brute_force(columns: usize) {
         let mut draw = SplitMix::new(45);
         for round in 0..200 {

@@ -501,7 +501,8 @@ pub(crate) fn by_state(system: &System, of_each: &[impl Serialize]) -> Json {
     Json::Object(map.collect())
 }
 
-/// The modes of a phase in a few letters, of several contacts separated by `|`: `+` and `-` for slip above and below, `S` for stick.
+/// The modes of a phase in a few letters, of several contacts separated by `|`: `+` and `-` for
+/// slip above and below, `S` for stick.
 pub(crate) fn letters(modes: &Modes) -> String {
     let letters = modes.iter().map(|mode| match mode {
         Mode::Stick => "S",

@@ -331,3 +331,28 @@ pub fn readable(value: f64) -> String {
         format!("{value:e}")
     }
 }
+impl Error {
+    /// With so many components of the state that it names: further ones only fill up a type.
+    pub(crate) fn of_states(mut self, states: usize) -> Self {
+        match &mut self {
+            Error::StartOutsideDomain { x, .. }
+            | Error::NonFinite { x, .. }
+            | Error::StepCollapse { x, .. }
+            | Error::TooMany { x, .. }
+            | Error::EventPileUp { x, .. }
+            | Error::BranchPileUp { x, .. }
+            | Error::Escaped { x, .. }
+            | Error::NoUniqueMode { x, .. }
+            | Error::TooManyContacts { x, .. }
+            | Error::DependentContacts { x, .. }
+            | Error::StaticBelowKinetic { x, .. }
+            | Error::HoldsElsewhere { x, .. }
+            | Error::NotAdditive { x, .. }
+            | Error::NoUniqueFuture { x, .. }
+            | Error::Shrunk { x, .. }
+            | Error::TangentSingular { x, .. } => x.0.truncate(states),
+            _ => {}
+        }
+        self
+    }
+}

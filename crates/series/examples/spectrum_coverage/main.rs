@@ -1,8 +1,10 @@
-//! How often the true exponent lies within two error bars where an estimate from data is called `ok`: series of systems of known
-//! spectrum, from starts that no constant of the estimator was chosen on.
+//! How often the true exponent lies within two error bars where an estimate from data is called
+//! `ok`: series of systems of known spectrum, from starts that no constant of the estimator was
+//! chosen on.
 //!
-//! `cargo run --release -p stickslip-series --example spectrum_coverage -- FOLDER` takes some fifteen minutes on two cores and
-//! writes `coverage.csv` and `README.md`; `--known` prints the exponents of the systems from the equations instead.
+//! `cargo run --release -p stickslip-series --example spectrum_coverage -- FOLDER` takes some
+//! fifteen minutes on two cores and writes `coverage.csv` and `README.md`; `--known` prints the
+//! exponents of the systems from the equations instead.
 
 mod systems;
 mod table;
@@ -15,8 +17,8 @@ use trial::Observed;
 
 /// Lengths of the series.
 const POINTS: [usize; 5] = [5_000, 10_000, 20_000, 50_000, 100_000];
-/// Starts of each length. Constants of the estimator were chosen on the seed 1 and those from 1007 on, and some were kept because the table of
-/// the seeds 101 to 105 had not become worse.
+/// Starts of each length. Constants of the estimator were chosen on the seed 1 and those from 1007
+/// on, and some were kept because the table of the seeds 101 to 105 had not become worse.
 const SEEDS: std::ops::Range<u64> = 201..206;
 /// Points of a run for the exponents from the equations, and its seeds.
 const LONG: (usize, [u64; 2]) = (10_000_000, [1, 2]);

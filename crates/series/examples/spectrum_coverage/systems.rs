@@ -125,8 +125,8 @@ impl System<3> for Roessler {
     }
 }
 
-/// A pendulum with damping 1/2, driven by 1.5 cos(2t/3) (Baker and Gollub): angle, velocity, phase. Angles are written as sine and
-/// cosine, which have no jump.
+/// A pendulum with damping 1/2, driven by 1.5 cos(2t/3) (Baker and Gollub): angle, velocity, phase.
+/// Angles are written as sine and cosine, which have no jump.
 struct Pendulum;
 
 impl System<3> for Pendulum {
@@ -184,12 +184,15 @@ pub struct Case {
     pub dt: f64,
     /// Columns of the series.
     pub columns: usize,
-    /// The first so many are seen alone, too; those behind are the pendulum's drive and see nothing of the system.
+    /// The first so many are seen alone, too; those behind are the pendulum's drive and see nothing
+    /// of the system.
     pub alone: usize,
-    /// Its exponents, descending: the means of two runs of [`Case::exponents`] over 10⁷ points, with 0 for a flow's second. Sprott (Chaos and
-    /// Time-Series Analysis, 2003) gives the same for Hénon and Lorenz, and for Rössler's first 0.0714.
+    /// Its exponents, descending: the means of two runs of [`Case::exponents`] over 10⁷ points,
+    /// with 0 for a flow's second. Sprott (Chaos and Time-Series Analysis, 2003) gives the same for
+    /// Hénon and Lorenz, and for Rössler's first 0.0714.
     pub known: &'static [f64],
-    /// The values of so many states on the attractor, row after row, from a start drawn with this seed.
+    /// The values of so many states on the attractor, row after row, from a start drawn with this
+    /// seed.
     pub series: fn(seed: u64, points: usize) -> Vec<f64>,
     /// The exponents from the equations, over so many points.
     pub exponents: fn(seed: u64, points: usize) -> Vec<f64>,

@@ -100,7 +100,8 @@ pub struct Group {
     pub sano_sawada: Count,
 }
 
-/// The groups of what was `observed` in a CSV of [`csv`] by a name that is made of system and points, in the order in which they come.
+/// The groups of what was `observed` in a CSV of [`csv`] by a name that is made of system and
+/// points, in the order in which they come.
 pub fn groups(csv: &str, observed: Observed, name: impl Fn(&str, &str) -> String) -> Vec<Group> {
     let mut groups: Vec<Group> = Vec::new();
     for line in csv.lines().skip(1) {

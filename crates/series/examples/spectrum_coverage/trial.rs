@@ -125,7 +125,8 @@ pub fn trial(
         .collect())
 }
 
-/// Each value with a normal error of its own, [`NOISE`] of its column's standard deviation, as of a sensor.
+/// Each value with a normal error of its own, [`NOISE`] of its column's standard deviation, as of a
+/// sensor.
 fn noisy(mut values: Vec<f64>, columns: usize, seed: u64) -> Vec<f64> {
     let mut random = SplitMix::new(seed);
     for column in 0..columns {

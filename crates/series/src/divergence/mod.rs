@@ -1,9 +1,10 @@
-//! The largest exponent by how neighbours part, a second opinion that fits no maps: Rosenstein, Collins and De Luca, Physica D 65, 117
-//! (1993); Kantz, Phys. Lett. A 185, 77 (1994).
+//! The largest exponent by how neighbours part, a second opinion that fits no maps: Rosenstein,
+//! Collins and De Luca, Physica D 65, 117 (1993); Kantz, Phys. Lett. A 185, 77 (1994).
 //!
-//! The mean logarithm of the distance of neighbours grows along a straight line, whose slope is the exponent, between the time in which
-//! their difference turns into the fastest direction and the time at which it is as large as the attractor. Rosenstein follows the
-//! nearest neighbour of each point, Kantz the mean distance of all within a radius. Distances are those of whole vectors.
+//! The mean logarithm of the distance of neighbours grows along a straight line, whose slope is the
+//! exponent, between the time in which their difference turns into the fastest direction and the
+//! time at which it is as large as the attractor. Rosenstein follows the nearest neighbour of each
+//! point, Kantz the mean distance of all within a radius. Distances are those of whole vectors.
 
 mod straight;
 
@@ -20,7 +21,8 @@ use super::statistics::upper_median;
 pub use straight::StraightPart;
 use straight::straight_part;
 
-/// Points that are followed, spread evenly over the series: a mean logarithm of so many is known to some hundredths.
+/// Points that are followed, spread evenly over the series: a mean logarithm of so many is known to
+/// some hundredths.
 const SAMPLES: usize = 1000;
 /// With fewer points there is nothing to follow: eight blocks would hold fewer than seven each.
 const FEWEST: usize = 50;
@@ -30,7 +32,8 @@ const LONGEST: usize = 2048;
 const LONGEST_PART: usize = 4;
 /// Neighbours in Kantz' smallest ball at half of the points, and those in the larger ones.
 const KANTZ: [usize; 3] = [3, 6, 12];
-/// Neighbours of a point in a ball that are followed, at most: more than the largest ball holds at most points.
+/// Neighbours of a point in a ball that are followed, at most: more than the largest ball holds at
+/// most points.
 const MOST: usize = 20;
 /// Blocks of points for the standard error of a slope.
 const BLOCKS: usize = 8;
@@ -44,13 +47,15 @@ const SATURATED: f64 = 0.3;
 /// Mean logarithm of the distance of neighbours over time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DivergenceCurve {
-    /// Radius within which neighbours were taken, in the unit of the data; `None` for the nearest one.
+    /// Radius within which neighbours were taken, in the unit of the data; `None` for the nearest
+    /// one.
     pub radius: Option<f64>,
     /// Points whose neighbours were followed.
     pub references: usize,
     /// Time and mean logarithm of the distance, in the unit of the data.
     pub points: Vec<(f64, f64)>,
-    /// The straight part; `None` if the distance does not grow by a factor of e before it levels off.
+    /// The straight part; `None` if the distance does not grow by a factor of e before it levels
+    /// off.
     pub straight: Option<StraightPart>,
 }
 
@@ -61,7 +66,8 @@ pub struct Divergence {
     pub rosenstein: DivergenceCurve,
     /// Balls of three radii.
     pub kantz: Vec<DivergenceCurve>,
-    /// Mean logarithm of the distance of points that have nothing to do with one another: where the curves end.
+    /// Mean logarithm of the distance of points that have nothing to do with one another: where the
+    /// curves end.
     pub saturation: f64,
 }
 
@@ -72,8 +78,8 @@ impl Divergence {
         Some((straight.slope, straight.stderr))
     }
 
-    /// Kantz' exponent per unit of time: the median of those of the radii that have one, with the larger of its standard error and half
-    /// the range of all of them.
+    /// Kantz' exponent per unit of time: the median of those of the radii that have one, with the
+    /// larger of its standard error and half the range of all of them.
     pub fn by_kantz(&self) -> Option<(f64, f64)> {
         let parts = self.kantz.iter();
         let mut parts: Vec<&StraightPart> =
@@ -86,8 +92,9 @@ impl Divergence {
     }
 }
 
-/// Follows the neighbours of a series of states or of delayed values. `theiler` as in [`super::DataSettings`]; `None` takes the
-/// time in which the autocorrelation falls below 1/e. `progress(done, total)` is called in between.
+/// Follows the neighbours of a series of states or of delayed values. `theiler` as in
+/// [`super::DataSettings`]; `None` takes the time in which the autocorrelation falls below 1/e.
+/// `progress(done, total)` is called in between.
 ///
 /// # Errors
 /// [`DataError::TooFew`] for fewer than 50 points or a window that leaves no neighbours, [`DataError::Constant`],
@@ -169,7 +176,8 @@ pub fn divergence(
     })
 }
 
-/// Mean logarithm of the distance of points half a series apart, and a little more from pair to pair.
+/// Mean logarithm of the distance of points half a series apart, and a little more from pair to
+/// pair.
 fn saturation(cloud: &Cloud) -> f64 {
     let points = &cloud.points;
     let half = points.len() / 2;
@@ -188,7 +196,8 @@ fn saturation(cloud: &Cloud) -> f64 {
 /// Points of time that are followed together, each in a lane.
 const LANES: usize = 8;
 
-/// Sums of logarithms, one in each lane, as the logarithms of products, which are fewer: they were most of the time of a curve.
+/// Sums of logarithms, one in each lane, as the logarithms of products, which are fewer: they were
+/// most of the time of a curve.
 #[derive(Clone, Copy)]
 struct SumsOfLogarithms {
     sums: [f64; LANES],
@@ -306,7 +315,8 @@ impl Course {
 
 /// How neighbours are followed.
 struct Follow<'a> {
-    /// The points, column by column: what a neighbour does lies together. Zeros follow, so that there are always as many as lanes.
+    /// The points, column by column: what a neighbour does lies together. Zeros follow, so that
+    /// there are always as many as lanes.
     columns: Vec<Vec<f64>>,
     references: &'a [usize],
     /// Their neighbours, the nearest first.
@@ -315,7 +325,8 @@ struct Follow<'a> {
     saturation: f64,
 }
 
-/// A point of time after another, until the distances are those of any two points: so many between two looks.
+/// A point of time after another, until the distances are those of any two points: so many between
+/// two looks.
 const TOGETHER: usize = 2 * LANES;
 
 impl Follow<'_> {
@@ -363,12 +374,14 @@ impl Follow<'_> {
         if *last > self.saturation - SATURATED {
             return Some(self.saturation);
         }
-        // Neighbours that keep in phase, as Rössler's do, never come to be as far apart as any two points.
+        // Neighbours that keep in phase, as Rössler's do, never come to be as far apart as any two
+        // points.
         let highest = || curve.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         self.is_flat(curve).then(highest)
     }
 
-    /// Whether the curve, going on as over its last half, would not rise any more by half a factor of e.
+    /// Whether the curve, going on as over its last half, would not rise any more by half a factor
+    /// of e.
     fn is_flat(&self, curve: &[f64]) -> bool {
         let quarter = curve.len() / 4;
         if curve.len() < LOOKED_BACK {
@@ -381,8 +394,8 @@ impl Follow<'_> {
         (later - before) / quarter as f64 * left < 0.5
     }
 
-    /// Distances of a reference point and its neighbour from so many points ahead on. Beyond the end of the series, which no curve
-    /// reaches, they mean nothing.
+    /// Distances of a reference point and its neighbour from so many points ahead on. Beyond the
+    /// end of the series, which no curve reaches, they mean nothing.
     #[inline(always)]
     fn distances(&self, j: usize, k: usize, ahead: usize) -> [f64; LANES] {
         let mut squares = [0.0; LANES];
@@ -398,8 +411,8 @@ impl Follow<'_> {
     }
 }
 
-/// Some points of time that are followed together: the logarithms of the mean distances of the neighbours, for each curve and block of
-/// reference points. Distances of zero are passed over.
+/// Some points of time that are followed together: the logarithms of the mean distances of the
+/// neighbours, for each curve and block of reference points. Distances of zero are passed over.
 struct Lanes<'a> {
     follow: &'a Follow<'a>,
     /// For each curve how many neighbours are followed, and how many reference points have any.
@@ -423,7 +436,8 @@ impl NullaryFnOnce for Lanes<'_> {
         for (i, &j) in follow.references.iter().enumerate() {
             let mut total = [0.0; LANES];
             let mut done = 0;
-            // Each curve's neighbours are the nearest so many, and each curve has more than the one before.
+            // Each curve's neighbours are the nearest so many, and each curve has more than the one
+            // before.
             for (course, (counts, followed)) in counts.iter().enumerate() {
                 let count = counts[i];
                 if count == 0 {

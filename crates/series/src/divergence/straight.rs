@@ -2,19 +2,21 @@
 
 use super::BLOCKS;
 
-/// A straight part ends where distances are a factor of e below where they level off: beyond, folding bends it.
+/// A straight part ends where distances are a factor of e below where they level off: beyond,
+/// folding bends it.
 const BELOW_LEVEL: f64 = 1.0;
 /// It has so many points at least,
 const FEWEST: usize = 5;
 /// and rises by a factor of e at least,
 const RISE: f64 = 1.0;
-/// and by this part of the whole rise to there: a shorter piece may be straight by chance and has the growth of a few places only.
+/// and by this part of the whole rise to there: a shorter piece may be straight by chance and has
+/// the growth of a few places only.
 const PART: f64 = 0.5;
 /// Scatter about the line, as a part of the rise, above which there is no straight part.
 const CROOKED: f64 = 0.05;
 
-/// The part of a curve from which an exponent is taken: of all parts that end before the curve levels off, the one whose scatter about its line of
-/// least squares is smallest against its rise.
+/// The part of a curve from which an exponent is taken: of all parts that end before the curve
+/// levels off, the one whose scatter about its line of least squares is smallest against its rise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StraightPart {
     /// Index of its first point.
@@ -41,8 +43,8 @@ impl StraightPart {
     }
 }
 
-/// Finds the straight part of `curve`, a value for each point of time; `blocks` holds the same for parts of the data, and at
-/// `level` the curve levels off.
+/// Finds the straight part of `curve`, a value for each point of time; `blocks` holds the same for
+/// parts of the data, and at `level` the curve levels off.
 pub(crate) fn straight_part(
     curve: &[f64],
     blocks: &[[f64; BLOCKS]],

@@ -1,5 +1,5 @@
-//! Vectors of delayed values: Takens, Lecture Notes in Mathematics 898, 366 (1981); Sauer, Yorke and Casdagli, J. Stat. Phys.
-//! 65, 579 (1991).
+//! Vectors of delayed values: Takens, Lecture Notes in Mathematics 898, 366 (1981); Sauer, Yorke
+//! and Casdagli, J. Stat. Phys. 65, 579 (1991).
 
 use crate::cloud::Cloud;
 use crate::error::DataError;
@@ -16,12 +16,14 @@ pub struct Embedding {
 }
 
 impl Embedding {
-    /// Points between the first and the last value of a vector: so many rows fewer does the embedded series have.
+    /// Points between the first and the last value of a vector: so many rows fewer does the
+    /// embedded series have.
     pub fn span(&self) -> usize {
         self.delay.saturating_mul(self.dimension.saturating_sub(1))
     }
 
-    /// The embedded series. Row `i` holds `x_i, x_{i+τ}, …, x_{i+(m−1)τ}` of the first column, then of the second, and so on.
+    /// The embedded series. Row `i` holds `x_i, x_{i+τ}, …, x_{i+(m−1)τ}` of the first column, then
+    /// of the second, and so on.
     ///
     /// ```
     /// use stickslip_series::{Embedding, Series};

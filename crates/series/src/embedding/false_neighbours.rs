@@ -1,5 +1,6 @@
-//! How many values make a state: false nearest neighbours (Kennel, Brown and Abarbanel, Phys. Rev. A 45, 3403, 1992) and Cao's
-//! averages (Physica D 110, 43, 1997), both from the nearest neighbour of each point at every dimension.
+//! How many values make a state: false nearest neighbours (Kennel, Brown and Abarbanel, Phys. Rev.
+//! A 45, 3403, 1992) and Cao's averages (Physica D 110, 43, 1997), both from the nearest neighbour
+//! of each point at every dimension.
 
 use rayon::prelude::*;
 
@@ -9,11 +10,14 @@ use crate::error::DataError;
 use crate::neighbours::Finder;
 use crate::series::Series;
 
-/// Points whose nearest neighbour is looked at, spread evenly over the series: 1 % of so many has a standard error of 0.2 %.
+/// Points whose nearest neighbour is looked at, spread evenly over the series: 1 % of so many has a
+/// standard error of 0.2 %.
 const SAMPLES: usize = 2000;
-/// A neighbour is false if the next value is further off than so many times its distance (Kennel: 10 or more tell them clearly),
+/// A neighbour is false if the next value is further off than so many times its distance (Kennel:
+/// 10 or more tell them clearly),
 const DISTANCE_RATIO: f64 = 15.0;
-/// or so many times the spread of the series: of points without neighbours nothing else is known (Kennel's second criterion).
+/// or so many times the spread of the series: of points without neighbours nothing else is known
+/// (Kennel's second criterion).
 const SPREADS: f64 = 2.0;
 
 /// What one dimension shows.
@@ -27,7 +31,8 @@ pub(crate) struct Level {
     pub(crate) next_difference: f64,
 }
 
-/// Looks at nearest neighbours in `dimension` delayed values and at the next value; `None` if no point has a neighbour.
+/// Looks at nearest neighbours in `dimension` delayed values and at the next value; `None` if no
+/// point has a neighbour.
 ///
 /// # Errors
 /// [`DataError::Span`] if no point has a next value, [`DataError::Constant`], [`DataError::Overflow`].

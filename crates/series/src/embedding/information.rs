@@ -1,4 +1,5 @@
-//! Average mutual information of a series with itself some points later: Fraser and Swinney, Phys. Rev. A 33, 1134 (1986).
+//! Average mutual information of a series with itself some points later: Fraser and Swinney, Phys.
+//! Rev. A 33, 1134 (1986).
 
 use rayon::prelude::*;
 
@@ -49,8 +50,9 @@ impl Classes {
         Classes { columns, count }
     }
 
-    /// The mutual information at a lag, in nats, averaged over the columns; what independent values would show with so few
-    /// pairs on average, `(classes − 1)²/2 pairs` (Miller 1955), is taken off.
+    /// The mutual information at a lag, in nats, averaged over the columns; what independent values
+    /// would show with so few pairs on average, `(classes − 1)²/2 pairs` (Miller 1955), is taken
+    /// off.
     pub(crate) fn information(&self, lag: usize) -> f64 {
         let sum: f64 = self
             .columns
@@ -60,8 +62,9 @@ impl Classes {
         sum / self.columns.len() as f64
     }
 
-    /// What of the information at a lag may be chance: three standard deviations of that of independent values, whose
-    /// double times the number of pairs is distributed as χ² with `(classes − 1)²` degrees of freedom.
+    /// What of the information at a lag may be chance: three standard deviations of that of
+    /// independent values, whose double times the number of pairs is distributed as χ² with
+    /// `(classes − 1)²` degrees of freedom.
     pub(crate) fn chance(&self, lag: usize) -> f64 {
         let pairs = self.pairs(lag) as f64;
         3.0 * std::f64::consts::SQRT_2 * (self.count - 1) as f64 / (2.0 * pairs)
@@ -107,8 +110,8 @@ mod tests {
     use super::*;
     use crate::statistics::SplitMix;
 
-    /// A Gaussian autoregression `x' = φ x + noise` has the information −½ ln(1 − φ^{2 lag}). Classes lose some of it: 32 of
-    /// them 2 % at 0.8 nats.
+    /// A Gaussian autoregression `x' = φ x + noise` has the information −½ ln(1 − φ^{2 lag}).
+    /// Classes lose some of it: 32 of them 2 % at 0.8 nats.
     #[test]
     fn a_gaussian_autoregression_has_the_information_of_its_correlation() {
         let mut random = SplitMix::new(7);

@@ -1,4 +1,5 @@
-//! States from fewer columns than the system has: delayed values, and how many of them at what delay.
+//! States from fewer columns than the system has: delayed values, and how many of them at what
+//! delay.
 
 mod delay;
 mod false_neighbours;
@@ -12,24 +13,30 @@ use delay::most_dimensions;
 use false_neighbours::{Level, level};
 use information::Classes;
 
-/// Longest delay that is looked at, as a part of the series: ten vectors of two values then follow one another.
+/// Longest delay that is looked at, as a part of the series: ten vectors of two values then follow
+/// one another.
 const LONGEST_PART: usize = 10;
 /// Lags that are looked at, at most: a bound on the time that it takes.
 const MOST_LAGS: usize = 2000;
 /// A minimum is one if the information rises behind it by this part of what it is at the first lag.
 const RISE: f64 = 0.01;
-/// At a minimum at which more than this part of the information at lag 0 is left, a value tells all but two or three classes of the other, as on
-/// a closed curve, of which the information has no minimum: where it is less, and it rises, only the borders of the classes decide.
+/// At a minimum at which more than this part of the information at lag 0 is left, a value tells all
+/// but two or three classes of the other, as on a closed curve, of which the information has no
+/// minimum: where it is less, and it rises, only the borders of the classes decide.
 const ON_CURVE: f64 = 0.5;
-/// On a curve nothing else is to be expected after so many decorrelation times, a period or more: of a sine a period has 5.3.
+/// On a curve nothing else is to be expected after so many decorrelation times, a period or more:
+/// of a sine a period has 5.3.
 const PERIOD: usize = 6;
-/// The curve is given up to so many times the delay, for a picture in which the minimum stands inside.
+/// The curve is given up to so many times the delay, for a picture in which the minimum stands
+/// inside.
 const SHOWN: usize = 3;
 /// With a smaller part of false neighbours there are none: Kennel's 1 %.
 pub const NO_FALSE_NEIGHBOURS: f64 = 0.01;
-/// With a larger part of them columns are missing: whole states have up to 3 % where they stick, and Lorenz' x and z at 3000 points 5 %.
+/// With a larger part of them columns are missing: whole states have up to 3 % where they stick,
+/// and Lorenz' x and z at 3000 points 5 %.
 const MANY_FALSE_NEIGHBOURS: f64 = 0.05;
-/// Dimensions that are looked at beyond a given one, at least: Cao's E1 takes the next one, and its change the one after.
+/// Dimensions that are looked at beyond a given one, at least: Cao's E1 takes the next one, and its
+/// change the one after.
 const BEYOND: usize = 2;
 /// Cao reads off a curve where E1 stops changing, at about 1: it has where it is above,
 const CAO_SETTLED: f64 = 0.9;
@@ -54,12 +61,14 @@ pub struct EmbeddingSettings {
 pub enum DelayReason {
     /// It was given.
     Given,
-    /// The autocorrelation is below 1/e after one point: the points follow one another as those of a map, whose delay is 1.
+    /// The autocorrelation is below 1/e after one point: the points follow one another as those of
+    /// a map, whose delay is 1.
     Uncorrelated,
     /// The first minimum of the mutual information.
     FirstMinimum,
-    /// The values lie on a curve, as of a periodic motion without noise, and the minima of the mutual information are those of the classes' borders: the
-    /// first zero of the autocorrelation, of a sine a quarter of its period.
+    /// The values lie on a curve, as of a periodic motion without noise, and the minima of the
+    /// mutual information are those of the classes' borders: the first zero of the autocorrelation,
+    /// of a sine a quarter of its period.
     OnCurve,
     /// The mutual information falls to what independent values show, without a minimum before.
     Independent,
@@ -88,7 +97,8 @@ pub enum DimensionReason {
     Given,
     /// The first at which less than 1 % of the nearest neighbours are false.
     FalseNeighbours,
-    /// More are false at all dimensions; the one at which fewest are: noise, or more dimensions than can be looked at.
+    /// More are false at all dimensions; the one at which fewest are: noise, or more dimensions
+    /// than can be looked at.
     FewestFalse,
 }
 
@@ -127,21 +137,26 @@ pub struct EmbeddingChoice {
     pub dimension_reason: DimensionReason,
     /// Mutual information in nats over the lag in points, averaged over the columns.
     pub information: Vec<(usize, f64)>,
-    /// False neighbours and Cao's averages, dimension after dimension, until both methods have theirs.
+    /// False neighbours and Cao's averages, dimension after dimension, until both methods have
+    /// theirs.
     pub dimensions: Vec<DimensionEvidence>,
-    /// The dimension by Cao's method: the first from which E1 does not change; `None` if it does at all, and for noise.
+    /// The dimension by Cao's method: the first from which E1 does not change; `None` if it does at
+    /// all, and for noise.
     pub cao: Option<usize>,
-    /// Cao's E2 is 1 at all dimensions: the next value does not depend on those before, as in noise.
+    /// Cao's E2 is 1 at all dimensions: the next value does not depend on those before, as in
+    /// noise.
     pub is_noise: bool,
 }
 
 /// With fewer points nothing is embedded unasked.
 const FEWEST_POINTS: usize = 50;
 
-/// The embedding that the settings ask for or the data need; `None` if the columns are the state as they are.
+/// The embedding that the settings ask for or the data need; `None` if the columns are the state as
+/// they are.
 ///
-/// One column is embedded in as many delayed values as it needs. Several are embedded only if a delay or a dimension is given, or if they
-/// [lack columns](lacks_columns) and delayed values cure it. Fewer than 50 points are too few to tell. `progress(done, total)` is called in between.
+/// One column is embedded in as many delayed values as it needs. Several are embedded only if a
+/// delay or a dimension is given, or if they [lack columns](lacks_columns) and delayed values cure
+/// it. Fewer than 50 points are too few to tell. `progress(done, total)` is called in between.
 ///
 /// # Errors
 /// Those of [`choose_embedding`].
@@ -161,7 +176,8 @@ pub fn needed_embedding(
     Ok((wanted && choice.embedding.dimension > 1).then_some(choice))
 }
 
-/// Chooses an embedding, or gives the evidence for a given one. `progress(done, total)` is called in between.
+/// Chooses an embedding, or gives the evidence for a given one. `progress(done, total)` is called
+/// in between.
 ///
 /// # Errors
 /// [`DataError::Setting`] for a delay or dimension that is not allowed, [`DataError::Span`] for one that the series is too short
@@ -237,8 +253,9 @@ pub fn choose_embedding(
     })
 }
 
-/// Whether the columns are too few for a state: of more than 5 % of the nearest neighbours what follows a decorrelation time later shows
-/// that they are false. A quicker question than [`choose_embedding`], for several columns that may be the whole state.
+/// Whether the columns are too few for a state: of more than 5 % of the nearest neighbours what
+/// follows a decorrelation time later shows that they are false. A quicker question than
+/// [`choose_embedding`], for several columns that may be the whole state.
 ///
 /// # Errors
 /// [`DataError::Constant`], [`DataError::Overflow`], [`DataError::TooMany`].

@@ -1,8 +1,8 @@
 //! Series with the power spectrum and the values of another.
 //!
-//! The transform's last bits may differ from machine to machine, as its crate takes sines from the system. They decide only the
-//! order of the values, so that a surrogate is the same everywhere but where two of its values tie to rounding before
-//! they are put in order.
+//! The transform's last bits may differ from machine to machine, as its crate takes sines from the
+//! system. They decide only the order of the values, so that a surrogate is the same everywhere but
+//! where two of its values tie to rounding before they are put in order.
 
 use std::sync::Arc;
 
@@ -112,7 +112,8 @@ impl Randomiser {
         bell: &[f64],
         turns: &[Complex<f64>],
     ) -> Result<Vec<f64>, DataError> {
-        // The order of the values with a Gaussian distribution, whose phases are turned (Theiler's amplitude-adjusted surrogate).
+        // The order of the values with a Gaussian distribution, whose phases are turned (Theiler's
+        // amplitude-adjusted surrogate).
         let gaussian = column.ranks.iter().map(|&rank| bell[rank]).collect();
         let mut spectrum = transform(&*self.forward, gaussian)?;
         spectrum
@@ -188,8 +189,8 @@ fn ranks(values: &[f64]) -> Vec<usize> {
     ranks
 }
 
-/// The part of the series whose ends fit together best in value and slope: the transform takes it for periodic, and a jump there
-/// would be noise in all surrogates (Theiler and others 1992).
+/// The part of the series whose ends fit together best in value and slope: the transform takes it
+/// for periodic, and a jump there would be noise in all surrogates (Theiler and others 1992).
 fn periodic_part(series: &Series) -> Result<Series, DataError> {
     let (rows, columns) = (series.len(), series.columns());
     let reach = (rows / END_PART).min(END_POINTS);
@@ -259,7 +260,8 @@ mod tests {
         product(a, b, lag, ma, mb) / (product(a, a, 0, ma, ma) * product(b, b, 0, mb, mb)).sqrt()
     }
 
-    /// The values are the same ones, the correlations are kept (over 5000 points to about 1/√5000), the order is another.
+    /// The values are the same ones, the correlations are kept (over 5000 points to about 1/√5000),
+    /// the order is another.
     #[test]
     fn surrogates_have_the_values_and_the_correlations() {
         let series = Series::from_rows(noise(5000, 0.8), 0.1).unwrap();

@@ -1,11 +1,14 @@
-//! Whether a series is told from linear noise: Theiler, Eubank, Longtin, Galdrikian and Farmer, Physica D 58, 77 (1992).
+//! Whether a series is told from linear noise: Theiler, Eubank, Longtin, Galdrikian and Farmer,
+//! Physica D 58, 77 (1992).
 //!
-//! Surrogates have the power spectrum and the values of the series, and no other order in them. An exponent of noise is positive,
-//! too, and looks like any other; but maps predict the next point of noise no better than that of its surrogates. So the
-//! part of the motion that the maps leave unexplained ([`super::DataSpectrum::residual_ratio`]) is the statistic of the test: of those
-//! in use the most powerful for series of low dimension is a prediction error (Schreiber and Schmitz, Phys. Rev. E 55, 5443,
-//! 1997). The series differs if its own is smaller than that of all surrogates, at the level 1/(surrogates + 1). How the first
-//! exponent stands among theirs is reported beside it.
+//! Surrogates have the power spectrum and the values of the series, and no other order in them. An
+//! exponent of noise is positive, too, and looks like any other; but maps predict the next point of
+//! noise no better than that of its surrogates. So the part of the motion that the maps leave
+//! unexplained ([`super::DataSpectrum::residual_ratio`]) is the statistic of the test: of those in
+//! use the most powerful for series of low dimension is a prediction error (Schreiber and Schmitz,
+//! Phys. Rev. E 55, 5443, 1997). The series differs if its own is smaller than that of all
+//! surrogates, at the level 1/(surrogates + 1). How the first exponent stands among theirs is
+//! reported beside it.
 
 mod iaaft;
 
@@ -30,7 +33,8 @@ const REFERENCES: usize = 2000;
 /// Surrogates between two reports of progress.
 const TOGETHER: usize = 4;
 
-/// What is compared. Estimates are of fewer reference points than the spectrum, and of the part of the series that surrogates are made of.
+/// What is compared. Estimates are of fewer reference points than the spectrum, and of the part of
+/// the series that surrogates are made of.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Statistics {
     /// Part of the motion that the maps do not predict.
@@ -46,7 +50,8 @@ pub struct SurrogateTest {
     pub series: Statistics,
     /// Of the surrogates.
     pub surrogates: Vec<Statistics>,
-    /// Probability to find so small a residual, or a smaller one, in linear noise: `(1 + surrogates that are not above)/(1 + surrogates)`.
+    /// Probability to find so small a residual, or a smaller one, in linear noise: `(1 + surrogates
+    /// that are not above)/(1 + surrogates)`.
     pub p: f64,
 }
 
@@ -74,12 +79,14 @@ pub fn check_surrogates(count: usize) -> Result<(), DataError> {
     })
 }
 
-/// Compares a series with `count` surrogates, made from random numbers of `seed`. Series and surrogates are embedded alike, if at all, and
-/// estimated with the same settings. `progress(done, total)` is called in between with numbers of surrogates.
+/// Compares a series with `count` surrogates, made from random numbers of `seed`. Series and
+/// surrogates are embedded alike, if at all, and estimated with the same settings. `progress(done,
+/// total)` is called in between with numbers of surrogates.
 ///
-/// Surrogates are amplitude-adjusted: iterated phase randomisation (Schreiber and Schmitz, Phys. Rev. Lett. 77, 635, 1996), of several columns with
-/// the same random phases (Prichard and Theiler, Phys. Rev. Lett. 73, 951, 1994). They are made of the longest part of the
-/// series whose ends fit together, as the transform takes it for periodic.
+/// Surrogates are amplitude-adjusted: iterated phase randomisation (Schreiber and Schmitz, Phys.
+/// Rev. Lett. 77, 635, 1996), of several columns with the same random phases (Prichard and Theiler,
+/// Phys. Rev. Lett. 73, 951, 1994). They are made of the longest part of the series whose ends fit
+/// together, as the transform takes it for periodic.
 ///
 /// # Errors
 /// Those of [`check_surrogates`] and of [`data_spectrum`].

@@ -1,5 +1,5 @@
-//! The true exponent is within two error bars, at least nine times in ten where the status is `ok`: a part of the example
-//! `spectrum_coverage`, and what it left behind.
+//! The true exponent is within two error bars, at least nine times in ten where the status is `ok`:
+//! a part of the example `spectrum_coverage`, and what it left behind.
 
 #[path = "../../examples/spectrum_coverage/systems.rs"]
 mod systems;
@@ -37,8 +37,8 @@ fn short_series_hold_what_ok_promises() {
 
 #[test]
 fn the_table_is_that_of_the_csv_and_holds_what_ok_promises() {
-    // What calls nothing `ok` promises nothing: most exponents of whole states are called so, a third of those with noise, and nearly half of
-    // embedded columns.
+    // What calls nothing `ok` promises nothing: most exponents of whole states are called so, a
+    // third of those with noise, and nearly half of embedded columns.
     for (observed, least) in Observed::ALL.into_iter().zip([7, 3, 4]) {
         assert!(PAGE.contains(&table::table(CSV, observed)));
         let all = all(CSV, observed);
@@ -77,9 +77,10 @@ fn the_csv_is_what_the_estimators_give() {
     }
 }
 
-/// The known exponents are those of the equations: the mean of sixteen shorter runs is within four of its own errors, which are small beside
-/// the system's first exponent. Of each run the first part counts for nothing: in it the tangent vectors turn. No two runs begin and end
-/// alike, since on Rössler's attractor all are in phase for long.
+/// The known exponents are those of the equations: the mean of sixteen shorter runs is within four
+/// of its own errors, which are small beside the system's first exponent. Of each run the first
+/// part counts for nothing: in it the tangent vectors turn. No two runs begin and end alike, since
+/// on Rössler's attractor all are in phase for long.
 #[test]
 fn the_known_exponents_follow_from_the_equations() {
     const RUNS: u64 = 16;
@@ -116,7 +117,8 @@ fn few_references_hold_what_ok_promises() {
         references: Some(30),
         ..DataSettings::sano_sawada()
     };
-    // How often the plain scatter of three blocks, Student's 4.5266 in place of 2.0840 taken back, would hold.
+    // How often the plain scatter of three blocks, Student's 4.5266 in place of 2.0840 taken back,
+    // would hold.
     let plain = 2.0840 / 4.5266;
     let (mut ok, mut holds, mut narrow) = (0, 0, 0);
     for case in systems::cases().iter().filter(|case| case.dt == 1.0) {
@@ -136,8 +138,9 @@ fn few_references_hold_what_ok_promises() {
     assert!(10 * narrow < 9 * ok, "{narrow} of {ok}");
 }
 
-/// Of whole states `ok` is worth as much from 30 reference points, though they lie on one short piece of an orbit; where that is shorter than two Theiler
-/// windows, as 20 of the pendulum are, it is not, which the program `spectrum` says.
+/// Of whole states `ok` is worth as much from 30 reference points, though they lie on one short
+/// piece of an orbit; where that is shorter than two Theiler windows, as 20 of the pendulum are, it
+/// is not, which the program `spectrum` says.
 #[test]
 fn a_short_piece_holds_what_ok_promises_from_two_theiler_windows_on() {
     let held = |(points, references), case: &systems::Case, seeds: std::ops::Range<u64>| {

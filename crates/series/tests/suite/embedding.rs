@@ -1,4 +1,5 @@
-//! Delay, dimension and the system's own exponents from one column, against systems whose dimension and spectrum are known.
+//! Delay, dimension and the system's own exponents from one column, against systems whose dimension
+//! and spectrum are known.
 
 use super::{henon, lorenz, near, noise, roessler};
 use stickslip::math;
@@ -38,7 +39,8 @@ fn embedded_by(
     (spectrum, reversal)
 }
 
-/// The dimensions of the state spaces; Lorenz' and Rössler's attractors have fewer than 2.1, so that 3 values suffice.
+/// The dimensions of the state spaces; Lorenz' and Rössler's attractors have fewer than 2.1, so
+/// that 3 values suffice.
 #[test]
 fn false_neighbours_vanish_at_the_dimension_of_the_state_space() {
     let logistic: Vec<[f64; 1]> = std::iter::successors(Some(0.3), |x| Some(4.0 * x * (1.0 - x)))
@@ -63,7 +65,8 @@ fn false_neighbours_vanish_at_the_dimension_of_the_state_space() {
     }
 }
 
-/// White noise has false neighbours at every dimension, and its next value depends on none before: Cao's E2 is 1.
+/// White noise has false neighbours at every dimension, and its next value depends on none before:
+/// Cao's E2 is 1.
 #[test]
 fn noise_has_no_dimension() {
     let rows: Vec<[f64; 1]> = noise().take(10_000).map(|v| [v]).collect();
@@ -80,8 +83,9 @@ fn noise_has_no_dimension() {
     );
 }
 
-/// The information of a map's values is of the next one; that of Lorenz' x has its first minimum at 0.16 to 0.18 (Fraser and
-/// Swinney's method as in Abarbanel, Analysis of Observed Chaotic Data, 1996), that of Rössler's at a quarter of its period of 5.86.
+/// The information of a map's values is of the next one; that of Lorenz' x has its first minimum at
+/// 0.16 to 0.18 (Fraser and Swinney's method as in Abarbanel, Analysis of Observed Chaotic Data,
+/// 1996), that of Rössler's at a quarter of its period of 5.86.
 #[test]
 fn delays_are_those_of_the_literature() {
     let map = choice(&column(&henon(5000), 0, 1.0));
@@ -103,8 +107,8 @@ fn delays_are_those_of_the_literature() {
     }
 }
 
-/// Of a sine without noise the classes' borders alone make minima, for these periods at 2 to 4 points. The autocorrelation, cos(2π lag / period), is negative
-/// behind a quarter of a period.
+/// Of a sine without noise the classes' borders alone make minima, for these periods at 2 to 4
+/// points. The autocorrelation, cos(2π lag / period), is negative behind a quarter of a period.
 #[test]
 fn a_clean_sine_has_the_delay_of_its_autocorrelation() {
     for (period, points) in [
@@ -129,7 +133,8 @@ fn a_clean_sine_has_the_delay_of_its_autocorrelation() {
     }
 }
 
-/// Sampled so densely that at first neighbours in time are as good as on a curve, a series has the minimum that it has at other steps.
+/// Sampled so densely that at first neighbours in time are as good as on a curve, a series has the
+/// minimum that it has at other steps.
 #[test]
 fn a_dense_series_keeps_its_minimum() {
     let mut at = [1.0, 1.0, 20.0];
@@ -186,8 +191,9 @@ fn henon_by_one_column() {
     assert_eq!(reversal.origins, [Origin::System; 2]);
 }
 
-/// Four values of Hénon's x make four exponents, two of them the embedding's. The first of all, 0.86, is: it would be called `ok` and
-/// twice the true one. Quadratic maps have the system's two and none of these.
+/// Four values of Hénon's x make four exponents, two of them the embedding's. The first of all,
+/// 0.86, is: it would be called `ok` and twice the true one. Quadratic maps have the system's two
+/// and none of these.
 #[test]
 fn spurious_exponents_of_henon_in_four_dimensions_are_told() {
     let series = column(&henon(10_000), 0, 1.0);
@@ -210,8 +216,8 @@ fn spurious_exponents_of_henon_in_four_dimensions_are_told() {
     assert_eq!(reversal.origins, [System, System, Spurious, Spurious]);
 }
 
-/// The logistic map cannot be inverted: the reversed series is unpredictable and is not asked. Of two values one exponent is 2 ln 2 by linear
-/// maps.
+/// The logistic map cannot be inverted: the reversed series is unpredictable and is not asked. Of
+/// two values one exponent is 2 ln 2 by linear maps.
 #[test]
 fn a_map_without_inverse_is_judged_by_the_fit_of_fixed_rank() {
     let rows: Vec<[f64; 1]> = std::iter::successors(Some(0.3), |x| Some(4.0 * x * (1.0 - x)))
@@ -234,8 +240,9 @@ fn a_map_without_inverse_is_judged_by_the_fit_of_fixed_rank() {
     assert_eq!(reversal.origins, [Origin::System, Origin::Spurious]);
 }
 
-/// Two coupled logistic maps by x of one: 0.4146 and 0.3082, which two values hold and linear maps of full rank have not. They cannot be
-/// inverted, so nothing tells that the second is the embedding's, and it is not.
+/// Two coupled logistic maps by x of one: 0.4146 and 0.3082, which two values hold and linear maps
+/// of full rank have not. They cannot be inverted, so nothing tells that the second is the
+/// embedding's, and it is not.
 #[test]
 fn a_fit_of_full_rank_alone_calls_no_exponent_spurious() {
     let logistic = |r: f64, x: f64| r * x * (1.0 - x);
@@ -259,7 +266,8 @@ fn a_fit_of_full_rank_alone_calls_no_exponent_spurious() {
     assert_eq!(reversal.origins, [Origin::System, Origin::Unknown]);
 }
 
-/// λ1 = 0.9056 and 0.0714; the block errors are 0.03 and 0.003, the bias of finite neighbourhoods up to 5 %.
+/// λ1 = 0.9056 and 0.0714; the block errors are 0.03 and 0.003, the bias of finite neighbourhoods
+/// up to 5 %.
 #[test]
 fn flows_by_one_column() {
     for (series, first, tolerance) in [
@@ -274,8 +282,8 @@ fn flows_by_one_column() {
     }
 }
 
-/// A sine with noise of a twentieth of its amplitude: the true exponent is 0. In bits of the period nothing is left of
-/// the 47 per unit of time that one column as a state gives.
+/// A sine with noise of a twentieth of its amplitude: the true exponent is 0. In bits of the period
+/// nothing is left of the 47 per unit of time that one column as a state gives.
 #[test]
 fn a_noisy_sine_by_one_column_has_no_positive_exponent() {
     let mut noise = noise();
@@ -291,8 +299,8 @@ fn a_noisy_sine_by_one_column_has_no_positive_exponent() {
     assert_ne!(first.status, Status::Ok);
 }
 
-/// All exponents of two frequencies are 0: what the fits differ by is not a matter of whose they are. Of eight pairs the program called one or both of
-/// the system's the embedding's.
+/// All exponents of two frequencies are 0: what the fits differ by is not a matter of whose they
+/// are. Of eight pairs the program called one or both of the system's the embedding's.
 #[test]
 fn both_exponents_of_two_frequencies_are_the_system_s() {
     for ratio in [2.0, 3.0, 5.0, 7.0] {
@@ -307,7 +315,8 @@ fn both_exponents_of_two_frequencies_are_the_system_s() {
     }
 }
 
-/// The whole state has no false neighbours; Lorenz' x and y alone have, and so have Rössler's x and z.
+/// The whole state has no false neighbours; Lorenz' x and y alone have, and so have Rössler's x and
+/// z.
 #[test]
 fn missing_columns_are_noticed() {
     let (lorenz, roessler) = (lorenz(10_000), roessler(10_000));

@@ -4,8 +4,8 @@ use super::{henon, lorenz, near, noise, spectrum, statuses, values};
 use stickslip::math;
 use stickslip_series::{Balance, DataSettings, Degree, Estimator, Neighbourhood, Status};
 
-/// Hénon's map is a polynomial of second degree: the maps are exact whatever the size, the sum of the exponents is ln 0.3 at every
-/// point, and the second is no longer 0.02 off.
+/// Hénon's map is a polynomial of second degree: the maps are exact whatever the size, the sum of
+/// the exponents is ln 0.3 at every point, and the second is no longer 0.02 off.
 #[test]
 fn a_quadratic_map_has_no_bias() {
     let found = spectrum(&henon(10_000), 1.0, &DataSettings::default());
@@ -35,7 +35,8 @@ fn the_other_estimator_comes_along() {
     }
 }
 
-/// Lorenz' divergence is −41/3 everywhere, and the third exponent −14.572, which the data do not tell, follows from it.
+/// Lorenz' divergence is −41/3 everywhere, and the third exponent −14.572, which the data do not
+/// tell, follows from it.
 #[test]
 fn with_the_divergence_the_exponent_that_the_data_do_not_tell_follows() {
     let found = spectrum(&lorenz(20_000), 0.02, &DataSettings::default());
@@ -99,13 +100,15 @@ fn short_series_get_linear_maps() {
         ..DataSettings::default()
     };
     assert_eq!(of(5000, many).neighbours, [40, 80]);
-    // Extrapolated linear maps have less bias than those at the smaller size, and an error that says how little is known.
+    // Extrapolated linear maps have less bias than those at the smaller size, and an error that
+    // says how little is known.
     let found = spectrum(&henon(5000), 1.0, &degree(Some(Degree::Linear)));
     assert!(found.exponents[1].stderr > 2.0 * found.exponents[1].sano_sawada.1);
 }
 
-/// Of one column of Hénon's map linear maps have a second exponent that is 0.1 off, many times its scatter, and of which two sizes show less
-/// than half: quadratic maps tell. The first is right, and stays ok.
+/// Of one column of Hénon's map linear maps have a second exponent that is 0.1 off, many times its
+/// scatter, and of which two sizes show less than half: quadratic maps tell. The first is right,
+/// and stays ok.
 #[test]
 fn linear_maps_that_hide_their_bias_are_told_by_quadratic_ones() {
     let rows = henon(10_000);
@@ -143,7 +146,8 @@ fn linear_maps_that_hide_their_bias_are_told_by_quadratic_ones() {
     }
 }
 
-/// The second exponent is of a direction in which neighbours are less far apart: it is covered first.
+/// The second exponent is of a direction in which neighbours are less far apart: it is covered
+/// first.
 #[test]
 fn noise_takes_the_ok_from_what_it_covers() {
     let with = |size: f64| {

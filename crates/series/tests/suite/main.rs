@@ -1,4 +1,5 @@
-//! The spectrum from a series against closed forms, against known spectra, and where the data tell nothing.
+//! The spectrum from a series against closed forms, against known spectra, and where the data tell
+//! nothing.
 
 mod coverage;
 mod embedding;
@@ -46,7 +47,8 @@ fn henon(points: usize) -> Vec<[f64; 2]> {
     all.skip(100).take(points).collect()
 }
 
-/// Quadratic maps are fitted to 27 points and 54 whether 12 neighbours are asked for or 8: as many points are starved. The ball of Eq. (25) holds 8 sooner.
+/// Quadratic maps are fitted to 27 points and 54 whether 12 neighbours are asked for or 8: as many
+/// points are starved. The ball of Eq. (25) holds 8 sooner.
 #[test]
 fn fewer_neighbours_than_the_maps_need_starve_no_fewer_points() {
     let of = |min: usize, estimator: Estimator| {
@@ -70,8 +72,9 @@ fn fewer_neighbours_than_the_maps_need_starve_no_fewer_points() {
     assert!(eight.starved < twelve.starved);
 }
 
-/// Chains begin with the directions of a neighbourhood. Those of a large ball are others than those of a small one, and what the chains then take to turn is
-/// left out: the estimates differ by a part of their error.
+/// Chains begin with the directions of a neighbourhood. Those of a large ball are others than those
+/// of a small one, and what the chains then take to turn is left out: the estimates differ by a
+/// part of their error.
 #[test]
 fn where_chains_begin_makes_no_difference() {
     let series = henon(3020);
@@ -158,9 +161,10 @@ fn noise() -> impl Iterator<Item = f64> {
     })
 }
 
-/// λ1 = 0.4192 and λ1 + λ2 = ln 0.3 are the map's. The mean over 45001 points has a standard error of 0.0012: 0.4187 is the mean over
-/// this start's points, and four of these errors are allowed. The second is biased upwards by curvature, to between −1.58 and
-/// −1.61 for 10 to 40 neighbours: the tolerance excludes both −1.6227 and what a fit with twice the radius gives.
+/// λ1 = 0.4192 and λ1 + λ2 = ln 0.3 are the map's. The mean over 45001 points has a standard error
+/// of 0.0012: 0.4187 is the mean over this start's points, and four of these errors are allowed.
+/// The second is biased upwards by curvature, to between −1.58 and −1.61 for 10 to 40 neighbours:
+/// the tolerance excludes both −1.6227 and what a fit with twice the radius gives.
 #[test]
 fn henon_has_its_first_exponent_and_a_biased_second() {
     let found = spectrum(&henon(POINTS), 1.0, &DataSettings::sano_sawada());
@@ -178,9 +182,10 @@ fn henon_has_its_first_exponent_and_a_biased_second() {
     );
 }
 
-/// Points on the torus (cos a, sin a, cos b, sin b) with its area 4π² and its spread √2: a ball of radius r = 0.02 √2 holds
-/// 45001 π r² / 4π² = 2.87 of them on average, whose number scatters little as the angles are a lattice. All reference points are
-/// starved, rightly, and the same count by looking at every point says so. At 0.1 they are 72, and none is.
+/// Points on the torus (cos a, sin a, cos b, sin b) with its area 4π² and its spread √2: a ball of
+/// radius r = 0.02 √2 holds 45001 π r² / 4π² = 2.87 of them on average, whose number scatters
+/// little as the angles are a lattice. All reference points are starved, rightly, and the same
+/// count by looking at every point says so. At 0.1 they are 72, and none is.
 #[test]
 fn starvation_is_counted_as_brute_force_counts_it_and_is_no_ok() {
     let rows: Vec<[f64; 4]> = (0..POINTS)
@@ -274,8 +279,8 @@ fn without_the_second_estimate_the_first_is_the_same() {
     );
 }
 
-/// Over four steps Hénon's second direction shrinks to 0.0015, below the neighbourhoods: what is found is −0.95 to
-/// −1.06, depending on their size, and not −1.62.
+/// Over four steps Hénon's second direction shrinks to 0.0015, below the neighbourhoods: what is
+/// found is −0.95 to −1.06, depending on their size, and not −1.62.
 #[test]
 fn a_contraction_hidden_by_a_long_step_is_unstable() {
     let settings = DataSettings {
@@ -288,8 +293,9 @@ fn a_contraction_hidden_by_a_long_step_is_unstable() {
     assert_eq!(statuses(&found), [Status::Ok, Status::Unstable]);
 }
 
-/// One column of Hénon (no state), white noise, and Hénon with noise as large as the neighbourhoods: exponents come out, and
-/// mean nothing. Hénon itself leaves less than 1 % unpredicted.
+/// One column of Hénon (no state), white noise, and Hénon with noise as large as the
+/// neighbourhoods: exponents come out, and mean nothing. Hénon itself leaves less than 1 %
+/// unpredicted.
 #[test]
 fn what_is_no_state_of_a_deterministic_system_is_unpredictable() {
     let rows = henon(10_000);
@@ -313,9 +319,10 @@ fn what_is_no_state_of_a_deterministic_system_is_unpredictable() {
     }
 }
 
-/// The columns are not standardised: with another factor for one column other points are neighbours. The first exponent is the
-/// system's and stays, within four standard errors of either estimate. The bias of the second depends on the shape of the
-/// neighbourhoods; both estimates must be within it, 0.04 of −1.6227.
+/// The columns are not standardised: with another factor for one column other points are
+/// neighbours. The first exponent is the system's and stays, within four standard errors of either
+/// estimate. The bias of the second depends on the shape of the neighbourhoods; both estimates must
+/// be within it, 0.04 of −1.6227.
 #[test]
 fn a_factor_for_one_column_changes_neighbours_but_not_exponents() {
     let rows = henon(20_000);
@@ -352,9 +359,10 @@ fn the_bias_of_the_second_exponent_shrinks_with_the_neighbourhood() {
     );
 }
 
-/// λ = (0.9056, 0, −14.57). Over 900 time units the block error of the first is about 0.019, and the finite neighbourhoods (0.028
-/// of the spread) bias it down by about 0.02: three errors are allowed. The second is biased by the same. The
-/// third direction is 10⁻⁴ thin, far below the neighbourhoods: the sheet's curvature is all that the data show.
+/// λ = (0.9056, 0, −14.57). Over 900 time units the block error of the first is about 0.019, and
+/// the finite neighbourhoods (0.028 of the spread) bias it down by about 0.02: three errors are
+/// allowed. The second is biased by the same. The third direction is 10⁻⁴ thin, far below the
+/// neighbourhoods: the sheet's curvature is all that the data show.
 #[test]
 fn lorenz_has_two_exponents_and_a_third_that_the_data_do_not_tell() {
     let found = spectrum(&lorenz(POINTS), 0.02, &DataSettings::sano_sawada());
@@ -382,10 +390,11 @@ fn roessler_has_two_exponents() {
     near(found.exponents[1].value, 0.0, 0.004);
 }
 
-/// Where every point is a neighbour of every other, the affine map is the regression of the whole series, the same at every point
-/// but for the point itself and those in the window; the exponents are the logarithms of the moduli of its
-/// eigenvalues. Leaving out 3 of 1500 points moves the fitted entries, and with them the logarithms, by about 3/1500 of their
-/// scatter 1/√1500, which averages out over the points; the chain's start adds about 1/1500: 2e-3 holds both.
+/// Where every point is a neighbour of every other, the affine map is the regression of the whole
+/// series, the same at every point but for the point itself and those in the window; the exponents
+/// are the logarithms of the moduli of its eigenvalues. Leaving out 3 of 1500 points moves the
+/// fitted entries, and with them the logarithms, by about 3/1500 of their scatter 1/√1500, which
+/// averages out over the points; the chain's start adds about 1/1500: 2e-3 holds both.
 #[test]
 fn a_stable_autoregression_has_the_eigenvalues_of_its_regression() {
     const LENGTH: usize = 1500;
@@ -432,8 +441,8 @@ fn a_stable_autoregression_has_the_eigenvalues_of_its_regression() {
     assert_eq!(statuses(&found), [Status::Ok; 2]);
 }
 
-/// A closed curve has one tangent direction; its exponent vanishes up to the block error (1e-4). The singular values of a curve are
-/// the powers of the radius.
+/// A closed curve has one tangent direction; its exponent vanishes up to the block error (1e-4).
+/// The singular values of a curve are the powers of the radius.
 #[test]
 fn a_limit_cycle_determines_one_exponent() {
     let found = spectrum(&cycle(POINTS), 0.1, &DataSettings::sano_sawada());
@@ -475,8 +484,8 @@ fn a_torus_determines_two_exponents() {
     assert_eq!(statuses(&found)[2..], [Status::Unidentified; 2]);
 }
 
-/// A column that does not vary adds an exponent without a value, and changes nothing else: not a bit, since the
-/// additional zeros take no part in any sum but as zeros.
+/// A column that does not vary adds an exponent without a value, and changes nothing else: not a
+/// bit, since the additional zeros take no part in any sum but as zeros.
 #[test]
 fn a_constant_column_is_unidentified_wherever_it_stands() {
     let rows = henon(5000);
@@ -498,7 +507,8 @@ fn a_constant_column_is_unidentified_wherever_it_stands() {
     }
 }
 
-/// Nothing but repeats of 7 points: no neighbour is another point nearby, and nothing is identified.
+/// Nothing but repeats of 7 points: no neighbour is another point nearby, and nothing is
+/// identified.
 #[test]
 fn exact_repeats_are_no_neighbours() {
     let rows: Vec<[f64; 2]> = (0..3000)
@@ -509,8 +519,8 @@ fn exact_repeats_are_no_neighbours() {
     assert_eq!(found.starved, found.references);
 }
 
-/// A cycle sampled at the same 200 points again and again: repeats are left out, the points beside them are
-/// neighbours, and no value but 0 is reported as determined.
+/// A cycle sampled at the same 200 points again and again: repeats are left out, the points beside
+/// them are neighbours, and no value but 0 is reported as determined.
 #[test]
 fn an_exactly_repeating_cycle() {
     let rows: Vec<[f64; 3]> = (0..6000)
@@ -527,10 +537,11 @@ fn an_exactly_repeating_cycle() {
     near(found.exponents[0].value, 0.0, 1e-2);
 }
 
-/// y is carried on except where 0.3 < x < 0.31, where it is set to 0, as a stick phase sets the velocity: there the map takes two
-/// dimensions to one, and neighbours that still differ in y tell so. It happens seldom enough for the points to
-/// fill the plane elsewhere. x is the logistic map at 4, with the exponent ln 2; over 45001 points its mean
-/// logarithm scatters by 0.003, and the neighbourhoods bias it by as much.
+/// y is carried on except where 0.3 < x < 0.31, where it is set to 0, as a stick phase sets the
+/// velocity: there the map takes two dimensions to one, and neighbours that still differ in y tell
+/// so. It happens seldom enough for the points to fill the plane elsewhere. x is the logistic map
+/// at 4, with the exponent ln 2; over 45001 points its mean logarithm scatters by 0.003, and the
+/// neighbourhoods bias it by as much.
 #[test]
 fn a_map_that_forgets_annihilates() {
     let kept = |x: f64| (50.0 * ((x - 0.305).abs() - 0.005)).clamp(0.0, 1.0);
@@ -550,13 +561,14 @@ fn a_map_that_forgets_annihilates() {
     assert_eq!(statuses(&found), [Status::Ok, Status::Annihilated]);
     near(found.exponents[0].value, math::ln(2.0), 0.02);
     assert_eq!(found.exponents[1].value, f64::NEG_INFINITY);
-    // The invariant density of x puts 0.7 % of the points there; near the edges neighbours are outside.
+    // The invariant density of x puts 0.7 % of the points there; near the edges neighbours are
+    // outside.
     let part = found.exponents[1].collapses as f64 / found.references as f64;
     assert!((0.0005..0.007).contains(&part), "{part}");
 }
 
-/// Stick data: the velocity is constant for a good part of every loop. The direction is undetermined there, so that no value
-/// may be reported for it.
+/// Stick data: the velocity is constant for a good part of every loop. The direction is
+/// undetermined there, so that no value may be reported for it.
 #[test]
 fn stick_phases_leave_no_exponent_for_the_velocity() {
     let rows: Vec<[f64; 3]> = lorenz(20_000)
@@ -574,8 +586,8 @@ fn stick_phases_leave_no_exponent_for_the_velocity() {
     );
 }
 
-/// Powers of two change no bit of any exponent; other factors change roundings only, which chaos does not amplify, as
-/// the maps are fitted to data.
+/// Powers of two change no bit of any exponent; other factors change roundings only, which chaos
+/// does not amplify, as the maps are fitted to data.
 #[test]
 fn one_factor_for_all_columns_changes_nothing() {
     let rows = lorenz(6000);
@@ -600,7 +612,8 @@ fn one_factor_for_all_columns_changes_nothing() {
     }
 }
 
-/// The order of the columns decides the order of additions and the arbitrary first vectors, and nothing else.
+/// The order of the columns decides the order of additions and the arbitrary first vectors, and
+/// nothing else.
 #[test]
 fn the_order_of_columns_does_not_matter() {
     let rows = lorenz(6000);
@@ -630,8 +643,8 @@ fn the_number_of_threads_changes_no_bit() {
     assert_eq!(one, two);
 }
 
-/// All points as references in three interleaved chains, or one chain of every third: the same exponent of the same map's third
-/// power, within the errors (0.0012 and √3 times that) of Hénon.
+/// All points as references in three interleaved chains, or one chain of every third: the same
+/// exponent of the same map's third power, within the errors (0.0012 and √3 times that) of Hénon.
 #[test]
 fn steps_and_strides() {
     let rows = henon(POINTS);
@@ -644,7 +657,8 @@ fn steps_and_strides() {
         let found = spectrum(&rows, 1.0, &settings);
         near(found.exponents[0].value, 0.4187, 0.008);
         assert_eq!(found.references, (POINTS - 3).div_ceil(stride));
-        // The running exponents end with the last reference point; what was chosen stands in the settings.
+        // The running exponents end with the last reference point; what was chosen stands in the
+        // settings.
         let last = found.convergence.last().unwrap();
         assert_eq!(last.t, (found.references * stride) as f64);
         assert_eq!(found.settings.references, Some(found.references));

@@ -38,8 +38,9 @@ fn autoregression(points: usize, phi: f64) -> Vec<[f64; 1]> {
         .collect()
 }
 
-/// ln 2, 0.4192, 0.9056 and 0.0714. The distance of neighbours is that of a few time steps of a finite one: authors find 5 to 15 %
-/// (Rosenstein and others 1993, Table 2), and so much is allowed.
+/// ln 2, 0.4192, 0.9056 and 0.0714. The distance of neighbours is that of a few time steps of a
+/// finite one: authors find 5 to 15 % (Rosenstein and others 1993, Table 2), and so much is
+/// allowed.
 #[test]
 fn neighbours_part_at_the_first_exponent() {
     let of_x = |series: Series, embedding: Embedding| embedding.of(&series).unwrap();
@@ -79,7 +80,8 @@ fn neighbours_part_at_the_first_exponent() {
     }
 }
 
-/// Neighbours on a cycle stay at their distance; those of noise are at once as far apart as any two points.
+/// Neighbours on a cycle stay at their distance; those of noise are at once as far apart as any two
+/// points.
 #[test]
 fn without_exponential_growth_there_is_no_straight_part() {
     let mut small = noise();
@@ -103,7 +105,8 @@ fn without_exponential_growth_there_is_no_straight_part() {
     }
 }
 
-/// Another unit changes the curve by its logarithm and no exponent; another time step divides the exponent.
+/// Another unit changes the curve by its logarithm and no exponent; another time step divides the
+/// exponent.
 #[test]
 fn units_of_length_and_time() {
     let rows = henon(3000);
@@ -178,8 +181,9 @@ fn surrogates_of_chaos_are_predicted_worse() {
     }
 }
 
-/// Of linear noise the test is wrong in one of twenty series. Of twenty independent ones it may so be in up to three: more have a
-/// probability of 1.6 %. A monotonic function of the values makes a series no less linear noise.
+/// Of linear noise the test is wrong in one of twenty series. Of twenty independent ones it may so
+/// be in up to three: more have a probability of 1.6 %. A monotonic function of the values makes a
+/// series no less linear noise.
 #[test]
 fn linear_noise_is_told_from_its_surrogates_no_more_often_than_the_level_says() {
     const LENGTH: usize = 1000;

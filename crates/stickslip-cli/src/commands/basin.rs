@@ -22,13 +22,15 @@ use stickslip_kernels::kernel::{Motion, Outcome};
 
 /// Find which attractor each of many starts in a plane leads to
 ///
-/// Attractors are found by recurrence; none need be named. "Recurrent" is one that comes back near to everywhere that it has been and never
-/// closes: quasi-periodic or chaotic, which `lyapunov` tells. Starts that escape, fail or are undecided have rows of their own and no number.
-/// Writes basin.csv with all starts, attractors.csv with the shares and their standard errors, and basin.svg. Finished blocks are in sweep/:
-/// after a kill the same command goes on from there.
+/// Attractors are found by recurrence; none need be named. "Recurrent" is one that comes back near
+/// to everywhere that it has been and never closes: quasi-periodic or chaotic, which `lyapunov`
+/// tells. Starts that escape, fail or are undecided have rows of their own and no number. Writes
+/// basin.csv with all starts, attractors.csv with the shares and their standard errors, and
+/// basin.svg. Finished blocks are in sweep/: after a kill the same command goes on from there.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
-    /// Range of the first coordinate of the starts; default: the first state, with its range in the file
+    /// Range of the first coordinate of the starts; default: the first state, with its range in the
+    /// file
     #[arg(long, value_name = "STATE=LOW:HIGH")]
     x: Option<String>,
 
@@ -231,7 +233,8 @@ impl Sweep for Basin {
     }
 }
 
-/// An attractor and the starts that lead to it; or the starts that lead to none in one way, as by escape.
+/// An attractor and the starts that lead to it; or the starts that lead to none in one way, as by
+/// escape.
 struct Attracting {
     outcome: Outcome,
     /// Dimension of the family of periodic orbits of which this is the one that was met first.
@@ -476,7 +479,8 @@ impl Points {
     }
 }
 
-/// The `index`-th of a sequence of numbers in [0, 1): SplitMix64 (Steele, Lea and Flood 2014), whose numbers can be had in any order.
+/// The `index`-th of a sequence of numbers in [0, 1): SplitMix64 (Steele, Lea and Flood 2014),
+/// whose numbers can be had in any order.
 fn uniform(seed: u64, index: u64) -> f64 {
     const GAMMA: u64 = 0x9e37_79b9_7f4a_7c15;
     let mut z = seed.wrapping_add(index.wrapping_add(1).wrapping_mul(GAMMA));

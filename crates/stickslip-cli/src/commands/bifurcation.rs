@@ -27,13 +27,17 @@ use stickslip_kernels::kernel::{Change, Motion, Outcome, PhaseThere};
 
 /// Follow attractors over a parameter, up and down, each from the state reached at the value before
 ///
-/// For each value: the points of the section, the sequence of phases, durations and lengths of stick, and the largest Lyapunov exponent. Where
-/// both ways differ, there is more than one attractor. A change of the phases is located and named by the event function that vanishes there; where
-/// none does, by the multiplier on the unit circle: a fold, flip, Neimark-Sacker bifurcation or branch point. Equilibria are followed to where they lose
-/// their stability or come to the boundary. Where one orbit ends and the run comes to another one, that began elsewhere, both places are told. Writes
-/// bifurcation.csv, sticks.csv, changes.csv and bifurcation.svg. In changes.csv `before` and `after` are the phases of the orbit that is followed
-/// through the change; where it is unstable behind it, the attractor there is another one, whose phases bifurcation.csv has. Finished blocks are in sweep/: after a kill the same
-/// command goes on from there.
+/// For each value: the points of the section, the sequence of phases, durations and lengths of
+/// stick, and the largest Lyapunov exponent. Where both ways differ, there is more than one
+/// attractor. A change of the phases is located and named by the event function that vanishes
+/// there; where none does, by the multiplier on the unit circle: a fold, flip, Neimark-Sacker
+/// bifurcation or branch point. Equilibria are followed to where they lose their stability or come
+/// to the boundary. Where one orbit ends and the run comes to another one, that began elsewhere,
+/// both places are told. Writes bifurcation.csv, sticks.csv, changes.csv and bifurcation.svg. In
+/// changes.csv `before` and `after` are the phases of the orbit that is followed through the
+/// change; where it is unstable behind it, the attractor there is another one, whose phases
+/// bifurcation.csv has. Finished blocks are in sweep/: after a kill the same command goes on from
+/// there.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
     /// The parameter and its range
@@ -113,7 +117,8 @@ struct BlockEnd {
 #[derive(Debug, Serialize, Deserialize)]
 struct Block {
     found: Vec<AtValue>,
-    /// Changes from each value to the next, the first of them from the last value of the block before.
+    /// Changes from each value to the next, the first of them from the last value of the block
+    /// before.
     changes: Vec<ChangeBetween>,
     last: Option<BlockEnd>,
 }
@@ -229,8 +234,9 @@ impl Bifurcation {
             recurrence: *recurrence,
             ..SweepSettings::within(self.until)
         };
-        // In a time in which the drive has one period, though its own may change with the parameter. Where there is no system, the search goes on
-        // with this one, and what it finds is not told.
+        // In a time in which the drive has one period, though its own may change with the
+        // parameter. Where there is no system, the search goes on with this one, and what it finds
+        // is not told.
         let complete = Cell::new(true);
         let family = |value| {
             let there = self.parameter.system(system, value).ok();
@@ -505,7 +511,8 @@ impl Bifurcation {
                     panel.add(Guide::vertical(value));
                 }
             }
-            // Up is an open square around the point of down, so that both are seen where they agree.
+            // Up is an open square around the point of down, so that both are seen where they
+            // agree.
             let up = Markers::new(of(up).iter().copied());
             panel.add(
                 up.shape(Shape::Square)

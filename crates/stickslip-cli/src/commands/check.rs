@@ -231,7 +231,8 @@ fn whereabouts(system: &System, contact: usize, start: &[f64]) -> (&'static str,
     (side, height)
 }
 
-/// Tangent points and stick zones, where one contact and two states leave nothing to choose but the range, and the file has that.
+/// Tangent points and stick zones, where one contact and two states leave nothing to choose but the
+/// range, and the file has that.
 fn on_boundary(system: &System) -> Option<(Line, Vec<(Line, OnLine)>)> {
     if system.contacts() != 1 || system.states() != 2 {
         return None;
@@ -245,8 +246,9 @@ fn on_boundary(system: &System) -> Option<(Line, Vec<(Line, OnLine)>)> {
     Some((line, found))
 }
 
-/// A period that is none; friction that pushes the wrong way, and static friction below that in slip: asked on every contact's boundary, next to the
-/// start; boundaries of several contacts that vanish together and depend on each other there.
+/// A period that is none; friction that pushes the wrong way, and static friction below that in
+/// slip: asked on every contact's boundary, next to the start; boundaries of several contacts that
+/// vanish together and depend on each other there.
 fn doubts(system: &System) -> Vec<String> {
     let period = match (system.is_periodic(), check_period(system)) {
         (Some(false), Err(failure)) => Some(failure.to_string()),

@@ -22,8 +22,9 @@ use stickslip_kernels::kernel::Motion;
 
 /// Show what the orbit from the start comes to, over a plane of two parameters
 ///
-/// For each cell: the attractor by its kind and sequence of phases, the largest Lyapunov exponent, and the part of time in stick. Writes map.csv and
-/// map.svg. Finished blocks are in sweep/: after a kill the same command goes on from there.
+/// For each cell: the attractor by its kind and sequence of phases, the largest Lyapunov exponent,
+/// and the part of time in stick. Writes map.csv and map.svg. Finished blocks are in sweep/: after
+/// a kill the same command goes on from there.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
     /// Range of the first parameter
@@ -192,7 +193,8 @@ impl Sweep for Map {
 struct Cell {
     motion: Motion,
     period_uncertainty: f64,
-    /// The phases of a period, wherever it begins; nothing where phases do not tell one motion from another.
+    /// The phases of a period, wherever it begins; nothing where phases do not tell one motion from
+    /// another.
     phases: String,
     /// Part of the time in stick, if there is an attractor.
     in_stick: Option<f64>,
@@ -206,7 +208,8 @@ impl Cell {
         if self.phases.is_empty() {
             return word.to_owned();
         }
-        // Long sequences would be wider than a figure; their number of phases tells most of them apart.
+        // Long sequences would be wider than a figure; their number of phases tells most of them
+        // apart.
         let number = self.phases.split(' ').count();
         if number > 8 {
             format!("{word}, {number} phases")
@@ -229,7 +232,8 @@ struct CellShown {
 struct Class {
     /// What it is, of an attractor with its phases.
     name: String,
-    /// Whether it is a kind of attractor: orbits that escape, end, fail or are undecided have come to none.
+    /// Whether it is a kind of attractor: orbits that escape, end, fail or are undecided have come
+    /// to none.
     is_attractor: bool,
     /// Number of cells.
     cells: usize,
@@ -360,7 +364,8 @@ struct Layer {
     legend: String,
 }
 
-/// A layer for each kind of attractor, the largest first; behind them those of what is none, each by itself.
+/// A layer for each kind of attractor, the largest first; behind them those of what is none, each
+/// by itself.
 fn kinds(found: &MapResults, until: f64) -> Vec<Layer> {
     let classes = figures::by_size(
         &found.classes,

@@ -104,10 +104,13 @@ fn found(ready: &Ready, search: &SearchArguments) -> Result<Report, Failure> {
     let sticks = recording.phases.iter().filter(sticks).map(Phase::duration);
     let stick = sticks.fold(0.0, |sum, duration| sum + duration);
     let percent = 100.0 * stick / orbit.period;
+    if system.contacts() > 0 {
+        report
+            .line("phases", format!("{phases}  (- below, + above, S stick)"))
+            .line("stick", format!("{stick} of the period, {percent:.1} %"));
+    }
     report
-        .line("phases", format!("{phases}  (- below, + above, S stick)"))
         .field("phases", phases)
-        .line("stick", format!("{stick} of the period, {percent:.1} %"))
         .field("stick_time", stick)
         .field("extremes", by_state(system, &extremes));
     let states = system.file.states.iter().zip(&extremes).zip(x);

@@ -144,7 +144,8 @@ fn portrait(system: &System, recording: &Recording) -> Figure {
     Figure::new("portrait", (560.0, 480.0), &title, &description).row(1.0, panel)
 }
 
-/// Where a contact's sticks stand in the plane of the first two states, but for a part of it that is not seen.
+/// Where a contact's sticks stand in the plane of the first two states, but for a part of it that
+/// is not seen.
 fn standing(recording: &Recording, contact: usize) -> Vec<(f64, f64)> {
     const UNSEEN: f64 = 0.01;
     let points = &recording.points;

@@ -166,7 +166,8 @@ impl Manifest {
     }
 }
 
-/// Whether a file could not be read because there is none; a file in the place of a folder above it is told when the folder is made.
+/// Whether a file could not be read because there is none; a file in the place of a folder above it
+/// is told when the folder is made.
 pub(super) fn is_absent(error: &io::Error) -> bool {
     use io::ErrorKind::{NotADirectory, NotFound};
     matches!(error.kind(), NotFound | NotADirectory)

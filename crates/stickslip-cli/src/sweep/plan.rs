@@ -61,7 +61,8 @@ impl Plan {
     }
 }
 
-/// Share `number` of `of`, counted from 1: every `of`-th chain, so that dear and cheap parts of a plane spread over all of them.
+/// Share `number` of `of`, counted from 1: every `of`-th chain, so that dear and cheap parts of a
+/// plane spread over all of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Share {
     number: usize,
@@ -90,7 +91,8 @@ impl Share {
         self.of == 1
     }
 
-    /// Its chains, in order. There are none if the sweep has fewer chains than there are shares before this one.
+    /// Its chains, in order. There are none if the sweep has fewer chains than there are shares
+    /// before this one.
     pub fn chains(self, plan: &Plan) -> impl Iterator<Item = Chain> {
         let all = self.number - 1..plan.chains.get();
         all.step_by(self.of).map(|index| plan.chain(index))

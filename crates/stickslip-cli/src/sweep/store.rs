@@ -292,8 +292,9 @@ fn clear(staging: &Path) -> Result<(), SweepError> {
     clear().map_err(SweepError::write(staging))
 }
 
-/// Writes a table or another file that need not fit into memory, by way of a temporary file in `staging`: `content` writes
-/// it bit by bit, and it appears under its name when it is complete. Both folders must exist.
+/// Writes a table or another file that need not fit into memory, by way of a temporary file in
+/// `staging`: `content` writes it bit by bit, and it appears under its name when it is complete.
+/// Both folders must exist.
 ///
 /// # Errors
 /// Those of `content`; [`SweepError::Write`]. What was at `path` before then stays.

@@ -21,7 +21,8 @@ pub(super) struct Dialect {
 }
 
 impl Dialect {
-    /// What the first lines use. The very first counts only if there is a number in it, or no other line.
+    /// What the first lines use. The very first counts only if there is a number in it, or no other
+    /// line.
     pub(super) fn sense<'t>(lines: impl Iterator<Item = &'t str>) -> Self {
         let mut sample: Vec<&str> = lines.collect();
         let may_be_number = |part: &str| parse(part).is_some();
@@ -43,7 +44,8 @@ impl Dialect {
             has_decimal_comma: false,
             by_digits: false,
         };
-        // Between columns that something else separates, a comma can only be a decimal one. Where points are found too, none is taken as one.
+        // Between columns that something else separates, a comma can only be a decimal one. Where
+        // points are found too, none is taken as one.
         let cells = || sample.iter().flat_map(|line| dialect.cells(line));
         let commas = cells().any(|cell| with_point(&cell).is_some());
         let points = cells().any(|cell| cell.contains('.') && parse(&cell).is_some());
@@ -51,7 +53,8 @@ impl Dialect {
         dialect
     }
 
-    /// That commas are decimal ones by their digits alone: what is to be said of it, or why the columns cannot be told.
+    /// That commas are decimal ones by their digits alone: what is to be said of it, or why the
+    /// columns cannot be told.
     pub(super) fn doubt(&self) -> Result<Option<&'static str>, &'static str> {
         match (self.by_digits, self.has_decimal_comma) {
             (false, _) => Ok(None),
@@ -77,8 +80,8 @@ impl Dialect {
         }
     }
 
-    /// The names in a comment, if there are `count` and none is a number. A word with a colon and what it is of the file, as Octave
-    /// writes them (`# columns: 1`), are none.
+    /// The names in a comment, if there are `count` and none is a number. A word with a colon and
+    /// what it is of the file, as Octave writes them (`# columns: 1`), are none.
     pub(super) fn header<'t>(&self, comment: &'t str, count: usize) -> Option<Vec<Cow<'t, str>>> {
         let mut words = comment.split_whitespace();
         let tells = words.next().is_some_and(|word| word.ends_with(':')) && words.next().is_some();
@@ -130,7 +133,8 @@ fn separator(sample: &[&str]) -> Separator {
         return Separator::Char(';');
     }
     if any('\t') {
-        // Columns that are aligned by several tabs leave empty cells in every line; a gap does so in some.
+        // Columns that are aligned by several tabs leave empty cells in every line; a gap does so
+        // in some.
         let aligned = |line: &&str| line.trim().split('\t').any(|cell| cell.trim().is_empty());
         return if sample.iter().all(aligned) {
             Separator::Spaces
@@ -162,7 +166,8 @@ fn separator(sample: &[&str]) -> Separator {
     }
 }
 
-/// Whether what commas part are the two parts of numbers: digits throughout, and some that no whole number has, -0 before a comma or 05 behind it.
+/// Whether what commas part are the two parts of numbers: digits throughout, and some that no whole
+/// number has, -0 before a comma or 05 behind it.
 fn are_parts(sample: &[&str]) -> bool {
     let digits = |part: &str| !part.is_empty() && part.bytes().all(|b| b.is_ascii_digit());
     let mut is_told = false;

@@ -84,7 +84,8 @@ impl<'i, R: BufRead> Lines<'i, R> {
         })
     }
 
-    /// The next line that holds something but a comment, with its number counted from 1; `None` at the end.
+    /// The next line that holds something but a comment, with its number counted from 1; `None` at
+    /// the end.
     pub(super) fn next(&mut self) -> Result<Option<(u64, &str)>, TableError> {
         loop {
             self.number += 1;

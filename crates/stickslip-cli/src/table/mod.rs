@@ -25,10 +25,12 @@ const SAMPLE_BYTES: usize = 1 << 24;
 const BUFFER: usize = 1 << 16;
 /// Most numbers that are read: 1 GiB of them.
 const MOST: usize = 1 << 27;
-/// Values are the same again where they differ by no more than this part of their column's range: the rounding of a function of the time.
+/// Values are the same again where they differ by no more than this part of their column's range:
+/// the rounding of a function of the time.
 const REPEAT: f64 = 1e-9;
 
-/// Values drawn from an attractor nearly all differ: where fewer different ones than this part are left, the typical value is met twice.
+/// Values drawn from an attractor nearly all differ: where fewer different ones than this part are
+/// left, the typical value is met twice.
 const DIFFERENT: f64 = 0.5;
 
 /// The columns chosen from a file.
@@ -93,14 +95,16 @@ impl TableError {
     }
 }
 
-/// Reads the columns `wanted` (numbers counted from 1, or names; none for all but a time column) of `path`, `-` for standard
-/// input. `report` gets the bytes read and their total.
+/// Reads the columns `wanted` (numbers counted from 1, or names; none for all but a time column) of
+/// `path`, `-` for standard input. `report` gets the bytes read and their total.
 ///
-/// Columns are separated by commas, semicolons, tabs or spaces, whichever the first lines use; a comma between digits is a decimal comma where
-/// something else separates. Lines that start with `#` or `%` are skipped; the first line, or a comment right above the numbers, may hold names. An array of
-/// numpy (`.npy`) has no names. A column named `t` or `time` is no coordinate: without `dt` it says what the time between two rows is, and
-/// else is held against it. Without names a first column that goes on evenly is the time, too, and an
-/// error if it has gaps. A column that is constant is left out.
+/// Columns are separated by commas, semicolons, tabs or spaces, whichever the first lines use; a
+/// comma between digits is a decimal comma where something else separates. Lines that start with
+/// `#` or `%` are skipped; the first line, or a comment right above the numbers, may hold names. An
+/// array of numpy (`.npy`) has no names. A column named `t` or `time` is no coordinate: without
+/// `dt` it says what the time between two rows is, and else is held against it. Without names a
+/// first column that goes on evenly is the time, too, and an error if it has gaps. A column that is
+/// constant is left out.
 ///
 /// # Errors
 /// Everything that is not a complete table of finite numbers, with line and column; a time between rows that is neither given nor found.
@@ -224,7 +228,8 @@ impl Table {
             })
     }
 
-    /// Columns whose values rise or fall evenly from row to row, as a time or an index does and no recurrent state, with their step.
+    /// Columns whose values rise or fall evenly from row to row, as a time or an index does and no
+    /// recurrent state, with their step.
     pub fn even_columns(&self) -> impl Iterator<Item = (usize, f64)> {
         (0..self.names.len())
             .filter_map(|column| Some((column, time::even_step(self.column(column))?)))
@@ -244,7 +249,8 @@ impl Table {
                 .zip(&allowed)
                 .all(|((a, b), allowed)| (a - b).abs() <= *allowed)
         };
-        // The longest end that is a beginning, too, of all rows up to each one (Knuth, Morris and Pratt, SIAM J. Comput. 6, 323, 1977).
+        // The longest end that is a beginning, too, of all rows up to each one (Knuth, Morris and
+        // Pratt, SIAM J. Comput. 6, 323, 1977).
         let mut borders = vec![0; rows];
         for row in 1..rows {
             let mut border = borders[row - 1];
@@ -286,7 +292,8 @@ impl Table {
         self.names.remove(column);
     }
 
-    /// A column that does not vary has no neighbours; if none does, it is left to the estimator to say so.
+    /// A column that does not vary has no neighbours; if none does, it is left to the estimator to
+    /// say so.
     fn leave_out_constants(&mut self) {
         let is_constant = |column: &usize| self.range(*column).0 == self.range(*column).1;
         let constant: Vec<usize> = (0..self.names.len()).filter(is_constant).collect();

@@ -282,7 +282,8 @@ impl<'a> Rows<'a> {
     }
 }
 
-/// Without names and a choice, a first column that goes on evenly is the time, unless another step is given or it has gaps. Its step.
+/// Without names and a choice, a first column that goes on evenly is the time, unless another step
+/// is given or it has gaps. Its step.
 fn time_in_first_column(table: &mut Table, given: Option<f64>) -> Result<Option<f64>, TableError> {
     let all = table.names.join(",");
     let first = || table.column(0);

@@ -2,11 +2,14 @@
 
 use stickslip_series::statistics::middle_two;
 
-/// Rows may be further apart in time than `dt` by this part of it: times are often printed with three digits.
+/// Rows may be further apart in time than `dt` by this part of it: times are often printed with
+/// three digits.
 const UNEVEN: f64 = 0.01;
-/// A step that differs from one of ten digits by no more than this part is that one: the rest is rounding of the printed times.
+/// A step that differs from one of ten digits by no more than this part is that one: the rest is
+/// rounding of the printed times.
 const ROUNDING: f64 = 1e-9;
-/// At most so many steps, and one in a hundred, that are not as all others are gaps of a time: a phase that begins anew has more.
+/// At most so many steps, and one in a hundred, that are not as all others are gaps of a time: a
+/// phase that begins anew has more.
 const GAPS: usize = 10;
 
 /// The middle one of the steps between values; none of fewer than two values.
@@ -29,7 +32,8 @@ pub(super) fn even_step(values: impl DoubleEndedIterator<Item = f64> + Clone) ->
     is_even.then(|| rounded(mean))
 }
 
-/// Of values that rise evenly but for a few steps their step, and the number of the first value behind one of these, counted from 0.
+/// Of values that rise evenly but for a few steps their step, and the number of the first value
+/// behind one of these, counted from 0.
 pub(super) fn first_gap(values: impl Iterator<Item = f64> + Clone) -> Option<(f64, usize)> {
     let step = middle_step(values.clone()).filter(|step| *step > 0.0)?;
     let steps = values.clone().count() - 1;
@@ -40,11 +44,13 @@ pub(super) fn first_gap(values: impl Iterator<Item = f64> + Clone) -> Option<(f6
     (gaps <= GAPS && 100 * gaps <= steps).then(|| (rounded(step), first))
 }
 
-/// What all distances of different, ascending values are multiples of, up to rounding. None if there are more such places than the square
-/// of the number of values: of so many, rows would hardly ever share one.
+/// What all distances of different, ascending values are multiples of, up to rounding. None if
+/// there are more such places than the square of the number of values: of so many, rows would
+/// hardly ever share one.
 pub(super) fn common_step(values: &[f64]) -> Option<f64> {
     let largest = values.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
-    // Each difference is off by two half units in the last place, and Euclid's algorithm multiplies that by the quotients.
+    // Each difference is off by two half units in the last place, and Euclid's algorithm multiplies
+    // that by the quotients.
     let rounding = ROUNDING * largest;
     let step = values.windows(2).fold(0.0, |step: f64, pair| {
         let (mut a, mut b) = (pair[1] - pair[0], step);

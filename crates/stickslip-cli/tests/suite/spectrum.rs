@@ -386,7 +386,8 @@ fn wrong_command_lines_end_with_two() {
     }
 }
 
-/// Estimates that look like any other and are not: a warning, a status, and the exit code of success.
+/// Estimates that look like any other and are not: a warning, a status, and the exit code of
+/// success.
 #[test]
 fn doubtful_spectra_come_with_a_warning() {
     let column: String = henon(false)
@@ -507,7 +508,8 @@ fn doubtful_spectra_come_with_a_warning() {
     }
 }
 
-/// Thirty points of a torus, whose Theiler window is 6, are enough; of a slower one they are a piece that says little.
+/// Thirty points of a torus, whose Theiler window is 6, are enough; of a slower one they are a
+/// piece that says little.
 #[test]
 fn a_short_piece_of_an_orbit_and_a_series_that_repeats_itself_get_a_warning() {
     let torus = |by: f64| -> String {
@@ -613,7 +615,8 @@ fn values_on_a_grid_and_states_that_stand_still_get_a_word() {
     }
 }
 
-/// x of Lorenz' system, rounded to 0.05, that stands still for 200 points (nolds #19): its exponent is a number, and the grid is told.
+/// x of Lorenz' system, rounded to 0.05, that stands still for 200 points (nolds #19): its exponent
+/// is a number, and the grid is told.
 #[test]
 fn a_rounded_series_that_hangs_has_a_finite_exponent_and_a_grid() {
     let field = |[x, y, z]: [f64; 3]| [10.0 * (y - x), x * (28.0 - z) - y, x * y - 8.0 / 3.0 * z];

@@ -218,8 +218,9 @@ fn an_exponent_that_the_axis_leaves_out_is_said_to_be_outside() {
     assert_eq!(picture.matches("outside the axis").count(), 1);
 }
 
-/// Neighbours that fall on one value of the grid look annihilated, and are told apart by a warning; whole numbers from 0 to 2 without any
-/// rule have no tangent direction, and nothing to hold the embedding against.
+/// Neighbours that fall on one value of the grid look annihilated, and are told apart by a warning;
+/// whole numbers from 0 to 2 without any rule have no tangent direction, and nothing to hold the
+/// embedding against.
 #[test]
 fn values_on_a_coarse_grid_get_a_warning_and_no_error() {
     let rows = |digits: usize| {

@@ -151,7 +151,8 @@ fn a_time_column_says_what_the_step_is() {
     let unknown = without("0 5\n0.25 7\n0.5 2\n", &["1", "2"]).unwrap_err();
     assert!(unknown.starts_with("--dt is missing"), "{unknown}");
     assert!(without("5 0\n7 3\n2 1\n", &[]).is_err());
-    // One that is not the step given, or that has a few gaps, is used if it is asked for, and warned of elsewhere.
+    // One that is not the step given, or that has a few gaps, is used if it is asked for, and
+    // warned of elsewhere.
     let quarters = |rows: usize| -> String {
         let row = |i: usize| format!("{} {}\n", 0.25 * i as f64, i * i % 7);
         (0..rows).map(row).collect()
@@ -198,7 +199,8 @@ fn a_constant_column_is_left_out_with_a_word() {
     assert_eq!(table("1,2\n1,2\n", &[]).unwrap().names.len(), 2);
 }
 
-/// -0 and 05 are no whole numbers, so that the comma beside them is a decimal one; of two in a line nobody can tell the separator.
+/// -0 and 05 are no whole numbers, so that the comma beside them is a decimal one; of two in a line
+/// nobody can tell the separator.
 #[test]
 fn a_decimal_comma_without_another_separator_is_told_by_its_digits() {
     let read = table("0,25\n-0,5\n1,05\n", &[]).unwrap();
@@ -279,7 +281,8 @@ fn columns_that_count_are_found() {
     assert_eq!(even("0,1\n1,2\n"), []);
 }
 
-/// Of few bits, with an offset; of two values that have nothing in common; of as many digits as a double has.
+/// Of few bits, with an offset; of two values that have nothing in common; of as many digits as a
+/// double has.
 #[test]
 fn the_step_of_a_grid_is_found() {
     let grid = |of: &dyn Fn(u32) -> f64| {

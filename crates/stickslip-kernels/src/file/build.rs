@@ -109,8 +109,8 @@ pub(crate) fn values(file: &SystemFile) -> Vec<f64> {
 pub(crate) enum Variant {
     /// As in the file.
     AsWritten,
-    /// This parameter is a state behind those of the file, whose rate is zero. Time is measured so that the period, if there is one, is
-    /// everywhere what it is with the given values.
+    /// This parameter is a state behind those of the file, whose rate is zero. Time is measured so
+    /// that the period, if there is one, is everywhere what it is with the given values.
     Free(usize),
     /// Time is measured so that the period, if there is one, is this.
     InPeriod(f64),
@@ -142,7 +142,12 @@ pub(crate) fn built(
         .any(|contact| contact.holding.is_some());
     for above in sides_to_check(contacts) {
         let all = (1 << contacts) - 1;
-        for held in if has_static { vec![0, all] } else { vec![0] } {
+        let held_ones = match (has_static, contacts) {
+            (false, _) => vec![0],
+            (true, 0..=4) => (0..=all).collect(),
+            (true, _) => vec![0, all],
+        };
+        for held in held_ones {
             let scope = Scope::Sides { above, held };
             let rates = Builder::new(file, inputs, &mut graph, scope).field()?;
             depends_on_time |= rates.iter().any(|&rate| graph.depends_on_time(rate));

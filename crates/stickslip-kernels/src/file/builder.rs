@@ -10,7 +10,8 @@ use crate::expression::{Binary, Expression, FUNCTIONS, Function, Graph, Id, Kind
 /// What may occur in an expression.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Scope {
-    /// Time, states and the sides of contacts: bit `i` of `above` is set where contact `i` is above, of `held` where it holds.
+    /// Time, states and the sides of contacts: bit `i` of `above` is set where contact `i` is
+    /// above, of `held` where it holds.
     Sides { above: usize, held: usize },
     /// Time and states; the name says where.
     NoSides(&'static str),
@@ -25,7 +26,8 @@ pub(super) struct Inputs<'a> {
     values: &'a [f64],
     /// A parameter that is a state behind those of the file instead.
     free: Option<usize>,
-    /// How fast the file's time passes in the time of the expressions, where that depends on the free parameter.
+    /// How fast the file's time passes in the time of the expressions, where that depends on the
+    /// free parameter.
     pace: Option<Id>,
 }
 

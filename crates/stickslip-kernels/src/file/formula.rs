@@ -20,7 +20,8 @@ pub struct Formula {
 struct Place {
     /// The whole value, quotes included.
     whole: Range<usize>,
-    /// Where its text begins; `None` where the file has it with escapes, so that bytes cannot be counted.
+    /// Where its text begins; `None` where the file has it with escapes, so that bytes cannot be
+    /// counted.
     text: Option<usize>,
 }
 

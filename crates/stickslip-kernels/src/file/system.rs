@@ -135,9 +135,10 @@ impl System {
             direction,
         });
         let size = (states, file.contacts.len());
-        let Some(dynamics) = dynamics(equations(&built), section, size) else {
-            // The reader lets no file through that has more states or contacts than the solver has room for, save one of
-            // more contacts than states.
+        let dynamics = dynamics(equations(&built), section, size);
+        let Some(dynamics) = dynamics.filter(|_| size.1 <= states) else {
+            // The reader lets no file through that has more states or contacts than the solver has
+            // room for, save one of more contacts than states.
             let problem = Problem::new(
                 format!(
                     "{} contacts are too many for {states} states: their boundaries cannot be independent",
@@ -155,8 +156,9 @@ impl System {
         })
     }
 
-    /// The system with a parameter as one more state behind the others, along which its orbits can be continued; `None` if no system has so many
-    /// states. Time runs so that a period that depends on the parameter keeps the value that it has now.
+    /// The system with a parameter as one more state behind the others, along which its orbits can
+    /// be continued; `None` if no system has so many states. Time runs so that a period that
+    /// depends on the parameter keeps the value that it has now.
     ///
     /// # Errors
     /// [`SettingError::File`] where the expressions are too large with one more state.
@@ -186,7 +188,8 @@ impl System {
         Ok(dynamics(equations(&built), None, size))
     }
 
-    /// Whether field and boundaries are what they were a period ago, at some states; `None` where there is no period.
+    /// Whether field and boundaries are what they were a period ago, at some states; `None` where
+    /// there is no period.
     pub fn is_periodic(&self) -> Option<bool> {
         let period = self.built.period?;
         let at = |t: f64, x: &[f64]| -> Vec<f64> {

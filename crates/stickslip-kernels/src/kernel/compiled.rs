@@ -8,9 +8,9 @@ use super::system::{Equations, ManyContacts, OneContact, OwnSection, Section};
 /// Functions whose zeros end a mode of a system of one contact.
 const GUARDS: usize = 3;
 
-/// The dynamics of these equations with numbers of states and contacts, which the library's analyses
-/// take; `None` for more states than [`super::MOST_STATES`] and a parameter, or more contacts than
-/// [`super::MOST_CONTACTS`].
+/// The dynamics of these equations with numbers of states and contacts, which the library's
+/// analyses take; `None` for more states than [`super::MOST_STATES`] and a parameter, or more
+/// contacts than [`super::MOST_CONTACTS`].
 pub fn dynamics(
     equations: Equations,
     section: Option<Section>,

@@ -13,7 +13,8 @@ use crate::system::{Mode, Side};
 /// The derivative ∂x(t)/∂x(t0) of the flow map along one orbit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Monodromy {
-    /// The derivative, square in the states: column `j` is the change of the end state with component `j` of the start.
+    /// The derivative, square in the states: column `j` is the change of the end state with
+    /// component `j` of the start.
     pub matrix: Matrix,
     /// How many times the orbit entered stick; the first such entry takes one from the rank; so does stick at the start, which is no entry.
     pub stick_entries: usize,

@@ -161,8 +161,8 @@ impl<'a> PoincareMap<'a> {
         Ok(self.arrive(passage))
     }
 
-    /// The next return, and the derivative of its state with respect to the state at the last one, or the start: square in the states, column `j` for
-    /// its component `j`.
+    /// The next return, and the derivative of its state with respect to the state at the last one,
+    /// or the start: square in the states, column `j` for its component `j`.
     ///
     /// It is `(I − f ∇gᵀ/(∂g/∂t + ∇g·f)) Φ`, with the tangent flow Φ from there to here, the field `f` here, and the section
     /// `g`: what a change of the start does to the time of the return is taken out along the motion. On the section it has the

@@ -130,8 +130,8 @@ pub struct Guard {
 
 /// A system with its solver, of numbers of states and contacts known at run time.
 ///
-/// Only the library's own types implement it: typed systems by [`AsDynamics`], and systems known
-/// at run time by [`Typed::padded`].
+/// It is for the library's own types: typed systems by [`AsDynamics`], and systems known at run
+/// time by [`Typed::padded`].
 pub trait Dynamics: Send + Sync {
     /// Number of states.
     fn states(&self) -> usize;
@@ -286,8 +286,8 @@ impl<'a> std::ops::Deref for DynamicsRef<'a> {
     }
 }
 
-/// What an analysis takes: a [`Filippov`] system, [`Several`] contacts, or a [`Dynamics`]. The
-/// parameter says which of them; it is always inferred.
+/// What an analysis takes: a [`Filippov`] system, [`Several`] contacts, or a [`DynamicsRef`]. They
+/// can be shared between threads. The parameter says which of them it is, and is always inferred.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is no system",
     note = "implement `Filippov` for a system of one boundary; one that implements `Contacts` goes in as `Several(system)`"

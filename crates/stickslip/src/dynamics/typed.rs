@@ -306,7 +306,8 @@ where
         let Timed { t, x } = self.timed(start);
         Ok(Run {
             of: self,
-            integration: Integration::new(self.system, t, x, t_end, options)?
+            integration: Integration::new(self.system, t, x, t_end, options)
+                .map_err(|error| error.of_states(self.states))?
                 .of_states(self.states),
             options: *options,
             search: None,
@@ -442,11 +443,13 @@ where
         }
         if let (Some(observer), Some(progress)) = (&mut self.observer, self.unobserved.take()) {
             let (integration, is_stopping) = (&mut self.integration, &mut self.is_stopping);
-            if let Some(summary) = tell(integration, &progress, *observer, is_stopping)? {
+            let told = tell(integration, &progress, *observer, is_stopping);
+            if let Some(summary) = told.map_err(|error| error.of_states(self.of.states))? {
                 return Ok(Happening::End(self.of.summary(&summary)));
             }
         }
-        let progress = self.integration.step()?;
+        let progress = self.integration.step();
+        let progress = progress.map_err(|error| error.of_states(self.of.states))?;
         self.unobserved = self.observer.is_some().then_some(progress);
         Ok(match &progress {
             Progress::Step => {

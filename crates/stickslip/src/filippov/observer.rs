@@ -111,7 +111,7 @@ pub struct StepRecord<const N: usize, K = Mode> {
 /// Each method may end the run by returning [`ControlFlow::Break`].
 ///
 /// ```
-/// use std::ops::{ControlFlow, Sub};
+/// use std::ops::ControlFlow;
 /// use stickslip::{models::BeltOscillator, run, Observer, Options, State, Transition};
 ///
 /// struct Count(usize);
@@ -145,6 +145,21 @@ pub trait Observer<const N: usize, K = Mode> {
     /// After every phase, before the transition that ends it.
     fn phase(&mut self, _phase: &Phase<N, K>) -> ControlFlow<()> {
         ControlFlow::Continue(())
+    }
+}
+
+impl<O: Observer<N, K> + ?Sized, const N: usize, K> Observer<N, K> for &mut O {
+    fn step(&mut self, step: &StepRecord<N, K>) -> ControlFlow<()> {
+        (**self).step(step)
+    }
+    fn watches_steps(&self) -> bool {
+        (**self).watches_steps()
+    }
+    fn transition(&mut self, transition: &Transition<N, K>) -> ControlFlow<()> {
+        (**self).transition(transition)
+    }
+    fn phase(&mut self, phase: &Phase<N, K>) -> ControlFlow<()> {
+        (**self).phase(phase)
     }
 }
 

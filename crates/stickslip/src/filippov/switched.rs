@@ -17,8 +17,9 @@ use crate::orbit::Ending;
 use crate::scalar::Scalar;
 use crate::system::State;
 
-/// A switched system: what [`crate::solve`], [`crate::run`] and the analyses take. [`crate::Filippov`] systems are of this kind, with one
-/// contact, and so is [`crate::Several`], with as many as it has; nothing else can be.
+/// A switched system: what [`crate::solve`] and [`crate::run`] take. [`crate::Filippov`] systems
+/// are of this kind, with one contact, and so is [`crate::Several`], with as many as it has;
+/// nothing else can be.
 ///
 /// `N` is the number of states, `G` that of the functions whose zeros end a mode: 3 for a [`crate::Filippov`] system, the number of contacts
 /// for [`crate::Several`].

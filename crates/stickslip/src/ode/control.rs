@@ -28,8 +28,9 @@ const SHRINK_MOST: f64 = 0.333;
 const GROW_MOST: f64 = 6.0;
 const SAFETY: f64 = 0.9;
 
-/// Square of the error of a step in units of the tolerance: at most 1 is good. Not finite where the step is not. It is the mean over so many states;
-/// further ones, which only fill up the type, are zero.
+/// Square of the error of a step in units of the tolerance: at most 1 is good. Not finite where the
+/// step is not. It is the mean over so many states; further ones, which only fill up the type, are
+/// zero.
 ///
 /// The square, because the next step waits for it and a root would take as long as two calls of a small field. DOP853's combination of its estimates of orders 5 and 3 (Hairer, Nørsett & Wanner, Eq. II.10.17).
 #[inline(always)]

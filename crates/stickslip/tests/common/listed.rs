@@ -96,7 +96,8 @@ macro_rules! traced {
     };
 }
 
-/// `typed!(Name, n: Variant(Type), …)`: the type `Name` of the systems of `n` states that do branch.
+/// `typed!(Name, n: Variant(Type), …)`: the type `Name` of the systems of `n` states that do
+/// branch.
 #[allow(unused_macros, reason = "not all tests have such systems")]
 macro_rules! typed {
     ($any:ident, $n:literal: $($name:ident($system:ty)),* $(,)?) => {

@@ -213,7 +213,8 @@ fn convergence(findings: &Findings) -> Panel {
     let spectrum = &findings.spectrum;
     let end = spectrum.convergence.last().map_or(1.0, |row| row.t);
     let shown = |i: usize| spectrum.exponents[i].status != Status::Annihilated;
-    // An unidentified exponent may be anywhere; the axis is for those that mean something, if there are any.
+    // An unidentified exponent may be anywhere; the axis is for those that mean something, if there
+    // are any.
     let scales = |i: usize| match spectrum.dimension {
         0 => shown(i),
         _ => spectrum.exponents[i].status != Status::Unidentified && shown(i),

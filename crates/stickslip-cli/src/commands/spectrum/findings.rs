@@ -66,8 +66,8 @@ pub(super) fn numbers(all: impl IntoIterator<Item = bool>) -> Vec<String> {
 }
 
 impl Findings {
-    /// The status of an exponent in a word: that of the estimator, but for exponents of the embedding's own, which no
-    /// other status would make one of the system's.
+    /// The status of an exponent in a word: that of the estimator, but for exponents of the
+    /// embedding's own, which no other status would make one of the system's.
     pub(super) fn status(&self, i: usize) -> &'static str {
         match self.spectrum.exponents[i].status {
             _ if self.is_spurious(i) => "spurious",
@@ -222,8 +222,8 @@ impl Findings {
         }
     }
 
-    /// What is to be known of the exponents that are ok: which have no sign for certain, and that nobody counted what "ok" is worth of so
-    /// few points.
+    /// What is to be known of the exponents that are ok: which have no sign for certain, and that
+    /// nobody counted what "ok" is worth of so few points.
     pub(super) fn notes(&self, source: &Table) -> Vec<String> {
         let spectrum = &self.spectrum;
         let mut notes = Vec::new();
@@ -248,7 +248,8 @@ impl Findings {
         notes
     }
 
-    /// `index,exponent,stderr,status`, full precision; `-inf` for an annihilated direction, an empty cell where there is no value.
+    /// `index,exponent,stderr,status`, full precision; `-inf` for an annihilated direction, an
+    /// empty cell where there is no value.
     pub(super) fn csv(&self) -> Result<String, OutputError> {
         let number = |value: f64| (!value.is_nan()).then_some(value);
         let exponent = |&i: &usize| &self.spectrum.exponents[i];

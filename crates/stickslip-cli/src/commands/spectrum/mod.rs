@@ -119,8 +119,8 @@ What the statuses of exponents and the columns of the table mean, which files ar
 #[derive(Debug, clap::Args)]
 #[command(long_about = ABOUT, after_help = AFTER_SHORT, after_long_help = AFTER)]
 pub(super) struct Arguments {
-    /// Text with one state per line, separated by commas, semicolons, tabs or spaces, with or without names in the first line; or a
-    /// .npy array; - for standard input
+    /// Text with one state per line, separated by commas, semicolons, tabs or spaces, with or
+    /// without names in the first line; or a .npy array; - for standard input
     file: PathBuf,
 
     /// Time between two lines; 1 for a map [default: from a column named t or time]
@@ -135,17 +135,18 @@ pub(super) struct Arguments {
     #[arg(long, value_parser = number, value_name = "FRACTION")]
     eps: Option<f64>,
 
-    /// Fewest and most neighbours taken from the ball, as MIN-MAX, or the number of nearest neighbours
-    /// [default: 12-12; 40-40 for delayed values, fewer below 4000 points]
+    /// Fewest and most neighbours taken from the ball, as MIN-MAX, or the number of nearest
+    /// neighbours [default: 12-12; 40-40 for delayed values, fewer below 4000 points]
     #[arg(long, value_name = "MIN-MAX|K")]
     neighbours: Option<Count>,
 
-    /// Delayed values of each column that make a state, 1 for the columns as they are [default: for one column the first number
-    /// with less than 1 % false neighbours]
+    /// Delayed values of each column that make a state, 1 for the columns as they are [default: for
+    /// one column the first number with less than 1 % false neighbours]
     #[arg(long, value_parser = count, value_name = "VALUES")]
     dimension: Option<usize>,
 
-    /// Points between delayed values [default: first minimum of the mutual information; 1 for a map, a quarter of a period for a clean periodic motion]
+    /// Points between delayed values [default: first minimum of the mutual information; 1 for a
+    /// map, a quarter of a period for a clean periodic motion]
     #[arg(long, value_parser = count, value_name = "POINTS")]
     delay: Option<usize>,
 
@@ -153,7 +154,8 @@ pub(super) struct Arguments {
     #[arg(long, value_parser = count, value_name = "D")]
     step: Option<usize>,
 
-    /// Points that follow one another so closely are no neighbours [default: time in which the autocorrelation falls to 1/e]
+    /// Points that follow one another so closely are no neighbours [default: time in which the
+    /// autocorrelation falls to 1/e]
     #[arg(long, value_parser = count, value_name = "POINTS")]
     theiler: Option<usize>,
 
@@ -169,13 +171,14 @@ pub(super) struct Arguments {
     #[arg(long, value_enum, default_value_t = Method::Extrapolated)]
     estimator: Method,
 
-    /// Degree of the maps that are extrapolated; the error of linear ones holds how far they are from quadratic ones where the series is
-    /// long enough for these, and elsewhere too little of the bias [default: quadratic where the series is long enough]
+    /// Degree of the maps that are extrapolated; the error of linear ones holds how far they are
+    /// from quadratic ones where the series is long enough for these, and elsewhere too little of
+    /// the bias [default: quadratic where the series is long enough]
     #[arg(long, value_enum)]
     degree: Option<MapDegree>,
 
-    /// Mean divergence of the system per unit of time (trace of the Jacobian; of a map ln |det J|), which the exponents must add up to;
-    /// only where the columns are its state
+    /// Mean divergence of the system per unit of time (trace of the Jacobian; of a map ln |det J|),
+    /// which the exponents must add up to; only where the columns are its state
     #[arg(long, value_parser = number, value_name = "VALUE")]
     divergence: Option<f64>,
 
@@ -187,7 +190,8 @@ pub(super) struct Arguments {
     #[arg(long, value_parser = count, value_name = "RANK")]
     rank: Option<usize>,
 
-    /// Use every so many points of a step as reference points [default: 1; for delayed values over one delay the largest that leaves a third of all, and 1500]
+    /// Use every so many points of a step as reference points [default: 1; for delayed values over
+    /// one delay the largest that leaves a third of all, and 1500]
     #[arg(long, value_parser = count, value_name = "POINTS")]
     stride: Option<usize>,
 
@@ -195,7 +199,8 @@ pub(super) struct Arguments {
     #[arg(long, value_parser = count, value_name = "COUNT")]
     references: Option<usize>,
 
-    /// Test against so many surrogates, at least 19, whether the series is told from linear noise; takes as many estimates
+    /// Test against so many surrogates, at least 19, whether the series is told from linear noise;
+    /// takes as many estimates
     #[arg(long, value_parser = count, value_name = "COUNT")]
     surrogates: Option<usize>,
 

@@ -1,4 +1,5 @@
-//! What makes a spectrum doubtful, what was done that was not asked for, and what was asked for and changes nothing.
+//! What makes a spectrum doubtful, what was done that was not asked for, and what was asked for and
+//! changes nothing.
 
 use std::f64::consts::PI;
 
@@ -15,9 +16,11 @@ use crate::table::Table;
 const STARVED: f64 = 0.1;
 /// With a larger part of the states the same as those before them there is a warning.
 const STANDING: f64 = 0.01;
-/// Reference points that reach over fewer Theiler windows are one short piece of an orbit, of which `ok` was found to be worth less.
+/// Reference points that reach over fewer Theiler windows are one short piece of an orbit, of which
+/// `ok` was found to be worth less.
 const WINDOWS: usize = 2;
-/// Times the mean distance of two values that fill a turn evenly, by which the turn's ends may be missed,
+/// Times the mean distance of two values that fill a turn evenly, by which the turn's ends may be
+/// missed,
 const NEAR_ENDS: f64 = 20.0;
 /// but by no more than this part of the turn.
 const FARTHEST_END: f64 = 0.01;
@@ -233,8 +236,8 @@ fn counting(source: &Table) -> Vec<String> {
     source.even_columns().map(warn).collect()
 }
 
-/// Exponents that nothing else speaks against, but on which the two linear fits differ. One that is extrapolated is neither of them, and
-/// its error is its own.
+/// Exponents that nothing else speaks against, but on which the two linear fits differ. One that is
+/// extrapolated is neither of them, and its error is its own.
 fn disagreements(findings: &Findings) -> Vec<String> {
     let spectrum = &findings.spectrum;
     if spectrum.sizes.is_some() {
@@ -276,7 +279,8 @@ fn short_of_references(spectrum: &DataSpectrum) -> Option<String> {
     })
 }
 
-/// Columns whose values fill a whole turn and jump by more than half of it: an angle that is taken back by a turn tears neighbours apart.
+/// Columns whose values fill a whole turn and jump by more than half of it: an angle that is taken
+/// back by a turn tears neighbours apart.
 fn wrapped(source: &Table) -> Option<String> {
     const TURNS: [(f64, &str); 2] = [(2.0 * PI, "2π"), (360.0, "360")];
     // Of so many values the least and the largest are about so near the ends of the turn.
@@ -299,8 +303,9 @@ fn wrapped(source: &Table) -> Option<String> {
 fn without_effect(arguments: &Arguments, findings: &Findings) -> Vec<String> {
     let spectrum = &findings.spectrum;
     let mut notes = Vec::new();
-    // What is extrapolated comes from so many nearest points, and of Eq. (25) a ball of as few as many neighbours, too. With a range the
-    // radius decides how many of them there are, and where chains begin.
+    // What is extrapolated comes from so many nearest points, and of Eq. (25) a ball of as few as
+    // many neighbours, too. With a range the radius decides how many of them there are, and where
+    // chains begin.
     if let (Some(_), Neighbourhood::Ball { min, max, .. }) =
         (arguments.eps, spectrum.settings.neighbours)
         && min == max

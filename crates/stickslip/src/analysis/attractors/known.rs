@@ -98,6 +98,9 @@ impl<'a> Attractors<'a> {
 
     /// Whether two orbits have come to the same attractor.
     pub fn is_same(&self, one: &Reached, other: &Reached) -> bool {
+        if !(self.is_of_system(one) && self.is_of_system(other)) {
+            return false;
+        }
         match (&one.kind, &other.kind) {
             (Kind::Equilibrium, Kind::Equilibrium) => {
                 one.mode == other.mode
@@ -124,10 +127,18 @@ impl<'a> Attractors<'a> {
         }
     }
 
+    /// Whether its points have as many components as the system has states: it may come from a
+    /// file.
+    fn is_of_system(&self, reached: &Reached) -> bool {
+        let states = self.system.states();
+        reached.points.iter().all(|point| point.x.len() == states)
+    }
+
     /// Dimension of the family of periodic orbits that the one is of that an orbit has come to; 0
     /// of an isolated one, and of other kinds of motion.
     pub fn family(&self, reached: &Reached) -> usize {
-        let is_periodic = matches!(reached.kind, Kind::Periodic { .. });
+        let is_periodic =
+            matches!(reached.kind, Kind::Periodic { .. }) && self.is_of_system(reached);
         let first = reached.points.first().filter(|_| is_periodic);
         let near = |at| self.family_near(at, reached.period(), f64::INFINITY);
         reached.family.unwrap_or_else(|| first.map_or(0, near))

@@ -27,7 +27,8 @@ pub struct Growth {
 }
 
 impl Growth {
-    /// Measures so many vectors from time `begin` on, with the duration, blocks and samples of `settings`.
+    /// Measures so many vectors from time `begin` on, with the duration, blocks and samples of
+    /// `settings`.
     pub fn new(count: usize, begin: f64, settings: &SpectrumOptions) -> Self {
         let zeros = || vec![0.0; count];
         Growth {

@@ -7,8 +7,9 @@ use crate::math;
 /// orthonormal to a few units of 1e-16; an angle as small by chance comes once in 1e12 entries into stick.
 const IN_SPAN: f64 = 1e-12;
 
-/// Orthonormal vectors, as many as there are states, of which some may have been annihilated. Those that have not are in the order of
-/// their exponents; those that have complete the basis and carry nothing but the normal of the space of the others.
+/// Orthonormal vectors, as many as there are states, of which some may have been annihilated. Those
+/// that have not are in the order of their exponents; those that have complete the basis and carry
+/// nothing but the normal of the space of the others.
 #[derive(Clone, Debug)]
 pub(super) struct Frame {
     columns: Vec<Vector>,

@@ -103,16 +103,16 @@ pub fn lyapunov_spectrum_watched<S, O, const N: usize, const G: usize>(
     system: &S,
     (t, x): (f64, impl Components),
     settings: &SpectrumOptions,
-    watcher: &mut O,
+    mut watcher: &mut O,
 ) -> Result<Spectrum, Error>
 where
     S: Switched<N, G> + Send + Sync,
-    O: Observer<N, S::Mode>,
+    O: Observer<N, S::Mode> + ?Sized,
 {
     let start = Moment { t, x: x.vector() };
     let dynamics = Typed::<&S, S, _, N, G>::new(system);
     measured(&dynamics, start, settings, |at, t_end, options| {
-        observed(system, (at, t_end), options, watcher)
+        observed(system, (at, t_end), options, &mut watcher)
     })
 }
 

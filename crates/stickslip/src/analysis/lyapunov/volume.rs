@@ -11,7 +11,8 @@ const GAUSS: [(f64, f64); 5] = [
     (0.953_089_922_969_332, 0.118_463_442_528_094_54),
 ];
 
-/// Integral of the divergence over a step with its solution: the logarithm of the factor by which it changes volumes.
+/// Integral of the divergence over a step with its solution: the logarithm of the factor by which
+/// it changes volumes.
 pub(super) fn growth(system: &dyn Dynamics, step: &Step, solution: &dyn Fn(f64) -> Vector) -> f64 {
     let length = step.t_end - step.t_start;
     let flow = system.flow(step.mode, &step.end());

@@ -273,6 +273,10 @@ impl<const M: usize> Problem<M> {
 
     fn is_solved_by(&self, outcomes: &[Outcome; M]) -> bool {
         let (shares, rates) = self.shares_and_rates(outcomes);
-        (0..self.count).all(|i| self.wanted(i, outcomes[i], &shares, rates[i]) == outcomes[i])
+        (0..self.count).all(|i| match outcomes[i] {
+            _ if !(shares[i].is_finite() && rates[i].is_finite()) => false,
+            Mode::Stick => self.wanted(i, Mode::Stick, &shares, rates[i]) == Mode::Stick,
+            Mode::Slip(side) => rates[i] * side.sign() > self.floor(i, &shares),
+        })
     }
 }
