@@ -15,9 +15,9 @@
 //! [definitions]                  # names for parts of what follows
 //! slip = "belt*(v - vp)"         # the name of a contact is the sign of its side, here |v - vp|
 //!
-//! [contacts.belt] boundary = "v - vp"            # belt is -1 where this is negative, +1 where it
-//! is positive friction = "mu0/(1 + slip)"    # how large friction is in slip; friction(belt) is
-//! belt times that
+//! [contacts.belt]
+//! boundary = "v - vp"            # belt is -1 where this is negative, +1 where it is positive
+//! friction = "mu0/(1 + slip)"    # how large friction is in slip; friction(belt) is belt times that
 //!
 //! [field]                        # the rates of the states
 //! x = "v"
@@ -28,10 +28,9 @@
 //! v = 0
 //! ```
 //!
-//! Friction is written by side and not by the sign of a velocity, so that each side's formula goes
-//! on smoothly across Σ. `static` beside `friction` is how large it may be while the contact holds.
-//! Where the sides differ in more than friction, `by_side(belt, below, above)` is one expression or
-//! the other, and so is `v = { below = "…", above = "…" }` in `[field]`.
+//! Friction is written by side and not by the sign of a velocity, so that each side's formula goes on smoothly across Σ.
+//! `static` beside `friction` is how large it may be while the contact holds. Where the sides differ in more than friction,
+//! `by_side(belt, below, above)` is one expression or the other, and so is `v = { below = "…", above = "…" }` in `[field]`.
 
 mod build;
 mod builder;
