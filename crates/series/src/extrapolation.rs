@@ -2,11 +2,11 @@
 //!
 //! What is left of the bias of local polynomials of degree p falls as `r^(p + 1)` where
 //! neighbourhoods are symmetric on average, with p + 1 = 2 for linear maps, and as `r²` at least
-//! for quadratic ones. From the exponents λ₁ at radius r₁ and λ₂ at r₂ the one at zero is `λ₀ = λ₁
-//! + w (λ₁ − λ₂)` with `w = r₁²/(r₂² − r₁²)`. The same combination is made of the stretchings at
-//! every point, so that the scatter of its block means holds the correlation of the two. All of `λ₀
-//! − λ₂` is counted as an error besides: the power of r is a law for small r, and nothing says that
-//! r is.
+//! for quadratic ones. From the exponents λ₁ at radius r₁ and λ₂ at r₂ the one at zero is
+//! `λ₀ = λ₁ + w (λ₁ − λ₂)` with `w = r₁²/(r₂² − r₁²)`. The same combination is made of the
+//! stretchings at every point, so that the scatter of its block means holds the correlation of the
+//! two. All of `λ₀ − λ₂` is counted as an error besides: the power of r is a law for small r, and
+//! nothing says that r is.
 //!
 //! Linear maps that were asked for show why: of one column of Hénon's map their second exponent is
 //! 0.09 off and hardly moves with the size, for what fits the folds badly does so at any size.

@@ -9,9 +9,9 @@ pub enum Defect {
     /// Lines 23, 79, 104 and 117: `xn = x` copies no state.
     ///
     /// Printed: each stage of the Runge–Kutta step overwrites the state the next one adds to (lines
-    /// 106, 108, 110), and the closing lines 112–113 add the weighted sum once more: `h/2 + h/2 + h
-    /// + h`, so the state moves by about 3h along the field while the clock gets h. The Hénon step
-    /// (lines 118–126) does likewise and moves `x1` by 3h′. Four consequences go with it: a step
+    /// 106, 108, 110), and the closing lines 112–113 add the weighted sum once more:
+    /// `h/2 + h/2 + h + h`, so the state moves by about 3h along the field while the clock gets h.
+    /// The Hénon step (lines 118–126) does likewise and moves `x1` by 3h′. Four consequences go with it: a step
     /// that crosses `x2 = vp` is not taken back, the Hénon step starts behind the line (50, 66);
     /// that step's clock starts at the step's start although the state has moved on; the numerator
     /// `xn[1]-x[1]` of the time correction at the end of a stick phase (37) is zero; and with it

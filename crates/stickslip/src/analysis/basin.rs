@@ -62,7 +62,7 @@ impl Basin {
 /// ```
 ///
 /// # Errors
-/// As [`attractor`], for the first start that has one.
+/// As [`super::attractor`], for the first start that has one.
 pub fn basin<Kind>(
     system: &impl AsDynamics<Kind>,
     starts: impl IntoIterator<Item = impl Components>,

@@ -97,7 +97,7 @@ impl RecurrenceSettings {
 /// grid.
 ///
 /// # Errors
-/// Those of [`Integration::new`]; [`Error::Option`] for a setting that is not allowed. What goes wrong later is a [`Kind`].
+/// Those of [`crate::Integration::new`]; [`Error::Option`] for a setting that is not allowed. What goes wrong later is a [`Kind`].
 ///
 /// ```
 /// use stickslip::analysis::{Kind, RecurrenceSettings, attractor};
