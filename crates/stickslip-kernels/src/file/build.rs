@@ -128,11 +128,6 @@ pub(crate) fn built(
     let mut graph = Graph::new();
     let period = period(file, values)?;
     let inputs = inputs(file, values, variant, &mut graph)?;
-    let states = file.states.len() + usize::from(inputs.has_free());
-    let tape = |graph: &Graph, roots: &[Id]| -> Result<Tape, Problem> {
-        let too_large = |error: TooLarge| Problem::new(error.to_string(), 0..0);
-        Tape::new(graph, roots, states).map_err(too_large)
-    };
     let contacts = file.contacts.len();
     let mut depends_on_time = false;
 
@@ -140,6 +135,11 @@ pub(crate) fn built(
         .contacts
         .iter()
         .any(|contact| contact.holding.is_some());
+    let fields = {
+        let (file, values) = (Arc::clone(file), values.to_vec());
+        let make = move |of| Some(field(&file, &values, variant, of).ok()?.0);
+        Fields::new(contacts, Arc::new(make))
+    };
     for above in sides_to_check(contacts) {
         let all = (1 << contacts) - 1;
         let held_ones = match (has_static, contacts) {
@@ -148,19 +148,12 @@ pub(crate) fn built(
             (true, _) => vec![0, all],
         };
         for held in held_ones {
-            let scope = Scope::Sides { above, held };
-            let rates = Builder::new(file, inputs, &mut graph, scope).field()?;
-            depends_on_time |= rates.iter().any(|&rate| graph.depends_on_time(rate));
-            tape(&graph, &rates)?;
+            let of = Combination { above, held };
+            let (tape, is_timed) = field(file, values, variant, of)?;
+            depends_on_time |= is_timed;
+            fields.keep(of, &tape);
         }
     }
-    let fields = {
-        let (file, values) = (Arc::clone(file), values.to_vec());
-        Fields::new(
-            contacts,
-            Arc::new(move |of| field(&file, &values, variant, of)),
-        )
-    };
 
     let mut heights = Vec::with_capacity(contacts);
     for contact in &file.contacts {
@@ -184,7 +177,7 @@ pub(crate) fn built(
     let mut alone = |formula: &Formula, place| -> Result<Tape, Problem> {
         let scope = Scope::NoSides(place);
         let root = Builder::new(file, inputs, &mut graph, scope).formula(formula)?;
-        tape(&graph, &[root])
+        tape(file, &graph, &[root], inputs)
     };
     let force = file
         .contacts
@@ -213,7 +206,7 @@ pub(crate) fn built(
     Ok(Built {
         fields,
         has_static,
-        boundaries: tape(&graph, &heights)?,
+        boundaries: tape(file, &graph, &heights, inputs)?,
         normal_force,
         section,
         start: start(file, values)?,
@@ -224,15 +217,31 @@ pub(crate) fn built(
     })
 }
 
-/// The tape of the field of one combination; `None` where there is none.
-fn field(file: &SystemFile, values: &[f64], variant: Variant, of: Combination) -> Option<Tape> {
+/// The tape of the field of one combination, and whether it depends on time.
+fn field(
+    file: &SystemFile,
+    values: &[f64],
+    variant: Variant,
+    of: Combination,
+) -> Result<(Tape, bool), Problem> {
     let mut graph = Graph::new();
-    let inputs = inputs(file, values, variant, &mut graph).ok()?;
-    let states = file.states.len() + usize::from(inputs.has_free());
+    let inputs = inputs(file, values, variant, &mut graph)?;
     let Combination { above, held } = of;
     let scope = Scope::Sides { above, held };
-    let rates = Builder::new(file, inputs, &mut graph, scope).field().ok()?;
-    Tape::new(&graph, &rates, states).ok()
+    let rates = Builder::new(file, inputs, &mut graph, scope).field()?;
+    let is_timed = rates.iter().any(|&rate| graph.depends_on_time(rate));
+    Ok((tape(file, &graph, &rates, inputs)?, is_timed))
+}
+
+fn tape(
+    file: &SystemFile,
+    graph: &Graph,
+    roots: &[Id],
+    inputs: Inputs<'_>,
+) -> Result<Tape, Problem> {
+    let states = file.states.len() + usize::from(inputs.has_free());
+    let too_large = |error: TooLarge| Problem::new(error.to_string(), 0..0);
+    Tape::new(graph, roots, states).map_err(too_large)
 }
 
 /// What parameters and time are in a variant.

@@ -134,20 +134,7 @@ impl System {
             function,
             direction,
         });
-        let size = (states, file.contacts.len());
-        let dynamics = dynamics(equations(&built), section, size);
-        let Some(dynamics) = dynamics.filter(|_| size.1 <= states) else {
-            // The reader lets no file through that has more states or contacts than the solver has
-            // room for, save one of more contacts than states.
-            let problem = Problem::new(
-                format!(
-                    "{} contacts are too many for {states} states: their boundaries cannot be independent",
-                    file.contacts.len()
-                ),
-                0..0,
-            );
-            return Err(wrong(problem, &file.source));
-        };
+        let dynamics = solver(&file, &built, section, states)?;
         Ok(System {
             file,
             values,
@@ -157,12 +144,12 @@ impl System {
     }
 
     /// The system with a parameter as one more state behind the others, along which its orbits can
-    /// be continued; `None` if no system has so many states. Time runs so that a period that
-    /// depends on the parameter keeps the value that it has now.
+    /// be continued. Time runs so that a period that depends on the parameter keeps the value that
+    /// it has now.
     ///
     /// # Errors
     /// [`SettingError::File`] where the expressions are too large with one more state.
-    pub fn along(&self, parameter: usize) -> Result<Option<DynamicsRef<'static>>, SettingError> {
+    pub fn along(&self, parameter: usize) -> Result<DynamicsRef<'static>, SettingError> {
         self.varied(Variant::Free(parameter), self.states() + 1)
     }
 
@@ -170,10 +157,7 @@ impl System {
     ///
     /// # Errors
     /// [`SettingError::File`] where the expressions are too large with another time.
-    pub fn in_period(
-        &self,
-        period: Option<f64>,
-    ) -> Result<Option<DynamicsRef<'static>>, SettingError> {
+    pub fn in_period(&self, period: Option<f64>) -> Result<DynamicsRef<'static>, SettingError> {
         let variant = period.map_or(Variant::AsWritten, Variant::InPeriod);
         self.varied(variant, self.states())
     }
@@ -182,10 +166,9 @@ impl System {
         &self,
         variant: Variant,
         states: usize,
-    ) -> Result<Option<DynamicsRef<'static>>, SettingError> {
+    ) -> Result<DynamicsRef<'static>, SettingError> {
         let built = built(&self.file, &self.values, variant)?;
-        let size = (states, self.contacts());
-        Ok(dynamics(equations(&built), None, size))
+        Ok(solver(&self.file, &built, None, states)?)
     }
 
     /// Whether field and boundaries are what they were a period ago, at some states; `None` where
@@ -332,6 +315,24 @@ fn wrong(problem: Problem, source: &Source) -> FileError {
     }
 }
 
+/// The solver for the equations of a file, with so many states.
+fn solver(
+    file: &SystemFile,
+    built: &Built,
+    section: Option<Section>,
+    states: usize,
+) -> Result<DynamicsRef<'static>, FileError> {
+    let contacts = file.contacts.len();
+    let solver = dynamics(equations(built), section, (states, contacts));
+    // What the reader lets through has no more states and contacts than the solver has room for.
+    solver.filter(|_| contacts <= states).ok_or_else(|| {
+        let message = format!(
+            "{contacts} contacts are too many for {states} states: their boundaries cannot be independent"
+        );
+        wrong(Problem::new(message, 0..0), &file.source)
+    })
+}
+
 fn equations(built: &Built) -> Equations {
     let Built {
         fields, boundaries, ..
@@ -358,5 +359,50 @@ fn equations(built: &Built) -> Equations {
             has_static: built.has_static,
             boundaries: boundaries.clone(),
         }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A system of so many states, of which each contact stops one.
+    fn system(states: usize, contacts: usize) -> Result<System, SettingError> {
+        let each = |count: usize, line: &dyn Fn(usize) -> String| -> String {
+            (0..count).map(line).collect()
+        };
+        let text = format!(
+            "name = \"many\"\n[parameters]\nk = 1\n[states]\n{}[field]\n{}{}",
+            each(states, &|i| format!("x{i} = \"\"\n")),
+            each(states, &|i| match i {
+                0 => format!(
+                    "x0 = \"-k*x0{}\"\n",
+                    each(contacts, &|j| format!(" - friction(c{j})"))
+                ),
+                _ => format!("x{i} = \"-x{i}\"\n"),
+            }),
+            each(contacts, &|j| format!(
+                "[contacts.c{j}]\nboundary = \"x0 - {j}\"\nfriction = \"1\"\n"
+            ))
+        );
+        let name = "many.toml".to_owned();
+        SystemFile::parse(Source { name, text })?.with(&[])
+    }
+
+    #[test]
+    fn as_many_states_as_a_file_can_have_leave_room_for_a_parameter() {
+        let most = system(64, 1).unwrap();
+        assert_eq!(most.dynamics().states(), 64);
+        assert_eq!(most.along(0).unwrap().states(), 65);
+        assert_eq!(most.in_period(None).unwrap().states(), 64);
+    }
+
+    #[test]
+    fn more_contacts_than_states_are_told() {
+        let error = system(1, 2).err().unwrap().to_string();
+        assert!(
+            error.contains("2 contacts are too many for 1 state"),
+            "{error}"
+        );
     }
 }

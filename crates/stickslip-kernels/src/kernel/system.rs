@@ -86,11 +86,8 @@ pub struct Fields {
     make: Arc<MakeTape>,
 }
 
-/// Combinations that are kept; further ones are made at every evaluation.
+/// Combinations that are kept: more than an orbit comes to. Further ones are made at every evaluation.
 const MOST_KEPT: usize = 1 << 12;
-
-/// Places that a combination may be kept in.
-const PLACES: usize = 8;
 
 impl Fields {
     /// None of them made yet.
@@ -111,24 +108,43 @@ impl Fields {
         self.contacts
     }
 
+    /// Keeps the tape of a combination, which need not be made then.
+    pub fn keep(&self, of: Combination, tape: &Tape) {
+        let kept = || (of, Some(tape.clone()));
+        self.places(of)
+            .find(|place| place.get_or_init(kept).0 == of);
+    }
+
     /// The tape of a combination; `None` where it has none.
     pub fn tape(&self, of: Combination) -> Option<Tape> {
-        (self.make)(of)
+        match self.kept(of) {
+            Some(tape) => tape.clone(),
+            None => (self.make)(of),
+        }
     }
 
     /// Evaluates the field of a combination; where it has none, to no numbers.
     pub fn evaluate<T: Scalar>(&self, of: Combination, t: T, x: &[T], out: &mut [T]) {
-        let number = of.above | of.held << self.contacts;
-        // All have a place of their own where there are as many places; else neighbours do.
-        let first = number ^ number >> 11;
-        for place in 0..PLACES {
-            let slot = &self.made[(first + place) % self.made.len()];
-            let (kept, tape) = slot.get_or_init(|| (of, (self.make)(of)));
-            if *kept == of {
-                return evaluate(tape.as_ref(), t, x, out);
-            }
+        match self.kept(of) {
+            Some(tape) => evaluate(tape.as_ref(), t, x, out),
+            None => evaluate((self.make)(of).as_ref(), t, x, out),
         }
-        evaluate((self.make)(of).as_ref(), t, x, out);
+    }
+
+    /// The tape that is kept of a combination, made now if need be; `None` where there is no room.
+    fn kept(&self, of: Combination) -> Option<&Option<Tape>> {
+        let kept = self
+            .places(of)
+            .map(|place| place.get_or_init(|| (of, (self.make)(of))));
+        let mut own = kept.filter(|(other, _)| *other == of);
+        own.next().map(|(_, tape)| tape)
+    }
+
+    /// The places of a combination: its own if all have one, else the next free one behind that.
+    fn places(&self, of: Combination) -> impl Iterator<Item = &Place> {
+        let own = (of.above | of.held << self.contacts) % self.made.len();
+        let (before, from_own) = self.made.split_at(own);
+        from_own.iter().chain(before)
     }
 }
 

@@ -10,7 +10,7 @@ use stickslip::analysis::{
 };
 use stickslip::dynamics::{DynamicsRef, Section, Summary, Vector};
 use stickslip::{Ending, Error, Options};
-use stickslip_kernels::kernel::{MOST_STATES, Run, Watcher, follow};
+use stickslip_kernels::kernel::{Run, Watcher, follow};
 
 use super::super::extremes::Extremes;
 use super::super::range::ParameterRange;
@@ -72,13 +72,7 @@ impl<'a> Begin<'a> {
         for end in [range.low, range.high] {
             range.system(system, end)?;
         }
-        let Some(along) = system.along(number)? else {
-            return Err(Failure::Usage(format!(
-                "the system has {} states; orbits can be continued of at most {}, for the parameter is one more",
-                system.states(),
-                MOST_STATES - 1
-            )));
-        };
+        let along = system.along(number)?;
         Ok(Begin {
             system,
             range,

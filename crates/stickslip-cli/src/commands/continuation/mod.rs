@@ -83,9 +83,11 @@ fn found(arguments: &Arguments, ready: &Ready) -> Result<Report, Failure> {
     if let Some(Point { orbit, .. }) = points.get(branch.first) {
         let [at, period] = [orbit.parameter, orbit.period].map(rounded);
         let (stability, phases) = (orbit.stability(), sequence(&orbit.sequence));
-        report.note(format!(
-            "begun at {name} = {at}: period {period}, {stability}, phases {phases}  (- below, + above, S stick)"
-        ));
+        let begun = format!("begun at {name} = {at}: period {period}, {stability}");
+        report.note(match system.contacts() {
+            0 => begun,
+            _ => format!("{begun}, phases {phases}  (- below, + above, S stick)"),
+        });
     }
     if orbit.family > 0 {
         let family = family_words(orbit.family);
@@ -380,22 +382,17 @@ fn columns<'a>(system: &System, parameter: &str, points: &[Point]) -> Table<'a, 
         .column("phases", |at| sequence(&at.orbit.sequence))
         .column("t", |at| at.orbit.t)
         .state(system, "", |at| at.orbit.x.clone())
-        .many("extremes", ends.collect(), Vec::new(), |at| -> Vec<f64> {
+        .many("extremes", ends.collect(), |at| -> Vec<f64> {
             at.extremes
                 .iter()
                 .flat_map(|&(low, high)| [low, high])
                 .collect()
         })
-        .many(
-            "multipliers",
-            parts.collect(),
-            Vec::new(),
-            |at| -> Vec<f64> {
-                at.orbit
-                    .multipliers
-                    .iter()
-                    .flat_map(|one| [one.re, one.im])
-                    .collect()
-            },
-        )
+        .many("multipliers", parts.collect(), |at| -> Vec<f64> {
+            at.orbit
+                .multipliers
+                .iter()
+                .flat_map(|one| [one.re, one.im])
+                .collect()
+        })
 }
