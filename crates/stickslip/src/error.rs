@@ -331,6 +331,7 @@ pub fn readable(value: f64) -> String {
         format!("{value:e}")
     }
 }
+
 impl Error {
     /// With so many components of the state that it names: further ones only fill up a type.
     pub(crate) fn of_states(mut self, states: usize) -> Self {

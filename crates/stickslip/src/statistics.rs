@@ -48,15 +48,23 @@ impl PowerLaw {
 #[derive(Clone, Debug)]
 pub struct SplitMix(u64);
 
+/// What the state of the generator grows by from one number to the next.
+const STEP: u64 = 0x9E37_79B9_7F4A_7C15;
+
 impl SplitMix {
     /// The sequence of a seed.
     pub fn new(seed: u64) -> Self {
         SplitMix(seed)
     }
 
+    /// The sequence of a seed from its number `index` on, counted from 0.
+    pub fn behind(seed: u64, index: u64) -> Self {
+        SplitMix(seed.wrapping_add(index.wrapping_mul(STEP)))
+    }
+
     /// The next number, in [0, 1).
     pub fn uniform(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        self.0 = self.0.wrapping_add(STEP);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
         z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);

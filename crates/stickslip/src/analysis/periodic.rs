@@ -109,13 +109,8 @@ pub fn find_periodic_orbit<Kind>(
     options: &Options,
 ) -> Result<PeriodicOrbit, Error> {
     let system = &*system.dynamics();
-    let (at, t_end) = (
-        Moment {
-            t: 0.0,
-            x: x0.vector(),
-        },
-        transient + longest,
-    );
+    let (t, x) = (0.0, x0.vector());
+    let (at, t_end) = (Moment { t, x }, transient + longest);
     let mut orbit = system.begin(&at, t_end, options, &Section::None)?;
     let not_found = || Error::NotFound {
         what: "a return of the orbit",

@@ -178,10 +178,7 @@ impl<'a> PoincareMap<'a> {
         map.begin(&*self.dynamics, self.orbit.mode(), &self.at);
         let passage = self.advance(Some(&mut map))?;
         let flow = map.matrix();
-        let here = Moment {
-            t: passage.t,
-            x: passage.x.clone(),
-        };
+        let here = passage.moment();
         let velocity = velocity_in(&*self.dynamics, passage.mode, &here);
         let (normal, in_time) = self.dynamics.section_gradient(&self.section, &here);
         let rate = in_time + normal.dot(&velocity);
@@ -204,10 +201,7 @@ impl<'a> PoincareMap<'a> {
                     if passage.t - self.at.t > self.longest {
                         return Err(self.no_return());
                     }
-                    let here = Moment {
-                        t: passage.t,
-                        x: passage.x.clone(),
-                    };
+                    let here = passage.moment();
                     if let Some(step) = &mut self.rest {
                         let before = step.cut(&here);
                         if let Some(map) = &mut map {

@@ -3,7 +3,7 @@
 
 use nalgebra::SMatrix;
 
-use crate::dynamics::{Carrying, Dynamics, Matrix, Modes, Moment, Step, Transition, Vector};
+use crate::dynamics::{Carrying, Dynamics, Matrix, Modes, Step, Transition, Vector};
 use crate::error::{Error, Point};
 use crate::filippov::{Options, boundary_gradient};
 use crate::system::{Filippov, State};
@@ -87,10 +87,7 @@ impl<'a> Tangent<'a> {
         if !self.system.is_one_at_a_time(at) {
             return Err(singular(at.t, &at.x));
         }
-        let here = Moment {
-            t: at.t,
-            x: at.x.clone(),
-        };
+        let here = at.moment();
         let flow = |mode: Modes| self.system.flow(mode, &here);
         let (before, after) = (flow(at.from).velocity(&here), flow(at.to).velocity(&here));
         let kick = &after - &before;

@@ -3,6 +3,7 @@
 //! A typed system ([`Filippov`] or [`Several`]) and one that is known at run time only are both
 //! [`Dynamics`]. A call costs a virtual call for each step, never for each evaluation of the field.
 
+mod flow;
 mod modes;
 mod typed;
 
@@ -34,6 +35,12 @@ pub struct Moment {
     pub x: Vector,
 }
 
+impl Moment {
+    fn new(t: f64, x: &Vector) -> Self {
+        Moment { t, x: x.clone() }
+    }
+}
+
 /// Part of an orbit in one mode, between two transitions.
 pub type Phase = PhaseOf<Vector, Modes>;
 
@@ -45,6 +52,20 @@ pub type Passage = EventOf<Vector, Modes>;
 
 /// How and where a run ended.
 pub type Summary = SummaryOf<Vector>;
+
+impl Transition {
+    /// When and where.
+    pub fn moment(&self) -> Moment {
+        Moment::new(self.t, &self.x)
+    }
+}
+
+impl Passage {
+    /// When and where.
+    pub fn moment(&self) -> Moment {
+        Moment::new(self.t, &self.x)
+    }
+}
 
 /// An accepted step, or the part of one up to an event.
 #[derive(Clone, Debug, PartialEq)]
@@ -75,8 +96,7 @@ impl Step {
 
     /// The moment at its end.
     pub(crate) fn end(&self) -> Moment {
-        let (t, x) = (self.t_end, self.x_end.clone());
-        Moment { t, x }
+        Moment::new(self.t_end, &self.x_end)
     }
 }
 

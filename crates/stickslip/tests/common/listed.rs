@@ -96,42 +96,4 @@ macro_rules! traced {
     };
 }
 
-/// `typed!(Name, n: Variant(Type), …)`: the type `Name` of the systems of `n` states that do
-/// branch.
-#[allow(unused_macros, reason = "not all tests have such systems")]
-macro_rules! typed {
-    ($any:ident, $n:literal: $($name:ident($system:ty)),* $(,)?) => {
-        pub enum $any<'a> {
-            $($name(&'a $system)),*
-        }
-
-        impl stickslip::Filippov<$n> for $any<'_> {
-            #[inline(never)]
-            fn field<T: stickslip::Scalar>(&self, side: stickslip::Side, t: T, x: &[T; $n]) -> [T; $n] {
-                match self {
-                    $($any::$name(system) => system.field(side, t, x)),*
-                }
-            }
-            #[inline(never)]
-            fn boundary<T: stickslip::Scalar>(&self, t: T, x: &[T; $n]) -> T {
-                match self {
-                    $($any::$name(system) => system.boundary(t, x)),*
-                }
-            }
-        }
-
-        $(impl $crate::listed::Listed<$n> for $system {
-            type Any<'a> = $any<'a>;
-            fn any(&self) -> $any<'_> {
-                $any::$name(self)
-            }
-            fn dynamics(&self) -> stickslip::dynamics::DynamicsRef<'_> {
-                stickslip::dynamics::AsDynamics::into_dynamics(self.any())
-            }
-        })*
-    };
-}
-
 pub(crate) use traced;
-#[allow(unused_imports, reason = "not all tests have such systems")]
-pub(crate) use typed;

@@ -13,7 +13,7 @@ use crate::den_hartog::DenHartog;
 use crate::flat::{Driven, Narrow, Square};
 use crate::grazes;
 use crate::line::Line;
-use crate::listed::{Listed, traced, typed};
+use crate::listed::{Listed, traced};
 use crate::lyapunov_equations::{Fork, FromSupport, Linear, Pressed, Refracting, Rider, Roessler};
 use crate::pulses::{Overflowing, Pushed, Slippery, Spike};
 use crate::sections::Watches;
@@ -27,6 +27,41 @@ use crate::taylor::{
     Steep, Steepening, Turn, Valley,
 };
 use crate::two_folds::{Folds, Random};
+
+/// `typed!(Name, n: Variant(Type), …)`: the type `Name` of the systems of `n` states that do
+/// branch.
+macro_rules! typed {
+    ($any:ident, $n:literal: $($name:ident($system:ty)),* $(,)?) => {
+        pub enum $any<'a> {
+            $($name(&'a $system)),*
+        }
+
+        impl stickslip::Filippov<$n> for $any<'_> {
+            #[inline(never)]
+            fn field<T: stickslip::Scalar>(&self, side: stickslip::Side, t: T, x: &[T; $n]) -> [T; $n] {
+                match self {
+                    $($any::$name(system) => system.field(side, t, x)),*
+                }
+            }
+            #[inline(never)]
+            fn boundary<T: stickslip::Scalar>(&self, t: T, x: &[T; $n]) -> T {
+                match self {
+                    $($any::$name(system) => system.boundary(t, x)),*
+                }
+            }
+        }
+
+        $(impl $crate::listed::Listed<$n> for $system {
+            type Any<'a> = $any<'a>;
+            fn any(&self) -> $any<'_> {
+                $any::$name(self)
+            }
+            fn dynamics(&self) -> stickslip::dynamics::DynamicsRef<'_> {
+                stickslip::dynamics::AsDynamics::into_dynamics(self.any())
+            }
+        })*
+    };
+}
 
 traced!(
     1:

@@ -210,10 +210,7 @@ impl<'a> Search<'a> {
         // Turning points count where there is nothing else for long.
         self.by_event.clear();
         let (tag, extent) = self.since_last(at.x.as_slice());
-        let at = Moment {
-            t: at.t,
-            x: at.x.clone(),
-        };
+        let at = at.moment();
         let found = self
             .by_transition
             .pass(at, tag, self.history.count(), extent);

@@ -85,10 +85,7 @@ impl Circuit {
         let most = durations.fold(0.0, f64::max);
         let stick = |part: &Part| {
             let at = part.first.as_ref()?;
-            let at = Moment {
-                t: at.t,
-                x: at.x.clone(),
-            };
+            let at = at.moment();
             Some(system.normals(part.mode, &at).len())
         };
         let lasting = self.parts.iter().enumerate();
@@ -186,10 +183,7 @@ impl Circuit {
                     incoming: at.from,
                     contact: at.contact,
                     other: (next != at.contact).then_some(next),
-                    at: Moment {
-                        t: at.t,
-                        x: at.x.clone(),
-                    },
+                    at: at.moment(),
                     is_contact_function: is_of_contact(at.kind),
                 });
             }

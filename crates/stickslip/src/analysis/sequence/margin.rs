@@ -110,10 +110,7 @@ pub(super) fn landing(system: &dyn Dynamics, part: usize, at: &Transition) -> Op
     else {
         return None;
     };
-    let here = Moment {
-        t: at.t,
-        x: at.x.clone(),
-    };
+    let here = at.moment();
     let stuck = at.from.with(at.contact, Mode::Stick);
     // The smallest of the contact's guards of stick: positive where it would stick.
     let flow = system.flow(stuck, &here);

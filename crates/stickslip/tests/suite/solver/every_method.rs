@@ -2,12 +2,14 @@
 //! the models' parameters. It runs once, not once for every method.
 
 use stickslip::TransitionKind::Touch;
+use stickslip::analysis::SpectrumOptions;
 use stickslip::models::{BeltOscillator, ForcedOscillator};
 use stickslip::{Error, Filippov, Method, Options, State};
 
 use super::check::{TIGHT, kinds};
 use super::errors::{assert_kept, assert_says, failure};
 use super::problems::grazing::{assert_two_crossings, parabola};
+use crate::any_system::lyapunov_spectrum_watched;
 use crate::solver::systems::BlowUp;
 
 #[test]
@@ -147,4 +149,7 @@ fn no_run_begins_with_parameters_out_of_range() {
     let refused = failure(&belt, 0.0, State::from([0.5, 0.1]), 1.0, &super::tol(1e-10));
     assert_says(&refused, &["mass", "-1", "positive"]);
     assert!(refused.reached.steps.is_empty());
+    let settings = SpectrumOptions::over(1.0, 1.0);
+    let spectrum = lyapunov_spectrum_watched(&belt, (0.0, [0.5, 0.1]), &settings, &mut ());
+    assert_says(&spectrum.unwrap_err(), &["mass", "-1", "positive"]);
 }

@@ -1,0 +1,298 @@
+//! The smooth flow of one mode of a typed system.
+
+use std::cell::OnceCell;
+use std::marker::PhantomData;
+
+use super::typed::View;
+use super::{Carrying, Guard, Modes, Moment, SmoothFlow, Step, Vector};
+use crate::dual::Dual;
+use crate::filippov::{Flow, GuardGradient, Method, Settled, Switched, UseFlow, Velocity};
+use crate::interval::Interval;
+use crate::ode::control::squared_error;
+use crate::ode::{Dop853, Rk4, RungeKutta, Stages, Timed, Tolerance, stages};
+use crate::system::{State, components};
+
+/// The flow of one mode of a typed system.
+pub(super) struct TypedFlow<'a, S: Switched<N, G>, V, const N: usize, const G: usize> {
+    of: View<'a, S, V, N, G>,
+    mode: S::Mode,
+    /// Where contact is asked for.
+    at: Timed<N>,
+    branch: OnceCell<S::Branch>,
+}
+
+impl<'a, S, V, const N: usize, const G: usize> TypedFlow<'a, S, V, N, G>
+where
+    S: Switched<N, G>,
+{
+    /// The flow of a mode, with contact lost or kept as at a moment.
+    pub(super) fn new(of: View<'a, S, V, N, G>, mode: Modes, at: &Moment) -> Self {
+        TypedFlow {
+            of,
+            mode: S::restored(mode),
+            at: of.timed(at),
+            branch: OnceCell::new(),
+        }
+    }
+
+    /// The velocity depends on no branch.
+    fn of_field<U: UseFlow<N>>(&self, user: U) -> U::Output {
+        let branch = S::Branch::default();
+        self.of.system.with_flow(self.mode, branch, user)
+    }
+
+    fn of_guards<U: UseFlow<N>>(&self, user: U) -> U::Output {
+        let system = self.of.system;
+        let branch = *self.branch.get_or_init(|| system.branch(&self.at));
+        system.with_flow(self.mode, branch, user)
+    }
+
+    /// Ranges of all components of the type's state.
+    fn ranges(&self, x: &[Interval]) -> [Interval; N] {
+        let zero = Interval::around(0.0, 0.0);
+        std::array::from_fn(|i| x.get(i).copied().unwrap_or(zero))
+    }
+}
+
+impl<S, V, const N: usize, const G: usize> SmoothFlow for TypedFlow<'_, S, V, N, G>
+where
+    S: Switched<N, G>,
+{
+    fn velocity(&self, at: &Moment) -> Vector {
+        let Timed { t, x } = self.of.timed(at);
+        let velocity = self.of_field(Velocity(t, components(&x)));
+        self.of.vector(&State::from(velocity))
+    }
+
+    fn derivative(&self, at: &Moment, along: &Vector) -> Vector {
+        let Timed { t, x } = self.of.timed(at);
+        let along = self.of.state(along.as_slice());
+        let seeded: [_; N] = std::array::from_fn(|i| Dual::new(x[i], along[i]));
+        let velocity = self.of_field(Velocity(Dual::new(t, 0.0), &seeded));
+        Vector::from_fn(self.of.states, |i, _| velocity[i].eps)
+    }
+
+    fn settled(&self, at: &Moment) -> Vector {
+        let settled = self.of_field(Settled(self.of.timed(at)));
+        self.of.vector(&settled)
+    }
+
+    fn guards(&self) -> Vec<Guard> {
+        let system = self.of.system;
+        let guard = |number: usize| Guard {
+            number,
+            contact: S::contact_of(number),
+            goes_on: system.passed(number, &mut S::Branch::default()).is_some(),
+        };
+        let guards = self.of_field(Guards).iter().copied().map(guard);
+        guards
+            .filter(|guard| guard.contact < self.of.contacts)
+            .collect()
+    }
+
+    fn guard(&self, number: usize, at: &Moment) -> f64 {
+        self.of_guards(Value(number, self.of.timed(at)))
+    }
+
+    fn guard_gradient(&self, number: usize, at: &Moment) -> (Vector, f64) {
+        let (gradient, in_time) = self.of_guards(GuardGradient(number, self.of.timed(at)));
+        (self.of.vector(&gradient), in_time)
+    }
+
+    fn guard_jet(&self, number: usize, at: &Moment) -> [f64; 4] {
+        self.of_guards(Jet(number, self.of.timed(at)))
+    }
+
+    fn carried(&self, step: &Step, vector: &Vector, how: Carrying) -> Vector {
+        let piece = Piece {
+            t: step.t_start,
+            x: self.of.state(step.x_start.as_slice()),
+            h: step.t_end - step.t_start,
+            states: self.of.states,
+        };
+        let vector = self.of.state(vector.as_slice());
+        let tolerance = how.tolerance;
+        // A Taylor step is longer than DOP853's would be: halving takes care of that as well.
+        // A fixed step stays as it is.
+        let carried = match how.method {
+            Method::Dop853 | Method::Taylor => self.of_field(Carried::<Dop853, N>::new(
+                piece,
+                vector,
+                MOST_HALVINGS,
+                tolerance,
+            )),
+            Method::Dop853Fixed { .. } => {
+                self.of_field(Carried::<Dop853, N>::new(piece, vector, 0, tolerance))
+            }
+            Method::Rk4 { .. } => {
+                self.of_field(Carried::<Rk4, N>::new(piece, vector, 0, tolerance))
+            }
+        };
+        self.of.vector(&carried)
+    }
+
+    fn is_clear(&self, t: Interval, x: &[Interval]) -> bool {
+        self.of_guards(StaysClear(t, &self.ranges(x)))
+    }
+
+    fn velocity_over(&self, t: Interval, x: &[Interval]) -> Option<Vec<Interval>> {
+        let x = self.ranges(x);
+        let velocity = || self.of.system.slip_field(self.mode, t, &x);
+        let mut velocity = Vec::from(Interval::decided(velocity).flatten()?);
+        velocity.truncate(self.of.states);
+        Some(velocity)
+    }
+
+    fn derivative_over(&self, t: Interval, x: &[Interval], by: usize) -> Option<Vec<Interval>> {
+        let x = self.ranges(x);
+        let [zero, one] = [0.0, 1.0].map(|value| Interval::around(value, 0.0));
+        let seeded = std::array::from_fn(|i| Dual::new(x[i], if i == by { one } else { zero }));
+        let time = Dual::new(t, zero);
+        let velocity = || self.of.system.slip_field(self.mode, time, &seeded);
+        let velocity = Interval::decided(velocity).flatten()?;
+        let derivatives = velocity.iter().take(self.of.states);
+        Some(derivatives.map(|component| component.eps).collect())
+    }
+}
+
+/// The numbers of the guards.
+struct Guards;
+
+impl<const N: usize> UseFlow<N> for Guards {
+    type Output = &'static [usize];
+
+    fn with<F: Flow<N>>(self, _flow: &F) -> &'static [usize] {
+        F::GUARDS
+    }
+}
+
+/// The value of a guard.
+struct Value<const N: usize>(usize, Timed<N>);
+
+impl<const N: usize> UseFlow<N> for Value<N> {
+    type Output = f64;
+
+    fn with<F: Flow<N>>(self, flow: &F) -> f64 {
+        flow.guard_at(self.0, self.1.t, &self.1.x)
+    }
+}
+
+/// Value and derivatives in time of a guard.
+struct Jet<const N: usize>(usize, Timed<N>);
+
+impl<const N: usize> UseFlow<N> for Jet<N> {
+    type Output = [f64; 4];
+
+    fn with<F: Flow<N>>(self, flow: &F) -> [f64; 4] {
+        flow.jet(self.0, self.1.t, &self.1.x)
+    }
+}
+
+/// Whether no guard comes near zero in a box.
+struct StaysClear<'a, const N: usize>(Interval, &'a [Interval; N]);
+
+impl<const N: usize> UseFlow<N> for StaysClear<'_, N> {
+    type Output = bool;
+
+    fn with<F: Flow<N>>(self, flow: &F) -> bool {
+        F::GUARDS.iter().all(|&i| flow.is_clear(i, self.0, self.1))
+    }
+}
+
+/// Tolerances per step up to which a tangent vector may be off; a step that is right for the state
+/// mostly leaves it within some ten.
+const SLACK: f64 = 100.0;
+
+/// Halvings of a step allowed for the sake of a tangent vector.
+const MOST_HALVINGS: u32 = 30;
+
+/// A piece of a step: start and length.
+struct Piece<const N: usize> {
+    t: f64,
+    x: State<N>,
+    h: f64,
+    /// States of the system.
+    states: usize,
+}
+
+/// A tangent vector to be carried over a piece by method `M`: the piece is run again on dual
+/// numbers.
+///
+/// What the step-size control saw was the error of the state. Where that says nothing of the
+/// vector's (a state near rest allows steps of any length) the piece is halved, up to so many
+/// times, until the vector is accurate, too.
+struct Carried<M, const N: usize> {
+    piece: Piece<N>,
+    vector: State<N>,
+    halvings: u32,
+    tolerance: f64,
+    method: PhantomData<M>,
+}
+
+impl<M, const N: usize> Carried<M, N> {
+    fn new(piece: Piece<N>, vector: State<N>, halvings: u32, tolerance: f64) -> Self {
+        Carried {
+            piece,
+            vector,
+            halvings,
+            tolerance,
+            method: PhantomData,
+        }
+    }
+}
+
+impl<M: RungeKutta, const N: usize> UseFlow<N> for Carried<M, N> {
+    type Output = State<N>;
+
+    #[inline(always)]
+    fn with<F: Flow<N>>(self, flow: &F) -> State<N> {
+        let (piece, vector) = (&self.piece, &self.vector);
+        advanced::<M, F, N>(flow, piece, vector, self.halvings, self.tolerance).1
+    }
+}
+
+/// State and vector at the end of the piece, halved up to so many times.
+fn advanced<M: RungeKutta, F: Flow<N>, const N: usize>(
+    flow: &F,
+    piece: &Piece<N>,
+    vector: &State<N>,
+    halvings: u32,
+    tolerance: f64,
+) -> (State<N>, State<N>) {
+    let mut field = |t: Dual<f64>, x: &[Dual<f64>; N]| flow.field(t, x);
+    let start: [_; N] = std::array::from_fn(|i| Dual::new(piece.x[i], vector[i]));
+    let (t, h) = (Dual::new(piece.t, 0.0), Dual::new(piece.h, 0.0));
+    let slope = field(t, &start);
+    let step = stages::<M, _, _>(&mut field, t, &start, slope, h);
+    let end = (
+        State::from(step.end.map(|v| v.re)),
+        State::from(step.end.map(|v| v.eps)),
+    );
+    // Where there is nothing to carry, or nothing finite, halving is of no use.
+    let size = vector.norm();
+    if halvings == 0 || size == 0.0 || !size.is_finite() {
+        return end;
+    }
+    let of_vector = Stages {
+        k: step.k.map(|k| State::from(k.map(|v| v.eps))),
+        end: end.1,
+    };
+    let allowed = Tolerance {
+        rtol: 0.0,
+        atol: tolerance * size,
+    };
+    let error = squared_error::<M, N>(&of_vector, vector, piece.h, (&allowed, piece.states));
+    // Not a number where the piece is so long that its stages overflow.
+    if error <= SLACK * SLACK {
+        return end;
+    }
+    let half = 0.5 * piece.h;
+    let first = Piece { h: half, ..*piece };
+    let (x, between) = advanced::<M, F, N>(flow, &first, vector, halvings - 1, tolerance);
+    let second = Piece {
+        t: piece.t + half,
+        x,
+        ..first
+    };
+    advanced::<M, F, N>(flow, &second, &between, halvings - 1, tolerance)
+}
