@@ -1,4 +1,4 @@
-//! What the program `stickslip` does with systems from files.
+//! What the program `stickslip` does with systems from files, and with measured series.
 
 pub mod commands;
 mod failure;

@@ -78,11 +78,19 @@ fn cycle(outcome: &Outcome) -> String {
     all.min().unwrap_or_default()
 }
 
+/// A text, and its phases behind it where there are contacts that have some.
+pub(super) fn with_phases(text: String, between: &str, phases: &str) -> String {
+    match phases.trim().is_empty() {
+        true => text,
+        false => text + between + phases,
+    }
+}
+
 /// The kind of motion, of a periodic orbit with the cycle of its phases.
 pub(super) fn class(outcome: &Outcome) -> String {
     let word = outcome.motion.word();
     match outcome.motion {
-        Motion::Periodic { .. } => format!("{word}, {}", cycle(outcome)),
+        Motion::Periodic { .. } => with_phases(word.to_owned(), ", ", &cycle(outcome)),
         _ => word.to_owned(),
     }
 }
@@ -156,7 +164,8 @@ pub(super) fn words(outcome: &Outcome, until: f64) -> String {
     match (&outcome.motion, place(outcome)) {
         (Motion::Periodic { period, .. }, _) => {
             let period = within(*period, outcome.period_uncertainty);
-            format!("{word}, period {period}, phases {}", sequence(outcome))
+            let text = format!("{word}, period {period}");
+            with_phases(text, ", phases ", &sequence(outcome))
         }
         (_, Some(place)) => format!("{word} at {place}"),
         // Of several starts that fail the first one tells how.

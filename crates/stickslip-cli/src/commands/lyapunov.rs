@@ -88,9 +88,7 @@ fn found(ready: &Ready, settings: &SpectrumOptions) -> Result<Report, Failure> {
     let numbers = (1..=spectrum.exponents.len()).map(|k| format!("lambda{k}"));
     let table = Table::new()
         .column("elapsed", |at: &&Running| at.elapsed)
-        .many("lambda", numbers.collect(), Vec::new(), |at| {
-            at.exponents.clone()
-        });
+        .many("lambda", numbers.collect(), |at| at.exponents.clone());
     report.table(table.csv("convergence", &spectrum.convergence)?);
     report.figure("convergence", &figure(system, &spectrum))?;
     Ok(report)

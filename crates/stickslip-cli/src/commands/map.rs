@@ -11,7 +11,8 @@ use super::arguments::{RunArguments, SolverArguments, StartArguments};
 use super::exponent::Largest;
 use super::range::{ParameterRange, grid, middle, with_values};
 use super::sweeping::{
-    Sweep, SweepArguments, check_duration, recurrence, sweep, table, to_content,
+    ExponentArguments, Sweep, SweepArguments, UntilArguments, check_duration, recurrence, sweep,
+    table, to_content,
 };
 use super::{attractors, figures};
 use crate::failure::Failure;
@@ -39,13 +40,11 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "COLUMNSxROWS", default_value = "60x60")]
     grid: String,
 
-    /// Time after which an orbit that has come to no attractor is called undecided
-    #[arg(long, value_name = "TIME", default_value_t = 2000.0)]
-    until: f64,
+    #[command(flatten)]
+    until: UntilArguments,
 
-    /// Time over which the Lyapunov exponent is measured, on the attractor
-    #[arg(long, value_name = "TIME", default_value_t = 500.0)]
-    duration: f64,
+    #[command(flatten)]
+    exponent: ExponentArguments,
 
     #[command(flatten)]
     sweep: SweepArguments,
@@ -91,8 +90,8 @@ impl Map {
             columns,
             rows,
             start: arguments.run.start.clone(),
-            until: arguments.until,
-            duration: arguments.duration,
+            until: arguments.until.until,
+            duration: arguments.exponent.duration,
             solver: arguments.run.solver.clone(),
         };
         // What is wrong is better told before the sweep than by one of its blocks.

@@ -30,7 +30,8 @@ use clap::{Arg, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::terminal::finish;
 
-/// Dry-friction systems from files: orbits with exact transitions between slip and stick, tangent points, periodic orbits, Lyapunov spectra
+/// Dry-friction systems from files: orbits with exact transitions between slip and stick, tangent points, periodic orbits, Lyapunov spectra,
+/// and spectra of measured series
 #[derive(Debug, Parser)]
 #[command(name = "stickslip", version, after_help = AFTER_HELP)]
 struct CommandLine {
@@ -44,7 +45,7 @@ Begin with:
   stickslip check my-system.toml       see what was understood
   stickslip simulate my-system.toml    phases and transitions, with figures
 
-Wherever a FILE is asked for, the name of a shipped model will do: belt, forced, bracket, leine, basins, den-hartog.";
+Wherever the FILE of a system is asked for, the name of a shipped model will do: belt, forced, bracket, leine, basins, den-hartog.";
 
 #[derive(Debug, Subcommand)]
 enum Command {
@@ -77,7 +78,7 @@ fn parsed() -> CommandLine {
 
 /// Everything the program does.
 ///
-/// Exit code 0 on success, 1 if something failed (`error: …` on standard error), 2 for a wrong command line or file.
+/// Exit code 0 on success, 1 if something failed (`error: …` on standard error), 2 for a wrong command line or file of a system.
 pub fn main() -> ExitCode {
     let outcome = match parsed().command {
         Command::Basin(arguments) => basin::run(&arguments),

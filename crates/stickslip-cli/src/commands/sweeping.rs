@@ -29,6 +29,27 @@ pub(super) struct SweepArguments {
     threads: Option<NonZeroUsize>,
 }
 
+/// How long an orbit is followed that comes to no attractor.
+#[derive(Debug, clap::Args)]
+pub(super) struct UntilArguments {
+    /// Time after which an orbit that has come to no attractor is called undecided
+    #[arg(long, value_name = "TIME", default_value_t = 2000.0)]
+    pub(super) until: f64,
+}
+
+/// How long the largest exponent is measured.
+#[derive(Debug, clap::Args)]
+pub(super) struct ExponentArguments {
+    /// Time over which the Lyapunov exponent is measured, on the attractor
+    #[arg(long, value_name = "TIME", default_value_t = 500.0)]
+    pub(super) duration: f64,
+}
+
+/// How many blocks things make, of which so many are in each.
+pub(super) fn blocks(of: NonZeroUsize, in_block: usize) -> NonZeroUsize {
+    NonZeroUsize::new(of.get().div_ceil(in_block)).unwrap_or(NonZeroUsize::MIN)
+}
+
 /// A command that computes block by block. What it holds is everything that the blocks depend on, besides the system, and goes into
 /// the manifest.
 pub(super) trait Sweep: Serialize + DeserializeOwned + Sync {
@@ -73,16 +94,11 @@ pub(super) fn table<T: DeserializeOwned, R>(
 ) -> Result<(), Failure> {
     write_whole(path, &store.staging()?, |file| {
         let mut writer = csv::Writer::from_writer(file);
-        let record = writer.write_record(table.heading());
-        record.map_err(OutputError::from)?;
+        table.write_heading(&mut writer)?;
         store.for_each(|block, content| {
             let holds = from_content(content);
             let holds = holds.map_err(|source| SweepError::Block { block, source })?;
-            for row in rows(block, holds)? {
-                let record = writer.write_record(table.row(&row));
-                record.map_err(OutputError::from)?;
-            }
-            Ok::<_, Failure>(())
+            Ok::<_, Failure>(table.write_rows(&mut writer, rows(block, holds)?)?)
         })?;
         let flushed = writer.flush().map_err(csv::Error::from);
         Ok(flushed.map_err(OutputError::from)?)

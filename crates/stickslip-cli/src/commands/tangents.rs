@@ -211,8 +211,8 @@ fn zones<'a>(system: &System, line: &Line) -> Table<'a, (usize, &'a Zone)> {
     let end = |end: &str| vec![format!("{along}_{end}")];
     Table::new()
         .column("kind", |(_, zone): &(usize, &Zone)| kind_name(zone.kind))
-        .many("from", end("from"), Vec::new(), |(_, zone)| zone.from)
-        .many("to", end("to"), Vec::new(), |(_, zone)| zone.to)
+        .many("from", end("from"), |(_, zone)| zone.from)
+        .many("to", end("to"), |(_, zone)| zone.to)
         .column("branch", |&(branch, _)| branch)
 }
 

@@ -186,13 +186,17 @@ fn history(system: &System, recording: &Recording) -> Figure {
     let height = (HISTORY + BETWEEN) * panels + strips + AXIS;
     let title = format!("{}: time history", system.file.name);
     let description = format!(
-        "Time history of {} from t = {from} to {to}: {}; under them when each contact sticks.",
+        "Time history of {} from t = {from} to {to}: {}{}.",
         system.file.name,
         states
             .iter()
             .map(|state| state.name.as_str())
             .collect::<Vec<_>>()
-            .join(", ")
+            .join(", "),
+        match system.contacts() {
+            0 => "",
+            _ => "; under them when each contact sticks",
+        }
     );
     let mut figure = Figure::new("history", (720.0, height), &title, &description);
     let all_sticks: Vec<Vec<(f64, f64)>> = (0..system.contacts())

@@ -137,7 +137,7 @@ impl Manifest {
         let (old, new) = (self.parts(), other.parts());
         let value = |parts: &[(String, String)], name: &String| {
             let part = parts.iter().find(|part| part.0 == *name);
-            part.map_or("not given".to_owned(), |part| part.1.clone())
+            part.map_or("absent".to_owned(), |part| part.1.clone())
         };
         let names = old.iter().chain(&new).map(|part| &part.0);
         let mut both = names.map(|name| (name.clone(), value(&old, name), value(&new, name)));

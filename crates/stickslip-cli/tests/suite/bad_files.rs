@@ -567,16 +567,24 @@ fn more_states_or_contacts_than_the_solver_has_room_for_are_told() {
         .map(|k| format!("[contacts.c{k}]\nboundary = \"x\"\n"))
         .collect();
     let states: String = (0..63).map(|k| format!("s{k} = \"m\"\n")).collect();
-    for (from, to, message) in [
-        ("[field]", format!("{contacts}[field]"), "contact number 17"),
+    for (from, to, message, limit) in [
+        (
+            "[field]",
+            format!("{contacts}[field]"),
+            "contact number 17",
+            "16 contacts",
+        ),
         (
             "x = \"m\"\n",
             format!("x = \"m\"\n{states}"),
             "state number 65",
+            "64 states",
         ),
     ] {
         let (problem, _) = problem_of(&GOOD.replacen(from, &to, 1));
         assert!(problem.message.contains(message), "{}", problem.message);
+        let help = problem.help.unwrap_or_default();
+        assert!(help.contains(limit), "{help}");
     }
 }
 

@@ -1007,7 +1007,8 @@ fn a_program_without_png_says_so() {
             .arg("--png")
             .assert()
             .code(1)
-            .stderr(contains("without PNG output"));
+            .stderr(contains("without PNG output"))
+            .stderr(contains("--features png"));
     }
     // It is told before anything is computed.
     assert_eq!(std::fs::read_dir(top.path()).unwrap().count(), 0);

@@ -255,7 +255,7 @@ fn the_exponents_of_a_sticking_orbit() {
     assert!((spectrum.stick_fraction - 7.705031769350 / 12.001031294831).abs() < 0.02);
 }
 
-/// Four blocks that do not touch each other do what each does alone: eight states and four contacts are the most there can be.
+/// Four blocks that do not touch each other do what each does alone.
 #[test]
 fn four_blocks_side_by_side_are_four_blocks() {
     let mut text = "name = \"four\"\n[states]\n".to_owned();

@@ -601,11 +601,9 @@ fn values_on_a_grid_and_states_that_stand_still_get_a_word() {
                 .clone();
             let told = String::from_utf8(output.stderr).unwrap();
             let case = format!("{digits} digits, {held} rows, columns {columns}: {told}");
-            assert_eq!(
-                told.contains("different values, on a grid of 0.01, as rounded ones"),
-                is_on_grid,
-                "{case}"
-            );
+            assert_eq!(told.contains("different values"), is_on_grid, "{case}");
+            let grid = "different values, on a grid of 0.01, as rounded ones";
+            assert_eq!(told.contains(grid), is_on_grid, "{case}");
             assert_eq!(
                 told.contains("the same as those before them"),
                 stands,

@@ -47,7 +47,7 @@ fn another_argument_is_refused_with_both_values() {
     new.arguments.remove("grid");
     let said = refusal(&old, &new);
     assert!(
-        said.contains("`grid` was [3,4] there and is not given now"),
+        said.contains("`grid` was [3,4] there and is absent now"),
         "{said}"
     );
 

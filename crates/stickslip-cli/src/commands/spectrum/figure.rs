@@ -1,5 +1,6 @@
 //! The picture of a spectrum: how the exponents converge, and which directions the data have.
 
+use crate::commands::figures::extremes;
 use plot::*;
 use stickslip::math;
 use stickslip_series::{
@@ -320,11 +321,7 @@ fn sizes(spectrum: &DataSpectrum) -> Panel {
 
 /// The range of the finite values, widened by a margin; some interval if there is none.
 fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    let (low, high) = values
-        .filter(|v| v.is_finite())
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
-            (low.min(v), high.max(v))
-        });
+    let (low, high) = extremes(values);
     if low > high {
         return (-1.0, 1.0);
     }

@@ -89,8 +89,8 @@ Output for machines:
           there is no value. Of an exponent also: eps_sensitivity; fixed_rank and fixed_rank_stderr, the second fit; collapses,
           the number of reference points at which its direction is annihilated; undetermined, of those whose neighbours do not
           determine it; sano_sawada and sano_sawada_stderr, Eqs. (25) and (26) without correction. Of the spectrum also: sum, of the
-          exponents of the tangent directions, and its sum_stderr; balance, what --divergence says of it; files, with
-          --out
+          exponents of the tangent directions, and its sum_stderr; balance, what --divergence says of it; grid, the step of
+          rounded values; files, with --out
 
 A column named t or time is no coordinate: it gives the time step, or is held against --dt. Without names a first column that goes on
 evenly is the time, too, and of ten rows or more an error if it goes by another step than --dt, or has one to ten gaps in a hundred

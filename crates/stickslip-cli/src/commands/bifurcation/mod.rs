@@ -1,29 +1,31 @@
 //! `stickslip bifurcation`: attractors over one parameter, up and down.
 
+mod diagram;
+
 use std::cell::Cell;
 use std::num::NonZeroUsize;
-use std::path::{Path, PathBuf};
-use std::rc::Rc;
+use std::path::Path;
 
-use plot::{BLUE, Figure, Guide, Legend, Markers, ORANGE, Panel, Shape};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
+use stickslip::Options;
 use stickslip::analysis::{RecurrenceSettings, SweepSettings, sweep as sweep_of};
 use stickslip::dynamics::DynamicsRef;
-use stickslip::{Mode, Options};
 
 use super::arguments::{RunArguments, SolverArguments, StartArguments, count};
 use super::exponent::Largest;
 use super::range::{ParameterRange, not_too_many};
 use super::sweeping::{
-    Sweep, SweepArguments, check_duration, from_content, recurrence, sweep, table, to_content,
+    ExponentArguments, Sweep, SweepArguments, UntilArguments, blocks, check_duration, from_content,
+    recurrence, sweep, to_content,
 };
-use super::{attractors, changes, figures};
+use super::{attractors, changes};
 use crate::failure::Failure;
 use crate::render::{Answer, Report, Table, place, rounded};
 use crate::sweep::{BlockError, Store};
+use diagram::WAY_NAMES;
 use stickslip_kernels::file::System;
-use stickslip_kernels::kernel::{Change, Motion, Outcome, PhaseThere};
+use stickslip_kernels::kernel::{Change, Motion, Outcome};
 
 /// Follow attractors over a parameter, up and down, each from the state reached at the value before
 ///
@@ -48,13 +50,11 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "NUMBER", value_parser = count, default_value = "201")]
     values: NonZeroUsize,
 
-    /// Time after which an orbit that has come to no attractor is called undecided
-    #[arg(long, value_name = "TIME", default_value_t = 2000.0)]
-    until: f64,
+    #[command(flatten)]
+    until: UntilArguments,
 
-    /// Time over which the Lyapunov exponent is measured, on the attractor
-    #[arg(long, value_name = "TIME", default_value_t = 500.0)]
-    duration: f64,
+    #[command(flatten)]
+    exponent: ExponentArguments,
 
     #[command(flatten)]
     sweep: SweepArguments,
@@ -129,8 +129,8 @@ impl Bifurcation {
             parameter: ParameterRange::new("--parameter", &arguments.parameter, system)?,
             values: arguments.values,
             start: arguments.run.start.clone(),
-            until: arguments.until,
-            duration: arguments.duration,
+            until: arguments.until.until,
+            duration: arguments.exponent.duration,
             solver: arguments.run.solver.clone(),
         };
         // What is wrong is better told before the sweep than by one of its blocks.
@@ -153,8 +153,7 @@ impl Bifurcation {
 
     /// Blocks of one way.
     fn blocks(&self) -> NonZeroUsize {
-        let blocks = self.values.get().div_ceil(IN_BLOCK);
-        NonZeroUsize::new(blocks).unwrap_or(NonZeroUsize::MIN)
+        blocks(self.values, IN_BLOCK)
     }
 
     /// Whether a block is on the way up.
@@ -240,7 +239,7 @@ impl Bifurcation {
         let complete = Cell::new(true);
         let family = |value| {
             let there = self.parameter.system(system, value).ok();
-            let there = there.and_then(|there| there.in_period(recurrence.forcing).ok()?);
+            let there = there.and_then(|there| there.in_period(recurrence.forcing).ok());
             there.unwrap_or_else(|| {
                 complete.set(false);
                 DynamicsRef::Borrowed(&**system.dynamics())
@@ -358,177 +357,5 @@ impl Sweep for Bifurcation {
         report.table(table.csv("changes", rows)?);
         report.figure("bifurcation", &self.figure(&ways, system))?;
         Ok(report)
-    }
-}
-
-/// What the two ways through the range are called.
-const WAY_NAMES: [&str; 2] = ["up", "down"];
-
-/// Points of one way through the range, as parameter and value.
-type Points = Vec<(f64, f64)>;
-
-/// The points that a panel shows of a way.
-type Shown = fn(&OneDirection) -> &Points;
-
-/// What the figure shows of one way through the range, as points of parameter and value.
-#[derive(Default)]
-struct OneDirection {
-    /// First state at the points of the section.
-    section: Points,
-    /// Durations of sticks.
-    sticks: Points,
-    /// Largest exponents.
-    exponents: Points,
-    /// What changes on the way, and between which values.
-    changes: Vec<ChangeBetween>,
-    /// Values between which the motion stays the same, in the order of the way, and what it is.
-    spans: Vec<(f64, f64, String)>,
-}
-
-impl OneDirection {
-    fn add(&mut self, at: &AtValue) {
-        let value = at.value;
-        let points = at.outcome.points.iter();
-        self.section.extend(points.map(|(_, x)| (value, x[0])));
-        let sticks = sticks(at).map(|phase| (value, phase.t_end - phase.t_start));
-        self.sticks.extend(sticks);
-        if let Largest::Finite {
-            value: exponent, ..
-        } = at.largest
-        {
-            self.exponents.push((value, exponent));
-        }
-        let motion = attractors::class(&at.outcome);
-        match self.spans.last_mut() {
-            Some(last) if last.2 == motion => last.1 = value,
-            _ => self.spans.push((value, value, motion)),
-        }
-    }
-}
-
-/// The phases of a periodic orbit in which a contact sticks.
-fn sticks(at: &AtValue) -> impl Iterator<Item = &PhaseThere> {
-    let is_periodic = matches!(at.outcome.motion, Motion::Periodic { .. });
-    let phases = at.outcome.phases.iter().filter(move |_| is_periodic);
-    phases.filter(|phase| phase.modes.to_vec().contains(&Mode::Stick))
-}
-
-impl Bifurcation {
-    /// Reads the blocks one after the other and writes the tables of points of the section and of
-    /// sticks.
-    fn read(
-        &self,
-        system: &System,
-        store: &Store,
-        [points, sticks_path]: &[PathBuf; 2],
-    ) -> Result<[OneDirection; 2], Failure> {
-        let mut ways = [OneDirection::default(), OneDirection::default()];
-        let parameter = self.parameter.name.as_str();
-        // One without a state where there is no point.
-        type Point = (usize, Rc<AtValue>, Option<usize>);
-        let columns = Table::new()
-            .column("way", |&(way, ..): &Point| WAY_NAMES[way])
-            .column(parameter, |(_, at, _)| at.value);
-        let columns = attractors::columns(columns, |(_, at, _)| &at.outcome);
-        let columns = Largest::columns(columns, |(_, at, _)| at.largest);
-        let columns = columns.state(system, "", |(_, at, point)| {
-            point.map(|point| at.outcome.points[point].1.clone())
-        });
-        table(store, points, &columns, |block, part: Block| {
-            let number = usize::from(!self.is_up(block));
-            let way = &mut ways[number];
-            way.changes.extend(part.changes);
-            let mut rows = Vec::new();
-            for at in part.found.into_iter().map(Rc::new) {
-                way.add(&at);
-                let points = (0..at.outcome.points.len()).map(Some);
-                let none = at.outcome.points.is_empty().then_some(None);
-                rows.extend(points.chain(none).map(|point| (number, at.clone(), point)));
-            }
-            Ok(rows)
-        })?;
-
-        type Stick = (usize, f64, PhaseThere);
-        let lengths = |(.., phase): &Stick| -> Vec<f64> {
-            let ends = phase.x_end.iter().zip(&phase.x_start);
-            ends.map(|(end, start)| end - start).collect()
-        };
-        let columns = Table::new()
-            .column("way", |&(way, ..): &Stick| WAY_NAMES[way])
-            .column(parameter, |&(_, value, _)| value)
-            .column("duration", |(.., phase)| phase.t_end - phase.t_start)
-            .state(system, "_length", lengths);
-        table(store, sticks_path, &columns, |block, part: Block| {
-            let number = usize::from(!self.is_up(block));
-            let all = part
-                .found
-                .iter()
-                .flat_map(|at| sticks(at).map(move |phase| (number, at.value, phase.clone())));
-            Ok(all.collect())
-        })?;
-        Ok(ways)
-    }
-
-    /// The diagram: section, sticks and exponent over the parameter.
-    fn figure(&self, [up, down]: &[OneDirection; 2], system: &System) -> Figure {
-        let range = &self.parameter;
-        let first = &system.file.states[0];
-        let rows: [(String, Shown); 3] = [
-            (figures::with_unit(&first.name, &first.unit), |way| {
-                &way.section
-            }),
-            (figures::in_time(system, "stick", ""), |way| &way.sticks),
-            (figures::in_time(system, "*λ*_1", "^{−1}"), |way| {
-                &way.exponents
-            }),
-        ];
-        // A panel without a point would be an empty frame.
-        let rows: Vec<_> = rows
-            .into_iter()
-            .filter(|(_, of)| !(of(up).is_empty() && of(down).is_empty()))
-            .collect();
-        let title = format!("{}: bifurcation diagram", system.file.name);
-        let description = format!(
-            "Attractors of {} over {} from {} to {}, followed up and down: {} at the points of the section, durations of stick, and the largest \
-             Lyapunov exponent; lines where changes were located.",
-            system.file.name, range.name, range.low, range.high, first.name
-        );
-        // Points at the ends of the range stay inside the frame.
-        let room = 0.015 * (range.high - range.low);
-        let (low, high) = (range.low - room, range.high + room);
-        let height = 90.0 + 170.0 * rows.len() as f64;
-        let mut figure = Figure::new("bifurcation", (640.0, height), &title, &description);
-        let last = rows.len().saturating_sub(1);
-        for (k, (label, of)) in rows.into_iter().enumerate() {
-            let x = figures::parameter_axis(system, &range.name, (low, high), k == last);
-            let values = of(up).iter().chain(of(down)).map(|point| point.1);
-            let mut panel = Panel::new(x, figures::axis(&label, values));
-            if label.contains('λ') {
-                panel.add(Guide::horizontal(0.0));
-            }
-            for change in up.changes.iter().chain(&down.changes) {
-                if let Some(value) = changes::parameter(&change.change) {
-                    panel.add(Guide::vertical(value));
-                }
-            }
-            // Up is an open square around the point of down, so that both are seen where they
-            // agree.
-            let up = Markers::new(of(up).iter().copied());
-            panel.add(
-                up.shape(Shape::Square)
-                    .color(BLUE)
-                    .open()
-                    .size(4.2)
-                    .legend("up"),
-            );
-            let down = Markers::new(of(down).iter().copied());
-            panel.add(down.color(ORANGE).size(2.0).legend("down"));
-            if k == last {
-                panel = panel.legend(Legend::Below);
-            }
-            // The last one has the numbers of the axis and the legend below.
-            figure = figure.row(if k == last { 1.3 } else { 1.0 }, panel);
-        }
-        figure
     }
 }

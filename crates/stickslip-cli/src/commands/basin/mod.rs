@@ -1,7 +1,8 @@
 //! `stickslip basin`: which attractor each of many starts leads to.
 
+mod starts;
+
 use std::num::NonZeroUsize;
-use std::ops::Range;
 use std::path::Path;
 
 use plot::{Axis, Cells, Figure, Legend, Markers, Panel};
@@ -11,12 +12,15 @@ use stickslip::Options;
 use stickslip::analysis::{Attractors, RecurrenceSettings};
 
 use super::arguments::{RunArguments, SolverArguments, count, seed};
-use super::range::{StateRange, grid, middle, not_too_many};
-use super::sweeping::{Sweep, SweepArguments, recurrence, sweep, table, to_content};
+use super::range::{StateRange, grid, not_too_many};
+use super::sweeping::{
+    Sweep, SweepArguments, UntilArguments, recurrence, sweep, table, to_content,
+};
 use super::{attractors, figures};
 use crate::failure::Failure;
 use crate::render::{Answer, Report, Table, state_words};
 use crate::sweep::{BlockError, Store, SweepError};
+use starts::Points;
 use stickslip_kernels::file::System;
 use stickslip_kernels::kernel::{Motion, Outcome};
 
@@ -50,9 +54,8 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "SEED", value_parser = seed)]
     seed: Option<u64>,
 
-    /// Time after which an orbit that has come to no attractor is called undecided
-    #[arg(long, value_name = "TIME", default_value_t = 2000.0)]
-    until: f64,
+    #[command(flatten)]
+    until: UntilArguments,
 
     #[command(flatten)]
     sweep: SweepArguments,
@@ -136,7 +139,7 @@ impl Basin {
             plane,
             points,
             start,
-            until: arguments.until,
+            until: arguments.until.until,
             solver: arguments.run.solver.clone(),
         };
         recurrence(system, basin.until).check()?;
@@ -417,115 +420,8 @@ impl Basin {
             phases.replace('-', "−")
         };
         // Plain text, so that it is as wide as computed in every viewer.
-        format!("{word}, period {period:.4}, {phases}: {percent:.2} %")
-    }
-}
-
-/// Random starts in a block.
-const IN_BLOCK: usize = 100;
-
-/// Which points of the plane.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-enum Points {
-    /// The middles of cells, row by row from the lowest second coordinate.
-    Grid {
-        columns: NonZeroUsize,
-        rows: NonZeroUsize,
-    },
-    /// Uniformly distributed, independent.
-    Random { number: NonZeroUsize, seed: u64 },
-}
-
-impl Points {
-    /// Number of blocks: a row of a grid is one.
-    fn blocks(&self) -> NonZeroUsize {
-        match *self {
-            Points::Grid { rows, .. } => rows,
-            Points::Random { number, .. } => {
-                let blocks = number.get().div_ceil(IN_BLOCK);
-                NonZeroUsize::new(blocks).unwrap_or(NonZeroUsize::MIN)
-            }
-        }
-    }
-
-    /// The points of a block, by number.
-    fn of_block(&self, block: usize) -> Range<usize> {
-        match *self {
-            Points::Grid { columns, .. } => {
-                let columns = columns.get();
-                block * columns..(block + 1) * columns
-            }
-            Points::Random { number, .. } => {
-                let number = number.get();
-                (block * IN_BLOCK).min(number)..((block + 1) * IN_BLOCK).min(number)
-            }
-        }
-    }
-
-    /// Where in the plane a point is.
-    fn at(&self, index: usize, ranges: &[StateRange; 2]) -> [f64; 2] {
-        let parts = match *self {
-            Points::Grid { columns, rows } => [
-                middle(index % columns, columns),
-                middle(index / columns, rows),
-            ],
-            Points::Random { seed, .. } => {
-                let first = 2 * index as u64;
-                [uniform(seed, first), uniform(seed, first + 1)]
-            }
-        };
-        [0, 1].map(|k| ranges[k].at(parts[k]))
-    }
-}
-
-/// The `index`-th of a sequence of numbers in [0, 1): SplitMix64 (Steele, Lea and Flood 2014),
-/// whose numbers can be had in any order.
-fn uniform(seed: u64, index: u64) -> f64 {
-    const GAMMA: u64 = 0x9e37_79b9_7f4a_7c15;
-    let mut z = seed.wrapping_add(index.wrapping_add(1).wrapping_mul(GAMMA));
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^= z >> 31;
-    // The upper 53 bits are those of a mantissa.
-    (z >> 11) as f64 / (1_u64 << 53) as f64
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_sequence_is_the_published_one() {
-        // The first numbers that SplitMix64 gives for the seed 1234567.
-        let published = [6_457_827_717_110_365_317_u64, 3_203_168_211_198_807_973];
-        for (index, whole) in published.into_iter().enumerate() {
-            let wanted = (whole >> 11) as f64 / (1_u64 << 53) as f64;
-            assert_eq!(uniform(1_234_567, index as u64), wanted);
-        }
-    }
-
-    #[test]
-    fn blocks_have_every_point_once() {
-        let size = |n| NonZeroUsize::new(n).unwrap();
-        for (points, number) in [
-            (
-                Points::Grid {
-                    columns: size(7),
-                    rows: size(3),
-                },
-                21,
-            ),
-            (
-                Points::Random {
-                    number: size(250),
-                    seed: 1,
-                },
-                250,
-            ),
-        ] {
-            let all = (0..points.blocks().get()).flat_map(|block| points.of_block(block));
-            assert!(all.eq(0..number));
-        }
+        let text = format!("{word}, period {period:.4}");
+        let text = attractors::with_phases(text, ", ", &phases);
+        format!("{text}: {percent:.2} %")
     }
 }

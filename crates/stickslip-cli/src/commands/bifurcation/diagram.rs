@@ -1,0 +1,188 @@
+//! What was found on both ways through the range, as tables and as the diagram.
+
+use std::path::PathBuf;
+use std::rc::Rc;
+
+use plot::{BLUE, Figure, Guide, Legend, Markers, ORANGE, Panel, Shape};
+use stickslip_kernels::file::System;
+use stickslip_kernels::kernel::{Motion, PhaseThere};
+
+use super::{AtValue, Bifurcation, Block, ChangeBetween};
+use crate::commands::exponent::Largest;
+use crate::commands::sweeping::table;
+use crate::commands::{attractors, changes, figures};
+use crate::failure::Failure;
+use crate::render::Table;
+use crate::sweep::Store;
+
+/// What the two ways through the range are called.
+pub(super) const WAY_NAMES: [&str; 2] = ["up", "down"];
+
+/// Points of one way through the range, as parameter and value.
+type Points = Vec<(f64, f64)>;
+
+/// The points that a panel shows of a way.
+type Shown = fn(&OneDirection) -> &Points;
+
+/// What the figure shows of one way through the range, as points of parameter and value.
+#[derive(Default)]
+pub(super) struct OneDirection {
+    /// First state at the points of the section.
+    section: Points,
+    /// Durations of sticks.
+    sticks: Points,
+    /// Largest exponents.
+    exponents: Points,
+    /// What changes on the way, and between which values.
+    pub(super) changes: Vec<ChangeBetween>,
+    /// Values between which the motion stays the same, in the order of the way, and what it is.
+    pub(super) spans: Vec<(f64, f64, String)>,
+}
+
+impl OneDirection {
+    fn add(&mut self, at: &AtValue) {
+        let value = at.value;
+        let points = at.outcome.points.iter();
+        self.section.extend(points.map(|(_, x)| (value, x[0])));
+        let sticks = sticks(at).map(|phase| (value, phase.t_end - phase.t_start));
+        self.sticks.extend(sticks);
+        if let Largest::Finite {
+            value: exponent, ..
+        } = at.largest
+        {
+            self.exponents.push((value, exponent));
+        }
+        let motion = attractors::class(&at.outcome);
+        match self.spans.last_mut() {
+            Some(last) if last.2 == motion => last.1 = value,
+            _ => self.spans.push((value, value, motion)),
+        }
+    }
+}
+
+/// The phases of a periodic orbit in which a contact sticks.
+fn sticks(at: &AtValue) -> impl Iterator<Item = &PhaseThere> {
+    let is_periodic = matches!(at.outcome.motion, Motion::Periodic { .. });
+    let phases = at.outcome.phases.iter().filter(move |_| is_periodic);
+    phases.filter(|phase| phase.modes.any_sticks())
+}
+
+impl Bifurcation {
+    /// Reads the blocks one after the other and writes the tables of points of the section and of
+    /// sticks.
+    pub(super) fn read(
+        &self,
+        system: &System,
+        store: &Store,
+        [points, sticks_path]: &[PathBuf; 2],
+    ) -> Result<[OneDirection; 2], Failure> {
+        let mut ways = [OneDirection::default(), OneDirection::default()];
+        let parameter = self.parameter.name.as_str();
+        // One without a state where there is no point.
+        type Point = (usize, Rc<AtValue>, Option<usize>);
+        let columns = Table::new()
+            .column("way", |&(way, ..): &Point| WAY_NAMES[way])
+            .column(parameter, |(_, at, _)| at.value);
+        let columns = attractors::columns(columns, |(_, at, _)| &at.outcome);
+        let columns = Largest::columns(columns, |(_, at, _)| at.largest);
+        let columns = columns.state(system, "", |(_, at, point)| {
+            point.map(|point| at.outcome.points[point].1.clone())
+        });
+        table(store, points, &columns, |block, part: Block| {
+            let number = usize::from(!self.is_up(block));
+            let way = &mut ways[number];
+            way.changes.extend(part.changes);
+            let mut rows = Vec::new();
+            for at in part.found.into_iter().map(Rc::new) {
+                way.add(&at);
+                let points = (0..at.outcome.points.len()).map(Some);
+                let none = at.outcome.points.is_empty().then_some(None);
+                rows.extend(points.chain(none).map(|point| (number, at.clone(), point)));
+            }
+            Ok(rows)
+        })?;
+
+        type Stick = (usize, f64, PhaseThere);
+        let lengths = |(.., phase): &Stick| -> Vec<f64> {
+            let ends = phase.x_end.iter().zip(&phase.x_start);
+            ends.map(|(end, start)| end - start).collect()
+        };
+        let columns = Table::new()
+            .column("way", |&(way, ..): &Stick| WAY_NAMES[way])
+            .column(parameter, |&(_, value, _)| value)
+            .column("duration", |(.., phase)| phase.t_end - phase.t_start)
+            .state(system, "_length", lengths);
+        table(store, sticks_path, &columns, |block, part: Block| {
+            let number = usize::from(!self.is_up(block));
+            let all = part
+                .found
+                .iter()
+                .flat_map(|at| sticks(at).map(move |phase| (number, at.value, phase.clone())));
+            Ok(all.collect())
+        })?;
+        Ok(ways)
+    }
+
+    /// The diagram: section, sticks and exponent over the parameter.
+    pub(super) fn figure(&self, [up, down]: &[OneDirection; 2], system: &System) -> Figure {
+        let range = &self.parameter;
+        let first = &system.file.states[0];
+        let rows: [(String, Shown); 3] = [
+            (figures::with_unit(&first.name, &first.unit), |way| {
+                &way.section
+            }),
+            (figures::in_time(system, "stick", ""), |way| &way.sticks),
+            (figures::in_time(system, "*λ*_1", "^{−1}"), |way| {
+                &way.exponents
+            }),
+        ];
+        // A panel without a point would be an empty frame.
+        let rows: Vec<_> = rows
+            .into_iter()
+            .filter(|(_, of)| !(of(up).is_empty() && of(down).is_empty()))
+            .collect();
+        let title = format!("{}: bifurcation diagram", system.file.name);
+        let description = format!(
+            "Attractors of {} over {} from {} to {}, followed up and down: {} at the points of the section, durations of stick, and the largest \
+             Lyapunov exponent; lines where changes were located.",
+            system.file.name, range.name, range.low, range.high, first.name
+        );
+        // Points at the ends of the range stay inside the frame.
+        let room = 0.015 * (range.high - range.low);
+        let (low, high) = (range.low - room, range.high + room);
+        let height = 90.0 + 170.0 * rows.len() as f64;
+        let mut figure = Figure::new("bifurcation", (640.0, height), &title, &description);
+        let last = rows.len().saturating_sub(1);
+        for (k, (label, of)) in rows.into_iter().enumerate() {
+            let x = figures::parameter_axis(system, &range.name, (low, high), k == last);
+            let values = of(up).iter().chain(of(down)).map(|point| point.1);
+            let mut panel = Panel::new(x, figures::axis(&label, values));
+            if label.contains('λ') {
+                panel.add(Guide::horizontal(0.0));
+            }
+            for change in up.changes.iter().chain(&down.changes) {
+                if let Some(value) = changes::parameter(&change.change) {
+                    panel.add(Guide::vertical(value));
+                }
+            }
+            // Up is an open square around the point of down, so that both are seen where they
+            // agree.
+            let up = Markers::new(of(up).iter().copied());
+            panel.add(
+                up.shape(Shape::Square)
+                    .color(BLUE)
+                    .open()
+                    .size(4.2)
+                    .legend("up"),
+            );
+            let down = Markers::new(of(down).iter().copied());
+            panel.add(down.color(ORANGE).size(2.0).legend("down"));
+            if k == last {
+                panel = panel.legend(Legend::Below);
+            }
+            // The last one has the numbers of the axis and the legend below.
+            figure = figure.row(if k == last { 1.3 } else { 1.0 }, panel);
+        }
+        figure
+    }
+}

@@ -1,0 +1,99 @@
+//! Numbers, states and modes in words.
+
+use serde::Serialize;
+use serde_json::{Value as Json, json};
+use stickslip::dynamics::Modes;
+use stickslip::{Mode, Side, math};
+use stickslip_kernels::file::System;
+
+/// A number that reads back to the last bit.
+pub(super) fn exact(value: f64) -> String {
+    format!("{value:?}")
+}
+
+/// A number for people: twelve digits, of which rounding has not made the last ones.
+pub(crate) fn rounded(value: f64) -> f64 {
+    to_digits(value, 12)
+}
+
+/// A number to so many significant digits.
+fn to_digits(value: f64, digits: usize) -> f64 {
+    format!("{value:.*e}", digits - 1).parse().unwrap_or(value)
+}
+
+/// A number to the digits that it has, in which it is rounded by more than its uncertainty.
+pub(crate) fn known(value: f64, uncertainty: f64) -> f64 {
+    const MOST: f64 = 12.0;
+    let digits = 1.0 + math::log10(value.abs() / (2.0 * uncertainty)).floor();
+    to_digits(value, digits.clamp(1.0, MOST) as usize)
+}
+
+/// A number with what it is uncertain by, and no digits beyond.
+pub(crate) fn within(value: f64, uncertainty: f64) -> String {
+    const MOST: f64 = 16.0;
+    if !(uncertainty > 0.0 && uncertainty.is_finite()) {
+        return format!("about {}", to_digits(value, 4));
+    }
+    let decimals = (1.0 - math::log10(uncertainty).floor()).max(0.0);
+    if decimals > MOST {
+        return format!("{value:.2e} ± {uncertainty:.0e}");
+    }
+    let text = format!("{value:.0$}", decimals as usize);
+    // Rounded to zero it has no sign.
+    let is_zero = text
+        .bytes()
+        .all(|digit| matches!(digit, b'-' | b'0' | b'.'));
+    let text = if is_zero {
+        text.trim_start_matches('-')
+    } else {
+        &text
+    };
+    format!("{text} ± {uncertainty:.0e}")
+}
+
+/// A located number, with no digits beyond its uncertainty.
+pub(crate) fn place(value: f64, uncertainty: f64) -> String {
+    if uncertainty > 1e-12 * value.abs() {
+        within(value, uncertainty)
+    } else {
+        rounded(value).to_string()
+    }
+}
+
+/// A state for people.
+pub(crate) fn state_words(x: &[f64]) -> String {
+    // What rounds to zero has no sign.
+    let signed = |x: f64| if x.abs() < 0.5e-9 { 0.0 } else { x };
+    let x: Vec<String> = x.iter().map(|&x| format!("{:.9}", signed(x))).collect();
+    format!("({})", x.join(", "))
+}
+
+/// The name of a contact; empty where it is not one of the system's.
+pub(crate) fn contact_name(system: &System, contact: usize) -> String {
+    let contact = system.file.contacts.get(contact);
+    contact.map_or_else(String::new, |contact| contact.name.clone())
+}
+
+/// Something of each state, by names.
+pub(crate) fn by_state(system: &System, of_each: &[impl Serialize]) -> Json {
+    let states = system.file.states.iter().zip(of_each);
+    let map = states.map(|(state, value)| (state.name.clone(), json!(value)));
+    Json::Object(map.collect())
+}
+
+/// The modes of a phase in a few letters, of several contacts separated by `|`: `+` and `-` for
+/// slip above and below, `S` for stick.
+pub(crate) fn letters(modes: &Modes) -> String {
+    let letters = modes.iter().map(|mode| match mode {
+        Mode::Stick => "S",
+        Mode::Slip(Side::Above) => "+",
+        Mode::Slip(Side::Below) => "-",
+    });
+    letters.collect::<Vec<_>>().join("|")
+}
+
+/// The modes gone through, in letters.
+pub(crate) fn sequence(modes: &[Modes]) -> String {
+    let signs: Vec<String> = modes.iter().map(letters).collect();
+    signs.join(" ")
+}
