@@ -2,11 +2,9 @@
 
 use sha2::{Digest, Sha256};
 
+use super::chance::{Level, Share, alone, digits};
 use super::error::ReadingsError;
-use super::judge::{
-    BorneOut, DigitsMet, ExponentSpread, Level, Pairs, Rows, Share, alone, digits, exponents,
-    sources, target,
-};
+use super::judge::{BorneOut, DigitsMet, ExponentSpread, Pairs, Rows, exponents, sources, target};
 use super::plan::{self, Plan};
 use super::search;
 use super::table::{Row, Verdict};

@@ -7,6 +7,7 @@
 //! ranked. What matters is the last part of the summary: how near other targets are met by the same
 //! search, and how far the estimator's settings alone move an exponent.
 
+mod chance;
 mod committed;
 mod error;
 mod judge;
@@ -29,13 +30,12 @@ use rayon::prelude::*;
 use crate::terminal;
 use output::{Artifact, write_all};
 
+pub use chance::{Level, Share};
 pub use committed::{Committed, Match};
 pub use error::ReadingsError;
-pub use judge::{
-    BorneOut, DigitsMet, ExponentSpread, Level, Pairs, Share, Values, ZERO, sources_in_words,
-};
-pub use plan::Integrator;
+pub use judge::{BorneOut, DigitsMet, ExponentSpread, Pairs, Values, sources_in_words};
 use plan::Plan;
+pub use plan::{Integrator, ZERO};
 use store::{Store, TABLE};
 pub use table::Verdict;
 

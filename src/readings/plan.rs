@@ -137,6 +137,8 @@ pub const SAME: f64 = 1e-3;
 pub const FLOOR: f64 = 0.002;
 /// Differences count no more than this; nor does an exponent that is missing or minus infinity.
 pub const CAP: f64 = 3.0;
+/// A vanishing exponent may be printed as anything between minus this and this; drawn evenly.
+pub const ZERO: f64 = 0.002;
 /// A set of a smaller correlation dimension is a curve.
 pub const CURVE: f64 = 1.2;
 /// Time between two points of the series, as in the paper.

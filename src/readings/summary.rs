@@ -1,11 +1,11 @@
 //! What the search has found, in words: `readings.txt`.
 
+use super::chance::{self, Level};
 use super::error::ReadingsError;
 use super::judge::{
-    self, DigitsMet, ExponentSpread, Exponents, Level, Pairs, Rows, median, sources,
-    sources_in_words,
+    self, DigitsMet, ExponentSpread, Exponents, Pairs, Rows, median, sources, sources_in_words,
 };
-use super::plan::{CAP, DT, FLOOR, Part, Plan, described};
+use super::plan::{CAP, DT, FLOOR, Part, Plan, ZERO, described};
 use super::search;
 use super::table::{Row, Twelve, Verdict};
 use crate::numbers::extent;
@@ -19,7 +19,7 @@ pub fn summary(plan: &Plan, rows: &[Row], target: &Twelve) -> Result<String, Rea
     let published = judge::exponents()?;
     let rows = Rows::of(rows);
     let mut text = tried(plan, rows.search.len());
-    if let Some(alone) = judge::alone(&rows.search, target, plan.draws) {
+    if let Some(alone) = chance::alone(&rows.search, target, plan.draws) {
         text += &motions(&rows.pairs);
         text += &each_alone(plan, alone, target);
     }
@@ -180,7 +180,7 @@ fn together(plan: &Plan, rows: &Rows, target: &Twelve) -> String {
         let figures = (target, &[0, 1, 2][..]);
         text += &level_of(&Level::of(of, &rows.kept, figures, plan.draws));
     }
-    let (zero, negative, positive) = (judge::ZERO, judge::NEGATIVE, judge::POSITIVE);
+    let (zero, negative, positive) = (ZERO, chance::NEGATIVE, chance::POSITIVE);
     text + &format!(
         "Random targets: a zero exponent evenly from -{zero} to {zero}; a negative one from -{} to -{}, a positive one from {} to {}, their logarithms\n\
          evenly; periodic 0 - - -, quasi-periodic 0 0 - -, chaotic + 0 - -. Spectra of other readings: those with the published signs where the published\n\

@@ -261,12 +261,17 @@ impl Cause {
     /// convergence and the published numbers (m, m, s, s).
     pub fn new(
         listing: &Pattern,
-        injected: Result<Pattern, Error>,
+        injected: Pattern,
         convergence: &Convergence,
         published: [f64; 4],
     ) -> Cause {
         Cause {
-            motion: SameMotion::new(listing, injected, published, SameMotion::most(convergence)),
+            motion: SameMotion::new(
+                listing,
+                Ok(injected),
+                published,
+                SameMotion::most(convergence),
+            ),
             approach: convergence.approach,
             step: StepError::new(convergence),
         }

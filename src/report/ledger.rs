@@ -140,7 +140,7 @@ impl Ledger {
         let injection = Injection::compute()?;
         let convergence = Convergence::compute(injection.numbers, tick)?;
         let printed = &computed.fig08.as_printed.pattern;
-        let both = Ok(injection.both.clone());
+        let both = injection.both.clone();
         let accuracy = Accuracy::compute()?;
         let statements = Statements::compute(&computed)?;
         let mut ledger = Ledger {

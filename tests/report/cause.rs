@@ -43,7 +43,7 @@ fn a_wrong_limit_is_not_approached_and_leaves_no_step_error() {
                 right.steps.clone(),
                 right.around.clone(),
             );
-            let both = Ok(report.ledger.injection.both.clone());
+            let both = report.ledger.injection.both.clone();
             let cause = Cause::new(&printed, both, &convergence, published);
             assert!(!cause.first_order(), "{limit:?}: {}", cause.sentence());
             assert!(!cause.is_step_error(), "{limit:?}: {}", cause.sentence());

@@ -2,6 +2,7 @@
 
 use super::compute::Data;
 use crate::figures::{FigureError, belt_line, pair, with_ticks};
+use crate::numbers::extent;
 use crate::paper::listing::Crossing;
 use plot::*;
 use stickslip::math;
@@ -115,8 +116,7 @@ fn add_deflections(panel: &mut Panel, side: &Side<'_>) {
     let points = || deflections.iter().map(|crossing| (crossing.at.x1, belt));
     panel.add(Markers::new(points()).size(4.0).open());
     let positions = || deflections.iter().map(|crossing| crossing.at.x1);
-    let least = positions().fold(f64::INFINITY, f64::min);
-    let most = positions().fold(f64::NEG_INFINITY, f64::max);
+    let (least, most) = extent(positions());
     if most < least {
         return;
     }

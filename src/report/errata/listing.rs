@@ -127,15 +127,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_defect_that_is_already_mended_changes_nothing() {
-        let printed = Cell::run(Defects::AS_PRINTED, Setup::default().h).unwrap();
-        assert_eq!(
-            changes(&printed, &printed)[0],
-            number("mended alone, first stick length changes by", 0.0, "m")
-        );
-    }
-
-    #[test]
     fn of_a_map_that_doubles_the_estimate_is_ln_two() {
         // x -> 2x mod 1 loses a bit a step, so it is followed in integers.
         let mut x = 123_456_789_u64;

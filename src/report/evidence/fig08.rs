@@ -1,7 +1,7 @@
 //! What the paper says of Fig. 8's motion: its start, its arcs, and that the Appendix's program
 //! finds it.
 
-use super::sticks::{ESCAPE, TOLERANCE};
+use super::stick_phases::{ESCAPE, TOLERANCE};
 use super::{as_printed, statement};
 use crate::paper::claim_id::ClaimId;
 use crate::paper::listing::{Defects, Motion, Params, Run, Setup, run, run_with};
@@ -317,6 +317,9 @@ mod tests {
         let (found, misprint) = arcs().unwrap();
         assert_eq!(found[0].parts(), [true, false]);
         assert!(!found[1].parts()[1] && misprint.holds);
+        let belt = ForcedOscillator::default();
+        let model = sides_of_model(&belt).unwrap();
+        assert!(model.highest_in_s1 < belt.belt_speed && belt.belt_speed < model.lowest_in_s2);
     }
 
     /// Model 2 with S1 above Σ and S2 below, as Sect. 4.2 has it.

@@ -9,6 +9,7 @@ mod fig08;
 mod motions;
 mod no_friction;
 mod sigma;
+mod stick_phases;
 mod sticks;
 mod zones;
 
@@ -44,12 +45,12 @@ impl Statements {
     pub fn compute(computed: &Computed) -> Result<Statements, ReportError> {
         use ClaimId::*;
         let ((zone_attracts, followed), by_procedure) = rayon::join(
-            || rayon::join(zones::attracts, sticks::Followed::compute),
+            || rayon::join(zones::attracts, stick_phases::Followed::compute),
             ByProcedure::compute,
         );
         let (followed, by_procedure) = (followed?, by_procedure?);
         let model = ForcedOscillator::default();
-        let zone = zones::Oscillation::of(&model, &sticks::TangentSet::published()?);
+        let zone = zones::Oscillation::of(&model, &stick_phases::TangentSet::published()?);
         let shapes = Shapes::of(&computed.bracket);
         let (arcs, regions) = fig08::arcs()?;
         let (start, start_erratum) = fig08::start()?;

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::sticks::{follow, starts};
+use super::stick_phases::{follow, starts};
 use super::{small, statement};
 use crate::numbers::{extent, largest};
 use crate::paper::reading::Reading::Exact;

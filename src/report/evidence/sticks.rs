@@ -1,216 +1,22 @@
-//! The stick phases that a grid of starts goes through, in the stated model and in the listing,
-//! against the set (24) of tangent points.
+//! What the paper says of stick phases, by those of a grid of starts against the set (24) of tangent
+//! points.
 
-use rayon::prelude::*;
-
+use super::stick_phases::{At, Followed, Stick, TangentSet, ends, starts};
 use super::{as_printed, small, statement};
-use crate::numbers::{bisect, largest};
+use crate::numbers::largest;
 use crate::paper::claim_id::ClaimId;
-use crate::paper::listing::{
-    Defect, Defects, End, ListingError, Params, Run, Setup, StickPhase, run,
-};
+use crate::paper::listing::{End, StickPhase};
 use crate::paper::published::{Claims, PublishedError};
 use crate::paper::reading::Reading::Exact;
 use crate::paper::slip_times_three::{Injected, settled};
 use crate::report::errata::{Erratum, count, erratum, number};
 use crate::report::finding::Finding;
-use crate::report::{ReportError, until_escape};
-use stickslip::analysis::{Visibility, visibility};
 use stickslip::error::Error;
-use stickslip::filippov::{Options, TransitionKind, solve};
 use stickslip::models::ForcedOscillator;
-use stickslip::orbit::Orbit;
-use stickslip::system::{Mode, State};
 
-/// Starts in position and in velocity, and the outermost of them (m, m/s).
-const STARTS: (u32, u32) = (13, 9);
-const REACH: [f64; 2] = [1.2, 2.0];
-/// Forcing periods that each is followed over: stick phases occur on the way only.
-const FOLLOWED: f64 = 10.0;
-pub(super) const TOLERANCE: f64 = 1e-13;
-/// Beyond 10 m or 10 m/s the softening spring drives the body away for good.
-pub(super) const ESCAPE: f64 = 10.0;
-/// A stick phase of the listing no longer than ten of its steps (s) is chatter: it leaves a zone's
-/// end on the wrong side, is thrown back and sticks again, thousands of times.
-const CHATTER: f64 = 1e-3;
 /// Distances and times within this are none (m, s, m/s): the solver's tolerance, with room for it
 /// to grow.
 const NONE: f64 = 1e-9;
-
-/// The starts, none of them at the belt's speed.
-pub(super) fn starts() -> Vec<State<2>> {
-    let part = |k: u32, of: u32| 2.0 * f64::from(k) / f64::from(of - 1) - 1.0;
-    let (columns, rows) = STARTS;
-    let at = |i, j| State::from([REACH[0] * part(i, columns), REACH[1] * part(j, rows)]);
-    let all = (0..columns).flat_map(|i| (0..rows).map(move |j| at(i, j)));
-    all.collect()
-}
-
-/// The orbit from `(t0, x)` over [`FOLLOWED`] forcing periods, as far as it goes before it escapes.
-pub(super) fn follow(model: &ForcedOscillator, t0: f64, x: State<2>) -> Result<Orbit<2>, Error> {
-    let options = Options::tol(TOLERANCE).escape(ESCAPE);
-    let outcome = solve(model, t0, x, t0 + FOLLOWED * model.period(), &options);
-    Ok(until_escape(outcome)?.0)
-}
-
-/// Time (s) and position (m).
-type At = (f64, f64);
-
-/// A complete stick phase of the stated model.
-#[derive(Clone, Copy)]
-struct Stick {
-    entry: At,
-    exit: At,
-    /// Largest difference of the velocity from the belt's (m/s), at both ends and in the middle of
-    /// every step.
-    speed_error: f64,
-    /// Whether the field that takes over is visibly tangent where it ends; time counted in the
-    /// derivative.
-    visible: bool,
-}
-
-/// Stick phases of the listing: those that last longer than [`CHATTER`], in the order of the
-/// starts, and how many others there are.
-struct OfListing {
-    phases: Vec<StickPhase>,
-    chatter: usize,
-}
-
-/// What a grid of starts goes through: shared by the statements on stick phases.
-pub(super) struct Followed {
-    model: Vec<Stick>,
-    /// The listing as printed, and with both ends of the zone tested.
-    listing: OfListing,
-    both_ends_tested: OfListing,
-    /// The settled motion of the listing as printed: that of Fig. 8.
-    fig08: Run,
-    set: TangentSet,
-}
-
-impl Followed {
-    /// Follows all starts; an escape is no error.
-    pub(super) fn compute() -> Result<Followed, ReportError> {
-        let model = ForcedOscillator::default();
-        let both = Defects::AS_PRINTED.flipped(Defect::OneSidedExit);
-        Ok(Followed {
-            model: of_model(&model)?,
-            listing: of_listing(&model, Defects::AS_PRINTED)?,
-            both_ends_tested: of_listing(&model, both)?,
-            fig08: run(&Setup::default())?,
-            set: TangentSet::published()?,
-        })
-    }
-}
-
-fn of_model(model: &ForcedOscillator) -> Result<Vec<Stick>, Error> {
-    let runs = starts().into_par_iter().map(|x| of_start(model, x));
-    let runs = runs.collect::<Result<Vec<_>, Error>>()?;
-    Ok(runs.into_iter().flatten().collect())
-}
-
-fn of_start(model: &ForcedOscillator, x: State<2>) -> Result<Vec<Stick>, Error> {
-    let orbit = follow(model, 0.0, x)?;
-    let mut sticks = Vec::new();
-    for at in &orbit.transitions {
-        let (TransitionKind::StickExit, Mode::Slip(side)) = (at.kind, at.to) else {
-            continue;
-        };
-        let Some(phase) = orbit.sticks().find(|phase| phase.t_end == at.t) else {
-            continue;
-        };
-        let steps = orbit.steps.iter();
-        let within = steps.filter(|one| one.t_start >= phase.t_start && one.t_end <= phase.t_end);
-        let states = within.flat_map(|step| {
-            let middle = step.dense.at_time(0.5 * (step.t_start + step.t_end));
-            [step.x_start, middle, step.x_end]
-        });
-        sticks.push(Stick {
-            entry: (phase.t_start, phase.x_start[0]),
-            exit: (at.t, at.x[0]),
-            speed_error: largest(states.map(|x| (x[1] - model.belt_speed).abs())),
-            visible: visibility(model, side, at.t, &at.x) == Visibility::Visible,
-        });
-    }
-    Ok(sticks)
-}
-
-fn of_listing(model: &ForcedOscillator, defects: Defects) -> Result<OfListing, ListingError> {
-    let of_start = |x: State<2>| {
-        let params = Params {
-            x1: x[0],
-            x2: x[1],
-            ..Params::default()
-        };
-        run(&Setup {
-            params,
-            defects,
-            end: FOLLOWED * model.period(),
-            window_start: 0.0,
-            ..Setup::default()
-        })
-    };
-    let runs = starts().into_par_iter().map(of_start);
-    let runs = runs.collect::<Result<Vec<Run>, ListingError>>()?;
-    let all = runs.into_iter().flat_map(|run| run.phases);
-    let (phases, chatter): (Vec<_>, Vec<_>) = all.partition(|phase| phase.duration() > CHATTER);
-    let chatter = chatter.len();
-    Ok(OfListing { phases, chatter })
-}
-
-/// Begins and ends of the listing's stick phases.
-fn ends(phases: &[StickPhase]) -> impl Iterator<Item = (At, At)> {
-    let ends = |one: &StickPhase| ((one.entry.t, one.entry.x1), (one.exit.t, one.exit.x1));
-    phases.iter().map(ends)
-}
-
-/// The six tangent points of Eq. (24) at rest (m), numbered from the largest down as the paper
-/// does.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct TangentSet(pub(super) [f64; 6]);
-
-impl TangentSet {
-    /// As published.
-    pub(super) fn published() -> Result<TangentSet, PublishedError> {
-        let claim = Claims::committed()?.of(ClaimId::Eq24TangentPoints);
-        let mut values = claim.values().to_vec();
-        values.sort_by(|one, other| other.total_cmp(one));
-        let value = |k| values.get(k).copied().unwrap_or(f64::NAN);
-        Ok(TangentSet(std::array::from_fn(value)))
-    }
-
-    /// Distances (m) of a body at `x1` from the points moved by the support at `t`.
-    fn gaps(&self, model: &ForcedOscillator, (t, x1): At) -> [f64; 6] {
-        let offset = model.support(t);
-        self.0.map(|z| x1 - (z + offset))
-    }
-
-    /// Number, counted from 0, of the moved point nearest to a body, and its distance (m).
-    fn nearest(&self, model: &ForcedOscillator, at: At) -> (usize, f64) {
-        let mut best = (0, f64::INFINITY);
-        for (number, gap) in self.gaps(model, at).into_iter().enumerate() {
-            if gap.abs() < best.1 {
-                best = (number, gap.abs());
-            }
-        }
-        best
-    }
-
-    /// When (s) a body that rides the belt from `(t, x1)` first meets one of the moved points, by
-    /// that equation alone; nothing within `span`.
-    fn first_meeting(&self, model: &ForcedOscillator, (t, x1): At, span: f64) -> Option<f64> {
-        // A gap changes by less than its own size over such a part of the forcing period.
-        let part = model.period() / 2000.0;
-        let ahead = |later: f64| {
-            let gaps = self.gaps(model, (t + later, x1 + model.belt_speed * later));
-            gaps.map(|gap| gap > 0.0)
-        };
-        let start = ahead(0.0);
-        let steps = (span / part).ceil() as u32;
-        let after = (1..=steps).find(|&k| ahead(f64::from(k) * part) != start)?;
-        let (low, high) = (f64::from(after - 1) * part, f64::from(after) * part);
-        Some(t + bisect(low, high, |later| ahead(later) != start))
-    }
-}
 
 /// Forcing periods within which a body on the belt is certain to meet a tangent point.
 const SPAN: f64 = 3.0;
@@ -218,13 +24,7 @@ const SPAN: f64 = 3.0;
 /// `s4.exact_lengths`: whether the set gives lengths and durations of the stick phases, by
 /// `x1 + vp (t − t_entry) = z_k + A sin(ωt)` from the entry alone.
 pub(super) fn exact_lengths(followed: &Followed) -> Vec<Finding> {
-    let model = ForcedOscillator::default();
-    let off = |entry: At, exit: At| {
-        let predicted = followed
-            .set
-            .first_meeting(&model, entry, SPAN * model.period());
-        predicted.map_or(f64::INFINITY, |t| (t - exit.0).abs())
-    };
+    let off = |entry: At, exit: At| off_prediction(&followed.set, entry, exit);
     let sticks = &followed.model;
     let error = largest(sticks.iter().map(|one| off(one.entry, one.exit)));
     let settled = followed.fig08.settled_phases();
@@ -245,6 +45,13 @@ pub(super) fn exact_lengths(followed: &Followed) -> Vec<Finding> {
         settled.len(),
     );
     vec![statement(Exact, parts, line), as_printed(printed)]
+}
+
+/// By how much (s) the end of a stick phase is off the one that the set gives for its begin.
+fn off_prediction(set: &TangentSet, entry: At, exit: At) -> f64 {
+    let model = ForcedOscillator::default();
+    let predicted = set.first_meeting(&model, entry, SPAN * model.period());
+    predicted.map_or(f64::INFINITY, |t| (t - exit.0).abs())
 }
 
 /// Where stick phases end: how many at each of the points, and how many elsewhere.
@@ -513,12 +320,17 @@ fn length_is_way_of(followed: &Followed, published: [f64; 4]) -> (Vec<Finding>, 
 
 #[cfg(test)]
 mod tests {
+    use super::super::stick_phases::of_model;
     use super::*;
 
     #[test]
     fn the_set_gives_the_stated_models_phases_and_not_the_listings() {
-        let found = exact_lengths(&Followed::compute().unwrap());
+        let followed = Followed::compute().unwrap();
+        let found = exact_lengths(&followed);
         assert!(found[0].agrees && !found[1].agrees);
+        let settled = ends(followed.fig08.settled_phases());
+        let off = settled.map(|(entry, exit)| off_prediction(&followed.set, entry, exit));
+        assert!(largest(off) > 0.01);
     }
 
     #[test]
@@ -546,6 +358,8 @@ mod tests {
         let found = exit_at_visible(&followed);
         assert!(found[0].agrees && found[1].agrees && !found[1].is_evidence());
         // By construction, until the other end is tested too.
+        let listing = Exits::of_listing(&followed.listing.phases);
+        assert_eq!(listing.at_visible(), listing.all());
         let mended = Exits::of_listing(&followed.both_ends_tested.phases);
         assert!(mended.at_visible() < mended.all());
     }

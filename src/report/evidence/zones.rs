@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::sticks::TangentSet;
+use super::stick_phases::TangentSet;
 use super::{small, statement};
 use crate::numbers::{bisect, changes, extent, largest, missing};
 use crate::paper::reading::Reading::Exact;
@@ -208,15 +208,19 @@ type Cycle = (usize, usize);
 /// The cycles at one friction, each once, and the starts that lead to them.
 type Cycles = (Vec<Cycle>, usize);
 
+/// Model 2 with the mass and the belt's speed of Fig. 7.
+fn of_fig07() -> ForcedOscillator {
+    ForcedOscillator {
+        mass: 1.0,
+        belt_speed: 1.0,
+        ..ForcedOscillator::default()
+    }
+}
+
 /// `s4.zone_attracts`: whether the wide stick zone attracts, and whether stick–slip cycles arise
 /// below the critical friction.
 pub(super) fn attracts() -> Result<Vec<Finding>, Error> {
-    let fig08 = ForcedOscillator::default();
-    let fig07 = ForcedOscillator {
-        mass: 1.0,
-        belt_speed: 1.0,
-        ..fig08
-    };
+    let (fig07, fig08) = (of_fig07(), ForcedOscillator::default());
     let (attracting, pull) = zone(&fig07);
     let sweeps = [Sweep::of("Fig. 7", &fig07)?, Sweep::of("Fig. 8", &fig08)?];
     Ok(judged(attracting, pull, &sweeps))
@@ -266,7 +270,7 @@ fn judged(attracting: usize, least_pull: f64, sweeps: &[Sweep]) -> Vec<Finding> 
 }
 
 /// Critical friction (N), Eq. (23).
-fn critical(model: &ForcedOscillator) -> f64 {
+pub(super) fn critical(model: &ForcedOscillator) -> f64 {
     2.0 * model.k1 / 3.0 * (model.k1 / (3.0 * model.k2)).sqrt()
 }
 
@@ -428,12 +432,7 @@ mod tests {
 
     #[test]
     fn cycles_arise_below_the_critical_friction_and_not_at_it() {
-        let fig08 = ForcedOscillator::default();
-        let fig07 = ForcedOscillator {
-            mass: 1.0,
-            belt_speed: 1.0,
-            ..fig08
-        };
+        let (fig07, fig08) = (of_fig07(), ForcedOscillator::default());
         let of_fig08 = Sweep::of("Fig. 8", &fig08).unwrap();
         assert!(of_fig08.with_cycles() > 0 && of_fig08.at_critical.0.is_empty());
         let of_fig07 = Sweep::of("Fig. 7", &fig07).unwrap();

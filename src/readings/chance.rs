@@ -1,0 +1,266 @@
+//! How near rows come to the published exponents, and how near to other targets.
+
+use super::judge::distance;
+use super::plan::ZERO;
+use super::table::{Row, Twelve};
+use stickslip::math;
+use stickslip::statistics::SplitMix;
+
+/// Least and largest size of a negative exponent; its logarithm is drawn evenly.
+pub const NEGATIVE: (f64, f64) = (0.003, 1.0);
+/// Least and largest positive exponent; its logarithm is drawn evenly.
+pub const POSITIVE: (f64, f64) = (0.001, 0.05);
+/// A match is rare if no more than this share of either kind of targets is met as well (%).
+const RARE: f64 = 5.0;
+
+/// Every run draws the same targets.
+const SEED: u64 = 0x2013_0073_0723_0736;
+
+/// Draws targets.
+struct Targets(SplitMix);
+
+impl Targets {
+    fn new() -> Targets {
+        Targets(SplitMix::new(SEED))
+    }
+
+    /// With evenly distributed logarithm.
+    fn logarithmic(&mut self, least: f64, most: f64) -> f64 {
+        math::exp(math::ln(least) + self.0.uniform() * math::ln(most / least))
+    }
+
+    fn zero(&mut self) -> f64 {
+        ZERO * (2.0 * self.0.uniform() - 1.0)
+    }
+
+    fn negative(&mut self) -> f64 {
+        -self.logarithmic(NEGATIVE.0, NEGATIVE.1)
+    }
+
+    /// A spectrum of each of the published classes.
+    fn target(&mut self) -> Twelve {
+        let mut draw = |sign| match sign {
+            b'0' => self.zero(),
+            b'-' => self.negative(),
+            _ => self.logarithmic(POSITIVE.0, POSITIVE.1),
+        };
+        let mut all = [*b"0---", *b"00--", *b"+0--"].map(|signs| signs.map(&mut draw));
+        for row in &mut all {
+            row.sort_by(|one, other| other.total_cmp(one));
+        }
+        all
+    }
+}
+
+/// The nearest row to a target in some of the figures (0, 1, 2), and its distance.
+pub fn nearest<'a>(
+    rows: impl IntoIterator<Item = &'a Row>,
+    target: &Twelve,
+    figures: &[usize],
+) -> Option<(&'a Row, f64)> {
+    rows.into_iter()
+        .map(|row| (row, distance(&row.exponents, target, figures)))
+        .min_by(|one, other| one.1.total_cmp(&other.1))
+}
+
+/// How many targets are met as well as the published exponents, or better.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Share {
+    /// Targets met.
+    pub met: usize,
+    /// Targets tried.
+    pub of: usize,
+}
+
+impl Share {
+    fn count(met: impl Iterator<Item = bool>) -> Share {
+        let mut share = Share { met: 0, of: 0 };
+        for one in met {
+            share.met += usize::from(one);
+            share.of += 1;
+        }
+        share
+    }
+
+    /// In per cent.
+    pub fn percent(&self) -> f64 {
+        100.0 * self.met as f64 / self.of.max(1) as f64
+    }
+
+    /// The chance, in per cent, that the best of three figures is met so well (Šidák 1967).
+    pub fn best_of_three(&self) -> f64 {
+        let missed = 1.0 - self.percent() / 100.0;
+        100.0 * (1.0 - missed * missed * missed)
+    }
+}
+
+/// How near the rows come to the published exponents of some figures, and how near they come to
+/// other targets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Level {
+    /// Distance of the nearest row to the published exponents.
+    pub published: f64,
+    /// Random targets of the published classes.
+    pub random: Share,
+    /// Spectra with the published pattern of signs, each met by rows of other readings than its
+    /// own. A reading that gives the same spectrum to the last bit is its own by another name, and
+    /// a target that leaves no other reading is none.
+    pub readings: Share,
+}
+
+impl Level {
+    /// Of some rows, in some of the figures; `spectra` are the rows that give targets.
+    pub fn of(
+        rows: &[&Row],
+        spectra: &[&Row],
+        (target, figures): (&Twelve, &[usize]),
+        draws: usize,
+    ) -> Level {
+        let distance = |nearest: Option<(&Row, f64)>| nearest.map_or(f64::INFINITY, |one| one.1);
+        let published = distance(nearest(rows.iter().copied(), target, figures));
+        let mut targets = Targets::new();
+        let near_random = |_| {
+            let target = targets.target();
+            distance(nearest(rows.iter().copied(), &target, figures)) <= published
+        };
+        let near_reading = |one: &&Row| {
+            let same = |row: &&&Row| {
+                figures
+                    .iter()
+                    .all(|&f| row.exponents[f] == one.exponents[f])
+            };
+            let twins: Vec<&str> = spectra
+                .iter()
+                .filter(same)
+                .map(|row| &*row.key[1])
+                .collect();
+            let others = rows
+                .iter()
+                .copied()
+                .filter(|row| !twins.contains(&&*row.key[1]));
+            nearest(others, &one.exponents, figures).map(|(_, near)| near <= published)
+        };
+        let alike = |row: &&&Row| has_signs_of(row, target, figures);
+        Level {
+            published,
+            random: Share::count((0..draws).map(near_random)),
+            readings: Share::count(spectra.iter().filter(alike).filter_map(near_reading)),
+        }
+    }
+
+    /// Whether the published exponents are met better than nearly all other targets, one or three
+    /// figures having been looked at.
+    pub fn is_rare(&self, looks: usize) -> bool {
+        let random = match looks {
+            3 => self.random.best_of_three(),
+            _ => self.random.percent(),
+        };
+        random <= RARE && self.readings.of > 0 && self.readings.percent() <= RARE
+    }
+}
+
+/// Whether the exponents have the signs of the target's. One of a size up to [`ZERO`] counts as
+/// zero, and its sign means nothing.
+fn has_signs_of(row: &Row, target: &Twelve, figures: &[usize]) -> bool {
+    figures.iter().all(|&f| {
+        let mut pairs = row.exponents[f].iter().zip(&target[f]);
+        pairs.all(|(found, wanted)| {
+            found.is_finite() && (wanted.abs() <= ZERO || found * wanted > 0.0)
+        })
+    })
+}
+
+/// Each figure by itself, exponents alone: its level among all rows, and the nearest of them.
+/// Nothing without rows.
+pub fn alone<'a>(
+    search: &[&'a Row],
+    target: &Twelve,
+    draws: usize,
+) -> Option<[(Level, &'a Row); 3]> {
+    let of = |figure: usize| {
+        let (row, _) = nearest(search.iter().copied(), target, &[figure])?;
+        Some((Level::of(search, search, (target, &[figure]), draws), row))
+    };
+    Some([of(0)?, of(1)?, of(2)?])
+}
+
+/// Half a unit of the last printed digit.
+const HALF_UNIT: f64 = 5e-5;
+
+/// Of the targets drawn for exponent `k` of a figure, how many are met to the printed digits by as
+/// many rows as `wanted`, or more.
+pub fn digits(rows: &[&Row], (figure, k): (usize, usize), wanted: usize, draws: usize) -> Share {
+    let mut targets = Targets::new();
+    Share::count((0..draws).map(|_| {
+        let target = targets.target()[figure][k];
+        let near = |row: &&&Row| (row.exponents[figure][k] - target).abs() <= HALF_UNIT;
+        rows.iter().filter(near).count() >= wanted
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::judge::target;
+    use super::*;
+
+    #[test]
+    fn targets_have_the_signs_of_their_class() {
+        let mut generator = Targets::new();
+        for _ in 0..1000 {
+            let [periodic, quasi, chaotic] = generator.target();
+            assert!(periodic[0].abs() <= 0.002 && periodic[1] < -0.002);
+            assert!(quasi[1].abs() <= 0.002 && quasi[2] < -0.002);
+            assert!(chaotic[0] > -0.002 && chaotic[2] < -0.002);
+            for row in [periodic, quasi, chaotic] {
+                assert!(row.windows(2).all(|pair| pair[0] >= pair[1]));
+            }
+        }
+    }
+
+    #[test]
+    fn a_target_that_another_reading_gives_counts_and_one_that_its_own_gives_does_not() {
+        let target = target().unwrap();
+        let row = |reading: &str, factor: f64| Row {
+            exponents: target.map(|four| four.map(|v| factor * v)),
+            ..Row::empty(["search", reading, "exact", "s"].map(str::to_owned))
+        };
+        // Nearer to each other than to the published, from which they are 10 % off.
+        let rows = [row("a", 0.9), row("b", 0.901), row("b", 0.901)];
+        let all: Vec<&Row> = rows.iter().collect();
+        let of = |rows: &[&Row]| Level::of(rows, rows, (&target, &[0, 1, 2]), 10).readings;
+        assert_eq!(of(&all), Share { met: 3, of: 3 });
+        // The only reading has no other that could meet it, and is no target.
+        assert_eq!(of(&all[1..]), Share { met: 0, of: 0 });
+        // Nor is the same spectrum under another name another reading.
+        let twin = row("c", 0.901);
+        assert_eq!(of(&[&twin, all[1]]), Share { met: 0, of: 0 });
+        // Of another pattern of signs it is no target.
+        let other = row("a", -0.9);
+        assert_eq!(of(&[&other, all[1]]), Share { met: 0, of: 1 });
+    }
+
+    #[test]
+    fn three_looks_count_as_three() {
+        let share = Share { met: 1, of: 100 };
+        assert!((share.best_of_three() - 2.9701).abs() < 1e-10);
+        let level = |random, readings| Level {
+            published: 0.1,
+            random: Share {
+                met: random,
+                of: 100,
+            },
+            readings: Share {
+                met: readings,
+                of: 100,
+            },
+        };
+        assert!(level(1, 5).is_rare(3) && level(5, 5).is_rare(1));
+        assert!(!level(2, 5).is_rare(3) && !level(1, 6).is_rare(1));
+        let without = Share { met: 0, of: 0 };
+        let untested = Level {
+            readings: without,
+            ..level(1, 0)
+        };
+        assert!(!untested.is_rare(1));
+    }
+}
