@@ -148,7 +148,7 @@ fn settings() -> [DataSettings; 2] {
     [DataSettings::default(), DataSettings::sano_sawada()]
 }
 
-/// As the program `spectrum` has them, without those that are told to be an embedding's own.
+/// As `stickslip spectrum` has them, without those that are told to be an embedding's own.
 fn verdicts(
     series: &Series,
     embedding: Option<Embedding>,

@@ -140,7 +140,7 @@ fn few_references_hold_what_ok_promises() {
 
 /// Of whole states `ok` is worth as much from 30 reference points, though they lie on one short
 /// piece of an orbit; where that is shorter than two Theiler windows, as 20 of the pendulum are, it
-/// is not, which the program `spectrum` says.
+/// is not, which `stickslip spectrum` says.
 #[test]
 fn a_short_piece_holds_what_ok_promises_from_two_theiler_windows_on() {
     let held = |(points, references), case: &systems::Case, seeds: std::ops::Range<u64>| {
