@@ -7,8 +7,8 @@ use std::path::Path;
 
 use crate::common::{Numerically, assert_golden};
 use crate::report::with;
-use replication::figures::locator::Locator;
-use replication::figures::{FigureSpec, rows};
+use replication::figures::locator::LOCATOR;
+use replication::figures::rows;
 use replication::paper::published::Claims;
 use replication::report::figures::Table;
 
@@ -45,14 +45,8 @@ figures!(fig04, fig06, fig07, fig08, fig10, fig11, fig12);
 
 #[test]
 fn locator() {
-    let data = Locator::compute().unwrap();
-    is_golden(&Table {
-        figure: Locator::NAME,
-        title: Locator::TITLE,
-        about: Locator::ABOUT,
-        svg: Locator::draw(&data).unwrap(),
-        rows: Locator::numbers(&data),
-    });
+    let data = LOCATOR.compute().unwrap();
+    is_golden(&Table::of(&LOCATOR, &data).unwrap());
 }
 
 #[test]

@@ -3,8 +3,8 @@
 use std::process::ExitCode;
 
 use replication::figures::cli;
-use replication::figures::fig04::Fig04;
+use replication::figures::fig04::FIG04;
 
 fn main() -> ExitCode {
-    cli::main::<Fig04>()
+    cli::main(&FIG04)
 }

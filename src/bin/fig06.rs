@@ -3,8 +3,8 @@
 use std::process::ExitCode;
 
 use replication::figures::cli;
-use replication::figures::fig06::Fig06;
+use replication::figures::fig06::FIG06;
 
 fn main() -> ExitCode {
-    cli::main::<Fig06>()
+    cli::main(&FIG06)
 }

@@ -3,8 +3,8 @@
 use std::process::ExitCode;
 
 use replication::figures::cli;
-use replication::figures::fig07::Fig07;
+use replication::figures::fig07::FIG07;
 
 fn main() -> ExitCode {
-    cli::main::<Fig07>()
+    cli::main(&FIG07)
 }

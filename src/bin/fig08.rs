@@ -3,8 +3,8 @@
 use std::process::ExitCode;
 
 use replication::figures::cli;
-use replication::figures::fig08::Fig08;
+use replication::figures::fig08::FIG08;
 
 fn main() -> ExitCode {
-    cli::main::<Fig08>()
+    cli::main(&FIG08)
 }

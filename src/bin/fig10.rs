@@ -2,9 +2,9 @@
 
 use std::process::ExitCode;
 
-use replication::figures::block_and_bracket::Fig10;
+use replication::figures::block_and_bracket::FIG10;
 use replication::figures::cli;
 
 fn main() -> ExitCode {
-    cli::main::<Fig10>()
+    cli::main(&FIG10)
 }

@@ -2,9 +2,9 @@
 
 use std::process::ExitCode;
 
-use replication::figures::block_and_bracket::Fig11;
+use replication::figures::block_and_bracket::FIG11;
 use replication::figures::cli;
 
 fn main() -> ExitCode {
-    cli::main::<Fig11>()
+    cli::main(&FIG11)
 }

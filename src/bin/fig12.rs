@@ -2,9 +2,9 @@
 
 use std::process::ExitCode;
 
-use replication::figures::block_and_bracket::Fig12;
+use replication::figures::block_and_bracket::FIG12;
 use replication::figures::cli;
 
 fn main() -> ExitCode {
-    cli::main::<Fig12>()
+    cli::main(&FIG12)
 }

@@ -3,8 +3,8 @@
 use std::process::ExitCode;
 
 use replication::figures::cli;
-use replication::figures::locator::Locator;
+use replication::figures::locator::LOCATOR;
 
 fn main() -> ExitCode {
-    cli::main::<Locator>()
+    cli::main(&LOCATOR)
 }

@@ -5,12 +5,10 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory, FromArgMatches, Parser};
 
-use super::FigureError;
-use super::FigureSpec;
-use super::output::{self, Artifact};
-use super::rows;
+use super::{FigureError, FigureSpec, rows};
 use crate::paper::published::Claims;
 use crate::terminal;
+use output::Artifact;
 
 /// Arguments of a figure program.
 #[derive(Debug, Parser)]
@@ -35,25 +33,25 @@ pub struct Arguments {
 ///
 /// Exit code 0 on success, 1 if something failed (`error: …` on standard error), 2 for a wrong
 /// command line.
-pub fn main<F: FigureSpec>() -> ExitCode {
-    let matches = command::<F>().get_matches();
+pub fn main<D>(figure: &FigureSpec<D>) -> ExitCode {
+    let matches = command(figure).get_matches();
     let arguments = match Arguments::from_arg_matches(&matches) {
         Ok(arguments) => arguments,
         Err(error) => error.exit(),
     };
-    let progress = terminal::spinner(format!("computing {}", F::NAME));
-    let outcome = run::<F>(&arguments);
+    let progress = terminal::spinner(format!("computing {}", figure.name));
+    let outcome = run(figure, &arguments);
     progress.finish_and_clear();
     terminal::finish("table", outcome)
 }
 
 /// The figure's command: name, help, examples.
-fn command<F: FigureSpec>() -> clap::Command {
-    let name = F::NAME;
+fn command<D>(figure: &FigureSpec<D>) -> clap::Command {
+    let name = figure.name;
     Arguments::command()
         .name(name)
-        .about(F::TITLE)
-        .long_about(format!("{}\n\n{}", F::TITLE, F::ABOUT))
+        .about(figure.title)
+        .long_about(format!("{}\n\n{}", figure.title, figure.about))
         .after_help(format!(
             "Files written:\n  \
              {name}.svg  the figure\n  \
@@ -72,33 +70,30 @@ fn command<F: FigureSpec>() -> clap::Command {
 /// # Errors
 /// Whatever computing, drawing and writing run into. Files are written last, so an error leaves
 /// none behind.
-pub fn run<F: FigureSpec>(arguments: &Arguments) -> Result<String, FigureError> {
+pub fn run<D>(figure: &FigureSpec<D>, arguments: &Arguments) -> Result<String, FigureError> {
     if arguments.png && !cfg!(feature = "png") {
         // Said before a long computation, not after it.
         return Err(FigureError::PngNotBuilt);
     }
     let claims = Claims::committed()?;
-    let data = F::compute()?;
-    let rows = F::numbers(&data);
-    let svg = F::draw(&data)?;
-    let rendered = arguments.png.then(|| ::output::png(&svg)).transpose()?;
+    let data = figure.compute()?;
+    let rows = (figure.numbers)(&data);
+    let svg = (figure.draw)(&data)?;
+    let rendered = arguments.png.then(|| output::png(&svg)).transpose()?;
+    let name = |extension| format!("{}.{extension}", figure.name);
     let mut artifacts = vec![
-        artifact::<F>("svg", svg.into_bytes()),
-        artifact::<F>("csv", rows::csv(&rows, claims)?.into_bytes()),
+        Artifact::text(name("svg"), svg),
+        Artifact::text(name("csv"), rows::csv(&rows, claims)?),
     ];
-    artifacts.extend(rendered.map(|bytes| artifact::<F>("png", bytes)));
+    artifacts.extend(rendered.map(|bytes| Artifact {
+        name: name("png"),
+        bytes,
+    }));
     let paths = output::write_all(&arguments.out_dir, &artifacts)?;
     Ok(format!(
         "{}\n\n{}\n{}",
-        F::TITLE,
+        figure.title,
         rows::table(&rows, claims),
         output::listing(&paths)
     ))
-}
-
-fn artifact<F: FigureSpec>(extension: &str, bytes: Vec<u8>) -> Artifact {
-    Artifact {
-        name: format!("{}.{extension}", F::NAME),
-        bytes,
-    }
 }

@@ -1,18 +1,14 @@
 //! Fig. 6: the friction law of Eq. (2).
 
-use super::FigureSpec;
 use super::rows::Row;
-use super::{FigureError, pair};
+use super::{Failure, FigureError, FigureSpec, pair};
 use crate::paper::claim_id::ClaimId;
-use crate::paper::reading::Reading;
+use crate::paper::reading::Reading::Exact;
 use plot::{
     Axis, BLACK, BLUE, Color, Curve, Dash, Figure, GREY, Guide, Legend, Note, Panel, Place,
     VERMILLION,
 };
 use stickslip::models::friction::{Force, Friction};
-
-/// Fig. 6.
-pub struct Fig06;
 
 /// One friction law and its graph.
 #[derive(Clone, Debug)]
@@ -29,9 +25,9 @@ pub struct Graph {
 #[derive(Clone, Debug)]
 pub struct Data {
     /// `δ = 1` as in the paper, three friction coefficients; the middle one is the paper's.
-    pub by_mu0: Vec<Graph>,
+    pub by_mu0: [Graph; 3],
     /// The paper's friction coefficient, three values of `δ`; the middle one is the paper's.
-    pub by_delta: Vec<Graph>,
+    pub by_delta: [Graph; 3],
 }
 
 /// Largest relative velocity shown, m/s.
@@ -39,99 +35,88 @@ const V_MAX: f64 = 3.0;
 /// Points of a branch.
 const SAMPLES: u32 = 300;
 
-impl FigureSpec for Fig06 {
-    const NAME: &'static str = "fig06";
-    const TITLE: &'static str = "Fig. 6: friction force against relative velocity, Eq. (2)";
-    const ABOUT: &'static str = "Draws T(v) = sgn(v) mu0/(1 + delta |v|) with its vertical part |T| <= mu0 at v = 0: \
+/// Fig. 6.
+pub const FIG06: FigureSpec<Data> = FigureSpec {
+    name: "fig06",
+    title: "Fig. 6: friction force against relative velocity, Eq. (2)",
+    about: "Draws T(v) = sgn(v) mu0/(1 + delta |v|) with its vertical part |T| <= mu0 at v = 0: \
         (a) for delta = 1 and three friction coefficients, (b) for mu0 = sqrt(3)/9 and three values of delta. \
-        Bold lines are the paper's parameters. Reports whether both branches decrease, and T at 1 m/s.";
-    type Data = Data;
+        Bold lines are the paper's parameters. Reports whether both branches decrease, and T at 1 m/s.",
+    compute,
+    numbers,
+    draw,
+};
 
-    fn compute() -> Result<Data, FigureError> {
-        let root = 3f64.sqrt();
-        let graph = |mu0, text, delta| -> Result<Graph, FigureError> {
-            let law = Friction::new(mu0, delta).map_err(Self::failed)?;
-            Ok(Graph {
-                law,
-                mu0: text,
-                points: sample(&law),
-            })
-        };
-        Ok(Data {
-            by_mu0: vec![
-                graph(root / 18.0, "√3/18", 1.0)?,
-                graph(root / 9.0, "√3/9", 1.0)?,
-                graph(2.0 * root / 9.0, "2√3/9", 1.0)?,
-            ],
-            by_delta: vec![
-                graph(root / 9.0, "√3/9", 0.5)?,
-                graph(root / 9.0, "√3/9", 1.0)?,
-                graph(root / 9.0, "√3/9", 3.0)?,
-            ],
+fn compute() -> Result<Data, Failure> {
+    let root = 3f64.sqrt();
+    let graph = |mu0, text, delta| -> Result<Graph, Failure> {
+        let law = Friction::new(mu0, delta)?;
+        Ok(Graph {
+            law,
+            mu0: text,
+            points: sample(&law),
         })
-    }
+    };
+    Ok(Data {
+        by_mu0: [
+            graph(root / 18.0, "√3/18", 1.0)?,
+            graph(root / 9.0, "√3/9", 1.0)?,
+            graph(2.0 * root / 9.0, "2√3/9", 1.0)?,
+        ],
+        by_delta: [
+            graph(root / 9.0, "√3/9", 0.5)?,
+            graph(root / 9.0, "√3/9", 1.0)?,
+            graph(root / 9.0, "√3/9", 3.0)?,
+        ],
+    })
+}
 
-    fn numbers(data: &Data) -> Vec<Row> {
-        let graphs = || data.by_mu0.iter().chain(&data.by_delta);
-        let decreasing = (
-            "both branches of T(v) decrease with |v|",
-            graphs().all(|graph| decreases(&graph.points)),
-        );
-        let mut rows = vec![Row::statement(
-            ClaimId::Fig06FrictionLaw,
-            Reading::Exact,
-            [decreasing],
-        )];
-        for (panel, graphs) in [("a", &data.by_mu0), ("b", &data.by_delta)] {
-            for (i, graph) in graphs.iter().enumerate() {
-                let id = format!("fig06{panel}.force_at_1.{}", i + 1);
-                rows.push(Row::number(
-                    id,
-                    Reading::Exact,
-                    graph.law.coefficient(1.0),
-                    "N",
-                ));
-            }
+fn numbers(data: &Data) -> Vec<Row> {
+    let graphs = || data.by_mu0.iter().chain(&data.by_delta);
+    let decreasing = graphs().all(|graph| decreases(&graph.points));
+    let part = ("both branches of T(v) decrease with |v|", decreasing);
+    let mut rows = vec![Row::statement(ClaimId::Fig06FrictionLaw, Exact, [part])];
+    for (panel, graphs) in [("a", &data.by_mu0), ("b", &data.by_delta)] {
+        for (i, graph) in graphs.iter().enumerate() {
+            let id = format!("fig06{panel}.force_at_1.{}", i + 1);
+            let force = graph.law.coefficient(1.0);
+            rows.push(Row::number(id, Exact, force, "N"));
         }
-        rows
     }
+    rows
+}
 
-    fn draw(data: &Data) -> Result<String, FigureError> {
-        let mut a = panel("(a)", "*δ* = 1 s/m");
-        for (graph, (color, dash)) in data.by_mu0.iter().zip(LINES) {
-            a.add(curve(graph, color, dash).legend(&format!("*μ*_0 = {}", graph.mu0)));
-        }
-        let [_, paper, _] = &data.by_mu0[..] else {
-            return Err(
-                plot::PlotError::Draw("three friction coefficients are needed".into()).into(),
-            );
-        };
-        a.add(
-            Note::new(Place::Fraction(0.76, 0.2), "sticking: |*T*| ≤ *μ*_0")
-                .arrow((0.0, -0.4 * paper.law.mu0())),
-        );
-        let mut b = panel("(b)", &format!("*μ*_0 = {}", paper.mu0));
-        for (graph, (color, dash)) in data.by_delta.iter().zip(LINES) {
-            b.add(curve(graph, color, dash).legend(&format!("*δ* = {} s/m", graph.law.delta())));
-        }
-        for panel in [&mut a, &mut b] {
-            // Once more on top: all graphs share the vertical part, and dashes of others would show
-            // on it.
-            panel.add(curve(paper, LINES[1].0, LINES[1].1));
-        }
-        Figure::new(
-            Self::NAME,
-            (680.0, 310.0),
-            "Friction force against relative velocity",
-            "Two panels with the friction force T between −0.5 and 0.5 N against the relative velocity v between −3 \
-             and 3 m/s. Every curve is odd: it rises vertically from −μ0 to μ0 at v = 0, and its magnitude \
-             falls as the speed grows. Panel a: δ = 1 and three values of μ0; larger μ0 stretches the curve. \
-             Panel b: μ0 = √3/9 and δ = 0.5, 1, 3; larger δ makes it fall faster. Bold: the paper's parameters.",
-        )
-        .columns(1.0, pair(a, b))
-        .render()
-        .map_err(Into::into)
+fn draw(data: &Data) -> Result<String, FigureError> {
+    let mut a = panel("(a)", "*δ* = 1 s/m");
+    for (graph, (color, dash)) in data.by_mu0.iter().zip(LINES) {
+        a.add(curve(graph, color, dash).legend(&format!("*μ*_0 = {}", graph.mu0)));
     }
+    let [_, paper, _] = &data.by_mu0;
+    a.add(
+        Note::new(Place::Fraction(0.76, 0.2), "sticking: |*T*| ≤ *μ*_0")
+            .arrow((0.0, -0.4 * paper.law.mu0())),
+    );
+    let mut b = panel("(b)", &format!("*μ*_0 = {}", paper.mu0));
+    for (graph, (color, dash)) in data.by_delta.iter().zip(LINES) {
+        b.add(curve(graph, color, dash).legend(&format!("*δ* = {} s/m", graph.law.delta())));
+    }
+    for panel in [&mut a, &mut b] {
+        // Once more on top: all graphs share the vertical part, and dashes of others would show
+        // on it.
+        panel.add(curve(paper, LINES[1].0, LINES[1].1));
+    }
+    Figure::new(
+        FIG06.name,
+        (680.0, 310.0),
+        "Friction force against relative velocity",
+        "Two panels with the friction force T between −0.5 and 0.5 N against the relative velocity v between −3 \
+         and 3 m/s. Every curve is odd: it rises vertically from −μ0 to μ0 at v = 0, and its magnitude \
+         falls as the speed grows. Panel a: δ = 1 and three values of μ0; larger μ0 stretches the curve. \
+         Panel b: μ0 = √3/9 and δ = 0.5, 1, 3; larger δ makes it fall faster. Bold: the paper's parameters.",
+    )
+    .columns(1.0, pair(a, b))
+    .render()
+    .map_err(Into::into)
 }
 
 /// The paper's parameters are the bold solid line in the middle.

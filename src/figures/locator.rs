@@ -5,10 +5,9 @@
 use crate::numbers::bisect;
 use std::f64::consts::PI;
 
-use super::FigureError;
-use super::FigureSpec;
 use super::rows::Row;
-use crate::paper::reading::Reading;
+use super::{Failure, FigureError, FigureSpec};
+use crate::paper::reading::Reading::Exact;
 use plot::{
     Axis, BLACK, BLUE, Color, Curve, Dash, Figure, GREEN, Legend, Markers, ORANGE, Panel, Shape,
     VERMILLION,
@@ -17,9 +16,6 @@ use stickslip::math;
 use stickslip::models::BeltOscillator;
 use stickslip::ode::{Dense, Dop853, Rk4, RungeKutta, Timed, dense_slopes, henon_step, stages};
 use stickslip::system::{Filippov, Side, State};
-
-/// Error of the located event against step length.
-pub struct Locator;
 
 /// One way to locate an event.
 #[derive(Clone, Debug)]
@@ -50,100 +46,103 @@ const FLOOR: f64 = 2e-15;
 const ORDER_FLOOR: f64 = 3e-14;
 const ORDER_STEP: f64 = 0.5;
 
-impl FigureSpec for Locator {
-    const NAME: &'static str = "locator";
-    const TITLE: &'static str = "Error of a located event against the step";
-    const ABOUT: &'static str = "A block on a belt of speed 1.3, x'' = -x - 0.4 sgn(x' - 1.3), moves on a circle of radius 2.6 about (0.4, 0) until it is as fast \
+/// Error of the located event against step length.
+pub const LOCATOR: FigureSpec<Vec<Way>> = FigureSpec {
+    name: "locator",
+    title: "Error of a located event against the step",
+    about: "A block on a belt of speed 1.3, x'' = -x - 0.4 sgn(x' - 1.3), moves on a circle of radius 2.6 about (0.4, 0) until it is as fast \
         as the belt: one step from the exact state before crosses that event, which is then located by one Henon step of order 4 (the paper's way) and \
         of order 8, by a root search on the dense output of either order, and by linear interpolation between the step's ends, as naive codes \
-        do. Reports the order of each and its error at steps of 0.1 and 0.01.";
-    type Data = Vec<Way>;
+        do. Reports the order of each and its error at steps of 0.1 and 0.01.",
+    compute,
+    numbers,
+    draw,
+};
 
-    fn compute() -> Result<Vec<Way>, FigureError> {
-        let belt = BeltOscillator {
-            k1: -1.0,
-            k2: 0.0,
-            mu0: 0.4,
-            delta: 0.0,
-            belt_speed: BELT_SPEED,
-            ..BeltOscillator::default()
-        };
-        let way = |id, name, locate: &dyn Fn(&Step) -> f64| {
-            let errors = (0..STEPS).map(|k| math::powi(FACTOR, k as i32));
-            let errors: Vec<(f64, f64)> = errors.map(|h| (h, error(&belt, h, locate))).collect();
-            Way {
-                id,
-                name,
-                order: order(&errors),
-                errors,
-            }
-        };
-        Ok(vec![
-            way("linear", "linear interpolation", &|step| step.chord()),
-            way("dense_4", "dense output of order 3 (RK4)", &|step| {
-                step.on_dense::<Rk4>()
-            }),
-            way("henon_4", "Hénon step, order 4 (RK4)", &|step| {
-                step.henon::<Rk4>()
-            }),
-            way("dense_8", "dense output of order 7 (DOP853)", &|step| {
-                step.on_dense::<Dop853>()
-            }),
-            way("henon_8", "Hénon step, order 8 (DOP853)", &|step| {
-                step.henon::<Dop853>()
-            }),
-        ])
-    }
+fn compute() -> Result<Vec<Way>, Failure> {
+    let belt = BeltOscillator {
+        k1: -1.0,
+        k2: 0.0,
+        mu0: 0.4,
+        delta: 0.0,
+        belt_speed: BELT_SPEED,
+        ..BeltOscillator::default()
+    };
+    let way = |id, name, locate: &dyn Fn(&Step) -> f64| {
+        let errors = (0..STEPS).map(|k| math::powi(FACTOR, k as i32));
+        let errors: Vec<(f64, f64)> = errors.map(|h| (h, error(&belt, h, locate))).collect();
+        Way {
+            id,
+            name,
+            order: order(&errors),
+            errors,
+        }
+    };
+    Ok(vec![
+        way("linear", "linear interpolation", &|step| step.chord()),
+        way("dense_4", "dense output of order 3 (RK4)", &|step| {
+            step.on_dense::<Rk4>()
+        }),
+        way("henon_4", "Hénon step, order 4 (RK4)", &|step| {
+            step.henon::<Rk4>()
+        }),
+        way("dense_8", "dense output of order 7 (DOP853)", &|step| {
+            step.on_dense::<Dop853>()
+        }),
+        way("henon_8", "Hénon step, order 8 (DOP853)", &|step| {
+            step.henon::<Dop853>()
+        }),
+    ])
+}
 
-    fn numbers(ways: &Vec<Way>) -> Vec<Row> {
-        let mut rows = Vec::new();
-        for way in ways {
-            let id = |what: &str| format!("locator.{}.{what}", way.id);
-            rows.push(Row::number(id("order"), Reading::Exact, way.order, "1"));
-            for (place, what) in TOLD {
-                if let Some((_, error)) = way.errors.get(place) {
-                    rows.push(Row::number(id(what), Reading::Exact, *error, "s"));
-                }
+fn numbers(ways: &Vec<Way>) -> Vec<Row> {
+    let mut rows = Vec::new();
+    for way in ways {
+        let id = |what: &str| format!("locator.{}.{what}", way.id);
+        rows.push(Row::number(id("order"), Exact, way.order, "1"));
+        for (place, what) in TOLD {
+            if let Some((_, error)) = way.errors.get(place) {
+                rows.push(Row::number(id(what), Exact, *error, "s"));
             }
         }
-        rows
     }
+    rows
+}
 
-    fn draw(ways: &Vec<Way>) -> Result<String, FigureError> {
-        let log = |points: &[(f64, f64)]| -> Vec<(f64, f64)> {
-            let above = points.iter().filter(|(_, error)| *error > FLOOR);
-            above
-                .map(|&(h, e)| (math::log10(h), math::log10(e)))
-                .collect()
-        };
-        let mut panel = Panel::new(
-            Axis::decades("step *h*, s", (-3.05, 0.05)),
-            Axis::decades("error of the event's time, s", (-14.8, 0.3)),
-        )
-        .legend(Legend::Below);
-        for (way, (color, dash, shape)) in ways.iter().zip(LOOKS) {
-            let points = log(&way.errors);
-            let name = format!("{}: slope {:.1}", way.name, way.order);
-            panel.add(
-                Curve::new(points.clone())
-                    .color(color)
-                    .dash(dash)
-                    .legend(&name),
-            );
-            panel.add(Markers::new(points).color(color).shape(shape).size(5.0));
-        }
-        Figure::new(
-            Self::NAME,
-            (560.0, 480.0),
-            Self::TITLE,
-            "Logarithmic axes. Five lines rise with the step: linear interpolation least steeply and by far the highest, then the dense \
-             output of order 3, the Hénon step of order 4, the dense output of order 7 and, steepest and lowest, the Hénon step of order 8, \
-             which reaches rounding at a step of about a tenth.",
-        )
-        .row(1.0, panel)
-        .render()
-        .map_err(Into::into)
+fn draw(ways: &Vec<Way>) -> Result<String, FigureError> {
+    let log = |points: &[(f64, f64)]| -> Vec<(f64, f64)> {
+        let above = points.iter().filter(|(_, error)| *error > FLOOR);
+        above
+            .map(|&(h, e)| (math::log10(h), math::log10(e)))
+            .collect()
+    };
+    let mut panel = Panel::new(
+        Axis::decades("step *h*, s", (-3.05, 0.05)),
+        Axis::decades("error of the event's time, s", (-14.8, 0.3)),
+    )
+    .legend(Legend::Below);
+    for (way, (color, dash, shape)) in ways.iter().zip(LOOKS) {
+        let points = log(&way.errors);
+        let name = format!("{}: slope {:.1}", way.name, way.order);
+        panel.add(
+            Curve::new(points.clone())
+                .color(color)
+                .dash(dash)
+                .legend(&name),
+        );
+        panel.add(Markers::new(points).color(color).shape(shape).size(5.0));
     }
+    Figure::new(
+        LOCATOR.name,
+        (560.0, 480.0),
+        LOCATOR.title,
+        "Logarithmic axes. Five lines rise with the step: linear interpolation least steeply and by far the highest, then the dense \
+         output of order 3, the Hénon step of order 4, the dense output of order 7 and, steepest and lowest, the Hénon step of order 8, \
+         which reaches rounding at a step of about a tenth.",
+    )
+    .row(1.0, panel)
+    .render()
+    .map_err(Into::into)
 }
 
 const LOOKS: [(Color, Dash, Shape); 5] = [
@@ -241,7 +240,7 @@ mod tests {
 
     #[test]
     fn each_way_has_the_order_of_its_construction() {
-        let ways = Locator::compute().unwrap();
+        let ways = LOCATOR.compute().unwrap();
         let orders: Vec<f64> = ways.iter().map(|way| way.order).collect();
         // Over one step an interpolant of degree p errs by h^(p+1), a step of order p by h^(p+1),
         // too. Order 8 reaches rounding before it shows its last half.

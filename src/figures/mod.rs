@@ -7,50 +7,85 @@ pub mod fig06;
 pub mod fig07;
 pub mod fig08;
 pub mod locator;
-
-pub mod output;
 pub mod rows;
 
-pub use output::FigureError;
-
+use crate::numbers::missing;
+use crate::paper::published::PublishedError;
+use crate::terminal::ProgramError;
+use output::{PngError, WriteError};
 use plot::{Axis, Cell, Dash, GREY, Guide, Panel};
 use rows::Row;
+use stickslip::error::Error;
+use stickslip::filippov::{Transition, TransitionKind};
 use stickslip::orbit::Orbit;
+use stickslip::system::{Mode, Side};
+
+/// What stops a computation.
+pub(crate) type Failure = Box<dyn std::error::Error + Send + Sync>;
 
 /// A figure of the paper: computing, reporting and drawing apart from each other.
-pub trait FigureSpec {
+pub struct FigureSpec<D> {
     /// Name of the program and stem of its files, such as `fig06`.
-    const NAME: &'static str;
+    pub name: &'static str,
     /// One line on what it shows.
-    const TITLE: &'static str;
+    pub title: &'static str,
     /// The help text's account of what is drawn and which numbers are reported.
-    const ABOUT: &'static str;
-    /// Everything the picture and the numbers need.
-    type Data;
+    pub about: &'static str,
+    compute: fn() -> Result<D, Failure>,
+    /// The numbers behind the figure.
+    pub numbers: fn(&D) -> Vec<Row>,
+    /// The picture as SVG. Never computes.
+    pub draw: fn(&D) -> Result<String, FigureError>,
+}
 
+impl<D> FigureSpec<D> {
     /// Computes the data. Never draws.
     ///
     /// # Errors
     /// Whatever the computation can run into, as [`FigureError::Compute`].
-    fn compute() -> Result<Self::Data, FigureError>;
-
-    /// The numbers behind the figure.
-    fn numbers(data: &Self::Data) -> Vec<Row>;
-
-    /// The picture as SVG. Never computes.
-    ///
-    /// # Errors
-    /// [`FigureError::Plot`].
-    fn draw(data: &Self::Data) -> Result<String, FigureError>;
-
-    /// Wraps an error of the computation behind this figure.
-    fn failed(source: impl std::error::Error + Send + Sync + 'static) -> FigureError {
-        FigureError::Compute {
-            figure: Self::NAME,
-            source: Box::new(source),
-        }
+    pub fn compute(&self) -> Result<D, FigureError> {
+        (self.compute)().map_err(|source| FigureError::Compute {
+            figure: self.name,
+            source,
+        })
     }
 }
+
+/// Failure of a figure program.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum FigureError {
+    /// The computation behind the figure failed.
+    #[error("cannot compute {figure}: {source}")]
+    Compute {
+        /// Name of the figure, such as `fig06`.
+        figure: &'static str,
+        /// What the solver or the listing said.
+        source: Failure,
+    },
+    /// The table of published values is malformed.
+    #[error(transparent)]
+    Published(#[from] PublishedError),
+    /// The figure cannot be drawn.
+    #[error(transparent)]
+    Plot(#[from] plot::PlotError),
+    /// A file or its folder cannot be written.
+    #[error("{0}; check the disk, or choose another folder with --out-dir")]
+    Write(#[from] WriteError),
+    /// The rows do not fit into a CSV file.
+    #[error("cannot put the rows into CSV: {0}")]
+    Csv(#[from] csv::Error),
+    /// `--png` was given to a program built without it.
+    #[error(
+        "this program was built without PNG output; rebuild it with `cargo build -p stickslip-replication --profile figures --no-default-features --features png`"
+    )]
+    PngNotBuilt,
+    /// The SVG cannot be rendered.
+    #[error(transparent)]
+    Png(#[from] PngError),
+}
+
+impl ProgramError for FigureError {}
 
 /// Points per integration step: an order-8 step is long, and a curve through its ends alone would
 /// be polygonal. What cannot be seen is thinned out when the curve is drawn.
@@ -80,6 +115,13 @@ fn phase_plane<const N: usize>(orbit: &Orbit<N>) -> Vec<(f64, f64)> {
     points(orbit, |_, x| (x[0], x[1]))
 }
 
+/// The first crossing of Σ to a side in an orbit from time 0 on.
+fn crossing(orbit: &Orbit<2>, to: Side) -> Result<&Transition<2>, Error> {
+    let is = |at: &&Transition<2>| at.kind == TransitionKind::Crossing && at.to == Mode::Slip(to);
+    let first = orbit.transitions.iter().find(is);
+    first.ok_or_else(|| missing("a crossing of Σ", 0.0, orbit.t_end))
+}
+
 /// Σ in a phase plane: the belt's speed.
 fn belt_line(speed: f64) -> Guide {
     let line = Guide::horizontal(speed).color(GREY).width(0.7);
@@ -96,4 +138,17 @@ pub(crate) fn with_ticks(axis: Axis, ticks: impl IntoIterator<Item = (f64, Strin
 /// Two panels side by side, of one width.
 pub(crate) fn pair(left: Panel, right: Panel) -> Vec<(f64, Cell)> {
     vec![(1.0, left.into()), (1.0, right.into())]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_cannot_be_written_is_told_with_the_option_that_helps() {
+        let file = tempfile::NamedTempFile::new().unwrap();
+        let error = output::write_all(&file.path().join("sub"), &[]).unwrap_err();
+        let error = FigureError::from(error);
+        assert!(error.to_string().contains("--out-dir"));
+    }
 }

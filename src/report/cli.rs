@@ -10,10 +10,10 @@ use super::ledger::{Ledger, TICKS};
 use super::page::{Picture, Report, page};
 use super::{draw_convergence, draw_scan, readme, tables};
 use crate::figures::FigureError;
-use crate::figures::output::{Artifact, listing, write_all};
 use crate::paper::claim_id::ClaimId;
 use crate::paper::published::Claims;
 use crate::terminal;
+use output::{Artifact, listing, write_all};
 
 const ABOUT: &str = "Computes what becomes of every claim of the paper, and why: values under each reading, digits in agreement, \
     verdict, evidence; the matrix of the listing's defects, its convergence, a scan of parameters, the misprints.";
@@ -60,14 +60,19 @@ pub fn run(
     arguments: &Arguments,
     tick: &(dyn Fn() + Sync),
 ) -> Result<(Ledger, String), ReportError> {
-    let folders = [
-        arguments.out_dir.join("report"),
-        arguments.out_dir.join("figures"),
-    ];
-    for folder in &folders {
-        write_all(folder, &[])?;
+    // Said before a long computation, not after it.
+    for folder in FOLDERS {
+        write_all(&arguments.out_dir.join(folder), &[]).map_err(FigureError::from)?;
     }
-    let (ledger, claims) = (Ledger::compute(tick)?, Claims::committed()?);
+    let ledger = Ledger::compute(tick)?;
+    let written = write(&ledger, &arguments.out_dir)?;
+    let text = summary(&ledger) + &written;
+    Ok((ledger, text))
+}
+
+/// Draws and writes everything, and says what was written.
+fn write(ledger: &Ledger, folder: &Path) -> Result<String, FigureError> {
+    let claims = Claims::committed()?;
     let published = ClaimId::FOUR.map(|id| claims.value(id));
     let convergence = Picture {
         title: "The listing as printed for smaller and smaller steps",
@@ -82,36 +87,31 @@ pub fn run(
             accurately from the same starts each.",
         svg: draw_scan::draw(&ledger.scan)?,
     };
+    let figures = [
+        Artifact::text("convergence.svg", &*convergence.svg),
+        Artifact::text("convergence.csv", tables::convergence(ledger)?),
+        Artifact::text("scan.svg", &*scan.svg),
+        Artifact::text("scan.csv", tables::scan(ledger)?),
+    ];
     let report = Report {
         ledger,
         convergence,
         scan,
     };
-    let ledger = &report.ledger;
-    let figures = [
-        Artifact::text("convergence.svg", report.convergence.svg.clone()),
-        Artifact::text("convergence.csv", table(tables::convergence(ledger))?),
-        Artifact::text("scan.svg", report.scan.svg.clone()),
-        Artifact::text("scan.csv", table(tables::scan(ledger))?),
-    ];
-    let mut paths = write_all(&folders[1], &figures)?;
-    if let Some(readme) = new_readme(&arguments.out_dir, ledger) {
-        let readme = [Artifact::text(README, readme)];
-        paths.extend(write_all(&arguments.out_dir, &readme)?);
-    }
     let pages = [
-        Artifact::text("claims.csv", table(tables::claims(ledger))?),
+        Artifact::text("claims.csv", tables::claims(ledger)?),
         Artifact::text("index.html", page(&report)),
     ];
-    paths.extend(write_all(&folders[0], &pages)?);
-    let text = summary(ledger) + &listing(&paths);
-    Ok((report.ledger, text))
+    let mut paths = write_all(&folder.join(FOLDERS[1]), &figures)?;
+    if let Some(readme) = new_readme(folder, ledger) {
+        paths.extend(write_all(folder, &[Artifact::text(README, readme)])?);
+    }
+    paths.extend(write_all(&folder.join(FOLDERS[0]), &pages)?);
+    Ok(listing(&paths))
 }
 
-fn table(table: Result<String, csv::Error>) -> Result<String, FigureError> {
-    Ok(table?)
-}
-
+/// The folders of the pages and of the figures.
+const FOLDERS: [&str; 2] = ["report", "figures"];
 const README: &str = "README.md";
 
 /// The README with the present table, if there is one with marks for it.

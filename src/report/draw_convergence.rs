@@ -1,7 +1,7 @@
 //! The picture of the listing's approach to its limit.
 
 use super::convergence::{Convergence, PRINTED_STEP, REACH, distances};
-use crate::figures::{FigureError, pair, with_ticks};
+use crate::figures::{pair, with_ticks};
 use crate::text::joined;
 use plot::*;
 use stickslip::math;
@@ -32,16 +32,11 @@ const NAMES: [(&str, Color, Shape); 4] = [
 ///
 /// # Errors
 /// As [`Figure::render`].
-pub fn draw(data: &Convergence, published: [f64; 4]) -> Result<String, FigureError> {
-    Figure::new(
-        "convergence",
-        (760.0, 430.0),
-        "The listing as printed for smaller and smaller steps",
-        &description(data),
-    )
-    .columns(1.0, pair(approach(data), around(data, published)))
-    .render()
-    .map_err(Into::into)
+pub fn draw(data: &Convergence, published: [f64; 4]) -> Result<String, PlotError> {
+    let title = "The listing as printed for smaller and smaller steps";
+    let figure = Figure::new("convergence", (760.0, 430.0), title, &description(data));
+    let panels = pair(approach(data), around(data, published));
+    figure.columns(1.0, panels).render()
 }
 
 /// Logarithm for an axis.

@@ -1,7 +1,7 @@
 //! The picture of the scan over parameters.
 
 use super::scan::{Class, Line, Point, Scan};
-use crate::figures::{FigureError, with_ticks};
+use crate::figures::with_ticks;
 use plot::*;
 use stickslip::math;
 
@@ -37,7 +37,7 @@ fn look(class: Class) -> (Color, &'static str) {
 ///
 /// # Errors
 /// As [`Figure::render`].
-pub fn draw(scan: &Scan) -> Result<String, FigureError> {
+pub fn draw(scan: &Scan) -> Result<String, PlotError> {
     let rows = scan.lines.len();
     // The first parameter on top.
     let base = |k: usize| (rows - 1 - k) as f64;
@@ -82,15 +82,9 @@ pub fn draw(scan: &Scan) -> Result<String, FigureError> {
                 .legend("a motion of period two exists"),
         );
     }
-    Figure::new(
-        "scan",
-        (700.0, 560.0),
-        "Where starts lead as each parameter of Fig. 8 is changed",
-        &description(scan),
-    )
-    .row(1.0, panel)
-    .render()
-    .map_err(Into::into)
+    let title = "Where starts lead as each parameter of Fig. 8 is changed";
+    let figure = Figure::new("scan", (700.0, 560.0), title, &description(scan));
+    figure.row(1.0, panel).render()
 }
 
 /// Abscissa of a factor: logarithm to the base of two.

@@ -1,14 +1,13 @@
 //! The figures as the ledger needs them: computed once, each with its table and its picture.
 
 use super::remark::Sign;
-use crate::figures::block_and_bracket::{self, Fig10, Fig11, Fig12};
-use crate::figures::fig04::Data as Fig04Data;
-use crate::figures::fig07::Data as Fig07Data;
-use crate::figures::fig08::Data as Fig08Data;
+use crate::figures::block_and_bracket::{self, FIG10, FIG11, FIG12};
+use crate::figures::fig04::{self, FIG04};
+use crate::figures::fig06::FIG06;
+use crate::figures::fig07::{self, FIG07};
+use crate::figures::fig08::{self, FIG08};
 use crate::figures::rows::Row;
-use crate::figures::{
-    FigureError, FigureSpec, fig04::Fig04, fig06::Fig06, fig07::Fig07, fig08::Fig08,
-};
+use crate::figures::{FigureError, FigureSpec};
 
 /// One figure's table.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,11 +29,11 @@ pub struct Computed {
     /// All tables.
     pub tables: Vec<Table>,
     /// Fig. 4 in full.
-    pub fig04: Fig04Data,
+    pub fig04: fig04::Data,
     /// Fig. 7 in full.
-    pub fig07: Fig07Data,
+    pub fig07: fig07::Data,
     /// Fig. 8 in full.
-    pub fig08: Fig08Data,
+    pub fig08: fig08::Data,
     /// Figs. 10, 11, 12 in full.
     pub bracket: [block_and_bracket::Data; 3],
 }
@@ -42,15 +41,25 @@ pub struct Computed {
 /// Figures computed.
 pub const FIGURES: usize = 7;
 
-fn table<F: FigureSpec>(tick: &(dyn Fn() + Sync)) -> Result<(F::Data, Table), FigureError> {
-    let data = F::compute()?;
-    let table = Table {
-        figure: F::NAME,
-        title: F::TITLE,
-        about: F::ABOUT,
-        svg: F::draw(&data)?,
-        rows: F::numbers(&data),
-    };
+impl Table {
+    /// A figure's.
+    ///
+    /// # Errors
+    /// [`FigureError`] where it cannot be drawn.
+    pub fn of<D>(figure: &FigureSpec<D>, data: &D) -> Result<Table, FigureError> {
+        Ok(Table {
+            figure: figure.name,
+            title: figure.title,
+            about: figure.about,
+            svg: (figure.draw)(data)?,
+            rows: (figure.numbers)(data),
+        })
+    }
+}
+
+fn made<D>(figure: &FigureSpec<D>, tick: &(dyn Fn() + Sync)) -> Result<(D, Table), FigureError> {
+    let data = figure.compute()?;
+    let table = Table::of(figure, &data)?;
     tick();
     Ok((data, table))
 }
@@ -62,12 +71,12 @@ impl Computed {
     /// [`FigureError`] of the first that fails.
     pub fn compute(tick: &(dyn Fn() + Sync)) -> Result<Computed, FigureError> {
         let ((fig04, fig06), (fig07, fig08)) = rayon::join(
-            || (table::<Fig04>(tick), table::<Fig06>(tick)),
-            || (table::<Fig07>(tick), table::<Fig08>(tick)),
+            || (made(&FIG04, tick), made(&FIG06, tick)),
+            || (made(&FIG07, tick), made(&FIG08, tick)),
         );
         let (fig10, (fig11, fig12)) = rayon::join(
-            || table::<Fig10>(tick),
-            || rayon::join(|| table::<Fig11>(tick), || table::<Fig12>(tick)),
+            || made(&FIG10, tick),
+            || rayon::join(|| made(&FIG11, tick), || made(&FIG12, tick)),
         );
         let ((fig04, fig06), (fig07, fig08)) = ((fig04?, fig06?), (fig07?, fig08?));
         let (fig10, fig11, fig12) = (fig10?, fig11?, fig12?);

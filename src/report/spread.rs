@@ -4,12 +4,13 @@
 use rayon::prelude::*;
 
 use super::ReportError;
-use crate::figures::FigureError;
-use crate::figures::block_and_bracket::{BlockAndBracketFigure, Fig10, Set, compute};
+use crate::figures::block_and_bracket::{SETS, Set, TOLERANCE, class};
 use crate::readings::{Committed, Integrator, Match};
 use crate::text::joined;
 use stickslip::analysis::motion::Class;
-use stickslip::models::Caption;
+use stickslip::error::Error;
+use stickslip::filippov::Options;
+use stickslip::models::{Caption, Reading};
 
 /// Estimates of all three figures, and the loops of Fig. 10.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,18 +32,14 @@ impl Spread {
     /// [`ReportError`].
     pub fn compute(tick: &(dyn Fn() + Sync)) -> Result<Spread, ReportError> {
         let search = Committed::read()?;
-        let class = |(name, caption)| {
-            let set = Set {
-                caption,
-                shown: 1.0,
-                ..Fig10::SET
-            };
-            let class = compute(&set)?.exact.class;
+        let of_caption = |(name, caption)| {
+            let set = Set { caption, ..SETS[0] };
+            let class = class(&set, &Reading::exact(), Options::tol(TOLERANCE))?;
             tick();
             Ok((name, class))
         };
-        let mended = mended_captions().into_par_iter().map(class);
-        let mended = mended.collect::<Result<_, FigureError>>()?;
+        let mended = mended_captions().into_par_iter().map(of_caption);
+        let mended = mended.collect::<Result<_, Error>>()?;
         Ok(Spread { search, mended })
     }
 

@@ -1,8 +1,8 @@
 //! The orbit, its spectra and what becomes of the equations as printed.
 
 use super::Set;
-use super::watch::Watch;
-use crate::figures::FigureError;
+use super::watch::{DT, END, START, Watch};
+use crate::figures::Failure;
 use stickslip::analysis::motion::{Class, Criterion, Evidence, Of};
 use stickslip::analysis::{Spectrum, SpectrumOptions, lyapunov_spectrum_watched};
 use stickslip::error::Error;
@@ -11,15 +11,10 @@ use stickslip::models::{BlockAndBracket, Reading};
 use stickslip::system::State;
 use stickslip_series::{DataSettings, DataSpectrum, Neighbourhood, Series, data_spectrum};
 
-/// The series begins here, as in the paper.
-pub(super) const START: f64 = 3000.0;
-/// And ends here.
-pub(super) const END: f64 = 12_000.0;
-/// Time between two of its states.
-pub(super) const DT: f64 = 0.2;
-const TOLERANCE: f64 = 1e-10;
+/// Tolerance of the solver.
+pub const TOLERANCE: f64 = 1e-10;
 /// A component beyond this has diverged.
-pub(super) const DIVERGED: f64 = 1e3;
+pub(crate) const DIVERGED: f64 = 1e3;
 
 /// A bounded motion, from `START` to `END`.
 #[derive(Clone, Debug)]
@@ -48,6 +43,8 @@ pub enum Literal {
 /// What the figure shows.
 #[derive(Clone, Debug)]
 pub struct Data {
+    /// Which of the three figures.
+    pub set: &'static Set,
     /// The model with the corrected equations.
     pub model: BlockAndBracket,
     /// Its motion.
@@ -69,61 +66,43 @@ pub struct Data {
 }
 
 /// Computes one of the three figures.
-///
-/// # Errors
-/// [`FigureError::Compute`].
-pub fn compute(set: &Set) -> Result<Data, FigureError> {
-    let failed = |source: Box<dyn std::error::Error + Send + Sync>| FigureError::Compute {
-        figure: set.figure.name(),
-        source,
-    };
-    // Two independent runs, each of them sequential: the same bits on any number of threads.
-    let (exact, literal) = rayon::join(|| exact(set), || literal(set));
-    let (model, exact, watched) = exact.map_err(|error| failed(error.into()))?;
-    let samples = watched.series.len();
-    let rows = watched.series.iter().copied();
-    let series = Series::from_rows(rows, DT).map_err(|error| failed(error.into()))?;
-    let spectrum =
-        |settings| data_spectrum(&series, &settings).map_err(|error| failed(error.into()));
-    let from_data = spectrum(DataSettings::sano_sawada())?;
-    let best_of_readings = spectrum(best_common())?;
-    let section: Vec<[f64; 4]> = watched.section.iter().map(|(_, x)| *x).collect();
-    let turns = section.iter().take(16).copied().collect();
-    Ok(Data {
-        model,
-        exact,
-        from_data,
-        best_of_readings,
-        samples,
-        curve: watched.curve,
-        turns,
-        section,
-        literal: literal.map_err(|error| failed(error.into()))?,
-    })
-}
-
-/// What is kept of a [`Watch`].
-struct Watched {
-    series: Vec<[f64; 4]>,
-    section: Vec<(f64, [f64; 4])>,
-    curve: Vec<[f64; 4]>,
-}
-
-fn exact(set: &Set) -> Result<(BlockAndBracket, Measured, Watched), Error> {
+pub(super) fn compute(set: &'static Set) -> Result<Data, Failure> {
     let model = BlockAndBracket::from_caption(&set.caption, &Reading::exact())?;
-    let (measured, watched) = measure(&model, set, Options::tol(TOLERANCE))?;
-    Ok((model, measured, watched))
+    // Two independent runs, each of them sequential: the same bits on any number of threads.
+    let exact = || measure(&model, set, Options::tol(TOLERANCE));
+    let (exact, literal) = rayon::join(exact, || literal(set));
+    let (
+        exact,
+        Watch {
+            samples,
+            turns,
+            curve,
+            ..
+        },
+    ) = exact?;
+    let series = Series::from_rows(samples.states.iter().copied(), DT)?;
+    let section: Vec<[f64; 4]> = turns.points.iter().map(|(_, x)| *x).collect();
+    Ok(Data {
+        set,
+        exact,
+        from_data: data_spectrum(&series, &DataSettings::sano_sawada())?,
+        best_of_readings: data_spectrum(&series, &best_common())?,
+        samples: samples.states.len(),
+        curve,
+        turns: section.iter().take(16).copied().collect(),
+        section,
+        literal: literal?,
+        model,
+    })
 }
 
 fn literal(set: &Set) -> Result<Literal, Error> {
     let model = BlockAndBracket::from_caption(&set.caption, &Reading::as_printed())?;
     let options = Options::tol(TOLERANCE).escape(DIVERGED);
     let start = State::from(set.caption.start);
-    match run(&model, 0.0, start, END, &options, &mut ()) {
-        Err(failure) => match failure.error {
-            Error::Escaped { t, .. } => Ok(Literal::Diverges(t)),
-            other => Err(other),
-        },
+    match run(&model, 0.0, start, END, &options, &mut ()).map_err(Error::from) {
+        Err(Error::Escaped { t, .. }) => Ok(Literal::Diverges(t)),
+        Err(other) => Err(other),
         Ok(_) => {
             let (measured, _) = measure(&model, set, options)?;
             Ok(Literal::Bounded(Box::new(measured)))
@@ -131,38 +110,42 @@ fn literal(set: &Set) -> Result<Literal, Error> {
     }
 }
 
-/// Class of the motion by the procedure of Sect. 3: classical Runge–Kutta steps of one length, and
-/// Hénon's step onto Σ. Nothing if the orbit escapes.
+/// Class of the motion of a set, read in one way.
 ///
 /// # Errors
-/// Those of [`lyapunov_spectrum_watched`] except an escape.
-pub fn by_rk4_and_henon(set: &Set, reading: &Reading, step: f64) -> Result<Option<Class>, Error> {
+/// Those of [`lyapunov_spectrum_watched`].
+pub fn class(set: &Set, reading: &Reading, solver: Options) -> Result<Class, Error> {
     let model = BlockAndBracket::from_caption(&set.caption, reading)?;
+    Ok(measure(&model, set, solver)?.0.class)
+}
+
+/// The same by the procedure of Sect. 3: classical Runge–Kutta steps of one length, and Hénon's
+/// step onto Σ. Nothing if the orbit escapes.
+///
+/// # Errors
+/// Those of [`class`] except an escape.
+pub fn by_rk4_and_henon(set: &Set, reading: &Reading, step: f64) -> Result<Option<Class>, Error> {
     let options = Options::tol(TOLERANCE)
         .method(Method::Rk4 { step })
         .locator(Locator::Henon)
         .escape(DIVERGED);
-    match measure(&model, set, options) {
-        Ok((measured, _)) => Ok(Some(measured.class)),
+    match class(set, reading, options) {
         Err(Error::Escaped { .. }) => Ok(None),
-        Err(other) => Err(other),
+        class => class.map(Some),
     }
 }
 
-fn measure(
-    model: &BlockAndBracket,
+fn measure<'a>(
+    model: &'a BlockAndBracket,
     set: &Set,
     solver: Options,
-) -> Result<(Measured, Watched), Error> {
+) -> Result<(Measured, Watch<'a>), Error> {
     let settings = SpectrumOptions::over(START, END - START).solver(solver);
     let mut watch = Watch::new(model, &settings.solver, set.shown);
     let start = (0.0, State::from(set.caption.start));
     let spectrum = lyapunov_spectrum_watched(model, start, &settings, &mut watch)?;
-    let evidence = Evidence::gather(
-        &watch.turns.points,
-        (Of::Flow, &spectrum.exponents, spectrum.duration),
-        &Criterion::default(),
-    );
+    let of = (Of::Flow, &spectrum.exponents[..], spectrum.duration);
+    let evidence = Evidence::gather(&watch.turns.points, of, &Criterion::default());
     let measured = Measured {
         class: evidence.class(),
         evidence,
@@ -170,12 +153,7 @@ fn measure(
         contact_losses: watch.losses,
         spectrum,
     };
-    let watched = Watched {
-        series: watch.samples.states,
-        section: watch.turns.points,
-        curve: watch.curve,
-    };
-    Ok((measured, watched))
+    Ok((measured, watch))
 }
 
 /// The estimator's settings that come nearest to all three figures together, of the settings of the

@@ -1,8 +1,8 @@
 //! The picture of Figs. 10, 11 and 12.
 
-use super::Set;
 use super::against_equations::{compare, worth};
-use super::compute::{Data, END, Literal, START};
+use super::compute::{Data, Literal};
+use super::watch::{END, START};
 use crate::figures::{FigureError, belt_line, pair, with_ticks};
 use crate::numbers::extent;
 use crate::paper::claim_id::ClaimId;
@@ -12,6 +12,7 @@ use plot::*;
 use stickslip::analysis::Exponent;
 use stickslip::analysis::motion::Class;
 use stickslip::math;
+use stickslip::models::Caption;
 use stickslip_series::Status;
 
 const COLOURS: [Color; 4] = [BLUE, VERMILLION, GREEN, PURPLE];
@@ -28,37 +29,26 @@ const DASHES: [Dash; 4] = [Dash::Solid, Dash::Dashed, Dash::Solid, Dash::Dashed]
 const LINEAR: f64 = 1e-3;
 
 /// What the picture shows, for readers who cannot see it.
-fn description(set: &Set, data: &Data) -> String {
+fn description(data: &Data) -> String {
     let exact = &data.exact;
     let exponents = exact.spectrum.exponents.iter();
     let exponents = exponents.map(|exponent| four(exponent.value()));
     format!(
         "{} From the equations these come to {}; section points: {}; the motion is {}.",
-        set.description,
+        data.set.description,
         joined(exponents, ", "),
         section_points(exact.evidence.distinct, exact.evidence.returns),
         exact.class
     )
 }
 
-pub(super) fn draw(set: &Set, data: &Data) -> Result<String, FigureError> {
-    Figure::new(
-        set.figure.name(),
-        (770.0, 800.0),
-        set.title,
-        &description(set, data),
-    )
-    .columns(0.47, pair(block(set, data), bracket(set, data)))
-    .columns(
-        0.43,
-        vec![
-            (0.9, running(set, data)?.into()),
-            (1.1, table(set, data)?.into()),
-        ],
-    )
-    .row(0.1, caption(set))
-    .render()
-    .map_err(Into::into)
+pub(super) fn draw(data: &Data) -> Result<String, FigureError> {
+    let (set, size) = (data.set, (770.0, 800.0));
+    let below = vec![(0.9, running(data)?.into()), (1.1, table(data)?.into())];
+    let figure = Figure::new(set.figure.name(), size, set.title, &description(data));
+    let figure = figure.columns(0.47, pair(block(data), bracket(data)));
+    let figure = figure.columns(0.43, below).row(0.1, caption(&set.caption));
+    Ok(figure.render()?)
 }
 
 /// An interval that holds all values, with a margin.
@@ -68,10 +58,6 @@ fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
     (low - margin, high + margin)
 }
 
-fn axis(label: &str, (low, high): (f64, f64)) -> Axis {
-    Axis::new(label, low, high).minor(5)
-}
-
 fn width(data: &Data) -> f64 {
     match data.exact.class {
         Class::Periodic(_) => 1.4,
@@ -79,19 +65,23 @@ fn width(data: &Data) -> f64 {
     }
 }
 
-fn block(set: &Set, data: &Data) -> Panel {
+/// The phase plane of a body, empty: `axes` are labels and ranges.
+fn plane(label: &str, body: &str, axes: [(&str, (f64, f64)); 2], data: &Data) -> Panel {
+    let [x, y] = axes.map(|(label, (low, high))| Axis::new(label, low, high).minor(5));
+    let from = END - data.set.shown;
+    let title = format!("{body}, corrected equations, *t* = {from} … {END}");
+    let panel = Panel::new(x, y).label(label).title(&title);
+    panel.legend(Legend::Below)
+}
+
+fn block(data: &Data) -> Panel {
     let belt = data.model.belt_speed;
     let curve = || data.curve.iter();
-    let mut panel = Panel::new(
-        axis("*x*_1", range(curve().map(|x| x[0]))),
-        axis("*x*_2", range(curve().map(|x| x[1]).chain([belt]))),
-    )
-    .label("(a)")
-    .title(&format!(
-        "block, corrected equations, *t* = {} … {END}",
-        END - set.shown
-    ))
-    .legend(Legend::Below);
+    let axes = [
+        ("*x*_1", range(curve().map(|x| x[0]))),
+        ("*x*_2", range(curve().map(|x| x[1]).chain([belt]))),
+    ];
+    let mut panel = plane("(a)", "block", axes, data);
     panel.add(belt_line(belt).legend("Σ: *x*_2 = *v*_p"));
     let points = curve().map(|x| (x[0], x[1]));
     panel.add(Curve::new(points).color(BLUE).width(width(data)));
@@ -102,27 +92,19 @@ fn block(set: &Set, data: &Data) -> Panel {
     panel
 }
 
-fn bracket(set: &Set, data: &Data) -> Panel {
+fn bracket(data: &Data) -> Panel {
     let curve = || data.curve.iter();
     let (low, high) = range(curve().map(|x| x[2]));
-    let mut panel = Panel::new(
-        axis("*x*_3", (low, high)),
-        axis("*x*_4", range(curve().map(|x| x[3]))),
-    )
-    .label("(b)")
-    .title(&format!(
-        "bracket, corrected equations, *t* = {} … {END}",
-        END - set.shown
-    ))
-    .legend(Legend::Below);
+    let axes = [
+        ("*x*_3", (low, high)),
+        ("*x*_4", range(curve().map(|x| x[3]))),
+    ];
+    let mut panel = plane("(b)", "bracket", axes, data);
     // Only where the bracket's velocity does not act on the contact is the border upright.
     let lift = 1.0 / data.model.unloading;
     if data.model.unloading_rate == 0.0 && lift > low && lift < high {
-        panel.add(
-            Band::x(lift, high)
-                .fill(LIGHT_GREY)
-                .legend("no contact, *N* = 0"),
-        );
+        let lifted = Band::x(lift, high).fill(LIGHT_GREY);
+        panel.add(lifted.legend("no contact, *N* = 0"));
     }
     let points = curve().map(|x| (x[2], x[3]));
     panel.add(Curve::new(points).color(VERMILLION).width(width(data)));
@@ -130,14 +112,14 @@ fn bracket(set: &Set, data: &Data) -> Panel {
 }
 
 /// The numbers of the caption under its heading, and what they are taken for.
-fn caption(set: &Set) -> Table {
+fn caption(caption: &Caption) -> Table {
     let first = ["*ξ*_1", "*ξ*_2", "*ξ*_3", "*ξ*_4", "*ξ*_5"];
     let named = |last: [&str; 4]| first.into_iter().chain(last).map(str::to_owned).collect();
     let row = |what: &str, numbers: Vec<String>, start: String| {
         [vec![what.to_owned()], numbers, vec![start]].concat()
     };
-    let printed = set.caption.numbers.map(|value| number(value, 3)).to_vec();
-    let start = set.caption.start.map(|value| number(value, 1)).join(", ");
+    let printed = caption.numbers.map(|value| number(value, 3)).to_vec();
+    let start = caption.start.map(|value| number(value, 1)).join(", ");
     let headed = named(["*ξ*_6", "*ξ*_7", "*δ*", "*v*_p"]);
     let taken = named(["*μ*_0", "*ξ*_6", "*δ*", "*v*_p"]);
     let states = "*x*_1 … *x*_4".to_owned();
@@ -151,25 +133,20 @@ fn scaled(exponent: f64) -> f64 {
     math::log10(1.0 + exponent.abs() / LINEAR).copysign(exponent)
 }
 
-fn running(set: &Set, data: &Data) -> Result<Panel, PublishedError> {
+fn running(data: &Data) -> Result<Panel, PublishedError> {
     let claims = Claims::committed()?;
-    let published = set.figure.exponents().map(|id| claims.value(id));
-    let convergence = &data.exact.spectrum.convergence;
+    let published = data.set.figure.exponents().map(|id| claims.value(id));
+    let convergence = || data.exact.spectrum.convergence.iter();
+    let by_data = || data.from_data.convergence.iter();
+    let of_data = data.from_data.exponents.iter().take(4).enumerate();
+    let reliable = of_data.filter(|(_, exponent)| exponent.status == Status::Ok);
+    let reliable: Vec<usize> = reliable.map(|(i, _)| i).collect();
     let end = END - START;
-    let settled = convergence
-        .iter()
-        .filter(|at| at.elapsed > SETTLED * end)
-        .flat_map(|at| at.exponents.iter().copied());
-    let reliable: Vec<usize> = (0..data.from_data.exponents.len().min(4))
-        .filter(|&i| data.from_data.exponents[i].status == Status::Ok)
-        .collect();
-    let by_data = data
-        .from_data
-        .convergence
-        .iter()
-        .filter(|at| at.t > SETTLED * end)
-        .flat_map(|at| reliable.iter().map(|&i| at.exponents[i]));
-    let shown = settled.chain(by_data).chain(published).chain([0.0]);
+    let settled = convergence().filter(|at| at.elapsed > SETTLED * end);
+    let settled = settled.flat_map(|at| at.exponents.iter().copied());
+    let settled_data = by_data().filter(|at| at.t > SETTLED * end);
+    let settled_data = settled_data.flat_map(|at| reliable.iter().map(|&i| at.exponents[i]));
+    let shown = settled.chain(settled_data).chain(published).chain([0.0]);
     let (low, high) = range(shown.map(scaled));
     let ticks = [-1.0, -0.1, -0.01, -0.001, 0.0, 0.001, 0.01, 0.1, 1.0].map(|exponent: f64| {
         let decimals = if exponent == 0.0 { 0 } else { 3 };
@@ -188,14 +165,9 @@ fn running(set: &Set, data: &Data) -> Result<Panel, PublishedError> {
     panel.add(Guide::horizontal(0.0).color(GREY).width(0.6));
     // Broad and pale, under the equations' curves: where both agree, both are seen.
     for &i in &reliable {
-        let rows = data.from_data.convergence.iter();
-        let points = rows.map(|at| (at.t, scaled(at.exponents[i])));
-        panel.add(
-            Curve::new(points)
-                .color(COLOURS[i].pale())
-                .width(BROAD[i])
-                .legend(&format!("*λ*_{}, data", i + 1)),
-        );
+        let points = by_data().map(|at| (at.t, scaled(at.exponents[i])));
+        let broad = Curve::new(points).color(COLOURS[i].pale()).width(BROAD[i]);
+        panel.add(broad.legend(&format!("*λ*_{}, data", i + 1)));
     }
     for (i, value) in published.into_iter().enumerate() {
         let ends = [0.0, end].map(|t| (t, scaled(value)));
@@ -207,14 +179,9 @@ fn running(set: &Set, data: &Data) -> Result<Panel, PublishedError> {
         if data.exact.spectrum.exponents[i] == Exponent::Annihilated {
             continue;
         }
-        let points = convergence.iter();
-        let points = points.map(|at| (at.elapsed, scaled(at.exponents[i])));
-        panel.add(
-            Curve::new(points)
-                .color(COLOURS[i])
-                .dash(DASHES[i])
-                .legend(&format!("*λ*_{}, equations", i + 1)),
-        );
+        let points = convergence().map(|at| (at.elapsed, scaled(at.exponents[i])));
+        let curve = Curve::new(points).color(COLOURS[i]).dash(DASHES[i]);
+        panel.add(curve.legend(&format!("*λ*_{}, equations", i + 1)));
     }
     Ok(panel)
 }
@@ -263,7 +230,7 @@ fn section_points(distinct: usize, returns: usize) -> String {
     }
 }
 
-fn table(set: &Set, data: &Data) -> Result<Table, PublishedError> {
+fn table(data: &Data) -> Result<Table, PublishedError> {
     let claims = Claims::committed()?;
     let said = |id: ClaimId| claims.of(id).published.clone();
     let mut table = Table::new(["", "published", "from equations", "from data"])
@@ -271,7 +238,7 @@ fn table(set: &Set, data: &Data) -> Result<Table, PublishedError> {
     let comparisons = compare(&data.from_data, &data.exact.spectrum.exponents);
     let order = by_size(data);
     for i in 0..4 {
-        let printed = said(set.figure.exponents()[i]).replace('-', "−");
+        let printed = said(data.set.figure.exponents()[i]).replace('-', "−");
         let exponent = &data.exact.spectrum.exponents[i];
         let equations = match exponent.std_error() {
             Some(error) => format!("{} ± {}", four(exponent.value()), four(error)),
@@ -282,50 +249,37 @@ fn table(set: &Set, data: &Data) -> Result<Table, PublishedError> {
             let value = four(e.value);
             match e.status {
                 Status::Unidentified => format!("({value})"),
-                Status::Starved
-                | Status::Undetermined
-                | Status::Noisy
-                | Status::Unstable
-                | Status::Unpredictable => {
-                    format!("{value} {}", e.status.word())
-                }
-                Status::Ok => match worth(&data.from_data, i, &comparisons) {
-                    "ok" => value,
+                _ => match worth(&data.from_data, i, &comparisons) {
+                    "ok" | "annihilated" => value,
                     word => format!("{value} {word}"),
                 },
-                Status::Annihilated => value,
             }
         });
         table = table.row([format!("*λ*_{}", i + 1), printed, equations, by_data]);
     }
     let exact = &data.exact;
-    let evidence = &exact.evidence;
     let literal = match &data.literal {
         Literal::Diverges(t) => format!("beyond 1000 at *t* = {}", number(*t, 1)),
-        Literal::Bounded(measured) => format!("{}", measured.class),
+        Literal::Bounded(measured) => measured.class.to_string(),
     };
-    let points = section_points(evidence.distinct, evidence.returns);
+    let points = section_points(exact.evidence.distinct, exact.evidence.returns);
     let stick = number(100.0 * exact.spectrum.stick_fraction, 2);
-    let class = said(set.figure.class());
-    let none = String::new;
-    let rows = [
-        ("class", class, exact.class.to_string()),
-        ("section points", none(), points),
-        ("stick, % of time", none(), stick),
-        (
-            "least *N*/*mg*, not clipped",
-            none(),
-            number(exact.least_force, 3),
-        ),
-        (
-            "losses of contact",
-            none(),
-            exact.contact_losses.to_string(),
-        ),
-        ("signs as printed", none(), literal),
-    ];
-    for (name, printed, found) in rows {
-        table = table.row([name.to_owned(), printed, found, none()]);
+    let force = number(exact.least_force, 3);
+    let class = said(data.set.figure.class());
+    table = table.row([
+        "class".to_owned(),
+        class,
+        exact.class.to_string(),
+        String::new(),
+    ]);
+    for (name, found) in [
+        ("section points", points),
+        ("stick, % of time", stick),
+        ("least *N*/*mg*, not clipped", force),
+        ("losses of contact", exact.contact_losses.to_string()),
+        ("signs as printed", literal),
+    ] {
+        table = table.row([name.to_owned(), String::new(), found, String::new()]);
     }
     Ok(table)
 }

@@ -10,16 +10,14 @@ mod watch;
 pub use against_equations::{Comparison, compare};
 #[cfg(all(test, feature = "report"))]
 pub(crate) use compute::best_common;
-pub use compute::{Data, Literal, Measured, by_rk4_and_henon, compute};
+pub use compute::{Data, Literal, Measured, TOLERANCE, by_rk4_and_henon, class};
 
+use super::FigureSpec;
+use crate::paper::claim_id::SpectrumFigure;
+use compute::compute;
 use draw::draw;
 pub use numbers::DIVERGES;
 use numbers::numbers;
-
-use super::FigureError;
-use super::FigureSpec;
-use super::rows::Row;
-use crate::paper::claim_id::SpectrumFigure;
 use stickslip::models::Caption;
 
 /// What one of the three figures differs in.
@@ -31,101 +29,79 @@ pub struct Set {
     pub caption: Caption,
     /// Length of the orbit drawn, at the end of the run.
     pub shown: f64,
-    /// [`FigureSpec::TITLE`] and [`FigureSpec::ABOUT`].
-    pub heading: &'static str,
-    /// See `heading`.
-    pub about: &'static str,
     /// Title for readers who cannot see the picture.
     pub title: &'static str,
     /// What the picture shows, for them.
     pub description: &'static str,
 }
 
-/// One of Figs. 10, 11 and 12.
-pub trait BlockAndBracketFigure {
-    /// What it differs in from the others.
-    const SET: Set;
-}
+/// Figs. 10, 11 and 12.
+pub const SETS: [Set; 3] = [
+    Set {
+        figure: SpectrumFigure::Fig10,
+        caption: Caption::FIG10,
+        shown: 40.0,
+        title: "Fig. 10: periodic motion of the block and the bracket",
+        description: "The block's and the bracket's phase planes with the line of belt speed, and below them the running exponents beside the published ones.",
+    },
+    Set {
+        figure: SpectrumFigure::Fig11,
+        caption: Caption::FIG11,
+        shown: 300.0,
+        title: "Fig. 11: quasi-periodic motion of the block and the bracket",
+        description: "The block's and the bracket's phase planes with the line of belt speed, and below them the running exponents beside the published ones.",
+    },
+    Set {
+        figure: SpectrumFigure::Fig12,
+        caption: Caption::FIG12,
+        shown: 300.0,
+        title: "Fig. 12: chaotic motion of the block and the bracket",
+        description: "The block's and the bracket's phase planes with the line of belt speed and the region without contact, and below them the running exponents beside the published ones.",
+    },
+];
 
-/// What is computed, in words: which set of parameters, and what the paper publishes it as.
-macro_rules! about {
-    ($set:literal, $published:literal) => {
-        concat!(
-            "Panels (a), (b): phase planes of model 3, Eq. (27)-(28), for the ",
-            $set,
-            " set of parameters, published as ",
-            $published,
-            ", with the signs that Newton demands and a normal force that cannot pull; the end of the run. Panel (c): the running \
-             exponents over that time, from the equations and from the sampled states. Table: published exponents against both; biased: \
-             identified by the data, and yet off the equations by more than three standard errors and twice the neighbourhoods explain. \
-             Numbers: exponents, class of the motion with its evidence, stick, normal force; and when the equations as printed diverge."
-        )
+/// A figure with what is computed in words: which set of parameters, and what the paper publishes
+/// it as.
+macro_rules! figure {
+    ($place:literal, $title:literal, $set:literal, $published:literal) => {
+        FigureSpec {
+            name: SETS[$place].figure.name(),
+            title: $title,
+            about: concat!(
+                "Panels (a), (b): phase planes of model 3, Eq. (27)-(28), for the ",
+                $set,
+                " set of parameters, published as ",
+                $published,
+                ", with the signs that Newton demands and a normal force that cannot pull; the end of the run. Panel (c): the running \
+                 exponents over that time, from the equations and from the sampled states. Table: published exponents against both; biased: \
+                 identified by the data, and yet off the equations by more than three standard errors and twice the neighbourhoods explain. \
+                 Numbers: exponents, class of the motion with its evidence, stick, normal force; and when the equations as printed diverge."
+            ),
+            compute: || compute(&SETS[$place]),
+            numbers,
+            draw,
+        }
     };
 }
 
 /// Fig. 10.
-#[derive(Debug)]
-pub struct Fig10;
-
-impl BlockAndBracketFigure for Fig10 {
-    const SET: Set = Set {
-        figure: SpectrumFigure::Fig10,
-        caption: Caption::FIG10,
-        shown: 40.0,
-        heading: "Periodic motion of the block and the bracket (Fig. 10)",
-        about: about!("first", "two-periodic"),
-        title: "Fig. 10: periodic motion of the block and the bracket",
-        description: "The block's and the bracket's phase planes with the line of belt speed, and below them the running exponents beside the published ones.",
-    };
-}
-
+pub const FIG10: FigureSpec<Data> = figure!(
+    0,
+    "Periodic motion of the block and the bracket (Fig. 10)",
+    "first",
+    "two-periodic"
+);
 /// Fig. 11.
-#[derive(Debug)]
-pub struct Fig11;
-
-impl BlockAndBracketFigure for Fig11 {
-    const SET: Set = Set {
-        figure: SpectrumFigure::Fig11,
-        caption: Caption::FIG11,
-        shown: 300.0,
-        heading: "Quasi-periodic motion of the block and the bracket (Fig. 11)",
-        about: about!("second", "quasi-periodic"),
-        title: "Fig. 11: quasi-periodic motion of the block and the bracket",
-        ..Fig10::SET
-    };
-}
-
+pub const FIG11: FigureSpec<Data> = figure!(
+    1,
+    "Quasi-periodic motion of the block and the bracket (Fig. 11)",
+    "second",
+    "quasi-periodic"
+);
 /// Fig. 12.
-#[derive(Debug)]
-pub struct Fig12;
-
-impl BlockAndBracketFigure for Fig12 {
-    const SET: Set = Set {
-        figure: SpectrumFigure::Fig12,
-        caption: Caption::FIG12,
-        shown: 300.0,
-        heading: "Chaotic motion of the block and the bracket (Fig. 12)",
-        about: about!("third", "chaotic"),
-        title: "Fig. 12: chaotic motion of the block and the bracket",
-        description: "The block's and the bracket's phase planes with the line of belt speed and the region without contact, and below them the running exponents beside the published ones.",
-    };
-}
-
-impl<F: BlockAndBracketFigure> FigureSpec for F {
-    const NAME: &'static str = F::SET.figure.name();
-    const TITLE: &'static str = F::SET.heading;
-    const ABOUT: &'static str = F::SET.about;
-    type Data = Data;
-
-    fn compute() -> Result<Data, FigureError> {
-        compute(&F::SET)
-    }
-
-    fn numbers(data: &Data) -> Vec<Row> {
-        numbers(&F::SET, data)
-    }
-
-    fn draw(data: &Data) -> Result<String, FigureError> {
-        draw(&F::SET, data)
-    }
-}
+pub const FIG12: FigureSpec<Data> = figure!(
+    2,
+    "Chaotic motion of the block and the bracket (Fig. 12)",
+    "third",
+    "chaotic"
+);

@@ -2,12 +2,17 @@
 
 use std::ops::ControlFlow;
 
-use super::compute::{DT, END, START};
 use crate::turns::{Samples, Turns};
 use stickslip::filippov::{Observer, Options, StepRecord, Transition, TransitionKind};
 use stickslip::models::BlockAndBracket;
 use stickslip::system::State;
 
+/// The series begins here, as in the paper.
+pub(super) const START: f64 = 3000.0;
+/// And ends here.
+pub(super) const END: f64 = 12_000.0;
+/// Time between two of its states.
+pub(crate) const DT: f64 = 0.2;
 /// Parts a step is cut into to look for the least normal force.
 const PARTS: u32 = 8;
 /// Narrowings that a place within a part takes.

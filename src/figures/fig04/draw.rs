@@ -1,6 +1,6 @@
 //! The picture of Fig. 4.
 
-use super::compute::Data;
+use super::Data;
 use crate::figures::{FigureError, belt_line};
 use plot::*;
 use stickslip::analysis::Visibility;
@@ -22,16 +22,10 @@ fn description(data: &Data) -> String {
 }
 
 pub(super) fn draw(data: &Data) -> Result<String, FigureError> {
-    Figure::new(
-        "fig04",
-        (658.0, 640.0),
-        "Fig. 4: orbits of the belt oscillator and its limit cycle",
-        &description(data),
-    )
-    .row(0.64, whole(data))
-    .row(0.36, kink(data))
-    .render()
-    .map_err(Into::into)
+    let title = "Fig. 4: orbits of the belt oscillator and its limit cycle";
+    let figure = Figure::new("fig04", (658.0, 640.0), title, &description(data));
+    let figure = figure.row(0.64, whole(data)).row(0.36, kink(data));
+    Ok(figure.render()?)
 }
 
 const ZONE_THICKNESS: f64 = 9.0;
@@ -64,7 +58,7 @@ fn boundary(panel: &mut Panel, data: &Data, numbered: bool) {
             .iter()
             .enumerate()
             .filter(|(_, tangent)| tangent.visibility == wanted)
-            .map(|(k, tangent)| (k + 1, tangent.x1))
+            .map(|(k, tangent)| (k + 1, tangent.position))
             .collect();
         let mut markers = Markers::new(chosen.iter().map(|&(_, x1)| (x1, belt)))
             .color(BLACK)
@@ -96,7 +90,7 @@ fn whole(data: &Data) -> Panel {
     .legend(Legend::Below);
     for tangent in &data.tangents {
         panel.add(
-            Guide::vertical(tangent.x1)
+            Guide::vertical(tangent.position)
                 .color(GREY)
                 .width(0.5)
                 .dash(Dash::Dashed),

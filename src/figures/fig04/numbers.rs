@@ -1,6 +1,6 @@
 //! The rows of Fig. 4.
 
-use super::compute::Data;
+use super::Data;
 use crate::figures::rows::{Quantity, Row};
 use crate::paper::claim_id::ClaimId;
 use crate::paper::reading::Reading::Exact;
@@ -8,7 +8,11 @@ use crate::text::joined;
 use stickslip::analysis::Visibility;
 
 pub(super) fn numbers(data: &Data) -> Vec<Row> {
-    let positions: Vec<f64> = data.tangents.iter().map(|tangent| tangent.x1).collect();
+    let positions: Vec<f64> = data
+        .tangents
+        .iter()
+        .map(|tangent| tangent.position)
+        .collect();
     let mut rows = Row::members(ClaimId::Eq12CriticalPoints, Exact, &data.stationary, "m");
     for (id, values, unit) in [
         (ClaimId::Eq13CriticalMu0, &data.critical_mu0, "N"),
@@ -68,7 +72,7 @@ impl Data {
 
 /// The captions' statements, decided from the numbers.
 fn statements(data: &Data) -> Vec<Row> {
-    let distance = |k: usize| (data.tangents[k].x1 - data.cycle.left).abs();
+    let distance = |k: usize| (data.tangents[k].position - data.cycle.left).abs();
     let nearest = (0..data.tangents.len()).min_by(|&a, &b| distance(a).total_cmp(&distance(b)));
     let deflection = [
         (

@@ -2,8 +2,8 @@
 
 use std::f64::consts::PI;
 
-use super::{Branches, Data, Fig07, Oscillation, Transition, Z_MAX};
-use crate::figures::{FigureError, FigureSpec, pair};
+use super::{Branches, Data, Oscillation, Transition, Z_MAX};
+use crate::figures::{FigureError, pair};
 use plot::{
     Axis, BLACK, BLUE, Band, Color, Curve, Dash, Figure, GREY, Guide, LIGHT_GREY, Legend, MID_GREY,
     Markers, Note, Panel, Region, VERMILLION,
@@ -13,9 +13,9 @@ use plot::{
 const EDGES: [(Color, Dash); 2] = [(BLUE, Dash::Solid), (VERMILLION, Dash::Dashed)];
 
 /// The SVG.
-pub(super) fn svg(data: &Data) -> Result<String, FigureError> {
+pub(super) fn draw(data: &Data) -> Result<String, FigureError> {
     Figure::new(
-        Fig07::NAME,
+        "fig07",
         (680.0, 590.0),
         "Tangent points: transition function, oscillation, bifurcation",
         "Panel a: the transition function σ against z. Without friction it touches the axis from above at z = −1, \

@@ -6,15 +6,12 @@ mod numbers;
 use crate::numbers::bisect;
 use std::f64::consts::PI;
 
-use super::FigureError;
-use super::FigureSpec;
-use super::rows::Row;
+use super::{Failure, FigureSpec};
+use draw::draw;
+use numbers::numbers;
 use stickslip::error::Error;
 use stickslip::math;
 use stickslip::models::cubic::{Cubic, TangentPoint};
-
-/// Fig. 7.
-pub struct Fig07;
 
 /// Everything in the figure. What is drawn is for `k₁ = 1 N/m`, `k₂ = 1 N/m³`, as in the paper.
 #[derive(Clone, Debug)]
@@ -85,30 +82,21 @@ const Z_MAX: f64 = 1.35;
 /// Forcing periods shown in (b).
 const PERIODS: f64 = 2.0;
 
-impl FigureSpec for Fig07 {
-    const NAME: &'static str = "fig07";
-    const TITLE: &'static str = "Fig. 7: tangent points, their oscillation and bifurcation";
-    const ABOUT: &'static str = "Draws (a) the transition function sigma(z) of Eq. (19) for mu0 = 0 and \
+/// Fig. 7.
+pub const FIG07: FigureSpec<Data> = FigureSpec {
+    name: "fig07",
+    title: "Fig. 7: tangent points, their oscillation and bifurcation",
+    about: "Draws (a) the transition function sigma(z) of Eq. (19) for mu0 = 0 and \
         mu0 = 2 sqrt(3)/9, (b) the six tangent points z_k + A sin(omega t) over two forcing periods with the \
         parameters of Fig. 8, (c) the tangent points against mu0 from 0 to 4 sqrt(3)/9. Reports the critical \
         points of Eq. (22) and the critical friction of Eq. (23) for k1 = 3, k2 = 12, found by a root search and held \
-        against the printed formulas.";
-    type Data = Data;
+        against the printed formulas.",
+    compute,
+    numbers,
+    draw,
+};
 
-    fn compute() -> Result<Data, FigureError> {
-        compute().map_err(Self::failed)
-    }
-
-    fn numbers(data: &Data) -> Vec<Row> {
-        numbers::rows(data)
-    }
-
-    fn draw(data: &Data) -> Result<String, FigureError> {
-        draw::svg(data)
-    }
-}
-
-fn compute() -> Result<Data, Error> {
+fn compute() -> Result<Data, Failure> {
     let spring = Cubic::new(1.0, 1.0)?;
     let critical = spring.critical_mu0()[1];
     let unequal = Cubic::new(3.0, 12.0)?;

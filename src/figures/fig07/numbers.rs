@@ -8,7 +8,7 @@ use crate::paper::claim_id::ClaimId;
 use crate::paper::reading::Reading::Exact;
 
 /// All rows.
-pub(super) fn rows(data: &Data) -> Vec<Row> {
+pub(super) fn numbers(data: &Data) -> Vec<Row> {
     // Eq. (23): the friction that makes σ zero where its slope was found to vanish.
     let stationary = data.stationary.iter();
     let forces: Vec<f64> = stationary.map(|z| data.unequal.force(*z)).collect();

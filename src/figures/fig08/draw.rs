@@ -1,6 +1,6 @@
 //! The picture of Fig. 8.
 
-use super::compute::Data;
+use super::Data;
 use crate::figures::{FigureError, belt_line, pair, with_ticks};
 use crate::numbers::extent;
 use crate::paper::listing::Crossing;

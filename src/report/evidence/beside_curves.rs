@@ -105,8 +105,7 @@ fn sticks(model: &ForcedOscillator, t: f64, x1: f64) -> Result<bool, Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::figures::FigureSpec;
-    use crate::figures::fig07::Fig07;
+    use crate::figures::fig07::FIG07;
 
     fn parts(model: &ForcedOscillator, drawn: &Oscillation) -> Vec<bool> {
         oscillation(model, drawn).unwrap()[0].parts()
@@ -115,7 +114,7 @@ mod tests {
     #[test]
     fn the_drawn_curves_part_stick_from_slip_and_displaced_ones_do_not() {
         let model = ForcedOscillator::default();
-        let mut drawn = Fig07::compute().unwrap().oscillation;
+        let mut drawn = FIG07.compute().unwrap().oscillation;
         assert_eq!(parts(&model, &drawn), [true, true]);
         let antiphase = ForcedOscillator {
             amplitude: -model.amplitude,

@@ -11,10 +11,7 @@
 use rayon::prelude::*;
 
 use super::{as_printed, statement};
-use crate::figures::block_and_bracket::{
-    BlockAndBracketFigure, Data, Fig10, Fig11, Fig12, Set, by_rk4_and_henon,
-};
-
+use crate::figures::block_and_bracket::{Data, SETS, by_rk4_and_henon};
 use crate::paper::reading::Reading::{Corrected, CorrectedEquations};
 use crate::readings::Verdict;
 use crate::report::ReportError;
@@ -25,7 +22,6 @@ use stickslip::models::Reading;
 
 /// Step of the classical Runge–Kutta method; the paper states none for Figs. 10–12.
 const STEP: f64 = 0.01;
-const SETS: [Set; 3] = [Fig10::SET, Fig11::SET, Fig12::SET];
 
 /// `s5.by_procedure`: what the procedure of Sect. 3 makes of Eq. (27), steps of RK4 with Hénon's
 /// step onto Σ. Classes of the motions of Figs. 10, 11 and 12; nothing where the orbit escapes.

@@ -37,7 +37,7 @@ fn asked() -> [String; 3] {
 }
 
 pub(super) fn cause(report: &Report) -> Markup {
-    let ledger = &report.ledger;
+    let ledger = report.ledger;
     html! {
         section aria-labelledby="cause" {
             (heading("cause"))

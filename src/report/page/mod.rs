@@ -22,9 +22,9 @@ pub struct Picture {
 }
 
 /// Everything on the page.
-pub struct Report {
+pub struct Report<'a> {
     /// Claims, figures, matrix, convergence, scan, errata.
-    pub ledger: Ledger,
+    pub ledger: &'a Ledger,
     /// The convergence of the listing for small steps.
     pub convergence: Picture,
     /// What becomes of the stated model as each parameter changes.
@@ -73,10 +73,10 @@ fn document(report: &Report) -> Markup {
                         cite { "Nonlinear Dynamics" }
                         " 73 (2013) 723–736, doi 10.1007/s11071-013-0826-7."
                     }
-                    @for sentence in sentences(&report.ledger) { p.verdict { (sentence) } }
+                    @for sentence in sentences(report.ledger) { p.verdict { (sentence) } }
                     (figures::opening(report))
-                    (claims::counts(&report.ledger))
-                    p.soft { (resting(&report.ledger)) }
+                    (claims::counts(report.ledger))
+                    p.soft { (resting(report.ledger)) }
                     nav aria-label="Sections" {
                         ol {
                             @for (anchor, heading) in SECTIONS { li { a href={ "#" (anchor) } { (heading) } } }
@@ -84,13 +84,13 @@ fn document(report: &Report) -> Markup {
                     }
                 }
                 main {
-                    (claims::section(&report.ledger))
+                    (claims::section(report.ledger))
                     (injection::cause(report))
                     (injection::existence(report))
-                    section aria-labelledby="readings" { (heading("readings")) p { (figs_10_to_12(&report.ledger)) } }
-                    (text::errata(&report.ledger))
+                    section aria-labelledby="readings" { (heading("readings")) p { (figs_10_to_12(report.ledger)) } }
+                    (text::errata(report.ledger))
                     (figures::section(report))
-                    (text::methods(&report.ledger))
+                    (text::methods(report.ledger))
                     (text::cite())
                     (text::remake())
                 }
