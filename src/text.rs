@@ -2,6 +2,32 @@
 
 use std::fmt::Display;
 
+/// An enum with a row of a table for each variant: the variants in order are `ALL`, the row is
+/// `described()`.
+macro_rules! described {
+    ($(#[$of_enum:meta])* $name:ident: $row:ty {
+        $($(#[$of_variant:meta])* $variant:ident = $described:expr,)*
+    }) => {
+        $(#[$of_enum])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+        pub enum $name {
+            $($(#[$of_variant])* $variant,)*
+        }
+
+        impl $name {
+            /// All of them, in order.
+            pub const ALL: [$name; [$(stringify!($variant)),*].len()] = [$($name::$variant),*];
+
+            const fn described(self) -> $row {
+                match self {
+                    $($name::$variant => $described,)*
+                }
+            }
+        }
+    };
+}
+pub(crate) use described;
+
 /// The items one after the other with `between` between them.
 pub(crate) fn joined<T: Display>(items: impl IntoIterator<Item = T>, between: &str) -> String {
     let items = items.into_iter().map(|item| item.to_string());

@@ -2,22 +2,15 @@
 
 use std::fmt;
 
+use crate::text::described;
+
 /// Writes the enum, the list of all and the names from one table.
 macro_rules! claim_ids {
     ($($variant:ident = $name:literal,)*) => {
-        /// A quantity or statement that the paper publishes. `data/claims.csv` has one row for each and no other.
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-        pub enum ClaimId {
-            $(#[doc = concat!("`", $name, "`")] $variant,)*
-        }
-
-        impl ClaimId {
-            /// All of them, in the order of the table.
-            pub const ALL: &'static [ClaimId] = &[$(ClaimId::$variant),*];
-
-            /// Its name in tables, such as `fig08.stick_length.1`.
-            pub const fn name(self) -> &'static str {
-                match self { $(ClaimId::$variant => $name,)* }
+        described! {
+            /// A row of `data/claims.csv`. The variants stand in the order of its rows.
+            ClaimId: &'static str {
+                $(#[doc = concat!("`", $name, "`")] $variant = $name,)*
             }
         }
     };
@@ -88,9 +81,14 @@ claim_ids! {
 }
 
 impl ClaimId {
+    /// Its name in every table.
+    pub const fn name(self) -> &'static str {
+        self.described()
+    }
+
     /// The claim of this name.
     pub fn named(name: &str) -> Option<ClaimId> {
-        ClaimId::ALL.iter().copied().find(|id| id.name() == name)
+        ClaimId::ALL.into_iter().find(|id| id.name() == name)
     }
 
     /// The four numbers of Sect. 4.2: lengths of the stick phases (m), then their durations (s).
@@ -116,46 +114,43 @@ impl fmt::Display for ClaimId {
     }
 }
 
-/// A figure that publishes a spectrum of Lyapunov exponents.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum SpectrumFigure {
-    /// Fig. 10.
-    Fig10,
-    /// Fig. 11.
-    Fig11,
-    /// Fig. 12.
-    Fig12,
+described! {
+    /// A figure that publishes a spectrum of Lyapunov exponents.
+    SpectrumFigure: (&'static str, [ClaimId; 4], ClaimId) {
+        /// Fig. 10.
+        Fig10 = (
+            "fig10",
+            [ClaimId::Fig10Lambda1, ClaimId::Fig10Lambda2, ClaimId::Fig10Lambda3, ClaimId::Fig10Lambda4],
+            ClaimId::Fig10Class,
+        ),
+        /// Fig. 11.
+        Fig11 = (
+            "fig11",
+            [ClaimId::Fig11Lambda1, ClaimId::Fig11Lambda2, ClaimId::Fig11Lambda3, ClaimId::Fig11Lambda4],
+            ClaimId::Fig11Class,
+        ),
+        /// Fig. 12.
+        Fig12 = (
+            "fig12",
+            [ClaimId::Fig12Lambda1, ClaimId::Fig12Lambda2, ClaimId::Fig12Lambda3, ClaimId::Fig12Lambda4],
+            ClaimId::Fig12Class,
+        ),
+    }
 }
 
 impl SpectrumFigure {
-    /// All three.
-    pub const ALL: [SpectrumFigure; 3] = [Self::Fig10, Self::Fig11, Self::Fig12];
-
     /// Name of the program and of its files.
     pub const fn name(self) -> &'static str {
-        match self {
-            Self::Fig10 => "fig10",
-            Self::Fig11 => "fig11",
-            Self::Fig12 => "fig12",
-        }
+        self.described().0
     }
 
     /// Its exponents, λ1 first.
     pub const fn exponents(self) -> [ClaimId; 4] {
-        use ClaimId::*;
-        match self {
-            Self::Fig10 => [Fig10Lambda1, Fig10Lambda2, Fig10Lambda3, Fig10Lambda4],
-            Self::Fig11 => [Fig11Lambda1, Fig11Lambda2, Fig11Lambda3, Fig11Lambda4],
-            Self::Fig12 => [Fig12Lambda1, Fig12Lambda2, Fig12Lambda3, Fig12Lambda4],
-        }
+        self.described().1
     }
 
     /// The class of its motion.
     pub const fn class(self) -> ClaimId {
-        match self {
-            Self::Fig10 => ClaimId::Fig10Class,
-            Self::Fig11 => ClaimId::Fig11Class,
-            Self::Fig12 => ClaimId::Fig12Class,
-        }
+        self.described().2
     }
 }

@@ -388,8 +388,8 @@ mod tests {
         let claims = Claims::committed().unwrap();
         assert_eq!(claims.iter().count(), ClaimId::ALL.len());
         for (claim, id) in claims.iter().zip(ClaimId::ALL) {
-            assert_eq!(claims.of(*id), claim);
-            assert_eq!(claim.id, *id);
+            assert_eq!(claims.of(id), claim);
+            assert_eq!(claim.id, id);
         }
         assert_eq!(claims.value(ClaimId::Fig08StickLength1), 0.4697);
         let one_line = CLAIMS.lines().nth(1).unwrap();

@@ -1,35 +1,27 @@
 //! What was corrected of the paper's equations where a verdict rests on a corrected reading.
 
 use crate::paper::published::Claim;
+use crate::text::described;
 
-/// A correction. The errata show each by a computation.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Correction {
-    /// Signs of x3 and T in the second row of Eq. (27).
-    BracketSigns,
-    /// μ0 counted once in Eq. (28).
-    FrictionAmplitude,
-    /// What the nine numbers of the captions are.
-    CaptionOrder,
-    /// Contact that cannot pull.
-    ClippedNormalForce,
-    /// Sign of the Hénon step from x2 > vp.
-    StepFromAbove,
-    /// dt/dx1 in Eq. (15).
-    ReleaseSlope,
+described! {
+    /// A correction. The errata show each by a computation.
+    Correction: &'static str {
+        /// Signs of x3 and T in the second row of Eq. (27).
+        BracketSigns = "Eq. (27): +x3 and +T(v) in the bracket of the second row (printed −x3, −T)",
+        /// μ0 counted once in Eq. (28).
+        FrictionAmplitude = "Eq. (28): friction is mu0 − xi6 x3 − xi7 x4 (printed mu0 times that with 1 for mu0)",
+        /// What the nine numbers of the captions are.
+        CaptionOrder = "captions: the numbers are xi1 … xi5, mu0, xi6, delta, vp and xi7 = 0 (printed xi1 … xi7, delta, vp)",
+        /// Contact that cannot pull.
+        ClippedNormalForce = "the normal force is never negative (not said in the paper: contact can only push)",
+        /// Sign of the Hénon step from x2 > vp.
+        StepFromAbove = "Sect. 3: the Hénon step is vp − x2 from either side (printed x2 − vp from above)",
+        /// dt/dx1 in Eq. (15).
+        ReleaseSlope = "Eq. (15): dt/dx1 is 1/x2 (printed 1/f2)",
+    }
 }
 
 impl Correction {
-    /// All of them.
-    pub const ALL: [Correction; 6] = [
-        Correction::BracketSigns,
-        Correction::FrictionAmplitude,
-        Correction::CaptionOrder,
-        Correction::ClippedNormalForce,
-        Correction::StepFromAbove,
-        Correction::ReleaseSlope,
-    ];
-
     /// Its short name: C1, C2, …
     pub fn label(self) -> String {
         format!("C{}", self as usize + 1)
@@ -37,24 +29,7 @@ impl Correction {
 
     /// In words.
     pub const fn description(self) -> &'static str {
-        match self {
-            Correction::BracketSigns => {
-                "Eq. (27): +x3 and +T(v) in the bracket of the second row (printed −x3, −T)"
-            }
-            Correction::FrictionAmplitude => {
-                "Eq. (28): friction is mu0 − xi6 x3 − xi7 x4 (printed mu0 times that with 1 for mu0)"
-            }
-            Correction::CaptionOrder => {
-                "captions: the numbers are xi1 … xi5, mu0, xi6, delta, vp and xi7 = 0 (printed xi1 … xi7, delta, vp)"
-            }
-            Correction::ClippedNormalForce => {
-                "the normal force is never negative (not said in the paper: contact can only push)"
-            }
-            Correction::StepFromAbove => {
-                "Sect. 3: the Hénon step is vp − x2 from either side (printed x2 − vp from above)"
-            }
-            Correction::ReleaseSlope => "Eq. (15): dt/dx1 is 1/x2 (printed 1/f2)",
-        }
+        self.described()
     }
 
     /// Those that the corrected readings of a claim carry.

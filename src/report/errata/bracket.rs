@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 
 use rayon::prelude::*;
 
-use super::{Erratum, Shown, count, erratum, number, word};
+use super::{Proof, Shown, count, number, proof, word};
 use crate::report::ReportError;
 use crate::report::spread::mended_captions;
 use crate::turns::Turns;
@@ -117,7 +117,7 @@ impl Outcome {
     }
 }
 
-pub(super) fn signs() -> Result<Erratum, Error> {
+pub(super) fn signs() -> Result<Proof, Error> {
     let readings = [
         ("as printed", Reading::as_printed()),
         ("corrected", Reading::exact()),
@@ -132,13 +132,7 @@ pub(super) fn signs() -> Result<Erratum, Error> {
     let holds = found.chunks_exact(2).all(is_so);
     let shown = jobs.iter().zip(found);
     let shown = shown.map(|(((name, _), (which, _)), one)| one.shown(format!("{name}, {which}")));
-    Ok(erratum(
-        "Eq. (27)",
-        "in the second row x3 and T(v) enter the bracket with a minus sign",
-        "with a plus sign: the spring between block and bracket is stretched by x1 + x3, and friction opposes slip",
-        shown.collect(),
-        holds,
-    ))
+    Ok(proof("signs", shown.collect(), holds))
 }
 
 /// A block and a bracket in SI units, undamped as in the captions.
@@ -172,7 +166,7 @@ fn of_rig(rig: &Rig, start: &State<4>) -> Result<State<4>, Error> {
 }
 
 /// Newton's law in SI units against the two ways to write the normal force with ξ6.
-pub(super) fn friction_counted_twice() -> Result<Erratum, ReportError> {
+pub(super) fn friction_counted_twice() -> Result<Proof, ReportError> {
     let rig = rig(9.81, 1.0);
     let start = State::from([0.0, 0.01, 0.0, -0.05]);
     let newton = of_rig(&rig, &start)?;
@@ -198,10 +192,8 @@ pub(super) fn friction_counted_twice() -> Result<Erratum, ReportError> {
         Ok((end.x_end - newton).amax())
     };
     let (printed, corrected) = (with(Unloading::Plain)?, with(Unloading::OverMu0)?);
-    Ok(erratum(
-        "Eq. (28)",
-        "friction is mu0 (1 - xi6 x3 - xi7 x4), although xi6 and xi7 hold a factor mu0 already",
-        "mu0 - xi6 x3 - xi7 x4",
+    Ok(proof(
+        "friction_counted_twice",
         vec![
             number(
                 "a rig in SI units against Eqs. (27), (28) as printed, signs mended: states differ by",
@@ -215,7 +207,7 @@ pub(super) fn friction_counted_twice() -> Result<Erratum, ReportError> {
 }
 
 /// Two rigs of other time units have the same Eq. (27).
-pub(super) fn unit_of_time() -> Result<Erratum, ReportError> {
+pub(super) fn unit_of_time() -> Result<Proof, ReportError> {
     let slow = rig(9.81, 1.0);
     // Four times the stiffness and, so that the length unit stays, four times gravity; speeds
     // double.
@@ -227,10 +219,8 @@ pub(super) fn unit_of_time() -> Result<Erratum, ReportError> {
     let start = State::from([0.0, 0.01, 0.0, -0.05]);
     let apart = (of_rig(&slow, &start)? - of_rig(&fast, &start)?).amax();
     let ratio = slow.time_unit() / fast.time_unit();
-    Ok(erratum(
-        "Sect. 5.2",
-        "the series is saved over (3–12)·10³ s",
-        "Eq. (27) counts time in units of 1/ω: its series is (3–12)·10³ such units long, and its exponents are per unit",
+    Ok(proof(
+        "unit_of_time",
         vec![
             number(
                 "duration of one unit, a rig with ω² = 3 N/m over 1 kg",
@@ -279,7 +269,7 @@ fn spreads(caption: &Caption) -> Result<[f64; 4], ReportError> {
     Ok(values.map(|value| value.max(0.0).sqrt()))
 }
 
-pub(super) fn four_states() -> Result<Erratum, ReportError> {
+pub(super) fn four_states() -> Result<Proof, ReportError> {
     let mut shown = Vec::new();
     let mut holds = true;
     for (name, caption) in FIGURES {
@@ -299,19 +289,13 @@ pub(super) fn four_states() -> Result<Erratum, ReportError> {
         ));
         holds &= directions > 2;
     }
-    Ok(erratum(
-        "Abstract",
-        "Lyapunov exponents of a two-dimensional system",
-        "of a system with two degrees of freedom, whose state has four components",
-        shown,
-        holds,
-    ))
+    Ok(proof("four_states", shown, holds))
 }
 
 /// Static friction (mg) tried where the heading's order leaves none.
 const FRICTIONS: [f64; 4] = [0.3, 0.7, 1.0, 2.0];
 
-pub(super) fn order_of_captions() -> Result<Erratum, ReportError> {
+pub(super) fn order_of_captions() -> Result<Proof, ReportError> {
     let figures = [("Fig. 11", Caption::FIG11), ("Fig. 12", Caption::FIG12)];
     let mut shown = Vec::new();
     let mut holds = true;
@@ -342,17 +326,10 @@ pub(super) fn order_of_captions() -> Result<Erratum, ReportError> {
             shown.push(found.shown(format!("{figure}, order of the heading, mu0 = {mu0}")));
         }
     }
-    Ok(erratum(
-        "Captions of Figs. 10-12",
-        "the nine numbers are headed xi1 … xi7, delta, vp",
-        "they are xi1 … xi5, mu0, xi6, delta, vp: xi2 = xi5 = 0 leaves no damper and so xi7 = 0, and the seventh over the sixth is \
-         xi6/mu0 = k3/k2",
-        shown,
-        holds,
-    ))
+    Ok(proof("order_of_captions", shown, holds))
 }
 
-pub(super) fn caption_of_fig10() -> Result<Erratum, ReportError> {
+pub(super) fn caption_of_fig10() -> Result<Proof, ReportError> {
     let [_, _, _, xi4, _, mu0, xi6, ..] = Caption::FIG10.numbers;
     let mut shown = vec![
         number("seventh number over sixth", xi6 / mu0, "1"),
@@ -367,11 +344,8 @@ pub(super) fn caption_of_fig10() -> Result<Erratum, ReportError> {
     let differ = !found.contains(&printed);
     let with = mended.iter().zip(found);
     shown.extend(with.map(|((entry, _), one)| one.shown(format!("with {entry}"))));
-    Ok(erratum(
-        "Caption of Fig. 10",
-        "the seventh number is 1.115",
-        "another number there, or at xi4 or mu0: the relation that holds for Figs. 11 and 12 fails, and the period of the motion \
-         depends on which is meant",
+    Ok(proof(
+        "caption_of_fig10",
         shown,
         (xi6 / mu0 - (xi4 - 1.0)).abs() > 1e-2 && differ,
     ))

@@ -1,7 +1,7 @@
 //! The defects of the Appendix's listing, each mended alone, and the shifts of Eq. (25), by which
 //! it is to be evaluated.
 
-use super::{Erratum, Shown, count, erratum, number, word};
+use super::{Erratum, Proof, Shown, count, number, proof, word};
 use crate::paper::listing::{Defect, Defects, ListingError, Params, Setup, run};
 use crate::report::ReportError;
 use crate::report::matrix::{Cell, Matrix};
@@ -21,14 +21,13 @@ pub(super) fn defect(matrix: &Matrix, defect: Defect) -> Result<Erratum, ReportE
         shown.push(count("the same, mended", mended));
         holds = printed < mended;
     }
-    let place = format!("Listing, lines {}", defect.lines());
-    Ok(erratum(
-        &place,
-        defect.description(),
-        defect.mended(),
+    Ok(Erratum {
+        place: format!("Listing, lines {}", defect.lines()),
+        printed: defect.description().to_owned(),
+        correct: defect.mended().to_owned(),
         shown,
         holds,
-    ))
+    })
 }
 
 fn changes(printed: &Cell, mended: &Cell) -> Vec<Shown> {
@@ -98,7 +97,7 @@ fn exponent(series: &[f64], neighbours: usize, points: usize) -> f64 {
 }
 
 /// On the logistic map, whose exponent is ln 2.
-pub(super) fn shifts() -> Erratum {
+pub(super) fn shifts() -> Proof {
     let mut x = 0.3;
     let mut next = || {
         x = 4.0 * x * (1.0 - x);
@@ -108,10 +107,8 @@ pub(super) fn shifts() -> Erratum {
     let truth = math::ln(2.0);
     let [equal, twice, half] = [(1, 1), (2, 1), (1, 2)].map(|(m, d)| exponent(&series, m, d));
     let near = |value: f64| (value - truth).abs() < 0.05;
-    erratum(
-        "Eq. (25)",
-        "the neighbours are taken m steps on, the reference point d steps",
-        "both d: m is defined nowhere, and with another shift than that in tau = d t the exponent is wrong",
+    proof(
+        "shifts",
         vec![
             number("ln 2, the exponent of the logistic map", truth, "1"),
             number("by Eqs. (25), (26) with m = d = 1", equal, "1"),

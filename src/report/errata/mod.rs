@@ -6,11 +6,14 @@ mod listing;
 mod section_four;
 mod sections_two_three;
 
+use std::collections::BTreeMap;
+
 use super::ReportError;
 use super::accuracy::Accuracy;
 use super::matrix::Matrix;
 use crate::figures::rows::Value;
 use crate::paper::listing::Defect;
+use crate::paper::published::PublishedError;
 
 /// What a computation shows of a misprint.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,6 +41,19 @@ pub struct Erratum {
     pub holds: bool,
 }
 
+/// What a computation shows of a misprint in `data/errata.csv`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Proof {
+    /// Its name there.
+    pub misprint: &'static str,
+    /// The computation's results.
+    pub shown: Vec<Shown>,
+    /// Whether they bear it out.
+    pub holds: bool,
+}
+
+const MISPRINTS: &str = include_str!("../../../data/errata.csv");
+
 /// All of them, in the order of the paper, some by what has been computed already.
 ///
 /// # Errors
@@ -45,9 +61,9 @@ pub struct Erratum {
 pub fn errata(
     matrix: &Matrix,
     accuracy: &Accuracy,
-    of_statements: &[Erratum],
+    of_statements: &[Proof],
 ) -> Result<Vec<Erratum>, ReportError> {
-    let mut all = vec![
+    let mut proofs = vec![
         sections_two_three::unit_of_mu0(),
         sections_two_three::critical_points()?,
         sections_two_three::negative_friction()?,
@@ -56,9 +72,6 @@ pub fn errata(
         sections_two_three::time_in_stick(accuracy),
         section_four::sign_of_friction()?,
         section_four::spring_signs()?,
-    ];
-    all.extend_from_slice(of_statements);
-    all.extend([
         listing::shifts(),
         bracket::signs()?,
         bracket::friction_counted_twice()?,
@@ -66,11 +79,49 @@ pub fn errata(
         bracket::four_states()?,
         bracket::order_of_captions()?,
         bracket::caption_of_fig10()?,
-    ]);
+    ];
+    proofs.extend_from_slice(of_statements);
+    let mut all = proven(MISPRINTS, proofs)?;
     for defect in Defect::ALL {
         all.push(listing::defect(matrix, defect)?);
     }
     Ok(all)
+}
+
+/// The misprints of a table, each with its proof.
+fn proven(table: &str, proofs: Vec<Proof>) -> Result<Vec<Erratum>, PublishedError> {
+    let malformed = |reason: String| PublishedError::Malformed { reason };
+    let named = proofs.into_iter().map(|proof| (proof.misprint, proof));
+    let mut proofs: BTreeMap<&str, Proof> = named.collect();
+    let mut all = Vec::new();
+    for row in csv::Reader::from_reader(table.as_bytes()).into_records() {
+        let row = row.map_err(|error| malformed(error.to_string()))?;
+        let [name, place, printed, correct] = [0, 1, 2, 3].map(|k| row.get(k).unwrap_or_default());
+        let proof = proofs.remove(name);
+        let proof = proof.ok_or_else(|| malformed(format!("nothing proves misprint {name:?}")))?;
+        all.push(Erratum {
+            place: place.to_owned(),
+            printed: printed.to_owned(),
+            correct: correct.to_owned(),
+            shown: proof.shown,
+            holds: proof.holds,
+        });
+    }
+    match proofs.keys().next() {
+        Some(name) => Err(malformed(format!(
+            "data/errata.csv has no misprint {name:?}"
+        ))),
+        None => Ok(all),
+    }
+}
+
+/// A misprint's proof.
+pub(super) fn proof(misprint: &'static str, shown: Vec<Shown>, holds: bool) -> Proof {
+    Proof {
+        misprint,
+        shown,
+        holds,
+    }
 }
 
 pub(super) fn number(what: impl Into<String>, value: f64, unit: &'static str) -> Shown {
@@ -97,18 +148,18 @@ pub(super) fn word(what: impl Into<String>, value: impl Into<String>) -> Shown {
     }
 }
 
-pub(super) fn erratum(
-    place: &str,
-    printed: &str,
-    correct: &str,
-    shown: Vec<Shown>,
-    holds: bool,
-) -> Erratum {
-    Erratum {
-        place: place.to_owned(),
-        printed: printed.to_owned(),
-        correct: correct.to_owned(),
-        shown,
-        holds,
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_misprint_has_a_proof_and_every_proof_a_misprint() {
+        let table = "name,place,printed,correct\none,Eq. (1),a,b\n";
+        let of = |names: &[&'static str]| {
+            let proofs = names.iter().map(|name| proof(name, Vec::new(), true));
+            proven(table, proofs.collect())
+        };
+        assert_eq!(of(&["one"]).unwrap()[0].place, "Eq. (1)");
+        assert!(of(&[]).is_err() && of(&["one", "two"]).is_err());
     }
 }

@@ -3,7 +3,7 @@
 
 use rayon::prelude::*;
 
-use super::{Erratum, count, erratum, number};
+use super::{Proof, count, number, proof};
 use crate::report::until_escape;
 use stickslip::error::Error;
 use stickslip::filippov::{Options, solve};
@@ -49,17 +49,15 @@ fn sticks_and_ends(model: &ForcedOscillator) -> Result<(usize, usize), Error> {
         .fold((0, 0), |sum, one| (sum.0 + one.0, sum.1 + one.1)))
 }
 
-pub(super) fn sign_of_friction() -> Result<Erratum, Error> {
+pub(super) fn sign_of_friction() -> Result<Proof, Error> {
     let model = ForcedOscillator::default();
     let printed = ForcedOscillator {
         mu0: -model.mu0,
         ..model
     };
     let (with_plus, with_minus) = (sticks_and_ends(&printed)?, sticks_and_ends(&model)?);
-    Ok(erratum(
-        "Eq. (17)",
-        "friction enters with +T(v)",
-        "-T(v), as in Eq. (4), Eq. (18) and the listing",
+    Ok(proof(
+        "sign_of_friction",
         vec![
             count("starts followed", starts().len()),
             count("stick phases with +T", with_plus.0),
@@ -73,7 +71,7 @@ pub(super) fn sign_of_friction() -> Result<Erratum, Error> {
     ))
 }
 
-pub(super) fn spring_signs() -> Result<Erratum, Error> {
+pub(super) fn spring_signs() -> Result<Proof, Error> {
     let first = BeltOscillator::default();
     // The same mass, belt and friction, and no forcing: what differs is the spring.
     let second = ForcedOscillator {
@@ -95,11 +93,8 @@ pub(super) fn spring_signs() -> Result<Erratum, Error> {
         escapes_first += usize::from(follow(&first, x, span)?.1);
         escapes_second += usize::from(follow(&second, x, span)?.1);
     }
-    Ok(erratum(
-        "Eq. (1) against Eq. (17)",
-        "the springs of the two models have opposite signs, without a word: a double well in the first, a softening spring that \
-         lets bodies escape in the second",
-        "sigma, the only function both share, cannot tell them apart; the dynamics can",
+    Ok(proof(
+        "spring_signs",
         vec![
             number("largest difference of sigma, |z| <= 1.5", sigma, "m²/s⁴"),
             count(

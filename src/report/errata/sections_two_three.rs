@@ -1,6 +1,6 @@
 //! Misprints of Sects. 2 and 3: friction as a coefficient, critical points, the Hénon steps.
 
-use super::{Erratum, Shown, count, erratum, number, word};
+use super::{Proof, Shown, count, number, proof, word};
 use crate::numbers::{bisect, extent};
 use crate::paper::claim_id::ClaimId;
 use crate::paper::published::Claims;
@@ -31,7 +31,7 @@ fn least_holding(model: &BeltOscillator) -> f64 {
 }
 
 /// A coefficient would not scale with the spring, and would with the mass.
-pub(super) fn unit_of_mu0() -> Erratum {
+pub(super) fn unit_of_mu0() -> Proof {
     let printed = BeltOscillator::default();
     let plain = least_holding(&printed);
     let stiffer = least_holding(&BeltOscillator {
@@ -43,10 +43,8 @@ pub(super) fn unit_of_mu0() -> Erratum {
         mass: 2.0,
         ..printed
     });
-    erratum(
-        "Eq. (2), (13)",
-        "mu0 is called a coefficient of static friction, although the normal force mg has been left out of T",
-        "mu0 is a force in newtons; the coefficient is mu0/(mg)",
+    proof(
+        "unit_of_mu0",
         vec![
             number(
                 "least mu0 at which the body sticks all over the zone",
@@ -69,7 +67,7 @@ pub(super) fn unit_of_mu0() -> Erratum {
 }
 
 /// Eq. (12) finds where σ is stationary, and calls that tangent points.
-pub(super) fn critical_points() -> Result<Erratum, ReportError> {
+pub(super) fn critical_points() -> Result<Proof, ReportError> {
     let model = BeltOscillator::default();
     let points = Claims::committed()?
         .of(ClaimId::Eq12CriticalPoints)
@@ -94,10 +92,8 @@ pub(super) fn critical_points() -> Result<Erratum, ReportError> {
             Fate::Repelling => {}
         }
     }
-    Ok(erratum(
-        "Eq. (12)",
-        "the points where sigma is stationary are called tangent points",
-        "critical points of sigma; they are tangent points only for the values of mu0 in Eq. (13), and the tangent points for the mu0 of Fig. 4 are those of Eq. (16)",
+    Ok(proof(
+        "critical_points",
         vec![
             count("points of Eq. (12)", points.len()),
             count(
@@ -124,7 +120,7 @@ pub(super) fn critical_points() -> Result<Erratum, ReportError> {
 
 /// Eq. (13) has a negative value of μ0 too, at which the continuous stick zone is said to exist as
 /// well.
-pub(super) fn negative_friction() -> Result<Erratum, ReportError> {
+pub(super) fn negative_friction() -> Result<Proof, ReportError> {
     let values = Claims::committed()?.of(ClaimId::Eq13CriticalMu0).values();
     let along = |mu0: f64| {
         let model = BeltOscillator {
@@ -142,10 +138,8 @@ pub(super) fn negative_friction() -> Result<Erratum, ReportError> {
     };
     let (negative, positive) = extent(values.iter().copied());
     let (sticks, repels) = (along(positive), along(negative));
-    Ok(erratum(
-        "Sect. 2 on Eq. (13)",
-        "at mu0(2) and mu0(3), which is negative, the stick zone is continuous",
-        "at mu0(2) only: a negative mu0 drives slip on, and both fields lead away from the zone",
+    Ok(proof(
+        "negative_friction",
         vec![
             count(
                 format!("of {PLACES} places of the zone, sticking at mu0(2)"),
@@ -159,7 +153,7 @@ pub(super) fn negative_friction() -> Result<Erratum, ReportError> {
 }
 
 /// Sect. 3 names Eq. (12) for the system that is to be solved.
-pub(super) fn wrong_reference() -> Result<Erratum, ReportError> {
+pub(super) fn wrong_reference() -> Result<Proof, ReportError> {
     // What has a solution: the orbit of Eq. (5) through each member of Eq. (12), off the belt's
     // speed.
     const SPAN: f64 = 30.0;
@@ -182,10 +176,8 @@ pub(super) fn wrong_reference() -> Result<Erratum, ReportError> {
         Ok(found)
     };
     let (printed, slower) = (crossings(1.0)?, crossings(0.3)?);
-    Ok(erratum(
-        "Sect. 3",
-        "the discontinuous dynamical system is said to be given by Eq. (12), a set of five numbers",
-        "by Eq. (5): from one and the same set of points it moves differently for another speed of the belt, which Eq. (12) does not contain",
+    Ok(proof(
+        "wrong_reference",
         vec![
             count("members of Eq. (12)", points.len()),
             count(
@@ -198,14 +190,12 @@ pub(super) fn wrong_reference() -> Result<Erratum, ReportError> {
     ))
 }
 
-pub(super) fn step_from_above(accuracy: &Accuracy) -> Erratum {
+pub(super) fn step_from_above(accuracy: &Accuracy) -> Proof {
     let [_, text] = &accuracy.text;
     let [_, stated] = &accuracy.stated;
     let listing = &accuracy.printed_sign;
-    erratum(
-        "Sect. 3 and listing line 66",
-        "coming from x2 > vp the Hénon step in velocity is x2 - vp",
-        "vp - x2 from either side",
+    proof(
+        "step_from_above",
         vec![
             off("event time off at h = 1e-4 s, step of the text", text),
             off("the same in the listing, all else mended", listing),
@@ -221,7 +211,7 @@ fn off(what: &str, errors: &EventErrors) -> Shown {
 
 /// Eq. (15) takes an acceleration for a velocity: on the belt it is one that vanishes where the
 /// step ends.
-pub(super) fn time_in_stick(accuracy: &Accuracy) -> Erratum {
+pub(super) fn time_in_stick(accuracy: &Accuracy) -> Proof {
     let release = &accuracy.release;
     let [below, above] = &release.belt.literal;
     let corrected = &release.belt.corrected;
@@ -247,10 +237,8 @@ pub(super) fn time_in_stick(accuracy: &Accuracy) -> Erratum {
             &release.moving,
         ),
     ];
-    erratum(
-        "Eq. (15)",
-        "in a stick phase dt/dx1 is 1/f2",
-        "1/x2 = 1/vp, as in the listing; where the tangent points move, 1/(vp − Aω cos ωt) with the distance to the point as variable",
+    proof(
+        "time_in_stick",
         shown,
         corrected.is_accurate()
             && !release.belt.literal_is_accurate()

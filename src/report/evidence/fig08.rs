@@ -10,7 +10,7 @@ use crate::paper::published::{Claims, PublishedError};
 use crate::paper::reading::Reading::{AsPrinted, Exact};
 use crate::report::ReportError;
 use crate::report::digits::decimals;
-use crate::report::errata::{Erratum, count, erratum, number};
+use crate::report::errata::{Proof, count, number, proof};
 use crate::report::finding::Finding;
 use stickslip::analysis::{Destination, destination};
 use stickslip::error::Error;
@@ -76,7 +76,7 @@ fn from(x1: f64) -> Result<FromPoint, ReportError> {
 
 /// `fig08.start`: the caption's start, the third tangent point, and the listing's, which is `T[3]`,
 /// the fourth.
-pub(super) fn start() -> Result<(Vec<Finding>, Erratum), ReportError> {
+pub(super) fn start() -> Result<(Vec<Finding>, Proof), ReportError> {
     let points = Params::default().tangent_points;
     let (captioned, listed) = (from(points[2])?, from(points[3])?);
     let parts = [(
@@ -113,13 +113,7 @@ pub(super) fn start() -> Result<(Vec<Finding>, Erratum), ReportError> {
         rows.push(count(settles, from.digits));
     }
     let apart = captioned.first_release - listed.first_release;
-    let misprint = erratum(
-        "Fig. 8 caption",
-        "the start is the third tangent point",
-        "the listing starts from T[3], the fourth; the orbits differ until they settle",
-        rows,
-        apart.abs() > 1e-3,
-    );
+    let misprint = proof("start", rows, apart.abs() > 1e-3);
     Ok((
         vec![statement(Exact, parts, line), as_printed(printed)],
         misprint,
@@ -185,7 +179,7 @@ impl Sides {
 }
 
 /// `s4.arcs`: on which sides of Σ the slip phases lie, and which of them are the upper ones.
-pub(super) fn arcs() -> Result<(Vec<Finding>, Erratum), ReportError> {
+pub(super) fn arcs() -> Result<(Vec<Finding>, Proof), ReportError> {
     let model = ForcedOscillator::default();
     let (exact, listing) = (sides_of_model(&model)?, sides_of_listing()?);
     let line = format!(
@@ -200,10 +194,8 @@ pub(super) fn arcs() -> Result<(Vec<Finding>, Erratum), ReportError> {
         shown.push(number(highest, of.highest_in_s1, "m/s"));
         shown.push(number("least velocity in S2", of.lowest_in_s2, "m/s"));
     }
-    let misprint = erratum(
-        "Sect. 4.2",
-        "S1 holds the upper arcs of the trajectory and S2 the lower ones",
-        "S1 = {x2 < vp} holds the lower ones, S2 the upper",
+    let misprint = proof(
+        "regions",
         shown,
         !listing.s1_is_upper() && !exact.s1_is_upper(),
     );

@@ -16,7 +16,7 @@ mod zones;
 pub use motions::{ByProcedure, Shape, Shapes};
 
 use super::ReportError;
-use super::errata::Erratum;
+use super::errata::Proof;
 use super::figures::Computed;
 use super::finding::Finding;
 use crate::paper::claim_id::ClaimId;
@@ -34,7 +34,7 @@ pub struct Statements {
     /// Kinds of motion of Figs. 10, 11 and 12.
     pub shapes: Shapes,
     /// Misprints of Sect. 4.2 that the same numbers show, in the order of the report.
-    pub errata: Vec<Erratum>,
+    pub errata: Vec<Proof>,
 }
 
 impl Statements {
@@ -87,7 +87,7 @@ impl Statements {
             findings,
             by_procedure,
             shapes,
-            errata: vec![durations, start_erratum, regions, zone.erratum()],
+            errata: vec![durations, start_erratum, regions, zone.direction()],
             at_rest: zone.at_rest,
         })
     }

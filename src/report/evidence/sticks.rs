@@ -9,7 +9,7 @@ use crate::paper::listing::{End, StickPhase};
 use crate::paper::published::{Claims, PublishedError};
 use crate::paper::reading::Reading::Exact;
 use crate::paper::slip_times_three::{Injected, settled};
-use crate::report::errata::{Erratum, count, erratum, number};
+use crate::report::errata::{Proof, count, number, proof};
 use crate::report::finding::Finding;
 use stickslip::error::Error;
 use stickslip::models::ForcedOscillator;
@@ -254,15 +254,13 @@ fn until_tangent_with(followed: &Followed, sticks_of_fig08: usize) -> Vec<Findin
 
 /// `s4.length_is_way`: durations less lengths over the belt's speed (s), and the misprint that
 /// follows.
-pub(super) fn length_is_way(
-    followed: &Followed,
-) -> Result<(Vec<Finding>, Erratum), PublishedError> {
+pub(super) fn length_is_way(followed: &Followed) -> Result<(Vec<Finding>, Proof), PublishedError> {
     let claims = Claims::committed()?;
     let published = ClaimId::FOUR.map(|id| claims.value(id));
     Ok(length_is_way_of(followed, published))
 }
 
-fn length_is_way_of(followed: &Followed, published: [f64; 4]) -> (Vec<Finding>, Erratum) {
+fn length_is_way_of(followed: &Followed, published: [f64; 4]) -> (Vec<Finding>, Proof) {
     let belt = ForcedOscillator::default().belt_speed;
     let excess = |four: [f64; 4]| [four[2] - four[0] / belt, four[3] - four[1] / belt];
     let published = excess(published);
@@ -305,10 +303,8 @@ fn length_is_way_of(followed: &Followed, published: [f64; 4]) -> (Vec<Finding>, 
     rows.push(count("stick phases of the stated model", sticks.len()));
     rows.push(number("largest difference among them", of_model, "s"));
     let longer = published.iter().chain(&listing).all(|one| *one > rounding);
-    let misprint = erratum(
-        "Sect. 4.2",
-        "the stick phases' durations are longer than their lengths over the belt's speed",
-        "equal: the body rides the belt",
+    let misprint = proof(
+        "durations",
         rows,
         longer && !sticks.is_empty() && of_model <= NONE,
     );

@@ -6,7 +6,7 @@ use super::stick_phases::TangentSet;
 use super::{small, statement};
 use crate::numbers::{bisect, changes, extent, largest, missing};
 use crate::paper::reading::Reading::Exact;
-use crate::report::errata::{Erratum, erratum, number, word};
+use crate::report::errata::{Proof, number, proof, word};
 use crate::report::finding::Finding;
 use crate::report::scan::{Class, Point, starts};
 use crate::text::joined;
@@ -172,17 +172,15 @@ impl Oscillation {
     }
 
     /// The direction in which the zone is said to oscillate.
-    pub(super) fn erratum(&self) -> Erratum {
+    pub(super) fn direction(&self) -> Proof {
         let which = match (self.travel_x1 > 0.0, self.travel_x2 > 0.0) {
             (true, true) => "both",
             (true, false) => "x1",
             (false, true) => "x2",
             (false, false) => "neither",
         };
-        erratum(
-            "Sect. 4.2",
-            "the stick zone oscillates along x2",
-            "along x1: on the discontinuity zone x2 is always vp",
+        proof(
+            "direction",
             vec![
                 number(
                     "travel of the zone's end in x1 over a period",
@@ -385,12 +383,12 @@ mod tests {
         let found = Oscillation::of(&model, &set);
         assert_eq!(found.zone()[0].parts(), [true, false], "{found:?}");
         assert_eq!(found.boundary()[0].parts(), [false, true]);
-        assert!(found.erratum().holds);
+        assert!(found.direction().holds);
         let along_x2 = Oscillation {
             travel_x2: 0.1,
             ..found.clone()
         };
-        assert!(!along_x2.erratum().holds);
+        assert!(!along_x2.direction().holds);
         let at_rest = Oscillation {
             travel_x1: 0.0,
             ..found

@@ -2,6 +2,7 @@
 
 use crate::numbers::largest;
 use crate::paper::pattern::two_periodic;
+use crate::text::described;
 use stickslip::analysis::{Destination, destination};
 use stickslip::dynamics::{Components, Vector};
 use stickslip::error::Error;
@@ -9,40 +10,27 @@ use stickslip::filippov::{AtRepelling, Options, TransitionKind, solve};
 use stickslip::models::ForcedOscillator;
 use stickslip::system::{Mode, State, Unchecked};
 
-/// What a start leads to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Class {
-    /// Out of the spring's reach.
-    Escape,
-    /// Periodic without stick.
-    SlipOnly,
-    /// Periodic with stick in each forcing period or with a period other than two.
-    StickSlip,
-    /// Periodic with stick, repeating after two forcing periods and not after one, as published.
-    StickSlipTwo,
-    /// Nothing repeats within eight forcing periods.
-    Unsettled,
+described! {
+    /// What a start leads to.
+    Class: &'static str {
+        /// Out of the spring's reach.
+        Escape = "escapes",
+        /// Periodic without stick.
+        SlipOnly = "slip_only",
+        /// Periodic with stick in each forcing period or with a period other than two.
+        StickSlip = "stick_slip_other",
+        /// Periodic with stick, repeating after two forcing periods and not after one, as
+        /// published.
+        StickSlipTwo = "stick_slip_period_two",
+        /// Nothing repeats within eight forcing periods.
+        Unsettled = "unsettled",
+    }
 }
 
 impl Class {
-    /// All of them, in the order of the table's columns, by which they are counted.
-    pub const ALL: [Class; 5] = [
-        Class::Escape,
-        Class::SlipOnly,
-        Class::StickSlip,
-        Class::StickSlipTwo,
-        Class::Unsettled,
-    ];
-
     /// Its name in tables.
     pub fn name(self) -> &'static str {
-        match self {
-            Class::Escape => "escapes",
-            Class::SlipOnly => "slip_only",
-            Class::StickSlip => "stick_slip_other",
-            Class::StickSlipTwo => "stick_slip_period_two",
-            Class::Unsettled => "unsettled",
-        }
+        self.described()
     }
 }
 
