@@ -4,10 +4,12 @@ use sha2::{Digest, Sha256};
 
 use super::chance::{Level, Share, alone, digits};
 use super::error::ReadingsError;
-use super::judge::{BorneOut, DigitsMet, ExponentSpread, Pairs, Rows, exponents, sources, target};
+use super::judge::{
+    BorneOut, ExponentSpread, Pairs, Rows, exponents, meeting, sources, target, twelve,
+};
 use super::plan::{self, Plan};
 use super::search;
-use super::table::{Row, Verdict};
+use super::table::Row;
 
 /// The committed table of all readings.
 const TABLE: &str = include_str!("../../golden/readings.csv");
@@ -31,17 +33,17 @@ pub struct Committed {
     pub ranked_from: [usize; 3],
     /// Pairs of reading and integrator, by class.
     pub pairs: Pairs,
-    /// How often configurations that keep all three motions meet the published exponents to the
-    /// printed digits.
-    pub digits: DigitsMet,
+    /// By how many configurations that keep all three motions each published exponent is met to
+    /// the printed digits.
+    pub digits: [[usize; 4]; 3],
     /// How near the configurations that keep all three motions come to all twelve exponents
     /// together, and how near the ranked ones.
     pub together: [Level; 2],
     /// How near the nearest of all configurations comes to each figure by itself, and which that
     /// is.
     pub alone: [(Level, Match); 3],
-    /// The motions of each pair of reading and integrator.
-    pub motions: Vec<Match>,
+    /// A row of each pair of reading and integrator, for its motions.
+    pub motions: Vec<Row>,
     /// How often targets drawn for an exponent are met by as many of these configurations as the
     /// published one. Nothing where none meets it.
     pub digits_by_chance: [[Option<Share>; 4]; 3],
@@ -52,39 +54,13 @@ pub struct Committed {
     pub borne_out: BorneOut,
 }
 
-/// A reading with an integrator, and its three motions.
+/// A row with its three motions in words, of an escape with its time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Match {
-    /// The reading.
-    pub reading: String,
-    /// The integrator.
-    pub integrator: String,
-    /// Class of each figure's motion.
-    pub classes: [Verdict; 3],
-    /// Half the extent of each figure's x₁; NaN where the motion does not stay.
-    pub amplitudes: [f64; 3],
-    /// The motions in words, of an escape with its time where that was looked up.
+    /// The row.
+    pub row: Row,
+    /// Its motions.
     pub motions: [String; 3],
-}
-
-impl Match {
-    fn of(row: &Row, motions: [String; 3]) -> Match {
-        let [_, reading, integrator, _] = row.key.clone();
-        Match {
-            reading,
-            integrator,
-            classes: row.classes,
-            amplitudes: row.sizes.map(|[amplitude, _]| amplitude),
-            motions,
-        }
-    }
-
-    /// What becomes of the figures other than one (0, 1, 2), in words.
-    pub fn others(&self, figure: usize) -> String {
-        let of = |f: usize| format!("Fig. {} {}", f + 10, self.motions[f]);
-        let others: Vec<String> = (0..3).filter(|f| *f != figure).map(of).collect();
-        others.join(", ")
-    }
 }
 
 impl Committed {
@@ -118,16 +94,18 @@ impl Committed {
             pairs,
             recommended,
         } = Rows::of(&rows);
-        let met = DigitsMet::count(&kept, &published);
+        let met = twelve(|exponent| meeting(&kept, exponent, &published));
         let alone = alone(&search, &target, plan.draws).ok_or_else(incomplete)?;
-        let in_short = |row: &Row| Match::of(row, row.classes.map(|class| class.to_string()));
         let digest = Sha256::digest(table.as_bytes());
-        let by_chance = |figure: usize, k: usize| {
-            let met = met.by[figure][k];
+        let by_chance = |(figure, k): (usize, usize)| {
+            let met = met[figure][k];
             (met > 0).then(|| digits(&kept, (figure, k), met, plan.draws))
         };
-        let spread = |figure, k| ExponentSpread::of(&recommended, (figure, k), &published);
         let level = |rows| Level::of(rows, &kept, (&target, &[0, 1, 2]), plan.draws);
+        let found = |(level, row): (Level, &Row)| {
+            let (row, motions) = (row.clone(), search::motions(&plan, row));
+            (level, Match { row, motions })
+        };
         Ok(Committed {
             file: FILE,
             sha256: digest.iter().map(|byte| format!("{byte:02x}")).collect(),
@@ -137,10 +115,10 @@ impl Committed {
             ranked_from: sources(&ranked),
             pairs: Pairs::count(&pairs),
             together: [level(&kept), level(&ranked)],
-            alone: alone.map(|(level, row)| (level, Match::of(row, search::motions(&plan, row)))),
-            motions: pairs.into_iter().map(in_short).collect(),
-            digits_by_chance: [0, 1, 2].map(|f| [0, 1, 2, 3].map(|k| by_chance(f, k))),
-            spread: [0, 1, 2].map(|f| [0, 1, 2, 3].map(|k| spread(f, k))),
+            alone: alone.map(found),
+            motions: pairs.into_iter().cloned().collect(),
+            digits_by_chance: twelve(by_chance),
+            spread: twelve(|exponent| ExponentSpread::of(&recommended, exponent, &published)),
             borne_out: BorneOut::count(&recommended),
             digits: met,
         })

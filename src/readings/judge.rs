@@ -2,8 +2,9 @@
 
 use std::collections::BTreeSet;
 
-use super::plan::{CAP, FLOOR, Group, Part, ZERO};
+use super::plan::{CAP, FLOOR, Group, SEARCH, ZERO};
 use super::table::{Row, Twelve, Verdict};
+use crate::numbers::extent;
 use crate::paper::claim_id::SpectrumFigure;
 use crate::paper::published::{Claim, Claims, PublishedError};
 use stickslip_series::Status;
@@ -65,7 +66,7 @@ impl<'a> Rows<'a> {
     /// All of a table, in its order.
     pub fn of(rows: &'a [Row]) -> Rows<'a> {
         let of = |is: &dyn Fn(&Row) -> bool| rows.iter().filter(|row| is(row)).collect();
-        let competes = |row: &Row| row.key[0] == Part::Search.name();
+        let competes = |row: &Row| row.key[0] == SEARCH;
         let search: Vec<&Row> = of(&competes);
         let mut pairs = search.clone();
         pairs.dedup_by(|one, other| one.key[1..3] == other.key[1..3]);
@@ -157,32 +158,15 @@ impl Pairs {
     }
 }
 
-/// How often each published exponent is met to all printed digits.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct DigitsMet {
-    /// By how many configurations each exponent of each figure is.
-    pub by: [[usize; 4]; 3],
-    /// The most exponents of the twelve that one configuration meets.
-    pub most: usize,
+/// How many rows give the printed digits of exponent `k` of a figure, both from 0.
+pub fn meeting(rows: &[&Row], (figure, k): (usize, usize), published: &Exponents) -> usize {
+    let agrees = |row: &&&Row| published[figure][k].agrees(row.exponents[figure][k]);
+    rows.iter().filter(agrees).count()
 }
 
-impl DigitsMet {
-    /// Of some rows.
-    pub fn count(rows: &[&Row], published: &Exponents) -> DigitsMet {
-        let mut met = DigitsMet::default();
-        for row in rows {
-            let mut of_row = 0;
-            let values = row.exponents.as_flattened();
-            let claims = published.as_flattened().iter().zip(values);
-            for (by, (claim, value)) in met.by.as_flattened_mut().iter_mut().zip(claims) {
-                let agrees = usize::from(claim.agrees(*value));
-                *by += agrees;
-                of_row += agrees;
-            }
-            met.most = met.most.max(of_row);
-        }
-        met
-    }
+/// One value for each exponent of each figure.
+pub fn twelve<T>(of: impl Fn((usize, usize)) -> T) -> [[T; 4]; 3] {
+    [0, 1, 2].map(|figure| [0, 1, 2, 3].map(|k| of((figure, k))))
 }
 
 /// What all settings make of one exponent.
@@ -215,32 +199,27 @@ pub struct Values {
 impl ExponentSpread {
     /// Of exponent `k` of a figure, both from 0.
     pub fn of(rows: &[&Row], (figure, k): (usize, usize), published: &Exponents) -> ExponentSpread {
-        let status = |row: &&Row| row.statuses[figure][k];
-        let value = |row: &&Row| row.exponents[figure][k];
         let having = |statuses: &[Status]| {
-            let has = |row: &&&Row| statuses.iter().any(|one| one.word() == status(row));
+            let has = |row: &&&Row| statuses.iter().any(|s| s.word() == row.statuses[figure][k]);
             rows.iter().filter(has).count()
         };
+        let unidentified = Status::Unidentified.word();
         let identified = rows
             .iter()
-            .filter(|row| status(row) != Status::Unidentified.word());
-        let finite = identified.map(value).filter(|value| value.is_finite());
-        let mut finite: Vec<f64> = finite.collect();
-        finite.sort_by(f64::total_cmp);
-        let values = || {
-            Some(Values {
-                least: *finite.first()?,
-                median: median(&finite)?,
-                largest: *finite.last()?,
-            })
-        };
-        let agrees = |row: &&&Row| published[figure][k].agrees(value(row));
+            .filter(|row| row.statuses[figure][k] != unidentified);
+        let finite = identified.map(|row| row.exponents[figure][k]);
+        let finite: Vec<f64> = finite.filter(|value| value.is_finite()).collect();
+        let (least, largest) = extent(finite.iter().copied());
         ExponentSpread {
-            values: values(),
+            values: median(&finite).map(|median| Values {
+                least,
+                median,
+                largest,
+            }),
             settings: rows.len(),
             unidentified: having(&[Status::Unidentified]),
             doubtful: having(&[Status::Starved, Status::Unpredictable]),
-            met: rows.iter().filter(agrees).count(),
+            met: meeting(rows, (figure, k), published),
         }
     }
 }

@@ -33,11 +33,11 @@ use output::{Artifact, write_all};
 pub use chance::{Level, Share};
 pub use committed::{Committed, Match};
 pub use error::ReadingsError;
-pub use judge::{BorneOut, DigitsMet, ExponentSpread, Pairs, Values, sources_in_words};
+pub use judge::{BorneOut, ExponentSpread, Pairs, Values, sources_in_words};
 use plan::Plan;
 pub use plan::{Integrator, ZERO};
 use store::{Store, TABLE};
-pub use table::Verdict;
+pub use table::{Row, Verdict, others};
 
 /// Name of the summary.
 const SUMMARY: &str = "readings.txt";
@@ -168,9 +168,8 @@ mod tests {
     use super::*;
     use crate::figures::block_and_bracket::best_common;
     use judge::Rows;
-    use plan::{Group, Setting};
+    use plan::{Group, Unit};
     use stickslip::models::Reading;
-    use table::Row;
 
     fn committed(name: &str) -> String {
         let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -227,7 +226,7 @@ mod tests {
             .filter(|row| !row.key[3].contains("absolute") && !row.key[3].contains("of ranges"))
             .collect();
         let best = summary::least(&search, Row::kinds_first).unwrap();
-        let setting = Setting::of_spread(best_common());
+        let setting = (Unit::Spread, best_common());
         assert_eq!(best.key[3], plan::settings_name(&setting));
         // The figures compute the same exponents anew, in the same order of size.
         for figure in 0..3 {

@@ -34,12 +34,10 @@ impl Bounded {
     /// From the series, times and states of the returns, and the class.
     pub fn new(series: Vec<[f64; 4]>, section: &[(f64, [f64; 4])], class: Class) -> Bounded {
         let (low, high) = extent(series.iter().map(|x| x[0]));
+        let points: Vec<[f64; 4]> = section.iter().map(|(_, x)| *x).collect();
         let dimension = match class {
             Class::Periodic(_) => f64::NAN,
-            _ => {
-                let points: Vec<[f64; 4]> = section.iter().map(|(_, x)| *x).collect();
-                correlation_dimension(&points)
-            }
+            _ => correlation_dimension(&points),
         };
         Bounded {
             series,
@@ -99,9 +97,8 @@ fn solved(system: &BlockAndBracket, start: State<4>, plan: &Plan, method: Method
     let stayed = run(system, 0.0, start, t_end, &options, &mut alone);
     match stayed.map_err(Error::from) {
         Ok(summary) if summary.ending == Ending::EndTime => {}
-        Ok(_) => return Outcome::Failed,
         Err(Error::Escaped { t, .. }) => return Outcome::Escaped(t),
-        Err(_) => return Outcome::Failed,
+        _ => return Outcome::Failed,
     }
     let settings = SpectrumOptions::over(plan.from, plan.duration()).solver(options);
     let mut watch = Watch::new(system, &options, plan);
@@ -186,11 +183,11 @@ fn in_place(system: &BlockAndBracket, start: State<4>, h: f64, plan: &Plan) -> O
     };
     let closing = Evidence::gather(&section, (Of::ReturnMap, &[], 1.0), &criterion).class();
     let mut motion = Bounded::new(series, &section, closing);
-    if closing == Class::Undecided && motion.dimension < CURVE {
-        motion.class = Class::QuasiPeriodic;
-    } else if closing == Class::Undecided && motion.dimension >= CURVE {
-        motion.class = Class::Chaotic;
-    }
+    motion.class = match closing {
+        Class::Undecided if motion.dimension < CURVE => Class::QuasiPeriodic,
+        Class::Undecided if motion.dimension >= CURVE => Class::Chaotic,
+        closing => closing,
+    };
     Outcome::Bounded(motion)
 }
 

@@ -28,25 +28,11 @@ impl Integrator {
     }
 }
 
-/// Why a configuration is in the table.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Part {
-    /// It competes.
-    Search,
-    /// With the search's settings it measures how far these alone move the estimate, for the
-    /// recommended reading.
-    Spread,
-}
-
-impl Part {
-    /// Name in the table.
-    pub fn name(self) -> &'static str {
-        match self {
-            Part::Search => "search",
-            Part::Spread => "spread",
-        }
-    }
-}
+/// Part of the table whose rows compete.
+pub const SEARCH: &str = "search";
+/// Part that with the search's settings measures how far these alone move the estimate, for the
+/// recommended reading.
+pub const SPREAD: &str = "spread";
 
 /// What the radius of a ball of neighbours is measured in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,24 +45,8 @@ pub enum Unit {
     Ranges,
 }
 
-/// A way to estimate.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Setting {
-    /// What its radius is measured in.
-    pub unit: Unit,
-    /// Everything else.
-    pub data: DataSettings,
-}
-
-impl Setting {
-    /// With a radius in units of the spread, as the library has it.
-    pub fn of_spread(data: DataSettings) -> Setting {
-        Setting {
-            unit: Unit::Spread,
-            data,
-        }
-    }
-}
+/// A way to estimate: everything but the radius of balls, and what that is measured in.
+pub type Setting = (Unit, DataSettings);
 
 /// A reading and an integrator, whose three trajectories serve all settings.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -180,11 +150,8 @@ impl Plan {
                 &[Integrator::Exact, Integrator::InPlace(1e-2)],
             ),
             search: vec![
-                Setting::of_spread(settings(0.1, 40, 1, false)),
-                Setting {
-                    unit: Unit::Ranges,
-                    data: settings(0.2, 40, 3, true),
-                },
+                (Unit::Spread, settings(0.1, 40, 1, false)),
+                (Unit::Ranges, settings(0.2, 40, 3, true)),
             ],
             spread: of_spread(vec![
                 settings(0.1, 40, 3, false),
@@ -204,15 +171,13 @@ impl Plan {
     }
 
     /// The settings of a group, with the part they belong to.
-    pub fn settings_of(&self, group: &Group) -> Vec<(Part, Setting)> {
-        let of = |part, list: &[Setting]| -> Vec<(Part, Setting)> {
-            list.iter().map(|one| (part, one.clone())).collect()
-        };
-        let mut all = of(Part::Search, &self.search);
-        if *group == Group::recommended() {
-            all.extend(of(Part::Spread, &self.spread));
-        }
-        all
+    pub fn settings_of(&self, group: &Group) -> Vec<(&'static str, Setting)> {
+        let recommended = *group == Group::recommended();
+        let search = self.search.iter().map(|one| (SEARCH, one.clone()));
+        let spread = self.spread.iter().filter(|_| recommended);
+        search
+            .chain(spread.map(|one| (SPREAD, one.clone())))
+            .collect()
     }
 
     /// Length of the series.
@@ -265,14 +230,14 @@ impl Plan {
 }
 
 fn groups(readings: &[Reading], integrators: &[Integrator]) -> Vec<Group> {
-    let pairs = readings.iter().flat_map(|&reading| {
+    let with = |&reading: &Reading| {
         let group = move |&integrator| Group {
             reading,
             integrator,
         };
         integrators.iter().map(group)
-    });
-    pairs.collect()
+    };
+    readings.iter().flat_map(with).collect()
 }
 
 /// All signs, clipped or not, with the three ways in which amplitude and unloading make sense
@@ -359,7 +324,10 @@ fn settings(eps: f64, max: usize, step: usize, affine: bool) -> DataSettings {
 }
 
 fn of_spread(settings: Vec<DataSettings>) -> Vec<Setting> {
-    settings.into_iter().map(Setting::of_spread).collect()
+    settings
+        .into_iter()
+        .map(|one| (Unit::Spread, one))
+        .collect()
 }
 
 fn search_settings() -> Vec<Setting> {
@@ -384,18 +352,16 @@ fn search_settings() -> Vec<Setting> {
             ..settings(0.1, MANY, 1, false)
         },
     ]);
-    let others = [
+    all.extend([
         (Unit::Absolute, settings(0.2, MANY, 1, true)),
         (Unit::Absolute, settings(0.05, 100, 3, false)),
         (Unit::Ranges, settings(0.1, MANY, 3, true)),
-    ];
-    all.extend(others.map(|(unit, data)| Setting { unit, data }));
+    ]);
     all
 }
 
 /// The name of settings in the table.
-pub fn settings_name(setting: &Setting) -> String {
-    let (unit, settings) = (setting.unit, &setting.data);
+pub fn settings_name((unit, settings): &Setting) -> String {
     let unit = match unit {
         Unit::Spread => "",
         Unit::Absolute => " absolute",
@@ -407,29 +373,36 @@ pub fn settings_name(setting: &Setting) -> String {
     };
     let fit = if settings.affine { "affine" } else { "linear" };
     let or = |value: Option<usize>, none: &str| value.map_or(none.to_owned(), |v| v.to_string());
-    format!(
-        "{neighbours} d={} stride={} {fit} ridge={:e} theiler={} rank={} rank-tolerance={:e} references={}",
-        settings.step,
-        settings.stride,
-        settings.ridge,
+    let DataSettings {
+        step,
+        stride,
+        ridge,
+        rank_tolerance,
+        ..
+    } = settings;
+    let (theiler, rank) = (
         or(settings.theiler, "auto"),
         or(settings.fixed_rank, "auto"),
-        settings.rank_tolerance,
-        or(settings.references, "all"),
+    );
+    let references = or(settings.references, "all");
+    format!(
+        "{neighbours} d={step} stride={stride} {fit} ridge={ridge:e} theiler={theiler} rank={rank} rank-tolerance={rank_tolerance:e} references={references}"
     )
 }
 
 /// The keys of a group's rows, in order.
 pub fn keys(plan: &Plan, group: &Group) -> Vec<[String; 4]> {
-    let key = |(part, settings): &(Part, _)| {
+    let (reading, integrator) = (reading_name(&group.reading), group.integrator.name());
+    let key = |(part, settings): (&str, Setting)| {
+        let settings = settings_name(&settings);
         [
-            part.name().to_owned(),
-            reading_name(&group.reading),
-            group.integrator.name(),
-            settings_name(settings),
+            part.to_owned(),
+            reading.clone(),
+            integrator.clone(),
+            settings,
         ]
     };
-    plan.settings_of(group).iter().map(key).collect()
+    plan.settings_of(group).into_iter().map(key).collect()
 }
 
 /// Neighbourhoods by count and by radius, none so small that it starves. A radius is a fraction of

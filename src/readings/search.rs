@@ -7,34 +7,30 @@ use super::table::{self, Row, Twelve, Verdict};
 use crate::numbers::extent;
 use stickslip_series::{Neighbourhood, Series, data_spectrum};
 
-/// A series with its spread, and the same with every column scaled by its range.
+/// A series with its spread `√Σ var`, and the same with every column scaled by its range.
 struct Scaled {
-    plain: (Series, f64),
-    by_range: (Series, f64),
+    plain: Series,
+    spread: f64,
+    by_range: Series,
 }
 
 impl Scaled {
     fn of(rows: &[[f64; 4]]) -> Option<Scaled> {
-        let with_spread = |rows: &[[f64; 4]]| {
-            let n = rows.len() as f64;
-            let mean = |c: usize| rows.iter().map(|x| x[c]).sum::<f64>() / n;
-            let means = [0, 1, 2, 3].map(mean);
-            let square = |x: &[f64; 4]| -> f64 {
-                (0..4).map(|c| (x[c] - means[c]) * (x[c] - means[c])).sum()
-            };
-            let variance = rows.iter().map(square).sum::<f64>() / n;
-            let series = Series::from_rows(rows.iter().copied(), DT).ok()?;
-            Some((series, variance.sqrt()))
-        };
+        let column = |c: usize| rows.iter().map(move |x| x[c]);
+        let n = rows.len() as f64;
+        let means = [0, 1, 2, 3].map(|c| column(c).sum::<f64>() / n);
+        let square =
+            |x: &[f64; 4]| -> f64 { (0..4).map(|c| (x[c] - means[c]) * (x[c] - means[c])).sum() };
+        let variance = rows.iter().map(square).sum::<f64>() / n;
         let ranges = [0, 1, 2, 3].map(|c| {
-            let (low, high) = extent(rows.iter().map(|x| x[c]));
+            let (low, high) = extent(column(c));
             high - low
         });
-        let scaled = |x: &[f64; 4]| [0, 1, 2, 3].map(|c| x[c] / ranges[c]);
-        let by_range: Vec<[f64; 4]> = rows.iter().map(scaled).collect();
+        let scaled = rows.iter().map(|x| [0, 1, 2, 3].map(|c| x[c] / ranges[c]));
         Some(Scaled {
-            plain: with_spread(rows)?,
-            by_range: with_spread(&by_range)?,
+            plain: Series::from_rows(rows.iter().copied(), DT).ok()?,
+            spread: variance.sqrt(),
+            by_range: Series::from_rows(scaled, DT).ok()?,
         })
     }
 }
@@ -57,37 +53,38 @@ pub fn group_rows(group: &Group, plan: &Plan, target: &Twelve) -> Vec<Row> {
             Err(table::LOST)
         };
     }
-    let mut rows = Vec::new();
     let keys = plan::keys(plan, group).into_iter();
-    for (key, (_, settings)) in keys.zip(plan.settings_of(group)) {
+    let configurations = keys.zip(plan.settings_of(group));
+    let row = |(key, (_, settings)): ([String; 4], (&str, Setting))| {
         let mut row = Row {
             classes,
             sizes,
             ..Row::empty(key)
         };
-        for figure in 0..3 {
-            (row.exponents[figure], row.statuses[figure]) = match &series[figure] {
+        for (figure, series) in series.iter().enumerate() {
+            (row.exponents[figure], row.statuses[figure]) = match series {
                 Ok(series) => spectrum(series, &settings),
                 Err(why) => none(why),
             };
         }
         row.scores = scores(&row.exponents, target);
-        rows.push(row);
-    }
-    rows
+        row
+    };
+    configurations.map(row).collect()
 }
 
 /// The three motions of a row in words. When an escape comes the table does not say, and it is
 /// cheap to follow the orbit that far once more.
 pub fn motions(plan: &Plan, row: &Row) -> [String; 3] {
     let group = plan.groups.iter().find(|group| group.has(row));
-    std::array::from_fn(|figure| {
+    let mut motions = row.motions();
+    for (figure, caption) in CAPTIONS.iter().enumerate() {
         let again = group.filter(|_| row.classes[figure] == Verdict::Escaped);
-        match again.map(|group| follow(group, &CAPTIONS[figure], plan)) {
-            Some(Outcome::Escaped(t)) => format!("escaped at t = {t:.1}"),
-            _ => row.classes[figure].to_string(),
+        if let Some(Outcome::Escaped(t)) = again.map(|group| follow(group, caption, plan)) {
+            motions[figure] = format!("escaped at t = {t:.1}");
         }
-    })
+    }
+    motions
 }
 
 type Four = ([f64; 4], [&'static str; 4]);
@@ -97,23 +94,21 @@ fn none(why: &'static str) -> Four {
 }
 
 /// Exponents in descending order, as the paper prints them, whatever their status.
-fn spectrum(scaled: &Scaled, setting: &Setting) -> Four {
-    let (series, unit) = match setting.unit {
-        Unit::Spread => (&scaled.plain.0, 1.0),
-        Unit::Absolute => (&scaled.plain.0, scaled.plain.1),
-        Unit::Ranges => (&scaled.by_range.0, scaled.by_range.1),
+fn spectrum(scaled: &Scaled, (unit, settings): &Setting) -> Four {
+    let (series, unit) = match unit {
+        Unit::Spread => (&scaled.plain, 1.0),
+        Unit::Absolute => (&scaled.plain, scaled.spread),
+        Unit::Ranges => (&scaled.by_range, 1.0),
     };
-    let mut settings = setting.data.clone();
+    let mut settings = settings.clone();
     if let Neighbourhood::Ball { eps, .. } = &mut settings.neighbours {
         *eps /= unit;
     }
+    let (mut values, mut statuses) = none(table::NO_ESTIMATE);
     let Ok(spectrum) = data_spectrum(series, &settings) else {
-        return none(table::NO_ESTIMATE);
+        return (values, statuses);
     };
-    let exponents = spectrum.exponents.iter();
-    let mut found: Vec<_> = exponents
-        .map(|one| (one.value, one.status.word()))
-        .collect();
+    let mut exponents = spectrum.exponents;
     let rank = |value: f64| {
         if value.is_nan() {
             f64::NEG_INFINITY
@@ -121,10 +116,9 @@ fn spectrum(scaled: &Scaled, setting: &Setting) -> Four {
             value
         }
     };
-    found.sort_by(|one, other| rank(other.0).total_cmp(&rank(one.0)));
-    let (mut values, mut statuses) = none(table::NO_ESTIMATE);
-    for (k, found) in found.into_iter().take(4).enumerate() {
-        (values[k], statuses[k]) = found;
+    exponents.sort_by(|one, other| rank(other.value).total_cmp(&rank(one.value)));
+    for (k, exponent) in exponents.iter().take(4).enumerate() {
+        (values[k], statuses[k]) = (exponent.value, exponent.status.word());
     }
     (values, statuses)
 }
@@ -162,7 +156,7 @@ mod tests {
             },
             ..everywhere(1)
         };
-        spectrum(&Scaled::of(rows).unwrap(), &Setting { unit, data })
+        spectrum(&Scaled::of(rows).unwrap(), &(unit, data))
     }
 
     #[test]

@@ -3,13 +3,14 @@
 use super::chance::{self, Level};
 use super::error::ReadingsError;
 use super::judge::{
-    self, DigitsMet, ExponentSpread, Exponents, Pairs, Rows, median, sources, sources_in_words,
+    self, ExponentSpread, Exponents, Pairs, Rows, median, meeting, sources, sources_in_words,
+    twelve,
 };
-use super::plan::{CAP, DT, FLOOR, Part, Plan, ZERO, described};
+use super::plan::{CAP, DT, FLOOR, Plan, SEARCH, ZERO, described};
 use super::search;
 use super::table::{Row, Twelve, Verdict};
 use crate::numbers::extent;
-use crate::text::distinct;
+use crate::text::{distinct, joined};
 
 /// The text of `readings.txt`.
 ///
@@ -21,7 +22,11 @@ pub fn summary(plan: &Plan, rows: &[Row], target: &Twelve) -> Result<String, Rea
     let mut text = tried(plan, rows.search.len());
     if let Some(alone) = chance::alone(&rows.search, target, plan.draws) {
         text += &motions(&rows.pairs);
-        text += &each_alone(plan, alone, target);
+        let each = alone.into_iter().enumerate();
+        text += &joined(
+            each.map(|(figure, one)| nearest(plan, figure, one, target)),
+            "",
+        );
     }
     if !rows.kept.is_empty() {
         text += &best(&rows.kept, target, &published);
@@ -35,16 +40,16 @@ pub fn summary(plan: &Plan, rows: &[Row], target: &Twelve) -> Result<String, Rea
 
 fn tried(plan: &Plan, found: usize) -> String {
     let settings = plan.groups.iter().flat_map(|group| plan.settings_of(group));
-    let total = settings.filter(|one| one.0 == Part::Search).count();
+    let total = settings.filter(|one| one.0 == SEARCH).count();
     let Plan {
         name, from, points, ..
     } = plan;
-    let mut text = format!(
+    let text = format!(
         "stickslip readings: {name} search, t from {from}, {points} points at dt = {DT}\n\n\
          Tried: {found} of {total} configurations (reading x integrator x estimator settings), each for all three figures.\n"
     );
     if found < total {
-        text += "The search is not complete: run it again to go on.\n";
+        return text + "The search is not complete: run it again to go on.\n";
     }
     text
 }
@@ -59,16 +64,20 @@ fn motions(pairs: &[&Row]) -> String {
         kind: [k10, k11, k12],
         kinds,
     } = Pairs::count(pairs);
-    let mut text = format!(
-        "Of {all} pairs of reading and integrator {kept} keep all three motions. As captioned, loops and all, Fig. 10 is in {c10}, Fig. 11 in {c11}, Fig. 12 in {c12}, \
-         all three in {classes}.\nIn kind, periodic with any number of loops passing for Fig. 10: {k10}, {k11}, {k12}, all three in {kinds}.\n\n\
-         By integrator: readings that keep all three motions, that have all three kinds; and of Fig. 11 where it stays: how often it is quasi-periodic,\n\
-         half the extent of x1, correlation dimension of the section:\n"
-    );
-    for integrator in distinct(pairs.iter().map(|row| row.key[2].as_str())) {
-        let of = pairs.iter().copied().filter(|row| row.key[2] == integrator);
+    let by_integrator = distinct(pairs.iter().map(|row| row.integrator()));
+    let by_integrator = by_integrator.into_iter().map(|integrator| {
+        let of = pairs
+            .iter()
+            .copied()
+            .filter(|row| row.integrator() == integrator);
         let of: Vec<&Row> = of.collect();
-        let all = Pairs::count(&of);
+        let Pairs {
+            all,
+            kept,
+            kind: [_, quasi_periodic, _],
+            kinds,
+            ..
+        } = Pairs::count(&of);
         let stays: Vec<&&Row> = of.iter().filter(|row| row.classes[1].stays()).collect();
         let range = |size: usize| {
             let (least, most) = extent(stays.iter().map(|row| row.sizes[1][size]));
@@ -76,54 +85,51 @@ fn motions(pairs: &[&Row]) -> String {
         };
         let of_fig11 = match stays.len() {
             0 => "stays in none".to_owned(),
-            count => format!("{} of {count}, {}, {}", all.kind[1], range(0), range(1)),
+            count => format!("{quasi_periodic} of {count}, {}, {}", range(0), range(1)),
         };
-        text += &format!(
-            "  {integrator:<20} {:>2} of {}, {}; Fig. 11 {of_fig11}\n",
-            all.kept, all.all, all.kinds
-        );
-    }
-    text + &format!(
-        "\nDistance: root mean square of |found - published| / (|published| + {FLOOR}), each at most {CAP}; a missing or infinite \
+        format!("  {integrator:<20} {kept:>2} of {all}, {kinds}; Fig. 11 {of_fig11}\n")
+    });
+    let by_integrator = joined(by_integrator, "");
+    format!(
+        "Of {all} pairs of reading and integrator {kept} keep all three motions. As captioned, loops and all, Fig. 10 is in {c10}, Fig. 11 in {c11}, Fig. 12 in {c12}, \
+         all three in {classes}.\nIn kind, periodic with any number of loops passing for Fig. 10: {k10}, {k11}, {k12}, all three in {kinds}.\n\n\
+         By integrator: readings that keep all three motions, that have all three kinds; and of Fig. 11 where it stays: how often it is quasi-periodic,\n\
+         half the extent of x1, correlation dimension of the section:\n{by_integrator}\
+         \nDistance: root mean square of |found - published| / (|published| + {FLOOR}), each at most {CAP}; a missing or infinite \
          exponent counts {CAP}.\nExponents in descending order, those marked ? (unidentified) or * (starved or unpredictable) included.\n\n"
     )
 }
 
-/// The nearest of all rows to each figure, and whether it can count.
-fn each_alone(plan: &Plan, alone: [(Level, &Row); 3], target: &Twelve) -> String {
-    let of = |(figure, (level, row)): (usize, (Level, &Row))| {
-        format!(
-            "Nearest to Fig. {} alone, motions aside:\n{}{}{}  \
-             three figures were looked at: the best of three is met so well by chance in {:.1} %\n  its motions: {}{}\n\n",
-            figure + 10,
-            describe(row),
-            exponents(row, target, figure),
-            level_of(&level),
-            level.random.best_of_three(),
-            search::motions(plan, row).join(", "),
-            if row.is_ranked() {
-                ""
-            } else {
-                ": a reading that loses a figure or gives it another kind of motion is no match and is not ranked"
-            }
-        )
+/// The nearest of all rows to a figure, and whether it can count.
+fn nearest(plan: &Plan, figure: usize, (level, row): (Level, &Row), target: &Twelve) -> String {
+    let (described, exponents) = (describe(row), exponents(row, target, figure));
+    let (chance, motions) = (
+        level.random.best_of_three(),
+        search::motions(plan, row).join(", "),
+    );
+    let counts = if row.is_ranked() {
+        ""
+    } else {
+        ": a reading that loses a figure or gives it another kind of motion is no match and is not ranked"
     };
-    alone.into_iter().enumerate().map(of).collect()
+    let (figure, level) = (figure + 10, level_of(&level));
+    format!(
+        "Nearest to Fig. {figure} alone, motions aside:\n{described}{exponents}{level}  \
+         three figures were looked at: the best of three is met so well by chance in {chance:.1} %\n  its motions: {motions}{counts}\n\n"
+    )
 }
 
 fn best(kept: &[&Row], target: &Twelve, published: &Exponents) -> String {
     let of = |(what, row): (&str, Option<&Row>)| {
         let row = row?;
-        let exponents: String = (0..3)
-            .map(|figure| exponents(row, target, figure))
-            .collect();
+        let (described, distance) = (describe(row), row.scores[3]);
+        let exponents = joined((0..3).map(|figure| exponents(row, target, figure)), "");
+        let kinds = row.right(Verdict::is_of_kind);
+        let classes = row.right(Verdict::is_published);
+        let met = twelve(|exponent| meeting(&[row], exponent, published));
+        let met: usize = met.as_flattened().iter().sum();
         Some(format!(
-            "{what}\n{}{exponents}  distance {:.3}; {} of 3 kinds of motion, {} of 3 classes; {} of 12 exponents to the printed digits\n\n",
-            describe(row),
-            row.scores[3],
-            row.right(Verdict::is_of_kind),
-            row.right(Verdict::is_published),
-            DigitsMet::count(&[row], published).most
+            "{what}\n{described}{exponents}  distance {distance:.3}; {kinds} of 3 kinds of motion, {classes} of 3 classes; {met} of 12 exponents to the printed digits\n\n"
         ))
     };
     let by_kind = "Best common setting (kinds of motion first):";
@@ -168,13 +174,9 @@ fn exponents(row: &Row, target: &Twelve, figure: usize) -> String {
 
 fn together(plan: &Plan, rows: &Rows, target: &Twelve) -> String {
     let mut text = String::from("Chance level, all twelve exponents together:\n");
-    for (of, which) in [
-        (&rows.kept, "whose reading keeps all three motions"),
-        (
-            &rows.ranked,
-            "with all three kinds of motion, which are ranked",
-        ),
-    ] {
+    let kept = "whose reading keeps all three motions";
+    let ranked = "with all three kinds of motion, which are ranked";
+    for (of, which) in [(&rows.kept, kept), (&rows.ranked, ranked)] {
         let from = sources_in_words(sources(of));
         text += &format!("  {} configurations {which} ({from}):\n", of.len());
         let figures = (target, &[0, 1, 2][..]);
@@ -191,62 +193,51 @@ fn together(plan: &Plan, rows: &Rows, target: &Twelve) -> String {
 
 /// How well other targets are met.
 fn level_of(level: &Level) -> String {
-    let (random, readings) = (&level.random, &level.readings);
+    let Level {
+        published,
+        random,
+        readings,
+    } = level;
+    let (of_random, of_readings) = (random.percent(), readings.percent());
     format!(
-        "  distance {:.3}; as near or nearer are {} of {} random targets ({:.2} %) and {} of {} spectra that other readings give ({:.1} %)\n",
-        level.published,
-        random.met,
-        random.of,
-        random.percent(),
-        readings.met,
-        readings.of,
-        readings.percent()
+        "  distance {published:.3}; as near or nearer are {} of {} random targets ({of_random:.2} %) and {} of {} spectra that other readings give ({of_readings:.1} %)\n",
+        random.met, random.of, readings.met, readings.of,
     )
 }
 
 fn own_spread(spread: &[&Row], target: &Twelve, exponents: &Exponents) -> String {
+    let (reading, integrator) = (spread[0].reading(), spread[0].integrator());
+    let (count, described) = (spread.len(), described());
     let mut text = format!(
-        "The estimator's own spread: the recommended reading ({}; {}) under {} settings\n\
-         ({}; and those of the search), same three series throughout; ranges of the settings that identify the exponent:\n  \
-         exponent          min    median       max   published   unidentified   starved or unpredictable   published digits\n",
-        spread[0].key[1],
-        spread[0].key[2],
-        spread.len(),
-        described()
+        "The estimator's own spread: the recommended reading ({reading}; {integrator}) under {count} settings\n\
+         ({described}; and those of the search), same three series throughout; ranges of the settings that identify the exponent:\n  \
+         exponent          min    median       max   published   unidentified   starved or unpredictable   published digits\n"
     );
     let mut widths = Vec::new();
-    for (figure, k) in (0..3).flat_map(|figure| (0..4).map(move |k| (figure, k))) {
+    for (figure, k) in twelve(|exponent| exponent).into_iter().flatten() {
         let of = ExponentSpread::of(spread, (figure, k), exponents);
         let published = target[figure][k];
         let values = match of.values {
             Some(values) => {
-                widths.push(values.largest - values.least);
-                format!(
-                    " {:>9.4} {:>9.4} {:>9.4}   {published:>9.4}",
-                    values.least, values.median, values.largest,
-                )
+                let (least, median, most) = (values.least, values.median, values.largest);
+                widths.push(most - least);
+                format!(" {least:>9.4} {median:>9.4} {most:>9.4}   {published:>9.4}")
             }
             None => format!("  identified by none {published:>21.4}"),
         };
+        let (figure, k) = (figure + 10, k + 1);
+        let (unidentified, all, doubtful, met) =
+            (of.unidentified, of.settings, of.doubtful, of.met);
         text += &format!(
-            "  fig{}.lambda.{} {values}   {:>2} of {:<15} {:<26} {}\n",
-            figure + 10,
-            k + 1,
-            of.unidentified,
-            of.settings,
-            of.doubtful,
-            of.met
+            "  fig{figure}.lambda.{k} {values}   {unidentified:>2} of {all:<15} {doubtful:<26} {met}\n"
         );
     }
-    widths.sort_by(f64::total_cmp);
-    if let (Some(least), Some(median), Some(most)) =
-        (widths.first(), median(&widths), widths.last())
-    {
+    if let Some(median) = median(&widths) {
+        let (least, most) = extent(widths.iter().copied());
+        let (count, units) = (widths.len(), median / 1e-4);
         text += &format!(
-            "The settings, which the paper does not state, move the {} exponents that some of them identify by {least:.4} to {most:.4}, median {median:.4}:\n\
-             {:.0} units of the fourth printed decimal.\n",
-            widths.len(),
-            median / 1e-4
+            "The settings, which the paper does not state, move the {count} exponents that some of them identify by {least:.4} to {most:.4}, median {median:.4}:\n\
+             {units:.0} units of the fourth printed decimal.\n"
         );
     }
     text

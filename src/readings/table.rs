@@ -4,6 +4,7 @@
 use std::fmt;
 use std::str::FromStr;
 
+use crate::text::joined;
 use stickslip::analysis::motion::{Class, UnknownClass};
 use stickslip_series::Status;
 
@@ -95,6 +96,15 @@ pub const LOST: &str = "reading lost";
 pub const NO_ESTIMATE: &str = "no estimate";
 const FIELDS: usize = 4 + 3 * 11 + 6;
 
+/// What becomes of the figures other than one (0, 1, 2), by their three motions in words.
+pub fn others(motions: &[String; 3], figure: usize) -> String {
+    let others = (0..3).filter(|f| *f != figure);
+    joined(
+        others.map(|f| format!("Fig. {} {}", f + 10, motions[f])),
+        ", ",
+    )
+}
+
 /// Nothing for NaN; other numbers read back to the same bits.
 fn text(value: f64) -> String {
     if value.is_nan() {
@@ -145,6 +155,21 @@ impl Row {
             }
         }
         text + ",classes_right,kinds_right,fig10.distance,fig11.distance,fig12.distance,distance\n"
+    }
+
+    /// Its reading.
+    pub fn reading(&self) -> &str {
+        &self.key[1]
+    }
+
+    /// Its integrator.
+    pub fn integrator(&self) -> &str {
+        &self.key[2]
+    }
+
+    /// Its three motions in words.
+    pub fn motions(&self) -> [String; 3] {
+        self.classes.map(|class| class.to_string())
     }
 
     /// Whether it can match the figures: all three motions are of the published kind.

@@ -312,7 +312,7 @@ impl Ledger {
                     ),
                     settings => settings,
                 });
-                let digits = claim.id.exponent().and_then(digits);
+                let digits = claim.id.exponent().map(digits);
                 words.into_iter().chain(digits).collect()
             }
         }

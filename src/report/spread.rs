@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::ReportError;
 use crate::figures::block_and_bracket::{SETS, Set, TOLERANCE, class};
-use crate::readings::{Committed, Integrator, Match};
+use crate::readings::{Committed, Integrator, Row, others};
 use crate::text::joined;
 use stickslip::analysis::motion::Class;
 use stickslip::error::Error;
@@ -58,69 +58,60 @@ impl Spread {
     /// The readings that make Fig. 10 as captioned, loops and all, and what becomes of the other
     /// figures there.
     pub fn two_periodic_sentence(&self) -> String {
-        let captioned = |one: &&Match| one.classes[0].is_published(0);
+        let captioned = |one: &&Row| one.classes[0].is_published(0);
         let all = self.search.motions.iter().filter(captioned);
-        let each: Vec<String> = all
-            .map(|one| {
-                format!(
-                    "{}; {} (x1 within {:.3} of its middle; {})",
-                    one.reading,
-                    one.integrator,
-                    one.amplitudes[0],
-                    one.others(0)
-                )
-            })
-            .collect();
-        if each.is_empty() {
-            return "no reading of the search is two-periodic".to_owned();
+        let each = all.map(|one| {
+            let (reading, integrator, [amplitude, _]) =
+                (one.reading(), one.integrator(), one.sizes[0]);
+            let others = others(&one.motions(), 0);
+            format!("{reading}; {integrator} (x1 within {amplitude:.3} of its middle; {others})")
+        });
+        match joined(each, " | ") {
+            none if none.is_empty() => "no reading of the search is two-periodic".to_owned(),
+            each => format!("read otherwise it is two-periodic: {each}"),
         }
-        format!("read otherwise it is two-periodic: {}", each.join(" | "))
     }
 
     /// What Fig. 12 is in every reading with the corrected signs, solved exactly.
     pub fn chaos_sentence(&self) -> String {
-        let corrected = |one: &&Match| {
-            one.integrator == Integrator::Exact.name() && one.reading.starts_with("+x3 +T;")
+        let corrected = |one: &&Row| {
+            one.integrator() == Integrator::Exact.name() && one.reading().starts_with("+x3 +T;")
         };
-        let all = || self.search.motions.iter().filter(corrected);
-        let words = |one: &Match| format!("{}: {}", one.reading, one.classes[2]);
-        let chaotic: Vec<&Match> = all().filter(|one| one.classes[2].is_of_kind(2)).collect();
-        let has = |one: &Match, choice: &str| one.reading.split("; ").any(|part| part == choice);
+        let all: Vec<&Row> = self.search.motions.iter().filter(corrected).collect();
+        let chaotic = |one: &&&Row| one.classes[2].is_of_kind(2);
+        let chaotic: Vec<&&Row> = all.iter().filter(chaotic).collect();
+        let has = |one: &Row, choice: &str| one.reading().split("; ").any(|part| part == choice);
         // What the readings that give the class have in common and others have not.
-        let choices = chaotic.first().map_or("", |one| &one.reading).split("; ");
-        let needed: Vec<&str> = choices
-            .filter(|choice| {
-                chaotic.iter().all(|one| has(one, choice)) && !all().all(|one| has(one, choice))
-            })
-            .collect();
+        let choices = chaotic.first().map_or("", |one| one.reading()).split("; ");
+        let needed = choices.filter(|choice| {
+            chaotic.iter().all(|one| has(one, choice)) && !all.iter().all(|one| has(one, choice))
+        });
+        let words = all
+            .iter()
+            .map(|one| format!("{}: {}", one.reading(), one.classes[2]));
         format!(
             "with the signs corrected and solved exactly, {} of {} readings give the class ({}): {}",
             chaotic.len(),
-            all().count(),
-            needed.join("; "),
-            joined(all().map(words), " | ")
+            all.len(),
+            joined(needed, "; "),
+            joined(words, " | ")
         )
     }
 
     /// How often the search meets an exponent to its printed digits, and what that is worth;
     /// `figure` and `k` from 0.
-    pub fn digits_sentence(&self, figure: usize, k: usize) -> Option<String> {
-        let search = &self.search;
-        let (met, by_chance) = (
-            search.digits.by.get(figure)?.get(k)?,
-            search.digits_by_chance.get(figure)?.get(k)?,
-        );
+    pub fn digits_sentence(&self, figure: usize, k: usize) -> String {
+        let (met, kept) = (self.search.digits[figure][k], self.search.kept);
         let of = format!(
-            "of {} configurations that keep all three motions {met} give the printed digits",
-            search.kept
+            "of {kept} configurations that keep all three motions {met} give the printed digits"
         );
-        Some(match by_chance {
-            Some(share) => format!(
-                "{of}; {:.0} % of random targets are met by as many",
-                share.percent()
-            ),
+        match self.search.digits_by_chance[figure][k] {
+            Some(share) => {
+                let percent = share.percent();
+                format!("{of}; {percent:.0} % of random targets are met by as many")
+            }
             None => of,
-        })
+        }
     }
 }
 
