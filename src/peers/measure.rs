@@ -1,7 +1,6 @@
 //! Errors once, times in alternating rounds.
 
 use std::hint::black_box;
-use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Instant;
 
@@ -130,15 +129,6 @@ fn time(problem: &Problem, solver: &Solver, tolerance: f64) -> Result<f64, Peers
     }
 }
 
-/// Where the programs for whole processes are.
-#[derive(Clone, Copy, Debug)]
-pub struct Programs<'a> {
-    /// This program.
-    pub ours: &'a Path,
-    /// Python, the scripts' folder and the problems' file, if there are peers.
-    pub theirs: Option<(&'a Path, &'a Path, &'a Path)>,
-}
-
 /// Times whole processes, each of which starts, compiles and solves once, for the most accurate row
 /// of every solver, in alternation.
 ///
@@ -148,31 +138,16 @@ pub fn processes(
     rows: &mut [Row],
     named: impl Fn(&Row) -> bool,
     rounds: usize,
-    programs: &Programs<'_>,
+    command: impl Fn(&Row) -> Option<Command>,
 ) -> Result<(), PeersError> {
     let mut best = most_accurate(rows);
     best.retain(|&i| named(&rows[i]) && rows[i].error.is_some());
     let mut samples = vec![Vec::new(); best.len()];
     for _ in 0..rounds {
         for (samples, &i) in samples.iter_mut().zip(&best) {
-            let row = &rows[i];
-            let ours = SOLVERS.iter().any(|solver| solver.name == row.solver);
-            let mut command = match (ours, programs.theirs) {
-                (true, _) => Command::new(programs.ours),
-                (false, Some((python, ..))) => Command::new(python),
-                (false, None) => continue,
-            };
-            match (ours, programs.theirs) {
-                (false, Some((_, scripts, problems))) => command
-                    .arg(scripts.join("one.py"))
-                    .arg(problems)
-                    .args(["--setting", &row.setting]),
-                _ => command.arg("one"),
-            };
-            let tolerance = row.tolerance.unwrap_or_default().to_string();
-            command.args(["--problem", row.problem, "--solver", &row.solver]);
-            command.args(["--tolerance", &tolerance]);
-            samples.push(whole(&mut command)?);
+            if let Some(mut command) = command(&rows[i]) {
+                samples.push(whole(&mut command)?);
+            }
         }
     }
     for (samples, i) in samples.iter().zip(best) {

@@ -12,7 +12,7 @@ mod report;
 mod row;
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
+use std::process::{Command, ExitCode};
 
 use clap::{Args, Parser, Subcommand};
 
@@ -26,7 +26,6 @@ pub use problem::{MovingBoundary, Problem, SOLVERS, Solver, System, problems};
 pub use row::Row;
 
 use child::Peers;
-use measure::Programs;
 
 const ABOUT: &str = "Error of event times against run time, for our solvers and, given a Python that has them, for SciPy, \
     numba, heyoka and pydiffsol, all in one run on one machine.";
@@ -158,11 +157,10 @@ pub fn main() -> ExitCode {
 /// Whatever one of these runs into. Files are written last, so an error leaves none behind.
 pub fn run(all: &All) -> Result<String, PeersError> {
     if all.rounds == 0 {
-        let (name, bound) = ("rounds", "at least 1");
         return Err(PeersError::Argument {
-            name,
+            name: "rounds",
             value: 0.0,
-            bound,
+            bound: "at least 1",
         });
     }
     let known = all_problems()?;
@@ -176,10 +174,8 @@ pub fn run(all: &All) -> Result<String, PeersError> {
     for folder in [&all.folders.report_dir, &all.folders.figures_dir] {
         output::write_all(folder, &[])?;
     }
-    let mut peers = match &all.python {
-        Some(python) => Some(Peers::start(python, &all.scripts, &all.numbers)?),
-        None => None,
-    };
+    let start = |python: &PathBuf| Peers::start(python, &all.scripts, &all.numbers);
+    let mut peers = all.python.as_ref().map(start).transpose()?;
     let mut versions = Vec::new();
     let mut rows = Vec::new();
     for problem in &chosen {
@@ -194,22 +190,31 @@ pub fn run(all: &All) -> Result<String, PeersError> {
             program: "peers".into(),
             source,
         })?;
-        let python = all.python.as_deref();
-        let programs = Programs {
-            ours: &ours,
-            theirs: python.map(|python| (python, all.scripts.as_path(), all.numbers.as_path())),
-        };
-        let named = |row: &Row| {
-            as_processes
-                .iter()
-                .any(|problem| problem.name == row.problem)
-        };
-        measure::processes(&mut rows, named, all.process_rounds, &programs)?;
+        let named = |row: &Row| as_processes.iter().any(|one| one.name == row.problem);
+        let command = |row: &Row| once(all, &ours, row);
+        measure::processes(&mut rows, named, all.process_rounds, command)?;
     }
     let names: Vec<&str> = SOLVERS.iter().map(|solver| solver.name).collect();
     let text = report::text(&rows, &names, &head(all, &versions));
     let written = write(all, &rows, &text, &chosen)?;
     Ok(text + &written)
+}
+
+/// The process that solves the problem of a row once by its solver, if there is one here.
+fn once(all: &All, ours: &Path, row: &Row) -> Option<Command> {
+    let mut command;
+    if SOLVERS.iter().any(|solver| solver.name == row.solver) {
+        command = Command::new(ours);
+        command.arg("one");
+    } else {
+        command = Command::new(all.python.as_ref()?);
+        command.arg(all.scripts.join("one.py")).arg(&all.numbers);
+        command.args(["--setting", &row.setting]);
+    }
+    let tolerance = row.tolerance.unwrap_or_default().to_string();
+    command.args(["--problem", row.problem, "--solver", &row.solver]);
+    command.args(["--tolerance", &tolerance]);
+    Some(command)
 }
 
 fn head(all: &All, versions: &[(String, String)]) -> String {
@@ -268,17 +273,13 @@ fn redraw(folders: &Folders) -> Result<String, PeersError> {
 /// The project's README gets the measurements that are written into the project's own folder of
 /// tables.
 fn write_readme(folders: &Folders, rows: &[Row]) -> Result<Vec<PathBuf>, PeersError> {
-    if folders.report_dir != Path::new(TABLES) {
-        return Ok(Vec::new());
+    let top = Path::new("");
+    let text = std::fs::read_to_string(top.join(README)).ok();
+    let new = text.and_then(|text| report::MARKS.put(&text, &report::block(rows, OURS)));
+    match new.filter(|_| folders.report_dir == Path::new(TABLES)) {
+        Some(new) => Ok(output::write_all(top, &[Artifact::text(README, new)])?),
+        None => Ok(Vec::new()),
     }
-    let top = PathBuf::new();
-    let Ok(text) = std::fs::read_to_string(top.join(README)) else {
-        return Ok(Vec::new());
-    };
-    let Some(new) = report::MARKS.put(&text, &report::block(rows, OURS)) else {
-        return Ok(Vec::new());
-    };
-    Ok(output::write_all(&top, &[Artifact::text(README, new)])?)
 }
 
 const README: &str = "README.md";
@@ -300,22 +301,27 @@ fn pick(known: &[Problem], names: &[String]) -> Result<Vec<Problem>, PeersError>
 }
 
 fn find(known: &[Problem], name: &str) -> Result<Problem, PeersError> {
-    let found = known.iter().find(|problem| problem.name == name);
-    found.copied().ok_or_else(|| PeersError::Unknown {
-        what: "problem",
+    named("problem", known, name, |one| one.name).copied()
+}
+
+/// One of those that are known, by its name.
+fn named<'a, T>(
+    what: &'static str,
+    known: &'a [T],
+    name: &str,
+    of: impl Fn(&T) -> &'static str,
+) -> Result<&'a T, PeersError> {
+    let found = known.iter().find(|one| of(one) == name);
+    found.ok_or_else(|| PeersError::Unknown {
+        what,
         name: name.into(),
-        known: joined(known.iter().map(|problem| problem.name), ", "),
+        known: joined(known.iter().map(of), ", "),
     })
 }
 
 fn solve_one(one: &One) -> Result<String, PeersError> {
     let problem = find(&all_problems()?, &one.problem)?;
-    let solver = SOLVERS.iter().find(|solver| solver.name == one.solver);
-    let solver = solver.ok_or_else(|| PeersError::Unknown {
-        what: "solver",
-        name: one.solver.clone(),
-        known: joined(SOLVERS.iter().map(|solver| solver.name), ", "),
-    })?;
+    let solver = named("solver", SOLVERS, &one.solver, |one| one.name)?;
     let mut events = Vec::new();
     problem.solve(&solver.options(one.tolerance), &mut events)?;
     let line = |event: &Event| format!("{:?},{:e}\n", event.kind, event.t).to_lowercase();

@@ -60,9 +60,16 @@ pub struct Problem {
     pub(super) reference: &'static str,
 }
 
-macro_rules! reference {
-    ($name:literal) => {
-        include_str!(concat!("../../data/references/", $name, ".csv"))
+macro_rules! problem {
+    ($name:literal, $title:literal, $system:expr, $t_end:expr) => {
+        Problem {
+            name: $name,
+            title: $title,
+            system: $system,
+            t_start: 0.0,
+            t_end: $t_end,
+            reference: include_str!(concat!("../../data/references/", $name, ".csv")),
+        }
     };
 }
 
@@ -84,66 +91,51 @@ pub fn problems() -> Result<Vec<Problem>, stickslip::Error> {
     };
     let forced = ForcedOscillator::default();
     let bracket = BlockAndBracket::from_caption(&Caption::FIG11, &Reading::exact())?;
-    let problem = |name, title, system, t_end, reference| Problem {
-        name,
-        title,
-        system,
-        t_start: 0.0,
-        t_end,
-        reference,
-    };
     Ok(vec![
-        problem(
+        problem!(
             "belt_sensitive",
             "model 1, sensitive start",
             System::Belt(belt, [0.5, 1.5]),
-            30.0,
-            reference!("belt_sensitive"),
+            30.0
         ),
-        problem(
+        problem!(
             "belt_periodic",
             "model 1, to its stick-slip cycle",
             System::Belt(belt, [0.1, 0.0]),
-            30.0,
-            reference!("belt_periodic"),
+            30.0
         ),
-        problem(
+        problem!(
             "belt_grazing",
             "model 1, stick of 0.13 ms by grazing",
             System::Belt(belt, [0.483, 0.0]),
-            30.0,
-            reference!("belt_grazing"),
+            30.0
         ),
-        problem(
+        problem!(
             "decay",
             "linear spring, decaying friction",
             System::Belt(decay, [0.04, -0.01]),
-            40.0,
-            reference!("decay"),
+            40.0
         ),
-        problem(
+        problem!(
             "forced",
             "model 2, 100 forcing periods",
             System::Forced(forced, [0.0, 0.0]),
-            100.0 * forced.period(),
-            reference!("forced"),
+            100.0 * forced.period()
         ),
         Problem {
             t_start: std::f64::consts::FRAC_PI_2,
-            ..problem(
+            ..problem!(
                 "moving",
                 "moving boundary",
                 System::Moving(MovingBoundary { speed: 0.5 }, [1.0]),
-                40.0,
-                reference!("moving"),
+                40.0
             )
         },
-        problem(
+        problem!(
             "bracket",
             "model 3, quasi-periodic set",
             System::Bracket(bracket, [-0.5, -0.5, 0.5, 0.3]),
-            60.0,
-            reference!("bracket"),
+            60.0
         ),
     ])
 }

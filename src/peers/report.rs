@@ -11,12 +11,10 @@ pub fn duration(seconds: f64) -> String {
         s if s < 1.0 => (s * 1e3, "ms"),
         s => (s, "s"),
     };
-    let decimals = if value < 10.0 {
-        2
-    } else if value < 100.0 {
-        1
-    } else {
-        0
+    let decimals = match value {
+        v if v < 10.0 => 2,
+        v if v < 100.0 => 1,
+        _ => 0,
     };
     format!("{value:.decimals$} {unit}")
 }
@@ -28,15 +26,15 @@ pub fn text(rows: &[Row], ours: &[&str], head: &str) -> String {
     for row in most_accurate(rows).into_iter().map(|i| &rows[i]) {
         let cell = |value: Option<f64>| value.map_or("-".into(), duration);
         let error = row.error.map_or("-".into(), |error| format!("{error:.1e}"));
-        text += &format!(
-            "  {:15} {:22} {:>8} {:>10} {:>10}  {}\n",
-            row.problem,
-            row.solver,
-            error,
-            cell(row.median()),
-            cell(row.compile),
-            row.note
-        );
+        let (time, compile) = (cell(row.median()), cell(row.compile));
+        let Row {
+            problem,
+            solver,
+            note,
+            ..
+        } = row;
+        text +=
+            &format!("  {problem:15} {solver:22} {error:>8} {time:>10} {compile:>10}  {note}\n");
     }
     let ratios = ratios(rows, ours);
     if !ratios.is_empty() {
@@ -45,59 +43,47 @@ pub fn text(rows: &[Row], ours: &[&str], head: &str) -> String {
         );
         text +=
             "  problem         peer                        error      peer       ours  peer/ours\n";
-        for ratio in &ratios {
-            text += &line(ratio);
-        }
+    }
+    for ratio in ratios {
+        let (time, quotient) = match ratio.our_time {
+            Some(time) => (duration(time), format!("{:.1}", ratio.their_time / time)),
+            None => ("never".into(), "-".into()),
+        };
+        let theirs = duration(ratio.their_time);
+        let Ratio {
+            problem,
+            peer,
+            ours,
+            error,
+            ..
+        } = ratio;
+        text += &format!(
+            "  {problem:15} {peer:22} {error:>10.1e} {theirs:>9} {time:>10} {quotient:>10}  ({ours})\n"
+        );
     }
     text + &processes(rows, ours)
 }
 
-fn line(ratio: &Ratio) -> String {
-    let (time, quotient) = match ratio.our_time {
-        Some(time) => (duration(time), format!("{:.1}", ratio.their_time / time)),
-        None => ("never".into(), "-".into()),
-    };
-    format!(
-        "  {:15} {:22} {:>10.1e} {:>9} {:>10} {:>10}  ({})\n",
-        ratio.problem,
-        ratio.peer,
-        ratio.error,
-        duration(ratio.their_time),
-        time,
-        quotient,
-        ratio.ours
-    )
-}
-
 fn processes(rows: &[Row], ours: &[&str]) -> String {
-    let timed: Vec<(&Row, f64)> = rows
-        .iter()
-        .filter_map(|row| Some((row, row.process?)))
-        .collect();
-    if timed.is_empty() {
-        return String::new();
-    }
-    let mut text = String::from(
-        "\nWhole processes: start, compile, run once with the most accurate setting\n",
-    );
-    for (row, process) in &timed {
-        let fastest = timed
-            .iter()
-            .filter(|(other, _)| {
-                other.problem == row.problem && ours.contains(&other.solver.as_str())
-            })
-            .map(|(_, process)| *process)
-            .min_by(f64::total_cmp);
+    let timed = || rows.iter().filter_map(|row| Some((row, row.process?)));
+    let mut text = String::new();
+    for (row, process) in timed() {
+        let Row {
+            problem, solver, ..
+        } = row;
+        let own = |other: &Row| other.problem == *problem && ours.contains(&&*other.solver);
+        let own = timed()
+            .filter(|(other, _)| own(other))
+            .map(|(_, process)| process);
+        let fastest = own.min_by(f64::total_cmp);
         let ratio = fastest.map_or(String::new(), |fastest| format!("{:.0}", process / fastest));
-        text += &format!(
-            "  {:15} {:22} {:>9} {:>8} times ours\n",
-            row.problem,
-            row.solver,
-            duration(*process),
-            ratio
-        );
+        let time = duration(process);
+        text += &format!("  {problem:15} {solver:22} {time:>9} {ratio:>8} times ours\n");
     }
-    text
+    if text.is_empty() {
+        return text;
+    }
+    format!("\nWhole processes: start, compile, run once with the most accurate setting\n{text}")
 }
 
 /// Where they stand in the README.

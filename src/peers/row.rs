@@ -114,37 +114,25 @@ pub fn read(text: &str, problems: &[Problem]) -> Result<Vec<Row>, PeersError> {
             }
             continue;
         }
-        let [
-            solver,
-            problem,
-            setting,
-            tolerance,
-            error,
-            events,
-            seconds,
-            _,
-            compile,
-            process,
-            note,
-        ] = cells[..]
-        else {
+        if cells.len() != HEAD.len() {
             let (found, due) = (cells.len(), HEAD.len());
             return Err(wrong(format!("{found} cells where {due} are due")));
-        };
-        let number = |cell: &str| filled(cell, "number").map_err(wrong);
-        let known = problems.iter().find(|known| known.name == problem);
-        let unknown = || wrong(format!("'{problem}' is none of the problems"));
+        }
+        let number = |cell: usize| filled(cells[cell], "number").map_err(wrong);
+        let known = problems.iter().find(|known| known.name == cells[1]);
+        let unknown = || wrong(format!("'{}' is none of the problems", cells[1]));
         rows.push(Row {
-            solver: solver.into(),
+            solver: cells[0].into(),
             problem: known.ok_or_else(unknown)?.name,
-            setting: setting.into(),
-            tolerance: number(tolerance)?,
-            error: number(error)?,
-            events: filled(events, "count").map_err(wrong)?,
-            seconds: number(seconds)?.into_iter().collect(),
-            compile: number(compile)?,
-            process: number(process)?,
-            note: note.into(),
+            setting: cells[2].into(),
+            tolerance: number(3)?,
+            error: number(4)?,
+            events: filled(cells[5], "count").map_err(wrong)?,
+            // The shortest of the rounds, which follows, is not kept.
+            seconds: number(6)?.into_iter().collect(),
+            compile: number(8)?,
+            process: number(9)?,
+            note: cells[10].into(),
         });
     }
     Ok(rows)
