@@ -58,16 +58,6 @@ pub enum Quantity {
     Other(String),
 }
 
-impl Quantity {
-    /// The claim, if it belongs to one.
-    pub fn claim(&self) -> Option<ClaimId> {
-        match self {
-            Quantity::Claim(id) | Quantity::Member(id, _) | Quantity::Detail(id, _) => Some(*id),
-            Quantity::Other(_) => None,
-        }
-    }
-}
-
 impl fmt::Display for Quantity {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

@@ -62,17 +62,6 @@ impl<S: Filippov<N>, const N: usize> InPlace<S, N> {
         scheme
     }
 
-    /// The same motion from a neighbouring state, in the same mode at the same time.
-    pub fn displaced(&self, by: &State<N>) -> Self
-    where
-        S: Clone,
-    {
-        InPlace {
-            x: self.x + by,
-            ..self.clone()
-        }
-    }
-
     /// Clock.
     pub fn t(&self) -> f64 {
         self.t
@@ -81,11 +70,6 @@ impl<S: Filippov<N>, const N: usize> InPlace<S, N> {
     /// State.
     pub fn x(&self) -> &State<N> {
         &self.x
-    }
-
-    /// What it does.
-    pub fn mode(&self) -> Mode {
-        self.mode
     }
 
     /// One pass of the listing's loop.
@@ -200,7 +184,7 @@ mod tests {
         let mut scheme = fig11(1e3);
         let mut sticks = 0;
         for _ in 0..100_000 {
-            let (before, t, x) = (scheme.mode(), scheme.t(), *scheme.x());
+            let (before, t, x) = (scheme.mode, scheme.t(), *scheme.x());
             scheme.advance().unwrap();
             if before == Mode::Stick {
                 sticks += 1;
@@ -208,7 +192,7 @@ mod tests {
                 assert_eq!(scheme.x()[0], x[0] + 1e-2 * 0.707);
                 assert_eq!(scheme.x()[1], x[1]);
             }
-            if scheme.mode() == Mode::Stick {
+            if scheme.mode == Mode::Stick {
                 assert!((scheme.x()[1] - 0.707).abs() < 1e-12);
             }
         }

@@ -318,15 +318,6 @@ impl Cause {
             (left, self.is_step_error()),
         ]
     }
-
-    /// All in one.
-    pub fn sentence(&self) -> String {
-        let parts = self.parts().map(|(text, holds)| {
-            let mark = if holds { "holds" } else { "does not hold" };
-            format!("{text} ({mark})")
-        });
-        format!("The cause is {}: {}.", self.status(), parts.join("; "))
-    }
 }
 
 /// In thousandths of the unit, with the sign.

@@ -61,9 +61,6 @@ pub struct Approach {
     pub slope: f64,
     /// Standard error of that slope.
     pub slope_error: f64,
-    /// Least and largest error/h, with its sign: where the grid of steps happens to meet Σ makes it
-    /// anything in between.
-    pub scatter: (f64, f64),
 }
 
 impl Approach {
@@ -88,7 +85,6 @@ impl Approach {
             fine: most(|h| h < FINE),
             slope: law.exponent,
             slope_error: law.std_error,
-            scatter: extent(all.iter().map(|(h, e)| e / h)),
         }
     }
 

@@ -42,12 +42,6 @@ pub struct Entry {
 }
 
 impl Entry {
-    /// The findings of readings of a role.
-    pub fn with(&self, role: Role) -> impl Iterator<Item = &Finding> {
-        let has = move |one: &&Finding| one.reading.role() == role;
-        self.findings.iter().filter(has)
-    }
-
     /// The findings, each different value of a reading once.
     pub fn distinct(&self) -> Vec<&Finding> {
         let mut kept: Vec<&Finding> = Vec::new();

@@ -12,7 +12,7 @@ use replication::report::matrix::four_claims;
 fn all_three_parts_hold() {
     with(|report| {
         let cause = &report.ledger.cause;
-        assert_eq!(cause.status(), Status::Shown, "{}", cause.sentence());
+        assert_eq!(cause.status(), Status::Shown, "{:?}", cause.parts());
         assert!(cause.motion.holds() && cause.first_order() && cause.is_step_error());
         // What is left at the printed step is no rounding: it is far more than the finest step leaves.
         let step = cause.step.as_ref().unwrap();
@@ -45,8 +45,8 @@ fn a_wrong_limit_is_not_approached_and_leaves_no_step_error() {
             );
             let both = report.ledger.injection.both.clone();
             let cause = Cause::new(&printed, both, &convergence, published);
-            assert!(!cause.first_order(), "{limit:?}: {}", cause.sentence());
-            assert!(!cause.is_step_error(), "{limit:?}: {}", cause.sentence());
+            assert!(!cause.first_order(), "{limit:?}: {:?}", cause.parts());
+            assert!(!cause.is_step_error(), "{limit:?}: {:?}", cause.parts());
             assert_eq!(cause.status(), Status::ShownInPart);
         }
     });

@@ -35,8 +35,6 @@ pub struct Cycle {
     pub period: f64,
     /// Nontrivial Floquet multiplier.
     pub multiplier: f64,
-    /// What is left of the trivial multiplier's distance from 1.
-    pub trivial_error: f64,
     /// Position of the upward crossing of Σ (m).
     pub left: f64,
     /// Position of the downward crossing of Σ (m).
@@ -150,12 +148,10 @@ fn cycle(model: &BeltOscillator, options: &Options) -> Result<Cycle, Error> {
     let found = periodic_orbit(model, guess, last - before, options)?;
     let turn = solve(model, 0.0, &found.x, found.period, options)?;
     let (up, down) = (crossing(&turn, Side::Above)?, crossing(&turn, Side::Below)?);
-    let multipliers = multipliers(&found.monodromy);
     let acceleration = |side| model.field(side, up.t, up.x.as_ref())[1];
     Ok(Cycle {
         period: found.period,
-        multiplier: multipliers[1].re,
-        trivial_error: multipliers[0].re - 1.0,
+        multiplier: multipliers(&found.monodromy)[1].re,
         left: up.x[0],
         right: down.x[0],
         kink: [Side::Below, Side::Above].map(acceleration),

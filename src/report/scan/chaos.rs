@@ -29,8 +29,6 @@ const NEAR: f64 = 0.1;
 /// One start, followed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Followed {
-    /// Position (m) and velocity (m/s) at the start.
-    pub start: [f64; 2],
     /// First Lyapunov exponent (1/s), from the equations; −∞ if stick takes even that direction
     /// away.
     pub lambda: f64,
@@ -97,16 +95,6 @@ impl Chaos {
             followed,
             published,
         })
-    }
-
-    /// Whether all of them stick.
-    pub fn all_stick(&self) -> bool {
-        self.followed.iter().all(|one| !one.lengths.is_empty())
-    }
-
-    /// Whether all of them are chaotic.
-    pub fn all_chaotic(&self) -> bool {
-        self.followed.iter().all(Followed::is_chaotic)
     }
 
     /// The least distance of any of them from the published lengths.
@@ -183,7 +171,6 @@ fn follow(model: &ForcedOscillator, x: State<2>) -> Result<Followed, Error> {
     let spectrum = lyapunov_spectrum_watched(model, (0.0, x), &settings, &mut sticks)?;
     let first = spectrum.exponents[0];
     Ok(Followed {
-        start: x.into(),
         lambda: first.value(),
         std_error: first.std_error().unwrap_or(f64::INFINITY),
         lengths: sticks.lengths,
@@ -211,7 +198,6 @@ mod tests {
 
     fn followed(lambda: f64, lengths: &[f64]) -> Followed {
         Followed {
-            start: [0.0, 0.0],
             lambda,
             std_error: 0.02,
             lengths: lengths.to_vec(),
@@ -256,6 +242,7 @@ mod tests {
     fn model_2_with_the_spring_of_eq_4_sticks_chaotically() {
         let found = Chaos::compute([0.4697, 0.1663]).unwrap();
         assert!(found.followed.len() >= 5);
-        assert!(found.all_stick() && found.all_chaotic() && !found.is_near());
+        let sticks = |one: &Followed| !one.lengths.is_empty() && one.is_chaotic();
+        assert!(found.followed.iter().all(sticks) && !found.is_near());
     }
 }
