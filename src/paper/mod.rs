@@ -15,3 +15,14 @@ pub mod published;
 pub mod reading;
 pub mod slip_times_three;
 mod stages;
+
+use stickslip::filippov::Options;
+
+/// Options of a run of model 2. Beyond 10 m or 10 m/s its softening spring drives the body away for
+/// good.
+pub(crate) fn bounded(tolerance: f64) -> Options {
+    Options::tol(tolerance).escape(ESCAPE)
+}
+
+/// See [`bounded`].
+pub(crate) const ESCAPE: f64 = 10.0;

@@ -11,7 +11,8 @@
 use std::ops::ControlFlow;
 
 use crate::numbers::missing;
-use crate::paper::listing::Params;
+use crate::paper::bounded;
+use crate::paper::listing::{END, Params};
 use crate::paper::pattern::Pattern;
 use stickslip::error::Error;
 use stickslip::filippov::{
@@ -80,10 +81,6 @@ impl Injected {
 
 /// Tolerance of the runs of [`settled`].
 const TOLERANCE: f64 = 1e-13;
-/// Their end (s), the listing's own.
-const END: f64 = 63.3;
-/// Beyond 10 m or 10 m/s the softening spring drives the body away for good.
-const ESCAPE: f64 = 10.0;
 
 /// What Fig. 8's oscillator settles on from the listing's start with what is `injected`, over the
 /// time that the listing runs.
@@ -94,8 +91,7 @@ pub fn settled(injected: Injected) -> Result<Pattern, Error> {
     let model = ForcedOscillator::default();
     let zones = model.stick_zones()?;
     let start = State::from([Params::default().x1, model.belt_speed]);
-    let options = Options::tol(TOLERANCE).escape(ESCAPE);
-    let phases = run(injected, &model, &zones, start, END, &options)?;
+    let phases = run(injected, &model, &zones, start, END, &bounded(TOLERANCE))?;
     let pattern = Pattern::of_phases(&phases, END, model.period());
     pattern.ok_or_else(|| missing("a motion that repeats", 0.0, END))
 }

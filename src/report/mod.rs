@@ -31,13 +31,15 @@ pub mod tables;
 pub mod verdict;
 
 use crate::figures::FigureError;
+use crate::paper::bounded;
 use crate::paper::listing::ListingError;
 use crate::paper::published::PublishedError;
 use crate::readings::ReadingsError;
 use crate::terminal::ProgramError;
 use stickslip::error::Error;
-use stickslip::filippov::Failure;
+use stickslip::filippov::{Failure, Phase, Transition, TransitionKind, solve};
 use stickslip::orbit::Orbit;
+use stickslip::system::{Filippov, Mode, Side, State};
 
 /// What failed on the way to the report.
 #[derive(Debug, thiserror::Error)]
@@ -67,13 +69,33 @@ impl<R> From<Failure<R>> for ReportError {
     }
 }
 
-/// An orbit as far as it goes, and whether it escapes.
-fn until_escape(outcome: Result<Orbit<2>, Failure<Orbit<2>>>) -> Result<(Orbit<2>, bool), Error> {
-    match outcome {
+/// The orbit of model 2 or another from a time and a state over a span, as far as it goes before it
+/// escapes, and whether it does.
+fn until_escape<S: Filippov<2>>(
+    system: &S,
+    (t0, x): (f64, State<2>),
+    span: f64,
+    tolerance: f64,
+) -> Result<(Orbit<2>, bool), Error> {
+    match solve(system, t0, x, t0 + span, &bounded(tolerance)) {
         Ok(orbit) => Ok((orbit, false)),
         Err(failure) if matches!(failure.error, Error::Escaped { .. }) => {
             Ok((*failure.reached, true))
         }
         Err(failure) => Err(failure.into()),
     }
+}
+
+/// The releases from stick in an orbit, each with the side that takes over and the phase it ends.
+fn stick_exits(orbit: &Orbit<2>) -> impl Iterator<Item = (&Transition<2>, Side, &Phase<2>)> {
+    orbit
+        .transitions
+        .iter()
+        .filter_map(|at| match (at.kind, at.to) {
+            (TransitionKind::StickExit, Mode::Slip(side)) => {
+                let phase = orbit.sticks().find(|phase| phase.t_end == at.t)?;
+                Some((at, side, phase))
+            }
+            _ => None,
+        })
 }

@@ -7,7 +7,8 @@ use rayon::prelude::*;
 
 use super::{Failure, FigureSpec, crossing, curve3};
 use crate::numbers::missing;
-use crate::paper::listing::{self, Params, Sample, Setup};
+use crate::paper::bounded;
+use crate::paper::listing::{self, END, Params, Sample, Setup};
 use crate::paper::pattern::{Pattern, two_periodic};
 use crate::paper::slip_times_three::{self, Injected};
 use draw::draw;
@@ -105,8 +106,6 @@ pub struct Data {
 }
 
 const TOLERANCE: f64 = 1e-13;
-/// End of the runs that let the motion settle (s), the listing's own.
-const SETTLED: f64 = 63.3;
 /// Forcing periods in the picture.
 const SHOWN: f64 = 2.0;
 /// Forcing periods in which a pattern of any length shows itself.
@@ -154,7 +153,7 @@ fn as_printed(model: &ForcedOscillator, zones: &[(f64, f64)]) -> Result<AsPrinte
     };
     let run = listing::run_with(&Setup::default(), keep)?;
     let what = "a motion of the listing that repeats";
-    let pattern = Pattern::of_listing(&run).ok_or_else(|| missing(what, 0.0, SETTLED))?;
+    let pattern = Pattern::of_listing(&run).ok_or_else(|| missing(what, 0.0, END))?;
     Ok(AsPrinted {
         pattern,
         stuck,
@@ -166,7 +165,7 @@ fn as_printed(model: &ForcedOscillator, zones: &[(f64, f64)]) -> Result<AsPrinte
 fn exact(model: &ForcedOscillator, options: &Options) -> Result<Exact, Error> {
     let period = model.period();
     let start = State::from([Params::default().x1, model.belt_speed]);
-    let whole = (SETTLED / period).floor() * period;
+    let whole = (END / period).floor() * period;
     let settled = solve(model, 0.0, start, whole, options)?;
     let orbit = periodic_orbit_forced(model, 0.0, settled.x_end, period, options)?;
     let turns = solve(model, 0.0, &orbit.x, SHOWN * period, options)?;
@@ -201,8 +200,6 @@ pub const REACH: [f64; 2] = [1.2, 2.0];
 pub const FOLLOWED: usize = 40;
 /// States a pattern apart that are this near count as equal.
 const CLOSENESS: f64 = 1e-4;
-/// Beyond 10 m or 10 m/s the softening spring drives the body away for good.
-const ESCAPE: f64 = 10.0;
 
 /// A grid of starts with its corners at [`REACH`].
 pub(crate) fn starts(columns: u32, rows: u32) -> Vec<State<2>> {
@@ -213,7 +210,7 @@ pub(crate) fn starts(columns: u32, rows: u32) -> Vec<State<2>> {
 }
 
 fn shares(model: &ForcedOscillator) -> Result<Shares, Error> {
-    let options = Options::tol(1e-9).escape(ESCAPE);
+    let options = bounded(1e-9);
     let starts = starts(GRID.0, GRID.1);
     let (period, periods) = (model.period(), FOLLOWED);
     let end = |&x: &State<2>| destination(model, (0.0, x), period, periods, CLOSENESS, &options);

@@ -42,7 +42,7 @@ mod step;
 
 pub use defects::{Defect, Defects};
 pub use error::ListingError;
-pub use params::{Params, Setup};
+pub use params::{END, Params, Setup};
 pub use record::{Crossing, Direction, End, Instant, Run, Sample, StickPhase, Zone};
 pub use regime::Motion;
 

@@ -5,6 +5,8 @@ use std::f64::consts::PI;
 use super::{Defects, ListingError};
 use stickslip::math;
 
+/// Length of the listing's run (s), line 3: N·h. Its motion has settled then.
+pub const END: f64 = 63.3;
 /// Steps a run may take at most: some minutes of computing.
 const MAX_STEPS: f64 = 1e9;
 /// Steps a forcing period needs at least.
@@ -157,7 +159,7 @@ impl Default for Setup {
             defects: Defects::AS_PRINTED,
             h: 1e-4,
             window_start: 60.0,
-            end: 63.3,
+            end: END,
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::TOLERANCE;
 use super::errors::EventErrors;
 use crate::numbers::missing;
-use crate::paper::listing::{Defects, Params, Run, Setup, run};
+use crate::paper::listing::{Defects, END, Params, Run, Setup, run};
 use crate::report::ReportError;
 use stickslip::filippov::{Locator, Method, Options, TransitionKind, solve};
 use stickslip::models::ForcedOscillator;
@@ -13,8 +13,6 @@ use stickslip::system::{Filippov, Mode, Side, State};
 
 /// How long before the event a run starts (s), not a multiple of any step.
 const LEAD: f64 = 0.2003;
-/// End of the run that lets the motion settle (s).
-const SETTLED: f64 = 63.3;
 
 /// A crossing on the settled orbit, and a state some time before it.
 pub(super) struct Arrival {
@@ -32,11 +30,11 @@ impl Arrival {
     pub(super) fn from(model: &ForcedOscillator, from: Side) -> Result<Arrival, ReportError> {
         let options = Options::tol(TOLERANCE);
         let start = State::from([Params::default().x1, model.belt_speed]);
-        let settled = solve(model, 0.0, start, SETTLED, &options)?;
+        let settled = solve(model, 0.0, start, END, &options)?;
         let mut transitions = settled.transitions.iter();
         let crossing = transitions
             .rfind(|at| at.kind == TransitionKind::Crossing && at.from == Mode::Slip(from))
-            .ok_or_else(|| missing("a crossing of Σ", 0.0, SETTLED))?;
+            .ok_or_else(|| missing("a crossing of Σ", 0.0, END))?;
         let t0 = crossing.t - LEAD;
         let x0 = settled.at(t0)?;
         // Afresh from that state, so that it alone decides.

@@ -4,12 +4,12 @@ use super::TOLERANCE;
 use super::errors::{EventErrors, STEPS};
 use crate::numbers::missing;
 use crate::paper::listing::{Defect, Defects, Params, Setup, run};
-use crate::report::{ReportError, until_escape};
+use crate::report::{ReportError, stick_exits, until_escape};
 use stickslip::error::Error;
-use stickslip::filippov::{Options, TransitionKind, solve};
+use stickslip::filippov::{Options, solve};
 use stickslip::models::{BeltOscillator, ForcedOscillator};
 use stickslip::ode::{Rk4, Timed, henon_step};
-use stickslip::system::{Filippov, Mode, Side, State};
+use stickslip::system::{Filippov, Side, State};
 
 /// Starts of model 1 on the belt (m), one in each of its stick zones.
 const ON_BELT: [f64; 3] = [-1.0, 0.0, 1.0];
@@ -19,8 +19,6 @@ const RIDE: f64 = 2.0;
 /// ones are sought.
 const STARTS: [f64; 9] = [-1.0, -0.75, -0.5, -0.25, 0.0, 0.25, 0.5, 0.75, 1.0];
 const FOLLOWED: f64 = 4.0;
-/// Beyond 10 m or 10 m/s the softening spring drives the body away for good.
-const ESCAPE: f64 = 10.0;
 
 /// Errors of one release, of a body that rides the belt until a tangent point is met.
 #[derive(Clone, Debug, PartialEq)]
@@ -185,54 +183,44 @@ fn listing(
 
 /// The release of model 1 from the middle zone.
 fn on_belt(model: &BeltOscillator) -> Result<Event, Error> {
-    let mut longest: Option<Event> = None;
+    let mut latest: Option<Event> = None;
     for x1 in ON_BELT {
         let start = State::from([x1, model.belt_speed]);
         let orbit = solve(model, 0.0, start, RIDE, &Options::tol(TOLERANCE))?;
-        let mut exits = orbit.transitions.iter();
-        let first = exits.find(|at| at.kind == TransitionKind::StickExit);
-        if let Some((at, Mode::Slip(to))) = first.map(|at| (at, at.to))
-            && longest.as_ref().is_none_or(|known| at.t > known.t)
+        let first = stick_exits(&orbit).next();
+        if let Some((at, to, _)) = first
+            && latest.as_ref().is_none_or(|known| at.t > known.t)
         {
             let (t, x1) = (at.t, at.x[0]);
-            longest = Some(Event { t, x1, to });
+            latest = Some(Event { t, x1, to });
         }
     }
-    longest.ok_or_else(|| missing("a release from stick", 0.0, RIDE))
+    latest.ok_or_else(|| missing("a release from stick", 0.0, RIDE))
 }
 
 /// The end, at the upper end of its zone, of the longest stick phase of model 2 from a row of
 /// starts: at a lower end the listing as printed does not look.
 fn on_forced(model: &ForcedOscillator) -> Result<Event, Error> {
     let points = model.tangent_points(0.0)?;
+    let is_upper = |z: f64| {
+        let mut uppers = points.iter().step_by(2);
+        uppers.any(|point| (point.position - z).abs() < 1e-9)
+    };
     let span = FOLLOWED * model.period();
-    let mut longest: Option<(f64, Event)> = None;
+    let mut longest = 2.0 * STEPS[0];
+    let mut event = None;
     for x1 in STARTS {
-        let options = Options::tol(TOLERANCE).escape(ESCAPE);
-        let start = State::from([x1, 0.0]);
-        let (orbit, _) = until_escape(solve(model, 0.0, start, span, &options))?;
-        for at in &orbit.transitions {
-            let (TransitionKind::StickExit, Mode::Slip(to)) = (at.kind, at.to) else {
-                continue;
-            };
-            let Some(phase) = orbit.sticks().find(|phase| phase.t_end == at.t) else {
-                continue;
-            };
-            let z = at.x[0] - model.support(at.t);
-            let at_upper = points
-                .iter()
-                .step_by(2)
-                .any(|point| (point.position - z).abs() < 1e-9);
-            let long = phase.duration() > 2.0 * STEPS[0];
-            if at_upper && long && longest.as_ref().is_none_or(|one| phase.duration() > one.0) {
-                let (t, x1) = (at.t, at.x[0]);
-                longest = Some((phase.duration(), Event { t, x1, to }));
+        let start = (0.0, State::from([x1, 0.0]));
+        let (orbit, _) = until_escape(model, start, span, TOLERANCE)?;
+        for (at, to, phase) in stick_exits(&orbit) {
+            let (t, x1) = (at.t, at.x[0]);
+            if phase.duration() > longest && is_upper(x1 - model.support(t)) {
+                longest = phase.duration();
+                event = Some(Event { t, x1, to });
             }
         }
     }
-    let what = "a long stick phase that ends at an upper end";
-    let longest = longest.map(|(_, event)| event);
-    longest.ok_or_else(|| missing(what, 0.0, span))
+    event.ok_or_else(|| missing("a long stick phase that ends at an upper end", 0.0, span))
 }
 
 impl Release {

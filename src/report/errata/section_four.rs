@@ -6,13 +6,10 @@ use rayon::prelude::*;
 use super::{Proof, count, number, proof};
 use crate::report::until_escape;
 use stickslip::error::Error;
-use stickslip::filippov::{Options, solve};
 use stickslip::models::{BeltOscillator, ForcedOscillator};
-use stickslip::orbit::{Ending, Orbit};
+use stickslip::orbit::Ending;
 use stickslip::system::{Filippov, Side, State, Unchecked};
 
-/// Beyond 10 m or 10 m/s the softening spring drives the body away for good.
-const ESCAPE: f64 = 10.0;
 const TOLERANCE: f64 = 1e-12;
 /// Forcing periods that starts are followed over.
 const FOLLOWED: f64 = 6.0;
@@ -25,28 +22,18 @@ fn starts() -> Vec<State<2>> {
         .collect()
 }
 
-/// The orbit as far as it goes before it escapes, and whether it does.
-fn follow<S: Filippov<2>>(system: &S, x: State<2>, span: f64) -> Result<(Orbit<2>, bool), Error> {
-    let options = Options::tol(TOLERANCE).escape(ESCAPE);
-    until_escape(solve(system, 0.0, x, span, &options))
-}
-
 /// Stick phases of model 2 from all starts, and orbits that end where Σ repels.
 fn sticks_and_ends(model: &ForcedOscillator) -> Result<(usize, usize), Error> {
-    let found = starts()
-        .into_par_iter()
-        .map(|x| {
-            // Friction of the other sign is what is asked about.
-            let (orbit, _) = follow(&Unchecked(model), x, FOLLOWED * model.period())?;
-            Ok((
-                orbit.sticks().count(),
-                usize::from(orbit.ending == Ending::Repelling),
-            ))
-        })
-        .collect::<Result<Vec<(usize, usize)>, Error>>()?;
-    Ok(found
-        .into_iter()
-        .fold((0, 0), |sum, one| (sum.0 + one.0, sum.1 + one.1)))
+    let span = FOLLOWED * model.period();
+    let found = starts().into_par_iter().map(|x| {
+        // Friction of the other sign is what is asked about.
+        let (orbit, _) = until_escape(&Unchecked(model), (0.0, x), span, TOLERANCE)?;
+        let ends = usize::from(orbit.ending == Ending::Repelling);
+        Ok((orbit.sticks().count(), ends))
+    });
+    let found = found.collect::<Result<Vec<(usize, usize)>, Error>>()?;
+    let (sticks, ends): (Vec<usize>, Vec<usize>) = found.into_iter().unzip();
+    Ok((sticks.iter().sum(), ends.iter().sum()))
 }
 
 pub(super) fn sign_of_friction() -> Result<Proof, Error> {
@@ -90,8 +77,8 @@ pub(super) fn spring_signs() -> Result<Proof, Error> {
     let span = FOLLOWED * ForcedOscillator::default().period();
     let (mut escapes_first, mut escapes_second) = (0, 0);
     for x in starts() {
-        escapes_first += usize::from(follow(&first, x, span)?.1);
-        escapes_second += usize::from(follow(&second, x, span)?.1);
+        escapes_first += usize::from(until_escape(&first, (0.0, x), span, TOLERANCE)?.1);
+        escapes_second += usize::from(until_escape(&second, (0.0, x), span, TOLERANCE)?.1);
     }
     Ok(proof(
         "spring_signs",

@@ -1,10 +1,11 @@
 //! What the paper says of Fig. 8's motion: its start, its arcs, and that the Appendix's program
 //! finds it.
 
-use super::stick_phases::{ESCAPE, TOLERANCE};
+use super::stick_phases::TOLERANCE;
 use super::{as_printed, statement};
+use crate::paper::bounded;
 use crate::paper::claim_id::ClaimId;
-use crate::paper::listing::{Defects, Motion, Params, Run, Setup, run, run_with};
+use crate::paper::listing::{Defects, END, Motion, Params, Run, Setup, run, run_with};
 use crate::paper::pattern::two_periodic;
 use crate::paper::published::{Claims, PublishedError};
 use crate::paper::reading::Reading::{AsPrinted, Exact};
@@ -14,16 +15,13 @@ use crate::report::errata::{Proof, count, number, proof};
 use crate::report::finding::Finding;
 use stickslip::analysis::{Destination, destination};
 use stickslip::error::Error;
-use stickslip::filippov::{Options, solve};
+use stickslip::filippov::solve;
 use stickslip::models::ForcedOscillator;
 use stickslip::system::{Filippov, Mode, Side, State};
 
 /// Forcing periods that a start of the stated model is followed over, and the distance of states
 /// that count as equal.
 const SETTLING: (usize, f64) = (60, 1e-5);
-/// End of the run that lets the motion settle (s), the listing's own, and forcing periods looked at
-/// after that.
-const SETTLED: f64 = 63.3;
 const SHOWN: f64 = 4.0;
 
 /// How many of the four published numbers a run of the listing gives to all printed digits.
@@ -62,7 +60,7 @@ fn from(x1: f64) -> Result<FromPoint, ReportError> {
         ..Setup::default()
     })?;
     let start = (0.0, State::from([x1, model.belt_speed]));
-    let options = Options::tol(TOLERANCE).escape(ESCAPE);
+    let options = bounded(TOLERANCE);
     let (periods, same) = SETTLING;
     let end = destination(&model, start, model.period(), periods, same, &options)?;
     let first = outcome.phases.first();
@@ -210,16 +208,16 @@ pub(super) fn arcs() -> Result<(Vec<Finding>, Proof), ReportError> {
 fn sides_of_model<S: Filippov<2>>(system: &S) -> Result<Sides, Error> {
     let printed = ForcedOscillator::default();
     let x = State::from([Params::default().x1, printed.belt_speed]);
-    let end = SETTLED + SHOWN * printed.period();
-    let options = Options::tol(TOLERANCE).escape(ESCAPE);
+    let end = END + SHOWN * printed.period();
+    let options = bounded(TOLERANCE);
     let orbit = solve(system, 0.0, x, end, &options)?;
     let mut found = Sides::NONE;
-    for phase in orbit.phases.iter().filter(|phase| phase.t_start >= SETTLED) {
+    for phase in orbit.phases.iter().filter(|phase| phase.t_start >= END) {
         if let Mode::Slip(side) = phase.mode {
             found.sides.push(side);
         }
     }
-    for step in orbit.steps.iter().filter(|step| step.t_start >= SETTLED) {
+    for step in orbit.steps.iter().filter(|step| step.t_start >= END) {
         if let Mode::Slip(side) = step.mode {
             let middle = step.dense.at_time(0.5 * (step.t_start + step.t_end));
             found.take(side, middle[1]);

@@ -3,43 +3,34 @@
 
 use rayon::prelude::*;
 
+use crate::figures::fig08;
 use crate::numbers::{bisect, largest};
 use crate::paper::claim_id::ClaimId;
 use crate::paper::listing::{Defect, Defects, ListingError, Params, Run, Setup, StickPhase, run};
 use crate::paper::published::{Claims, PublishedError};
-use crate::report::{ReportError, until_escape};
+use crate::report::{ReportError, stick_exits, until_escape};
 use stickslip::analysis::{Visibility, visibility};
 use stickslip::error::Error;
-use stickslip::filippov::{Options, TransitionKind, solve};
 use stickslip::models::ForcedOscillator;
 use stickslip::orbit::Orbit;
-use stickslip::system::{Mode, State};
+use stickslip::system::State;
 
-/// Starts in position and in velocity, and the outermost of them (m, m/s).
+/// Starts in position and in velocity.
 const STARTS: (u32, u32) = (13, 9);
-const REACH: [f64; 2] = [1.2, 2.0];
 /// Forcing periods that each is followed over: stick phases occur on the way only.
 const FOLLOWED: f64 = 10.0;
 pub(super) const TOLERANCE: f64 = 1e-13;
-/// Beyond 10 m or 10 m/s the softening spring drives the body away for good.
-pub(super) const ESCAPE: f64 = 10.0;
 /// A stick phase of the listing no longer than ten of its steps (s) is chatter: it leaves a zone's
 /// end on the wrong side, is thrown back and sticks again, thousands of times.
 const CHATTER: f64 = 1e-3;
 /// The starts, none of them at the belt's speed.
 pub(super) fn starts() -> Vec<State<2>> {
-    let part = |k: u32, of: u32| 2.0 * f64::from(k) / f64::from(of - 1) - 1.0;
-    let (columns, rows) = STARTS;
-    let at = |i, j| State::from([REACH[0] * part(i, columns), REACH[1] * part(j, rows)]);
-    let all = (0..columns).flat_map(|i| (0..rows).map(move |j| at(i, j)));
-    all.collect()
+    fig08::starts(STARTS.0, STARTS.1)
 }
 
 /// The orbit from `(t0, x)` over [`FOLLOWED`] forcing periods, as far as it goes before it escapes.
 pub(super) fn follow(model: &ForcedOscillator, t0: f64, x: State<2>) -> Result<Orbit<2>, Error> {
-    let options = Options::tol(TOLERANCE).escape(ESCAPE);
-    let outcome = solve(model, t0, x, t0 + FOLLOWED * model.period(), &options);
-    Ok(until_escape(outcome)?.0)
+    Ok(until_escape(model, (t0, x), FOLLOWED * model.period(), TOLERANCE)?.0)
 }
 
 /// Time (s) and position (m).
@@ -100,13 +91,7 @@ pub(super) fn of_model(model: &ForcedOscillator) -> Result<Vec<Stick>, Error> {
 fn of_start(model: &ForcedOscillator, x: State<2>) -> Result<Vec<Stick>, Error> {
     let orbit = follow(model, 0.0, x)?;
     let mut sticks = Vec::new();
-    for at in &orbit.transitions {
-        let (TransitionKind::StickExit, Mode::Slip(side)) = (at.kind, at.to) else {
-            continue;
-        };
-        let Some(phase) = orbit.sticks().find(|phase| phase.t_end == at.t) else {
-            continue;
-        };
+    for (at, side, phase) in stick_exits(&orbit) {
         let steps = orbit.steps.iter();
         let within = steps.filter(|one| one.t_start >= phase.t_start && one.t_end <= phase.t_end);
         let states = within.flat_map(|step| {

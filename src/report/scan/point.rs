@@ -1,6 +1,7 @@
 //! What becomes of all starts at one set of parameters.
 
 use crate::numbers::largest;
+use crate::paper::ESCAPE;
 use crate::paper::pattern::two_periodic;
 use crate::text::described;
 use stickslip::analysis::{Destination, destination};
@@ -100,8 +101,6 @@ impl StickSlip {
 const FOLLOWED: usize = 60;
 /// States a pattern apart that are this near count as equal.
 const CLOSENESS: f64 = 1e-5;
-/// Beyond 10 m or 10 m/s the softening spring drives the body away for good.
-const ESCAPE: f64 = 10.0;
 const TOLERANCE: f64 = 1e-9;
 
 /// What becomes of all starts at one set of parameters.
