@@ -7,14 +7,15 @@
 //! first order ([`Approach`]). And what is left at the printed step must be the listing's own error
 //! of the step, found without the injected solver ([`StepError`]).
 
-use std::fmt;
-
 use super::convergence::{Approach, Convergence, PRINTED_STEP};
 use crate::numbers::missing;
 use crate::paper::pattern::Pattern;
 use crate::paper::slip_times_three::{Injected, settled};
-use crate::text::joined;
+use crate::text::{described, joined};
 use stickslip::error::Error;
+
+/// Two stick lengths (m), then their durations (s).
+type Four = [f64; 4];
 
 /// Half a unit of the last digit to which the paper prints the four numbers (m, s).
 const HALF_DIGIT: f64 = 0.5e-4;
@@ -24,8 +25,8 @@ const HALF_DIGIT: f64 = 0.5e-4;
 pub struct Injection {
     /// With both.
     pub both: Pattern,
-    /// Its lengths of the two stick phases (m), then their durations (s).
-    pub numbers: [f64; 4],
+    /// Its four numbers.
+    pub numbers: Four,
     /// With the hastened slip alone, or the error that the run ends with.
     pub slip_alone: Result<Pattern, Error>,
     /// With the one-sided exit alone.
@@ -52,37 +53,37 @@ impl Injection {
     /// What either defect does alone, in words.
     pub fn alone(&self) -> String {
         let of = |run: &Result<Pattern, Error>| match run {
-            Ok(pattern) => format!(
-                "stick phases: {}, period {}",
-                pattern.sticks_of_one().count(),
-                pattern.period
-            ),
+            Ok(pattern) => {
+                let (sticks, period) = (pattern.sticks_of_one().count(), pattern.period);
+                format!("stick phases: {sticks}, period {period}")
+            }
             Err(error) => format!("no settled motion: {error}"),
         };
+        let (slip, exit) = (of(&self.slip_alone), of(&self.exit_alone));
         format!(
-            "Of the two alone: slip three times too fast, {}; exit tested at one end, {}.",
-            of(&self.slip_alone),
-            of(&self.exit_alone)
+            "Of the two alone: slip three times too fast, {slip}; exit tested at one end, {exit}."
         )
     }
 }
 
-/// Whether a cause is shown.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Status {
-    /// All three parts hold.
-    Shown,
-    /// One does not.
-    ShownInPart,
+described! {
+    /// Whether a cause is shown.
+    Status: &'static str {
+        /// All three parts hold.
+        Shown = "shown",
+        /// One does not.
+        ShownInPart = "shown in part",
+    }
 }
 
-impl fmt::Display for Status {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Status::Shown => "shown",
-            Status::ShownInPart => "shown in part",
-        })
+impl std::fmt::Display for Status {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.described())
     }
+}
+
+fn within(found: &Four, most: &Four) -> bool {
+    found.iter().zip(most).all(|(one, most)| one.abs() <= *most)
 }
 
 /// (a) What the event-exact solver does with defects injected, beside the listing and the published
@@ -93,20 +94,19 @@ pub struct SameMotion {
     pub listing: Pattern,
     /// The event-exact solver with the defects, or the error that it ends with.
     pub injected: Result<Pattern, Error>,
-    /// Its four numbers less the published ones (m, m, s, s).
-    pub differences: Option<[f64; 4]>,
-    /// How far they may be off (m, m, s, s), see [`SameMotion::most`].
-    pub most: [f64; 4],
+    /// Its four numbers less the published ones.
+    pub differences: Option<Four>,
+    /// How far they may be off, see [`SameMotion::most`].
+    pub most: Four,
 }
 
 impl SameMotion {
-    /// Sets a motion with injected defects beside the listing's and the published numbers (m, m, s,
-    /// s).
+    /// Sets a motion with injected defects beside the listing's and the published numbers.
     pub fn new(
         listing: &Pattern,
         injected: Result<Pattern, Error>,
-        published: [f64; 4],
-        most: [f64; 4],
+        published: Four,
+        most: Four,
     ) -> SameMotion {
         let numbers = injected.as_ref().ok().and_then(Pattern::four_numbers);
         SameMotion {
@@ -118,9 +118,9 @@ impl SameMotion {
     }
 
     /// How far the numbers of a solver without a step may be off those that the listing prints at
-    /// its step (m, m, s, s): what the listing's own numbers move by from there to a vanishing
-    /// step, found without any solver, and half a printed digit.
-    pub fn most(convergence: &Convergence) -> [f64; 4] {
+    /// its step: what the listing's own numbers move by from there to a vanishing step, found
+    /// without any solver, and half a printed digit.
+    pub fn most(convergence: &Convergence) -> Four {
         // The finest step stands for none and errs by its own part of the bound, once in the bound
         // and once here.
         let finest = convergence.finest().map_or(f64::NAN, |finest| finest.h);
@@ -128,54 +128,45 @@ impl SameMotion {
         own.map(|one| one.bound * (PRINTED_STEP + 2.0 * finest) + HALF_DIGIT)
     }
 
-    /// Whether both motions are of the same kind, [`Pattern::same_motion`].
-    pub fn same_kind(&self) -> bool {
+    /// Whether both motions are of the same kind, [`Pattern::same_motion`], and the four numbers
+    /// are the published ones as far as can be told.
+    pub fn holds(&self) -> bool {
         let injected = self.injected.as_ref();
         injected.is_ok_and(|injected| injected.same_motion(&self.listing))
-    }
-
-    /// Whether the motion is the same and the four numbers are the published ones as far as can be
-    /// told.
-    pub fn holds(&self) -> bool {
-        let near = |four: [f64; 4]| four.iter().zip(self.most).all(|(d, most)| d.abs() <= most);
-        self.same_kind() && self.differences.is_some_and(near)
+            && self
+                .differences
+                .is_some_and(|four| within(&four, &self.most))
     }
 
     /// In words.
     pub fn sentence(&self) -> String {
-        match &self.injected {
-            Ok(injected) => {
-                let kind = |pattern: &Pattern| {
-                    format!(
-                        "{} stick phases in {} forcing periods, {} deflections",
-                        pattern.sticks_of_one().count(),
-                        pattern.period,
-                        pattern.deflections().len()
-                    )
-                };
-                let off = self.differences.map_or_else(
-                    || "no two stick phases to compare".to_owned(),
-                    |[l1, l2, d1, d2]| {
-                        format!(
-                            "off the published lengths by {} and {} mm, off the durations by {} and {} ms, where {} are allowed",
-                            thousandths(l1),
-                            thousandths(l2),
-                            thousandths(d1),
-                            thousandths(d2),
-                            self.most.map(|most| format!("{:.3}", 1e3 * most)).join(", ")
-                        )
-                    },
+        let kind = |pattern: &Pattern| {
+            let (sticks, period) = (pattern.sticks_of_one().count(), pattern.period);
+            let deflections = pattern.deflections().len();
+            format!("{sticks} stick phases in {period} forcing periods, {deflections} deflections")
+        };
+        let injected = match &self.injected {
+            Ok(injected) => kind(injected),
+            Err(error) => {
+                return format!(
+                    "in the event-exact solver the injected defects give no motion: {error}"
                 );
+            }
+        };
+        let off = match self.differences {
+            None => "no two stick phases to compare".to_owned(),
+            Some(differences) => {
+                let [l1, l2, d1, d2] = differences.map(thousandths);
+                let most = joined(self.most.map(allowed), ", ");
                 format!(
-                    "in the event-exact solver the injected defects give {} (the listing: {}), {off}",
-                    kind(injected),
-                    kind(&self.listing)
+                    "off the published lengths by {l1} and {l2} mm, off the durations by {d1} and {d2} ms, where {most} are allowed"
                 )
             }
-            Err(error) => {
-                format!("in the event-exact solver the injected defects give no motion: {error}")
-            }
-        }
+        };
+        let listing = kind(&self.listing);
+        format!(
+            "in the event-exact solver the injected defects give {injected} (the listing: {listing}), {off}"
+        )
     }
 }
 
@@ -184,35 +175,32 @@ impl SameMotion {
 pub struct StepError {
     /// The finest step (s), which stands for the listing's own limit.
     pub finest: f64,
-    /// The listing at the printed step less the injected solver (m, m, s, s).
-    pub left: [f64; 4],
+    /// The listing at the printed step less the injected solver, and the bound C h on that from the
+    /// other steps.
+    pub left: Four,
+    most_left: Four,
     /// The listing at the printed step less the listing at the finest: its own error of the step,
-    /// by itself alone.
-    pub own: [f64; 4],
-    /// The bound C h on `left` at the printed step, from the other steps.
-    pub most_left: [f64; 4],
-    /// The bound on `own` from the listing alone, from the other steps.
-    pub most_own: [f64; 4],
+    /// by itself alone; and the bound on that from the listing alone, from the other steps.
+    own: Four,
+    most_own: Four,
     /// How far `own` and `left` may be apart: the bound at the finest step, from the listing alone.
-    pub most_apart: [f64; 4],
+    most_apart: Four,
     /// Whether the listing at the printed step gives all four published numbers to all printed
     /// digits.
-    pub published: bool,
+    published: bool,
 }
 
 impl StepError {
     fn new(convergence: &Convergence) -> Option<StepError> {
         let (finest, printed) = (convergence.finest()?, convergence.printed()?);
         let (limit, at) = (finest.numbers?, printed.numbers?);
+        let approach = convergence.approach.each_ref();
         let own = convergence.own_approach.each_ref().map(|one| one.bound);
         Some(StepError {
             finest: finest.h,
             left: std::array::from_fn(|i| at[i] - convergence.limit[i]),
+            most_left: approach.map(|one| one.bound * PRINTED_STEP),
             own: std::array::from_fn(|i| at[i] - limit[i]),
-            most_left: convergence
-                .approach
-                .each_ref()
-                .map(|one| one.bound * PRINTED_STEP),
             most_own: own.map(|bound| bound * (PRINTED_STEP + finest.h)),
             most_apart: own.map(|bound| bound * finest.h),
             published: printed.gives_digits(),
@@ -222,25 +210,20 @@ impl StepError {
     /// Whether what is left is within its bound, the listing's own error within its own, and both
     /// the same.
     pub fn holds(&self) -> bool {
+        let apart = std::array::from_fn(|i| self.own[i] - self.left[i]);
         self.published
-            && (0..4).all(|i| {
-                self.left[i].abs() <= self.most_left[i]
-                    && self.own[i].abs() <= self.most_own[i]
-                    && (self.own[i] - self.left[i]).abs() <= self.most_apart[i]
-            })
+            && within(&self.left, &self.most_left)
+            && within(&self.own, &self.most_own)
+            && within(&apart, &self.most_apart)
     }
 
     /// In words.
     pub fn sentence(&self) -> String {
-        let four = |of: &[f64; 4]| of.map(thousandths).join(", ");
-        let allowed = self.most_left.map(|most| format!("{:.3}", 1e3 * most));
+        let [left, own] = [self.left, self.own].map(|four| joined(four.map(thousandths), ", "));
+        let (most, finest) = (joined(self.most_left.map(allowed), ", "), self.finest);
         format!(
-            "at h = {PRINTED_STEP:e} s the listing is off the injected solver by {} (mm, mm, ms, ms), where {} are allowed, and off itself at \
-             h = {:e} s by {}",
-            four(&self.left),
-            allowed.join(", "),
-            self.finest,
-            four(&self.own)
+            "at h = {PRINTED_STEP:e} s the listing is off the injected solver by {left} (mm, mm, ms, ms), where {most} are allowed, and off itself at \
+             h = {finest:e} s by {own}"
         )
     }
 }
@@ -258,20 +241,16 @@ pub struct Cause {
 
 impl Cause {
     /// From the listing at the printed step, the event-exact solver with the defects, the listing's
-    /// convergence and the published numbers (m, m, s, s).
+    /// convergence and the published numbers.
     pub fn new(
         listing: &Pattern,
         injected: Pattern,
         convergence: &Convergence,
-        published: [f64; 4],
+        published: Four,
     ) -> Cause {
+        let most = SameMotion::most(convergence);
         Cause {
-            motion: SameMotion::new(
-                listing,
-                Ok(injected),
-                published,
-                SameMotion::most(convergence),
-            ),
+            motion: SameMotion::new(listing, Ok(injected), published, most),
             approach: convergence.approach,
             step: StepError::new(convergence),
         }
@@ -289,10 +268,9 @@ impl Cause {
 
     /// Whether the cause is shown.
     pub fn status(&self) -> Status {
-        if self.motion.holds() && self.first_order() && self.is_step_error() {
-            Status::Shown
-        } else {
-            Status::ShownInPart
+        match self.motion.holds() && self.first_order() && self.is_step_error() {
+            true => Status::Shown,
+            false => Status::ShownInPart,
         }
     }
 
@@ -302,19 +280,14 @@ impl Cause {
             let (bound, slope, error) = (one.bound, one.slope, one.slope_error);
             format!("{bound:.1} h (slope {slope:.2} ± {error:.2})")
         });
-        let left = self.step.as_ref().map_or_else(
-            || "the listing has no four numbers at the printed step".to_owned(),
-            StepError::sentence,
-        );
+        let bounds = joined(bounds, ", ");
+        let approach =
+            format!("as the step goes to zero the listing's numbers approach them within {bounds}");
+        let none = || "the listing has no four numbers at the printed step".to_owned();
+        let left = self.step.as_ref().map_or_else(none, StepError::sentence);
         [
             (self.motion.sentence(), self.motion.holds()),
-            (
-                format!(
-                    "as the step goes to zero the listing's numbers approach them within {}",
-                    joined(bounds, ", ")
-                ),
-                self.first_order(),
-            ),
+            (approach, self.first_order()),
             (left, self.is_step_error()),
         ]
     }
@@ -323,4 +296,9 @@ impl Cause {
 /// In thousandths of the unit, with the sign.
 fn thousandths(value: f64) -> String {
     format!("{:+.3}", 1e3 * value)
+}
+
+/// The same without one.
+fn allowed(value: f64) -> String {
+    format!("{:.3}", 1e3 * value)
 }

@@ -9,7 +9,7 @@ use super::super::ledger::{Entry, Ledger};
 use super::super::readme::shown;
 use super::super::remark::Remark;
 use super::super::verdict::Verdict;
-use super::heading;
+use super::{columns, heading};
 use crate::paper::published::Kind;
 use crate::paper::reading::{Reading, Role};
 use crate::text::joined;
@@ -56,14 +56,7 @@ pub(super) fn section(ledger: &Ledger) -> Markup {
                     "Every quantity and statement that the paper publishes, in its order. The evidence is folded under each claim. An identity "
                     "could not have come out otherwise and is not counted. Of two honest readings the kinder is judged and the evidence names the other."
                 }
-                thead {
-                    tr {
-                        th scope="col" { "Claim" }
-                        th scope="col" { "Published" }
-                        th scope="col" { "Found" }
-                        th scope="col" { "Verdict" }
-                    }
-                }
+                (columns(&["Claim", "Published", "Found", "Verdict"]))
                 tbody { @for (place, entry) in ledger.entries.iter().enumerate() { (row(ledger, place, entry)) } }
             }
             h3 #corrections { "Corrections" }
@@ -123,26 +116,20 @@ fn labels(corrections: &[Correction]) -> String {
 /// What the paper says, with its unit; long closed-form numbers to six decimals.
 fn published(entry: &Entry) -> String {
     let claim = &entry.claim;
-    if claim.published.is_empty() {
-        return "stated".to_owned();
-    }
     let mut parts: Vec<(&str, &f64)> = claim.published.split(';').zip(claim.values()).collect();
     if claim.kind == Kind::Set {
         parts.sort_by(|one, other| other.1.total_cmp(one.1));
     }
-    let texts: Vec<String> = parts
-        .into_iter()
-        .map(|(text, value)| match text.len() {
-            0..=SHORT => minus(text),
-            _ => decimals(*value, 6) + "…",
-        })
-        .collect();
-    let text = if texts.is_empty() {
-        claim.published.clone()
-    } else {
-        texts.join("; ")
+    let texts = parts.into_iter().map(|(text, value)| match text.len() {
+        0..=SHORT => minus(text),
+        _ => decimals(*value, 6) + "…",
+    });
+    let text = match joined(texts, "; ") {
+        none if none.is_empty() => claim.published.clone(),
+        text => text,
     };
     match claim.unit.as_str() {
+        _ if text.is_empty() => "stated".to_owned(),
         "" | "1" => text,
         unit => format!("{text} {unit}"),
     }

@@ -5,26 +5,8 @@ use maud::{Markup, PreEscaped, html};
 use super::Report;
 use super::heading;
 
-/// Figures of the paper that hold nothing to compute, and why.
-const NOTHING_TO_COMPUTE: [(&str, &str); 5] = [
-    (
-        "Fig. 1",
-        "a drawing of the oscillator on the belt; what it defines is Eqs. (1)–(3)",
-    ),
-    (
-        "Fig. 2",
-        "a block diagram of the procedure; what it does is the Appendix's listing, which is run here",
-    ),
-    ("Fig. 3", "the second half of that diagram"),
-    (
-        "Fig. 5",
-        "a drawing of the forced oscillator; what it defines is Eqs. (17), (18)",
-    ),
-    (
-        "Fig. 9",
-        "a drawing of the block and the bracket; what it defines is Eqs. (27), (28)",
-    ),
-];
+/// Figures that hold nothing to compute, and why.
+const DRAWINGS: &str = include_str!("../../../assets/report/drawings.html");
 
 /// The figure that the page opens with.
 const OPENING: &str = "fig08";
@@ -57,7 +39,7 @@ pub(super) fn section(report: &Report) -> Markup {
                 (figure(table.title, table.about, &table.svg))
             }
             h3 { "Figures that hold nothing to compute" }
-            dl { @for (name, why) in NOTHING_TO_COMPUTE { dt { (name) } dd { (why) "." } } }
+            (PreEscaped(DRAWINGS.trim_end()))
         }
     }
 }

@@ -7,7 +7,7 @@ use super::super::ledger::Ledger;
 use super::super::matrix::Cell;
 use super::super::scan::{Class, Point};
 use super::figures::figure;
-use super::{Report, heading};
+use super::{Report, columns, heading};
 use crate::paper::claim_id::ClaimId;
 use crate::paper::listing::Defect;
 use crate::text::joined;
@@ -43,7 +43,7 @@ pub(super) fn cause(report: &Report) -> Markup {
             (heading("cause"))
             p { b { "The cause is " (ledger.cause.status()) "." } " Three things are asked for, each of which could have failed." }
             table.cards {
-                thead { tr { th scope="col" { "What is asked for" } th scope="col" { "What was found" } th scope="col" { "Holds" } } }
+                (columns(&["What is asked for", "What was found", "Holds"]))
                 tbody {
                     @for (asked, (found, holds)) in asked().iter().zip(ledger.cause.parts()) {
                         tr {

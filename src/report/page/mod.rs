@@ -109,3 +109,8 @@ fn heading(anchor: &str) -> Markup {
         .map_or(anchor, |(_, heading)| heading);
     html! { h2 id=(anchor) { (text) } }
 }
+
+/// The head of a table.
+fn columns(names: &[&str]) -> Markup {
+    html! { thead { tr { @for name in names { th scope="col" { (name) } } } } }
+}

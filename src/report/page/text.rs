@@ -4,7 +4,7 @@ use maud::{Markup, PreEscaped, html};
 
 use super::super::errata::Shown;
 use super::super::ledger::Ledger;
-use super::heading;
+use super::{columns, heading};
 use crate::figures::rows::Value;
 use stickslip::math;
 
@@ -14,14 +14,7 @@ pub(super) fn errata(ledger: &Ledger) -> Markup {
             (heading("errata"))
             p { "Misprints and slips of the paper, each with the computation that shows it." }
             table.cards {
-                thead {
-                    tr {
-                        th scope="col" { "Place" }
-                        th scope="col" { "Printed" }
-                        th scope="col" { "Should read" }
-                        th scope="col" { "Shown by" }
-                    }
-                }
+                (columns(&["Place", "Printed", "Should read", "Shown by"]))
                 tbody {
                     @for erratum in &ledger.errata {
                         tr {
@@ -64,48 +57,33 @@ fn value(shown: &Shown) -> String {
     .replace('-', "−")
 }
 
-/// How values and verdicts are made. Paragraphs stand apart by an empty line, and their lines are
-/// one.
 const METHODS: &str = include_str!("../../../assets/report/methods.html");
+const CITE: &str = include_str!("../../../assets/report/cite.html");
+const REMAKE: &str = include_str!("../../../assets/report/remake.html");
 
-/// What was done, in the words of the field.
+/// Paragraphs, their lines joined.
 pub(super) fn methods(ledger: &Ledger) -> Markup {
     let text = METHODS.replace("{source}", &ledger.spread.search.cited());
-    let paragraphs = text.trim_end().split("\n\n");
-    html! {
-        section aria-labelledby="methods" {
-            (heading("methods"))
-            @for paragraph in paragraphs { (PreEscaped(paragraph.replace('\n', " "))) }
-        }
-    }
+    let text = text.replace("\n\n", "\0").replace('\n', " ");
+    prose("methods", &text.replace('\0', ""))
 }
 
 pub(super) fn cite() -> Markup {
-    html! {
-        section aria-labelledby="cite" {
-            (heading("cite"))
-            p { "The paper:" }
-            pre {
-                "P. Olejnik, J. Awrejcewicz: Application of Hénon method in numerical estimation of the stick–slip transitions existing in "
-                "Filippov-type discontinuous dynamical systems with dry friction. Nonlinear Dynamics 73 (2013) 723–736. "
-                "doi:10.1007/s11071-013-0826-7"
-            }
-            p { "This replication and the library under it (" code { "CITATION.cff" } "):" }
-            pre { "stickslip " (env!("CARGO_PKG_VERSION")) ": " (env!("CARGO_PKG_DESCRIPTION")) "." }
-        }
-    }
+    let text = CITE.replace("{version}", env!("CARGO_PKG_VERSION"));
+    let description = env!("CARGO_PKG_DESCRIPTION").replace('&', "&amp;");
+    prose("cite", &text.replace("{description}", &description))
 }
 
 pub(super) fn remake() -> Markup {
+    prose(
+        "remake",
+        &REMAKE.replace("{version}", env!("CARGO_PKG_VERSION")),
+    )
+}
+
+/// A section of ready markup.
+fn prose(anchor: &str, text: &str) -> Markup {
     html! {
-        section aria-labelledby="remake" {
-            (heading("remake"))
-            pre {
-                "make figures   # figures/ and the numbers behind them\n"
-                "make report    # this page, report/claims.csv, the table in README.md\n"
-                "make test      # fails when a verdict or a number changes, or this page is not what the program writes"
-            }
-            p { "stickslip " (env!("CARGO_PKG_VERSION")) ", Rust 1.89 or newer, libraries as in " code { "Cargo.lock" } ": the same bytes on every machine." }
-        }
+        section aria-labelledby=(anchor) { (heading(anchor)) (PreEscaped(text.trim_end())) }
     }
 }
