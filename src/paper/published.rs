@@ -7,46 +7,38 @@
 use std::sync::LazyLock;
 
 use super::claim_id::ClaimId;
+use crate::text::described;
 
 /// The table, as it is in the repository.
 const CLAIMS: &str = include_str!("../../data/claims.csv");
 /// Largest relative difference from an exact value.
 const EXACT_TOLERANCE: f64 = 1e-12;
 
-/// What a row of the table claims.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Kind {
-    /// One number.
-    Value,
-    /// Several numbers, or a formula for them.
-    Set,
-    /// A curve of a figure.
-    Curve,
-    /// A sentence.
-    Statement,
-    /// What could not be otherwise: it follows from other claims or from a definition. It is listed
-    /// and not counted.
-    Identity,
+described! {
+    /// What a row of the table claims.
+    Kind: &'static str {
+        /// One number.
+        Value = "value",
+        /// Several numbers, or a formula for them.
+        Set = "set",
+        /// A curve of a figure.
+        Curve = "curve",
+        /// A sentence.
+        Statement = "statement",
+        /// What could not be otherwise: it follows from other claims or from a definition. It is listed
+        /// and not counted.
+        Identity = "identity",
+    }
 }
 
 impl Kind {
-    const NAMED: [(&'static str, Kind); 5] = [
-        ("value", Kind::Value),
-        ("set", Kind::Set),
-        ("curve", Kind::Curve),
-        ("statement", Kind::Statement),
-        ("identity", Kind::Identity),
-    ];
-
-    /// Its name in tables.
+    /// Its name in the table.
     pub fn name(self) -> &'static str {
-        let known = Kind::NAMED.iter().find(|(_, kind)| *kind == self);
-        known.map_or("", |(name, _)| name)
+        self.described()
     }
 
     fn named(name: &str) -> Option<Kind> {
-        let known = Kind::NAMED.iter().find(|(known, _)| *known == name);
-        known.map(|(_, kind)| *kind)
+        Kind::ALL.into_iter().find(|kind| kind.name() == name)
     }
 }
 

@@ -4,30 +4,28 @@ use std::str::FromStr;
 
 use super::error::PeersError;
 use crate::numbers::largest;
+use crate::text::described;
 
-/// What happened.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
-    /// From slip to slip through Σ.
-    Crossing,
-    /// Stick begins.
-    Entry,
-    /// Stick ends.
-    Exit,
+described! {
+    /// What happened.
+    Kind: &'static str {
+        /// From slip to slip through Σ.
+        Crossing = "crossing",
+        /// Stick begins.
+        Entry = "entry",
+        /// Stick ends.
+        Exit = "exit",
+    }
 }
 
 impl FromStr for Kind {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        match text {
-            "crossing" => Ok(Kind::Crossing),
-            "entry" => Ok(Kind::Entry),
-            "exit" => Ok(Kind::Exit),
-            _ => Err(format!(
-                "'{text}' is no kind of event; there are crossing, entry and exit"
-            )),
-        }
+        let mut all = Kind::ALL.into_iter();
+        all.find(|kind| kind.described() == text).ok_or_else(|| {
+            format!("'{text}' is no kind of event; there are crossing, entry and exit")
+        })
     }
 }
 

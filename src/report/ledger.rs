@@ -47,7 +47,7 @@ impl Entry {
         let mut kept: Vec<&Finding> = Vec::new();
         for one in &self.findings {
             let same =
-                |other: &&Finding| other.reading == one.reading && other.text() == one.text();
+                |other: &&Finding| (other.reading, other.text()) == (one.reading, one.text());
             if !kept.iter().any(same) {
                 kept.push(one);
             }

@@ -6,16 +6,18 @@ use std::fmt;
 use super::digits::{minus, ten_to};
 use crate::paper::published::{Claim, Digits};
 use crate::readings::{ExponentSpread, Values};
+use crate::text::described;
 
-/// Sign of a Lyapunov exponent, zero within its error.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Sign {
-    /// Nearby orbits separate.
-    Positive,
-    /// Neither.
-    Zero,
-    /// They approach each other.
-    Negative,
+described! {
+    /// Sign of a Lyapunov exponent, zero within its error.
+    Sign: &'static str {
+        /// Nearby orbits separate.
+        Positive = "positive",
+        /// Neither.
+        Zero = "zero",
+        /// They approach each other.
+        Negative = "negative",
+    }
 }
 
 impl Sign {
@@ -33,11 +35,7 @@ impl Sign {
 
 impl fmt::Display for Sign {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Sign::Positive => "positive",
-            Sign::Zero => "zero",
-            Sign::Negative => "negative",
-        })
+        f.write_str(self.described())
     }
 }
 
@@ -77,24 +75,29 @@ impl Remark {
 
     /// What the settings give, in words.
     pub fn sentence(&self) -> String {
-        let of = &self.spread;
-        let given = match of.values {
-            Some(values) => format!(
-                "the {} others give {} to {}, and the published value lies {}",
-                of.settings - of.unidentified,
-                rounded(values.least),
-                rounded(values.largest),
-                if self.within_range() {
-                    "inside"
-                } else {
-                    "outside of what all of these give"
-                }
-            ),
+        let ExponentSpread {
+            values,
+            settings,
+            unidentified,
+            met,
+            ..
+        } = self.spread;
+        let given = match values {
+            Some(values) => {
+                let (least, largest) = (rounded(values.least), rounded(values.largest));
+                let others = settings - unidentified;
+                let lies = match self.within_range() {
+                    true => "inside",
+                    false => "outside of what all of these give",
+                };
+                format!(
+                    "the {others} others give {least} to {largest}, and the published value lies {lies}"
+                )
+            }
             None => "there is no other".to_owned(),
         };
         format!(
-            "{} of {} settings of the estimator leave it unidentified, {given}; {} of all give the published digits",
-            of.unidentified, of.settings, of.met
+            "{unidentified} of {settings} settings of the estimator leave it unidentified, {given}; {met} of all give the published digits"
         )
     }
 }

@@ -50,7 +50,7 @@ impl Statements {
         );
         let (followed, by_procedure) = (followed?, by_procedure?);
         let model = ForcedOscillator::default();
-        let zone = zones::Oscillation::of(&model, &stick_phases::TangentSet::published()?);
+        let zone = zones::Oscillation::of(&model, &followed.set);
         let shapes = Shapes::of(&computed.bracket);
         let (arcs, regions) = fig08::arcs()?;
         let (start, start_erratum) = fig08::start()?;

@@ -49,27 +49,28 @@ impl ByProcedure {
     }
 
     pub(super) fn findings(&self) -> Vec<Finding> {
+        let whats = [
+            "Fig. 10: the captioned class, loops counted",
+            "Fig. 11: the captioned class",
+            "Fig. 12: the captioned class",
+        ];
         let parts = |found: &[Option<Class>]| {
-            let whats = [
-                "Fig. 10: the captioned class, loops counted",
-                "Fig. 11: the captioned class",
-                "Fig. 12: the captioned class",
-            ];
-            let captioned = |figure: usize, class| Verdict::Motion(class).is_published(figure);
-            let holds = |figure: usize| found[figure].is_some_and(|one| captioned(figure, one));
-            std::array::from_fn::<_, 3, _>(|figure| (whats[figure], holds(figure)))
+            let captioned = |i: usize| {
+                let class = found[i].map(Verdict::Motion);
+                class.is_some_and(|class| class.is_published(i))
+            };
+            [0, 1, 2].map(|i| (whats[i], captioned(i)))
         };
         let names = |found: &[Option<Class>]| {
             let name =
                 |one: &Option<Class>| one.map_or("escapes".to_owned(), |one| one.to_string());
             joined(found.iter().map(name), ", ")
         };
+        let (corrected, printed) = (names(&self.corrected), names(&self.as_printed));
         let line = format!(
-            "by RK4 with steps of {STEP} and Hénon's step, Figs. 10, 11, 12: {}; with the equations as printed: {}. Another reading, that it \
+            "by RK4 with steps of {STEP} and Hénon's step, Figs. 10, 11, 12: {corrected}; with the equations as printed: {printed}. Another reading, that it \
              gave the very trajectories of the figures, cannot be decided: neither step nor program is stated, and only the text of the \
-             paper was at hand, not its pictures",
-            names(&self.corrected),
-            names(&self.as_printed)
+             paper was at hand, not its pictures"
         );
         vec![
             statement(Corrected, parts(&self.corrected), line),
@@ -134,27 +135,28 @@ impl Shape {
     }
 
     fn line(&self, figure: usize) -> String {
+        let all = self.points;
         let section = match (self.closes_after, self.branching) {
             (Some(points), _) => format!("closes (distinct points: {points})"),
-            (None, Some(branching)) => format!(
-                "of {} points does not close (it branches at {:.1} % of them and {} be strung, which decides nothing)",
-                self.points,
-                100.0 * branching,
-                if branching < STRUNG { "can" } else { "cannot" }
-            ),
+            (None, Some(branching)) => {
+                let (percent, can) = (
+                    100.0 * branching,
+                    if branching < STRUNG { "can" } else { "cannot" },
+                );
+                format!(
+                    "of {all} points does not close (it branches at {percent:.1} % of them and {can} be strung, which decides nothing)"
+                )
+            }
             _ => "does not tell".to_owned(),
         };
         let told = match self.by_exponents() {
-            Class::Periodic(_) => "periodic",
-            Class::QuasiPeriodic => "quasi-periodic",
-            Class::Chaotic => "chaotic",
-            Class::Undecided => "untold",
+            Class::Undecided => "untold".to_owned(),
+            class => class.to_string(),
         };
-        let positive = usize::from(self.positive);
+        let (zeros, positive) = (self.zeros, usize::from(self.positive));
         format!(
-            "Fig. {}: the section {section}; the exponents ({} zero, {positive} positive): {told}",
-            figure + 10,
-            self.zeros,
+            "Fig. {}: the section {section}; the exponents ({zeros} zero, {positive} positive): {told}",
+            figure + 10
         )
     }
 }

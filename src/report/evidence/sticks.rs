@@ -29,20 +29,14 @@ pub(super) fn exact_lengths(followed: &Followed) -> Vec<Finding> {
     let error = largest(sticks.iter().map(|one| off(one.entry, one.exit)));
     let settled = followed.fig08.settled_phases();
     let listing_error = largest(ends(settled).map(|(entry, exit)| off(entry, exit)));
-    let parts = [(
-        "given where and when it begins, the set gives length and duration of a stick phase of the stated model",
-        !sticks.is_empty() && error <= NONE,
-    )];
-    let printed = [(
-        "given where and when it begins, the set gives length and duration of the listing's stick phases, which are the published ones",
-        !settled.is_empty() && listing_error <= NONE,
-    )];
+    let what = "given where and when it begins, the set gives length and duration of a stick phase of the stated model";
+    let parts = [(what, !sticks.is_empty() && error <= NONE)];
+    let what = "given where and when it begins, the set gives length and duration of the listing's stick phases, which are the published ones";
+    let printed = [(what, !settled.is_empty() && listing_error <= NONE)];
+    let (all, settled, error) = (sticks.len(), settled.len(), small(error));
     let line = format!(
-        "ends of {} stick phases of the stated model by the scalar equation from the set and the begin: off by at most {} s; of the {} \
-         of Fig. 8's motion, which the listing makes and which are another reading of the sentence: by up to {listing_error:.3} s",
-        sticks.len(),
-        small(error),
-        settled.len(),
+        "ends of {all} stick phases of the stated model by the scalar equation from the set and the begin: off by at most {error} s; of the {settled} \
+         of Fig. 8's motion, which the listing makes and which are another reading of the sentence: by up to {listing_error:.3} s"
     );
     vec![statement(Exact, parts, line), as_printed(printed)]
 }
@@ -69,10 +63,9 @@ impl Exits {
         for stick in sticks {
             let (number, distance) = set.nearest(model, stick.exit);
             found.largest_distance = found.largest_distance.max(distance);
-            if distance <= NONE {
-                found.at[number] += 1;
-            } else {
-                found.elsewhere += 1;
+            match distance <= NONE {
+                true => found.at[number] += 1,
+                false => found.elsewhere += 1,
             }
         }
         found
@@ -82,10 +75,9 @@ impl Exits {
     fn of_listing(phases: &[StickPhase]) -> Exits {
         let mut found = Exits::default();
         for phase in phases {
+            let end = usize::from(phase.end == End::Lower);
             match phase.zone {
-                Some(zone) => {
-                    found.at[2 * zone as usize + usize::from(phase.end == End::Lower)] += 1;
-                }
+                Some(zone) => found.at[2 * zone as usize + end] += 1,
                 None => found.elsewhere += 1,
             }
         }
@@ -114,35 +106,31 @@ pub(super) fn exit_at_visible(followed: &Followed) -> Vec<Finding> {
     let listing = Exits::of_listing(&followed.listing.phases);
     let mended = Exits::of_listing(&followed.both_ends_tested.phases);
     let visible = sticks.iter().filter(|stick| stick.visible).count();
+    let all = model.all();
     let parts = [
         (
             "every loss of stick is at a tangent point of Eq. (24) moved by the support",
-            model.all() > 0 && model.elsewhere == 0,
+            all > 0 && model.elsewhere == 0,
         ),
         (
             "and it is visible there, the movement of the point counted",
-            model.all() > 0 && visible == model.all(),
+            all > 0 && visible == all,
         ),
     ];
+    let what = "every loss of stick of the listing in a zone is at point 1, 3 or 5";
     let printed = [(
-        "every loss of stick of the listing in a zone is at point 1, 3 or 5",
+        what,
         listing.at_visible() > 0 && listing.at_invisible() == 0,
     )];
+    let (odd, even, at) = (model.at_visible(), model.at_invisible(), model.at);
+    let distance = small(model.largest_distance);
+    let (of_listing, all_of_listing) = (listing.at_visible(), listing.all());
+    let (of_mended, all_of_mended) = (mended.at_visible(), mended.all());
+    let [chatter, more] = [&followed.listing, &followed.both_ends_tested].map(|of| of.chatter);
     let line = format!(
-        "stated model: {visible} of {} ends of stick phases are visibly tangent, all within {} m of a point; in another reading, by the points that \
-         Fig. 4's caption calls visible at rest, {} are at 1, 3, 5 and {} at 2, 4, 6 (by number {:?}); the listing tests upper ends only, so that {} of \
-         its {} are at 1, 3, 5 whatever the motion; with both ends tested {} of {} ({} and {} of no more than ten steps left out)",
-        model.all(),
-        small(model.largest_distance),
-        model.at_visible(),
-        model.at_invisible(),
-        model.at,
-        listing.at_visible(),
-        listing.all(),
-        mended.at_visible(),
-        mended.all(),
-        followed.listing.chatter,
-        followed.both_ends_tested.chatter,
+        "stated model: {visible} of {all} ends of stick phases are visibly tangent, all within {distance} m of a point; in another reading, by the points that \
+         Fig. 4's caption calls visible at rest, {odd} are at 1, 3, 5 and {even} at 2, 4, 6 (by number {at:?}); the listing tests upper ends only, so that {of_listing} of \
+         its {all_of_listing} are at 1, 3, 5 whatever the motion; with both ends tested {of_mended} of {all_of_mended} ({chatter} and {more} of no more than ten steps left out)"
     );
     // The listing tests the points 1, 3 and 5 and no others.
     vec![
