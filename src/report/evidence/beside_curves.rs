@@ -38,9 +38,12 @@ pub(super) fn oscillation(
     model: &ForcedOscillator,
     drawn: &Oscillation,
 ) -> Result<Vec<Finding>, Error> {
-    let every = (drawn.times.len() / (TIMES + 1)).max(1);
-    let times = (1..=TIMES).map(|k| k * every);
-    let times: Vec<usize> = times.filter(|&k| k < drawn.times.len()).collect();
+    let all = drawn.times.len();
+    let every = (all / (TIMES + 1)).max(1);
+    let times: Vec<usize> = (1..=TIMES)
+        .map(|k| k * every)
+        .filter(|&k| k < all)
+        .collect();
     let beside = DISTANCES
         .into_par_iter()
         .map(|distance| at_distance(model, drawn, &times, distance))
@@ -50,23 +53,22 @@ pub(super) fn oscillation(
         let holds = |one: &Beside| one.pairs > 0 && right(one) == one.pairs;
         curves == 6 && beside.iter().all(holds)
     };
+    let sticks = all(|one| one.inside_sticks);
+    let slips = all(|one| one.outside_slips);
     let parts = [
-        (
-            "bodies put just inside the drawn curves stick",
-            all(|one| one.inside_sticks),
-        ),
-        ("bodies put just outside slip", all(|one| one.outside_slips)),
+        ("bodies put just inside the drawn curves stick", sticks),
+        ("bodies put just outside slip", slips),
     ];
     let distances = beside.iter().map(|one| {
+        let (distance, pairs) = (one.distance, one.pairs);
+        let (inside, outside) = (one.inside_sticks, one.outside_slips);
         format!(
-            "{:.0e} m: {} of {} inside stick, {} of {} outside slip",
-            one.distance, one.inside_sticks, one.pairs, one.outside_slips, one.pairs
+            "{distance:.0e} m: {inside} of {pairs} inside stick, {outside} of {pairs} outside slip"
         )
     });
+    let (times, distances) = (times.len(), joined(distances, "; at "));
     let line = format!(
-        "model 2 integrated from Σ beside the {curves} drawn curves at {} times of two periods; at {}",
-        times.len(),
-        joined(distances, "; at ")
+        "model 2 integrated from Σ beside the {curves} drawn curves at {times} times of two periods; at {distances}"
     );
     Ok(vec![statement(Exact, parts, line)])
 }

@@ -22,32 +22,31 @@ const NONE: f64 = 1e-12;
 pub(super) fn no_stick_at_zero() -> Result<Vec<Finding>, Error> {
     let with = ForcedOscillator::default();
     let without = ForcedOscillator { mu0: 0.0, ..with };
-    let (without, with) = (tally(&without)?, tally(&with)?);
+    let with = tally(&with)?;
+    let Tally {
+        orbits,
+        sticks,
+        crossings,
+        largest_kink,
+        least_sigma,
+    } = tally(&without)?;
     let parts = [
         (
             "at mu0 = 0 the transition function is nowhere negative",
-            without.crossings > 0 && without.least_sigma >= 0.0,
+            crossings > 0 && least_sigma >= 0.0,
         ),
-        (
-            "there is no stick",
-            without.orbits > 0 && without.sticks == 0,
-        ),
+        ("there is no stick", orbits > 0 && sticks == 0),
         (
             "orbits that cross Σ are deflected there",
-            without.largest_kink > NONE,
+            largest_kink > NONE,
         ),
     ];
+    let (sigma, kink) = (small(least_sigma), small(largest_kink));
+    let (with_sticks, with_kink) = (with.sticks, with.largest_kink);
     let line = format!(
-        "model 2 at mu0 = 0 from {} starts: {} stick phases (with the friction of Fig. 8: {}), least σ on Σ {} m²/s⁴; at {} crossings the acceleration \
-         jumps by at most {} m/s² (with friction by up to {:.2} m/s²): without friction nothing deflects; in another reading, \
-         that deflections appear nowhere else, the sentence holds of none: it is not judged, for it says that deflections will appear",
-        without.orbits,
-        without.sticks,
-        with.sticks,
-        small(without.least_sigma),
-        without.crossings,
-        small(without.largest_kink),
-        with.largest_kink,
+        "model 2 at mu0 = 0 from {orbits} starts: {sticks} stick phases (with the friction of Fig. 8: {with_sticks}), least σ on Σ {sigma} m²/s⁴; at {crossings} crossings the acceleration \
+         jumps by at most {kink} m/s² (with friction by up to {with_kink:.2} m/s²): without friction nothing deflects; in another reading, \
+         that deflections appear nowhere else, the sentence holds of none: it is not judged, for it says that deflections will appear"
     );
     Ok(vec![statement(Exact, parts, line)])
 }

@@ -211,31 +211,27 @@ fn until_tangent_with(followed: &Followed, sticks_of_fig08: usize) -> Vec<Findin
         && speed_error <= NONE
         && model.passing == 0
         && model.largest_distance <= NONE;
-    let parts = [(
-        "the body of Fig. 8 in the stated model sticks and moves at the belt's speed until the next tangent point is met",
-        sticks_of_fig08 > 0 && holds_in_the_model,
-    )];
-    let printed = [(
-        "the body of Fig. 8's motion, which the program makes, does so",
-        fig08.phases > 0 && fig08.passing == 0,
-    )];
+    let what = "the body of Fig. 8 in the stated model sticks and moves at the belt's speed until the next tangent point is met";
+    let parts = [(what, sticks_of_fig08 > 0 && holds_in_the_model)];
+    let what = "the body of Fig. 8's motion, which the program makes, does so";
+    let printed = [(what, fig08.phases > 0 && fig08.passing == 0)];
+    let [of_fig08, of_listing] = [&fig08, &listing].map(|of| {
+        let outside = 100.0 * of.outside_zones;
+        (
+            format!("{} of {}", of.passing, of.phases),
+            format!("{outside:.0} %"),
+        )
+    });
+    let holds = if holds_in_the_model { "holds" } else { "fails" };
+    let (starts, speed_error) = (starts().len(), small(speed_error));
+    let (phases, passing) = (model.phases, model.passing);
+    let distance = small(model.largest_distance);
     let line = format!(
         "judged by Fig. 8's motion, of which the sentence speaks; from its start the stated model settles on {sticks_of_fig08} stick phases; of those of the \
-         listing {} of {} pass a tangent point, and the body is in no zone for {:.0} % of the time in stick (on its first ten forcing periods from \
-         {} starts, phases of ten steps and less left out: {} of {}, and {:.0} %). In another reading, of any stick phase of the stated model, it {}: \
-         {} phases, velocity off the belt's by at most {} m/s, {} of them pass a tangent point before they end, and the end is within {} m of one",
-        fig08.passing,
-        fig08.phases,
-        100.0 * fig08.outside_zones,
-        starts().len(),
-        listing.passing,
-        listing.phases,
-        100.0 * listing.outside_zones,
-        if holds_in_the_model { "holds" } else { "fails" },
-        model.phases,
-        small(speed_error),
-        model.passing,
-        small(model.largest_distance),
+         listing {} pass a tangent point, and the body is in no zone for {} of the time in stick (on its first ten forcing periods from \
+         {starts} starts, phases of ten steps and less left out: {}, and {}). In another reading, of any stick phase of the stated model, it {holds}: \
+         {phases} phases, velocity off the belt's by at most {speed_error} m/s, {passing} of them pass a tangent point before they end, and the end is within {distance} m of one",
+        of_fig08.0, of_fig08.1, of_listing.0, of_listing.1,
     );
     vec![statement(Exact, parts, line), as_printed(printed)]
 }
@@ -255,29 +251,22 @@ fn length_is_way_of(followed: &Followed, published: [f64; 4]) -> (Vec<Finding>, 
     let listing = excess(followed.fig08.four_numbers().unwrap_or([f64::NAN; 4]));
     // Half a unit of the last printed digit in both numbers.
     let rounding = 0.5e-4 + 0.5e-4 / belt;
-    let sticks = &followed.model;
-    let of_model = largest(sticks.iter().map(|stick| {
+    let of_model = largest(followed.model.iter().map(|stick| {
         let (length, duration) = (stick.exit.1 - stick.entry.1, stick.exit.0 - stick.entry.0);
         (duration - length / belt).abs()
     }));
     let within = |excess: [f64; 2]| excess.iter().all(|one| one.abs() <= rounding);
-    let parts = [(
-        "the published lengths are vp times the published durations, as far as rounding lets tell",
-        within(published),
-    )];
-    let printed = [(
-        "the lengths of the program's settled stick phases are",
-        within(listing),
-    )];
+    let what =
+        "the published lengths are vp times the published durations, as far as rounding lets tell";
+    let parts = [(what, within(published))];
+    let what = "the lengths of the program's settled stick phases are";
+    let printed = [(what, within(listing))];
     let both = |[one, other]: [f64; 2]| format!("{:.2} and {:.2} ms", 1e3 * one, 1e3 * other);
+    let (of_published, of_listing, allowed) = (both(published), both(listing), 1e3 * rounding);
+    let (sticks, most) = (followed.model.len(), small(of_model));
     let line = format!(
-        "durations less lengths/vp: published {}, the program {}, {:.2} ms can be rounding; of {} stick phases of the stated model, which are \
-         another reading of the sentence, at most {} s",
-        both(published),
-        both(listing),
-        1e3 * rounding,
-        sticks.len(),
-        small(of_model),
+        "durations less lengths/vp: published {of_published}, the program {of_listing}, {allowed:.2} ms can be rounding; of {sticks} stick phases of the stated model, which are \
+         another reading of the sentence, at most {most} s"
     );
     let mut rows = Vec::new();
     for (n, (published, listing)) in (1..).zip(published.into_iter().zip(listing)) {
@@ -288,17 +277,13 @@ fn length_is_way_of(followed: &Followed, published: [f64; 4]) -> (Vec<Finding>, 
     }
     let explained = "largest difference that rounding of print explains";
     rows.push(number(explained, rounding, "s"));
-    rows.push(count("stick phases of the stated model", sticks.len()));
+    rows.push(count("stick phases of the stated model", sticks));
     rows.push(number("largest difference among them", of_model, "s"));
     let longer = published.iter().chain(&listing).all(|one| *one > rounding);
-    let misprint = proof(
-        "durations",
-        rows,
-        longer && !sticks.is_empty() && of_model <= NONE,
-    );
+    let holds = longer && sticks > 0 && of_model <= NONE;
     (
         vec![statement(Exact, parts, line), as_printed(printed)],
-        misprint,
+        proof("durations", rows, holds),
     )
 }
 

@@ -67,18 +67,14 @@ pub(super) fn location(model: &ForcedOscillator) -> Vec<Finding> {
     let ends = stick_ends(model, 0.0).len();
     let (named, others) = (shifts(model, NAMED), shifts(model, OTHERS));
     let moves = named.iter().all(|(_, (least, _))| *least > NONE);
-    let parts = [(
-        "the place of the stick zones depends on k1, k2 and mu0",
-        ends > 0 && moves,
-    )];
+    let what = "the place of the stick zones depends on k1, k2 and mu0";
     let each = |(name, (_, most)): (&str, (f64, f64))| format!("{name} {}", small(most));
+    let [named, others] = [named, others].map(|of| joined(of.map(each), ", "));
+    let percent = 100.0 * (FACTOR - 1.0);
     let line = format!(
-        "each parameter {:.0} % larger moves the {ends} ends of the zones by up to (m): {}; not named and without influence: {}",
-        100.0 * (FACTOR - 1.0),
-        joined(named.map(each), ", "),
-        joined(others.map(each), ", "),
+        "each parameter {percent:.0} % larger moves the {ends} ends of the zones by up to (m): {named}; not named and without influence: {others}"
     );
-    vec![statement(Exact, parts, line)]
+    vec![statement(Exact, [(what, ends > 0 && moves)], line)]
 }
 
 /// Times in one forcing period; a quarter and three quarters of it are among them.
@@ -112,58 +108,61 @@ impl Oscillation {
                 (t, stick_ends(model, t))
             })
             .collect();
-        let ends = || {
-            let numbered = |(t, ends): &'_ (f64, Vec<f64>)| {
-                let pairs: Vec<_> = ends.iter().copied().rev().zip(set.0).collect();
-                let t = *t;
-                pairs.into_iter().map(move |(end, z)| (t, end, z))
-            };
-            found.iter().flat_map(numbered)
-        };
+        // Time, end and tangent point.
+        let mut ends = Vec::new();
+        for (t, of_time) in &found {
+            let numbered = of_time.iter().rev().zip(set.0);
+            ends.extend(numbered.map(|(end, z)| (*t, *end, z)));
+        }
         let travel = |(low, high): (f64, f64)| high - low;
+        let last = found.iter().filter_map(|(_, ends)| ends.last().copied());
         // The velocity (m/s) at which the boundary function vanishes above a position.
-        let speed = |(t, x1, _)| bisect(-10.0, 10.0, |x2| model.boundary(t, &[x1, x2]) >= 0.0);
-        let off = |(t, end, z): (f64, f64, f64)| (end - (z + model.support(t))).abs();
+        let speed = |&(t, x1, _): &(f64, f64, f64)| {
+            bisect(-10.0, 10.0, |x2| model.boundary(t, &[x1, x2]) >= 0.0)
+        };
+        let off = |&(t, end, z): &(f64, f64, f64)| (end - (z + model.support(t))).abs();
         Oscillation {
             six_ends: found.iter().all(|(_, ends)| ends.len() == 6),
-            largest_difference: largest(ends().map(off)),
-            travel_x1: travel(extent(found.iter().filter_map(|one| one.1.last().copied()))),
+            largest_difference: largest(ends.iter().map(off)),
+            travel_x1: travel(extent(last)),
             twice_amplitude: 2.0 * model.amplitude,
-            travel_x2: travel(extent(ends().map(speed))),
+            travel_x2: travel(extent(ends.iter().map(speed))),
             at_rest: found.into_iter().next().map_or_else(Vec::new, |one| one.1),
         }
     }
 
     /// `s4.zone_oscillates`.
     pub(super) fn zone(&self) -> Vec<Finding> {
-        let along_x1 = (self.travel_x1 - self.twice_amplitude).abs() <= NONE;
+        let Oscillation {
+            travel_x1,
+            travel_x2,
+            twice_amplitude,
+            ..
+        } = self;
+        let moves = self.six_ends && self.largest_difference <= NONE && self.along_x1();
         let parts = [
-            (
-                "the tangent points move by A sin(ωt)",
-                self.six_ends && self.largest_difference <= NONE && along_x1,
-            ),
-            ("the zone oscillates along x2", self.travel_x2 > NONE),
+            ("the tangent points move by A sin(ωt)", moves),
+            ("the zone oscillates along x2", *travel_x2 > NONE),
         ];
+        let difference = small(self.largest_difference);
         let line = format!(
-            "ends of the stick zone bisected along Σ at {TIMES} times of a period: within {} m of z_k + A sin(ωt); they travel {:.4} m along x1, twice A being \
-             {:.4} m, and {} m/s along x2",
-            small(self.largest_difference),
-            self.travel_x1,
-            self.twice_amplitude,
-            self.travel_x2,
+            "ends of the stick zone bisected along Σ at {TIMES} times of a period: within {difference} m of z_k + A sin(ωt); they travel {travel_x1:.4} m along x1, twice A being \
+             {twice_amplitude:.4} m, and {travel_x2} m/s along x2"
         );
         vec![statement(Exact, parts, line)]
+    }
+
+    fn along_x1(&self) -> bool {
+        (self.travel_x1 - self.twice_amplitude).abs() <= NONE
     }
 
     /// `s6.oscillating_boundary`.
     pub(super) fn boundary(&self) -> Vec<Finding> {
         let (boundary, zone) = (self.travel_x2, self.travel_x1);
+        let what = "the harmonic excitation moves the stick zone in it";
         let parts = [
             ("the boundary of discontinuity oscillates", boundary > 0.0),
-            (
-                "the harmonic excitation moves the stick zone in it",
-                zone > 0.0,
-            ),
+            (what, zone > 0.0),
         ];
         let line = format!(
             "over a forcing period Σ travels {boundary} m/s along x2; the stick zone in it travels {zone:.4} m along x1"
@@ -173,26 +172,20 @@ impl Oscillation {
 
     /// The direction in which the zone is said to oscillate.
     pub(super) fn direction(&self) -> Proof {
-        let which = match (self.travel_x1 > 0.0, self.travel_x2 > 0.0) {
+        let (x1, x2) = (self.travel_x1, self.travel_x2);
+        let which = match (x1 > 0.0, x2 > 0.0) {
             (true, true) => "both",
             (true, false) => "x1",
             (false, true) => "x2",
             (false, false) => "neither",
         };
-        proof(
-            "direction",
-            vec![
-                number(
-                    "travel of the zone's end in x1 over a period",
-                    self.travel_x1,
-                    "m",
-                ),
-                number("twice the amplitude A", self.twice_amplitude, "m"),
-                number("travel in x2", self.travel_x2, "m/s"),
-                word("which of them oscillates", which),
-            ],
-            (self.travel_x1 - self.twice_amplitude).abs() < NONE && self.travel_x2 == 0.0,
-        )
+        let shown = vec![
+            number("travel of the zone's end in x1 over a period", x1, "m"),
+            number("twice the amplitude A", self.twice_amplitude, "m"),
+            number("travel in x2", x2, "m/s"),
+            word("which of them oscillates", which),
+        ];
+        proof("direction", shown, self.along_x1() && x2 == 0.0)
     }
 }
 
@@ -219,12 +212,11 @@ fn of_fig07() -> ForcedOscillator {
 /// below the critical friction.
 pub(super) fn attracts() -> Result<Vec<Finding>, Error> {
     let (fig07, fig08) = (of_fig07(), ForcedOscillator::default());
-    let (attracting, pull) = zone(&fig07);
     let sweeps = [Sweep::of("Fig. 7", &fig07)?, Sweep::of("Fig. 8", &fig08)?];
-    Ok(judged(attracting, pull, &sweeps))
+    Ok(judged(zone(&fig07), &sweeps))
 }
 
-fn judged(attracting: usize, least_pull: f64, sweeps: &[Sweep]) -> Vec<Finding> {
+fn judged((attracting, least_pull): (usize, f64), sweeps: &[Sweep]) -> Vec<Finding> {
     let any = |holds: fn(&Sweep) -> bool| sweeps.iter().any(holds);
     let parts = [
         (
@@ -245,24 +237,19 @@ fn judged(attracting: usize, least_pull: f64, sweeps: &[Sweep]) -> Vec<Finding> 
         ),
     ];
     let each = sweeps.iter().map(|sweep| {
+        let (caption, starts, critical) = (sweep.caption, sweep.starts, sweep.at_critical.1);
+        let (cycles, values) = (sweep.with_cycles(), sweep.points.len());
+        let (births, changes) = (sweep.births_and_deaths(), sweep.changes());
         format!(
-            "with the parameters of {} stick–slip cycles at {} of {} values below it ({} starts each), which between neighbours \
-             appear or vanish {} times and change period or number of sticks {} times; at the critical friction itself, which is \
-             another reading of the sentence, {} starts lead to one",
-            sweep.caption,
-            sweep.with_cycles(),
-            sweep.points.len(),
-            sweep.starts,
-            sweep.births_and_deaths(),
-            sweep.changes(),
-            sweep.at_critical.1
+            "with the parameters of {caption} stick–slip cycles at {cycles} of {values} values below it ({starts} starts each), which between neighbours \
+             appear or vanish {births} times and change period or number of sticks {changes} times; at the critical friction itself, which is \
+             another reading of the sentence, {critical} starts lead to one"
         )
     });
+    let (pull, each) = (small(least_pull), joined(each, "; "));
     let line = format!(
-        "at the critical friction {attracting} of {OF_ZONE} places of the zone attract, the weaker field by {} m/s² where it is weakest; “strongly” is not tested, \
-         for the paper gives no measure; {}",
-        small(least_pull),
-        joined(each, "; ")
+        "at the critical friction {attracting} of {OF_ZONE} places of the zone attract, the weaker field by {pull} m/s² where it is weakest; “strongly” is not tested, \
+         for the paper gives no measure; {each}"
     );
     vec![statement(Exact, parts, line)]
 }
@@ -435,11 +422,10 @@ mod tests {
         assert!(of_fig08.with_cycles() > 0 && of_fig08.at_critical.0.is_empty());
         let of_fig07 = Sweep::of("Fig. 7", &fig07).unwrap();
         assert_eq!(of_fig07.with_cycles(), 0);
-        let (attracting, pull) = zone(&fig07);
         // Without the parameters of Fig. 8 nothing is left but the zone.
-        let alone = judged(attracting, pull, &[of_fig07]);
+        let alone = judged(zone(&fig07), &[of_fig07]);
         assert_eq!(alone[0].parts(), [true, false, false, false]);
-        let both = judged(attracting, pull, &[of_fig08])[0].parts();
+        let both = judged(zone(&fig07), &[of_fig08])[0].parts();
         assert!(both[1] && both.contains(&false), "{both:?}");
     }
 
