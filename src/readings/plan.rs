@@ -1,5 +1,7 @@
 //! What is tried: readings × integrators × settings of the estimator.
 
+use std::fmt::Display;
+
 use super::table::{Row, Twelve};
 use crate::text::joined;
 use stickslip::analysis::motion::Criterion;
@@ -195,30 +197,29 @@ impl Plan {
             format!("{numbers} from {start}")
         });
         let Criterion { same, resolution } = Criterion::default();
-        vec![
-            ("format", FORMAT.to_string()),
-            ("search", self.name.into()),
-            ("begin of the series", self.from.to_string()),
-            ("points of the series", self.points.to_string()),
-            ("time between points", DT.to_string()),
-            ("tolerance of the exact solver", TOLERANCE.to_string()),
-            ("most steps of the solver", MOST_STEPS.to_string()),
-            ("bound beyond which an orbit has escaped", BOUND.to_string()),
-            ("equal points of the section, exact", same.to_string()),
-            ("equal points of the section, in-place", SAME.to_string()),
-            (
-                "dimension below which a section is a curve",
-                CURVE.to_string(),
-            ),
+        let common: [(&str, &dyn Display); 16] = [
+            ("format", &FORMAT),
+            ("search", &self.name),
+            ("begin of the series", &self.from),
+            ("points of the series", &self.points),
+            ("time between points", &DT),
+            ("tolerance of the exact solver", &TOLERANCE),
+            ("most steps of the solver", &MOST_STEPS),
+            ("bound beyond which an orbit has escaped", &BOUND),
+            ("equal points of the section, exact", &same),
+            ("equal points of the section, in-place", &SAME),
+            ("dimension below which a section is a curve", &CURVE),
             (
                 "uncertainty up to which an exponent can be zero",
-                resolution.to_string(),
+                &resolution,
             ),
-            ("captions", joined(captions, "; ")),
-            ("published exponents", numbers(target.as_flattened())),
-            ("distance floor", FLOOR.to_string()),
-            ("distance cap", CAP.to_string()),
-        ]
+            ("captions", &joined(captions, "; ")),
+            ("published exponents", &numbers(target.as_flattened())),
+            ("distance floor", &FLOOR),
+            ("distance cap", &CAP),
+        ];
+        let text = |(name, value): (&'static str, &dyn Display)| (name, value.to_string());
+        common.map(text).into()
     }
 
     /// The lines before the table proper.
@@ -248,36 +249,33 @@ fn readings() -> Vec<Reading> {
         (Amplitude::One, Unloading::Plain),
         (Amplitude::Mu0, Unloading::Plain),
     ];
+    let signs = [(1.0, 1.0), (-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)];
     let mut all = Vec::new();
     for (amplitude, unloading) in scalings {
-        let signs = [(1.0, 1.0), (-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)];
         for (displacement_sign, friction_sign) in signs {
-            for clipped in [true, false] {
-                all.push(Reading {
-                    displacement_sign,
-                    friction_sign,
-                    amplitude,
-                    unloading,
-                    clipped,
-                    order: CaptionOrder::Mu0BeforeXi6,
-                });
-            }
+            all.push(Reading {
+                displacement_sign,
+                friction_sign,
+                amplitude,
+                unloading,
+                order: CaptionOrder::Mu0BeforeXi6,
+                ..Reading::exact()
+            });
         }
     }
-    for clipped in [true, false] {
-        all.push(Reading {
-            unloading: Unloading::Plain,
-            clipped,
-            order: CaptionOrder::Heading { mu0: 1.0 },
-            ..Reading::exact()
-        });
-    }
-    all
+    all.push(Reading {
+        unloading: Unloading::Plain,
+        order: CaptionOrder::Heading { mu0: 1.0 },
+        ..Reading::exact()
+    });
+    let clipped = |reading| [true, false].map(|clipped| Reading { clipped, ..reading });
+    all.into_iter().flat_map(clipped).collect()
 }
 
 /// The name of a reading in the table.
 pub fn reading_name(reading: &Reading) -> String {
     let sign = |value: f64| if value < 0.0 { '-' } else { '+' };
+    let (x3, friction) = (sign(reading.displacement_sign), sign(reading.friction_sign));
     let amplitude = match reading.amplitude {
         Amplitude::Mu0 => "mu0",
         Amplitude::One => "1",
@@ -286,20 +284,15 @@ pub fn reading_name(reading: &Reading) -> String {
         Unloading::OverMu0 => "xi6/mu0",
         Unloading::Plain => "xi6",
     };
-    let contact = if reading.clipped {
-        "clipped"
-    } else {
-        "unclipped"
+    let contact = match reading.clipped {
+        true => "clipped",
+        false => "unclipped",
     };
     let order = match reading.order {
         CaptionOrder::Mu0BeforeXi6 => "mu0 before xi6".into(),
         CaptionOrder::Heading { mu0 } => format!("as headed mu0={mu0}"),
     };
-    format!(
-        "{}x3 {}T; amplitude {amplitude}; unloading {unloading}; {contact}; {order}",
-        sign(reading.displacement_sign),
-        sign(reading.friction_sign),
-    )
+    format!("{x3}x3 {friction}T; amplitude {amplitude}; unloading {unloading}; {contact}; {order}")
 }
 
 /// Reference points all over the series, so far apart that each map begins where the one before it
@@ -411,17 +404,14 @@ const NEIGHBOURHOODS: [Neighbourhood; 5] = [
     Neighbourhood::Nearest(12),
     Neighbourhood::Nearest(40),
     Neighbourhood::Nearest(120),
-    Neighbourhood::Ball {
-        eps: 0.1,
-        min: 12,
-        max: MANY,
-    },
-    Neighbourhood::Ball {
-        eps: 0.2,
-        min: 40,
-        max: 2 * MANY,
-    },
+    ball(0.1, 12, MANY),
+    ball(0.2, 40, 2 * MANY),
 ];
+
+const fn ball(eps: f64, min: usize, max: usize) -> Neighbourhood {
+    Neighbourhood::Ball { eps, min, max }
+}
+
 /// `d` of Eq. (25).
 const STEPS: [usize; 3] = [1, 3, 5];
 /// Regularisations of the inverse in Eq. (25).
@@ -430,20 +420,17 @@ const RIDGES: [f64; 2] = [0.0, 1e-3];
 /// What a reasonable reader of Eq. (25) could have chosen: all combinations of neighbourhoods,
 /// steps and regularisations, with affine maps and reference points all over the series.
 pub fn spread_settings() -> Vec<DataSettings> {
-    let mut all = Vec::new();
-    for neighbours in NEIGHBOURHOODS {
-        for step in STEPS {
-            for ridge in RIDGES {
-                all.push(DataSettings {
-                    neighbours,
-                    ridge,
-                    affine: true,
-                    ..everywhere(step)
-                });
-            }
-        }
-    }
-    all
+    let of = |neighbours: Neighbourhood, step, ridge| DataSettings {
+        neighbours,
+        ridge,
+        affine: true,
+        ..everywhere(step)
+    };
+    let steps = |neighbours| {
+        let ridges = move |step| RIDGES.map(move |ridge| of(neighbours, step, ridge));
+        STEPS.into_iter().flat_map(ridges)
+    };
+    NEIGHBOURHOODS.into_iter().flat_map(steps).collect()
 }
 
 /// The settings in words.
@@ -453,15 +440,11 @@ pub fn described() -> String {
         match one {
             Neighbourhood::Nearest(k) => nearest.push(k),
             Neighbourhood::Ball { eps, min, max } => {
-                balls.push(format!("eps {eps} with {min} to {max}"))
+                balls.push(format!("eps {eps} with {min} to {max}"));
             }
         }
     }
-    format!(
-        "the nearest {} neighbours or {}; d = {}; ridge {}; affine maps",
-        joined(nearest, ", "),
-        joined(balls, ", "),
-        joined(STEPS, ", "),
-        joined(RIDGES, ", ")
-    )
+    let (nearest, balls) = (joined(nearest, ", "), joined(balls, ", "));
+    let (steps, ridges) = (joined(STEPS, ", "), joined(RIDGES, ", "));
+    format!("the nearest {nearest} neighbours or {balls}; d = {steps}; ridge {ridges}; affine maps")
 }

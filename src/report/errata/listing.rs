@@ -1,7 +1,7 @@
 //! The defects of the Appendix's listing, each mended alone, and the shifts of Eq. (25), by which
 //! it is to be evaluated.
 
-use super::{Erratum, Proof, Shown, count, number, proof, word};
+use super::{Erratum, Proof, Shown, proof, shown};
 use crate::paper::listing::{Defect, Defects, ListingError, Params, Setup, run};
 use crate::report::ReportError;
 use crate::report::matrix::{Cell, Matrix};
@@ -11,39 +11,35 @@ use stickslip::math;
 /// start only.
 pub(super) fn defect(matrix: &Matrix, defect: Defect) -> Result<Erratum, ReportError> {
     let (printed, mended) = (matrix.with(Defects::AS_PRINTED), matrix.mended(defect));
-    let mut shown = changes(printed, mended);
+    let mut all = changes(printed, mended);
     let mut holds = mended.motion != printed.motion || mended.numbers != printed.numbers;
     if defect == Defect::StartUpTest {
         let printed = sticking_starts(Defects::AS_PRINTED)?;
         let mended = sticking_starts(Defects::AS_PRINTED.flipped(defect))?;
         let what = "starts in the middles of the three zones that stick at once, printed";
-        shown.push(count(what, printed));
-        shown.push(count("the same, mended", mended));
+        all.push(shown(what, printed, "1"));
+        all.push(shown("the same, mended", mended, "1"));
         holds = printed < mended;
     }
     Ok(Erratum {
         place: format!("Listing, lines {}", defect.lines()),
         printed: defect.description().to_owned(),
         correct: defect.mended().to_owned(),
-        shown,
+        shown: all,
         holds,
     })
 }
 
 fn changes(printed: &Cell, mended: &Cell) -> Vec<Shown> {
-    match (mended.numbers, printed.numbers) {
-        (Some(mended), Some(printed)) => {
-            let what = "mended alone, first stick length changes by";
-            vec![
-                number(what, mended[0] - printed[0], "m"),
-                number("second stick length by", mended[1] - printed[1], "m"),
-            ]
-        }
-        _ => vec![word(
-            "mended alone, the listing's motion",
-            mended.motion.to_string(),
-        )],
-    }
+    let (Some(after), Some(before)) = (mended.numbers, printed.numbers) else {
+        let motion = mended.motion.to_string();
+        return vec![shown("mended alone, the listing's motion", &*motion, "")];
+    };
+    let what = "mended alone, first stick length changes by";
+    vec![
+        shown(what, after[0] - before[0], "m"),
+        shown("second stick length by", after[1] - before[1], "m"),
+    ]
 }
 
 /// How many bodies on the belt in the middles of the three stick zones stick at once.
@@ -107,16 +103,8 @@ pub(super) fn shifts() -> Proof {
     let truth = math::ln(2.0);
     let [equal, twice, half] = [(1, 1), (2, 1), (1, 2)].map(|(m, d)| exponent(&series, m, d));
     let near = |value: f64| (value - truth).abs() < 0.05;
-    proof(
-        "shifts",
-        vec![
-            number("ln 2, the exponent of the logistic map", truth, "1"),
-            number("by Eqs. (25), (26) with m = d = 1", equal, "1"),
-            number("with m = 2, d = 1", twice, "1"),
-            number("with m = 1, d = 2", half, "1"),
-        ],
-        near(equal) && !near(twice) && !near(half),
-    )
+    let holds = near(equal) && !near(twice) && !near(half);
+    proof("shifts", [truth, equal, twice, half], holds)
 }
 
 #[cfg(test)]

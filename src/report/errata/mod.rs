@@ -23,7 +23,7 @@ pub struct Shown {
     /// A number, a count or a word.
     pub value: Value,
     /// Its unit: `1` for a pure number, empty for a word.
-    pub unit: &'static str,
+    pub unit: String,
 }
 
 /// A misprint or defect.
@@ -88,7 +88,8 @@ pub fn errata(
     Ok(all)
 }
 
-/// The misprints of a table, each with its proof.
+/// The misprints of a table, each with its proof. What is shown has its words from the table
+/// where that has them.
 fn proven(table: &str, proofs: Vec<Proof>) -> Result<Vec<Erratum>, PublishedError> {
     let malformed = |reason: String| PublishedError::Malformed { reason };
     let named = proofs.into_iter().map(|proof| (proof.misprint, proof));
@@ -96,14 +97,34 @@ fn proven(table: &str, proofs: Vec<Proof>) -> Result<Vec<Erratum>, PublishedErro
     let mut all = Vec::new();
     for row in csv::Reader::from_reader(table.as_bytes()).into_records() {
         let row = row.map_err(|error| malformed(error.to_string()))?;
-        let [name, place, printed, correct] = [0, 1, 2, 3].map(|k| row.get(k).unwrap_or_default());
-        let proof = proofs.remove(name);
+        let cell = |k| row.get(k).unwrap_or_default().to_owned();
+        let name = cell(0);
+        let proof = proofs.remove(&*name);
         let proof = proof.ok_or_else(|| malformed(format!("nothing proves misprint {name:?}")))?;
+        let labels: Vec<(&str, &str)> = row
+            .get(4)
+            .unwrap_or_default()
+            .split(" | ")
+            .filter_map(|label| label.strip_suffix(']')?.split_once(" ["))
+            .collect();
+        let mut shown = proof.shown;
+        let unnamed = shown.iter_mut().filter(|one| one.what.is_empty());
+        let mut labelled = 0;
+        for (one, (what, unit)) in unnamed.zip(&labels) {
+            (one.what, one.unit) = ((*what).to_owned(), (*unit).to_owned());
+            labelled += 1;
+        }
+        if labelled != labels.len() || shown.iter().any(|one| one.what.is_empty()) {
+            let (found, due) = (shown.len(), labels.len());
+            return Err(malformed(format!(
+                "{name:?} has {due} labels for {found} values"
+            )));
+        }
         all.push(Erratum {
-            place: place.to_owned(),
-            printed: printed.to_owned(),
-            correct: correct.to_owned(),
-            shown: proof.shown,
+            place: cell(1),
+            printed: cell(2),
+            correct: cell(3),
+            shown,
             holds: proof.holds,
         });
     }
@@ -115,8 +136,26 @@ fn proven(table: &str, proofs: Vec<Proof>) -> Result<Vec<Erratum>, PublishedErro
     }
 }
 
-/// A misprint's proof.
-pub(super) fn proof(misprint: &'static str, shown: Vec<Shown>, holds: bool) -> Proof {
+/// A misprint's proof by values, whose words are in the table.
+pub(super) fn proof<V: Into<Value>>(
+    misprint: &'static str,
+    values: impl IntoIterator<Item = V>,
+    holds: bool,
+) -> Proof {
+    let shown = values.into_iter().map(|value| Shown {
+        what: String::new(),
+        value: value.into(),
+        unit: String::new(),
+    });
+    Proof {
+        misprint,
+        shown: shown.collect(),
+        holds,
+    }
+}
+
+/// A misprint's proof by what brings its own words.
+fn told(misprint: &'static str, shown: Vec<Shown>, holds: bool) -> Proof {
     Proof {
         misprint,
         shown,
@@ -124,27 +163,12 @@ pub(super) fn proof(misprint: &'static str, shown: Vec<Shown>, holds: bool) -> P
     }
 }
 
-pub(super) fn number(what: impl Into<String>, value: f64, unit: &'static str) -> Shown {
+/// What brings its own words.
+fn shown(what: impl Into<String>, value: impl Into<Value>, unit: &str) -> Shown {
     Shown {
         what: what.into(),
-        value: Value::Number(value),
-        unit,
-    }
-}
-
-pub(super) fn count(what: impl Into<String>, value: usize) -> Shown {
-    Shown {
-        what: what.into(),
-        value: Value::Count(value as u64),
-        unit: "1",
-    }
-}
-
-pub(super) fn word(what: impl Into<String>, value: impl Into<String>) -> Shown {
-    Shown {
-        what: what.into(),
-        value: Value::Word(value.into()),
-        unit: "",
+        value: value.into(),
+        unit: unit.to_owned(),
     }
 }
 
@@ -154,12 +178,19 @@ mod tests {
 
     #[test]
     fn every_misprint_has_a_proof_and_every_proof_a_misprint() {
-        let table = "name,place,printed,correct\none,Eq. (1),a,b\n";
+        let table = "name,place,printed,correct,shown\none,Eq. (1),a,b,c [m]\n";
         let of = |names: &[&'static str]| {
-            let proofs = names.iter().map(|name| proof(name, Vec::new(), true));
+            let proofs = names.iter().map(|name| proof(name, [1.0], true));
             proven(table, proofs.collect())
         };
-        assert_eq!(of(&["one"]).unwrap()[0].place, "Eq. (1)");
+        let found = of(&["one"]).unwrap().remove(0);
+        assert_eq!(
+            (&*found.place, found.shown),
+            ("Eq. (1)", vec![shown("c", 1.0, "m")])
+        );
         assert!(of(&[]).is_err() && of(&["one", "two"]).is_err());
+        for values in [vec![], vec![1.0, 2.0]] {
+            assert!(proven(table, vec![proof("one", values, true)]).is_err());
+        }
     }
 }

@@ -3,7 +3,8 @@
 
 use rayon::prelude::*;
 
-use super::{Proof, count, number, proof};
+use super::{Proof, proof};
+use crate::figures::rows::Value;
 use crate::report::until_escape;
 use stickslip::error::Error;
 use stickslip::models::{BeltOscillator, ForcedOscillator};
@@ -43,19 +44,9 @@ pub(super) fn sign_of_friction() -> Result<Proof, Error> {
         ..model
     };
     let (with_plus, with_minus) = (sticks_and_ends(&printed)?, sticks_and_ends(&model)?);
-    Ok(proof(
-        "sign_of_friction",
-        vec![
-            count("starts followed", starts().len()),
-            count("stick phases with +T", with_plus.0),
-            count(
-                "orbits with +T that end where both fields lead away from Σ",
-                with_plus.1,
-            ),
-            count("stick phases with -T", with_minus.0),
-        ],
-        with_plus.0 == 0 && with_plus.1 > 0 && with_minus.0 > 0,
-    ))
+    let shown = [starts().len(), with_plus.0, with_plus.1, with_minus.0];
+    let holds = with_plus.0 == 0 && with_plus.1 > 0 && with_minus.0 > 0;
+    Ok(proof("sign_of_friction", shown, holds))
 }
 
 pub(super) fn spring_signs() -> Result<Proof, Error> {
@@ -80,23 +71,8 @@ pub(super) fn spring_signs() -> Result<Proof, Error> {
         escapes_first += usize::from(until_escape(&first, (0.0, x), span, TOLERANCE)?.1);
         escapes_second += usize::from(until_escape(&second, (0.0, x), span, TOLERANCE)?.1);
     }
-    Ok(proof(
-        "spring_signs",
-        vec![
-            number("largest difference of sigma, |z| <= 1.5", sigma, "m²/s⁴"),
-            count(
-                "starts followed without forcing, all else equal",
-                starts().len(),
-            ),
-            count(
-                "those that escape with the spring of Eq. (1)",
-                escapes_first,
-            ),
-            count(
-                "those that escape with the spring of Eq. (17)",
-                escapes_second,
-            ),
-        ],
-        sigma < 1e-14 && escapes_first == 0 && escapes_second > 0,
-    ))
+    let counts = [starts().len(), escapes_first, escapes_second].map(Value::from);
+    let shown = std::iter::once(sigma.into()).chain(counts);
+    let holds = sigma < 1e-14 && escapes_first == 0 && escapes_second > 0;
+    Ok(proof("spring_signs", shown, holds))
 }

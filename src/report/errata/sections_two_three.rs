@@ -1,6 +1,7 @@
 //! Misprints of Sects. 2 and 3: friction as a coefficient, critical points, the Hénon steps.
 
-use super::{Proof, Shown, count, number, proof, word};
+use super::{Proof, proof};
+use crate::figures::rows::Value;
 use crate::numbers::{bisect, extent};
 use crate::paper::claim_id::ClaimId;
 use crate::paper::published::Claims;
@@ -43,27 +44,9 @@ pub(super) fn unit_of_mu0() -> Proof {
         mass: 2.0,
         ..printed
     });
-    proof(
-        "unit_of_mu0",
-        vec![
-            number(
-                "least mu0 at which the body sticks all over the zone",
-                plain,
-                "N",
-            ),
-            number(
-                "its ratio with a spring twice as stiff, 1 for a coefficient",
-                stiffer / plain,
-                "1",
-            ),
-            number(
-                "its ratio with twice the mass, 1/2 for a coefficient",
-                heavier / plain,
-                "1",
-            ),
-        ],
-        (stiffer / plain - 2.0).abs() < 1e-9 && (heavier / plain - 1.0).abs() < 1e-9,
-    )
+    let (stiffer, heavier) = (stiffer / plain, heavier / plain);
+    let holds = (stiffer - 2.0).abs() < 1e-9 && (heavier - 1.0).abs() < 1e-9;
+    proof("unit_of_mu0", [plain, stiffer, heavier], holds)
 }
 
 /// Eq. (12) finds where σ is stationary, and calls that tangent points.
@@ -92,30 +75,10 @@ pub(super) fn critical_points() -> Result<Proof, ReportError> {
             Fate::Repelling => {}
         }
     }
-    Ok(proof(
-        "critical_points",
-        vec![
-            count("points of Eq. (12)", points.len()),
-            count(
-                "those at which a field is tangent, for the mu0 of Fig. 4",
-                tangent,
-            ),
-            count(
-                "those at which a body put on the belt sticks, inside a zone",
-                sticks,
-            ),
-            count(
-                "those at which it slips off at once, outside the zones",
-                slips,
-            ),
-            number(
-                "least |sigma| among them, 0 at a tangent point",
-                least_sigma,
-                "m²/s⁴",
-            ),
-        ],
-        !points.is_empty() && tangent == 0 && least_sigma > 1e-6,
-    ))
+    let counts = [points.len(), tangent, sticks, slips].map(Value::from);
+    let shown = counts.into_iter().chain([least_sigma.into()]);
+    let holds = !points.is_empty() && tangent == 0 && least_sigma > 1e-6;
+    Ok(proof("critical_points", shown, holds))
 }
 
 /// Eq. (13) has a negative value of μ0 too, at which the continuous stick zone is said to exist as
@@ -138,17 +101,11 @@ pub(super) fn negative_friction() -> Result<Proof, ReportError> {
     };
     let (negative, positive) = extent(values.iter().copied());
     let (sticks, repels) = (along(positive), along(negative));
+    let holds = sticks.0 == PLACES as usize && repels == (0, PLACES as usize);
     Ok(proof(
         "negative_friction",
-        vec![
-            count(
-                format!("of {PLACES} places of the zone, sticking at mu0(2)"),
-                sticks.0,
-            ),
-            count("sticking at mu0(3)", repels.0),
-            count("repelling at mu0(3)", repels.1),
-        ],
-        sticks.0 == PLACES as usize && repels == (0, PLACES as usize),
+        [sticks.0, repels.0, repels.1],
+        holds,
     ))
 }
 
@@ -176,17 +133,11 @@ pub(super) fn wrong_reference() -> Result<Proof, ReportError> {
         Ok(found)
     };
     let (printed, slower) = (crossings(1.0)?, crossings(0.3)?);
+    let holds = printed > 0 && printed != slower;
     Ok(proof(
         "wrong_reference",
-        vec![
-            count("members of Eq. (12)", points.len()),
-            count(
-                format!("transitions on Σ of Eq. (5) from these, over {SPAN} s, vp = 1"),
-                printed,
-            ),
-            count("the same for vp = 0.3", slower),
-        ],
-        printed > 0 && printed != slower,
+        [points.len(), printed, slower],
+        holds,
     ))
 }
 
@@ -194,19 +145,9 @@ pub(super) fn step_from_above(accuracy: &Accuracy) -> Proof {
     let [_, text] = &accuracy.text;
     let [_, stated] = &accuracy.stated;
     let listing = &accuracy.printed_sign;
-    proof(
-        "step_from_above",
-        vec![
-            off("event time off at h = 1e-4 s, step of the text", text),
-            off("the same in the listing, all else mended", listing),
-            off("with the sign mended", stated),
-        ],
-        !text.is_accurate() && !listing.is_accurate() && stated.is_accurate(),
-    )
-}
-
-fn off(what: &str, errors: &EventErrors) -> Shown {
-    number(what, errors.at_printed_step, "s")
+    let holds = !text.is_accurate() && !listing.is_accurate() && stated.is_accurate();
+    let shown = [text, listing, stated].map(|one| one.at_printed_step);
+    proof("step_from_above", shown, holds)
 }
 
 /// Eq. (15) takes an acceleration for a velocity: on the belt it is one that vanishes where the
@@ -215,35 +156,24 @@ pub(super) fn time_in_stick(accuracy: &Accuracy) -> Proof {
     let release = &accuracy.release;
     let [below, above] = &release.belt.literal;
     let corrected = &release.belt.corrected;
-    let accurate = if release.forced.corrected.is_accurate() {
-        "yes"
-    } else {
-        "no"
+    let accurate = match release.forced.corrected.is_accurate() {
+        true => "yes",
+        false => "no",
     };
-    let shown = vec![
-        off(
-            "release of model 1 off at h = 1e-4 s, 1/f2 of the field below",
-            below,
-        ),
-        off("with the field above", above),
-        off("with 1/x2", corrected),
-        word(
-            "with 1/x2 and a tangent point that moves (model 2), accurate",
-            accurate,
-        ),
-        off("there off by", &release.forced.corrected),
-        off(
-            "with the distance to the moving point as variable",
-            &release.moving,
-        ),
+    let off = |errors: &EventErrors| Value::from(errors.at_printed_step);
+    let (forced, moving) = (off(&release.forced.corrected), off(&release.moving));
+    let shown = [
+        off(below),
+        off(above),
+        off(corrected),
+        accurate.into(),
+        forced,
+        moving,
     ];
-    proof(
-        "time_in_stick",
-        shown,
-        corrected.is_accurate()
-            && !release.belt.literal_is_accurate()
-            && release.moving.is_accurate(),
-    )
+    let holds = corrected.is_accurate()
+        && !release.belt.literal_is_accurate()
+        && release.moving.is_accurate();
+    proof("time_in_stick", shown, holds)
 }
 
 #[cfg(test)]

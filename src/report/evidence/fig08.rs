@@ -3,6 +3,7 @@
 
 use super::stick_phases::TOLERANCE;
 use super::{as_printed, statement};
+use crate::figures::rows::Value;
 use crate::paper::bounded;
 use crate::paper::claim_id::ClaimId;
 use crate::paper::listing::{Defects, END, Motion, Params, Run, Setup, run, run_with};
@@ -11,7 +12,7 @@ use crate::paper::published::{Claims, PublishedError};
 use crate::paper::reading::Reading::{AsPrinted, Exact};
 use crate::report::ReportError;
 use crate::report::digits::decimals;
-use crate::report::errata::{Proof, count, number, proof};
+use crate::report::errata::{Proof, proof};
 use crate::report::finding::Finding;
 use stickslip::analysis::{Destination, destination};
 use stickslip::error::Error;
@@ -98,20 +99,10 @@ pub(super) fn start() -> Result<(Vec<Finding>, Proof), ReportError> {
         of(&captioned),
         of(&listed)
     );
-    let mut rows = Vec::new();
-    for (name, from) in [("caption", &captioned), ("listing", &listed)] {
-        let release = format!("first release of the listing from the {name}'s start");
-        rows.push(number(
-            format!("x1 at the start by the {name}"),
-            from.x1,
-            "m",
-        ));
-        rows.push(number(release, from.first_release, "s"));
-        let settles = "published numbers it settles on from there";
-        rows.push(count(settles, from.digits));
-    }
+    let shown: [[Value; 3]; 2] =
+        [&captioned, &listed].map(|of| [of.x1.into(), of.first_release.into(), of.digits.into()]);
     let apart = captioned.first_release - listed.first_release;
-    let misprint = proof("start", rows, apart.abs() > 1e-3);
+    let misprint = proof("start", shown.into_iter().flatten(), apart.abs() > 1e-3);
     Ok((
         vec![statement(Exact, parts, line), as_printed(printed)],
         misprint,
@@ -186,17 +177,9 @@ pub(super) fn arcs() -> Result<(Vec<Finding>, Proof), ReportError> {
         exact.line("stated model"),
         model.belt_speed
     );
-    let mut shown = Vec::new();
-    for (name, of) in [("listing", &listing), ("stated model", &exact)] {
-        let highest = format!("{name}: largest velocity in S1");
-        shown.push(number(highest, of.highest_in_s1, "m/s"));
-        shown.push(number("least velocity in S2", of.lowest_in_s2, "m/s"));
-    }
-    let misprint = proof(
-        "regions",
-        shown,
-        !listing.s1_is_upper() && !exact.s1_is_upper(),
-    );
+    let shown = [&listing, &exact].map(|of| [of.highest_in_s1, of.lowest_in_s2]);
+    let holds = !listing.s1_is_upper() && !exact.s1_is_upper();
+    let misprint = proof("regions", shown.into_iter().flatten(), holds);
     let findings = vec![
         statement(Exact, exact.parts(), line),
         as_printed(listing.parts()),

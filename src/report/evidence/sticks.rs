@@ -3,13 +3,14 @@
 
 use super::stick_phases::{At, Followed, Stick, TangentSet, ends, starts};
 use super::{as_printed, small, statement};
+use crate::figures::rows::Value;
 use crate::numbers::largest;
 use crate::paper::claim_id::ClaimId;
 use crate::paper::listing::{End, StickPhase};
 use crate::paper::published::{Claims, PublishedError};
 use crate::paper::reading::Reading::Exact;
 use crate::paper::slip_times_three::{Injected, settled};
-use crate::report::errata::{Proof, count, number, proof};
+use crate::report::errata::{Proof, proof};
 use crate::report::finding::Finding;
 use stickslip::error::Error;
 use stickslip::models::ForcedOscillator;
@@ -268,22 +269,14 @@ fn length_is_way_of(followed: &Followed, published: [f64; 4]) -> (Vec<Finding>, 
         "durations less lengths/vp: published {of_published}, the program {of_listing}, {allowed:.2} ms can be rounding; of {sticks} stick phases of the stated model, which are \
          another reading of the sentence, at most {most} s"
     );
-    let mut rows = Vec::new();
-    for (n, (published, listing)) in (1..).zip(published.into_iter().zip(listing)) {
-        let what = format!("published duration {n} less length {n}/vp");
-        rows.push(number(what, published, "s"));
-        let what = format!("the same of the listing's run, phase {n}");
-        rows.push(number(what, listing, "s"));
-    }
-    let explained = "largest difference that rounding of print explains";
-    rows.push(number(explained, rounding, "s"));
-    rows.push(count("stick phases of the stated model", sticks));
-    rows.push(number("largest difference among them", of_model, "s"));
+    let [first, second] = [0, 1].map(|k| [published[k], listing[k]]);
+    let seconds = [first[0], first[1], second[0], second[1], rounding].map(Value::from);
+    let shown = seconds.into_iter().chain([sticks.into(), of_model.into()]);
     let longer = published.iter().chain(&listing).all(|one| *one > rounding);
     let holds = longer && sticks > 0 && of_model <= NONE;
     (
         vec![statement(Exact, parts, line), as_printed(printed)],
-        proof("durations", rows, holds),
+        proof("durations", shown, holds),
     )
 }
 

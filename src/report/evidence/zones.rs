@@ -4,9 +4,10 @@ use rayon::prelude::*;
 
 use super::stick_phases::TangentSet;
 use super::{small, statement};
+use crate::figures::rows::Value;
 use crate::numbers::{bisect, changes, extent, largest, missing};
 use crate::paper::reading::Reading::Exact;
-use crate::report::errata::{Proof, number, proof, word};
+use crate::report::errata::{Proof, proof};
 use crate::report::finding::Finding;
 use crate::report::scan::{Class, Point, starts};
 use crate::text::joined;
@@ -179,12 +180,8 @@ impl Oscillation {
             (false, true) => "x2",
             (false, false) => "neither",
         };
-        let shown = vec![
-            number("travel of the zone's end in x1 over a period", x1, "m"),
-            number("twice the amplitude A", self.twice_amplitude, "m"),
-            number("travel in x2", x2, "m/s"),
-            word("which of them oscillates", which),
-        ];
+        let travels = [x1, self.twice_amplitude, x2].map(Value::from);
+        let shown = travels.into_iter().chain([which.into()]);
         proof("direction", shown, self.along_x1() && x2 == 0.0)
     }
 }

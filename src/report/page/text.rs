@@ -50,7 +50,7 @@ fn value(shown: &Shown) -> String {
     } else {
         format!("{v:.5e}")
     };
-    match shown.unit {
+    match shown.unit.as_str() {
         "" | "1" => text,
         unit => format!("{text} {unit}"),
     }
