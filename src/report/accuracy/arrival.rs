@@ -15,7 +15,8 @@ use stickslip::system::{Filippov, Mode, Side, State};
 const LEAD: f64 = 0.2003;
 
 /// A crossing on the settled orbit, and a state some time before it.
-pub(super) struct Arrival {
+pub(super) struct Arrival<'a> {
+    model: &'a ForcedOscillator,
     from: Side,
     t0: f64,
     x0: State<2>,
@@ -25,9 +26,9 @@ pub(super) struct Arrival {
     orbit: Orbit<2>,
 }
 
-impl Arrival {
+impl<'a> Arrival<'a> {
     /// The last crossing from one side on the settled orbit.
-    pub(super) fn from(model: &ForcedOscillator, from: Side) -> Result<Arrival, ReportError> {
+    pub(super) fn from(model: &'a ForcedOscillator, from: Side) -> Result<Self, ReportError> {
         let options = Options::tol(TOLERANCE);
         let start = State::from([Params::default().x1, model.belt_speed]);
         let settled = solve(model, 0.0, start, END, &options)?;
@@ -39,12 +40,12 @@ impl Arrival {
         let x0 = settled.at(t0)?;
         // Afresh from that state, so that it alone decides.
         let orbit = solve(model, t0, x0, crossing.t + LEAD, &options)?;
-        let t = first_transition(&orbit, t0)?;
         Ok(Arrival {
+            model,
             from,
             t0,
             x0,
-            t,
+            t: first_transition(&orbit, t0)?,
             orbit,
         })
     }
@@ -56,41 +57,40 @@ impl Arrival {
         lead / ((lead / h).round() + part)
     }
 
+    fn measure(
+        &self,
+        method: &'static str,
+        found: impl Fn(f64, f64) -> Result<f64, ReportError>,
+    ) -> Result<EventErrors, ReportError> {
+        EventErrors::measure(method, (self.from, self.t), found)
+    }
+
     /// RK4 with fixed steps, then one Hénon step onto Σ from the state before the crossing.
-    pub(super) fn stated(&self, model: &ForcedOscillator) -> Result<EventErrors, ReportError> {
-        EventErrors::measure(
-            "arrival by RK4 and Hénon step from",
-            self.from,
-            |h, part| {
-                let step = self.step(h, part);
-                let options = Options::default()
-                    .method(Method::Rk4 { step })
-                    .locator(Locator::Henon);
-                let orbit = solve(model, self.t0, self.x0, self.t + 2.0 * step, &options)?;
-                Ok((first_transition(&orbit, self.t0)? - self.t).abs())
-            },
-        )
+    pub(super) fn stated(&self) -> Result<EventErrors, ReportError> {
+        self.measure("arrival by RK4 and Hénon step from", |h, part| {
+            let step = self.step(h, part);
+            let method = Method::Rk4 { step };
+            let options = Options::default().method(method).locator(Locator::Henon);
+            let end = self.t + 2.0 * step;
+            let orbit = solve(self.model, self.t0, self.x0, end, &options)?;
+            first_transition(&orbit, self.t0)
+        })
     }
 
     /// The same with the step that Sect. 3 prints for it: `vp − x2` from below, `x2 − vp` from
     /// above.
-    pub(super) fn as_in_the_text(
-        &self,
-        model: &ForcedOscillator,
-    ) -> Result<EventErrors, ReportError> {
-        EventErrors::measure(
+    pub(super) fn as_in_the_text(&self) -> Result<EventErrors, ReportError> {
+        let gap = |at: &Timed<2>| self.model.boundary(at.t, at.x.as_ref());
+        self.measure(
             "arrival by the step that Sect. 3 prints, from",
-            self.from,
             |h, part| {
                 let step = self.step(h, part);
                 let mut at = Timed {
                     t: self.t0,
                     x: self.x0,
                 };
-                let gap = |at: &Timed<2>| model.boundary(at.t, at.x.as_ref());
                 loop {
-                    let next =
-                        henon_step::<Rk4, 2>(&mut |at| in_time(model, self.from, at), &at, step);
+                    let next = henon_step::<Rk4, 2>(&mut |at| self.in_time(at), &at, step);
                     if gap(&next) * self.from.sign() <= 0.0 {
                         break;
                     }
@@ -101,27 +101,20 @@ impl Arrival {
                 }
                 // Both are positive: from above it leads away from Σ.
                 let change = gap(&at).abs();
-                let end =
-                    henon_step::<Rk4, 2>(&mut |at| in_velocity(model, self.from, at), &at, change);
-                Ok((end.t - self.t).abs())
+                Ok(henon_step::<Rk4, 2>(&mut |at| self.in_velocity(at), &at, change).t)
             },
         )
     }
 
     /// One Hénon step alone from an exact state: a step errs by one order more.
-    pub(super) fn single(&self, model: &ForcedOscillator) -> Result<EventErrors, ReportError> {
-        EventErrors::measure(
-            "arrival by one Hénon step of RK4 alone from",
-            self.from,
-            |h, part| {
-                let t = self.t - part * h;
-                let x = self.orbit.at(t)?;
-                let change = model.belt_speed - x[1];
-                let mut slope = |at: &Timed<2>| in_velocity(model, self.from, at);
-                let end = henon_step::<Rk4, 2>(&mut slope, &Timed { t, x }, change);
-                Ok((end.t - self.t).abs())
-            },
-        )
+    pub(super) fn single(&self) -> Result<EventErrors, ReportError> {
+        self.measure("arrival by one Hénon step of RK4 alone from", |h, part| {
+            let t = self.t - part * h;
+            let x = self.orbit.at(t)?;
+            let change = self.model.belt_speed - x[1];
+            let mut slope = |at: &Timed<2>| self.in_velocity(at);
+            Ok(henon_step::<Rk4, 2>(&mut slope, &Timed { t, x }, change).t)
+        })
     }
 
     /// The listing with these defects.
@@ -130,7 +123,7 @@ impl Arrival {
         method: &'static str,
         defects: Defects,
     ) -> Result<EventErrors, ReportError> {
-        EventErrors::measure(method, self.from, |h, part| {
+        self.measure(method, |h, part| {
             let params = Params {
                 t0: self.t0,
                 x1: self.x0[0],
@@ -144,27 +137,31 @@ impl Arrival {
                 window_start: 0.0,
                 end: 2.0 * LEAD,
             })?;
-            let found = first_on_belt(&outcome)
-                .ok_or_else(|| missing("a crossing of Σ by the listing", self.t0, 2.0 * LEAD))?;
-            Ok((found - self.t).abs())
+            let what = "a crossing of Σ by the listing";
+            let found = first_on_belt(&outcome);
+            Ok(found.ok_or_else(|| missing(what, self.t0, 2.0 * LEAD))?)
         })
     }
-}
 
-/// Slope with the time as independent variable.
-fn in_time(model: &ForcedOscillator, side: Side, at: &Timed<2>) -> Timed<2> {
-    Timed {
-        t: 1.0,
-        x: model.field(side, at.t, at.x.as_ref()).into(),
+    fn field(&self, at: &Timed<2>) -> State<2> {
+        self.model.field(self.from, at.t, at.x.as_ref()).into()
     }
-}
 
-/// Eq. (14): slope with the velocity as independent variable.
-fn in_velocity(model: &ForcedOscillator, side: Side, at: &Timed<2>) -> Timed<2> {
-    let f = State::from(model.field(side, at.t, at.x.as_ref()));
-    Timed {
-        t: 1.0 / f[1],
-        x: f / f[1],
+    /// Slope with the time as independent variable.
+    fn in_time(&self, at: &Timed<2>) -> Timed<2> {
+        Timed {
+            t: 1.0,
+            x: self.field(at),
+        }
+    }
+
+    /// Eq. (14): slope with the velocity as independent variable.
+    fn in_velocity(&self, at: &Timed<2>) -> Timed<2> {
+        let f = self.field(at);
+        Timed {
+            t: 1.0 / f[1],
+            x: f / f[1],
+        }
     }
 }
 

@@ -30,19 +30,19 @@ pub struct EventErrors {
 }
 
 impl EventErrors {
-    /// Measures `error` by step and the part of it after which the event comes; of an event that
-    /// the orbit comes to from a side, or is released at to one.
+    /// Measures the time `found` by a step and the part of it after which the event comes, against
+    /// the event's own; the orbit comes to the event from a side, or is released at it to one.
     pub(super) fn measure(
         method: &'static str,
-        side: Side,
-        error: impl Fn(f64, f64) -> Result<f64, ReportError>,
+        (side, t): (Side, f64),
+        found: impl Fn(f64, f64) -> Result<f64, ReportError>,
     ) -> Result<EventErrors, ReportError> {
         // An event that is not found is worse than any error.
         let error = |h: f64| {
             PARTS.into_iter().try_fold(0.0, |worst: f64, part| {
-                let found = error(h, part)?;
-                let found = if found.is_nan() { f64::INFINITY } else { found };
-                Ok::<f64, ReportError>(worst.max(found))
+                let off = (found(h, part)? - t).abs();
+                let off = if off.is_nan() { f64::INFINITY } else { off };
+                Ok::<f64, ReportError>(worst.max(off))
             })
         };
         let errors = STEPS.into_iter().map(|h| Ok((h, error(h)?)));
@@ -90,7 +90,7 @@ mod tests {
     use super::*;
 
     fn of(error: impl Fn(f64, f64) -> f64) -> EventErrors {
-        EventErrors::measure("a test", Side::Below, |h, part| Ok(error(h, part))).unwrap()
+        EventErrors::measure("a test", (Side::Below, 0.0), |h, part| Ok(error(h, part))).unwrap()
     }
 
     #[test]

@@ -45,20 +45,20 @@ impl Accuracy {
     /// [`ReportError`].
     pub fn compute() -> Result<Accuracy, ReportError> {
         let model = ForcedOscillator::default();
-        let [up, down] = [Side::Below, Side::Above].map(|side| Arrival::from(&model, side));
-        let (up, down) = (up?, down?);
+        let (up, down) = (
+            Arrival::from(&model, Side::Below)?,
+            Arrival::from(&model, Side::Above)?,
+        );
         let sign_alone = Defects::MENDED.flipped(Defect::S2StepSign);
         let printed = "arrival in the listing as printed from";
         let sign = "arrival in the listing with only the sign of the Hénon step as printed from";
+        let as_printed = |arrival: &Arrival| arrival.listing(printed, Defects::AS_PRINTED);
         Ok(Accuracy {
-            stated: [up.stated(&model)?, down.stated(&model)?],
-            text: [up.as_in_the_text(&model)?, down.as_in_the_text(&model)?],
-            single: [up.single(&model)?, down.single(&model)?],
+            stated: [up.stated()?, down.stated()?],
+            text: [up.as_in_the_text()?, down.as_in_the_text()?],
+            single: [up.single()?, down.single()?],
             printed_sign: down.listing(sign, sign_alone)?,
-            as_printed: [
-                up.listing(printed, Defects::AS_PRINTED)?,
-                down.listing(printed, Defects::AS_PRINTED)?,
-            ],
+            as_printed: [as_printed(&up)?, as_printed(&down)?],
             release: Releases::compute()?,
         })
     }
@@ -79,16 +79,13 @@ impl Accuracy {
     /// `s3.release_accuracy`: release by a step of Eq. (15), of the system that Sect. 3 is about,
     /// whose tangent points stand still.
     pub fn release_findings(&self) -> Vec<Finding> {
-        let belt = &self.release.belt;
-        let corrected = "release by Eq. (15) with 1/x2";
+        use Reading::{AsPrinted, Corrected, Exact};
+        let Releases { belt, listing, .. } = &self.release;
+        let with = "release by Eq. (15) with 1/x2";
         [
-            (Reading::Exact, "release by Eq. (15)", belt.literal_better()),
-            (Reading::Corrected, corrected, &belt.corrected),
-            (
-                Reading::AsPrinted,
-                "release by the listing",
-                &self.release.listing,
-            ),
+            (Exact, "release by Eq. (15)", belt.literal_better()),
+            (Corrected, with, &belt.corrected),
+            (AsPrinted, "release by the listing", listing),
         ]
         .map(|(reading, what, of)| Finding::statement(reading, [(what, of.is_accurate())]))
         .to_vec()
@@ -107,10 +104,13 @@ impl Accuracy {
         let release = &self.release;
         let others = [&release.moving, &release.listing, &release.listing_mended];
         let belt = release.belt.all().map(|one| ("model 1", one));
-        let forced = release.forced.all().chain(others);
-        let all = belt.chain(forced.map(|one| ("model 2", one)));
-        all.map(|(model, errors)| format!("{model}, {}", errors.line()))
-            .collect()
+        let forced = release
+            .forced
+            .all()
+            .chain(others)
+            .map(|one| ("model 2", one));
+        let line = |(model, errors): (&str, &EventErrors)| format!("{model}, {}", errors.line());
+        belt.chain(forced).map(line).collect()
     }
 }
 

@@ -7,6 +7,7 @@ use crate::paper::listing::{Defect, Defects, Params, Setup, run};
 use crate::report::{ReportError, stick_exits, until_escape};
 use stickslip::error::Error;
 use stickslip::filippov::{Options, solve};
+use stickslip::math;
 use stickslip::models::{BeltOscillator, ForcedOscillator};
 use stickslip::ode::{Rk4, Timed, henon_step};
 use stickslip::system::{Filippov, Side, State};
@@ -55,6 +56,16 @@ struct Event {
     to: Side,
 }
 
+impl Event {
+    /// The body in stick so long before.
+    fn before(&self, span: f64, belt_speed: f64) -> Timed<2> {
+        Timed {
+            t: self.t - span,
+            x: State::from([self.x1 - span * belt_speed, belt_speed]),
+        }
+    }
+}
+
 impl Releases {
     /// Measures all.
     ///
@@ -87,63 +98,47 @@ fn release<S: Filippov<2>>(
     event: &Event,
     shift: impl Fn(f64, f64) -> f64,
 ) -> Result<Release, ReportError> {
-    // The state of the stick phase before the step that passes the point, and the step h2 from
-    // there.
-    let before = |h: f64, part: f64| {
-        let t = event.t - part * h;
-        let x = State::from([event.x1 - part * h * belt_speed, belt_speed]);
-        let target = event.x1 + shift(event.t, t + h);
-        (Timed { t, x }, target - x[0])
-    };
+    // By the step h2 from the state of the stick phase before the step that passes the point.
     let with = |method, side, slope: &dyn Fn(&Timed<2>) -> f64| {
-        EventErrors::measure(method, side, |h, part| {
-            let (at, step) = before(h, part);
+        EventErrors::measure(method, (side, event.t), |h, part| {
+            let at = event.before(part * h, belt_speed);
+            let target = event.x1 + shift(event.t, at.t + h);
             let mut swapped = |at: &Timed<2>| Timed {
                 t: slope(at),
                 x: State::from([1.0, 0.0]),
             };
-            let end = henon_step::<Rk4, 2>(&mut swapped, &at, step);
-            Ok((end.t - event.t).abs())
+            Ok(henon_step::<Rk4, 2>(&mut swapped, &at, target - at.x[0]).t)
         })
     };
     let literal = |side| {
-        with(
-            "release by Eq. (15) as printed with the field",
-            side,
-            &|at| 1.0 / system.field(side, at.t, at.x.as_ref())[1],
-        )
+        let what = "release by Eq. (15) as printed with the field";
+        let slope = |at: &Timed<2>| 1.0 / system.field(side, at.t, at.x.as_ref())[1];
+        with(what, side, &slope)
     };
+    let corrected = "release by Eq. (15) with 1/x2 to";
     Ok(Release {
         literal: [literal(Side::Below)?, literal(Side::Above)?],
-        corrected: with("release by Eq. (15) with 1/x2 to", event.to, &|at| {
-            1.0 / at.x[1]
-        })?,
+        corrected: with(corrected, event.to, &|at| 1.0 / at.x[1])?,
     })
 }
 
 /// The distance to the moving tangent point as independent variable.
 fn moving(model: &ForcedOscillator, event: &Event) -> Result<EventErrors, ReportError> {
     let rest = event.x1 - model.support(event.t);
-    EventErrors::measure(
-        "release with the distance as variable to",
-        event.to,
-        |h, part| {
-            let t = event.t - part * h;
-            let x = State::from([event.x1 - part * h * model.belt_speed, model.belt_speed]);
-            let gap = x[0] - rest - model.support(t);
-            let mut swapped = |at: &Timed<2>| {
-                let speed =
-                    model.amplitude * model.omega * stickslip::math::cos(model.omega * at.t);
-                let rate = 1.0 / (at.x[1] - speed);
-                Timed {
-                    t: rate,
-                    x: State::from([at.x[1] * rate, 0.0]),
-                }
-            };
-            let end = henon_step::<Rk4, 2>(&mut swapped, &Timed { t, x }, -gap);
-            Ok((end.t - event.t).abs())
-        },
-    )
+    let swapped = |at: &Timed<2>| {
+        let speed = model.amplitude * model.omega * math::cos(model.omega * at.t);
+        let rate = 1.0 / (at.x[1] - speed);
+        Timed {
+            t: rate,
+            x: State::from([at.x[1] * rate, 0.0]),
+        }
+    };
+    let what = "release with the distance as variable to";
+    EventErrors::measure(what, (event.to, event.t), |h, part| {
+        let at = event.before(part * h, model.belt_speed);
+        let gap = at.x[0] - rest - model.support(at.t);
+        Ok(henon_step::<Rk4, 2>(&mut |at| swapped(at), &at, -gap).t)
+    })
 }
 
 /// The listing from the same state on the belt. The test of its start, which is not meant here, is
@@ -154,17 +149,16 @@ fn listing(
     model: &ForcedOscillator,
     event: &Event,
 ) -> Result<EventErrors, ReportError> {
-    let defects = if defects.has(Defect::StartUpTest) {
-        defects.flipped(Defect::StartUpTest)
-    } else {
-        defects
+    let defects = match defects.has(Defect::StartUpTest) {
+        true => defects.flipped(Defect::StartUpTest),
+        false => defects,
     };
-    EventErrors::measure(method, event.to, |h, part| {
-        let t0 = event.t - part * h;
+    EventErrors::measure(method, (event.to, event.t), |h, part| {
+        let before = event.before(part * h, model.belt_speed);
         let params = Params {
-            t0,
-            x1: event.x1 - part * h * model.belt_speed,
-            x2: model.belt_speed,
+            t0: before.t,
+            x1: before.x[0],
+            x2: before.x[1],
             ..Params::default()
         };
         let outcome = run(&Setup {
@@ -176,8 +170,7 @@ fn listing(
         })?;
         let exit = outcome.phases.first().map(|phase| phase.exit.t);
         let what = "the end of a stick phase of the listing";
-        let found = exit.ok_or_else(|| missing(what, t0, 4.0 * h))?;
-        Ok((found - event.t).abs())
+        Ok(exit.ok_or_else(|| missing(what, before.t, 4.0 * h))?)
     })
 }
 
