@@ -205,27 +205,20 @@ impl Convergence {
     /// How the numbers approach the limit, and what the alignment of the grid of steps does.
     pub fn sentence(&self) -> String {
         let each = |of: fn(&Approach) -> String| joined(self.approach.iter().map(of), ", ");
-        let decades = |at: Option<&Cell>| at.map_or(0.0, |at| at.h);
+        let [coarsest, finest] =
+            [self.steps.last(), self.finest()].map(|at| at.map_or(0.0, |at| at.h));
+        let bounds = each(|one| format!("{:.1}", one.bound));
+        let slopes = each(|one| format!("{:.2} ± {:.2}", one.slope, one.slope_error));
         let moved = (0..4).map(|i| format!("{:.1}", self.moved_around(i) / 1e-4));
+        let (moved, around) = (joined(moved, ", "), self.around.len());
+        let (percent, with_digits) = (100.0 * REACH, self.steps_that_give_digits());
+        let give = if with_digits == 1 { "gives" } else { "give" };
+        let limit = joined(self.limit_digits, ", ");
         format!(
-            "From h = {:e} to {:e} s the listing's four numbers keep within {} h of the limit, the printed step left out of this fit; the slopes of \
-             log |error| against log h are {}. Where the grid of steps meets Σ scatters the error between nothing and that bound: {} steps within \
-             {} % of the printed one move the numbers by {} units of 1e-4, and {} of them {} all four to all printed digits. The limit has {} of \
-             the printed digits.",
-            decades(self.steps.last()),
-            decades(self.finest()),
-            each(|one| format!("{:.1}", one.bound)),
-            each(|one| format!("{:.2} ± {:.2}", one.slope, one.slope_error)),
-            self.around.len(),
-            100.0 * REACH,
-            joined(moved, ", "),
-            self.steps_that_give_digits(),
-            if self.steps_that_give_digits() == 1 {
-                "gives"
-            } else {
-                "give"
-            },
-            joined(self.limit_digits, ", "),
+            "From h = {coarsest:e} to {finest:e} s the listing's four numbers keep within {bounds} h of the limit, the printed step left out of this fit; the slopes of \
+             log |error| against log h are {slopes}. Where the grid of steps meets Σ scatters the error between nothing and that bound: {around} steps within \
+             {percent} % of the printed one move the numbers by {moved} units of 1e-4, and {with_digits} of them {give} all four to all printed digits. The limit has {limit} of \
+             the printed digits."
         )
     }
 }

@@ -49,12 +49,6 @@ impl Followed {
         self.lambda > STANDARD_ERRORS * self.std_error
     }
 
-    /// The shortest and the longest stick phase (m); nothing without stick.
-    pub fn range(&self) -> Option<(f64, f64)> {
-        let lengths = self.lengths.iter().copied();
-        (!self.lengths.is_empty()).then(|| extent(lengths))
-    }
-
     /// How far the stick phases are from the published lengths: of two that follow each other the
     /// larger of the relative differences from the published pair, in either order, where that is
     /// least; infinite with fewer than two.
@@ -86,13 +80,10 @@ impl Chaos {
     /// Those of [`stickslip::analysis::lyapunov_spectrum`].
     pub(super) fn compute(published: [f64; 2]) -> Result<Chaos, Error> {
         let model = double_well();
-        let followed = starts(&ForcedOscillator::default())?
-            .into_iter()
-            .step_by(EVERY)
-            .map(|x| follow(&model, x))
-            .collect::<Result<_, Error>>()?;
+        let starts = starts(&ForcedOscillator::default())?.into_iter();
+        let followed = starts.step_by(EVERY).map(|x| follow(&model, x));
         Ok(Chaos {
-            followed,
+            followed: followed.collect::<Result<_, Error>>()?,
             published,
         })
     }
@@ -110,46 +101,39 @@ impl Chaos {
 
     /// What these motions are, in words.
     pub fn sentence(&self) -> String {
-        let followed = &self.followed;
-        let over = |keep: fn(&Followed) -> bool| followed.iter().filter(|one| keep(one)).count();
-        let all = followed.len();
-        let some = |count: usize, verb: &str, none: &str| match count {
-            _ if count == all => verb.to_owned(),
+        let (followed, all) = (&self.followed, self.followed.len());
+        let some = |is: fn(&Followed) -> bool, verb: &str, none: &str| match followed
+            .iter()
+            .filter(|one| is(one))
+            .count()
+        {
+            count if count == all => verb.to_owned(),
             0 => none.to_owned(),
-            _ => format!("{verb} from {count} of {all} starts"),
+            count => format!("{verb} from {count} of {all} starts"),
+        };
+        let sticks = some(|one| !one.lengths.is_empty(), "sticks", "does not stick");
+        let chaotic = some(Followed::is_chaotic, "chaotically", "not chaotically");
+        let near = match self.is_near() {
+            true => "near the published lengths",
+            false => "nowhere near the published lengths",
         };
         let least_and_most = |of: fn(&Followed) -> f64| extent(followed.iter().map(of));
         let (low, high) = least_and_most(|one| one.lambda);
         let (_, error) = least_and_most(|one| one.std_error);
         let (few, many) = least_and_most(Followed::sticks);
-        let lengths: Vec<(f64, f64)> = followed.iter().filter_map(Followed::range).collect();
-        let (shortest, _) = extent(lengths.iter().map(|one| one.0));
-        let (_, longest) = extent(lengths.iter().map(|one| one.1));
+        let (shortest, longest) = extent(followed.iter().flat_map(|one| one.lengths.clone()));
+        let of_stick = match shortest <= longest {
+            true => {
+                format!("{few:.0} to {many:.0} stick phases of {shortest:.4} to {longest:.4} m")
+            }
+            false => "no stick phase".to_owned(),
+        };
+        let percent = 100.0 * self.distance();
+        let nearest = match percent.is_finite() {
+            true => format!("two in succession come no nearer to both than {percent:.0} %"),
+            false => "no two of them follow each other".to_owned(),
+        };
         let [first, second] = self.published;
-        let near = if self.is_near() {
-            "near the published lengths"
-        } else {
-            "nowhere near the published lengths"
-        };
-        let sticks = some(
-            over(|one| !one.lengths.is_empty()),
-            "sticks",
-            "does not stick",
-        );
-        let chaotic = some(over(Followed::is_chaotic), "chaotically", "not chaotically");
-        let nearest = if self.distance().is_finite() {
-            format!(
-                "two in succession come no nearer to both than {:.0} %",
-                100.0 * self.distance()
-            )
-        } else {
-            "no two of them follow each other".to_owned()
-        };
-        let of_stick = if lengths.is_empty() {
-            "no stick phase".to_owned()
-        } else {
-            format!("{few:.0} to {many:.0} stick phases of {shortest:.4} to {longest:.4} m")
-        };
         format!(
             "With the spring of Eq. (4) the block {sticks}, {chaotic}, and {near}: from {all} starts, every {EVERY}th of the scan's, λ1 = {low:.2} to \
              {high:.2} 1/s with standard errors up to {error:.2}, and in {COUNTED} forcing periods {of_stick}; published are {first} and {second} m, and \
@@ -162,8 +146,8 @@ impl Chaos {
 fn follow(model: &ForcedOscillator, x: State<2>) -> Result<Followed, Error> {
     let period = model.period();
     let (transient, measured) = (TRANSIENT * period, f64::from(MEASURED) * period);
-    let settings =
-        SpectrumOptions::over(transient, measured).solver(Options::tol(TOLERANCE).escape(ESCAPE));
+    let options = Options::tol(TOLERANCE).escape(ESCAPE);
+    let settings = SpectrumOptions::over(transient, measured).solver(options);
     let mut sticks = Sticks {
         from: transient,
         lengths: Vec::new(),

@@ -8,6 +8,7 @@ use rayon::prelude::*;
 pub use chaos::{COUNTED, Chaos, Followed};
 pub use point::{Class, Point, StickSlip};
 
+use crate::numbers::extent;
 use crate::text::joined;
 pub(in crate::report) use point::starts;
 use stickslip::error::Error;
@@ -116,8 +117,8 @@ impl Scan {
 
     /// The stick–slip motion nearest to the published lengths among those that `allowed` lets pass.
     pub fn nearest(&self, allowed: impl Fn(&StickSlip) -> bool) -> Option<Found<'_>> {
-        let lines = self.lines.iter();
-        let points = lines.flat_map(|line| line.points.iter().map(|point| (line.name, point)));
+        let points = self.lines.iter();
+        let points = points.flat_map(|line| line.points.iter().map(|point| (line.name, point)));
         let found = points.filter_map(|(name, point)| {
             let (motion, distance) = point.nearest(self.published, &allowed)?;
             Some(Found {
@@ -130,66 +131,56 @@ impl Scan {
         found.min_by(|one, other| one.distance.total_cmp(&other.distance))
     }
 
-    /// For each parameter the factors at which stick–slip of period two is found.
-    fn period_two(&self) -> Vec<(&'static str, Vec<f64>)> {
-        let has = |point: &&Point| point.stick_slip.iter().any(|motion| motion.period == 2);
-        let factors = |line: &Line| line.points.iter().filter(has).map(|p| p.factor).collect();
-        let lines = self.lines.iter();
-        lines.map(|line| (line.name, factors(line))).collect()
-    }
-
     /// The answer in words.
     pub fn sentence(&self) -> String {
         let Some(printed) = self.printed() else {
             return "Nothing was scanned.".into();
         };
         let [escape, slip_only, other, two, unsettled] = printed.counts;
+        let (sticking, starts) = (other + two, self.starts);
         let mut text = format!(
-            "At the printed parameters {} of {} starts lead to a stick–slip motion ({slip_only} slip only, {escape} escape, {unsettled} \
-             unsettled).",
-            other + two,
-            self.starts
+            "At the printed parameters {sticking} of {starts} starts lead to a stick–slip motion ({slip_only} slip only, {escape} escape, {unsettled} \
+             unsettled)."
         );
-        let ranges = self.period_two().into_iter().filter_map(|(name, factors)| {
-            let (first, last) = (factors.first()?, factors.last()?);
-            let found = factors.len();
-            Some(format!(
-                "{name} (at {found} of {VALUES} factors, from {first:.3} to {last:.3})"
-            ))
+        let ranges = self.lines.iter().filter_map(|line| {
+            let has = |point: &&Point| point.stick_slip.iter().any(|motion| motion.period == 2);
+            let factors = line.points.iter().filter(has).map(|point| point.factor);
+            let (found, (first, last)) = (factors.clone().count(), extent(factors));
+            let name = line.name;
+            let range =
+                || format!("{name} (at {found} of {VALUES} factors, from {first:.3} to {last:.3})");
+            (found > 0).then(range)
         });
         let ranges = joined(ranges, ", ");
-        text += &if ranges.is_empty() {
-            " Changing one parameter by up to a factor of two, no stick–slip of period two appears."
-                .to_owned()
-        } else {
-            format!(
-                " Changing one parameter by up to a factor of two ({VALUES} factors, {:.1} % apart; narrower windows would be missed), stick–slip of \
-                 period two appears for {}.",
-                100.0 * (math::pow(4.0, 1.0 / (VALUES - 1) as f64) - 1.0),
-                ranges
-            )
+        text += &match ranges.is_empty() {
+            true => " Changing one parameter by up to a factor of two, no stick–slip of period two appears."
+                .to_owned(),
+            false => {
+                let apart = 100.0 * (math::pow(4.0, 1.0 / (VALUES - 1) as f64) - 1.0);
+                format!(
+                    " Changing one parameter by up to a factor of two ({VALUES} factors, {apart:.1} % apart; narrower windows would be missed), stick–slip of \
+                     period two appears for {ranges}."
+                )
+            }
         };
         for (what, found) in [
             ("of period two", self.nearest(|motion| motion.period == 2)),
             ("of any period", self.nearest(|_| true)),
         ] {
-            if let Some(found) = found {
-                let lengths = found.motion.lengths.iter().take(2);
-                let lengths = joined(lengths.map(|l| format!("{l:.4}")), " and ");
-                let off = if found.distance.is_finite() {
-                    format!("off by {:.0} %", 100.0 * found.distance)
-                } else {
-                    "where two are published".to_owned()
-                };
-                text += &format!(
-                    " Nearest {what}: {} x {:.3}, period {}, stick phases in it {}, the longest {} m, {off}.",
-                    found.name,
-                    found.point.factor,
-                    found.motion.period,
-                    found.motion.lengths.len(),
-                    lengths,
-                );
-            }
+            let Some(found) = found else {
+                continue;
+            };
+            let (name, factor) = (found.name, found.point.factor);
+            let StickSlip { period, lengths } = found.motion;
+            let longest = lengths.iter().take(2).map(|l| format!("{l:.4}"));
+            let (longest, count) = (joined(longest, " and "), lengths.len());
+            let off = match found.distance.is_finite() {
+                true => format!("off by {:.0} %", 100.0 * found.distance),
+                false => "where two are published".to_owned(),
+            };
+            text += &format!(
+                " Nearest {what}: {name} x {factor:.3}, period {period}, stick phases in it {count}, the longest {longest} m, {off}."
+            );
         }
         text
     }
