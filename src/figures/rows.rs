@@ -2,7 +2,6 @@
 
 use std::fmt;
 
-use super::FigureError;
 use crate::paper::claim_id::ClaimId;
 use crate::paper::published::Claims;
 use crate::paper::reading::Reading;
@@ -199,10 +198,11 @@ impl Row {
 
     /// Against the paper; nothing where the paper gives no value.
     pub fn comparison(&self, claims: &Claims) -> Option<Comparison> {
-        let claim = match self.quantity {
-            Quantity::Claim(id) | Quantity::Member(id, _) => claims.of(id),
-            Quantity::Detail(..) | Quantity::Other(_) => return None,
+        let (Quantity::Claim(id) | Quantity::Member(id, _)) = self.quantity else {
+            return None;
         };
+        let claim = claims.of(id);
+        let published = claim.published.clone();
         let (published, agrees) = match (&self.quantity, &self.value) {
             (Quantity::Member(..), Value::Number(value)) => {
                 let distance = |published: &f64| (value - published).abs();
@@ -210,102 +210,74 @@ impl Row {
                 let nearest = members.min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
                 (format!("{nearest:?}"), claim.agrees_with(nearest, *value))
             }
-            (_, Value::Number(value)) => (claim.published.clone(), claim.agrees(*value)),
-            (_, Value::Count(_) | Value::Word(_)) => (
-                claim.published.clone(),
-                self.value.to_string() == claim.published,
-            ),
+            (_, Value::Number(value)) => (published, claim.agrees(*value)),
             (_, Value::Statement(parts)) => {
                 ("stated".to_owned(), parts.iter().all(|(_, holds)| *holds))
+            }
+            (_, word) => {
+                let agrees = word.to_string() == published;
+                (published, agrees)
             }
         };
         Some(Comparison { published, agrees })
     }
 }
 
-/// What stands in a column: texts of the value and of agreement differ by table, the rest does not.
-struct Words {
-    /// A value.
-    value: fn(&Value) -> String,
-    /// That it agrees, that it does not, that there is nothing to agree with.
-    agrees: [&'static str; 3],
-    /// What stands where there is nothing.
-    none: &'static str,
-}
+const HEADER: &str = "id,reading,value,published,unit,agrees,status";
 
-const HEADER: [&str; 7] = [
-    "id",
-    "reading",
-    "value",
-    "published",
-    "unit",
-    "agrees",
-    "status",
-];
-
-/// Header and rows; the last column only where a row has a status.
-fn lines(rows: &[Row], claims: &Claims, words: &Words) -> Vec<Vec<String>> {
-    let columns = match rows.iter().any(|row| row.status.is_some()) {
-        true => HEADER.len(),
-        false => HEADER.len() - 1,
-    };
-    let mut lines = vec![HEADER.map(str::to_owned)[..columns].to_vec()];
+/// The rows' cells under the header; `agrees` are the words for yes, no and where there is nothing
+/// to agree with, of which the last also stands for a cell without content. A status is shown where
+/// a row has one.
+fn lines(
+    rows: &[Row],
+    claims: &Claims,
+    value: impl Fn(&Value) -> String,
+    [yes, no, none]: [&str; 3],
+) -> Vec<Vec<String>> {
+    let mut lines = vec![HEADER.split(',').map(str::to_owned).collect::<Vec<_>>()];
     lines.extend(rows.iter().map(|row| {
         let comparison = row.comparison(claims);
-        let agrees = match comparison.as_ref().map(|one| one.agrees) {
-            Some(true) => 0,
-            Some(false) => 1,
-            None => 2,
-        };
-        let mut line = vec![
+        let agrees = comparison
+            .as_ref()
+            .map(|one| if one.agrees { yes } else { no });
+        let agrees = agrees.unwrap_or(none).to_owned();
+        let published = comparison.map_or_else(|| none.to_owned(), |one| one.published);
+        vec![
             row.quantity.to_string(),
             row.reading.name().to_owned(),
-            (words.value)(&row.value),
-            comparison.map_or_else(|| words.none.to_owned(), |one| one.published),
+            value(&row.value),
+            published,
             row.unit.to_owned(),
-            words.agrees[agrees].to_owned(),
-            row.status.unwrap_or(words.none).to_owned(),
-        ];
-        line.truncate(columns);
-        line
+            agrees,
+            row.status.unwrap_or(none).to_owned(),
+        ]
     }));
+    if rows.iter().all(|row| row.status.is_none()) {
+        lines.iter_mut().for_each(|line| line.truncate(6));
+    }
     lines
 }
 
 /// Rows as CSV, numbers in full precision.
 ///
 /// # Errors
-/// [`FigureError::Csv`].
-pub fn csv(rows: &[Row], claims: &Claims) -> Result<String, FigureError> {
-    let words = Words {
-        value: Value::to_string,
-        agrees: ["true", "false", ""],
-        none: "",
-    };
-    Ok(text::csv(lines(rows, claims, &words))?)
+/// [`csv::Error`].
+pub fn csv(rows: &[Row], claims: &Claims) -> Result<String, csv::Error> {
+    text::csv(lines(rows, claims, Value::to_string, ["true", "false", ""]))
 }
 
 /// Rows as an aligned table for a terminal, numbers to eight digits.
 pub fn table(rows: &[Row], claims: &Claims) -> String {
-    let words = Words {
-        value: |value| match value {
-            Value::Number(v) => rounded(*v),
-            other => other.to_string(),
-        },
-        agrees: ["yes", "NO", "–"],
-        none: "–",
+    let value = |value: &Value| match value {
+        Value::Number(v) => rounded(*v),
+        other => other.to_string(),
     };
-    aligned(&lines(rows, claims, &words))
+    aligned(&lines(rows, claims, value, ["yes", "NO", "–"]))
 }
 
 /// Rows as they are frozen: in full precision, without units.
 pub fn golden(rows: &[Row], claims: &Claims) -> String {
-    let words = Words {
-        value: Value::to_string,
-        agrees: ["true", "false", "-"],
-        none: "-",
-    };
-    let mut lines = lines(rows, claims, &words);
+    let mut lines = lines(rows, claims, Value::to_string, ["true", "false", "-"]);
     for line in &mut lines {
         line.remove(4);
     }
@@ -342,10 +314,9 @@ fn rounded(v: f64) -> String {
     }
     let decimals = (DIGITS - 1 - power).unsigned_abs() as usize;
     let text = format!("{v:.decimals$}");
-    if text.contains('.') {
-        text.trim_end_matches('0').trim_end_matches('.').to_owned()
-    } else {
-        text
+    match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => text,
     }
 }
 

@@ -38,7 +38,7 @@ fn cycle(data: &Data) -> Curve {
 }
 
 /// Stick zones as grey bars, tangent points on them.
-fn boundary(panel: &mut Panel, data: &Data, numbered: bool) {
+fn boundary(panel: &mut Panel, data: &Data) {
     let belt = data.model.belt_speed;
     panel.add(belt_line(belt));
     for (i, &zone) in data.zones.iter().enumerate() {
@@ -53,23 +53,16 @@ fn boundary(panel: &mut Panel, data: &Data, numbered: bool) {
         (Visibility::Visible, "visible tangent point, a start"),
         (Visibility::Invisible, "invisible tangent point, a start"),
     ] {
-        let chosen: Vec<(usize, f64)> = data
-            .tangents
-            .iter()
-            .enumerate()
-            .filter(|(_, tangent)| tangent.visibility == wanted)
-            .map(|(k, tangent)| (k + 1, tangent.position))
-            .collect();
-        let mut markers = Markers::new(chosen.iter().map(|&(_, x1)| (x1, belt)))
-            .color(BLACK)
-            .legend(legend);
+        let chosen = (1..).zip(&data.tangents);
+        let chosen = chosen.filter(|(_, tangent)| tangent.visibility == wanted);
+        let chosen: Vec<(usize, f64)> = chosen.map(|(k, at)| (k, at.position)).collect();
+        let points = chosen.iter().map(|&(_, x1)| (x1, belt));
+        let mut markers = Markers::new(points).color(BLACK).legend(legend);
         if wanted == Visibility::Invisible {
             markers = markers.open();
         }
-        if numbered {
-            for (index, (number, _)) in chosen.iter().enumerate() {
-                markers = markers.label(index, &number.to_string(), beside(*number));
-            }
+        for (index, (number, _)) in chosen.iter().enumerate() {
+            markers = markers.label(index, &number.to_string(), beside(*number));
         }
         panel.add(markers);
     }
@@ -89,12 +82,8 @@ fn whole(data: &Data) -> Panel {
     .label("(a)")
     .legend(Legend::Below);
     for tangent in &data.tangents {
-        panel.add(
-            Guide::vertical(tangent.position)
-                .color(GREY)
-                .width(0.5)
-                .dash(Dash::Dashed),
-        );
+        let line = Guide::vertical(tangent.position).color(GREY);
+        panel.add(line.width(0.5).dash(Dash::Dashed));
     }
     panel.add(cycle(data).legend("limit cycle"));
     let further = data.tangents.len();
@@ -109,14 +98,10 @@ fn whole(data: &Data) -> Panel {
             _ => from_further,
         });
     }
-    boundary(&mut panel, data, true);
-    panel.add(
-        Markers::new(data.starts[further..].iter().copied())
-            .shape(Shape::Square)
-            .size(6.0)
-            .color(GREEN)
-            .legend("further starts"),
-    );
+    boundary(&mut panel, data);
+    let starts = Markers::new(data.starts[further..].iter().copied());
+    let starts = starts.shape(Shape::Square).size(6.0).color(GREEN);
+    panel.add(starts.legend("further starts"));
     panel
 }
 
@@ -131,7 +116,7 @@ fn kink(data: &Data) -> Panel {
     )
     .label("(b)");
     panel.add(self::cycle(data));
-    boundary(&mut panel, data, true);
+    boundary(&mut panel, data);
     for orbit in &data.orbits[..data.tangents.len()] {
         panel.add(Curve::new(orbit.iter().copied()).color(BLUE).width(0.9));
     }
