@@ -105,18 +105,13 @@ fn draw(data: &Data) -> Result<String, FigureError> {
         // on it.
         panel.add(curve(paper, LINES[1].0, LINES[1].1));
     }
-    Figure::new(
-        FIG06.name,
-        (680.0, 310.0),
-        "Friction force against relative velocity",
-        "Two panels with the friction force T between −0.5 and 0.5 N against the relative velocity v between −3 \
-         and 3 m/s. Every curve is odd: it rises vertically from −μ0 to μ0 at v = 0, and its magnitude \
-         falls as the speed grows. Panel a: δ = 1 and three values of μ0; larger μ0 stretches the curve. \
-         Panel b: μ0 = √3/9 and δ = 0.5, 1, 3; larger δ makes it fall faster. Bold: the paper's parameters.",
-    )
-    .columns(1.0, pair(a, b))
-    .render()
-    .map_err(Into::into)
+    let title = "Friction force against relative velocity";
+    let description = "Two panels with the friction force T between −0.5 and 0.5 N against the relative velocity v between −3 \
+        and 3 m/s. Every curve is odd: it rises vertically from −μ0 to μ0 at v = 0, and its magnitude \
+        falls as the speed grows. Panel a: δ = 1 and three values of μ0; larger μ0 stretches the curve. \
+        Panel b: μ0 = √3/9 and δ = 0.5, 1, 3; larger δ makes it fall faster. Bold: the paper's parameters.";
+    let figure = Figure::new(FIG06.name, (680.0, 310.0), title, description);
+    Ok(figure.columns(1.0, pair(a, b)).render()?)
 }
 
 /// The paper's parameters are the bold solid line in the middle.

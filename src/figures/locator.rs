@@ -68,7 +68,7 @@ fn compute() -> Result<Vec<Way>, Failure> {
         belt_speed: BELT_SPEED,
         ..BeltOscillator::default()
     };
-    let way = |id, name, locate: &dyn Fn(&Step) -> f64| {
+    let way = |id, name, locate: fn(&Step) -> f64| {
         let errors = (0..STEPS).map(|k| math::powi(FACTOR, k as i32));
         let errors: Vec<(f64, f64)> = errors.map(|h| (h, error(&belt, h, locate))).collect();
         Way {
@@ -79,19 +79,23 @@ fn compute() -> Result<Vec<Way>, Failure> {
         }
     };
     Ok(vec![
-        way("linear", "linear interpolation", &|step| step.chord()),
-        way("dense_4", "dense output of order 3 (RK4)", &|step| {
-            step.on_dense::<Rk4>()
-        }),
-        way("henon_4", "Hénon step, order 4 (RK4)", &|step| {
-            step.henon::<Rk4>()
-        }),
-        way("dense_8", "dense output of order 7 (DOP853)", &|step| {
-            step.on_dense::<Dop853>()
-        }),
-        way("henon_8", "Hénon step, order 8 (DOP853)", &|step| {
-            step.henon::<Dop853>()
-        }),
+        way("linear", "linear interpolation", Step::chord),
+        way(
+            "dense_4",
+            "dense output of order 3 (RK4)",
+            Step::on_dense::<Rk4>,
+        ),
+        way("henon_4", "Hénon step, order 4 (RK4)", Step::henon::<Rk4>),
+        way(
+            "dense_8",
+            "dense output of order 7 (DOP853)",
+            Step::on_dense::<Dop853>,
+        ),
+        way(
+            "henon_8",
+            "Hénon step, order 8 (DOP853)",
+            Step::henon::<Dop853>,
+        ),
     ])
 }
 
@@ -110,39 +114,24 @@ fn numbers(ways: &Vec<Way>) -> Vec<Row> {
 }
 
 fn draw(ways: &Vec<Way>) -> Result<String, FigureError> {
-    let log = |points: &[(f64, f64)]| -> Vec<(f64, f64)> {
-        let above = points.iter().filter(|(_, error)| *error > FLOOR);
-        above
-            .map(|&(h, e)| (math::log10(h), math::log10(e)))
-            .collect()
-    };
     let mut panel = Panel::new(
         Axis::decades("step *h*, s", (-3.05, 0.05)),
         Axis::decades("error of the event's time, s", (-14.8, 0.3)),
     )
     .legend(Legend::Below);
     for (way, (color, dash, shape)) in ways.iter().zip(LOOKS) {
-        let points = log(&way.errors);
+        let above = way.errors.iter().filter(|(_, error)| *error > FLOOR);
+        let points = above.map(|&(h, e)| (math::log10(h), math::log10(e)));
         let name = format!("{}: slope {:.1}", way.name, way.order);
-        panel.add(
-            Curve::new(points.clone())
-                .color(color)
-                .dash(dash)
-                .legend(&name),
-        );
+        let curve = Curve::new(points.clone()).color(color).dash(dash);
+        panel.add(curve.legend(&name));
         panel.add(Markers::new(points).color(color).shape(shape).size(5.0));
     }
-    Figure::new(
-        LOCATOR.name,
-        (560.0, 480.0),
-        LOCATOR.title,
-        "Logarithmic axes. Five lines rise with the step: linear interpolation least steeply and by far the highest, then the dense \
-         output of order 3, the Hénon step of order 4, the dense output of order 7 and, steepest and lowest, the Hénon step of order 8, \
-         which reaches rounding at a step of about a tenth.",
-    )
-    .row(1.0, panel)
-    .render()
-    .map_err(Into::into)
+    let description = "Logarithmic axes. Five lines rise with the step: linear interpolation least steeply and by far the highest, then the dense \
+        output of order 3, the Hénon step of order 4, the dense output of order 7 and, steepest and lowest, the Hénon step of order 8, \
+        which reaches rounding at a step of about a tenth.";
+    let figure = Figure::new(LOCATOR.name, (560.0, 480.0), LOCATOR.title, description);
+    Ok(figure.row(1.0, panel).render()?)
 }
 
 const LOOKS: [(Color, Dash, Shape); 5] = [
@@ -154,13 +143,13 @@ const LOOKS: [(Color, Dash, Shape); 5] = [
 ];
 
 /// A step that crosses the event.
-struct Step<'a> {
-    model: &'a BeltOscillator,
+struct Step {
+    model: BeltOscillator,
     from: Timed<2>,
     h: f64,
 }
 
-impl Step<'_> {
+impl Step {
     fn field(&self, x: &State<2>) -> State<2> {
         // The block is slower than the belt.
         self.model.field(Side::Below, 0.0, x.as_ref()).into()
@@ -201,7 +190,7 @@ impl Step<'_> {
 
 /// Error of the time at which the block is as fast as the belt, located in one step of length `h`
 /// from the exact state before it.
-fn error(model: &BeltOscillator, h: f64, locate: &dyn Fn(&Step) -> f64) -> f64 {
+fn error(model: &BeltOscillator, h: f64, locate: fn(&Step) -> f64) -> f64 {
     // Slower than the belt the block is at angle t of a circle about μ₀, its velocity minus the
     // radius times the sine. The belt has half the radius for its speed: they meet at 7π/6, and the
     // velocity is curved there. Times count from it.
@@ -213,7 +202,7 @@ fn error(model: &BeltOscillator, h: f64, locate: &dyn Fn(&Step) -> f64) -> f64 {
         -radius * math::sin(angle),
     ]);
     locate(&Step {
-        model,
+        model: *model,
         from: Timed { t: -lead, x },
         h,
     })

@@ -14,63 +14,40 @@ const EDGES: [(Color, Dash); 2] = [(BLUE, Dash::Solid), (VERMILLION, Dash::Dashe
 
 /// The SVG.
 pub(super) fn draw(data: &Data) -> Result<String, FigureError> {
-    Figure::new(
-        "fig07",
-        (680.0, 590.0),
-        "Tangent points: transition function, oscillation, bifurcation",
-        "Panel a: the transition function σ against z. Without friction it touches the axis from above at z = −1, \
-         0 and 1; with μ0 = 2√3/9 it is negative between ±2/√3 and touches the axis from below at ±1/√3. Panel b: six \
-         tangent points move up and down together over two forcing periods; the strips between the first \
-         and second, third and fourth, fifth and sixth are the stick zones. Panel c: tangent points against \
-         μ0: six branches start in pairs at z = 1, 0 and −1, the inner four meet in pairs at \
-         μ0 = 2√3/9 and ±1/√3, and two branches go on beyond it.",
-    )
-    .columns(
-        1.0,
-        pair(transition(data), oscillation(&data.oscillation)),
-    )
-    .row(1.08, branches(data))
-    .render()
-        .map_err(Into::into)
+    let title = "Tangent points: transition function, oscillation, bifurcation";
+    let description = "Panel a: the transition function σ against z. Without friction it touches the axis from above at z = −1, \
+        0 and 1; with μ0 = 2√3/9 it is negative between ±2/√3 and touches the axis from below at ±1/√3. Panel b: six \
+        tangent points move up and down together over two forcing periods; the strips between the first \
+        and second, third and fourth, fifth and sixth are the stick zones. Panel c: tangent points against \
+        μ0: six branches start in pairs at z = 1, 0 and −1, the inner four meet in pairs at \
+        μ0 = 2√3/9 and ±1/√3, and two branches go on beyond it.";
+    let figure = Figure::new("fig07", (680.0, 590.0), title, description);
+    let above = pair(transition(data), oscillation(&data.oscillation));
+    let figure = figure.columns(1.0, above).row(1.08, branches(data));
+    Ok(figure.render()?)
 }
 
 fn transition(data: &Data) -> Panel {
+    let sigma = Axis::new("*σ*(*z*, *μ*_0), m^2/s^4", -0.2, 0.4);
     let mut panel = Panel::new(
         Axis::new("*z*, m", -Z_MAX, Z_MAX).step(0.5).minor(5),
-        Axis::new("*σ*(*z*, *μ*_0), m^2/s^4", -0.2, 0.4)
-            .step(0.1)
-            .minor(2),
+        sigma.step(0.1).minor(2),
     )
     .label("(a)")
     .legend(Legend::UpperMiddle);
     for zone in &data.with_critical.zones {
-        panel.add(
-            Band::bar(*zone, 0.0, 7.0)
-                .fill(MID_GREY)
-                .legend("stick zone, *μ*_0 = 2√3/9"),
-        );
+        let bar = Band::bar(*zone, 0.0, 7.0).fill(MID_GREY);
+        panel.add(bar.legend("stick zone, *μ*_0 = 2√3/9"));
     }
     panel.add(Guide::horizontal(0.0).dash(Dash::Dotted));
-    let zeros = |transition: &Transition| -> Vec<(f64, f64)> {
-        transition.zeros.iter().map(|zero| (zero.z, 0.0)).collect()
-    };
-    panel.add(
-        Curve::new(data.without.graph.iter().copied())
-            .color(BLUE)
-            .dash(Dash::Dashed)
-            .legend("*μ*_0 = 0"),
-    );
-    panel.add(
-        Curve::new(data.with_critical.graph.iter().copied())
-            .color(VERMILLION)
-            .legend("*μ*_0 = 2√3/9"),
-    );
-    panel.add(Markers::new(zeros(&data.without)).color(BLUE).open());
-    panel.add(
-        Markers::new(zeros(&data.with_critical))
-            .color(VERMILLION)
-            .open(),
-    );
+    let graph = |of: &Transition| Curve::new(of.graph.iter().copied());
+    let zeros = |of: &Transition| Markers::new(of.zeros.iter().map(|zero| (zero.z, 0.0)));
+    let without = graph(&data.without).color(BLUE).dash(Dash::Dashed);
+    panel.add(without.legend("*μ*_0 = 0"));
+    let critical = graph(&data.with_critical).color(VERMILLION);
+    panel.add(critical.legend("*μ*_0 = 2√3/9"));
+    panel.add(zeros(&data.without).color(BLUE).open());
+    panel.add(zeros(&data.with_critical).color(VERMILLION).open());
     panel
 }
 
@@ -83,11 +60,8 @@ fn oscillation(data: &Oscillation) -> Panel {
     )
     .label("(b)");
     let curve = |positions: &[f64]| -> Vec<(f64, f64)> {
-        data.times
-            .iter()
-            .copied()
-            .zip(positions.iter().copied())
-            .collect()
+        let times = data.times.iter().copied();
+        times.zip(positions.iter().copied()).collect()
     };
     for zone in data.positions.chunks_exact(2) {
         panel.add(Region::between(curve(&zone[0]), curve(&zone[1])).fill(LIGHT_GREY));
@@ -120,30 +94,20 @@ fn branches(data: &Data) -> Panel {
     )
     .label("(c)");
     for zone in below.chunks_exact(2).chain(above.chunks_exact(2)) {
-        panel.add(
-            Region::between(zone[0].iter().copied(), zone[1].iter().copied()).fill(LIGHT_GREY),
-        );
+        let [upper, lower] = [0, 1].map(|k: usize| zone[k].iter().copied());
+        panel.add(Region::between(upper, lower).fill(LIGHT_GREY));
     }
     panel.add(Guide::vertical(data.critical).color(GREY));
     // Both lists begin with an upper end and have an even length, so the colours alternate across
     // them.
     for (k, branch) in below.iter().chain(above).enumerate() {
         let (color, dash) = EDGES[k % 2];
-        panel.add(
-            Curve::new(branch.iter().copied())
-                .color(color)
-                .dash(dash)
-                .width(1.6),
-        );
+        let curve = Curve::new(branch.iter().copied()).color(color);
+        panel.add(curve.dash(dash).width(1.6));
     }
-    let mut six = Markers::new(
-        data.oscillation
-            .points
-            .iter()
-            .map(|z| (data.oscillation.mu0, *z)),
-    )
-    .color(BLACK)
-    .open();
+    let drawn = &data.oscillation;
+    let six = drawn.points.iter().map(|z| (drawn.mu0, *z));
+    let mut six = Markers::new(six).color(BLACK).open();
     for k in 0..6 {
         let up = if k % 2 == 0 { 7.0 } else { -7.0 };
         six = six.label(k, &format!("{}", k + 1), (0.0, up));

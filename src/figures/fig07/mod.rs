@@ -130,22 +130,15 @@ fn oscillation(spring: &Cubic) -> Result<Oscillation, Error> {
     let omega = 3.0 * PI / 2.4728;
     let points: Vec<f64> = spring.tangent_points(mu0)?.iter().map(|p| p.z).collect();
     let times: Vec<f64> = grid(0.0, PERIODS * 2.0 * PI / omega, 600).collect();
-    let positions = points
-        .iter()
-        .map(|z| {
-            times
-                .iter()
-                .map(|t| z + amplitude * math::sin(omega * t))
-                .collect()
-        })
-        .collect();
+    let at = |z: f64, t: &f64| z + amplitude * math::sin(omega * t);
+    let over_time = |z: &f64| times.iter().map(|t| at(*z, t)).collect();
     Ok(Oscillation {
+        positions: points.iter().map(over_time).collect(),
         amplitude,
         omega,
         mu0,
         points,
         times,
-        positions,
     })
 }
 
@@ -157,10 +150,8 @@ fn branches(spring: &Cubic, critical: f64) -> Result<Branches, Error> {
         let mu0 = critical * s * (2.0 - s);
         let mut branch = below.iter_mut();
         for point in spring.tangent_points(mu0)? {
-            for _ in 0..point.multiplicity {
-                if let Some(branch) = branch.next() {
-                    branch.push((mu0, point.z));
-                }
+            for branch in branch.by_ref().take(point.multiplicity.into()) {
+                branch.push((mu0, point.z));
             }
         }
     }
@@ -172,17 +163,12 @@ fn branches(spring: &Cubic, critical: f64) -> Result<Branches, Error> {
             branch.push((mu0, point.z));
         }
     }
-    let count = |mu0| spring.tangent_points(mu0).map(|points| points.len());
-    let counts = [
-        count(0.0)?,
-        count(0.5 * critical)?,
-        count(critical)?,
-        count(1.5 * critical)?,
-    ];
+    let count =
+        |part: f64| -> Result<usize, Error> { Ok(spring.tangent_points(part * critical)?.len()) };
     Ok(Branches {
         below,
         above,
-        counts,
+        counts: [count(0.0)?, count(0.5)?, count(1.0)?, count(1.5)?],
     })
 }
 

@@ -68,11 +68,8 @@ pub(super) fn draw(data: &Data) -> Result<String, FigureError> {
     let mut right = exact_side.plane("(b)", "stated model, exact");
     let belt = data.model.belt_speed;
     let crossings = data.exact.pattern.crossings_of_one();
-    right.add(
-        Markers::new(crossings.map(|crossing| (crossing.at.x1, belt)))
-            .open()
-            .legend("crossing"),
-    );
+    let crossings = crossings.map(|crossing| (crossing.at.x1, belt));
+    right.add(Markers::new(crossings).open().legend("crossing"));
     let sticks = match data.exact.pattern.sticks_of_one().count() {
         0 => "no stick phase".to_owned(),
         1 => "1 stick phase".to_owned(),
@@ -80,16 +77,11 @@ pub(super) fn draw(data: &Data) -> Result<String, FigureError> {
     };
     right.add(Note::new((0.03, -0.03), &sticks));
     let right_strip = exact_side.strip("(d)");
-    Figure::new(
-        "fig08",
-        (770.0, 680.0),
-        "Fig. 8: stick–slip as printed, and the stated model solved exactly",
-        &description(data),
-    )
-    .columns(0.6, pair(left, right))
-    .columns(0.4, pair(left_strip, right_strip))
-    .render()
-    .map_err(Into::into)
+    let title = "Fig. 8: stick–slip as printed, and the stated model solved exactly";
+    let figure = Figure::new("fig08", (770.0, 680.0), title, &description(data));
+    let strips = pair(left_strip, right_strip);
+    let figure = figure.columns(0.6, pair(left, right)).columns(0.4, strips);
+    Ok(figure.render()?)
 }
 
 /// The stick phases on the line of belt speed, with their lengths.
