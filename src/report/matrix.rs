@@ -31,9 +31,8 @@ impl Cell {
     /// Runs the listing with these defects and this step.
     pub(super) fn run(present: Defects, h: f64) -> Result<Cell, ReportError> {
         let outcome = run(&Setup {
-            defects: present,
             h,
-            ..Setup::default()
+            ..Setup::with(present)
         })?;
         let (numbers, claims) = (outcome.four_numbers(), four_claims()?);
         Ok(Cell {

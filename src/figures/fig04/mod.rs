@@ -6,6 +6,8 @@ mod numbers;
 use super::{Failure, FigureSpec, crossing, phase_plane};
 use crate::numbers::{changes, missing};
 use draw::draw;
+#[cfg(feature = "report")]
+pub(crate) use numbers::kind;
 use numbers::numbers;
 use stickslip::analysis::{multipliers, periodic_orbit};
 use stickslip::error::Error;

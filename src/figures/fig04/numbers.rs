@@ -30,7 +30,7 @@ pub(super) fn numbers(data: &Data) -> Vec<Row> {
 }
 
 /// The name of a kind, as the caption has it.
-fn kind(visibility: Visibility) -> &'static str {
+pub(crate) fn kind(visibility: Visibility) -> &'static str {
     match visibility {
         Visibility::Visible => "visible",
         Visibility::Invisible => "invisible",

@@ -165,6 +165,28 @@ impl Default for Setup {
 }
 
 impl Setup {
+    /// The listing as printed from another start: time (s), position (m) and velocity (m/s).
+    pub fn starting(t0: f64, x1: f64, x2: f64) -> Setup {
+        let params = Params {
+            t0,
+            x1,
+            x2,
+            ..Params::default()
+        };
+        Setup {
+            params,
+            ..Setup::default()
+        }
+    }
+
+    /// The listing from its own start with some of its defects.
+    pub fn with(defects: Defects) -> Setup {
+        Setup {
+            defects,
+            ..Setup::default()
+        }
+    }
+
     /// Whether the run can be made; [`run`](super::run) asks this first.
     ///
     /// # Errors

@@ -124,18 +124,12 @@ impl<'a> Arrival<'a> {
         defects: Defects,
     ) -> Result<EventErrors, ReportError> {
         self.measure(method, |h, part| {
-            let params = Params {
-                t0: self.t0,
-                x1: self.x0[0],
-                x2: self.x0[1],
-                ..Params::default()
-            };
             let outcome = run(&Setup {
-                params,
                 defects,
                 h: self.step(h, part),
                 window_start: 0.0,
                 end: 2.0 * LEAD,
+                ..Setup::starting(self.t0, self.x0[0], self.x0[1])
             })?;
             let what = "a crossing of Σ by the listing";
             let found = first_on_belt(&outcome);

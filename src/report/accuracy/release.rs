@@ -3,7 +3,7 @@
 use super::TOLERANCE;
 use super::errors::{EventErrors, STEPS};
 use crate::numbers::missing;
-use crate::paper::listing::{Defect, Defects, Params, Setup, run};
+use crate::paper::listing::{Defect, Defects, Setup, run};
 use crate::report::{ReportError, stick_exits, until_escape};
 use stickslip::error::Error;
 use stickslip::filippov::{Options, solve};
@@ -155,18 +155,12 @@ fn listing(
     };
     EventErrors::measure(method, (event.to, event.t), |h, part| {
         let before = event.before(part * h, model.belt_speed);
-        let params = Params {
-            t0: before.t,
-            x1: before.x[0],
-            x2: before.x[1],
-            ..Params::default()
-        };
         let outcome = run(&Setup {
-            params,
             defects,
             h,
             window_start: 0.0,
             end: 4.0 * h,
+            ..Setup::starting(before.t, before.x[0], before.x[1])
         })?;
         let exit = outcome.phases.first().map(|phase| phase.exit.t);
         let what = "the end of a stick phase of the listing";

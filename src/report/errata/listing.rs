@@ -44,19 +44,19 @@ fn changes(printed: &Cell, mended: &Cell) -> Vec<Shown> {
 
 /// How many bodies on the belt in the middles of the three stick zones stick at once.
 fn sticking_starts(defects: Defects) -> Result<usize, ListingError> {
-    let tangent = Params::default().tangent_points;
+    let Params {
+        tangent_points,
+        belt_speed,
+        ..
+    } = Params::default();
     let mut found = 0;
-    for zone in tangent.chunks_exact(2) {
-        let params = Params {
-            x1: zone[0].midpoint(zone[1]),
-            ..Params::default()
-        };
+    for zone in tangent_points.chunks_exact(2) {
+        let middle = zone[0].midpoint(zone[1]);
         let outcome = run(&Setup {
-            params,
             defects,
             end: 0.01,
             window_start: 0.0,
-            ..Setup::default()
+            ..Setup::starting(0.0, middle, belt_speed)
         })?;
         let first = outcome.phases.first().map(|phase| phase.entry);
         let entry = first.or(outcome.unfinished.map(|(entry, _)| entry));

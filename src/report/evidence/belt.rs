@@ -2,6 +2,7 @@
 //! model 1.
 
 use super::{small, statement};
+use crate::figures::fig04::kind;
 use crate::paper::reading::Reading::Exact;
 use crate::report::finding::Finding;
 use stickslip::analysis::{Visibility, tangency};
@@ -52,8 +53,7 @@ fn judged(rides: &[Ride], below: Ride) -> Vec<Finding> {
         let model = with_friction(excess);
         [-inner(), inner()].map(|x1| tangent_at(&model, x1))
     };
-    let tangent = at_points(0.0);
-    let at_half = at_points(-0.5);
+    let (tangent, at_half) = (at_points(0.0), at_points(-0.5));
     // The least excess from which on every body rides through.
     let through = rides.iter().rev().take_while(|ride| ride.goes_through());
     let least = through.last();
@@ -67,12 +67,7 @@ fn judged(rides: &[Ride], below: Ride) -> Vec<Finding> {
             least.is_some() && !below.goes_through(),
         ),
     ];
-    let [left, right] = tangent.map(|found| match found {
-        Some(Visibility::Visible) => "visible",
-        Some(Visibility::Invisible) => "invisible",
-        Some(Visibility::Degenerate) => "degenerate",
-        None => "no",
-    });
+    let [left, right] = tangent.map(|found| found.map_or("no", kind));
     let friction = match least.map(|ride| ride.excess) {
         Some(0.0) => "at the critical friction itself".to_owned(),
         Some(excess) => format!("friction exceeding the critical one by {excess:.0e} of it"),
@@ -80,11 +75,10 @@ fn judged(rides: &[Ride], below: Ride) -> Vec<Finding> {
     };
     let released = least.or(rides.last());
     let released = released.map_or(f64::NAN, |ride| ride.released_at);
+    let (off, before) = (small((released - 2.0 * inner()).abs()), below.released_at);
     let line = format!(
         "at the critical friction a field is tangent at −1/√3 ({left}) and at 1/√3 ({right}); from x1 = {START} m on the belt, {friction}, \
-         the body is released at {released:.6} m, {} m from 2/√3; at friction a hundredth below critical at {:.6} m",
-        small((released - 2.0 * inner()).abs()),
-        below.released_at,
+         the body is released at {released:.6} m, {off} m from 2/√3; at friction a hundredth below critical at {before:.6} m"
     );
     vec![statement(Exact, parts, line)]
 }

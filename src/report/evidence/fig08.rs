@@ -29,11 +29,9 @@ const SHOWN: f64 = 4.0;
 fn published_digits(run: &Run) -> Result<usize, PublishedError> {
     let claims = Claims::committed()?;
     let numbers = run.four_numbers().into_iter().flatten();
-    let agrees = |(id, value): &(ClaimId, f64)| claims.of(*id).agrees(*value);
-    Ok(ClaimId::FOUR
-        .into_iter()
-        .zip(numbers)
-        .filter(agrees)
+    let numbers = ClaimId::FOUR.into_iter().zip(numbers);
+    Ok(numbers
+        .filter(|(id, value)| claims.of(*id).agrees(*value))
         .count())
 }
 
@@ -52,17 +50,10 @@ struct FromPoint {
 
 fn from(x1: f64) -> Result<FromPoint, ReportError> {
     let model = ForcedOscillator::default();
-    let params = Params {
-        x1,
-        ..Params::default()
-    };
-    let outcome = run(&Setup {
-        params,
-        ..Setup::default()
-    })?;
+    let outcome = run(&Setup::starting(0.0, x1, model.belt_speed))?;
     let start = (0.0, State::from([x1, model.belt_speed]));
-    let options = bounded(TOLERANCE);
     let (periods, same) = SETTLING;
+    let options = bounded(TOLERANCE);
     let end = destination(&model, start, model.period(), periods, same, &options)?;
     let first = outcome.phases.first();
     Ok(FromPoint {
@@ -78,34 +69,23 @@ fn from(x1: f64) -> Result<FromPoint, ReportError> {
 pub(super) fn start() -> Result<(Vec<Finding>, Proof), ReportError> {
     let points = Params::default().tangent_points;
     let (captioned, listed) = (from(points[2])?, from(points[3])?);
-    let parts = [(
-        "from the third tangent point the stated model settles on stick–slip of period two",
-        captioned.model_two_periodic,
-    )];
-    let printed = [(
-        "the program settles on the published trajectory with the third point put in the place of its own start, the fourth",
-        captioned.digits == ClaimId::FOUR.len(),
-    )];
-    let of = |one: &FromPoint| {
-        format!(
-            "from x1 = {} m the program releases the body first at {:.4} s and settles on {} of the four published numbers",
-            decimals(one.x1, 4),
-            one.first_release,
-            one.digits
-        )
-    };
+    let what = "from the third tangent point the stated model settles on stick–slip of period two";
+    let parts = [(what, captioned.model_two_periodic)];
+    let what = "the program settles on the published trajectory with the third point put in the place of its own start, the fourth";
+    let printed = [(what, captioned.digits == ClaimId::FOUR.len())];
+    let [from_third, from_fourth] = [&captioned, &listed].map(|from| {
+        let (x1, release, digits) = (decimals(from.x1, 4), from.first_release, from.digits);
+        format!("from x1 = {x1} m the program releases the body first at {release:.4} s and settles on {digits} of the four published numbers")
+    });
     let line = format!(
-        "{}; {}; the Appendix starts at the latter, T[3], which is the fourth point: another reading of the caption",
-        of(&captioned),
-        of(&listed)
+        "{from_third}; {from_fourth}; the Appendix starts at the latter, T[3], which is the fourth point: another reading of the caption"
     );
     let shown: [[Value; 3]; 2] =
         [&captioned, &listed].map(|of| [of.x1.into(), of.first_release.into(), of.digits.into()]);
     let apart = captioned.first_release - listed.first_release;
-    let misprint = proof("start", shown.into_iter().flatten(), apart.abs() > 1e-3);
     Ok((
         vec![statement(Exact, parts, line), as_printed(printed)],
-        misprint,
+        proof("start", shown.into_iter().flatten(), apart.abs() > 1e-3),
     ))
 }
 
@@ -144,25 +124,19 @@ impl Sides {
     }
 
     fn parts(&self) -> [(&'static str, bool); 2] {
+        let alternate = self.sides.len() >= 2 && self.repeats() == 0;
+        let what = "those in S1 are the upper arcs, those in S2 the lower";
         [
-            (
-                "slip phases lie alternately in S1 and S2",
-                self.sides.len() >= 2 && self.repeats() == 0,
-            ),
-            (
-                "those in S1 are the upper arcs, those in S2 the lower",
-                self.s1_is_upper(),
-            ),
+            ("slip phases lie alternately in S1 and S2", alternate),
+            (what, self.s1_is_upper()),
         ]
     }
 
     fn line(&self, name: &str) -> String {
+        let (phases, repeats) = (self.sides.len(), self.repeats());
+        let (highest, lowest) = (self.highest_in_s1, self.lowest_in_s2);
         format!(
-            "{name}: {} slip phases, {} times two on the same side, velocities up to {:.4} m/s in S1 and from {:.4} m/s in S2",
-            self.sides.len(),
-            self.repeats(),
-            self.highest_in_s1,
-            self.lowest_in_s2
+            "{name}: {phases} slip phases, {repeats} times two on the same side, velocities up to {highest:.4} m/s in S1 and from {lowest:.4} m/s in S2"
         )
     }
 }
@@ -171,20 +145,20 @@ impl Sides {
 pub(super) fn arcs() -> Result<(Vec<Finding>, Proof), ReportError> {
     let model = ForcedOscillator::default();
     let (exact, listing) = (sides_of_model(&model)?, sides_of_listing()?);
+    let (of_listing, of_model) = (listing.line("listing"), exact.line("stated model"));
     let line = format!(
-        "{}; {}; the belt's speed is {} m/s, so that S1 holds the lower arcs",
-        listing.line("listing"),
-        exact.line("stated model"),
+        "{of_listing}; {of_model}; the belt's speed is {} m/s, so that S1 holds the lower arcs",
         model.belt_speed
     );
     let shown = [&listing, &exact].map(|of| [of.highest_in_s1, of.lowest_in_s2]);
     let holds = !listing.s1_is_upper() && !exact.s1_is_upper();
-    let misprint = proof("regions", shown.into_iter().flatten(), holds);
-    let findings = vec![
-        statement(Exact, exact.parts(), line),
-        as_printed(listing.parts()),
-    ];
-    Ok((findings, misprint))
+    Ok((
+        vec![
+            statement(Exact, exact.parts(), line),
+            as_printed(listing.parts()),
+        ],
+        proof("regions", shown.into_iter().flatten(), holds),
+    ))
 }
 
 /// Of the attractor of the stated model, or of one like it.
@@ -192,21 +166,26 @@ fn sides_of_model<S: Filippov<2>>(system: &S) -> Result<Sides, Error> {
     let printed = ForcedOscillator::default();
     let x = State::from([Params::default().x1, printed.belt_speed]);
     let end = END + SHOWN * printed.period();
-    let options = bounded(TOLERANCE);
-    let orbit = solve(system, 0.0, x, end, &options)?;
-    let mut found = Sides::NONE;
-    for phase in orbit.phases.iter().filter(|phase| phase.t_start >= END) {
-        if let Mode::Slip(side) = phase.mode {
-            found.sides.push(side);
-        }
-    }
+    let orbit = solve(system, 0.0, x, end, &bounded(TOLERANCE))?;
+    let settled = orbit.phases.iter().filter(|phase| phase.t_start >= END);
+    let mut found = Sides {
+        sides: settled.filter_map(|phase| side_of(phase.mode)).collect(),
+        ..Sides::NONE
+    };
     for step in orbit.steps.iter().filter(|step| step.t_start >= END) {
-        if let Mode::Slip(side) = step.mode {
+        if let Some(side) = side_of(step.mode) {
             let middle = step.dense.at_time(0.5 * (step.t_start + step.t_end));
             found.take(side, middle[1]);
         }
     }
     Ok(found)
+}
+
+fn side_of(mode: Mode) -> Option<Side> {
+    match mode {
+        Mode::Stick => None,
+        Mode::Slip(side) => Some(side),
+    }
 }
 
 /// Of the listing as printed, in the plotted window; the single steps on the wrong side after a
@@ -221,10 +200,7 @@ fn sides_of_listing() -> Result<Sides, ReportError> {
         if !sample.in_window {
             return;
         }
-        let side = match sample.mode {
-            Mode::Stick => None,
-            Mode::Slip(side) => Some(side),
-        };
+        let side = side_of(sample.mode);
         match (side, &mut under_way) {
             (Some(side), Some((known, passes))) if side == *known => {
                 *passes += 1;
@@ -249,22 +225,16 @@ fn sides_of_listing() -> Result<Sides, ReportError> {
 /// `s4.found_by_appendix`: what the Appendix's program finds. The claim is that; what the program
 /// without its defects finds is told beside it.
 pub(super) fn found_by_appendix(defects: Defects) -> Result<Vec<Finding>, ReportError> {
-    let with = |defects| {
-        run(&Setup {
-            defects,
-            ..Setup::default()
-        })
-    };
-    let (printed, mended) = (with(defects)?, with(Defects::MENDED)?);
+    let (printed, mended) = (
+        run(&Setup::with(defects))?,
+        run(&Setup::with(Defects::MENDED))?,
+    );
     let (digits, all) = (published_digits(&printed)?, ClaimId::FOUR.len());
-    let parts = [(
-        "the Appendix's program as printed gives the published trajectory",
-        printed.motion == Motion::PUBLISHED && digits == all,
-    )];
+    let what = "the Appendix's program as printed gives the published trajectory";
+    let parts = [(what, printed.motion == Motion::PUBLISHED && digits == all)];
+    let (printed, mended) = (words(printed.motion), words(mended.motion));
     let line = format!(
-        "listing as printed: {}, {digits} of {all} published numbers to all digits; with its defects mended: {}",
-        words(printed.motion),
-        words(mended.motion),
+        "listing as printed: {printed}, {digits} of {all} published numbers to all digits; with its defects mended: {mended}"
     );
     Ok(vec![statement(AsPrinted, parts, line)])
 }

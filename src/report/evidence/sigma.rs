@@ -106,11 +106,10 @@ impl Compared {
             // What the support adds is lost in the sum: the polynomial is taken where the body is.
             let expected = printed(position - offset);
             let relative = |off: f64, size: f64| off.abs() / size.max(f64::MIN_POSITIVE);
-            self.points += 1;
             let off = relative(found.re - expected.sigma, expected.size);
-            self.off = self.off.max(off);
             let slope_off = relative(found.eps - expected.slope, expected.slope_size);
-            self.slope_off = self.slope_off.max(slope_off);
+            self.points += 1;
+            (self.off, self.slope_off) = (self.off.max(off), self.slope_off.max(slope_off));
             let attracts = fate(system, t, &State::from([position, belt_speed])) == Fate::Stick;
             let negative = expected.sigma < 0.0;
             self.negative += usize::from(negative);
@@ -119,23 +118,29 @@ impl Compared {
     }
 
     fn findings(&self, equations: &str) -> Vec<Finding> {
+        let Compared {
+            points,
+            parameters,
+            off,
+            slope_off,
+            negative,
+            disagreements,
+        } = *self;
         let parts = [
             (
                 "the product of the two normal components on Σ is the printed polynomial",
-                self.points > 0 && self.off <= ROUNDING,
+                points > 0 && off <= ROUNDING,
             ),
             (
                 "its derivative has the printed factors",
-                self.points > 0 && self.slope_off <= ROUNDING,
+                points > 0 && slope_off <= ROUNDING,
             ),
             (
                 "the body sticks exactly where it is negative",
-                self.negative > 0 && self.disagreements == 0,
+                negative > 0 && disagreements == 0,
             ),
         ];
-        let (points, parameters) = (self.points, self.parameters);
-        let (off, slope_off) = (small(self.off), small(self.slope_off));
-        let (disagreements, negative) = (self.disagreements, self.negative);
+        let (off, slope_off) = (small(off), small(slope_off));
         let line = format!(
             "{points} points of Σ, {parameters} sets of parameters: product and derivative of the library's own fields off {equations} by \
              at most {off} and {slope_off} of their terms; stick and sign of σ disagree at {disagreements} points, {negative} of them have \

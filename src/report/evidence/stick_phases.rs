@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use crate::figures::fig08;
 use crate::numbers::{bisect, largest};
 use crate::paper::claim_id::ClaimId;
-use crate::paper::listing::{Defect, Defects, ListingError, Params, Run, Setup, StickPhase, run};
+use crate::paper::listing::{Defect, Defects, ListingError, Run, Setup, StickPhase, run};
 use crate::paper::published::{Claims, PublishedError};
 use crate::report::{ReportError, stick_exits, until_escape};
 use stickslip::analysis::{Visibility, visibility};
@@ -110,17 +110,11 @@ fn of_start(model: &ForcedOscillator, x: State<2>) -> Result<Vec<Stick>, Error> 
 
 fn of_listing(model: &ForcedOscillator, defects: Defects) -> Result<OfListing, ListingError> {
     let of_start = |x: State<2>| {
-        let params = Params {
-            x1: x[0],
-            x2: x[1],
-            ..Params::default()
-        };
         run(&Setup {
-            params,
             defects,
             end: FOLLOWED * model.period(),
             window_start: 0.0,
-            ..Setup::default()
+            ..Setup::starting(0.0, x[0], x[1])
         })
     };
     let runs = starts().into_par_iter().map(of_start);
@@ -160,13 +154,9 @@ impl TangentSet {
 
     /// Number, counted from 0, of the moved point nearest to a body, and its distance (m).
     pub(super) fn nearest(&self, model: &ForcedOscillator, at: At) -> (usize, f64) {
-        let mut best = (0, f64::INFINITY);
-        for (number, gap) in self.gaps(model, at).into_iter().enumerate() {
-            if gap.abs() < best.1 {
-                best = (number, gap.abs());
-            }
-        }
-        best
+        let gaps = self.gaps(model, at).map(f64::abs).into_iter().enumerate();
+        let nearest = gaps.min_by(|one, other| one.1.total_cmp(&other.1));
+        nearest.unwrap_or((0, f64::INFINITY))
     }
 
     /// When (s) a body that rides the belt from `(t, x1)` first meets one of the moved points, by
