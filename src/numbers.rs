@@ -1,6 +1,6 @@
 //! Small numerical helpers of all parts of the replication.
 
-use stickslip::error::Error;
+use stickslip::Error;
 
 /// The least number in `(low, high]` for which `is_after` holds, if it holds from some number on.
 /// To the last bit.

@@ -1,9 +1,8 @@
 //! What is kept of an orbit of Figs. 10–12: states at equal times, and the section, where the block
 //! turns back.
 
-use stickslip::filippov::{Direction, EventFunctions, EventSearch, Options, StepRecord};
 use stickslip::models::BlockAndBracket;
-use stickslip::scalar::Scalar;
+use stickslip::{Direction, EventFunctions, EventSearch, Options, Scalar, StepRecord};
 
 /// The block's velocity falls through zero.
 struct Turning;

@@ -15,7 +15,7 @@ use plot::{
 use stickslip::math;
 use stickslip::models::BeltOscillator;
 use stickslip::ode::{Dense, Dop853, Rk4, RungeKutta, Timed, dense_slopes, henon_step, stages};
-use stickslip::system::{Filippov, Side, State};
+use stickslip::{Filippov, Side, State};
 
 /// One way to locate an event.
 #[derive(Clone, Debug)]

@@ -15,10 +15,7 @@ use crate::terminal::ProgramError;
 use output::{PngError, WriteError};
 use plot::{Axis, Cell, Dash, GREY, Guide, Panel};
 use rows::Row;
-use stickslip::error::Error;
-use stickslip::filippov::{Transition, TransitionKind};
-use stickslip::orbit::Orbit;
-use stickslip::system::{Mode, Side};
+use stickslip::{Error, Mode, Orbit, Side, Transition, TransitionKind};
 
 /// What stops a computation.
 pub(crate) type Failure = Box<dyn std::error::Error + Send + Sync>;

@@ -8,7 +8,8 @@
 //! in which the rider moves with the belt at its own pace. See [`super::listing`] for the original.
 
 use super::stages::{VELOCITY, in_time, in_velocity};
-use stickslip::system::{Filippov, Mode, Side, State, components};
+use stickslip::system::components;
+use stickslip::{Filippov, Mode, Side, State};
 
 /// The listing's rounded 1/6.
 const SIXTH: f64 = 0.166666;

@@ -16,7 +16,7 @@ pub mod reading;
 pub mod slip_times_three;
 mod stages;
 
-use stickslip::filippov::Options;
+use stickslip::Options;
 
 /// Options of a run of model 2. Beyond 10 m or 10 m/s its softening spring drives the body away for
 /// good.

@@ -2,8 +2,7 @@
 //! exact solution.
 
 use super::listing::{Crossing, Direction, Instant, Motion, Run};
-use stickslip::filippov::Phase;
-use stickslip::system::{Mode, Side};
+use stickslip::{Mode, Phase, Side};
 
 /// How much a pattern is shortened, in forcing periods, so as not to count its first event twice.
 const MARGIN: f64 = 0.01;

@@ -14,13 +14,12 @@ use crate::numbers::missing;
 use crate::paper::bounded;
 use crate::paper::listing::{END, Params};
 use crate::paper::pattern::Pattern;
-use stickslip::error::Error;
-use stickslip::filippov::{
-    Observer, Options, Phase, Transition, TransitionKind, first_zero, run as integrate,
-};
+use stickslip::filippov::first_zero;
 use stickslip::models::ForcedOscillator;
-use stickslip::scalar::Scalar;
-use stickslip::system::{Filippov, Mode, Side, State};
+use stickslip::{
+    Error, Filippov, Mode, Observer, Options, Phase, Scalar, Side, State, Transition,
+    TransitionKind, run as integrate,
+};
 
 /// The forced oscillator whose state moves `factor` times as fast as its clock says.
 struct Hastened<'a> {

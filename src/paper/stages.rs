@@ -4,7 +4,7 @@
 //! As printed, `xn = x` copies no state: every stage moves the state that the next one adds to, and
 //! so does the closing sum. As meant, each adds to the step's start.
 
-use stickslip::system::State;
+use stickslip::State;
 
 /// Component that Σ fixes: the velocity.
 pub(super) const VELOCITY: usize = 1;

@@ -5,10 +5,10 @@ use std::ops::ControlFlow;
 
 use super::error::PeersError;
 use super::event::{self, Event, Kind};
-use stickslip::filippov::{Method, Observer, Options, Transition, TransitionKind, run};
 use stickslip::models::{BeltOscillator, BlockAndBracket, Caption, ForcedOscillator, Reading};
-use stickslip::scalar::Scalar;
-use stickslip::system::{Filippov, Side, State};
+use stickslip::{
+    Filippov, Method, Observer, Options, Scalar, Side, State, Transition, TransitionKind, run,
+};
 
 /// Textbook problem with a moving boundary: `x' = a` below, `−a` above, boundary `x − sin t`.
 /// Between events everything is a closed form.

@@ -9,13 +9,10 @@ use crate::paper::in_place::{InPlace, Lost};
 use crate::turns::{Samples, Turns};
 use stickslip::analysis::motion::{Class, Criterion, Evidence, Of};
 use stickslip::analysis::{Exponent, SpectrumOptions, lyapunov_spectrum_watched};
-use stickslip::error::Error;
-use stickslip::filippov::{AtRepelling, Method, Observer, Options, StepRecord, run};
 use stickslip::math;
 use stickslip::models::{BlockAndBracket, Caption};
-use stickslip::orbit::Ending;
 use stickslip::statistics::PowerLaw;
-use stickslip::system::State;
+use stickslip::{AtRepelling, Ending, Error, Method, Observer, Options, State, StepRecord, run};
 
 /// An orbit that stayed to the end.
 #[derive(Clone, Debug)]

@@ -12,7 +12,7 @@ use crate::numbers::missing;
 use crate::paper::pattern::Pattern;
 use crate::paper::slip_times_three::{Injected, settled};
 use crate::text::{described, joined};
-use stickslip::error::Error;
+use stickslip::Error;
 
 /// Two stick lengths (m), then their durations (s).
 type Four = [f64; 4];

@@ -36,10 +36,9 @@ use crate::paper::listing::ListingError;
 use crate::paper::published::PublishedError;
 use crate::readings::ReadingsError;
 use crate::terminal::ProgramError;
-use stickslip::error::Error;
-use stickslip::filippov::{Failure, Phase, Transition, TransitionKind, solve};
-use stickslip::orbit::Orbit;
-use stickslip::system::{Filippov, Mode, Side, State};
+use stickslip::{
+    Error, Failure, Filippov, Mode, Orbit, Phase, Side, State, Transition, TransitionKind, solve,
+};
 
 /// What failed on the way to the report.
 #[derive(Debug, thiserror::Error)]

@@ -8,9 +8,8 @@ use crate::figures::block_and_bracket::{SETS, Set, TOLERANCE, class};
 use crate::readings::{Committed, Integrator, Row, others};
 use crate::text::joined;
 use stickslip::analysis::motion::Class;
-use stickslip::error::Error;
-use stickslip::filippov::Options;
 use stickslip::models::{Caption, Reading};
+use stickslip::{Error, Options};
 
 /// Estimates of all three figures, and the loops of Fig. 10.
 #[derive(Clone, Debug, PartialEq)]

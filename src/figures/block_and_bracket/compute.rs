@@ -5,10 +5,8 @@ use super::watch::{DT, END, START, Watch};
 use crate::figures::Failure;
 use stickslip::analysis::motion::{Class, Criterion, Evidence, Of};
 use stickslip::analysis::{Spectrum, SpectrumOptions, lyapunov_spectrum_watched};
-use stickslip::error::Error;
-use stickslip::filippov::{Locator, Method, Options, run};
 use stickslip::models::{BlockAndBracket, Reading};
-use stickslip::system::State;
+use stickslip::{Error, Locator, Method, Options, State, run};
 use stickslip_series::{DataSettings, DataSpectrum, Neighbourhood, Series, data_spectrum};
 
 /// Tolerance of the solver.

@@ -3,9 +3,8 @@
 use std::ops::ControlFlow;
 
 use crate::turns::{Samples, Turns};
-use stickslip::filippov::{Observer, Options, StepRecord, Transition, TransitionKind};
 use stickslip::models::BlockAndBracket;
-use stickslip::system::State;
+use stickslip::{Observer, Options, State, StepRecord, Transition, TransitionKind};
 
 /// The series begins here, as in the paper.
 pub(super) const START: f64 = 3000.0;

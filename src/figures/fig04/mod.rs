@@ -10,11 +10,10 @@ use draw::draw;
 pub(crate) use numbers::kind;
 use numbers::numbers;
 use stickslip::analysis::{multipliers, periodic_orbit};
-use stickslip::error::Error;
-use stickslip::filippov::{Options, Transition, normal_component, solve};
+use stickslip::filippov::normal_component;
 use stickslip::models::{BeltOscillator, BeltTangency};
-use stickslip::scalar::{Dual, Scalar};
-use stickslip::system::{Filippov, Mode, Side, State};
+use stickslip::scalar::Dual;
+use stickslip::{Error, Filippov, Mode, Options, Scalar, Side, State, Transition, solve};
 
 /// Fig. 4.
 pub const FIG04: FigureSpec<Data> = FigureSpec {

@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 use super::{Failure, FigureSpec};
 use draw::draw;
 use numbers::numbers;
-use stickslip::error::Error;
+use stickslip::Error;
 use stickslip::math;
 use stickslip::models::cubic::{Cubic, TangentPoint};
 

@@ -14,10 +14,8 @@ use crate::paper::slip_times_three::{self, Injected};
 use draw::draw;
 use numbers::numbers;
 use stickslip::analysis::{Destination, destination, multipliers, periodic_orbit_forced};
-use stickslip::error::Error;
-use stickslip::filippov::{Options, solve};
 use stickslip::models::ForcedOscillator;
-use stickslip::system::{Mode, Side, State};
+use stickslip::{Error, Mode, Options, Side, State, solve};
 
 /// Fig. 8.
 pub const FIG08: FigureSpec<Data> = FigureSpec {

@@ -3,7 +3,7 @@
 use super::regime::{self, Strobe};
 use super::step::{Event, Machine};
 use super::{Motion, Setup};
-use stickslip::system::Mode;
+use stickslip::Mode;
 
 /// How much a pattern is shortened, in forcing periods, so as not to count its first phase twice.
 const PATTERN_MARGIN: f64 = 0.01;

@@ -3,7 +3,7 @@
 use super::record::ends;
 use super::{Defect, Direction, End, Instant, Motion, Params, Sample, Setup, Zone};
 use crate::paper::stages::{in_time, in_velocity};
-use stickslip::system::{Mode, Side, State};
+use stickslip::{Mode, Side, State};
 
 /// A body further out than this many times the outermost tangent point has left for good: the
 /// spring pushes outward there with a thousand times the force it has at that point.

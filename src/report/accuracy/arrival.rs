@@ -5,11 +5,11 @@ use super::errors::EventErrors;
 use crate::numbers::missing;
 use crate::paper::listing::{Defects, END, Params, Run, Setup, run};
 use crate::report::ReportError;
-use stickslip::filippov::{Locator, Method, Options, TransitionKind, solve};
 use stickslip::models::ForcedOscillator;
 use stickslip::ode::{Rk4, Timed, henon_step};
-use stickslip::orbit::Orbit;
-use stickslip::system::{Filippov, Mode, Side, State};
+use stickslip::{
+    Filippov, Locator, Method, Mode, Options, Orbit, Side, State, TransitionKind, solve,
+};
 
 /// How long before the event a run starts (s), not a multiple of any step.
 const LEAD: f64 = 0.2003;

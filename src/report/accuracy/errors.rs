@@ -2,8 +2,8 @@
 
 use crate::report::ReportError;
 use crate::report::convergence::PRINTED_STEP;
+use stickslip::Side;
 use stickslip::statistics::PowerLaw;
-use stickslip::system::Side;
 
 /// Steps (s) at which orders are measured: their errors are well above rounding.
 pub(super) const STEPS: [f64; 5] = [1.6e-2, 1.13e-2, 8e-3, 5.7e-3, 4e-3];

@@ -15,8 +15,8 @@ use super::ReportError;
 use super::finding::Finding;
 use crate::paper::listing::{Defect, Defects};
 use crate::paper::reading::Reading;
+use stickslip::Side;
 use stickslip::models::ForcedOscillator;
-use stickslip::system::Side;
 
 const TOLERANCE: f64 = 1e-14;
 

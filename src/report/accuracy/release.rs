@@ -5,12 +5,10 @@ use super::errors::{EventErrors, STEPS};
 use crate::numbers::missing;
 use crate::paper::listing::{Defect, Defects, Setup, run};
 use crate::report::{ReportError, stick_exits, until_escape};
-use stickslip::error::Error;
-use stickslip::filippov::{Options, solve};
 use stickslip::math;
 use stickslip::models::{BeltOscillator, ForcedOscillator};
 use stickslip::ode::{Rk4, Timed, henon_step};
-use stickslip::system::{Filippov, Side, State};
+use stickslip::{Error, Filippov, Options, Side, State, solve};
 
 /// Starts of model 1 on the belt (m), one in each of its stick zones.
 const ON_BELT: [f64; 3] = [-1.0, 0.0, 1.0];

@@ -11,10 +11,8 @@ use crate::report::ReportError;
 use crate::report::spread::mended_captions;
 use crate::turns::Turns;
 use stickslip::analysis::motion::{Class, Criterion, Evidence, Of};
-use stickslip::error::Error;
-use stickslip::filippov::{Observer, Options, StepRecord, run, solve};
 use stickslip::models::{BlockAndBracket, Caption, CaptionOrder, Reading, Rig, Unloading};
-use stickslip::system::State;
+use stickslip::{Error, Observer, Options, State, StepRecord, run, solve};
 
 const TOLERANCE: f64 = 1e-10;
 /// A component beyond this has diverged.

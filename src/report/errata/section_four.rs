@@ -6,10 +6,9 @@ use rayon::prelude::*;
 use super::{Proof, proof};
 use crate::figures::rows::Value;
 use crate::report::until_escape;
-use stickslip::error::Error;
 use stickslip::models::{BeltOscillator, ForcedOscillator};
-use stickslip::orbit::Ending;
-use stickslip::system::{Filippov, Side, State, Unchecked};
+use stickslip::system::Unchecked;
+use stickslip::{Ending, Error, Filippov, Side, State};
 
 const TOLERANCE: f64 = 1e-12;
 /// Forcing periods that starts are followed over.

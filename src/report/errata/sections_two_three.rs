@@ -8,10 +8,9 @@ use crate::paper::published::Claims;
 use crate::report::ReportError;
 use crate::report::accuracy::{Accuracy, EventErrors};
 use stickslip::analysis::tangency;
-use stickslip::error::Error;
-use stickslip::filippov::{Fate, Options, TransitionKind, fate, normal_component, solve};
+use stickslip::filippov::normal_component;
 use stickslip::models::BeltOscillator;
-use stickslip::system::{Filippov, Side, State};
+use stickslip::{Error, Fate, Filippov, Options, Side, State, TransitionKind, fate, solve};
 
 /// Places between the outer tangent points at which it is seen whether a body sticks.
 const PLACES: u32 = 400;

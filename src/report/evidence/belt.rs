@@ -6,10 +6,8 @@ use crate::figures::fig04::kind;
 use crate::paper::reading::Reading::Exact;
 use crate::report::finding::Finding;
 use stickslip::analysis::{Visibility, tangency};
-use stickslip::error::Error;
-use stickslip::filippov::{Options, solve};
 use stickslip::models::BeltOscillator;
-use stickslip::system::{Mode, Side, State};
+use stickslip::{Error, Mode, Options, Side, State, solve};
 
 const TOLERANCE: f64 = 1e-13;
 /// Where the body is put on the belt (m): left of both inner points, inside the zone.

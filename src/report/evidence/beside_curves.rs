@@ -8,10 +8,8 @@ use crate::figures::fig07::Oscillation;
 use crate::paper::reading::Reading::Exact;
 use crate::report::finding::Finding;
 use crate::text::joined;
-use stickslip::error::Error;
-use stickslip::filippov::{Options, solve};
 use stickslip::models::ForcedOscillator;
-use stickslip::system::{Mode, State};
+use stickslip::{Error, Mode, Options, State, solve};
 
 /// Distances from the curves (m).
 const DISTANCES: [f64; 3] = [1e-3, 1e-6, 1e-9];

@@ -15,10 +15,8 @@ use crate::report::digits::decimals;
 use crate::report::errata::{Proof, proof};
 use crate::report::finding::Finding;
 use stickslip::analysis::{Destination, destination};
-use stickslip::error::Error;
-use stickslip::filippov::solve;
 use stickslip::models::ForcedOscillator;
-use stickslip::system::{Filippov, Mode, Side, State};
+use stickslip::{Error, Filippov, Mode, Side, State, solve};
 
 /// Forcing periods that a start of the stated model is followed over, and the distance of states
 /// that count as equal.

@@ -7,10 +7,9 @@ use super::{small, statement};
 use crate::numbers::{extent, largest};
 use crate::paper::reading::Reading::Exact;
 use crate::report::finding::Finding;
-use stickslip::error::Error;
-use stickslip::filippov::{TransitionKind, normal_component};
+use stickslip::filippov::normal_component;
 use stickslip::models::ForcedOscillator;
-use stickslip::system::{Filippov, Mode, Side, State};
+use stickslip::{Error, Filippov, Mode, Side, State, TransitionKind};
 
 /// Starts on Σ, relative to the support (m): where σ vanishes without friction, and between.
 const ON_BOUNDARY: [f64; 7] = [-1.0, -0.7, -0.3, 0.0, 0.3, 0.7, 1.0];

@@ -5,10 +5,10 @@ use super::zones::critical;
 use super::{small, statement};
 use crate::paper::reading::Reading::Exact;
 use crate::report::finding::Finding;
-use stickslip::filippov::{Fate, fate, normal_component};
+use stickslip::filippov::normal_component;
 use stickslip::models::{BeltOscillator, ForcedOscillator};
-use stickslip::scalar::{Dual, Scalar};
-use stickslip::system::{Filippov, Side, State};
+use stickslip::scalar::Dual;
+use stickslip::{Fate, Filippov, Scalar, Side, State, fate};
 
 /// Differences within this are rounding, relative to the terms that are subtracted.
 const ROUNDING: f64 = 1e-13;

@@ -10,10 +10,8 @@ use crate::paper::listing::{Defect, Defects, ListingError, Run, Setup, StickPhas
 use crate::paper::published::{Claims, PublishedError};
 use crate::report::{ReportError, stick_exits, until_escape};
 use stickslip::analysis::{Visibility, visibility};
-use stickslip::error::Error;
 use stickslip::models::ForcedOscillator;
-use stickslip::orbit::Orbit;
-use stickslip::system::State;
+use stickslip::{Error, Orbit, State};
 
 /// Starts in position and in velocity.
 const STARTS: (u32, u32) = (13, 9);

@@ -12,7 +12,7 @@ use crate::paper::reading::Reading::Exact;
 use crate::paper::slip_times_three::{Injected, settled};
 use crate::report::errata::{Proof, proof};
 use crate::report::finding::Finding;
-use stickslip::error::Error;
+use stickslip::Error;
 use stickslip::models::ForcedOscillator;
 
 /// Distances and times within this are none (m, s, m/s): the solver's tolerance, with room for it

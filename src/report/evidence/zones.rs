@@ -11,10 +11,8 @@ use crate::report::errata::{Proof, proof};
 use crate::report::finding::Finding;
 use crate::report::scan::{Class, Point, starts};
 use crate::text::joined;
-use stickslip::error::Error;
-use stickslip::filippov::{Fate, fate};
 use stickslip::models::ForcedOscillator;
-use stickslip::system::{Filippov, Side, State};
+use stickslip::{Error, Fate, Filippov, Side, State, fate};
 
 /// Positions relative to the support (m) within which zones are sought, and the number of places
 /// looked at.

@@ -5,10 +5,8 @@ use std::ops::ControlFlow;
 use super::{double_well, starts};
 use crate::numbers::extent;
 use stickslip::analysis::{SpectrumOptions, lyapunov_spectrum_watched};
-use stickslip::error::Error;
-use stickslip::filippov::{Observer, Options, Phase};
 use stickslip::models::ForcedOscillator;
-use stickslip::system::{Mode, State};
+use stickslip::{Error, Mode, Observer, Options, Phase, State};
 
 /// Of the scan's starts one in so many is followed.
 const EVERY: usize = 10;

@@ -11,7 +11,7 @@ pub use point::{Class, Point, StickSlip};
 use crate::numbers::extent;
 use crate::text::joined;
 pub(in crate::report) use point::starts;
-use stickslip::error::Error;
+use stickslip::Error;
 use stickslip::math;
 use stickslip::models::ForcedOscillator;
 

@@ -6,10 +6,9 @@ use crate::paper::pattern::two_periodic;
 use crate::text::described;
 use stickslip::analysis::{Destination, destination};
 use stickslip::dynamics::{Components, Vector};
-use stickslip::error::Error;
-use stickslip::filippov::{AtRepelling, Options, TransitionKind, solve};
 use stickslip::models::ForcedOscillator;
-use stickslip::system::{Mode, State, Unchecked};
+use stickslip::system::Unchecked;
+use stickslip::{AtRepelling, Error, Mode, Options, State, TransitionKind, solve};
 
 described! {
     /// What a start leads to.
