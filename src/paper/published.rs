@@ -100,64 +100,55 @@ impl Claim {
     /// # Errors
     /// [`PublishedError`] with the column at fault.
     pub(crate) fn of_record(record: &csv::StringRecord) -> Result<Claim, PublishedError> {
-        let fields: Vec<&str> = record.iter().collect();
-        let [
-            id,
-            place,
-            kind,
-            published,
-            digits,
-            unit,
-            what,
-            part,
-            corrections,
-            check,
-        ] = fields.as_slice()
-        else {
-            return Err(PublishedError::Malformed {
-                reason: format!(
-                    "a row has {} fields, the table has 10 columns",
-                    record.len()
-                ),
-            });
-        };
+        if record.len() != 10 {
+            let reason = format!(
+                "a row has {} fields, the table has 10 columns",
+                record.len()
+            );
+            return Err(PublishedError::Malformed { reason });
+        }
+        let text = |column: usize| record[column].to_owned();
+        let (id, published) = (&record[0], &record[3]);
         let wrong = |column, value: &str, allowed| PublishedError::Field {
-            id: (*id).to_owned(),
+            id: id.to_owned(),
             column,
             value: value.to_owned(),
             allowed,
         };
-        let allowed = "a number of decimals up to 17, `exact` or empty";
-        let digits_of = Digits::named(digits).ok_or_else(|| wrong("digits", digits, allowed))?;
-        let values = match digits_of {
-            Digits::None => Vec::new(),
-            Digits::Decimals(_) | Digits::Exact => published
-                .split(';')
-                .map(|text| text.trim().parse())
-                .collect::<Result<_, _>>()
-                .map_err(|_| wrong("published", published, "numbers with `;` between them"))?,
-        };
         let kinds = "value, set, curve, statement or identity";
-        let claim = Claim {
-            id: ClaimId::named(id).ok_or_else(|| PublishedError::Unknown {
-                name: (*id).to_owned(),
-            })?,
-            place: (*place).to_owned(),
-            kind: Kind::named(kind).ok_or_else(|| wrong("kind", kind, kinds))?,
-            published: (*published).to_owned(),
-            digits: digits_of,
-            unit: (*unit).to_owned(),
-            what: (*what).to_owned(),
-            part: (*part).to_owned(),
-            corrections: (*corrections).to_owned(),
-            check: (*check).to_owned(),
-            values,
+        let kind = Kind::named(&record[2]).ok_or_else(|| wrong("kind", &record[2], kinds))?;
+        let allowed = "a number of decimals up to 17, `exact` or empty";
+        let digits = Digits::named(&record[4]);
+        let digits = digits.ok_or_else(|| wrong("digits", &record[4], allowed))?;
+        let numbers = "numbers with `;` between them";
+        let values: Vec<f64> = match digits {
+            Digits::None => Vec::new(),
+            Digits::Decimals(_) | Digits::Exact => {
+                let values = published.split(';').map(|text| text.trim().parse());
+                let values = values.collect::<Result<_, _>>();
+                values.map_err(|_| wrong("published", published, numbers))?
+            }
         };
-        if claim.kind == Kind::Value && claim.values().len() != 1 {
+        if kind == Kind::Value && values.len() != 1 {
             let allowed = "one number, with its digits, for a value";
             return Err(wrong("published", published, allowed));
         }
-        Ok(claim)
+        let unknown = || PublishedError::Unknown {
+            name: id.to_owned(),
+        };
+        Ok(Claim {
+            id: ClaimId::named(id).ok_or_else(unknown)?,
+            place: text(1),
+            kind,
+            published: text(3),
+            digits,
+            unit: text(5),
+            what: text(6),
+            part: text(7),
+            corrections: text(8),
+            check: text(9),
+            values,
+        })
     }
 
     /// The published numbers; none for a claim in words.

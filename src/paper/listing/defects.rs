@@ -7,7 +7,7 @@ described! {
     ///
     /// Line numbers are the listing's own. "Printed" says what it does when run literally, "mended"
     /// what this project does instead when the switch is off.
-    Defect: [&'static str; 4] {
+    Defect: &'static str {
         /// Lines 23, 79, 104 and 117: `xn = x` copies no state.
         ///
         /// Printed: each stage of the Runge–Kutta step overwrites the state the next one adds to
@@ -22,12 +22,7 @@ described! {
         /// Mended: stages have a state of their own (classical Runge–Kutta in both steps), the
         /// Hénon step starts from the state before the crossing, and the correction at the stick's
         /// end is not zero.
-        InPlaceStages = [
-            "in_place_stages",
-            "23, 37-38, 50, 66, 79, 104-113, 117-126",
-            "the stages of both steps overwrite the state they start from, so a slip step moves it by about 3h",
-            "a copy of the state, so that a step moves it by h and a crossing step can be taken back",
-        ],
+        InPlaceStages = "in_place_stages",
         /// Lines 48, 51, 64, 67 and 83: the forcing is an argument of the step, not of the stage.
         ///
         /// Printed: A sin(ωt) is that of the step's start in all stages of both steps; and where a
@@ -38,12 +33,7 @@ described! {
         /// stage of the Hénon step the clock it integrates; and the end of a stick phase is where
         /// the line between the gaps at the step's two ends meets zero. That last part shows only
         /// with [`Defect::InPlaceStages`] mended too, for with it the step's start is overwritten.
-        FrozenForcing = [
-            "frozen_forcing",
-            "37, 48, 51, 64, 67, 83",
-            "the forcing is that of the step's start in every stage",
-            "each stage at its own time",
-        ],
+        FrozenForcing = "frozen_forcing",
         /// Line 33: only the upper end of the stick zone is tested.
         ///
         /// Printed: when the zone moves up faster than the belt, its lower end overtakes the body,
@@ -51,12 +41,7 @@ described! {
         ///
         /// Mended: the lower end is tested too. Which field takes over there is up to
         /// [`Defect::ReversedExitSide`]: the printed rule knows only the zone.
-        OneSidedExit = [
-            "one_sided_exit",
-            "33",
-            "only the upper end of the stick zone is tested",
-            "both ends: the lower one can overtake the body",
-        ],
+        OneSidedExit = "one_sided_exit",
         /// Lines 42–45: the side after a stick phase.
         ///
         /// Printed: above the belt's speed from the middle zone, below it from the outer ones, the
@@ -66,12 +51,7 @@ described! {
         /// Mended: the sign of the spring force s = k2 z³ − k1 z at the zone's end. Where s = μ0
         /// the field above is tangent and, beyond the end, both point up; where s = −μ0 the field
         /// below is, and both point down.
-        ReversedExitSide = [
-            "reversed_exit_side",
-            "42-45",
-            "after a stick phase slip starts on the side the fields do not lead to",
-            "the side that the spring force leads to",
-        ],
+        ReversedExitSide = "reversed_exit_side",
         /// Line 66: `h = x[2]-a` for the Hénon step down to the belt's speed.
         ///
         /// Printed: the step in velocity has the wrong sign and leads away from `x2 = vp`; the
@@ -79,12 +59,7 @@ described! {
         /// way.
         ///
         /// Mended: `a - x[2]`, as on the other side (line 50).
-        S2StepSign = [
-            "s2_step_sign",
-            "66",
-            "the Hénon step from above has the wrong sign",
-            "a - x[2] on both sides",
-        ],
+        S2StepSign = "s2_step_sign",
         /// Lines 11–13: `range(0, 4, 2)` and the test of the start.
         ///
         /// Printed: only the upper and the middle zone are looked at, without the forcing at the
@@ -93,45 +68,21 @@ described! {
         ///
         /// Mended: all three zones, moved by A sin(ωt0); outside them the side is the spring
         /// force's sign.
-        StartUpTest = [
-            "start_up_test",
-            "11-13",
-            "the test of the start leaves out the third stick zone",
-            "all three zones, moved by the forcing at the start",
-        ],
+        StartUpTest = "start_up_test",
         /// Line 117: `h6 = h*0.166666`.
         ///
         /// Printed: the weights of the Hénon step's closing line sum to 0.999996.
         ///
         /// Mended: 1/6.
-        SixthRounded = [
-            "sixth_rounded",
-            "117",
-            "1/6 is written 0.166666 in the Hénon step",
-            "1/6",
-        ],
+        SixthRounded = "sixth_rounded",
     }
 }
 
 impl Defect {
-    /// Its name in tables.
+    /// Its name in tables. What it is, and what a mended run does instead, is in words in
+    /// `data/errata.csv`.
     pub fn name(self) -> &'static str {
-        self.described()[0]
-    }
-
-    /// The listing's lines.
-    pub fn lines(self) -> &'static str {
-        self.described()[1]
-    }
-
-    /// What it is, in one clause.
-    pub fn description(self) -> &'static str {
-        self.described()[2]
-    }
-
-    /// What stands there when it is mended.
-    pub fn mended(self) -> &'static str {
-        self.described()[3]
+        self.described()
     }
 }
 

@@ -1,7 +1,7 @@
 //! The defects of the Appendix's listing, each mended alone, and the shifts of Eq. (25), by which
 //! it is to be evaluated.
 
-use super::{Erratum, Proof, Shown, proof, shown};
+use super::{Proof, Shown, proof, shown, told};
 use crate::paper::listing::{Defect, Defects, ListingError, Params, Setup, run};
 use crate::report::ReportError;
 use crate::report::matrix::{Cell, Matrix};
@@ -9,7 +9,7 @@ use stickslip::math;
 
 /// What changes when a defect alone is mended; the test of the start changes something for another
 /// start only.
-pub(super) fn defect(matrix: &Matrix, defect: Defect) -> Result<Erratum, ReportError> {
+pub(super) fn defect(matrix: &Matrix, defect: Defect) -> Result<Proof, ReportError> {
     let (printed, mended) = (matrix.with(Defects::AS_PRINTED), matrix.mended(defect));
     let mut all = changes(printed, mended);
     let mut holds = mended.motion != printed.motion || mended.numbers != printed.numbers;
@@ -21,13 +21,7 @@ pub(super) fn defect(matrix: &Matrix, defect: Defect) -> Result<Erratum, ReportE
         all.push(shown("the same, mended", mended, "1"));
         holds = printed < mended;
     }
-    Ok(Erratum {
-        place: format!("Listing, lines {}", defect.lines()),
-        printed: defect.description().to_owned(),
-        correct: defect.mended().to_owned(),
-        shown: all,
-        holds,
-    })
+    Ok(told(defect.name(), all, holds))
 }
 
 fn changes(printed: &Cell, mended: &Cell) -> Vec<Shown> {

@@ -29,6 +29,8 @@ pub struct Shown {
 /// A misprint or defect.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Erratum {
+    /// Its name; of a defect, that of [`Defect::name`].
+    pub name: String,
     /// Where.
     pub place: String,
     /// What stands there, in our words.
@@ -81,11 +83,10 @@ pub fn errata(
         bracket::caption_of_fig10()?,
     ];
     proofs.extend_from_slice(of_statements);
-    let mut all = proven(MISPRINTS, proofs)?;
     for defect in Defect::ALL {
-        all.push(listing::defect(matrix, defect)?);
+        proofs.push(listing::defect(matrix, defect)?);
     }
-    Ok(all)
+    Ok(proven(MISPRINTS, proofs)?)
 }
 
 /// The misprints of a table, each with its proof. What is shown has its words from the table
@@ -121,6 +122,7 @@ fn proven(table: &str, proofs: Vec<Proof>) -> Result<Vec<Erratum>, PublishedErro
             )));
         }
         all.push(Erratum {
+            name,
             place: cell(1),
             printed: cell(2),
             correct: cell(3),

@@ -9,7 +9,6 @@ use super::super::scan::{Class, Point};
 use super::figures::figure;
 use super::{Report, columns, heading};
 use crate::paper::claim_id::ClaimId;
-use crate::paper::listing::Defect;
 use crate::text::joined;
 
 /// Short headings of the four numbers.
@@ -62,9 +61,11 @@ pub(super) fn cause(report: &Report) -> Markup {
             details {
                 summary { "The defects, and the program with each alone and with each mended" }
                 dl {
-                    @for defect in Defect::ALL {
-                        dt { code { (defect.name()) } }
-                        dd { (defect.description()) " (lines " (defect.lines()) ")" }
+                    @for erratum in &ledger.errata {
+                        @if let Some(lines) = erratum.place.strip_prefix("Listing, ") {
+                            dt { code { (erratum.name) } }
+                            dd { (erratum.printed) " (" (lines) ")" }
+                        }
                     }
                 }
                 (matrix(ledger))
