@@ -171,7 +171,7 @@ fn as_printed_it_has_the_published_class_and_deflections() {
 fn length_and_duration_disagree_by_the_zero_time_correction() {
     // The exit is put on the zone's end but the clock keeps the whole step: less way than vp times the time.
     for phase in printed(1e-4).settled_phases() {
-        let excess = phase.duration() - phase.length() / 0.4;
+        let excess = phase.stick.duration() - phase.stick.length() / 0.4;
         assert!(excess > 1e-4 && excess < 4e-4, "{excess}");
     }
     // With that mended the two agree to rounding: on the way to its motion without stick it sticks a few times.
@@ -182,7 +182,7 @@ fn length_and_duration_disagree_by_the_zero_time_correction() {
     let phases = run(&mended).unwrap().phases;
     assert!(!phases.is_empty(), "there is nothing to compare");
     for phase in phases {
-        assert!((phase.duration() - phase.length() / 0.4).abs() < 1e-12);
+        assert!((phase.stick.duration() - phase.stick.length() / 0.4).abs() < 1e-12);
     }
 }
 
@@ -268,7 +268,7 @@ fn the_start_is_tested_in_all_zones_when_mended() {
         let run = run(&setup).unwrap();
         run.phases
             .first()
-            .map(|phase| phase.entry)
+            .map(|phase| phase.stick.entry)
             .or(run.unfinished.map(|(entry, _)| entry))
             .unwrap()
             .t

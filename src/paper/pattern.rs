@@ -1,8 +1,8 @@
 //! What is measured of Fig. 8's motion: one definition for the listing, for its limit and for the
 //! exact solution.
 
-use super::listing::{Crossing, Direction, Instant, Motion, Run};
-use stickslip::{Mode, Phase, Side};
+use super::listing::{Crossing, Direction, Instant, Motion, Run, Stick};
+use stickslip::{Mode, Phase, Side, State};
 
 /// How much a pattern is shortened, in forcing periods, so as not to count its first event twice.
 const MARGIN: f64 = 0.01;
@@ -18,27 +18,6 @@ const SAME: f64 = 1e-6;
 /// repeats.
 pub fn two_periodic(sticks: usize, period: usize) -> bool {
     sticks > 0 && period == 2
-}
-
-/// A stick phase, whole.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stick {
-    /// Where it begins.
-    pub entry: Instant,
-    /// Where it ends.
-    pub exit: Instant,
-}
-
-impl Stick {
-    /// The way it goes (m).
-    pub fn length(&self) -> f64 {
-        self.exit.x1 - self.entry.x1
-    }
-
-    /// The time it takes (s).
-    pub fn duration(&self) -> f64 {
-        self.exit.t - self.entry.t
-    }
 }
 
 /// A settled motion by what it does on Σ.
@@ -66,13 +45,9 @@ impl Pattern {
         let (Motion::StickSlip { period, .. } | Motion::SlipOnly { period }) = run.motion else {
             return None;
         };
-        let stick = |phase: &super::listing::StickPhase| Stick {
-            entry: phase.entry,
-            exit: phase.exit,
-        };
         // A motion that has settled without stick may have stuck on its way.
         let sticks = match run.motion {
-            Motion::StickSlip { .. } => run.phases.iter().map(stick).collect(),
+            Motion::StickSlip { .. } => run.phases.iter().map(|phase| phase.stick).collect(),
             _ => Vec::new(),
         };
         let crossings = run.crossings.iter().filter(|one| !one.after_exit);
@@ -86,17 +61,12 @@ impl Pattern {
     /// least. `None` if nothing repeats within eight. The first phase, and one that the end of the
     /// run at `t_end` cuts short, are no whole stick phases.
     pub fn of_phases(phases: &[Phase<2>], t_end: f64, forcing_period: f64) -> Option<Pattern> {
+        let instant = |t: f64, x: &State<2>| Instant { t, x1: x[0] };
         let whole = |phase: &&Phase<2>| phase.mode == Mode::Stick && phase.t_end != t_end;
         let sticks = phases.iter().skip(1).filter(whole);
         let sticks = sticks.map(|phase| Stick {
-            entry: Instant {
-                t: phase.t_start,
-                x1: phase.x_start[0],
-            },
-            exit: Instant {
-                t: phase.t_end,
-                x1: phase.x_end[0],
-            },
+            entry: instant(phase.t_start, &phase.x_start),
+            exit: instant(phase.t_end, &phase.x_end),
         });
         let crossings = phases.windows(2).filter_map(|pair| {
             let direction = match (pair[0].mode, pair[1].mode) {
@@ -104,12 +74,8 @@ impl Pattern {
                 (Mode::Slip(Side::Above), Mode::Slip(Side::Below)) => Direction::Down,
                 _ => return None,
             };
-            let at = Instant {
-                t: pair[1].t_start,
-                x1: pair[1].x_start[0],
-            };
             Some(Crossing {
-                at,
+                at: instant(pair[1].t_start, &pair[1].x_start),
                 direction,
                 after_exit: false,
             })

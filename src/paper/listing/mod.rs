@@ -43,7 +43,7 @@ mod step;
 pub use defects::{Defect, Defects};
 pub use error::ListingError;
 pub use params::{END, Params, Setup};
-pub use record::{Crossing, Direction, End, Instant, Run, Sample, StickPhase, Zone};
+pub use record::{Crossing, Direction, End, Instant, Run, Sample, Stick, StickPhase, Zone};
 pub use regime::Motion;
 
 use record::Recorder;

@@ -102,20 +102,16 @@ pub struct Instant {
     pub x1: f64,
 }
 
-/// One stick phase, from its entry to its exit.
+/// A stick phase, from its entry to its exit.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct StickPhase {
+pub struct Stick {
     /// Where it began.
     pub entry: Instant,
     /// Where it ended.
     pub exit: Instant,
-    /// The stick zone, or none where rounding put the entry just outside.
-    pub zone: Option<Zone>,
-    /// The end of the zone it left through.
-    pub end: End,
 }
 
-impl StickPhase {
+impl Stick {
     /// Length `|Σu|` in metres.
     pub fn length(&self) -> f64 {
         self.exit.x1 - self.entry.x1
@@ -125,6 +121,17 @@ impl StickPhase {
     pub fn duration(&self) -> f64 {
         self.exit.t - self.entry.t
     }
+}
+
+/// A stick phase of the listing.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StickPhase {
+    /// From where to where.
+    pub stick: Stick,
+    /// The stick zone, or none where rounding put the entry just outside.
+    pub zone: Option<Zone>,
+    /// The end of the zone it left through.
+    pub end: End,
 }
 
 /// A passage through the belt's speed without sticking (the paper's Σc).
@@ -171,8 +178,11 @@ impl Run {
         };
         // The phase exactly that long ago begins the pattern before; the clock may jitter around
         // it.
-        let from = last.exit.t - (periods as f64 - PATTERN_MARGIN) * self.forcing_period;
-        let before = self.phases.iter().rposition(|phase| phase.exit.t <= from);
+        let from = last.stick.exit.t - (periods as f64 - PATTERN_MARGIN) * self.forcing_period;
+        let before = self
+            .phases
+            .iter()
+            .rposition(|phase| phase.stick.exit.t <= from);
         self.phases
             .get(before.map_or(0, |index| index + 1)..)
             .unwrap_or_default()
@@ -181,24 +191,25 @@ impl Run {
 
 /// Builds a [`Run`] from the passes of the loop, keeping events and one sample per forcing period.
 pub(super) struct Recorder {
-    phases: Vec<StickPhase>,
-    open: Option<(Instant, Option<Zone>)>,
-    crossings: Vec<Crossing>,
+    run: Run,
     strobe: Strobe,
     after_exit: bool,
-    setup: Setup,
 }
 
 impl Recorder {
     pub(super) fn new(setup: &Setup, machine: &Machine) -> Self {
-        let open = (machine.mode() == Mode::Stick).then(|| (machine.instant(), machine.zone()));
-        Recorder {
+        let sticks = machine.mode == Mode::Stick;
+        let run = Run {
             phases: Vec::new(),
-            open,
+            unfinished: sticks.then(|| (machine.instant(), machine.zone)),
             crossings: Vec::new(),
+            motion: Motion::NotSettled,
+            forcing_period: setup.params.period(),
+        };
+        Recorder {
+            run,
             strobe: Strobe::new(setup),
             after_exit: false,
-            setup: *setup,
         }
     }
 
@@ -208,18 +219,14 @@ impl Recorder {
             x1: sample.x1,
         };
         match event {
-            Some(Event::Entry(zone)) => self.open = Some((at, zone)),
+            Some(Event::Entry(zone)) => self.run.unfinished = Some((at, zone)),
             Some(Event::Exit(end)) => {
-                if let Some((entry, zone)) = self.open.take() {
-                    self.phases.push(StickPhase {
-                        entry,
-                        exit: at,
-                        zone,
-                        end,
-                    });
+                if let Some((entry, zone)) = self.run.unfinished.take() {
+                    let stick = Stick { entry, exit: at };
+                    self.run.phases.push(StickPhase { stick, zone, end });
                 }
             }
-            Some(Event::Crossing(direction)) => self.crossings.push(Crossing {
+            Some(Event::Crossing(direction)) => self.run.crossings.push(Crossing {
                 at,
                 direction,
                 after_exit: self.after_exit,
@@ -231,17 +238,9 @@ impl Recorder {
     }
 
     /// The outcome; `end` is how the run broke off, if it did.
-    pub(super) fn finish(self, end: Option<Motion>) -> Run {
-        let mut run = Run {
-            phases: self.phases,
-            unfinished: self.open,
-            crossings: self.crossings,
-            motion: end.unwrap_or(Motion::NotSettled),
-            forcing_period: self.setup.params.period(),
-        };
-        if end.is_none() {
-            run.motion = regime::classify(&run, &self.strobe);
-        }
-        run
+    pub(super) fn finish(mut self, end: Option<Motion>) -> Run {
+        let motion = end.unwrap_or_else(|| regime::classify(&self.run, &self.strobe));
+        self.run.motion = motion;
+        self.run
     }
 }

@@ -169,7 +169,11 @@ pub(super) fn classify(run: &Run, strobe: &Strobe) -> Motion {
     // A pattern with stick ends a phase in every `period` forcing periods; half a one is for the
     // jitter.
     let oldest = end.t - (period as f64 + 0.5) * strobe.period;
-    if run.phases.last().is_some_and(|phase| phase.exit.t > oldest) {
+    if run
+        .phases
+        .last()
+        .is_some_and(|phase| phase.stick.exit.t > oldest)
+    {
         Motion::StickSlip {
             sticks: run.phases_in_last(period).len(),
             period,

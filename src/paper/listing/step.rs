@@ -1,7 +1,7 @@
 //! One pass of the listing's loop (lines 28–79).
 
 use super::record::ends;
-use super::{Defect, Direction, End, Instant, Motion, Params, Sample, Setup, Zone};
+use super::{Defect, Direction, End, Instant, Motion, Sample, Setup, Zone};
 use crate::paper::stages::{in_time, in_velocity};
 use stickslip::{Mode, Side, State};
 
@@ -20,52 +20,17 @@ pub(super) enum Event {
     Crossing(Direction),
 }
 
-/// The smooth field on one side of `x2 = vp`.
-#[derive(Clone, Copy)]
-struct Field {
-    inverse_mass: f64,
-    k1: f64,
-    k2: f64,
-    mu0: f64,
-    /// `vp + 1` below the belt's speed, `vp − 1` above (line 25): makes `μ0/(pole − x2)` the
-    /// friction.
-    pole: f64,
-}
-
-impl Field {
-    fn with_pole(params: &Params, pole: f64) -> Field {
-        Field {
-            inverse_mass: 1.0 / params.mass,
-            k1: params.k1,
-            k2: params.k2,
-            mu0: params.mu0,
-            pole,
-        }
-    }
-
-    /// `x2'` in metres per second squared (lines 83–84).
-    fn acceleration(&self, x: &State<2>, xs: f64) -> f64 {
-        let z = x[0] - xs;
-        self.inverse_mass
-            * (-self.k1 * z
-                + self.k2 * stickslip::math::pow(z, 3.0)
-                + self.mu0 / (self.pole - x[1]))
-    }
-}
-
 /// The loop's variables.
 pub(super) struct Machine<'a> {
     setup: &'a Setup,
-    below: Field,
-    above: Field,
     /// `x` of the listing: `(t, x1, x2)` in seconds, metres, metres per second.
     x: [f64; 3],
     /// `xso`: the forcing at the clock of `x`.
     xs: f64,
     /// `slip` and `aft` in one: `slip == 1` is sticking, else `aft` has the side.
-    mode: Mode,
+    pub(super) mode: Mode,
     /// `k`: the zone last entered.
-    zone: Option<Zone>,
+    pub(super) zone: Option<Zone>,
 }
 
 impl<'a> Machine<'a> {
@@ -76,8 +41,6 @@ impl<'a> Machine<'a> {
         let xs = params.harmonic(x[0]);
         let mut machine = Machine {
             setup,
-            below: Field::with_pole(params, params.belt_speed + 1.0),
-            above: Field::with_pole(params, params.belt_speed - 1.0),
             x,
             xs,
             mode: Mode::Slip(Side::Above),
@@ -116,14 +79,6 @@ impl<'a> Machine<'a> {
         } else {
             Mode::Slip(Side::Below)
         }
-    }
-
-    pub(super) fn mode(&self) -> Mode {
-        self.mode
-    }
-
-    pub(super) fn zone(&self) -> Option<Zone> {
-        self.zone
     }
 
     pub(super) fn instant(&self) -> Instant {
@@ -254,23 +209,19 @@ impl<'a> Machine<'a> {
         Some(self.arrive())
     }
 
-    fn field(&self) -> &Field {
-        if self.mode == Mode::Slip(Side::Below) {
-            &self.below
-        } else {
-            &self.above
-        }
-    }
-
-    /// Acceleration at a time: the forcing is that of the step's start, or moves on.
+    /// `x2'` in metres per second squared (lines 83–84). The friction is `μ0/(pole − x2)`, with the
+    /// pole at `vp + 1` below the belt's speed and at `vp − 1` above (line 25).
     fn acceleration(&self, t: f64, x: &State<2>) -> f64 {
-        let frozen = self.setup.defects.has(Defect::FrozenForcing);
-        let xs = if frozen {
-            self.xs
-        } else {
-            self.setup.params.harmonic(t)
+        let params = &self.setup.params;
+        let xs = match self.setup.defects.has(Defect::FrozenForcing) {
+            true => self.xs,
+            false => params.harmonic(t),
         };
-        self.field().acceleration(x, xs)
+        let pole = match self.mode {
+            Mode::Slip(Side::Below) => params.belt_speed + 1.0,
+            _ => params.belt_speed - 1.0,
+        };
+        (1.0 / params.mass) * (params.spring(x[0] - xs) + params.mu0 / (pole - x[1]))
     }
 
     /// The loop sets the clock (lines 60 and 76).

@@ -167,7 +167,7 @@ fn first_transition(orbit: &Orbit<2>, t: f64) -> Result<f64, ReportError> {
 /// When the listing first reaches the belt's speed.
 fn first_on_belt(run: &Run) -> Option<f64> {
     let crossing = run.crossings.first().map(|crossing| crossing.at.t);
-    let entry = run.phases.first().map(|phase| phase.entry.t);
+    let entry = run.phases.first().map(|phase| phase.stick.entry.t);
     let unfinished = run.unfinished.map(|(entry, _)| entry.t);
     [crossing, entry, unfinished]
         .into_iter()

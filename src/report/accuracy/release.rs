@@ -160,7 +160,7 @@ fn listing(
             end: 4.0 * h,
             ..Setup::starting(before.t, before.x[0], before.x[1])
         })?;
-        let exit = outcome.phases.first().map(|phase| phase.exit.t);
+        let exit = outcome.phases.first().map(|phase| phase.stick.exit.t);
         let what = "the end of a stick phase of the listing";
         Ok(exit.ok_or_else(|| missing(what, before.t, 4.0 * h))?)
     })

@@ -52,7 +52,7 @@ fn sticking_starts(defects: Defects) -> Result<usize, ListingError> {
             window_start: 0.0,
             ..Setup::starting(0.0, middle, belt_speed)
         })?;
-        let first = outcome.phases.first().map(|phase| phase.entry);
+        let first = outcome.phases.first().map(|phase| phase.stick.entry);
         let entry = first.or(outcome.unfinished.map(|(entry, _)| entry));
         found += usize::from(entry.is_some_and(|entry| entry.t == 0.0));
     }

@@ -56,7 +56,7 @@ fn from(x1: f64) -> Result<FromPoint, ReportError> {
     let first = outcome.phases.first();
     Ok(FromPoint {
         x1,
-        first_release: first.map_or(f64::NAN, |phase| phase.exit.t),
+        first_release: first.map_or(f64::NAN, |phase| phase.stick.exit.t),
         digits: published_digits(&outcome)?,
         model_two_periodic: matches!(end, Destination::Periodic { period, sticks, .. } if two_periodic(sticks, period)),
     })

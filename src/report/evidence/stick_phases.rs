@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use crate::figures::fig08;
 use crate::numbers::{bisect, largest};
 use crate::paper::claim_id::ClaimId;
-use crate::paper::listing::{Defect, Defects, ListingError, Run, Setup, StickPhase, run};
+use crate::paper::listing::{Defect, Defects, Instant, ListingError, Run, Setup, StickPhase, run};
 use crate::paper::published::{Claims, PublishedError};
 use crate::report::{ReportError, stick_exits, until_escape};
 use stickslip::analysis::{Visibility, visibility};
@@ -118,15 +118,17 @@ fn of_listing(model: &ForcedOscillator, defects: Defects) -> Result<OfListing, L
     let runs = starts().into_par_iter().map(of_start);
     let runs = runs.collect::<Result<Vec<Run>, ListingError>>()?;
     let all = runs.into_iter().flat_map(|run| run.phases);
-    let (phases, chatter): (Vec<_>, Vec<_>) = all.partition(|phase| phase.duration() > CHATTER);
+    let (phases, chatter): (Vec<_>, Vec<_>) =
+        all.partition(|phase| phase.stick.duration() > CHATTER);
     let chatter = chatter.len();
     Ok(OfListing { phases, chatter })
 }
 
 /// Begins and ends of the listing's stick phases.
 pub(super) fn ends(phases: &[StickPhase]) -> impl Iterator<Item = (At, At)> {
-    let ends = |one: &StickPhase| ((one.entry.t, one.entry.x1), (one.exit.t, one.exit.x1));
-    phases.iter().map(ends)
+    let at = |at: Instant| (at.t, at.x1);
+    let sticks = phases.iter().map(|one| one.stick);
+    sticks.map(move |stick| (at(stick.entry), at(stick.exit)))
 }
 
 /// The six tangent points of Eq. (24) at rest (m), numbered from the largest down as the paper
