@@ -242,6 +242,11 @@ impl Claims {
         }
     }
 
+    /// The four numbers of Fig. 8: lengths of the two stick phases (m), then their durations (s).
+    pub fn four(&self) -> [f64; 4] {
+        ClaimId::FOUR.map(|id| self.value(id))
+    }
+
     /// All of them, in the order of the table.
     pub fn iter(&self) -> std::slice::Iter<'_, Claim> {
         self.all.iter()

@@ -10,7 +10,6 @@ use super::ledger::{Ledger, TICKS};
 use super::page::{Picture, Report, page};
 use super::{draw_convergence, draw_scan, readme, tables};
 use crate::figures::FigureError;
-use crate::paper::claim_id::ClaimId;
 use crate::paper::published::Claims;
 use crate::terminal;
 use output::{Artifact, listing, write_all};
@@ -73,7 +72,7 @@ pub fn run(
 /// Draws and writes everything, and says what was written.
 fn write(ledger: &Ledger, folder: &Path) -> Result<String, FigureError> {
     let claims = Claims::committed()?;
-    let published = ClaimId::FOUR.map(|id| claims.value(id));
+    let published = claims.four();
     let convergence = Picture {
         title: "The listing as printed for smaller and smaller steps",
         about: "Left: the four numbers of Fig. 8 approach what the event-exact solver gives with the two defects that do not vanish with \

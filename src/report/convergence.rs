@@ -6,7 +6,7 @@ use stickslip::statistics::PowerLaw;
 
 use super::ReportError;
 use super::digits::Agreement;
-use super::matrix::{Cell, four_claims, four_digits};
+use super::matrix::{Cell, four_digits};
 use crate::numbers::{extent, largest};
 use crate::paper::listing::Defects;
 use crate::text::joined;
@@ -121,7 +121,6 @@ impl Convergence {
     /// # Errors
     /// [`ReportError`] if the setup or the table of claims is not sound.
     pub fn compute(limit: [f64; 4], tick: &(dyn Fn() + Sync)) -> Result<Convergence, ReportError> {
-        let claims = four_claims()?;
         let middle = (AROUND / 2) as f64;
         let around =
             (0..AROUND).map(|k| PRINTED_STEP * (1.0 + REACH * (k as f64 - middle) / middle));
@@ -136,12 +135,7 @@ impl Convergence {
             })
             .collect::<Result<_, _>>()?;
         let around = steps.split_off(STEPS.len());
-        Ok(Convergence::new(
-            limit,
-            four_digits(&claims, &limit),
-            steps,
-            around,
-        ))
+        Ok(Convergence::new(limit, four_digits(&limit)?, steps, around))
     }
 
     /// Sets runs of the listing, in ascending order of their steps, against a limit.

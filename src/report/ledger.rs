@@ -128,7 +128,7 @@ impl Ledger {
     /// [`ReportError`] of the first part that fails.
     pub fn compute(tick: &(dyn Fn() + Sync)) -> Result<Ledger, ReportError> {
         let claims = Claims::committed()?;
-        let published = ClaimId::FOUR.map(|id| claims.value(id));
+        let published = claims.four();
         let computed = Computed::compute(tick)?;
         let matrix = Matrix::compute(tick)?;
         let injection = Injection::compute()?;

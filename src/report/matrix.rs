@@ -6,7 +6,7 @@ use super::ReportError;
 use super::digits::{Agreement, agreement};
 use crate::paper::claim_id::ClaimId;
 use crate::paper::listing::{Defect, Defects, Motion, Setup, run};
-use crate::paper::published::{Claim, Claims, PublishedError};
+use crate::paper::published::{Claims, PublishedError};
 use crate::text::joined;
 
 /// Subsets of the defects.
@@ -34,13 +34,13 @@ impl Cell {
             h,
             ..Setup::with(present)
         })?;
-        let (numbers, claims) = (outcome.four_numbers(), four_claims()?);
+        let numbers = outcome.four_numbers();
         Ok(Cell {
             h,
             present,
             numbers,
             motion: outcome.motion,
-            digits: numbers.map(|numbers| four_digits(&claims, &numbers)),
+            digits: numbers.as_ref().map(four_digits).transpose()?,
         })
     }
 
@@ -150,13 +150,11 @@ impl Matrix {
 
     /// In words.
     pub fn sentence(&self) -> String {
+        let what = "the four published numbers to all printed digits";
+        let digits = self.about(what, Cell::gives_digits);
+        let motion = self.about("the published kind of motion", Cell::gives_class);
         format!(
-            "Of all {SUBSETS} subsets of the defects, run in the listing at its printed step, {}; {}.",
-            self.about(
-                "the four published numbers to all printed digits",
-                Cell::gives_digits
-            ),
-            self.about("the published kind of motion", Cell::gives_class),
+            "Of all {SUBSETS} subsets of the defects, run in the listing at its printed step, {digits}; {motion}."
         )
     }
 
@@ -166,34 +164,37 @@ impl Matrix {
             return format!("none gives {what}");
         }
         let necessary = self.necessary(property);
+        let named = list(necessary.iter().copied());
         let conditions = match &self.minimal(property)[..] {
-            [only] if only.present.present().eq(necessary.iter().copied()) => {
+            [only] if only.present.present().eq(necessary) => {
                 let with = |cell: &&Cell| only.present.are_among(cell.present);
-                let with: Vec<&Cell> = self.cells.iter().filter(with).collect();
-                let lost = with.iter().filter(|cell| !property(cell)).count();
+                let with = self.cells.iter().filter(with);
+                let (all, lost) = (
+                    with.clone().count(),
+                    with.filter(|cell| !property(cell)).count(),
+                );
                 let others = match lost {
                     0 => "sufficient whatever else is present".to_owned(),
                     _ => format!(
-                        "sufficient by themselves (with others added, {lost} of the {} subsets that contain them lose it)",
-                        with.len()
+                        "sufficient by themselves (with others added, {lost} of the {all} subsets that contain them lose it)"
                     ),
                 };
-                format!("{} are necessary and together {others}", list(necessary))
+                format!("{named} are necessary and together {others}")
             }
             several => {
                 let sets = several.iter();
                 let sets = sets.map(|cell| format!("{{{}}}", list(cell.present.present())));
-                let needed = match &necessary[..] {
-                    [] => "no defect is necessary".to_owned(),
-                    _ => format!("{} necessary", list(necessary)),
+                let needed = match &*named {
+                    "" => "no defect is necessary".to_owned(),
+                    named => format!("{named} necessary"),
                 };
                 let sets = joined(sets, " or ");
                 format!("{needed}, and one of the least sets {sets} sufficient")
             }
         };
-        let idle = match self.irrelevant(property) {
-            none if none.is_empty() => String::new(),
-            all => format!(", {} without influence", list(all)),
+        let idle = match &*list(self.irrelevant(property)) {
+            "" => String::new(),
+            idle => format!(", {idle} without influence"),
         };
         format!("{count} give {what}: {conditions}{idle}")
     }
@@ -204,20 +205,16 @@ fn list(defects: impl IntoIterator<Item = Defect>) -> String {
     joined(defects.into_iter().map(Defect::name), ", ")
 }
 
-/// The claims on the four numbers of Fig. 8.
+/// How far four numbers agree with the published ones of Fig. 8.
 ///
 /// # Errors
 /// [`PublishedError`] if the table of claims is not sound.
-pub fn four_claims() -> Result<[Claim; 4], PublishedError> {
+pub fn four_digits(numbers: &[f64; 4]) -> Result<[Agreement; 4], PublishedError> {
     let claims = Claims::committed()?;
-    Ok(ClaimId::FOUR.map(|id| claims.of(id).clone()))
-}
-
-/// How far four numbers agree with them.
-pub fn four_digits(claims: &[Claim; 4], numbers: &[f64; 4]) -> [Agreement; 4] {
     let nothing = Agreement {
         agreeing: 0,
         printed: 1,
     };
-    std::array::from_fn(|i| agreement(&claims[i], numbers[i]).unwrap_or(nothing))
+    let of = |i| agreement(claims.of(ClaimId::FOUR[i]), numbers[i]).unwrap_or(nothing);
+    Ok(std::array::from_fn(of))
 }

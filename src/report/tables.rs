@@ -1,10 +1,14 @@
 //! The report as tables: every claim, the convergence, the scan.
 
+use std::fmt::Display;
+
 use super::ledger::{Entry, Ledger};
+use super::remark::Remark;
 use super::scan::Class;
 use crate::paper::claim_id::ClaimId;
 use crate::paper::published::Digits;
 use crate::paper::reading::Reading;
+use crate::readings::Values;
 use crate::text::{csv, joined};
 
 /// Every claim with its values under each reading, verdict, cause and evidence.
@@ -12,76 +16,73 @@ use crate::text::{csv, joined};
 /// # Errors
 /// [`csv::Error`].
 pub fn claims(ledger: &Ledger) -> Result<String, csv::Error> {
-    let header = [
-        "id,where,claim,kind,published,digits,unit",
-        &joined(Reading::ALL, ","),
-        "digits_in_agreement,verdict,corrections,sign_agrees",
-        "least_over_unstated,median_over_unstated,largest_over_unstated,settings,unidentified",
-        "within_unstated,cause,check",
-        &joined(
-            Reading::ALL.map(|reading| format!("evidence.{reading}")),
-            ",",
-        ),
-        "evidence.further",
-    ];
-    let header = header.join(",").split(',').map(str::to_owned).collect();
-    let entries = ledger.entries.iter().map(|entry| claim(ledger, entry));
-    csv(std::iter::once(header).chain(entries))
+    let mut table: Vec<Vec<String>> = Vec::new();
+    for entry in &ledger.entries {
+        let (names, texts) = claim(ledger, entry).into_iter().unzip();
+        if table.is_empty() {
+            table.push(names);
+        }
+        table.push(texts);
+    }
+    csv(table)
 }
 
-fn claim(ledger: &Ledger, entry: &Entry) -> Vec<String> {
+/// The names of the columns and what stands there.
+fn claim(ledger: &Ledger, entry: &Entry) -> Vec<(String, String)> {
     let claim = &entry.claim;
     let digits = match claim.digits {
         Digits::Decimals(decimals) => decimals.to_string(),
         Digits::Exact => "exact".into(),
         Digits::None => String::new(),
     };
-    let of = |reading| {
-        entry
-            .findings
-            .iter()
-            .filter(move |one| one.reading == reading)
-    };
-    let mut row = vec![
-        claim.id.to_string(),
-        claim.place.clone(),
-        claim.what.clone(),
-        claim.kind.name().into(),
-        claim.published.clone(),
-        digits,
-        claim.unit.clone(),
-    ];
+    let mut row = Vec::new();
+    let mut add = |name: &str, text: &dyn Display| row.push((name.to_owned(), text.to_string()));
+    add("id", &claim.id);
+    add("where", &claim.place);
+    add("claim", &claim.what);
+    add("kind", &claim.kind.name());
+    add("published", &claim.published);
+    add("digits", &digits);
+    add("unit", &claim.unit);
     let values = entry.distinct();
-    row.extend(Reading::ALL.map(|reading| {
+    for reading in Reading::ALL {
         let of = values.iter().filter(|one| one.reading == reading);
-        joined(of.map(|one| one.text()), " / ")
-    }));
+        add(reading.name(), &joined(of.map(|one| one.text()), " / "));
+    }
     let corrections = entry.corrections.iter().map(|one| one.description());
-    row.extend([
-        entry
-            .digits()
-            .map_or_else(String::new, |one| one.to_string()),
-        entry.verdict.to_string(),
-        joined(corrections, " | "),
-    ]);
+    let digits = entry.digits().map(|digits| digits.to_string());
+    add("digits_in_agreement", &digits.unwrap_or_default());
+    add("verdict", &entry.verdict);
+    add("corrections", &joined(corrections, " | "));
     // Each is empty but for a published exponent.
     let remark = entry.remark.as_ref();
-    let said = |text: Option<String>| text.unwrap_or_default();
+    let said = |of: fn(&Remark) -> String| remark.map(of).unwrap_or_default();
     let range = remark.and_then(|one| one.spread.values);
-    let cause = ledger.cause.status().to_string();
-    row.extend([
-        said(remark.map(|one| one.sign_agrees().to_string())),
-        said(range.map(|range| format!("{:?}", range.least))),
-        said(range.map(|range| format!("{:?}", range.median))),
-        said(range.map(|range| format!("{:?}", range.largest))),
-        said(remark.map(|one| one.spread.settings.to_string())),
-        said(remark.map(|one| one.spread.unidentified.to_string())),
-        said(remark.map(|one| one.within_range().to_string())),
-        said(entry.asks_for_cause().then_some(cause)),
-        claim.check.clone(),
-    ]);
-    row.extend(Reading::ALL.map(|reading| joined(of(reading).map(|one| entry.line(one)), " | ")));
-    row.push(entry.further.join(" | "));
+    let exact = |of: fn(Values) -> f64| range.map_or_else(String::new, |v| format!("{:?}", of(v)));
+    add("sign_agrees", &said(|one| one.sign_agrees().to_string()));
+    add("least_over_unstated", &exact(|range| range.least));
+    add("median_over_unstated", &exact(|range| range.median));
+    add("largest_over_unstated", &exact(|range| range.largest));
+    add("settings", &said(|one| one.spread.settings.to_string()));
+    add(
+        "unidentified",
+        &said(|one| one.spread.unidentified.to_string()),
+    );
+    add(
+        "within_unstated",
+        &said(|one| one.within_range().to_string()),
+    );
+    let cause = entry
+        .asks_for_cause()
+        .then(|| ledger.cause.status().to_string());
+    add("cause", &cause.unwrap_or_default());
+    add("check", &claim.check);
+    for reading in Reading::ALL {
+        let of = entry.findings.iter().filter(|one| one.reading == reading);
+        let lines = joined(of.map(|one| entry.line(one)), " | ");
+        add(&format!("evidence.{reading}"), &lines);
+    }
+    add("evidence.further", &entry.further.join(" | "));
     row
 }
 

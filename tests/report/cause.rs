@@ -3,10 +3,10 @@
 use super::with;
 use replication::paper::listing::{Setup, run};
 use replication::paper::pattern::Pattern;
+use replication::paper::published::Claims;
 use replication::paper::slip_times_three::{Injected, settled};
 use replication::report::cause::{Cause, SameMotion, Status};
 use replication::report::convergence::Convergence;
-use replication::report::matrix::four_claims;
 
 #[test]
 fn all_three_parts_hold() {
@@ -23,7 +23,7 @@ fn all_three_parts_hold() {
 
 #[test]
 fn a_wrong_limit_is_not_approached_and_leaves_no_step_error() {
-    let published = four_claims().unwrap().map(|claim| claim.values()[0]);
+    let published = Claims::committed().unwrap().four();
     let printed = Pattern::of_listing(&run(&Setup::default()).unwrap()).unwrap();
     with(|report| {
         let right = &report.ledger.convergence;
@@ -54,7 +54,7 @@ fn a_wrong_limit_is_not_approached_and_leaves_no_step_error() {
 
 #[test]
 fn only_both_defects_make_the_motion_and_the_numbers() {
-    let published = four_claims().unwrap().map(|claim| claim.values()[0]);
+    let published = Claims::committed().unwrap().four();
     let printed = Pattern::of_listing(&run(&Setup::default()).unwrap()).unwrap();
     with(|report| {
         let most = SameMotion::most(&report.ledger.convergence);

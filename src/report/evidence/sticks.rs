@@ -5,7 +5,6 @@ use super::stick_phases::{At, Followed, Stick, TangentSet, ends, starts};
 use super::{as_printed, small, statement};
 use crate::figures::rows::Value;
 use crate::numbers::largest;
-use crate::paper::claim_id::ClaimId;
 use crate::paper::listing::{End, StickPhase};
 use crate::paper::published::{Claims, PublishedError};
 use crate::paper::reading::Reading::Exact;
@@ -241,7 +240,7 @@ fn until_tangent_with(followed: &Followed, sticks_of_fig08: usize) -> Vec<Findin
 /// follows.
 pub(super) fn length_is_way(followed: &Followed) -> Result<(Vec<Finding>, Proof), PublishedError> {
     let claims = Claims::committed()?;
-    let published = ClaimId::FOUR.map(|id| claims.value(id));
+    let published = claims.four();
     Ok(length_is_way_of(followed, published))
 }
 
