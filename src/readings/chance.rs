@@ -129,15 +129,10 @@ impl Level {
                     .iter()
                     .all(|&f| row.exponents[f] == one.exponents[f])
             };
-            let twins: Vec<&str> = spectra
-                .iter()
-                .filter(same)
-                .map(|row| &*row.key[1])
-                .collect();
-            let others = rows
-                .iter()
-                .copied()
-                .filter(|row| !twins.contains(&&*row.key[1]));
+            let twins = spectra.iter().filter(same).map(|row| row.reading());
+            let twins: Vec<&str> = twins.collect();
+            let others = rows.iter().copied();
+            let others = others.filter(|row| !twins.contains(&row.reading()));
             nearest(others, &one.exponents, figures).map(|(_, near)| near <= published)
         };
         let alike = |row: &&&Row| has_signs_of(row, target, figures);
@@ -200,8 +195,8 @@ pub fn digits(rows: &[&Row], (figure, k): (usize, usize), wanted: usize, draws: 
 
 #[cfg(test)]
 mod tests {
-    use super::super::judge::target;
     use super::*;
+    use crate::readings::plan::Plan;
 
     #[test]
     fn targets_have_the_signs_of_their_class() {
@@ -219,7 +214,7 @@ mod tests {
 
     #[test]
     fn a_target_that_another_reading_gives_counts_and_one_that_its_own_gives_does_not() {
-        let target = target().unwrap();
+        let target = Plan::full().unwrap().target;
         let row = |reading: &str, factor: f64| Row {
             exponents: target.map(|four| four.map(|v| factor * v)),
             ..Row::empty(["search", reading, "exact", "s"].map(str::to_owned))

@@ -4,9 +4,7 @@ use sha2::{Digest, Sha256};
 
 use super::chance::{Level, Share, alone, digits};
 use super::error::ReadingsError;
-use super::judge::{
-    BorneOut, ExponentSpread, Pairs, Rows, exponents, meeting, sources, target, twelve,
-};
+use super::judge::{BorneOut, ExponentSpread, Pairs, Rows, meeting, sources, twelve};
 use super::plan::{self, Plan};
 use super::search;
 use super::table::Row;
@@ -74,7 +72,8 @@ impl Committed {
     }
 
     fn of(table: &str) -> Result<Committed, ReadingsError> {
-        let (plan, target, published) = (Plan::full(), target()?, exponents()?);
+        let plan = Plan::full()?;
+        let (published, target) = (&plan.published, &plan.target);
         let rows: Vec<Row> = table.lines().filter_map(Row::parse).collect();
         let groups = plan.groups.iter();
         let wanted: Vec<[String; 4]> = groups.flat_map(|one| plan::keys(&plan, one)).collect();
@@ -84,7 +83,7 @@ impl Committed {
             found: rows.len(),
             wanted: wanted.len(),
         };
-        if !(same && table.starts_with(&plan.heading(&target))) {
+        if !(same && table.starts_with(&plan.heading())) {
             return Err(incomplete());
         }
         let Rows {
@@ -94,14 +93,14 @@ impl Committed {
             pairs,
             recommended,
         } = Rows::of(&rows);
-        let met = twelve(|exponent| meeting(&kept, exponent, &published));
-        let alone = alone(&search, &target, plan.draws).ok_or_else(incomplete)?;
+        let met = twelve(|exponent| meeting(&kept, exponent, published));
+        let alone = alone(&search, target, plan.draws).ok_or_else(incomplete)?;
         let digest = Sha256::digest(table.as_bytes());
         let by_chance = |(figure, k): (usize, usize)| {
             let met = met[figure][k];
             (met > 0).then(|| digits(&kept, (figure, k), met, plan.draws))
         };
-        let level = |rows| Level::of(rows, &kept, (&target, &[0, 1, 2]), plan.draws);
+        let level = |rows| Level::of(rows, &kept, (target, &[0, 1, 2]), plan.draws);
         let found = |(level, row): (Level, &Row)| {
             let (row, motions) = (row.clone(), search::motions(&plan, row));
             (level, Match { row, motions })
@@ -118,7 +117,7 @@ impl Committed {
             alone: alone.map(found),
             motions: pairs.into_iter().cloned().collect(),
             digits_by_chance: twelve(by_chance),
-            spread: twelve(|exponent| ExponentSpread::of(&recommended, exponent, &published)),
+            spread: twelve(|exponent| ExponentSpread::of(&recommended, exponent, published)),
             borne_out: BorneOut::count(&recommended),
             digits: met,
         })
@@ -142,13 +141,12 @@ mod tests {
     fn the_estimates_of_the_spread_are_what_the_program_computes_now() {
         let kept: Vec<_> = spread_settings().into_iter().step_by(EVERY).collect();
         assert_eq!(kept.len(), 2);
-        let plan = Plan::full().with_spread_alone(kept);
-        let target = target().unwrap();
+        let plan = Plan::full().unwrap().with_spread_alone(kept);
         let recommended = plan
             .groups
             .iter()
             .find(|group| !plan::keys(&plan, group).is_empty());
-        let rows = search::group_rows(recommended.unwrap(), &plan, &target);
+        let rows = search::group_rows(recommended.unwrap(), &plan);
         let lines: Vec<&str> = TABLE
             .lines()
             .filter(|line| line.starts_with("spread,"))

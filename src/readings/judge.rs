@@ -2,34 +2,11 @@
 
 use std::collections::BTreeSet;
 
-use super::plan::{CAP, FLOOR, Group, SEARCH, ZERO};
+use super::plan::{CAP, Exponents, FLOOR, Group, SEARCH, ZERO};
 use super::table::{Row, Twelve, Verdict};
 use crate::numbers::extent;
-use crate::paper::claim_id::SpectrumFigure;
-use crate::paper::published::{Claim, Claims, PublishedError};
 use stickslip_series::Status;
 use stickslip_series::statistics::middle_two;
-
-/// The published exponents of Figs. 10–12, the largest first.
-pub type Exponents = [[Claim; 4]; 3];
-
-/// From the table of claims.
-///
-/// # Errors
-/// [`PublishedError`] if one is missing.
-pub fn exponents() -> Result<Exponents, PublishedError> {
-    let claims = Claims::committed()?;
-    Ok(SpectrumFigure::ALL.map(|figure| figure.exponents().map(|id| claims.of(id).clone())))
-}
-
-/// Their values.
-///
-/// # Errors
-/// [`PublishedError`] if the table of claims lacks one.
-pub fn target() -> Result<Twelve, PublishedError> {
-    let claims = Claims::committed()?;
-    Ok(SpectrumFigure::ALL.map(|figure| figure.exponents().map(|id| claims.value(id))))
-}
 
 /// Root mean square of the differences of some figures (0, 1, 2).
 pub fn distance(found: &Twelve, wanted: &Twelve, figures: &[usize]) -> f64 {
@@ -232,10 +209,11 @@ pub fn median(values: &[f64]) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::readings::plan::Plan;
 
     #[test]
     fn distances_are_those_of_the_formula_and_nothing_is_worse_than_the_cap() {
-        let target = target().unwrap();
+        let target = Plan::full().unwrap().target;
         // One exponent of twelve off by half its size with the floor: the root of 0.25/12.
         let mut off = target;
         off[2][0] += 0.5 * (target[2][0].abs() + FLOOR);

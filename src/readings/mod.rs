@@ -112,13 +112,11 @@ pub fn run(arguments: &Arguments) -> Result<String, ReadingsError> {
     let begin = Instant::now();
     let limit = arguments.time_limit;
     let late = || limit.is_some_and(|limit| begin.elapsed() >= limit);
-    let plan = if arguments.quick {
-        Plan::quick()
-    } else {
-        Plan::full()
+    let plan = match arguments.quick {
+        true => Plan::quick()?,
+        false => Plan::full()?,
     };
-    let target = judge::target()?;
-    let store = Store::open(&plan, &arguments.out, &target)?;
+    let store = Store::open(&plan, &arguments.out)?;
     // A folder that cannot be written to is better known before the search.
     store.write()?;
     let pending = store.pending();
@@ -135,7 +133,7 @@ pub fn run(arguments: &Arguments) -> Result<String, ReadingsError> {
             if begun.swap(true, Ordering::Relaxed) && late() {
                 return Ok(());
             }
-            let rows = search::group_rows(&plan.groups[i], &plan, &target);
+            let rows = search::group_rows(&plan.groups[i], &plan);
             // A poisoned lock would mean a panic in between, which leaves rows whole all the same.
             let added = store
                 .lock()
@@ -157,7 +155,7 @@ pub fn run(arguments: &Arguments) -> Result<String, ReadingsError> {
     bar.finish_and_clear();
     outcome?;
     let store = store.into_inner().unwrap_or_else(PoisonError::into_inner);
-    let text = summary::summary(&plan, &store.rows(), &target)?;
+    let text = summary::summary(&plan, &store.rows());
     write_all(&arguments.out, &[Artifact::text(SUMMARY, &text)])?;
     let folder = arguments.out.display();
     Ok(text + &format!("\nwrote {TABLE} and {SUMMARY} into {folder}\n"))
@@ -178,17 +176,14 @@ mod tests {
 
     #[test]
     fn the_committed_search_is_complete_and_its_summary_follows_from_it() {
-        let (plan, target) = (Plan::full(), judge::target().unwrap());
+        let plan = Plan::full().unwrap();
         let table = committed("golden/readings.csv");
-        assert!(
-            table.starts_with(&plan.heading(&target)),
-            "run `make readings`"
-        );
+        assert!(table.starts_with(&plan.heading()), "run `make readings`");
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join(TABLE), &table).unwrap();
-        let store = Store::open(&plan, folder.path(), &target).unwrap();
+        let store = Store::open(&plan, folder.path()).unwrap();
         assert_eq!(store.pending(), [0; 0], "run `make readings`");
-        let text = summary::summary(&plan, &store.rows(), &target).unwrap();
+        let text = summary::summary(&plan, &store.rows());
         assert!(
             text == committed("golden/readings.txt"),
             "run `make readings`"

@@ -3,6 +3,8 @@
 use std::fmt::Display;
 
 use super::table::{Row, Twelve};
+use crate::paper::claim_id::SpectrumFigure;
+use crate::paper::published::{Claim, Claims, PublishedError};
 use crate::text::joined;
 use stickslip::analysis::motion::Criterion;
 use stickslip::models::{Amplitude, Caption, CaptionOrder, Reading, Unloading};
@@ -87,6 +89,10 @@ pub struct Plan {
     pub draws: usize,
     /// What is integrated.
     pub groups: Vec<Group>,
+    /// The published exponents, each figure's largest first.
+    pub published: Exponents,
+    /// Their values.
+    pub target: Twelve,
     search: Vec<Setting>,
     spread: Vec<Setting>,
 }
@@ -125,24 +131,34 @@ const MANY: usize = 400;
 
 impl Plan {
     /// The window of the paper, all readings.
-    pub fn full() -> Plan {
+    ///
+    /// # Errors
+    /// [`PublishedError`] if the table of claims lacks an exponent.
+    pub fn full() -> Result<Plan, PublishedError> {
         let mut integrators = vec![Integrator::Exact];
         integrators.extend([2e-2, 5e-3].map(Integrator::FourthOrder));
         integrators.extend([0.2, 0.1, 5e-2, 2e-2, 1e-2, 5e-3, 1e-3].map(Integrator::InPlace));
-        Plan {
+        let (published, target) = published()?;
+        Ok(Plan {
             name: "full",
             from: 3000.0,
             points: 45001,
             draws: 2000,
             groups: groups(&readings(), &integrators),
+            published,
+            target,
             search: search_settings(),
             spread: of_spread(spread_settings()),
-        }
+        })
     }
 
     /// A short series and a few configurations, for a check within seconds.
-    pub fn quick() -> Plan {
-        Plan {
+    ///
+    /// # Errors
+    /// As [`Plan::full`].
+    pub fn quick() -> Result<Plan, PublishedError> {
+        let (published, target) = published()?;
+        Ok(Plan {
             name: "quick",
             from: 300.0,
             points: 3001,
@@ -151,6 +167,8 @@ impl Plan {
                 &[Reading::exact(), Reading::as_printed()],
                 &[Integrator::Exact, Integrator::InPlace(1e-2)],
             ),
+            published,
+            target,
             search: vec![
                 (Unit::Spread, settings(0.1, 40, 1, false)),
                 (Unit::Ranges, settings(0.2, 40, 3, true)),
@@ -159,7 +177,7 @@ impl Plan {
                 settings(0.1, 40, 3, false),
                 settings(0.2, 80, 2, false),
             ]),
-        }
+        })
     }
 
     /// Nothing but these settings of the spread.
@@ -190,7 +208,7 @@ impl Plan {
     /// The settings that determine all rows alike: the table begins with them, and a table that
     /// begins otherwise is not continued. What differs from row to row is in the rows; changes of
     /// the code are what `format` counts.
-    pub fn common(&self, target: &Twelve) -> Vec<(&'static str, String)> {
+    pub fn common(&self) -> Vec<(&'static str, String)> {
         let numbers = |list: &[f64]| joined(list, " ");
         let captions = CAPTIONS.iter().map(|caption| {
             let (numbers, start) = (numbers(&caption.numbers), numbers(&caption.start));
@@ -214,7 +232,7 @@ impl Plan {
                 &resolution,
             ),
             ("captions", &joined(captions, "; ")),
-            ("published exponents", &numbers(target.as_flattened())),
+            ("published exponents", &numbers(self.target.as_flattened())),
             ("distance floor", &FLOOR),
             ("distance cap", &CAP),
         ];
@@ -223,11 +241,21 @@ impl Plan {
     }
 
     /// The lines before the table proper.
-    pub fn heading(&self, target: &Twelve) -> String {
+    pub fn heading(&self) -> String {
         let line = |(name, value): &(&str, String)| format!("# {name} = {value}\n");
-        let lines: String = self.common(target).iter().map(line).collect();
+        let lines: String = self.common().iter().map(line).collect();
         format!("{MARKER}\n{lines}")
     }
+}
+
+/// The published exponents of Figs. 10–12, the largest first.
+pub type Exponents = [[Claim; 4]; 3];
+
+fn published() -> Result<(Exponents, Twelve), PublishedError> {
+    let claims = Claims::committed()?;
+    let ids = SpectrumFigure::ALL.map(SpectrumFigure::exponents);
+    let published = ids.map(|four| four.map(|id| claims.of(id).clone()));
+    Ok((published, ids.map(|four| four.map(|id| claims.value(id)))))
 }
 
 fn groups(readings: &[Reading], integrators: &[Integrator]) -> Vec<Group> {

@@ -3,7 +3,7 @@
 use super::judge::scores;
 use super::orbit::{Outcome, follow};
 use super::plan::{self, CAPTIONS, DT, Group, Plan, Setting, Unit};
-use super::table::{self, Row, Twelve, Verdict};
+use super::table::{self, Row, Verdict};
 use crate::numbers::extent;
 use stickslip_series::{Neighbourhood, Series, data_spectrum};
 
@@ -37,7 +37,7 @@ impl Scaled {
 
 /// All rows of a group. A figure's exponents are estimated where they can count: the reading keeps
 /// all three motions, or this one is of the published kind.
-pub fn group_rows(group: &Group, plan: &Plan, target: &Twelve) -> Vec<Row> {
+pub fn group_rows(group: &Group, plan: &Plan) -> Vec<Row> {
     let outcomes = CAPTIONS.map(|caption| follow(group, &caption, plan));
     let classes = outcomes.each_ref().map(Outcome::verdict);
     let kept = classes.iter().all(|class| class.stays());
@@ -67,7 +67,7 @@ pub fn group_rows(group: &Group, plan: &Plan, target: &Twelve) -> Vec<Row> {
                 Err(why) => none(why),
             };
         }
-        row.scores = scores(&row.exponents, target);
+        row.scores = scores(&row.exponents, &plan.target);
         row
     };
     configurations.map(row).collect()

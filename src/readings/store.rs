@@ -1,12 +1,12 @@
 //! The table on disk: complete at any time, continued after a kill.
 
-use std::io::ErrorKind;
+use std::io::ErrorKind::{NotADirectory, NotFound};
 use std::path::{Path, PathBuf};
 
 use super::error::ReadingsError;
 use super::judge::scores;
 use super::plan::{self, Group, MARKER, Plan};
-use super::table::{Row, Twelve};
+use super::table::Row;
 use output::{Artifact, write_all};
 
 /// Name of the table.
@@ -15,7 +15,6 @@ pub const TABLE: &str = "readings.csv";
 /// The rows of every group, once it is done.
 pub struct Store<'a> {
     plan: &'a Plan,
-    target: &'a Twelve,
     folder: &'a Path,
     done: Vec<Option<Vec<Row>>>,
 }
@@ -26,38 +25,28 @@ impl<'a> Store<'a> {
     ///
     /// # Errors
     /// [`ReadingsError::Read`], [`ReadingsError::Foreign`], [`ReadingsError::OtherSettings`].
-    pub fn open(
-        plan: &'a Plan,
-        folder: &'a Path,
-        target: &'a Twelve,
-    ) -> Result<Store<'a>, ReadingsError> {
+    pub fn open(plan: &'a Plan, folder: &'a Path) -> Result<Store<'a>, ReadingsError> {
         let path = folder.join(TABLE);
         let text = match std::fs::read(&path) {
             // Bytes that are no text are damage, and the line they are in will not be understood.
             Ok(bytes) => String::from_utf8_lossy(&bytes).into_owned(),
-            Err(error) if error.kind() == ErrorKind::NotFound => String::new(),
-            // Making the folder will say what is wrong.
-            Err(error) if error.kind() == ErrorKind::NotADirectory => String::new(),
+            // Where it is no folder, making it will say so.
+            Err(error) if matches!(error.kind(), NotFound | NotADirectory) => String::new(),
             Err(source) => return Err(ReadingsError::Read { path, source }),
         };
         // Cut short within the heading: nothing is lost.
-        if !plan.heading(target).starts_with(&text) {
-            same_search(&text, plan, target, path)?;
+        if !plan.heading().starts_with(&text) {
+            same_search(&text, plan, path)?;
         }
         let whole = text.rfind('\n').map_or("", |end| &text[..end]);
-        let sound = |row: &Row| row.scores == scores(&row.exponents, target);
+        let sound = |row: &Row| row.scores == scores(&row.exponents, &plan.target);
         let rows: Vec<Row> = whole.lines().filter_map(Row::parse).filter(sound).collect();
         let of_group = |group: &Group| -> Option<Vec<Row>> {
             let find = |key: [String; 4]| rows.iter().find(|row| row.key == key).cloned();
             plan::keys(plan, group).into_iter().map(find).collect()
         };
         let done = plan.groups.iter().map(of_group).collect();
-        Ok(Store {
-            plan,
-            target,
-            folder,
-            done,
-        })
+        Ok(Store { plan, folder, done })
     }
 
     /// Indices of the groups that are still to be done.
@@ -85,7 +74,7 @@ impl<'a> Store<'a> {
     /// # Errors
     /// [`ReadingsError::Write`].
     pub fn write(&self) -> Result<(), ReadingsError> {
-        let mut text = self.plan.heading(self.target) + &Row::header();
+        let mut text = self.plan.heading() + &Row::header();
         for row in self.done.iter().flatten().flatten() {
             text += &row.line();
         }
@@ -96,12 +85,7 @@ impl<'a> Store<'a> {
 }
 
 /// Whether the lines before the table are those of this search.
-fn same_search(
-    text: &str,
-    plan: &Plan,
-    target: &Twelve,
-    path: PathBuf,
-) -> Result<(), ReadingsError> {
+fn same_search(text: &str, plan: &Plan, path: PathBuf) -> Result<(), ReadingsError> {
     let mut lines = text.lines();
     if lines.next() != Some(MARKER) {
         let marker = MARKER;
@@ -110,11 +94,10 @@ fn same_search(
     let there: Vec<(&str, &str)> = lines
         .map_while(|line| line.strip_prefix("# ")?.split_once(" = "))
         .collect();
-    for (name, wanted) in plan.common(target) {
+    for (name, wanted) in plan.common() {
         let found = there.iter().find(|one| one.0 == name);
-        let found = found.map_or("nothing", |one| one.1);
+        let found = found.map_or("nothing", |one| one.1).to_owned();
         if found != wanted {
-            let found = found.to_owned();
             return Err(ReadingsError::OtherSettings {
                 path,
                 name,

@@ -1,10 +1,8 @@
 //! What the search has found, in words: `readings.txt`.
 
 use super::chance::{self, Level};
-use super::error::ReadingsError;
 use super::judge::{
-    self, ExponentSpread, Exponents, Pairs, Rows, median, meeting, sources, sources_in_words,
-    twelve,
+    ExponentSpread, Pairs, Rows, median, meeting, sources, sources_in_words, twelve,
 };
 use super::plan::{CAP, DT, FLOOR, Plan, SEARCH, ZERO, described};
 use super::search;
@@ -13,29 +11,22 @@ use crate::numbers::extent;
 use crate::text::{distinct, joined};
 
 /// The text of `readings.txt`.
-///
-/// # Errors
-/// [`ReadingsError::Published`] if a published exponent is missing.
-pub fn summary(plan: &Plan, rows: &[Row], target: &Twelve) -> Result<String, ReadingsError> {
-    let published = judge::exponents()?;
+pub fn summary(plan: &Plan, rows: &[Row]) -> String {
     let rows = Rows::of(rows);
     let mut text = tried(plan, rows.search.len());
-    if let Some(alone) = chance::alone(&rows.search, target, plan.draws) {
+    if let Some(alone) = chance::alone(&rows.search, &plan.target, plan.draws) {
         text += &motions(&rows.pairs);
         let each = alone.into_iter().enumerate();
-        text += &joined(
-            each.map(|(figure, one)| nearest(plan, figure, one, target)),
-            "",
-        );
+        text += &joined(each.map(|(figure, one)| nearest(plan, figure, one)), "");
     }
     if !rows.kept.is_empty() {
-        text += &best(&rows.kept, target, &published);
-        text += &together(plan, &rows, target);
+        text += &best(plan, &rows.kept);
+        text += &together(plan, &rows);
     }
     if !rows.recommended.is_empty() {
-        text += &own_spread(&rows.recommended, target, &published);
+        text += &own_spread(plan, &rows.recommended);
     }
-    Ok(text)
+    text
 }
 
 fn tried(plan: &Plan, found: usize) -> String {
@@ -101,8 +92,8 @@ fn motions(pairs: &[&Row]) -> String {
 }
 
 /// The nearest of all rows to a figure, and whether it can count.
-fn nearest(plan: &Plan, figure: usize, (level, row): (Level, &Row), target: &Twelve) -> String {
-    let (described, exponents) = (describe(row), exponents(row, target, figure));
+fn nearest(plan: &Plan, figure: usize, (level, row): (Level, &Row)) -> String {
+    let (described, exponents) = (describe(row), exponents(row, &plan.target, figure));
     let (chance, motions) = (
         level.random.best_of_three(),
         search::motions(plan, row).join(", "),
@@ -119,14 +110,17 @@ fn nearest(plan: &Plan, figure: usize, (level, row): (Level, &Row), target: &Twe
     )
 }
 
-fn best(kept: &[&Row], target: &Twelve, published: &Exponents) -> String {
+fn best(plan: &Plan, kept: &[&Row]) -> String {
     let of = |(what, row): (&str, Option<&Row>)| {
         let row = row?;
         let (described, distance) = (describe(row), row.scores[3]);
-        let exponents = joined((0..3).map(|figure| exponents(row, target, figure)), "");
+        let exponents = joined(
+            (0..3).map(|figure| exponents(row, &plan.target, figure)),
+            "",
+        );
         let kinds = row.right(Verdict::is_of_kind);
         let classes = row.right(Verdict::is_published);
-        let met = twelve(|exponent| meeting(&[row], exponent, published));
+        let met = twelve(|exponent| meeting(&[row], exponent, &plan.published));
         let met: usize = met.as_flattened().iter().sum();
         Some(format!(
             "{what}\n{described}{exponents}  distance {distance:.3}; {kinds} of 3 kinds of motion, {classes} of 3 classes; {met} of 12 exponents to the printed digits\n\n"
@@ -172,14 +166,14 @@ fn exponents(row: &Row, target: &Twelve, figure: usize) -> String {
     )
 }
 
-fn together(plan: &Plan, rows: &Rows, target: &Twelve) -> String {
+fn together(plan: &Plan, rows: &Rows) -> String {
     let mut text = String::from("Chance level, all twelve exponents together:\n");
     let kept = "whose reading keeps all three motions";
     let ranked = "with all three kinds of motion, which are ranked";
     for (of, which) in [(&rows.kept, kept), (&rows.ranked, ranked)] {
         let from = sources_in_words(sources(of));
         text += &format!("  {} configurations {which} ({from}):\n", of.len());
-        let figures = (target, &[0, 1, 2][..]);
+        let figures = (&plan.target, &[0, 1, 2][..]);
         text += &level_of(&Level::of(of, &rows.kept, figures, plan.draws));
     }
     let (zero, negative, positive) = (ZERO, chance::NEGATIVE, chance::POSITIVE);
@@ -205,7 +199,7 @@ fn level_of(level: &Level) -> String {
     )
 }
 
-fn own_spread(spread: &[&Row], target: &Twelve, exponents: &Exponents) -> String {
+fn own_spread(plan: &Plan, spread: &[&Row]) -> String {
     let (reading, integrator) = (spread[0].reading(), spread[0].integrator());
     let (count, described) = (spread.len(), described());
     let mut text = format!(
@@ -215,8 +209,8 @@ fn own_spread(spread: &[&Row], target: &Twelve, exponents: &Exponents) -> String
     );
     let mut widths = Vec::new();
     for (figure, k) in twelve(|exponent| exponent).into_iter().flatten() {
-        let of = ExponentSpread::of(spread, (figure, k), exponents);
-        let published = target[figure][k];
+        let of = ExponentSpread::of(spread, (figure, k), &plan.published);
+        let published = plan.target[figure][k];
         let values = match of.values {
             Some(values) => {
                 let (least, median, most) = (values.least, values.median, values.largest);
@@ -249,8 +243,7 @@ mod tests {
 
     #[test]
     fn nothing_is_ranked_where_nothing_was_tried() {
-        let target = judge::target().unwrap();
-        let text = summary(&Plan::quick(), &[], &target).unwrap();
+        let text = summary(&Plan::quick().unwrap(), &[]);
         assert!(text.contains("Tried: 0 of 8") && text.contains("not complete"));
         assert!(!text.contains("pairs of") && !text.contains("Distance"));
     }
