@@ -36,34 +36,25 @@ impl Filippov<2> for Hastened<'_> {
     }
 }
 
-/// Where a stick phase ends.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Release {
-    /// At the upper end of the zone that it began in, as in the listing.
-    UpperEnd,
-    /// At either end, as in the stated model.
-    EitherEnd,
-}
-
 /// What is put into the event-exact solver.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Injected {
-    /// How many times too fast a slip runs.
+    /// How many times too fast a slip runs against the clock.
     pub slip: f64,
-    /// Where a stick phase ends.
-    pub release: Release,
+    /// Whether a stick phase ends only at the upper end of the zone it was entered in, as in the
+    /// listing; else at whichever end comes first, as in the model.
+    pub one_sided_exit: bool,
 }
 
 impl Injected {
-    /// Both defects that survive the listing's limit. In-place stages move the state by h/2 + h/2 +
-    /// h + h along the field and the clock by h.
+    /// Both defects, as in the listing.
     pub const BOTH: Injected = Injected {
         slip: 3.0,
-        release: Release::UpperEnd,
+        one_sided_exit: true,
     };
     /// The hastened slip alone.
     pub const SLIP_ALONE: Injected = Injected {
-        release: Release::EitherEnd,
+        one_sided_exit: false,
         ..Injected::BOTH
     };
     /// The one-sided exit alone.
@@ -71,10 +62,10 @@ impl Injected {
         slip: 1.0,
         ..Injected::BOTH
     };
-    /// Neither: the stated model.
+    /// The stated model.
     pub const NONE: Injected = Injected {
         slip: 1.0,
-        release: Release::EitherEnd,
+        ..Injected::SLIP_ALONE
     };
 }
 
@@ -120,9 +111,9 @@ pub fn run(
     };
     let (mut t, mut x) = (0.0, x0);
     loop {
-        let (released, at) = match injected.release {
-            Release::UpperEnd => upper_exit(model, zones, t, &x)?,
-            Release::EitherEnd => either_exit(model, t, &x, t_end, options)?,
+        let (released, at) = match injected.one_sided_exit {
+            true => upper_exit(model, zones, t, &x)?,
+            false => either_exit(model, t, &x, t_end, options)?,
         };
         if released > t {
             collected.phases.push(Phase {
@@ -157,10 +148,9 @@ impl Observer<2> for Until {
         ControlFlow::Continue(())
     }
     fn transition(&mut self, transition: &Transition<2>) -> ControlFlow<()> {
-        if transition.kind == self.event {
-            ControlFlow::Break(())
-        } else {
-            ControlFlow::Continue(())
+        match transition.kind == self.event {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
         }
     }
 }
@@ -193,26 +183,21 @@ fn upper_exit(
     let z = x[0] - model.support(t);
     // The body may enter on the very end of a zone, a rounding beside it.
     let slack = 1e-9;
-    let zone = zones
-        .iter()
-        .find(|(lower, upper)| z >= lower - slack && z <= upper + slack);
-    let Some(&(_, upper)) = zone else {
+    let holds = |(lower, upper): &&(f64, f64)| z >= lower - slack && z <= upper + slack;
+    let Some(&(_, upper)) = zones.iter().find(holds) else {
         return Err(missing("a stick zone that holds the body", t, 0.0));
     };
     let room = |later: f64| upper + model.support(t + later) - x[0] - model.belt_speed * later;
     // The zone's end returns with every forcing period, the belt goes on: half a period at a time
     // the search is short.
-    let window = 0.5 * model.period();
-    let most = 1000;
-    for k in 0..most {
+    let (window, most) = (0.5 * model.period(), 1000);
+    let found = (0..most).find_map(|k| {
         let from = f64::from(k) * window;
-        let ahead = |s: f64| room(from + s * window);
-        if let Some(part) = first_zero(ahead, 0.0, 1.0) {
-            let later = from + window * part;
-            let at = State::from([x[0] + model.belt_speed * later, model.belt_speed]);
-            return Ok((t + later, at));
-        }
-    }
+        let part = first_zero(|s: f64| room(from + s * window), 0.0, 1.0)?;
+        Some(from + window * part)
+    });
     let span = f64::from(most) * window;
-    Err(missing("the upper end of the stick zone", t, span))
+    let later = found.ok_or_else(|| missing("the upper end of the stick zone", t, span))?;
+    let at = State::from([x[0] + model.belt_speed * later, model.belt_speed]);
+    Ok((t + later, at))
 }

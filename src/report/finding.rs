@@ -82,17 +82,29 @@ impl Finding {
         let mut findings: Vec<Finding> = Vec::new();
         let compared = |row: &&Row| matches!(row.quantity, Quantity::Claim(id) | Quantity::Member(id, _) if id == claim.id);
         for row in rows.iter().filter(compared) {
-            let one = Finding {
-                source,
-                ..Finding::of_row(claims, claim, row)
+            let digits = match row.value {
+                Value::Number(value) => agreement(claim, value),
+                _ => None,
             };
-            let known = findings
-                .iter_mut()
-                .find(|known| known.reading == row.reading);
-            match known {
-                Some(known) => *known = known.clone().and(one),
-                None => findings.push(one),
+            let agrees = row.comparison(claims).is_some_and(|one| one.agrees);
+            let of_reading = |known: &&mut Finding| known.reading == row.reading;
+            if let Some(known) = findings.iter_mut().find(of_reading) {
+                known.values.push(row.value.clone());
+                known.agrees &= agrees;
+                known.digits = match (known.digits, digits) {
+                    (Some(one), Some(other)) => Some(one.and(other)),
+                    (one, other) => one.or(other),
+                };
+                continue;
             }
+            findings.push(Finding {
+                source,
+                values: vec![row.value.clone()],
+                digits,
+                agrees,
+                note: row.status.map(str::to_owned),
+                ..Finding::new(row.reading)
+            });
         }
         if claim.kind == Kind::Set {
             for found in &mut findings {
@@ -100,32 +112,6 @@ impl Finding {
             }
         }
         findings
-    }
-
-    fn of_row(claims: &Claims, claim: &Claim, row: &Row) -> Self {
-        let comparison = row.comparison(claims);
-        let digits = match row.value {
-            Value::Number(value) => agreement(claim, value),
-            _ => None,
-        };
-        Finding {
-            values: vec![row.value.clone()],
-            digits,
-            agrees: comparison.is_some_and(|one| one.agrees),
-            note: row.status.map(str::to_owned),
-            ..Finding::new(row.reading)
-        }
-    }
-
-    /// Together with another member of the same set.
-    fn and(mut self, other: Finding) -> Finding {
-        self.values.extend(other.values);
-        self.agrees &= other.agrees;
-        self.digits = match (self.digits, other.digits) {
-            (Some(one), Some(other)) => Some(one.and(other)),
-            (one, other) => one.or(other),
-        };
-        self
     }
 
     fn has_every_member(&self, claim: &Claim) -> bool {
@@ -152,16 +138,13 @@ impl Finding {
 
     /// In words, numbers to so many decimals.
     pub fn line(&self, places: usize) -> String {
+        let part = |(what, holds): &Part| {
+            let word = if *holds { "holds" } else { "fails" };
+            format!("{what}: {word}")
+        };
         let texts = self.values.iter().map(|value| match value {
             Value::Number(v) if v.is_finite() => decimals(*v, places),
-            Value::Statement(parts) => {
-                let word = |holds: &bool| if *holds { "holds" } else { "fails" };
-                let each = parts.iter();
-                joined(
-                    each.map(|(what, holds)| format!("{what}: {}", word(holds))),
-                    "; ",
-                )
-            }
+            Value::Statement(parts) => joined(parts.iter().map(part), "; "),
             other => other.to_string(),
         });
         let mut line = format!("{}: {}", self.source, joined(texts, "; "));

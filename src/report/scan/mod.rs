@@ -16,12 +16,12 @@ use stickslip::math;
 use stickslip::models::ForcedOscillator;
 
 /// The parameters of the stated model: name in tables, symbol in figures, place in the model.
-type Parameter = (
+pub(super) type Parameter = (
     &'static str,
     &'static str,
     fn(&mut ForcedOscillator) -> &mut f64,
 );
-const PARAMETERS: [Parameter; 8] = [
+pub(super) const PARAMETERS: [Parameter; 8] = [
     ("m", "*m*", |model| &mut model.mass),
     ("vp", "*v*_p", |model| &mut model.belt_speed),
     ("mu0", "*μ*_0", |model| &mut model.mu0),
