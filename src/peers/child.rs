@@ -83,23 +83,19 @@ fn index(text: &str) -> Result<usize, String> {
     text.parse().map_err(|_| format!("'{text}' is no index"))
 }
 
-fn number(text: &str) -> Result<f64, String> {
-    let value: Option<f64> = text.parse().ok();
-    value
-        .filter(|value| value.is_finite())
-        .ok_or_else(|| format!("'{text}' is no finite number"))
-}
-
 fn positive(text: &str) -> Result<f64, String> {
-    let value = number(text)?;
-    let allowed = (value > 0.0).then_some(value);
+    let allowed = Some(number(text)?).filter(|value| *value > 0.0);
     allowed.ok_or_else(|| format!("{text} is not greater than 0"))
 }
 
 fn seconds(text: &str) -> Result<f64, String> {
-    let value = number(text)?;
-    let allowed = (value >= 0.0).then_some(value);
+    let allowed = Some(number(text)?).filter(|value| *value >= 0.0);
     allowed.ok_or_else(|| format!("{text} s is a time before its start"))
+}
+
+fn number(text: &str) -> Result<f64, String> {
+    let value = text.parse().ok().filter(|value: &f64| value.is_finite());
+    value.ok_or_else(|| format!("'{text}' is no finite number"))
 }
 
 /// The running process; it ends when this is dropped.
@@ -166,13 +162,7 @@ impl Peers {
             match parse(text) {
                 Ok(Answer::Done) => return Ok(answers),
                 Ok(answer) => answers.push(answer),
-                Err(cause) => {
-                    return Err(PeersError::Answer {
-                        line: self.line,
-                        text: text.into(),
-                        cause,
-                    });
-                }
+                Err(cause) => return Err(self.wrong(text.into(), cause)),
             }
         }
     }
@@ -185,12 +175,16 @@ impl Peers {
         let command = format!("time {curve} {batch}");
         match self.ask(&command)?[..] {
             [Answer::Seconds(index, seconds)] if index == curve => Ok(seconds),
-            ref other => Err(PeersError::Answer {
-                line: self.line,
-                text: format!("{other:?}"),
-                cause: format!("one line 'seconds,{curve},…' is due"),
-            }),
+            ref other => {
+                let cause = format!("one line 'seconds,{curve},…' is due");
+                Err(self.wrong(format!("{other:?}"), cause))
+            }
         }
+    }
+
+    fn wrong(&self, text: String, cause: String) -> PeersError {
+        let line = self.line;
+        PeersError::Answer { line, text, cause }
     }
 }
 

@@ -3,9 +3,8 @@
 use super::compare::front;
 use super::problem::Problem;
 use super::row::Row;
-use crate::figures::FigureError;
 use crate::numbers::extent;
-use crate::text::{distinct, joined};
+use crate::text::distinct;
 use plot::*;
 use stickslip::math;
 
@@ -29,7 +28,7 @@ const LEGEND: f64 = 60.0;
 ///
 /// # Errors
 /// Those of [`Figure::render`].
-pub fn draw(rows: &[Row], problems: &[Problem]) -> Result<String, FigureError> {
+pub fn draw(rows: &[Row], problems: &[Problem]) -> Result<String, PlotError> {
     let names = distinct(rows.iter().map(|row| row.solver.as_str()));
     let mut panels: Vec<Panel> = Vec::new();
     for (i, problem) in problems.iter().enumerate() {
@@ -47,24 +46,19 @@ pub fn draw(rows: &[Row], problems: &[Problem]) -> Result<String, FigureError> {
     }
     let lines = panels.len().div_ceil(PANELS_IN_ROW);
     let height = lines as f64 * ROW + LEGEND;
+    let (count, solvers) = (problems.len(), names.join(", "));
     let description = format!(
-        "{} panels, one for each problem: largest error of the event times against the time of a run, both logarithmic, one \
-         curve for each of {}. Down and to the left is better.{about_processes}",
-        problems.len(),
-        names.join(", ")
+        "{count} panels, one for each problem: largest error of the event times against the time of a run, both logarithmic, one \
+         curve for each of {solvers}. Down and to the left is better.{about_processes}"
     );
     let mut figure = Figure::new("bench", (880.0, height), "Work and precision", &description);
-    let mut panels = panels.into_iter();
+    let mut panels = panels.into_iter().map(|panel| (1.0, panel.into()));
     for line in 0..lines {
-        let row: Vec<(f64, Cell)> = panels
-            .by_ref()
-            .take(PANELS_IN_ROW)
-            .map(|panel| (1.0, panel.into()))
-            .collect();
+        let row: Vec<(f64, Cell)> = panels.by_ref().take(PANELS_IN_ROW).collect();
         let weight = if line + 1 == lines { ROW + LEGEND } else { ROW };
         figure = figure.columns(weight, row);
     }
-    figure.render().map_err(Into::into)
+    figure.render()
 }
 
 /// The label of a panel.
@@ -77,31 +71,22 @@ fn look(place: usize) -> (Color, Dash, Shape) {
 }
 
 fn work_precision(rows: &[&Row], names: &[&str]) -> Panel {
-    let fronts: Vec<Vec<(f64, f64)>> = names
-        .iter()
-        .map(|name| {
-            let own = rows.iter().copied().filter(|row| row.solver == *name);
-            let points = front(own).into_iter();
-            points
-                .map(|(time, error)| (math::log10(time), math::log10(error)))
-                .collect()
-        })
-        .collect();
+    let log = |(time, error)| (math::log10(time), math::log10(error));
+    let front = |name: &&str| -> Vec<(f64, f64)> {
+        let own = rows.iter().copied().filter(|row| row.solver == *name);
+        front(own).into_iter().map(log).collect()
+    };
+    let fronts: Vec<_> = names.iter().map(front).collect();
     let all = || fronts.iter().flatten();
     let mut panel = Panel::new(
         Axis::decades("time of a run, s", range(all().map(|p| p.0))),
         Axis::decades("error of event times", range(all().map(|p| p.1))),
     );
     // Ours last, on top.
-    for (i, points) in fronts.iter().enumerate().rev() {
+    for (i, points) in fronts.into_iter().enumerate().rev() {
         let (color, dash, shape) = look(i);
         panel.add(Curve::new(points.clone()).color(color).dash(dash));
-        panel.add(
-            Markers::new(points.clone())
-                .color(color)
-                .shape(shape)
-                .size(5.5),
-        );
+        panel.add(Markers::new(points).color(color).shape(shape).size(5.5));
     }
     panel
 }
@@ -109,62 +94,47 @@ fn work_precision(rows: &[&Row], names: &[&str]) -> Panel {
 /// A line for every solver; filled marks are of the first problem that was timed so, open ones of
 /// the others.
 fn processes(rows: &[Row], names: &[&str], problems: &[Problem]) -> Panel {
-    let timed = |problem: &&'static str| {
+    let timed = |name: &str| {
         let mut rows = rows.iter();
-        rows.any(|row| row.problem == *problem && row.process.is_some())
+        rows.any(|row| row.problem == name && row.process.is_some())
     };
-    let of: Vec<&'static str> = problems
-        .iter()
-        .map(|problem| problem.name)
-        .filter(timed)
-        .collect();
-    // What the marks mean: the letters of the problems' own panels.
-    let letters = |of: &[&str]| {
-        let places = problems.iter().enumerate();
-        let places = places.filter(|(_, problem)| of.contains(&problem.name));
-        joined(places.map(|(i, _)| letter(i)), ", ")
-    };
-    let title = match of.split_first() {
-        Some((first, others)) if !others.is_empty() => format!(
-            "whole process; filled: {}, open: {}",
-            letters(&[first]),
-            letters(others)
-        ),
-        _ => format!("whole process of {}", letters(&of)),
-    };
-    let times: Vec<Vec<(&str, f64)>> = names
-        .iter()
-        .map(|name| {
-            let own = rows.iter().filter(|row| row.solver == *name);
-            own.filter_map(|row| Some((row.problem, math::log10(row.process?))))
-                .collect()
-        })
-        .collect();
-    let lines: Vec<(f64, &str)> = names
+    let of = problems
         .iter()
         .enumerate()
-        .map(|(i, name)| ((names.len() - i) as f64, *name))
-        .collect();
+        .filter(|(_, one)| timed(one.name));
+    // What the marks mean: the letters of the problems' own panels.
+    let letters: Vec<String> = of.clone().map(|(i, _)| letter(i)).collect();
+    let title = match &letters[..] {
+        [first, others @ ..] if !others.is_empty() => {
+            format!(
+                "whole process; filled: {first}, open: {}",
+                others.join(", ")
+            )
+        }
+        all => format!("whole process of {}", all.join(", ")),
+    };
+    let first = of.map(|(_, one)| one.name).next();
+    let times = |name: &&str| -> Vec<(&str, f64)> {
+        let own = rows.iter().filter(|row| row.solver == *name);
+        own.filter_map(|row| Some((row.problem, math::log10(row.process?))))
+            .collect()
+    };
+    let times: Vec<_> = names.iter().map(times).collect();
+    let place = |i: usize| (names.len() - i) as f64;
+    let lines = names.iter().enumerate().map(|(i, name)| (place(i), *name));
+    let shown = range(times.iter().flatten().map(|(_, time)| *time));
     let mut panel = Panel::new(
-        Axis::decades(
-            "time to start, compile and run once, s",
-            range(times.iter().flatten().map(|(_, time)| *time)),
-        ),
+        Axis::decades("time to start, compile and run once, s", shown),
         // The names say what they are; a label would lie over the longest.
-        Axis::new("", 0.0, names.len() as f64 + 1.0).ticks(&lines),
+        Axis::new("", 0.0, place(0) + 1.0).ticks(&lines.collect::<Vec<_>>()),
     )
     .title(&title);
     for (i, times) in times.iter().enumerate() {
         let (color, _, shape) = look(i);
-        let y = (names.len() - i) as f64;
         for filled in [true, false] {
-            let own = times
-                .iter()
-                .filter(|(problem, _)| (of.first() == Some(problem)) == filled);
-            let marks = Markers::new(own.map(|(_, t)| (*t, y)))
-                .color(color)
-                .shape(shape)
-                .size(5.5);
+            let own = times.iter().filter(|one| (first == Some(one.0)) == filled);
+            let marks = Markers::new(own.map(|(_, t)| (*t, place(i))));
+            let marks = marks.color(color).shape(shape).size(5.5);
             panel.add(if filled { marks } else { marks.open() });
         }
     }

@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 
-use crate::figures::FigureError;
 use crate::terminal::ProgramError;
 use output::WriteError;
 
@@ -90,7 +89,7 @@ pub enum PeersError {
     },
     /// The figure cannot be made.
     #[error(transparent)]
-    Figure(#[from] FigureError),
+    Plot(#[from] plot::PlotError),
     /// A file cannot be read.
     #[error("cannot read {}: {source}; choose its folder with --report-dir", path.display())]
     Input {

@@ -57,13 +57,11 @@ pub fn problem(
             if row.seconds.len() >= ENOUGH && spent > PATIENCE {
                 continue;
             }
-            match (&timed, &mut peers) {
-                (Timed::Ours(solver, tolerance), _) => {
-                    row.seconds.push(time(problem, solver, *tolerance)?)
-                }
-                (Timed::Theirs(index), Some(peers)) => row.seconds.push(peers.time(*index, BATCH)?),
-                _ => {}
-            }
+            row.seconds.push(match (&timed, &mut peers) {
+                (Timed::Ours(solver, tolerance), _) => time(problem, solver, *tolerance)?,
+                (Timed::Theirs(index), Some(peers)) => peers.time(*index, BATCH)?,
+                _ => continue,
+            });
         }
     }
     let named = |(row, _)| Row {
@@ -88,10 +86,10 @@ fn ours(problem: &Problem, reference: &[Event]) -> Vec<(Row, Timed)> {
             let mut events = Vec::new();
             let solved = problem.solve(&solver.options(tolerance), &mut events);
             entries.push(match solved {
-                Ok(()) => (
-                    judged(row, &events, reference),
-                    Timed::Ours(solver, tolerance),
-                ),
+                Ok(()) => {
+                    let timed = Timed::Ours(solver, tolerance);
+                    (judged(row, &events, reference), timed)
+                }
                 Err(error) => {
                     let note = format!("failed: {error}");
                     (Row { note, ..row }, Timed::Nobody)

@@ -122,8 +122,8 @@ impl Strobe {
                 1.0
             };
             let between = |from: f64, to: f64| from + part * (to - from);
-            self.states
-                .push([between(last.x1, sample.x1), between(last.x2, sample.x2)]);
+            let state = [between(last.x1, sample.x1), between(last.x2, sample.x2)];
+            self.states.push(state);
             self.next += 1.0;
         }
         if sample.step == self.middle {
@@ -135,19 +135,15 @@ impl Strobe {
     /// The smallest number of forcing periods after which the states repeat.
     fn pattern(&self) -> Option<usize> {
         let tolerance = TOLERANCE_STEPS * self.h;
+        let same = |(later, earlier): (&[f64; 2], &[f64; 2])| {
+            let mut pairs = later.iter().zip(earlier);
+            pairs.all(|(later, earlier)| (later - earlier).abs() <= tolerance)
+        };
         (1..=Motion::LONGEST_PATTERN).find(|&p| {
             let compared = (2 * p).max(LEAST_COMPARED);
-            self.states.len() >= compared + p
-                && self
-                    .states
-                    .iter()
-                    .rev()
-                    .zip(self.states.iter().rev().skip(p))
-                    .take(compared)
-                    .all(|(later, earlier)| {
-                        (later[0] - earlier[0]).abs() <= tolerance
-                            && (later[1] - earlier[1]).abs() <= tolerance
-                    })
+            let states = self.states.iter().rev();
+            let mut pairs = states.clone().zip(states.skip(p)).take(compared);
+            self.states.len() >= compared + p && pairs.all(same)
         })
     }
 
