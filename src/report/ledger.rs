@@ -163,8 +163,8 @@ impl Ledger {
     }
 
     /// How many claims have each verdict.
-    pub fn counts(&self) -> [(Verdict, usize); Verdict::COUNT] {
-        Verdict::ALL.map(|verdict| {
+    pub fn counts(&self) -> [(Verdict, usize); 6] {
+        Verdict::COUNTED.map(|verdict| {
             let with = self.entries.iter().filter(|entry| entry.verdict == verdict);
             (verdict, with.count())
         })

@@ -98,3 +98,11 @@ fn stick_exits(orbit: &Orbit<2>) -> impl Iterator<Item = (&Transition<2>, Side, 
             _ => None,
         })
 }
+
+/// So many places on the belt, evenly from `-outer` to `outer` (m), amid equal parts.
+fn places(outer: f64, count: u32, belt_speed: f64) -> impl Iterator<Item = State<2>> {
+    (0..count).map(move |k| {
+        let part = 2.0 * (f64::from(k) + 0.5) / f64::from(count) - 1.0;
+        State::from([outer * part, belt_speed])
+    })
+}

@@ -39,7 +39,7 @@ pub const MARKS: Marks = Marks {
 /// What stands between the marks: the verdict in three sentences, the table, and what its words
 /// mean.
 pub fn block(ledger: &Ledger) -> String {
-    let meanings = Verdict::ALL
+    let meanings = Verdict::COUNTED
         .iter()
         .map(|verdict| format!("* **{verdict}**: {}", verdict.meaning()));
     format!(
@@ -55,17 +55,17 @@ pub fn block(ledger: &Ledger) -> String {
 /// How many claims of each part of the paper have each verdict.
 fn counts(ledger: &Ledger) -> String {
     let mut text = String::from("| part of the paper | claims |");
-    for verdict in Verdict::ALL {
+    for verdict in Verdict::COUNTED {
         text += &format!(" {verdict} |");
     }
     text += "\n|---|--:|";
-    text += &"--:|".repeat(Verdict::COUNT);
+    text += &"--:|".repeat(Verdict::COUNTED.len());
     text += "\n";
     for (part, name) in PARTS {
         let of = |entry: &&Entry| entry.claim.part == part && entry.verdict != Verdict::Identity;
         let entries: Vec<&Entry> = ledger.entries.iter().filter(of).collect();
         text += &format!("| {} | {} |", name, entries.len());
-        for verdict in Verdict::ALL {
+        for verdict in Verdict::COUNTED {
             let with = entries.iter().filter(|entry| entry.verdict == verdict);
             text += &match with.count() {
                 0 => "  |".to_owned(),

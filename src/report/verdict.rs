@@ -5,40 +5,65 @@ use std::fmt;
 use super::finding::Finding;
 use crate::paper::published::Kind;
 use crate::paper::reading::Role;
+use crate::text::described;
 
-/// What becomes of a claim.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Verdict {
-    /// The model as stated gives it.
-    Reproduced,
-    /// The model with the listed corrections gives it.
-    WithCorrections,
-    /// Only the paper's program or equations to the letter give it.
-    AsPrintedOnly,
-    /// Of a statement: a part holds.
-    InKind,
-    /// None of these.
-    NotReproduced,
-    /// The value depends on what the paper does not state.
-    Undeterminable,
-    /// It could not be otherwise; not counted.
-    Identity,
+described! {
+    /// What becomes of a claim.
+    Verdict: [&'static str; 3] {
+        /// The model as stated gives it.
+        Reproduced = [
+            "reproduced",
+            "reproduced",
+            "the model as stated, solved accurately, gives it to every printed digit; a statement holds in all its parts",
+        ],
+        /// The model with the listed corrections gives it.
+        WithCorrections = [
+            "reproduced with corrected equations",
+            "corrected",
+            "the model with the corrections that are listed, solved accurately, gives it to every printed digit or in all its parts; \
+            as stated it does not",
+        ],
+        /// Only the paper's program or equations to the letter give it.
+        AsPrintedOnly = [
+            "reproduced as printed only",
+            "printed",
+            "the paper's own program or equations, to the letter, give it to every printed digit or in all its parts; neither the model as \
+            stated nor a corrected one does",
+        ],
+        /// Of a statement: a part holds.
+        InKind = [
+            "in kind only",
+            "kind",
+            "of statements and curves alone: a part holds and a part does not, and the evidence names both",
+        ],
+        /// None of these.
+        NotReproduced = [
+            "not reproduced",
+            "missed",
+            "neither the model as stated, nor a corrected one, nor the program gives it",
+        ],
+        /// The value depends on what the paper does not state.
+        Undeterminable = [
+            "undeterminable",
+            "open",
+            "the paper does not state what the value depends on, and plausible settings, which are listed, move it by more than its printed \
+            digits or leave it unidentified; one setting that agrees or disagrees is no evidence",
+        ],
+        /// It could not be otherwise; not counted.
+        Identity = [
+            "identity",
+            "identity",
+            "it follows from other claims or from a definition, so that it is no evidence: listed and not counted",
+        ],
+    }
 }
 
 impl Verdict {
-    /// How many are counted.
-    pub const COUNT: usize = 6;
-
-    /// All that are counted: the best first, and last the one that speaks neither for the paper nor
-    /// against it.
-    pub const ALL: [Verdict; Verdict::COUNT] = [
-        Verdict::Reproduced,
-        Verdict::WithCorrections,
-        Verdict::AsPrintedOnly,
-        Verdict::InKind,
-        Verdict::NotReproduced,
-        Verdict::Undeterminable,
-    ];
+    /// Those that are counted, in the order of the tables: all but an identity.
+    pub const COUNTED: [Verdict; 6] = {
+        let [a, b, c, d, e, f, _] = Verdict::ALL;
+        [a, b, c, d, e, f]
+    };
 
     /// What the word means.
     pub fn meaning(self) -> &'static str {
@@ -48,50 +73,6 @@ impl Verdict {
     /// Its name in the style sheet of the page.
     pub fn key(self) -> &'static str {
         self.described()[1]
-    }
-
-    /// Name, name in the style sheet, meaning.
-    fn described(self) -> [&'static str; 3] {
-        match self {
-            Verdict::Reproduced => [
-                "reproduced",
-                "reproduced",
-                "the model as stated, solved accurately, gives it to every printed digit; a statement holds in all its parts",
-            ],
-            Verdict::WithCorrections => [
-                "reproduced with corrected equations",
-                "corrected",
-                "the model with the corrections that are listed, solved accurately, gives it to every printed digit or in all its parts; \
-                 as stated it does not",
-            ],
-            Verdict::AsPrintedOnly => [
-                "reproduced as printed only",
-                "printed",
-                "the paper's own program or equations, to the letter, give it to every printed digit or in all its parts; neither the model as \
-                 stated nor a corrected one does",
-            ],
-            Verdict::InKind => [
-                "in kind only",
-                "kind",
-                "of statements and curves alone: a part holds and a part does not, and the evidence names both",
-            ],
-            Verdict::NotReproduced => [
-                "not reproduced",
-                "missed",
-                "neither the model as stated, nor a corrected one, nor the program gives it",
-            ],
-            Verdict::Undeterminable => [
-                "undeterminable",
-                "open",
-                "the paper does not state what the value depends on, and plausible settings, which are listed, move it by more than its printed \
-                 digits or leave it unidentified; one setting that agrees or disagrees is no evidence",
-            ],
-            Verdict::Identity => [
-                "identity",
-                "identity",
-                "it follows from other claims or from a definition, so that it is no evidence: listed and not counted",
-            ],
-        }
     }
 
     /// The verdict that findings on a claim of this kind come to. Where several findings have one
@@ -199,7 +180,7 @@ mod tests {
         for (found, wanted) in cases {
             assert_eq!(found, wanted);
         }
-        assert_eq!(cases.map(|(_, wanted)| wanted), Verdict::ALL);
+        assert_eq!(cases.map(|(_, wanted)| wanted), Verdict::COUNTED);
         // A setting that gives the digits decides as little as one that does not.
         assert_eq!(undetermined(wrong), Verdict::Undeterminable);
     }
@@ -250,7 +231,7 @@ mod tests {
             let found = [Finding::statement(Exact, [("a part", holds)])];
             assert_eq!(of(ClaimId::Fig06FrictionLaw, &found), Verdict::Identity);
         }
-        assert!(!Verdict::ALL.contains(&Verdict::Identity));
+        assert!(!Verdict::COUNTED.contains(&Verdict::Identity));
     }
 
     #[test]

@@ -92,21 +92,21 @@ impl Params {
 
     fn validate(&self) -> Result<(), ListingError> {
         for (name, value, bound) in [
-            ("mass", self.mass, Bound::Positive),
-            ("belt_speed", self.belt_speed, Bound::Positive),
-            ("mu0", self.mu0, Bound::NotNegative),
-            ("k1", self.k1, Bound::Positive),
-            ("k2", self.k2, Bound::Positive),
-            ("amplitude", self.amplitude, Bound::NotNegative),
-            ("omega", self.omega, Bound::Positive),
-            ("t0", self.t0, Bound::None),
-            ("x1", self.x1, Bound::None),
-            ("x2", self.x2, Bound::None),
+            ("mass", self.mass, POSITIVE),
+            ("belt_speed", self.belt_speed, POSITIVE),
+            ("mu0", self.mu0, NOT_NEGATIVE),
+            ("k1", self.k1, POSITIVE),
+            ("k2", self.k2, POSITIVE),
+            ("amplitude", self.amplitude, NOT_NEGATIVE),
+            ("omega", self.omega, POSITIVE),
+            ("t0", self.t0, FINITE),
+            ("x1", self.x1, FINITE),
+            ("x2", self.x2, FINITE),
         ] {
-            bound.allows(name, value)?;
+            hold(name, value, bound)?;
         }
         for value in self.tangent_points {
-            Bound::None.allows("tangent_points", value)?;
+            hold("tangent_points", value, FINITE)?;
         }
         self.validate_tangent_points()
     }
@@ -195,7 +195,7 @@ impl Setup {
     pub fn validate(&self) -> Result<(), ListingError> {
         self.params.validate()?;
         for (name, value) in [("h", self.h), ("end", self.end)] {
-            Bound::Positive.allows(name, value)?;
+            hold(name, value, POSITIVE)?;
         }
         let bound = self.params.period() / STEPS_PER_PERIOD;
         if self.h > bound {
@@ -228,24 +228,15 @@ impl Setup {
     }
 }
 
-/// What a parameter, which is finite, can be.
-enum Bound {
-    None,
-    NotNegative,
-    Positive,
-}
+/// What a number must be, and whether it is.
+type Bound = (&'static str, fn(f64) -> bool);
+const FINITE: Bound = ("a finite number", |_| true);
+const NOT_NEGATIVE: Bound = ("a finite number, 0 or more", |value| value >= 0.0);
+const POSITIVE: Bound = ("a finite number above 0", |value| value > 0.0);
 
-impl Bound {
-    fn allows(&self, name: &'static str, value: f64) -> Result<(), ListingError> {
-        let (bound, within) = match self {
-            Bound::None => ("a finite number", true),
-            Bound::NotNegative => ("a finite number, 0 or more", value >= 0.0),
-            Bound::Positive => ("a finite number above 0", value > 0.0),
-        };
-        if within && value.is_finite() {
-            Ok(())
-        } else {
-            Err(ListingError::OutOfRange { name, value, bound })
-        }
+fn hold(name: &'static str, value: f64, (bound, within): Bound) -> Result<(), ListingError> {
+    match within(value) && value.is_finite() {
+        true => Ok(()),
+        false => Err(ListingError::OutOfRange { name, value, bound }),
     }
 }

@@ -5,8 +5,8 @@ use crate::figures::rows::Value;
 use crate::numbers::{bisect, extent};
 use crate::paper::claim_id::ClaimId;
 use crate::paper::published::Claims;
-use crate::report::ReportError;
 use crate::report::accuracy::{Accuracy, EventErrors};
+use crate::report::{ReportError, places};
 use stickslip::analysis::tangency;
 use stickslip::filippov::normal_component;
 use stickslip::models::BeltOscillator;
@@ -89,12 +89,8 @@ pub(super) fn negative_friction() -> Result<Proof, ReportError> {
             mu0,
             ..BeltOscillator::default()
         };
-        let outer = 2.0 / 3f64.sqrt();
-        let fates = (0..PLACES).map(|k| {
-            let part = 2.0 * (f64::from(k) + 0.5) / f64::from(PLACES) - 1.0;
-            fate(&model, 0.0, &State::from([outer * part, model.belt_speed]))
-        });
-        let fates: Vec<Fate> = fates.collect();
+        let places = places(2.0 / 3f64.sqrt(), PLACES, model.belt_speed);
+        let fates: Vec<Fate> = places.map(|x| fate(&model, 0.0, &x)).collect();
         let of = |wanted| fates.iter().filter(|found| **found == wanted).count();
         (of(Fate::Stick), of(Fate::Repelling))
     };

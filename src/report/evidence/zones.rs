@@ -9,6 +9,7 @@ use crate::numbers::{bisect, changes, extent, largest, missing};
 use crate::paper::reading::Reading::Exact;
 use crate::report::errata::{Proof, proof};
 use crate::report::finding::Finding;
+use crate::report::places;
 use crate::report::scan::{Class, PARAMETERS, Point, starts};
 use crate::text::joined;
 use stickslip::models::ForcedOscillator;
@@ -254,9 +255,7 @@ fn zone(model: &ForcedOscillator) -> (usize, f64) {
     };
     let outer = 2.0 * (model.k1 / (3.0 * model.k2)).sqrt();
     let (mut attracting, mut least) = (0, f64::INFINITY);
-    for k in 0..OF_ZONE {
-        let part = 2.0 * (f64::from(k) + 0.5) / f64::from(OF_ZONE) - 1.0;
-        let x = State::from([outer * part, model.belt_speed]);
+    for x in places(outer, OF_ZONE, model.belt_speed) {
         attracting += usize::from(fate(&model, 0.0, &x) == Fate::Stick);
         for side in [Side::Below, Side::Above] {
             least = least.min(-side.sign() * model.field(side, 0.0, x.as_ref())[1]);
