@@ -92,10 +92,8 @@ fn draw(data: &Data) -> Result<String, FigureError> {
         a.add(curve(graph, color, dash).legend(&format!("*μ*_0 = {}", graph.mu0)));
     }
     let [_, paper, _] = &data.by_mu0;
-    a.add(
-        Note::new(Place::Fraction(0.76, 0.2), "sticking: |*T*| ≤ *μ*_0")
-            .arrow((0.0, -0.4 * paper.law.mu0())),
-    );
+    let sticking = Note::new(Place::Fraction(0.76, 0.2), "sticking: |*T*| ≤ *μ*_0");
+    a.add(sticking.arrow((0.0, -0.4 * paper.law.mu0())));
     let mut b = panel("(b)", &format!("*μ*_0 = {}", paper.mu0));
     for (graph, (color, dash)) in data.by_delta.iter().zip(LINES) {
         b.add(curve(graph, color, dash).legend(&format!("*δ* = {} s/m", graph.law.delta())));
@@ -134,10 +132,8 @@ fn panel(label: &str, title: &str) -> Panel {
 
 fn curve(graph: &Graph, color: Color, dash: Dash) -> Curve {
     let width = if dash == Dash::Solid { 2.4 } else { 1.4 };
-    Curve::new(graph.points.iter().copied())
-        .color(color)
-        .dash(dash)
-        .width(width)
+    let curve = Curve::new(graph.points.iter().copied());
+    curve.color(color).dash(dash).width(width)
 }
 
 /// The graph from left to right; at `v = 0` both ends of the vertical part.
@@ -157,10 +153,8 @@ fn sample(law: &Friction) -> Vec<(f64, f64)> {
 
 /// Whether the force decreases with the velocity on either side of the vertical part.
 fn decreases(points: &[(f64, f64)]) -> bool {
-    points
-        .windows(2)
-        .filter(|pair| pair[0].0 < pair[1].0)
-        .all(|pair| pair[1].1 < pair[0].1)
+    let mut rising = points.windows(2).filter(|pair| pair[0].0 < pair[1].0);
+    rising.all(|pair| pair[1].1 < pair[0].1)
 }
 
 #[cfg(test)]

@@ -62,32 +62,14 @@ fn approach(data: &Convergence) -> Panel {
     let points = |steps, i| distances(steps, &data.limit, i).into_iter().map(log);
     let largest = data.largest_bound();
     let line = [-6.15, -2.85].map(|h: f64| (h, h + math::log10(largest)));
-    panel.add(
-        Curve::new(line)
-            .color(GREY)
-            .dash(Dash::Dashed)
-            .legend(&format!("the largest bound, {largest:.1} *h*")),
-    );
-    panel.add(
-        Guide::vertical(math::log10(PRINTED_STEP))
-            .color(GREY)
-            .width(0.6)
-            .legend("printed step, not in the fit"),
-    );
+    let bound = Curve::new(line).color(GREY).dash(Dash::Dashed);
+    panel.add(bound.legend(&format!("the largest bound, {largest:.1} *h*")));
+    let printed = Guide::vertical(math::log10(PRINTED_STEP)).color(GREY);
+    panel.add(printed.width(0.6).legend("printed step, not in the fit"));
     for (i, (name, color, shape)) in NAMES.into_iter().enumerate() {
-        panel.add(
-            Markers::new(points(&data.steps, i))
-                .shape(shape)
-                .color(color)
-                .size(6.0)
-                .legend(name),
-        );
-        panel.add(
-            Markers::new(points(&data.around, i))
-                .shape(shape)
-                .color(color)
-                .size(2.5),
-        );
+        let markers = |steps| Markers::new(points(steps, i)).shape(shape).color(color);
+        panel.add(markers(&data.steps).size(6.0).legend(name));
+        panel.add(markers(&data.around).size(2.5));
     }
     let small = format!("small: steps within {} % of it", 100.0 * REACH);
     panel.add(Markers::new([]).color(GREY).size(2.5).legend(&small));
@@ -99,14 +81,10 @@ fn around(data: &Convergence, published: [f64; 4]) -> Panel {
         let x = 100.0 * (at.h / PRINTED_STEP - 1.0);
         Some((x, (at.numbers?[i] - published[i]) / 1e-4))
     };
-    let all = || {
-        data.around
-            .iter()
-            .flat_map(|at| (0..4).filter_map(move |i| units(at, i)))
-    };
-    let reach = all()
-        .fold(1.0, |reach: f64, (_, y)| reach.max(1.05 * y.abs()))
-        .ceil();
+    let of_step = |at| (0..4).filter_map(move |i| units(at, i));
+    let all = data.around.iter().flat_map(of_step);
+    let reach = all.fold(1.0, |reach: f64, (_, y)| reach.max(1.05 * y.abs()));
+    let reach = reach.ceil();
     let mut panel = Panel::new(
         Axis::new("step against the printed one, %", -5.5, 5.5).step(1.0),
         Axis::new("off the published number, 10^{−4}", -reach, reach),
@@ -116,12 +94,8 @@ fn around(data: &Convergence, published: [f64; 4]) -> Panel {
     .legend(Legend::Below);
     panel.add(Band::y(-0.5, 0.5).legend("rounds to the printed digits"));
     panel.add(Guide::horizontal(0.0).color(GREY).width(0.6));
-    panel.add(
-        Guide::vertical(0.0)
-            .color(GREY)
-            .width(0.6)
-            .dash(Dash::Dashed),
-    );
+    let printed = Guide::vertical(0.0).color(GREY).width(0.6);
+    panel.add(printed.dash(Dash::Dashed));
     for (i, (name, color, shape)) in NAMES.into_iter().enumerate() {
         let points: Vec<(f64, f64)> = data.around.iter().filter_map(|at| units(at, i)).collect();
         panel.add(Curve::new(points.iter().copied()).color(color).width(0.6));

@@ -61,12 +61,8 @@ pub fn draw(scan: &Scan) -> Result<String, PlotError> {
             panel.add(band);
         }
     }
-    panel.add(
-        Guide::vertical(0.0)
-            .color(BLACK)
-            .width(0.8)
-            .dash(Dash::Dashed),
-    );
+    let printed = Guide::vertical(0.0).color(BLACK).width(0.8);
+    panel.add(printed.dash(Dash::Dashed));
     let two = scan.lines.iter().enumerate().flat_map(|(k, line)| {
         let has = |point: &&Point| point.counts[Class::StickSlipTwo as usize] > 0;
         let points = line.points.iter().filter(has);
@@ -74,13 +70,8 @@ pub fn draw(scan: &Scan) -> Result<String, PlotError> {
     });
     let two: Vec<(f64, f64)> = two.collect();
     if !two.is_empty() {
-        panel.add(
-            Markers::new(two)
-                .shape(Shape::Up)
-                .color(VERMILLION)
-                .size(6.0)
-                .legend("a motion of period two exists"),
-        );
+        let two = Markers::new(two).shape(Shape::Up).color(VERMILLION);
+        panel.add(two.size(6.0).legend("a motion of period two exists"));
     }
     let title = "Where starts lead as each parameter of Fig. 8 is changed";
     let figure = Figure::new("scan", (700.0, 560.0), title, &description(scan));
@@ -94,10 +85,8 @@ fn position(factor: f64) -> f64 {
 
 /// Half the width of a column.
 fn half_column(scan: &Scan) -> f64 {
-    let columns = scan
-        .lines
-        .first()
-        .map_or(2, |line| line.points.len().max(2));
+    let line = scan.lines.first();
+    let columns = line.map_or(2, |line| line.points.len().max(2));
     1.0 / (columns - 1) as f64
 }
 

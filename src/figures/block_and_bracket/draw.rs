@@ -214,9 +214,8 @@ fn by_size(data: &Data) -> Vec<usize> {
     let mut order: Vec<usize> = (0..exponents.len()).collect();
     order.sort_by(|&one, &other| {
         let by_value = exponents[other].value.total_cmp(&exponents[one].value);
-        is_unidentified(one)
-            .cmp(&is_unidentified(other))
-            .then(by_value)
+        let told = is_unidentified(one).cmp(&is_unidentified(other));
+        told.then(by_value)
     });
     order
 }

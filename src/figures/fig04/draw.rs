@@ -43,10 +43,9 @@ fn boundary(panel: &mut Panel, data: &Data) {
     panel.add(belt_line(belt));
     for (i, &zone) in data.zones.iter().enumerate() {
         let bar = Band::bar(zone, belt, ZONE_THICKNESS).fill(MID_GREY);
-        panel.add(if i == 0 {
-            bar.legend("stick zones")
-        } else {
-            bar
+        panel.add(match i {
+            0 => bar.legend("stick zones"),
+            _ => bar,
         });
     }
     for (wanted, legend) in [

@@ -115,9 +115,9 @@ fn branches(data: &Data) -> Panel {
     panel.add(six);
     let near = 1.0 / root;
     panel.add(Markers::new([(data.critical, near), (data.critical, -near)]).color(BLACK));
+    let meet = Note::new((0.5, near), "two tangent points meet");
     panel.add(
-        Note::new((0.5, near), "two tangent points meet")
-            .offset(6.0, -12.0)
+        meet.offset(6.0, -12.0)
             .leader((data.critical + 0.004, near)),
     );
     panel.add(Note::new((data.critical, 1.34), "critical *μ*_0").offset(6.0, 0.0));

@@ -90,10 +90,9 @@ fn add_stick_phases(panel: &mut Panel, data: &Data) {
     for (i, stick) in data.as_printed.pattern.sticks_of_one().enumerate() {
         let ends = [(stick.entry.x1, belt), (stick.exit.x1, belt)];
         let thick = Curve::new(ends).color(ORANGE).width(3.4);
-        panel.add(if i == 0 {
-            thick.legend("stick phase")
-        } else {
-            thick
+        panel.add(match i {
+            0 => thick.legend("stick phase"),
+            _ => thick,
         });
         let length = format!("{:.4} m", stick.length());
         panel.add(Dimension::new(ends[0], ends[1], &length).shift(30.0));
@@ -125,11 +124,8 @@ fn add_deflections(panel: &mut Panel, side: &Side<'_>) {
     detail.add(Markers::new(points()).open());
     panel.add(Inset::new((0.03, 0.72), (0.42, 0.98), detail));
     // The legend has the symbol once; it is the large one.
-    panel.add(
-        Markers::new([])
-            .open()
-            .legend("deflection, enlarged in the corner"),
-    );
+    let symbol = Markers::new([]).open();
+    panel.add(symbol.legend("deflection, enlarged in the corner"));
 }
 
 /// One half of the figure.
@@ -164,12 +160,8 @@ impl<'a> Side<'a> {
         let reach = self.data.model.amplitude;
         // The outer zones' sweeps overlap this one's and would hide it.
         if let Some(&(lower, upper)) = self.data.zones.get(1) {
-            let swept = Band::bar((lower - reach, upper + reach), belt, 9.0);
-            panel.add(
-                swept
-                    .fill(LIGHT_GREY)
-                    .legend("sweep of the middle stick zone"),
-            );
+            let swept = Band::bar((lower - reach, upper + reach), belt, 9.0).fill(LIGHT_GREY);
+            panel.add(swept.legend("sweep of the middle stick zone"));
         }
         let curve = self.trajectory.iter().map(|&(_, x1, x2)| (x1, x2));
         panel.add(Curve::new(curve).color(self.colour).width(1.4));
@@ -186,31 +178,21 @@ impl<'a> Side<'a> {
         .label(label)
         .legend(Legend::Below);
         let times: Vec<f64> = (0..=400).map(|k| span * f64::from(k) / 400.0).collect();
+        let over_time = |z: f64| -> Vec<(f64, f64)> {
+            let at = |&t: &f64| (t, z + model.support(self.origin + t));
+            times.iter().map(at).collect()
+        };
         for (i, &(lower, upper)) in self.data.zones.iter().enumerate() {
-            let end = |z: f64| {
-                let origin = self.origin;
-                times
-                    .iter()
-                    .map(move |&t| (t, z + model.support(origin + t)))
-                    .collect::<Vec<_>>()
-            };
-            let zone = Region::between(end(lower), end(upper)).fill(LIGHT_GREY);
-            panel.add(if i == 0 {
-                zone.legend("stick zones")
-            } else {
-                zone
+            let zone = Region::between(over_time(lower), over_time(upper)).fill(LIGHT_GREY);
+            panel.add(match i {
+                0 => zone.legend("stick zones"),
+                _ => zone,
             });
         }
-        let curve = self
-            .trajectory
-            .iter()
-            .map(|&(t, x1, _)| (t - self.origin, x1));
-        panel.add(
-            Curve::new(curve)
-                .color(self.colour)
-                .width(1.4)
-                .legend("position of the block"),
-        );
+        let curve = self.trajectory.iter();
+        let curve = curve.map(|&(t, x1, _)| (t - self.origin, x1));
+        let curve = Curve::new(curve).color(self.colour).width(1.4);
+        panel.add(curve.legend("position of the block"));
         panel
     }
 }
