@@ -15,7 +15,8 @@ use crate::terminal::ProgramError;
 use output::{PngError, WriteError};
 use plot::{Axis, Cell, Dash, GREY, Guide, Panel};
 use rows::Row;
-use stickslip::{Error, Mode, Orbit, Side, Transition, TransitionKind};
+use stickslip::filippov::normal_component;
+use stickslip::{Error, Filippov, Mode, Orbit, Scalar, Side, Transition, TransitionKind};
 
 /// What stops a computation.
 pub(crate) type Failure = Box<dyn std::error::Error + Send + Sync>;
@@ -110,6 +111,12 @@ fn curve3<const N: usize>(orbit: &Orbit<N>) -> Vec<(f64, f64, f64)> {
 /// The orbit in the plane of its first two components.
 fn phase_plane<const N: usize>(orbit: &Orbit<N>) -> Vec<(f64, f64)> {
     points(orbit, |_, x| (x[0], x[1]))
+}
+
+/// The normal components of both fields at a point of Σ: below, above.
+pub(crate) fn normals<S: Filippov<2>, T: Scalar>(system: &S, t: T, x: &[T; 2]) -> [T; 2] {
+    let of = |side| normal_component(system, t, x, &system.field(side, t, x));
+    [Side::Below, Side::Above].map(of)
 }
 
 /// The first crossing of Σ to a side in an orbit from time 0 on.

@@ -35,8 +35,10 @@ pub struct InPlace<S, const N: usize> {
     system: S,
     h: f64,
     bound: f64,
-    t: f64,
-    x: State<N>,
+    /// The clock.
+    pub t: f64,
+    /// The state.
+    pub x: State<N>,
     mode: Mode,
 }
 
@@ -61,16 +63,6 @@ impl<S: Filippov<N>, const N: usize> InPlace<S, N> {
             Mode::Slip(Side::Above)
         };
         scheme
-    }
-
-    /// Clock.
-    pub fn t(&self) -> f64 {
-        self.t
-    }
-
-    /// State.
-    pub fn x(&self) -> &State<N> {
-        &self.x
     }
 
     /// One pass of the listing's loop.
@@ -185,16 +177,16 @@ mod tests {
         let mut scheme = fig11(1e3);
         let mut sticks = 0;
         for _ in 0..100_000 {
-            let (before, t, x) = (scheme.mode, scheme.t(), *scheme.x());
+            let (before, t, x) = (scheme.mode, scheme.t, scheme.x);
             scheme.advance().unwrap();
             if before == Mode::Stick {
                 sticks += 1;
-                assert_eq!(scheme.t(), t + 1e-2);
-                assert_eq!(scheme.x()[0], x[0] + 1e-2 * 0.707);
-                assert_eq!(scheme.x()[1], x[1]);
+                assert_eq!(scheme.t, t + 1e-2);
+                assert_eq!(scheme.x[0], x[0] + 1e-2 * 0.707);
+                assert_eq!(scheme.x[1], x[1]);
             }
             if scheme.mode == Mode::Stick {
-                assert!((scheme.x()[1] - 0.707).abs() < 1e-12);
+                assert!((scheme.x[1] - 0.707).abs() < 1e-12);
             }
         }
         assert!(sticks > 0);

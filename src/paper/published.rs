@@ -172,16 +172,17 @@ impl Claim {
             Digits::Decimals(decimals) => format!("{value:.decimals$}")
                 .parse::<f64>()
                 .is_ok_and(|rounded| rounded == published),
-            Digits::Exact => {
-                let scale = if published == 0.0 {
-                    1.0
-                } else {
-                    published.abs()
-                };
-                (value - published).abs() <= EXACT_TOLERANCE * scale
-            }
+            Digits::Exact => (value - published).abs() <= EXACT_TOLERANCE * scale(published),
             Digits::None => false,
         }
+    }
+}
+
+/// What differences from an exact number are measured in: its size, or 1 for zero.
+pub(crate) fn scale(published: f64) -> f64 {
+    match published {
+        0.0 => 1.0,
+        other => other.abs(),
     }
 }
 

@@ -162,16 +162,16 @@ fn in_place(system: &BlockAndBracket, start: State<4>, h: f64, plan: &Plan) -> O
     let (mut series, mut section) = (Vec::new(), Vec::new());
     for pass in 0..=last {
         if pass >= first && (pass - first).is_multiple_of(every) {
-            series.push((*scheme.x()).into());
+            series.push(scheme.x.into());
         }
-        let before = *scheme.x();
+        let before = scheme.x;
         match scheme.advance() {
             Ok(()) => {}
             Err(Lost::Escaped { t }) => return Outcome::Escaped(t),
             Err(Lost::BrokenDown { .. }) => return Outcome::Failed,
         }
-        if let Some(at) = crossing(&before, scheme.x()).filter(|_| pass >= first) {
-            section.push((scheme.t(), at.into()));
+        if let Some(at) = crossing(&before, &scheme.x).filter(|_| pass >= first) {
+            section.push((scheme.t, at.into()));
         }
     }
     let criterion = Criterion {

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::paper::published::{Claim, Digits};
+use crate::paper::published::{Claim, Digits, scale};
 
 /// Digits that count of values that are published in closed form: those that [`Claim::agrees`] asks
 /// for.
@@ -26,11 +26,7 @@ impl Agreement {
     /// Of two the lesser.
     #[must_use]
     pub fn and(self, other: Agreement) -> Agreement {
-        if other.agreeing < self.agreeing {
-            other
-        } else {
-            self
-        }
+        std::cmp::min_by_key(self, other, |one| one.agreeing)
     }
 }
 
@@ -44,45 +40,29 @@ impl fmt::Display for Agreement {
 /// nothing for a claim without numbers.
 pub fn agreement(claim: &Claim, value: f64) -> Option<Agreement> {
     let distance = |published: &f64| (value - published).abs();
-    let published = claim
-        .values()
-        .iter()
-        .copied()
-        .min_by(|one, other| distance(one).total_cmp(&distance(other)))?;
-    match claim.digits {
-        Digits::None => None,
+    let published = claim.values().iter().copied();
+    let published = published.min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+    let off = distance(&published);
+    let (agreeing, printed) = match claim.digits {
+        Digits::None => return None,
         Digits::Exact => {
-            let scale = if published == 0.0 {
-                1.0
-            } else {
-                published.abs()
-            };
-            let agreeing = (1..=EXACT_DIGITS)
-                .take_while(|&d| distance(&published) <= 0.5 * ten_to(-f64::from(d)) * scale)
-                .count();
-            Some(Agreement {
-                agreeing: agreeing as u32,
-                printed: EXACT_DIGITS,
-            })
+            let scale = scale(published);
+            let near = |d: &u32| off <= 0.5 * ten_to(-f64::from(*d)) * scale;
+            let agreeing = (1..=EXACT_DIGITS).take_while(near).count();
+            (agreeing as u32, EXACT_DIGITS)
         }
         Digits::Decimals(decimals) => {
             let printed = significant(published, decimals);
+            let near = |lost: &u32| off <= 0.5 * ten_to(f64::from(*lost) - decimals as f64);
             // The last digit agrees when rounding gives it, which is what the claim asks.
-            let lost = if claim.agrees(value) {
-                0
-            } else {
-                let near = |lost: &u32| {
-                    let place = f64::from(*lost) - decimals as f64;
-                    distance(&published) <= 0.5 * ten_to(place)
-                };
-                (1..printed).find(near).unwrap_or(printed)
+            let lost = match claim.agrees(value) {
+                true => 0,
+                false => (1..printed).find(near).unwrap_or(printed),
             };
-            Some(Agreement {
-                agreeing: printed - lost,
-                printed,
-            })
+            (printed - lost, printed)
         }
-    }
+    };
+    Some(Agreement { agreeing, printed })
 }
 
 /// Significant digits of a number printed with so many decimals.

@@ -36,6 +36,8 @@ use crate::paper::listing::ListingError;
 use crate::paper::published::PublishedError;
 use crate::readings::ReadingsError;
 use crate::terminal::ProgramError;
+use stickslip::analysis::{Visibility, tangency};
+use stickslip::models::BeltOscillator;
 use stickslip::{
     Error, Failure, Filippov, Mode, Orbit, Phase, Side, State, Transition, TransitionKind, solve,
 };
@@ -105,4 +107,11 @@ fn places(outer: f64, count: u32, belt_speed: f64) -> impl Iterator<Item = State
         let part = 2.0 * (f64::from(k) + 0.5) / f64::from(count) - 1.0;
         State::from([outer * part, belt_speed])
     })
+}
+
+/// How a field of model 1 is tangent to Σ at a position (m), if one is.
+fn tangent_at(model: &BeltOscillator, x1: f64) -> Option<Visibility> {
+    let x = State::from([x1, model.belt_speed]);
+    let mut sides = [Side::Below, Side::Above].into_iter();
+    sides.find_map(|side| tangency(model, side, 0.0, &x))
 }

@@ -3,14 +3,13 @@
 mod draw;
 mod numbers;
 
-use super::{Failure, FigureSpec, crossing, phase_plane};
+use super::{Failure, FigureSpec, crossing, normals, phase_plane};
 use crate::numbers::{changes, missing};
 use draw::draw;
 #[cfg(feature = "report")]
 pub(crate) use numbers::kind;
 use numbers::numbers;
 use stickslip::analysis::{multipliers, periodic_orbit};
-use stickslip::filippov::normal_component;
 use stickslip::models::{BeltOscillator, BeltTangency};
 use stickslip::scalar::Dual;
 use stickslip::{Error, Filippov, Mode, Options, Scalar, Side, State, Transition, solve};
@@ -97,8 +96,8 @@ fn compute() -> Result<Data, Failure> {
     // At rest friction adds the same to either side, so the mean of the two normal components is
     // the spring's.
     let spring = |x1: f64| {
-        let on_belt = [x1, model.belt_speed];
-        0.5 * (normal(&model, Side::Below, &on_belt) + normal(&model, Side::Above, &on_belt))
+        let [below, above] = normals(&model, 0.0, &[x1, model.belt_speed]);
+        0.5 * (below + above)
     };
     Ok(Data {
         critical_mu0: stationary.iter().map(|&x1| spring(x1)).collect(),
@@ -113,17 +112,13 @@ fn compute() -> Result<Data, Failure> {
     })
 }
 
-fn normal<T: Scalar>(model: &BeltOscillator, side: Side, x: &[T; 2]) -> T {
-    let t = T::constant(0.0);
-    normal_component(model, t, x, &model.field(side, t, x))
-}
-
 /// The zeros of ∂σ/∂x₁ (Eq. 11) on Σ: bracketed on a grid that holds none of them, then bisected to
 /// the last bit.
 fn stationary(model: &BeltOscillator) -> Vec<f64> {
     let slope = |x1: f64| {
         let x = [Dual::new(x1, 1.0), Dual::new(model.belt_speed, 0.0)];
-        (normal(model, Side::Below, &x) * normal(model, Side::Above, &x)).eps
+        let [below, above] = normals(model, Dual::constant(0.0), &x);
+        (below * above).eps
     };
     let grid = (0..=300).rev().map(|k| 1.507 - 0.01 * f64::from(k));
     let mut zeros = changes(grid, |x1| slope(x1) < 0.0);

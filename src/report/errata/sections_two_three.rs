@@ -1,16 +1,15 @@
 //! Misprints of Sects. 2 and 3: friction as a coefficient, critical points, the Hénon steps.
 
 use super::{Proof, proof};
+use crate::figures::normals;
 use crate::figures::rows::Value;
 use crate::numbers::{bisect, extent};
 use crate::paper::claim_id::ClaimId;
-use crate::paper::published::Claims;
+use crate::paper::published::{Claims, PublishedError};
 use crate::report::accuracy::{Accuracy, EventErrors};
-use crate::report::{ReportError, places};
-use stickslip::analysis::tangency;
-use stickslip::filippov::normal_component;
+use crate::report::{ReportError, places, tangent_at};
 use stickslip::models::BeltOscillator;
-use stickslip::{Error, Fate, Filippov, Options, Side, State, TransitionKind, fate, solve};
+use stickslip::{Error, Fate, Options, State, TransitionKind, fate, solve};
 
 /// Places between the outer tangent points at which it is seen whether a body sticks.
 const PLACES: u32 = 400;
@@ -48,26 +47,23 @@ pub(super) fn unit_of_mu0() -> Proof {
     proof("unit_of_mu0", [plain, stiffer, heavier], holds)
 }
 
+fn published_points() -> Result<&'static [f64], PublishedError> {
+    Ok(Claims::committed()?
+        .of(ClaimId::Eq12CriticalPoints)
+        .values())
+}
+
 /// Eq. (12) finds where σ is stationary, and calls that tangent points.
 pub(super) fn critical_points() -> Result<Proof, ReportError> {
     let model = BeltOscillator::default();
-    let points = Claims::committed()?
-        .of(ClaimId::Eq12CriticalPoints)
-        .values();
+    let points = published_points()?;
     let mut least_sigma = f64::INFINITY;
     let (mut tangent, mut sticks, mut slips) = (0, 0, 0);
     for &x1 in points {
         let x = State::from([x1, model.belt_speed]);
-        let normal = |side| {
-            let x = x.as_ref();
-            normal_component(&model, 0.0, x, &model.field(side, 0.0, x))
-        };
-        let sigma = normal(Side::Below) * normal(Side::Above);
-        least_sigma = least_sigma.min(sigma.abs());
-        let is_tangent = [Side::Below, Side::Above]
-            .into_iter()
-            .any(|side| tangency(&model, side, 0.0, &x).is_some());
-        tangent += usize::from(is_tangent);
+        let [below, above] = normals(&model, 0.0, x.as_ref());
+        least_sigma = least_sigma.min((below * above).abs());
+        tangent += usize::from(tangent_at(&model, x1).is_some());
         match fate(&model, 0.0, &x) {
             Fate::Stick => sticks += 1,
             Fate::Slip(_) => slips += 1,
@@ -109,9 +105,7 @@ pub(super) fn wrong_reference() -> Result<Proof, ReportError> {
     // What has a solution: the orbit of Eq. (5) through each member of Eq. (12), off the belt's
     // speed.
     const SPAN: f64 = 30.0;
-    let points = Claims::committed()?
-        .of(ClaimId::Eq12CriticalPoints)
-        .values();
+    let points = published_points()?;
     let crossings = |belt_speed: f64| -> Result<usize, Error> {
         let model = BeltOscillator {
             belt_speed,
@@ -182,12 +176,6 @@ mod tests {
             mu0: 2.0 / (3.0 * 3f64.sqrt()),
             ..BeltOscillator::default()
         };
-        let x = State::from([1.0 / 3f64.sqrt(), model.belt_speed]);
-        let sides = [Side::Below, Side::Above];
-        assert!(
-            sides
-                .into_iter()
-                .any(|side| tangency(&model, side, 0.0, &x).is_some())
-        );
+        assert!(tangent_at(&model, 1.0 / 3f64.sqrt()).is_some());
     }
 }

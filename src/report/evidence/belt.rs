@@ -5,9 +5,9 @@ use super::{small, statement};
 use crate::figures::fig04::kind;
 use crate::paper::reading::Reading::Exact;
 use crate::report::finding::Finding;
-use stickslip::analysis::{Visibility, tangency};
+use crate::report::tangent_at;
 use stickslip::models::BeltOscillator;
-use stickslip::{Error, Mode, Options, Side, State, solve};
+use stickslip::{Error, Mode, Options, State, solve};
 
 const TOLERANCE: f64 = 1e-13;
 /// Where the body is put on the belt (m): left of both inner points, inside the zone.
@@ -86,13 +86,6 @@ fn with_friction(excess: f64) -> BeltOscillator {
         mu0: 2.0 / (3.0 * 3f64.sqrt()) * (1.0 + excess),
         ..BeltOscillator::default()
     }
-}
-
-/// The kind of tangency of a field at a point on the belt.
-fn tangent_at(model: &BeltOscillator, x1: f64) -> Option<Visibility> {
-    let x = State::from([x1, model.belt_speed]);
-    let mut sides = [Side::Below, Side::Above].into_iter();
-    sides.find_map(|side| tangency(model, side, 0.0, &x))
 }
 
 fn ride(excess: f64) -> Result<Ride, Error> {

@@ -4,12 +4,12 @@ use rayon::prelude::*;
 
 use super::stick_phases::{follow, starts};
 use super::{small, statement};
+use crate::figures::normals;
 use crate::numbers::{extent, largest};
 use crate::paper::reading::Reading::Exact;
 use crate::report::finding::Finding;
-use stickslip::filippov::normal_component;
 use stickslip::models::ForcedOscillator;
-use stickslip::{Error, Filippov, Mode, Side, State, TransitionKind};
+use stickslip::{Error, Mode, State, TransitionKind};
 
 /// Starts on Σ, relative to the support (m): where σ vanishes without friction, and between.
 const ON_BOUNDARY: [f64; 7] = [-1.0, -0.7, -0.3, 0.0, 0.3, 0.7, 1.0];
@@ -74,18 +74,14 @@ fn tally(model: &ForcedOscillator) -> Result<Tally, Error> {
     let transitions = orbits.iter().flat_map(|orbit| &orbit.transitions);
     let crossings = transitions.filter(|at| at.kind == TransitionKind::Crossing);
     let crossings: Vec<(f64, State<2>)> = crossings.map(|at| (at.t, at.x)).collect();
-    let normal = |t: f64, x: &State<2>| {
-        let x = x.as_ref();
-        let of = |side| normal_component(model, t, x, &model.field(side, t, x));
-        (of(Side::Below), of(Side::Above))
-    };
-    let kink = |(t, x): &(f64, State<2>)| {
-        let (below, above) = normal(*t, x);
+    let normals = |(t, x): &(f64, State<2>)| normals(model, *t, x.as_ref());
+    let kink = |at: &(f64, State<2>)| {
+        let [below, above] = normals(at);
         (above - below).abs()
     };
     let on_boundary = all.iter().filter(|(_, x)| x[1] == model.belt_speed);
-    let sigmas = crossings.iter().chain(on_boundary).map(|(t, x)| {
-        let (below, above) = normal(*t, x);
+    let sigmas = crossings.iter().chain(on_boundary).map(|at| {
+        let [below, above] = normals(at);
         below * above
     });
     Ok(Tally {

@@ -3,12 +3,12 @@
 
 use super::zones::critical;
 use super::{small, statement};
+use crate::figures::normals;
 use crate::paper::reading::Reading::Exact;
 use crate::report::finding::Finding;
-use stickslip::filippov::normal_component;
 use stickslip::models::{BeltOscillator, ForcedOscillator};
 use stickslip::scalar::Dual;
-use stickslip::{Fate, Filippov, Scalar, Side, State, fate};
+use stickslip::{Fate, Filippov, State, fate};
 
 /// Differences within this are rounding, relative to the terms that are subtracted.
 const ROUNDING: f64 = 1e-13;
@@ -102,7 +102,8 @@ impl Compared {
         for z in (0..=300).map(|k| 0.01 * (f64::from(k) - 150.0) + 0.0013) {
             let position = z + offset;
             let seeded = [Dual::new(position, 1.0), Dual::new(belt_speed, 0.0)];
-            let found = product(system, Dual::new(t, 0.0), &seeded);
+            let [below, above] = normals(system, Dual::new(t, 0.0), &seeded);
+            let found = below * above;
             // What the support adds is lost in the sum: the polynomial is taken where the body is.
             let expected = printed(position - offset);
             let relative = |off: f64, size: f64| off.abs() / size.max(f64::MIN_POSITIVE);
@@ -148,12 +149,6 @@ impl Compared {
         );
         vec![statement(Exact, parts, line)]
     }
-}
-
-/// The product of the two fields' normal components.
-fn product<S: Filippov<2>, T: Scalar>(system: &S, t: T, x: &[T; 2]) -> T {
-    let of = |side| normal_component(system, t, x, &system.field(side, t, x));
-    of(Side::Below) * of(Side::Above)
 }
 
 /// Eqs. (9) and (11).

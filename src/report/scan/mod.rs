@@ -58,18 +58,9 @@ pub struct Scan {
     pub chaos: Chaos,
 }
 
-/// A motion found by the scan, and where.
-#[derive(Clone, Copy, Debug)]
-pub struct Found<'a> {
-    /// The parameter that was changed.
-    pub name: &'static str,
-    /// The point.
-    pub point: &'a Point,
-    /// The motion.
-    pub motion: &'a StickSlip,
-    /// Larger relative difference of its two lengths from the published ones.
-    pub distance: f64,
-}
+/// A stick–slip motion found at a point: name of the parameter that was changed, the point, the
+/// motion, and the larger relative difference of its two lengths from the published ones.
+pub type Found<'a> = (&'static str, &'a Point, &'a StickSlip, f64);
 
 /// Values of a parameter, the printed one in the middle.
 const VALUES: usize = 33;
@@ -121,14 +112,9 @@ impl Scan {
         let points = points.flat_map(|line| line.points.iter().map(|point| (line.name, point)));
         let found = points.filter_map(|(name, point)| {
             let (motion, distance) = point.nearest(self.published, &allowed)?;
-            Some(Found {
-                name,
-                point,
-                motion,
-                distance,
-            })
+            Some((name, point, motion, distance))
         });
-        found.min_by(|one, other| one.distance.total_cmp(&other.distance))
+        found.min_by(|one, other| one.3.total_cmp(&other.3))
     }
 
     /// The answer in words.
@@ -167,15 +153,14 @@ impl Scan {
             ("of period two", self.nearest(|motion| motion.period == 2)),
             ("of any period", self.nearest(|_| true)),
         ] {
-            let Some(found) = found else {
+            let Some((name, point, StickSlip { period, lengths }, distance)) = found else {
                 continue;
             };
-            let (name, factor) = (found.name, found.point.factor);
-            let StickSlip { period, lengths } = found.motion;
+            let factor = point.factor;
             let longest = lengths.iter().take(2).map(|l| format!("{l:.4}"));
             let (longest, count) = (joined(longest, " and "), lengths.len());
-            let off = match found.distance.is_finite() {
-                true => format!("off by {:.0} %", 100.0 * found.distance),
+            let off = match distance.is_finite() {
+                true => format!("off by {:.0} %", 100.0 * distance),
                 false => "where two are published".to_owned(),
             };
             text += &format!(
