@@ -132,7 +132,7 @@ impl Committed {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::readings::plan::spread_settings;
+    use crate::readings::plan::{of_spread, spread_settings};
 
     /// Of the settings of the spread one in so many is computed anew, from the first on.
     const EVERY: usize = 15;
@@ -141,7 +141,11 @@ mod tests {
     fn the_estimates_of_the_spread_are_what_the_program_computes_now() {
         let kept: Vec<_> = spread_settings().into_iter().step_by(EVERY).collect();
         assert_eq!(kept.len(), 2);
-        let plan = Plan::full().unwrap().with_spread_alone(kept);
+        let plan = Plan {
+            search: Vec::new(),
+            spread: of_spread(kept),
+            ..Plan::full().unwrap()
+        };
         let recommended = plan
             .groups
             .iter()

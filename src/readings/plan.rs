@@ -93,8 +93,10 @@ pub struct Plan {
     pub published: Exponents,
     /// Their values.
     pub target: Twelve,
-    search: Vec<Setting>,
-    spread: Vec<Setting>,
+    /// Settings of the estimator that compete.
+    pub search: Vec<Setting>,
+    /// Those that measure the estimator's own spread.
+    pub spread: Vec<Setting>,
 }
 
 /// The captions of Figs. 10–12.
@@ -178,16 +180,6 @@ impl Plan {
                 settings(0.2, 80, 2, false),
             ]),
         })
-    }
-
-    /// Nothing but these settings of the spread.
-    #[cfg(test)]
-    pub fn with_spread_alone(self, spread: Vec<DataSettings>) -> Plan {
-        Plan {
-            search: Vec::new(),
-            spread: of_spread(spread),
-            ..self
-        }
     }
 
     /// The settings of a group, with the part they belong to.
@@ -344,7 +336,7 @@ fn settings(eps: f64, max: usize, step: usize, affine: bool) -> DataSettings {
     }
 }
 
-fn of_spread(settings: Vec<DataSettings>) -> Vec<Setting> {
+pub fn of_spread(settings: Vec<DataSettings>) -> Vec<Setting> {
     settings
         .into_iter()
         .map(|one| (Unit::Spread, one))

@@ -150,10 +150,8 @@ impl Ledger {
             statements,
             computed,
         };
-        let entries = claims
-            .iter()
-            .map(|claim| ledger.judged_anew(claims, claim.id));
-        ledger.entries = entries.collect();
+        let judged = |claim: &Claim| ledger.judged_anew(claims, claim.id);
+        ledger.entries = claims.iter().map(judged).collect();
         Ok(ledger)
     }
 
@@ -164,10 +162,13 @@ impl Ledger {
 
     /// How many claims have each verdict.
     pub fn counts(&self) -> [(Verdict, usize); 6] {
-        Verdict::COUNTED.map(|verdict| {
-            let with = self.entries.iter().filter(|entry| entry.verdict == verdict);
-            (verdict, with.count())
-        })
+        Verdict::COUNTED.map(|verdict| (verdict, self.with(verdict)))
+    }
+
+    /// How many claims have a verdict.
+    pub fn with(&self, verdict: Verdict) -> usize {
+        let with = self.entries.iter().filter(|entry| entry.verdict == verdict);
+        with.count()
     }
 
     /// The entry of a claim.
@@ -286,12 +287,16 @@ impl Ledger {
                 borne_out(counts.zero, "give each figure an exponent that is zero"),
             ],
             ClaimId::S5TwoZeroExponents => {
-                let what = "make the first two of Fig. 11 zero";
-                vec![borne_out(counts.two_zeros, what)]
+                vec![borne_out(
+                    counts.two_zeros,
+                    "make the first two of Fig. 11 zero",
+                )]
             }
             ClaimId::S5PositiveExponent => {
-                let what = "make the first of Fig. 12 positive";
-                vec![borne_out(counts.positive, what)]
+                vec![borne_out(
+                    counts.positive,
+                    "make the first of Fig. 12 positive",
+                )]
             }
             ClaimId::S3ArrivalAccuracy => self.accuracy.lines_of_arrival(),
             ClaimId::S3ReleaseAccuracy => self.accuracy.lines_of_release(),
@@ -315,17 +320,15 @@ impl Ledger {
 
 /// Where the starts of Fig. 8's grid end up in the stated model.
 fn shares_sentence(shares: &Shares) -> String {
-    let parts = [
-        shares.slip_only + shares.other,
-        shares.escapes,
-        shares.stick_slip,
-        shares.unsettled,
-    ];
-    let [slip, escape, stick_slip, unsettled] = parts.map(|one| format!("{:.0} %", 100.0 * one));
-    let [x1, x2] = REACH;
+    let percent = |part: f64| format!("{:.0} %", 100.0 * part);
+    let (slip, escape) = (
+        percent(shares.slip_only + shares.other),
+        percent(shares.escapes),
+    );
+    let (stick_slip, unsettled) = (percent(shares.stick_slip), percent(shares.unsettled));
+    let ([x1, x2], starts) = (REACH, shares.starts);
     format!(
-        "Of {} starts in the stated model, from −{x1} to {x1} m and −{x2} to {x2} m/s, within {FOLLOWED} forcing periods {slip} settle on motions that never \
-         stick, {escape} escape, {stick_slip} stick and slip, and {unsettled} do not settle (other windows of starts have other shares).",
-        shares.starts,
+        "Of {starts} starts in the stated model, from −{x1} to {x1} m and −{x2} to {x2} m/s, within {FOLLOWED} forcing periods {slip} settle on motions that never \
+         stick, {escape} escape, {stick_slip} stick and slip, and {unsettled} do not settle (other windows of starts have other shares)."
     )
 }

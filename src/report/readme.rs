@@ -54,17 +54,14 @@ pub fn block(ledger: &Ledger) -> String {
 
 /// How many claims of each part of the paper have each verdict.
 fn counts(ledger: &Ledger) -> String {
-    let mut text = String::from("| part of the paper | claims |");
-    for verdict in Verdict::COUNTED {
-        text += &format!(" {verdict} |");
-    }
-    text += "\n|---|--:|";
-    text += &"--:|".repeat(Verdict::COUNTED.len());
-    text += "\n";
+    let cells = |cells: Vec<String>| format!(" {} |\n", cells.join(" | "));
+    let names = Verdict::COUNTED.map(|verdict| verdict.to_string());
+    let mut text = String::from("| part of the paper | claims |") + &cells(names.to_vec());
+    text += &format!("|---|--:|{}\n", "--:|".repeat(Verdict::COUNTED.len()));
     for (part, name) in PARTS {
         let of = |entry: &&Entry| entry.claim.part == part && entry.verdict != Verdict::Identity;
         let entries: Vec<&Entry> = ledger.entries.iter().filter(of).collect();
-        text += &format!("| {} | {} |", name, entries.len());
+        text += &format!("| {name} | {} |", entries.len());
         for verdict in Verdict::COUNTED {
             let with = entries.iter().filter(|entry| entry.verdict == verdict);
             text += &match with.count() {
@@ -74,11 +71,8 @@ fn counts(ledger: &Ledger) -> String {
         }
         text += "\n";
     }
-    text += &format!("| **all** | **{}** |", ledger.counted());
-    for (_, count) in ledger.counts() {
-        text += &format!(" **{count}** |");
-    }
-    text + "\n"
+    let all = ledger.counts().map(|(_, count)| format!("**{count}**"));
+    text + &format!("| **all** | **{}** |", ledger.counted()) + &cells(all.to_vec())
 }
 
 /// A reading's values with as many decimals as are printed; six of what is known in closed form.

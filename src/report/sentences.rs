@@ -27,8 +27,8 @@ pub(super) fn sentences(ledger: &Ledger) -> [String; 3] {
     let classes = SpectrumFigure::ALL.map(SpectrumFigure::class);
     let exponents = SpectrumFigure::ALL.map(SpectrumFigure::exponents);
     let open = |entry: &Entry| entry.verdict == Verdict::Undeterminable;
-    let (stated, counted) = (count(ledger, Verdict::Reproduced), ledger.counted());
-    let corrected = count(ledger, Verdict::WithCorrections);
+    let (stated, counted) = (ledger.with(Verdict::Reproduced), ledger.counted());
+    let corrected = ledger.with(Verdict::WithCorrections);
     let (motion, digits) = (least(Cell::gives_class), least(Cell::gives_digits));
     let printed = gives(&ClaimId::FOUR, &by(Reading::AsPrinted));
     let exact = gives(&ClaimId::FOUR, &by(Reading::Exact));
@@ -49,15 +49,6 @@ pub(super) fn sentences(ledger: &Ledger) -> [String; 3] {
     ]
 }
 
-/// How many claims have a verdict.
-fn count(ledger: &Ledger, verdict: Verdict) -> usize {
-    let with = ledger
-        .entries
-        .iter()
-        .filter(|entry| entry.verdict == verdict);
-    with.count()
-}
-
 /// How many verdicts stand or fall with the one corrected model of Figs. 10–12.
 pub(super) fn resting(ledger: &Ledger) -> String {
     let verdict = Verdict::WithCorrections;
@@ -65,7 +56,7 @@ pub(super) fn resting(ledger: &Ledger) -> String {
         one.verdict == verdict && one.corrections.contains(&Correction::BracketSigns)
     };
     let model = ledger.entries.iter().filter(model).count();
-    let all = count(ledger, verdict);
+    let all = ledger.with(verdict);
     format!(
         "{model} of the {all} claims {verdict} rest on one corrected model, that of Figs. 10–12."
     )

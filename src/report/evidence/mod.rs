@@ -19,6 +19,7 @@ use super::ReportError;
 use super::errata::Proof;
 use super::figures::Computed;
 use super::finding::Finding;
+use crate::figures::rows::Part;
 use crate::paper::claim_id::ClaimId;
 use crate::paper::listing::Defects;
 use crate::paper::reading::Reading;
@@ -99,17 +100,13 @@ impl Statements {
     }
 }
 
-/// A statement judged by its parts, with the numbers in one sentence.
-fn statement(
-    reading: Reading,
-    parts: impl IntoIterator<Item = (&'static str, bool)>,
-    line: String,
-) -> Finding {
+/// A finding with a line that gives the measured numbers.
+fn statement(reading: Reading, parts: impl IntoIterator<Item = Part>, line: String) -> Finding {
     Finding::statement(reading, parts).noted(line)
 }
 
-/// What the listing as printed makes of the statement; decides nothing of the model.
-fn as_printed(parts: impl IntoIterator<Item = (&'static str, bool)>) -> Finding {
+/// What the paper's own program gives; the line of the other finding tells of both.
+fn as_printed(parts: impl IntoIterator<Item = Part>) -> Finding {
     Finding::statement(Reading::AsPrinted, parts)
 }
 
