@@ -42,6 +42,13 @@ pub(crate) fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
     values.into_iter().fold(0.0, f64::max)
 }
 
+/// Median of some values: of an even count the mean of the middle two.
+#[cfg(feature = "report")]
+pub(crate) fn median(values: &[f64]) -> Option<f64> {
+    let middle = stickslip_series::statistics::middle_two(values.iter().copied());
+    middle.map(|[lower, upper]| 0.5 * (lower + upper))
+}
+
 /// The error of a search that ended without `what`, from time `t` on over `span` (s).
 pub(crate) fn missing(what: &'static str, t: f64, span: f64) -> Error {
     Error::NotFound { what, t, span }
@@ -58,5 +65,14 @@ mod tests {
             assert_eq!(found.to_bits() << 1, step.to_bits() << 1, "{step}");
         }
         assert_eq!(bisect(0.0, 1.0, |_| false), 1.0);
+    }
+
+    #[cfg(feature = "report")]
+    #[test]
+    fn the_median_of_an_even_count_lies_between_the_middle_two() {
+        assert_eq!(median(&[]), None);
+        assert_eq!(median(&[3.0]), Some(3.0));
+        assert_eq!(median(&[1.0, 2.0, 5.0]), Some(2.0));
+        assert_eq!(median(&[1.0, 2.0, 5.0, 9.0]), Some(3.5));
     }
 }

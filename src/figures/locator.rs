@@ -47,7 +47,7 @@ const ORDER_FLOOR: f64 = 3e-14;
 const ORDER_STEP: f64 = 0.5;
 
 /// Error of the located event against step length.
-pub const LOCATOR: FigureSpec<Vec<Way>> = FigureSpec {
+pub const LOCATOR: FigureSpec<[Way; 5]> = FigureSpec {
     name: "locator",
     title: "Error of a located event against the step",
     about: "A block on a belt of speed 1.3, x'' = -x - 0.4 sgn(x' - 1.3), moves on a circle of radius 2.6 about (0.4, 0) until it is as fast \
@@ -59,7 +59,7 @@ pub const LOCATOR: FigureSpec<Vec<Way>> = FigureSpec {
     draw,
 };
 
-fn compute() -> Result<Vec<Way>, Failure> {
+fn compute() -> Result<[Way; 5], Failure> {
     let belt = BeltOscillator {
         k1: -1.0,
         k2: 0.0,
@@ -78,7 +78,7 @@ fn compute() -> Result<Vec<Way>, Failure> {
             errors,
         }
     };
-    Ok(vec![
+    Ok([
         way("linear", "linear interpolation", Step::chord),
         way(
             "dense_4",
@@ -99,7 +99,7 @@ fn compute() -> Result<Vec<Way>, Failure> {
     ])
 }
 
-fn numbers(ways: &Vec<Way>) -> Vec<Row> {
+fn numbers(ways: &[Way; 5]) -> Vec<Row> {
     let mut rows = Vec::new();
     for way in ways {
         let id = |what: &str| format!("locator.{}.{what}", way.id);
@@ -113,7 +113,7 @@ fn numbers(ways: &Vec<Way>) -> Vec<Row> {
     rows
 }
 
-fn draw(ways: &Vec<Way>) -> Result<String, FigureError> {
+fn draw(ways: &[Way; 5]) -> Result<String, FigureError> {
     let mut panel = Panel::new(
         Axis::decades("step *h*, s", (-3.05, 0.05)),
         Axis::decades("error of the event's time, s", (-14.8, 0.3)),

@@ -1,6 +1,7 @@
 //! Ratios of times at equal accuracy.
 
 use super::row::Row;
+use crate::numbers::median;
 use crate::text::distinct;
 use stickslip::math;
 
@@ -12,7 +13,7 @@ pub const WANTED: f64 = 1e-12;
 /// The points of a solver on a problem from which neither error nor time can be bettered, as (time,
 /// error), by rising time and falling error.
 pub fn front<'a>(rows: impl Iterator<Item = &'a Row>) -> Vec<(f64, f64)> {
-    let point = |row: &Row| Some((row.median()?, row.error?.max(LEAST_ERROR)));
+    let point = |row: &Row| Some((median(&row.seconds)?, row.error?.max(LEAST_ERROR)));
     let mut points: Vec<(f64, f64)> = rows.filter_map(point).collect();
     points.sort_by(|one, other| one.0.total_cmp(&other.0));
     let mut front: Vec<(f64, f64)> = Vec::new();

@@ -9,7 +9,8 @@ use super::compare::most_accurate;
 use super::error::PeersError;
 use super::event::{Event, error};
 use super::problem::{Problem, SOLVERS, Solver};
-use super::row::{Row, median};
+use super::row::Row;
+use crate::numbers::median;
 
 /// A sample is the mean over as many calls as take this long (s).
 const BATCH: f64 = 5e-3;

@@ -221,16 +221,12 @@ fn head(all: &All, versions: &[(String, String)]) -> String {
     let named = versions
         .iter()
         .map(|(package, number)| format!("{package} {number}"));
-    let beside = if versions.is_empty() {
-        "no peers: give --python to measure them too".into()
-    } else {
-        format!("beside {}", joined(named, ", "))
+    let beside = match versions {
+        [] => "no peers: give --python to measure them too".to_owned(),
+        _ => format!("beside {}", joined(named, ", ")),
     };
-    format!(
-        "stickslip {} {beside}; medians of {} alternating rounds",
-        env!("CARGO_PKG_VERSION"),
-        all.rounds
-    )
+    let (version, rounds) = (env!("CARGO_PKG_VERSION"), all.rounds);
+    format!("stickslip {version} {beside}; medians of {rounds} alternating rounds")
 }
 
 fn write(all: &All, rows: &[Row], text: &str, problems: &[Problem]) -> Result<String, PeersError> {

@@ -2,6 +2,7 @@
 
 use super::compare::{Ratio, WANTED, most_accurate, ratios};
 use super::row::Row;
+use crate::numbers::median;
 use crate::text::{Marks, distinct};
 
 /// A time in the unit that suits it.
@@ -26,7 +27,7 @@ pub fn text(rows: &[Row], ours: &[&str], head: &str) -> String {
     for row in most_accurate(rows).into_iter().map(|i| &rows[i]) {
         let cell = |value: Option<f64>| value.map_or("-".into(), duration);
         let error = row.error.map_or("-".into(), |error| format!("{error:.1e}"));
-        let (time, compile) = (cell(row.median()), cell(row.compile));
+        let (time, compile) = (cell(median(&row.seconds)), cell(row.compile));
         let Row {
             problem,
             solver,

@@ -4,8 +4,8 @@ use std::str::FromStr;
 
 use super::error::PeersError;
 use super::problem::Problem;
+use crate::numbers::median;
 use crate::text;
-use stickslip_series::statistics::middle_two;
 
 /// A row of report/bench.csv.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -30,23 +30,6 @@ pub struct Row {
     pub process: Option<f64>,
     /// Why there is no error or no time.
     pub note: String,
-}
-
-impl Row {
-    /// Middle of the rounds (s).
-    pub fn median(&self) -> Option<f64> {
-        median(&self.seconds)
-    }
-
-    /// Shortest of the rounds (s).
-    pub fn shortest(&self) -> Option<f64> {
-        self.seconds.iter().copied().min_by(f64::total_cmp)
-    }
-}
-
-/// The middle value; of an even number of values the upper of the two.
-pub fn median(values: &[f64]) -> Option<f64> {
-    middle_two(values.iter().copied()).map(|[_, upper]| upper)
 }
 
 /// The file's head.
@@ -79,8 +62,8 @@ pub fn csv(rows: &[Row]) -> Result<String, PeersError> {
             short(row.tolerance),
             short(row.error),
             count(row.events),
-            short(row.median()),
-            short(row.shortest()),
+            short(median(&row.seconds)),
+            short(row.seconds.iter().copied().min_by(f64::total_cmp)),
             short(row.compile),
             short(row.process),
             row.note.clone(),

@@ -74,12 +74,9 @@ pub struct Share {
 
 impl Share {
     fn count(met: impl Iterator<Item = bool>) -> Share {
-        let mut share = Share { met: 0, of: 0 };
-        for one in met {
-            share.met += usize::from(one);
-            share.of += 1;
-        }
-        share
+        let all: Vec<bool> = met.collect();
+        let met = all.iter().filter(|met| **met).count();
+        Share { met, of: all.len() }
     }
 
     /// In per cent.

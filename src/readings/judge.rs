@@ -4,9 +4,8 @@ use std::collections::BTreeSet;
 
 use super::plan::{CAP, Exponents, FLOOR, Group, SEARCH, ZERO};
 use super::table::{Row, Twelve, Verdict};
-use crate::numbers::extent;
+use crate::numbers::{extent, median};
 use stickslip_series::Status;
-use stickslip_series::statistics::middle_two;
 
 /// Root mean square of the differences of some figures (0, 1, 2).
 pub fn distance(found: &Twelve, wanted: &Twelve, figures: &[usize]) -> f64 {
@@ -201,11 +200,6 @@ impl ExponentSpread {
     }
 }
 
-/// Median of some values: of an even count the mean of the middle two.
-pub fn median(values: &[f64]) -> Option<f64> {
-    middle_two(values.iter().copied()).map(|[lower, upper]| 0.5 * (lower + upper))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -222,13 +216,5 @@ mod tests {
         assert_eq!(distance(&off, &target, &[0, 1]), 0.0);
         let none = [[f64::NAN, f64::NEG_INFINITY, 1e9, -1e9]; 3];
         assert_eq!(distance(&none, &target, &[0, 1, 2]), CAP);
-    }
-
-    #[test]
-    fn the_median_of_an_even_count_lies_between_the_middle_two() {
-        assert_eq!(median(&[]), None);
-        assert_eq!(median(&[3.0]), Some(3.0));
-        assert_eq!(median(&[1.0, 2.0, 5.0]), Some(2.0));
-        assert_eq!(median(&[1.0, 2.0, 5.0, 9.0]), Some(3.5));
     }
 }

@@ -1,13 +1,11 @@
 //! What the search has found, in words: `readings.txt`.
 
 use super::chance::{self, Level};
-use super::judge::{
-    ExponentSpread, Pairs, Rows, median, meeting, sources, sources_in_words, twelve,
-};
+use super::judge::{ExponentSpread, Pairs, Rows, meeting, sources, sources_in_words, twelve};
 use super::plan::{CAP, DT, FLOOR, Plan, SEARCH, ZERO, described};
 use super::search;
 use super::table::{Row, Twelve, Verdict};
-use crate::numbers::extent;
+use crate::numbers::{extent, median};
 use crate::text::{distinct, joined};
 
 /// The text of `readings.txt`.

@@ -8,7 +8,7 @@ use clap::Parser;
 use super::ReportError;
 use super::ledger::{Ledger, TICKS};
 use super::page::{Picture, Report, page};
-use super::{draw_convergence, draw_scan, readme, tables};
+use super::{draw, readme, tables};
 use crate::figures::FigureError;
 use crate::paper::published::Claims;
 use crate::terminal;
@@ -78,13 +78,13 @@ fn write(ledger: &Ledger, folder: &Path) -> Result<String, FigureError> {
         about: "Left: the four numbers of Fig. 8 approach what the event-exact solver gives with the two defects that do not vanish with \
             the step. Right: how far they are from the published ones at steps near the printed one, in units of the last \
             printed digit.",
-        svg: draw_convergence::draw(&ledger.convergence, published)?,
+        svg: draw::draw_convergence(&ledger.convergence, published)?,
     };
     let scan = Picture {
         title: "Where starts lead as each parameter of Fig. 8 is changed",
         about: "Each parameter of the stated model in turn from half to twice its printed value, the others as printed; solved \
             accurately from the same starts each.",
-        svg: draw_scan::draw(&ledger.scan)?,
+        svg: draw::draw_scan(&ledger.scan)?,
     };
     let figures = [
         Artifact::text("convergence.svg", &*convergence.svg),

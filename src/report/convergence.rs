@@ -125,17 +125,16 @@ impl Convergence {
         let around =
             (0..AROUND).map(|k| PRINTED_STEP * (1.0 + REACH * (k as f64 - middle) / middle));
         let all: Vec<f64> = STEPS.into_iter().chain(around).collect();
-        let mut steps: Vec<Cell> = all
-            .par_iter()
-            .with_max_len(1)
-            .map(|&h| {
-                let cell = Cell::run(Defects::AS_PRINTED, h);
-                tick();
-                cell
-            })
-            .collect::<Result<_, _>>()?;
+        let run = |&h: &f64| {
+            let cell = Cell::run(Defects::AS_PRINTED, h);
+            tick();
+            cell
+        };
+        let runs = all.par_iter().with_max_len(1).map(run);
+        let mut steps = runs.collect::<Result<Vec<Cell>, _>>()?;
         let around = steps.split_off(STEPS.len());
-        Ok(Convergence::new(limit, four_digits(&limit)?, steps, around))
+        let digits = four_digits(&limit)?;
+        Ok(Convergence::new(limit, digits, steps, around))
     }
 
     /// Sets runs of the listing, in ascending order of their steps, against a limit.
@@ -155,15 +154,14 @@ impl Convergence {
             errors.map(|(h, e)| (h, e * h / (h + finest))).collect()
         };
         let coarser = steps.get(1..).unwrap_or_default();
+        let to_limit = |steps: &[Cell], i| errors(steps, &limit, i);
+        let fit = |i| Approach::fit(&to_limit(&steps, i), &to_limit(&around, i));
+        let own = |i| Approach::fit(&own_errors(coarser, i), &own_errors(&around, i));
         Convergence {
             limit,
             limit_digits,
-            approach: std::array::from_fn(|i| {
-                Approach::fit(&errors(&steps, &limit, i), &errors(&around, &limit, i))
-            }),
-            own_approach: std::array::from_fn(|i| {
-                Approach::fit(&own_errors(coarser, i), &own_errors(&around, i))
-            }),
+            approach: std::array::from_fn(fit),
+            own_approach: std::array::from_fn(own),
             steps,
             around,
         }

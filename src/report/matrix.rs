@@ -94,14 +94,12 @@ impl Matrix {
 
     /// The runs that are shown: all, none, each alone, each mended.
     pub fn named(&self) -> Vec<(String, &Cell)> {
+        let (printed, mended) = (Defects::AS_PRINTED, Defects::MENDED);
         let mut named = vec![
-            ("as printed".to_owned(), self.with(Defects::AS_PRINTED)),
-            ("all mended".to_owned(), self.with(Defects::MENDED)),
+            ("as printed".to_owned(), self.with(printed)),
+            ("all mended".to_owned(), self.with(mended)),
         ];
-        for (what, defects) in [
-            ("only ", Defects::MENDED),
-            ("mended: ", Defects::AS_PRINTED),
-        ] {
+        for (what, defects) in [("only ", mended), ("mended: ", printed)] {
             let each = defects.one_flipped();
             named.extend(each.map(|(one, defects)| {
                 let name = format!("{what}{}", one.name());

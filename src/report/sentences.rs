@@ -1,11 +1,10 @@
 //! The verdict in a few sentences, every number of them formatted from the run: the page and the
 //! README open with these.
 
-use super::correction::Correction;
 use super::ledger::{Entry, Ledger};
 use super::matrix::Cell;
 use super::readme::part_of;
-use super::verdict::Verdict;
+use super::verdict::{Correction, Verdict};
 use crate::figures::block_and_bracket::DIVERGES;
 use crate::paper::claim_id::{ClaimId, SpectrumFigure};
 use crate::paper::reading::Reading;
@@ -80,9 +79,9 @@ fn unlike(ledger: &Ledger) -> String {
         })
     };
     let all: Vec<String> = SpectrumFigure::ALL.into_iter().filter_map(of).collect();
-    match &all[..] {
-        [] => String::new(),
-        all => format!(" ({})", join(all)),
+    match &*join(&all) {
+        "" => String::new(),
+        all => format!(" ({all})"),
     }
 }
 

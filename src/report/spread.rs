@@ -44,14 +44,9 @@ impl Spread {
 
     /// What becomes of Fig. 10's class when its caption is mended.
     pub fn mended_sentence(&self) -> String {
-        let each = self
-            .mended
-            .iter()
-            .map(|(entry, class)| format!("{entry}: {class}"));
-        format!(
-            "the caption's entries contradict each other; mended one at a time, {}",
-            joined(each, ", ")
-        )
+        let each = self.mended.iter();
+        let each = joined(each.map(|(entry, class)| format!("{entry}: {class}")), ", ");
+        format!("the caption's entries contradict each other; mended one at a time, {each}")
     }
 
     /// The readings that make Fig. 10 as captioned, loops and all, and what becomes of the other

@@ -1,7 +1,7 @@
 //! The picture of Figs. 10, 11 and 12.
 
-use super::against_equations::{compare, worth};
 use super::compute::{Data, Literal};
+use super::numbers::{compare, worth};
 use super::watch::{END, START};
 use crate::figures::{FigureError, belt_line, pair, with_ticks};
 use crate::numbers::extent;

@@ -1,13 +1,11 @@
 //! What Figs. 10, 11 and 12 share: the block and the bracket with the parameters of one caption,
 //! its exponents from the equations and from data, and the class of its motion.
 
-mod against_equations;
 mod compute;
 mod draw;
 mod numbers;
 mod watch;
 
-pub use against_equations::{Comparison, compare};
 #[cfg(all(test, feature = "report"))]
 pub(crate) use compute::best_common;
 pub use compute::{Data, Literal, Measured, TOLERANCE, by_rk4_and_henon, class};
@@ -16,8 +14,8 @@ use super::FigureSpec;
 use crate::paper::claim_id::SpectrumFigure;
 use compute::compute;
 use draw::draw;
-pub use numbers::DIVERGES;
 use numbers::numbers;
+pub use numbers::{Comparison, DIVERGES, compare};
 use stickslip::models::Caption;
 
 /// What one of the three figures differs in.

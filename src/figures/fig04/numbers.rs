@@ -74,15 +74,13 @@ impl Data {
 fn statements(data: &Data) -> Vec<Row> {
     let distance = |k: usize| (data.tangents[k].position - data.cycle.left).abs();
     let nearest = (0..data.tangents.len()).min_by(|&a, &b| distance(a).total_cmp(&distance(b)));
+    let [below, above] = data.cycle.kink;
     let deflection = [
         (
             "the cycle's left crossing of Σ is nearest to the third tangent point",
             nearest == Some(2),
         ),
-        (
-            "the slope of the orbit jumps there",
-            data.cycle.kink[0] != data.cycle.kink[1],
-        ),
+        ("the slope of the orbit jumps there", below != above),
     ];
     let no_stick = [
         ("the limit cycle has no stick phase", data.cycle.sticks == 0),

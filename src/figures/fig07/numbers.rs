@@ -23,11 +23,9 @@ pub(super) fn numbers(data: &Data) -> Vec<Row> {
 
 /// Sect. 2 on the two limits of `μ₀`.
 fn limits(data: &Data) -> Vec<Row> {
+    let none = data.without.zones.is_empty();
     let degenerate = [
-        (
-            "there is no stick zone at mu0 = 0",
-            data.without.zones.is_empty(),
-        ),
+        ("there is no stick zone at mu0 = 0", none),
         ("three tangent points remain", data.without.zeros.len() == 3),
     ];
     let continuous = [(
@@ -67,11 +65,9 @@ fn tangency(data: &Data) -> Vec<Row> {
 fn touching(data: &Data, transition: &Transition, side: f64) -> u64 {
     const BESIDE: f64 = 1e-3;
     let beside = |z: f64| side * data.spring.sigma(z, transition.mu0, 1.0) > 0.0;
-    let touches = transition
-        .zeros
-        .iter()
-        .filter(|zero| beside(zero.z - BESIDE) && beside(zero.z + BESIDE));
-    touches.count() as u64
+    let touches = |z: f64| beside(z - BESIDE) && beside(z + BESIDE);
+    let zeros = transition.zeros.iter();
+    zeros.filter(|zero| touches(zero.z)).count() as u64
 }
 
 /// Fig. 7b: what the curves are drawn with. Whether they bound the stick zones is computed by the

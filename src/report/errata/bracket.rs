@@ -121,21 +121,20 @@ impl Outcome {
 }
 
 pub(super) fn signs() -> Result<Proof, Error> {
-    let readings = [
-        ("as printed", Reading::as_printed()),
-        ("corrected", Reading::exact()),
-    ];
-    let figures = FIGURES.into_iter();
-    let jobs = figures.flat_map(|figure| readings.map(|reading| (figure, reading)));
-    let jobs: Vec<_> = jobs.collect();
-    let found = jobs.par_iter();
-    let found = found.map(|((_, caption), (_, reading))| outcome(caption, reading, SERIES_FROM));
-    let found = found.collect::<Result<Vec<Outcome>, Error>>()?;
-    let is_so = |pair: &[Outcome]| matches!(pair, [Outcome::Diverges(_), Outcome::Bounded(_)]);
-    let holds = found.chunks_exact(2).all(is_so);
-    let shown = jobs.iter().zip(found);
-    let shown = shown.map(|(((name, _), (which, _)), one)| one.shown(format!("{name}, {which}")));
-    Ok(told("signs", shown.collect(), holds))
+    let mut all = Vec::new();
+    let mut holds = true;
+    for (name, caption) in FIGURES {
+        let (printed, corrected) = rayon::join(
+            || outcome(&caption, &Reading::as_printed(), SERIES_FROM),
+            || outcome(&caption, &Reading::exact(), SERIES_FROM),
+        );
+        let (printed, corrected) = (printed?, corrected?);
+        holds &= matches!(printed, Outcome::Diverges(_));
+        holds &= matches!(corrected, Outcome::Bounded(_));
+        all.push(printed.shown(format!("{name}, as printed")));
+        all.push(corrected.shown(format!("{name}, corrected")));
+    }
+    Ok(told("signs", all, holds))
 }
 
 /// A block and a bracket in SI units, undamped as in the captions.

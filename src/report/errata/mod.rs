@@ -3,8 +3,7 @@
 
 mod bracket;
 mod listing;
-mod section_four;
-mod sections_two_three;
+mod sections_two_to_four;
 
 use std::collections::BTreeMap;
 
@@ -66,14 +65,14 @@ pub fn errata(
     of_statements: &[Proof],
 ) -> Result<Vec<Erratum>, ReportError> {
     let mut proofs = vec![
-        sections_two_three::unit_of_mu0(),
-        sections_two_three::critical_points()?,
-        sections_two_three::negative_friction()?,
-        sections_two_three::wrong_reference()?,
-        sections_two_three::step_from_above(accuracy),
-        sections_two_three::time_in_stick(accuracy),
-        section_four::sign_of_friction()?,
-        section_four::spring_signs()?,
+        sections_two_to_four::unit_of_mu0(),
+        sections_two_to_four::critical_points()?,
+        sections_two_to_four::negative_friction()?,
+        sections_two_to_four::wrong_reference()?,
+        sections_two_to_four::step_from_above(accuracy),
+        sections_two_to_four::time_in_stick(accuracy),
+        sections_two_to_four::sign_of_friction()?,
+        sections_two_to_four::spring_signs()?,
         listing::shifts(),
         bracket::signs()?,
         bracket::friction_counted_twice()?,

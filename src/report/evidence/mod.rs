@@ -4,10 +4,8 @@
 //! puts these into a sentence. Where the same numbers show a misprint, it returns that too.
 
 mod belt;
-mod beside_curves;
 mod fig08;
 mod motions;
-mod no_friction;
 mod sigma;
 mod stick_phases;
 mod sticks;
@@ -61,12 +59,9 @@ impl Statements {
             (S2Sigma, sigma::of_belt()),
             (Eq19Sigma, sigma::of_forced()),
             (S2InnerPoints, belt::inner_points()?),
-            (
-                Fig07bOscillation,
-                beside_curves::oscillation(&model, drawn)?,
-            ),
+            (Fig07bOscillation, zones::beside_curves(&model, drawn)?),
             (S4ZoneAttracts, zone_attracts?),
-            (S4NoStickAtZero, no_friction::no_stick_at_zero()?),
+            (S4NoStickAtZero, sticks::no_stick_at_zero()?),
             (S4ZoneLocation, zones::location(&model)),
             (S4ExactLengths, sticks::exact_lengths(&followed)),
             (S4UntilTangent, sticks::until_tangent(&followed)?),
@@ -100,12 +95,12 @@ impl Statements {
     }
 }
 
-/// A finding with a line that gives the measured numbers.
+/// A statement judged by its parts, with the numbers in one sentence.
 fn statement(reading: Reading, parts: impl IntoIterator<Item = Part>, line: String) -> Finding {
     Finding::statement(reading, parts).noted(line)
 }
 
-/// What the paper's own program gives; the line of the other finding tells of both.
+/// What the listing as printed makes of the statement; decides nothing of the model.
 fn as_printed(parts: impl IntoIterator<Item = Part>) -> Finding {
     Finding::statement(Reading::AsPrinted, parts)
 }

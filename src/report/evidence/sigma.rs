@@ -127,19 +127,15 @@ impl Compared {
             negative,
             disagreements,
         } = *self;
+        let factors = points > 0 && slope_off <= ROUNDING;
+        let sticks = negative > 0 && disagreements == 0;
         let parts = [
             (
                 "the product of the two normal components on Σ is the printed polynomial",
                 points > 0 && off <= ROUNDING,
             ),
-            (
-                "its derivative has the printed factors",
-                points > 0 && slope_off <= ROUNDING,
-            ),
-            (
-                "the body sticks exactly where it is negative",
-                negative > 0 && disagreements == 0,
-            ),
+            ("its derivative has the printed factors", factors),
+            ("the body sticks exactly where it is negative", sticks),
         ];
         let (off, slope_off) = (small(off), small(slope_off));
         let line = format!(

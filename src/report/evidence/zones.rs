@@ -1,19 +1,21 @@
-//! The stick zones of model 2: where they are, how they move, and what they attract.
+//! The stick zones of model 2: where they are, how they move, what they attract, and what bodies do
+//! beside the curves that Fig. 7 draws of their ends.
 
 use rayon::prelude::*;
 
 use super::stick_phases::TangentSet;
 use super::{small, statement};
+use crate::figures::fig07::Oscillation as Drawn;
 use crate::figures::rows::Value;
 use crate::numbers::{bisect, changes, extent, largest, missing};
 use crate::paper::reading::Reading::Exact;
 use crate::report::errata::{Proof, proof};
 use crate::report::finding::Finding;
 use crate::report::places;
-use crate::report::scan::{Class, PARAMETERS, Point, starts};
+use crate::report::scan::{Class, PARAMETERS, Point, StickSlip, starts};
 use crate::text::joined;
 use stickslip::models::ForcedOscillator;
-use stickslip::{Error, Fate, Filippov, Side, State, fate};
+use stickslip::{Error, Fate, Filippov, Mode, Options, Side, State, fate, solve};
 
 /// Positions relative to the support (m) within which zones are sought, and the number of places
 /// looked at.
@@ -281,13 +283,11 @@ impl Sweep {
             let mu0 = ratio * critical(model);
             let model = ForcedOscillator { mu0, ..*model };
             let found = Point::compute(&model, &starts(&model)?, ratio, mu0)?;
-            let cycles = found.stick_slip.iter();
-            let cycles = cycles.map(|motion| (motion.period, motion.lengths.len()));
-            let mut cycles: Vec<Cycle> = cycles.collect();
+            let cycle = |motion: &StickSlip| (motion.period, motion.lengths.len());
+            let mut cycles: Vec<Cycle> = found.stick_slip.iter().map(cycle).collect();
             cycles.sort_unstable();
-            let leading = [Class::StickSlip, Class::StickSlipTwo];
-            let leading = leading.map(|class| found.counts[class as usize]);
-            Ok((cycles, leading.iter().sum()))
+            let of = |class: Class| found.counts[class as usize];
+            Ok((cycles, of(Class::StickSlip) + of(Class::StickSlipTwo)))
         };
         let points = (1..=VALUES).into_par_iter().map(at);
         let mut points = points.collect::<Result<Vec<Cycles>, Error>>()?;
@@ -324,9 +324,102 @@ impl Sweep {
     }
 }
 
+/// Distances from the curves (m).
+const DISTANCES: [f64; 3] = [1e-3, 1e-6, 1e-9];
+/// Times of the drawn curve, at equal distances, first and last left out.
+const BESIDE_TIMES: usize = 24;
+/// Length of the runs (s).
+const SPAN: f64 = 1e-2;
+const TOLERANCE: f64 = 1e-13;
+
+/// Bodies at one distance from the curves.
+#[derive(Default)]
+struct Beside {
+    /// The distance (m).
+    distance: f64,
+    /// Bodies put inside a zone, and as many outside.
+    pairs: usize,
+    /// Of those inside the ones that stick, of those outside the ones that slip.
+    inside_sticks: usize,
+    outside_slips: usize,
+}
+
+/// `fig07b.oscillation`: bodies put on Σ just beside the drawn curves stick on one side of them and
+/// slip on the other.
+pub(super) fn beside_curves(
+    model: &ForcedOscillator,
+    drawn: &Drawn,
+) -> Result<Vec<Finding>, Error> {
+    let all = drawn.times.len();
+    let every = (all / (BESIDE_TIMES + 1)).max(1);
+    let times: Vec<usize> = (1..=BESIDE_TIMES)
+        .map(|k| k * every)
+        .filter(|&k| k < all)
+        .collect();
+    let beside = DISTANCES
+        .into_par_iter()
+        .map(|distance| at_distance(model, drawn, &times, distance))
+        .collect::<Result<Vec<Beside>, Error>>()?;
+    let curves = drawn.positions.len();
+    let all = |right: fn(&Beside) -> usize| {
+        let holds = |one: &Beside| one.pairs > 0 && right(one) == one.pairs;
+        curves == 6 && beside.iter().all(holds)
+    };
+    let sticks = all(|one| one.inside_sticks);
+    let slips = all(|one| one.outside_slips);
+    let parts = [
+        ("bodies put just inside the drawn curves stick", sticks),
+        ("bodies put just outside slip", slips),
+    ];
+    let distances = beside.iter().map(|one| {
+        let (distance, pairs) = (one.distance, one.pairs);
+        let (inside, outside) = (one.inside_sticks, one.outside_slips);
+        format!(
+            "{distance:.0e} m: {inside} of {pairs} inside stick, {outside} of {pairs} outside slip"
+        )
+    });
+    let (times, distances) = (times.len(), joined(distances, "; at "));
+    let line = format!(
+        "model 2 integrated from Σ beside the {curves} drawn curves at {times} times of two periods; at {distances}"
+    );
+    Ok(vec![statement(Exact, parts, line)])
+}
+
+fn at_distance(
+    model: &ForcedOscillator,
+    drawn: &Drawn,
+    times: &[usize],
+    distance: f64,
+) -> Result<Beside, Error> {
+    let mut found = Beside {
+        distance,
+        ..Beside::default()
+    };
+    for (number, positions) in drawn.positions.iter().enumerate() {
+        // The curves are drawn from the largest down: upper end, lower end, upper end, …
+        let inward = if number % 2 == 0 { -distance } else { distance };
+        let places = |&k: &usize| Some((*drawn.times.get(k)?, *positions.get(k)?));
+        for (t, x1) in times.iter().filter_map(places) {
+            found.pairs += 1;
+            found.inside_sticks += usize::from(sticks(model, t, x1 + inward)?);
+            found.outside_slips += usize::from(!sticks(model, t, x1 - inward)?);
+        }
+    }
+    Ok(found)
+}
+
+/// Whether a body put on the belt there sticks to it at first.
+fn sticks(model: &ForcedOscillator, t: f64, x1: f64) -> Result<bool, Error> {
+    let x = State::from([x1, model.belt_speed]);
+    let orbit = solve(model, t, x, t + SPAN, &Options::tol(TOLERANCE))?;
+    let first = orbit.phases.first();
+    Ok(first.is_some_and(|phase| phase.mode == Mode::Stick))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::figures::fig07::FIG07;
 
     /// Friction that drives the body.
     fn driving() -> ForcedOscillator {
@@ -427,5 +520,26 @@ mod tests {
         let found = (same.with_cycles(), same.changes(), same.births_and_deaths());
         assert_eq!(found, (2, 0, 1));
         assert_eq!(sweep(&[&[(1, 1)], &[(2, 2)]]).changes(), 1);
+    }
+
+    fn sticks_and_slips(model: &ForcedOscillator, drawn: &Drawn) -> Vec<bool> {
+        beside_curves(model, drawn).unwrap()[0].parts()
+    }
+
+    #[test]
+    fn the_drawn_curves_part_stick_from_slip_and_displaced_ones_do_not() {
+        let model = ForcedOscillator::default();
+        let mut drawn = FIG07.compute().unwrap().oscillation;
+        assert_eq!(sticks_and_slips(&model, &drawn), [true, true]);
+        let antiphase = ForcedOscillator {
+            amplitude: -model.amplitude,
+            ..model
+        };
+        assert_eq!(sticks_and_slips(&antiphase, &drawn), [false, false]);
+        for x1 in &mut drawn.positions[2] {
+            *x1 += 1e-5;
+        }
+        let displaced = sticks_and_slips(&model, &drawn);
+        assert!(displaced.contains(&true) && displaced.contains(&false));
     }
 }

@@ -2,13 +2,12 @@
 
 use maud::{Markup, html};
 
-use super::super::correction::Correction;
 use super::super::digits::{decimals, minus};
 use super::super::finding::Finding;
 use super::super::ledger::{Entry, Ledger};
 use super::super::readme::shown;
 use super::super::remark::Remark;
-use super::super::verdict::Verdict;
+use super::super::verdict::{Correction, Verdict};
 use super::{columns, heading};
 use crate::paper::published::Kind;
 use crate::paper::reading::{Reading, Role};

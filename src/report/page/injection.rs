@@ -128,10 +128,13 @@ pub(super) fn existence(report: &Report) -> Markup {
 
 /// How many starts lead where.
 fn counts(point: &Point) -> String {
-    let of_class = Class::ALL.iter().zip(point.counts);
-    let some = of_class.filter(|(_, count)| *count > 0);
+    let some = Class::ALL
+        .iter()
+        .zip(point.counts)
+        .filter(|(_, count)| *count > 0);
+    let some = some.map(|(class, count)| (count, class.name().replace('_', " ")));
     joined(
-        some.map(|(class, count)| format!("{count} starts: {}", class.name().replace('_', " "))),
+        some.map(|(count, name)| format!("{count} starts: {name}")),
         ", ",
     )
 }

@@ -103,11 +103,8 @@ fn document(report: &Report) -> Markup {
 
 /// A section's heading.
 fn heading(anchor: &str) -> Markup {
-    let text = SECTIONS
-        .iter()
-        .find(|(known, _)| *known == anchor)
-        .map_or(anchor, |(_, heading)| heading);
-    html! { h2 id=(anchor) { (text) } }
+    let known = SECTIONS.iter().find(|(known, _)| *known == anchor);
+    html! { h2 id=(anchor) { (known.map_or(anchor, |(_, heading)| heading)) } }
 }
 
 /// The head of a table.

@@ -100,14 +100,13 @@ impl Chaos {
     /// What these motions are, in words.
     pub fn sentence(&self) -> String {
         let (followed, all) = (&self.followed, self.followed.len());
-        let some = |is: fn(&Followed) -> bool, verb: &str, none: &str| match followed
-            .iter()
-            .filter(|one| is(one))
-            .count()
-        {
-            count if count == all => verb.to_owned(),
-            0 => none.to_owned(),
-            count => format!("{verb} from {count} of {all} starts"),
+        let some = |is: fn(&Followed) -> bool, verb: &str, none: &str| {
+            let found = followed.iter().filter(|one| is(one));
+            match found.count() {
+                count if count == all => verb.to_owned(),
+                0 => none.to_owned(),
+                count => format!("{verb} from {count} of {all} starts"),
+            }
         };
         let sticks = some(|one| !one.lengths.is_empty(), "sticks", "does not stick");
         let chaotic = some(Followed::is_chaotic, "chaotically", "not chaotically");

@@ -1,0 +1,221 @@
+//! The pictures of the listing's approach to its limit and of the scan over parameters.
+
+use super::convergence::{Convergence, PRINTED_STEP, REACH, distances};
+use super::scan::{Class, Line, Point, Scan};
+use crate::figures::{pair, with_ticks};
+use crate::text::joined;
+use plot::*;
+use stickslip::math;
+
+/// What the picture shows, for readers who cannot see it.
+fn about_convergence(data: &Convergence) -> String {
+    let bounds = data.approach.iter().map(|one| format!("{:.1}", one.bound));
+    let (all, good) = (data.around.len(), data.steps_that_give_digits());
+    format!(
+        "Left: distance of the listing's two stick lengths and two stick durations from their limit against its step, both axes \
+         logarithmic; the points scatter below and along lines of slope one, the bounds {} times h, of which the largest is drawn; the \
+         printed step is left out of the bounds and marked, the steps around it are drawn smaller. Right: deviation from the published numbers, in units of their last printed \
+         digit, for {all} steps within {} per cent of the printed one; at {good} of them all four lie within half a unit.",
+        joined(bounds, ", "),
+        100.0 * REACH
+    )
+}
+
+/// What the four numbers are called, and how they are drawn.
+const NAMES: [(&str, Color, Shape); 4] = [
+    ("first stick length, m", BLUE, Shape::Circle),
+    ("second stick length, m", VERMILLION, Shape::Square),
+    ("first stick duration, s", GREEN, Shape::Up),
+    ("second stick duration, s", PURPLE, Shape::Down),
+];
+
+/// Draws it.
+///
+/// # Errors
+/// As [`Figure::render`].
+pub fn draw_convergence(data: &Convergence, published: [f64; 4]) -> Result<String, PlotError> {
+    let title = "The listing as printed for smaller and smaller steps";
+    let figure = Figure::new(
+        "convergence",
+        (760.0, 430.0),
+        title,
+        &about_convergence(data),
+    );
+    let panels = pair(approach(data), around(data, published));
+    figure.columns(1.0, panels).render()
+}
+
+/// Logarithm for an axis.
+fn log((h, error): (f64, f64)) -> (f64, f64) {
+    (math::log10(h), math::log10(error))
+}
+
+fn approach(data: &Convergence) -> Panel {
+    let powers = |from: i32, to: i32| {
+        let power = |k: i32| (f64::from(k), format!("10^{{{}}}", number(f64::from(k), 0)));
+        (from..=to).map(power)
+    };
+    let mut panel = Panel::new(
+        with_ticks(Axis::new("step *h*, s", -6.15, -2.85), powers(-6, -3)),
+        with_ticks(
+            Axis::new("distance from the limit", -7.0, -2.0),
+            powers(-7, -2),
+        ),
+    )
+    .label("(a)")
+    .title("as printed, *h* → 0")
+    .legend(Legend::Below);
+    let points = |steps, i| distances(steps, &data.limit, i).into_iter().map(log);
+    let largest = data.largest_bound();
+    let line = [-6.15, -2.85].map(|h: f64| (h, h + math::log10(largest)));
+    let bound = Curve::new(line).color(GREY).dash(Dash::Dashed);
+    panel.add(bound.legend(&format!("the largest bound, {largest:.1} *h*")));
+    let printed = Guide::vertical(math::log10(PRINTED_STEP)).color(GREY);
+    panel.add(printed.width(0.6).legend("printed step, not in the fit"));
+    for (i, (name, color, shape)) in NAMES.into_iter().enumerate() {
+        let markers = |steps| Markers::new(points(steps, i)).shape(shape).color(color);
+        panel.add(markers(&data.steps).size(6.0).legend(name));
+        panel.add(markers(&data.around).size(2.5));
+    }
+    let small = format!("small: steps within {} % of it", 100.0 * REACH);
+    panel.add(Markers::new([]).color(GREY).size(2.5).legend(&small));
+    panel
+}
+
+fn around(data: &Convergence, published: [f64; 4]) -> Panel {
+    let units = |at: &super::matrix::Cell, i: usize| {
+        let x = 100.0 * (at.h / PRINTED_STEP - 1.0);
+        Some((x, (at.numbers?[i] - published[i]) / 1e-4))
+    };
+    let of_step = |at| (0..4).filter_map(move |i| units(at, i));
+    let all = data.around.iter().flat_map(of_step);
+    let reach = all.fold(1.0, |reach: f64, (_, y)| reach.max(1.05 * y.abs()));
+    let reach = reach.ceil();
+    let mut panel = Panel::new(
+        Axis::new("step against the printed one, %", -5.5, 5.5).step(1.0),
+        Axis::new("off the published number, 10^{−4}", -reach, reach),
+    )
+    .label("(b)")
+    .title("around *h* = 10^{−4} s")
+    .legend(Legend::Below);
+    panel.add(Band::y(-0.5, 0.5).legend("rounds to the printed digits"));
+    panel.add(Guide::horizontal(0.0).color(GREY).width(0.6));
+    let printed = Guide::vertical(0.0).color(GREY).width(0.6);
+    panel.add(printed.dash(Dash::Dashed));
+    for (i, (name, color, shape)) in NAMES.into_iter().enumerate() {
+        let points: Vec<(f64, f64)> = data.around.iter().filter_map(|at| units(at, i)).collect();
+        panel.add(Curve::new(points.iter().copied()).color(color).width(0.6));
+        let markers = Markers::new(points).shape(shape).color(color);
+        panel.add(markers.size(6.0).legend(name));
+    }
+    panel
+}
+
+/// What the picture shows, for readers who cannot see it.
+fn about_scan(scan: &Scan) -> String {
+    let sticking = scan.printed().map_or(0, |point| {
+        point.counts[Class::StickSlip as usize] + point.counts[Class::StickSlipTwo as usize]
+    });
+    format!(
+        "One strip for each of {} parameters, multiplied by a factor from one half to two. At each factor a column shows in which parts the \
+         starts escape, settle on slip only, on stick–slip, on stick–slip of period two, or on nothing periodic. At the printed values, the \
+         middle, {sticking} of {} starts lead to stick–slip; stick–slip of period two is marked by triangles.",
+        scan.lines.len(),
+        scan.starts
+    )
+}
+
+/// Height of a strip; the rest is space between strips.
+const HEIGHT: f64 = 0.8;
+
+/// How a class is drawn and called.
+fn look(class: Class) -> (Color, &'static str) {
+    match class {
+        Class::Escape => (LIGHT_GREY, "escapes"),
+        Class::SlipOnly => (SKY, "slip only"),
+        Class::StickSlip => (ORANGE, "stick–slip, period not two"),
+        Class::StickSlipTwo => (VERMILLION, "stick–slip of period two"),
+        Class::Unsettled => (GREY, "nothing repeats"),
+    }
+}
+
+/// Draws it.
+///
+/// # Errors
+/// As [`Figure::render`].
+pub fn draw_scan(scan: &Scan) -> Result<String, PlotError> {
+    let rows = scan.lines.len();
+    // The first parameter on top.
+    let base = |k: usize| (rows - 1 - k) as f64;
+    let factors = [0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.2, 1.4, 1.6, 1.8, 2.0];
+    let ticks = factors.map(|factor| (position(factor), number(factor, 1)));
+    let names = scan.lines.iter().enumerate();
+    let names = names.map(|(k, line)| (base(k) + 0.5 * HEIGHT, line.symbol));
+    let names: Vec<(f64, &str)> = names.collect();
+    let half = half_column(scan);
+    let (low, high) = (-1.0 - 2.0 * half, 1.0 + 2.0 * half);
+    let factor = Axis::new("factor on the printed value", low, high);
+    let mut panel = Panel::new(
+        with_ticks(factor, ticks),
+        Axis::new("", -0.25, rows as f64).ticks(&names),
+    )
+    .title("Where the starts lead in the stated model (height of a colour: part of the starts)")
+    .legend(Legend::Below);
+    let mut listed = [false; 5];
+    for (k, line) in scan.lines.iter().enumerate() {
+        for band in strip(line, base(k), half, &mut listed) {
+            panel.add(band);
+        }
+    }
+    let printed = Guide::vertical(0.0).color(BLACK).width(0.8);
+    panel.add(printed.dash(Dash::Dashed));
+    let two = scan.lines.iter().enumerate().flat_map(|(k, line)| {
+        let has = |point: &&Point| point.counts[Class::StickSlipTwo as usize] > 0;
+        let points = line.points.iter().filter(has);
+        points.map(move |point| (position(point.factor), base(k) + 0.15))
+    });
+    let two: Vec<(f64, f64)> = two.collect();
+    if !two.is_empty() {
+        let two = Markers::new(two).shape(Shape::Up).color(VERMILLION);
+        panel.add(two.size(6.0).legend("a motion of period two exists"));
+    }
+    let title = "Where starts lead as each parameter of Fig. 8 is changed";
+    let figure = Figure::new("scan", (700.0, 560.0), title, &about_scan(scan));
+    figure.row(1.0, panel).render()
+}
+
+/// Abscissa of a factor: logarithm to the base of two.
+fn position(factor: f64) -> f64 {
+    math::ln(factor) / math::ln(2.0)
+}
+
+/// Half the width of a column.
+fn half_column(scan: &Scan) -> f64 {
+    let line = scan.lines.first();
+    let columns = line.map_or(2, |line| line.points.len().max(2));
+    1.0 / (columns - 1) as f64
+}
+
+/// The rectangles of one strip, each class listed in the legend once.
+fn strip(line: &Line, base: f64, half: f64, listed: &mut [bool; 5]) -> Vec<Band> {
+    let mut bands = Vec::new();
+    for point in &line.points {
+        let all = point.counts.iter().sum::<usize>().max(1) as f64;
+        let middle = position(point.factor);
+        let mut bottom = base;
+        for (class, count) in Class::ALL.into_iter().zip(point.counts) {
+            if count == 0 {
+                continue;
+            }
+            let top = bottom + HEIGHT * count as f64 / all;
+            let (color, name) = look(class);
+            let mut band = Band::rect((middle - half, middle + half), (bottom, top)).fill(color);
+            if !std::mem::replace(&mut listed[class as usize], true) {
+                band = band.legend(name);
+            }
+            bands.push(band);
+            bottom = top;
+        }
+    }
+    bands
+}
