@@ -96,6 +96,15 @@ pub(super) fn minus(text: &str) -> String {
     }
 }
 
+/// A small number for a line: its size, or that it is none.
+pub(super) fn small(value: f64) -> String {
+    if value == 0.0 {
+        "0".to_owned()
+    } else {
+        format!("{value:.0e}")
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -169,6 +169,20 @@ impl Finding {
     }
 }
 
+/// A statement judged by its parts, with the numbers in one sentence.
+pub(super) fn statement(
+    reading: Reading,
+    parts: impl IntoIterator<Item = Part>,
+    line: String,
+) -> Finding {
+    Finding::statement(reading, parts).noted(line)
+}
+
+/// What the listing as printed makes of the statement; decides nothing of the model.
+pub(super) fn as_printed(parts: impl IntoIterator<Item = Part>) -> Finding {
+    Finding::statement(Reading::AsPrinted, parts)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

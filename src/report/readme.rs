@@ -4,31 +4,11 @@
 use super::digits::decimals;
 use super::finding::Finding;
 use super::ledger::{Entry, Ledger};
-use super::sentences::{resting, sentences};
+use super::sentences::{PARTS, resting, sentences};
 use super::verdict::Verdict;
 use crate::figures::rows::Value;
-use crate::paper::published::{Claim, Digits, Kind};
+use crate::paper::published::{Digits, Kind};
 use crate::text::{Marks, joined};
-
-/// The parts of the paper in which claims are counted: as `data/claims.csv` has them, and their
-/// names.
-const PARTS: [(&str, &str); 9] = [
-    ("sect2", "Sect. 2, Eqs. (8)–(16)"),
-    ("fig4", "Fig. 4"),
-    ("henon", "Abstract, Sect. 3: the Hénon step"),
-    ("fig7", "Sect. 4.1, Eqs. (19)–(24), Figs. 6, 7"),
-    ("fig8", "Sect. 4.2, Fig. 8"),
-    ("fig10", "Fig. 10"),
-    ("fig11", "Fig. 11"),
-    ("fig12", "Fig. 12"),
-    ("sect5", "Sects. 5.2, 6"),
-];
-
-/// The name of the part that a claim belongs to.
-pub(super) fn part_of(claim: &Claim) -> &'static str {
-    let known = PARTS.iter().find(|(part, _)| *part == claim.part);
-    known.map_or("", |(_, name)| name)
-}
 
 /// Where it stands in the README.
 pub const MARKS: Marks = Marks {
@@ -99,17 +79,5 @@ fn number(value: &Value) -> f64 {
     match value {
         Value::Number(v) => *v,
         _ => f64::NAN,
-    }
-}
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::paper::published::Claims;
-
-    #[test]
-    fn every_claim_belongs_to_a_part_of_the_paper() {
-        for claim in Claims::committed().unwrap().iter() {
-            assert_ne!(part_of(claim), "", "{}", claim.id);
-        }
     }
 }

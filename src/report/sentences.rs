@@ -3,13 +3,33 @@
 
 use super::ledger::{Entry, Ledger};
 use super::matrix::Cell;
-use super::readme::part_of;
 use super::verdict::{Correction, Verdict};
 use crate::figures::block_and_bracket::DIVERGES;
 use crate::paper::claim_id::{ClaimId, SpectrumFigure};
+use crate::paper::published::Claim;
 use crate::paper::reading::Reading;
 use crate::readings::{Committed, others, sources_in_words};
 use stickslip::analysis::motion::Class;
+
+/// The parts of the paper in which claims are counted: as `data/claims.csv` has them, and their
+/// names.
+pub(super) const PARTS: [(&str, &str); 9] = [
+    ("sect2", "Sect. 2, Eqs. (8)–(16)"),
+    ("fig4", "Fig. 4"),
+    ("henon", "Abstract, Sect. 3: the Hénon step"),
+    ("fig7", "Sect. 4.1, Eqs. (19)–(24), Figs. 6, 7"),
+    ("fig8", "Sect. 4.2, Fig. 8"),
+    ("fig10", "Fig. 10"),
+    ("fig11", "Fig. 11"),
+    ("fig12", "Fig. 12"),
+    ("sect5", "Sects. 5.2, 6"),
+];
+
+/// The name of the part that a claim belongs to.
+fn part_of(claim: &Claim) -> &'static str {
+    let known = PARTS.iter().find(|(part, _)| *part == claim.part);
+    known.map_or("", |(_, name)| name)
+}
 
 /// The verdict in three sentences: of all claims, of Fig. 8, of Figs. 10–12. What else there is
 /// stands with the claims.
@@ -183,5 +203,18 @@ fn join(parts: &[String]) -> String {
         [] => String::new(),
         [one] => one.clone(),
         [most @ .., last] => format!("{} and {last}", most.join(", ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::paper::published::Claims;
+
+    #[test]
+    fn every_claim_belongs_to_a_part_of_the_paper() {
+        for claim in Claims::committed().unwrap().iter() {
+            assert_ne!(part_of(claim), "", "{}", claim.id);
+        }
     }
 }

@@ -1,7 +1,6 @@
 //! Arrival on Σ from slip, Eq. (14): the stated method, its parts and the listing.
 
-use super::TOLERANCE;
-use super::errors::EventErrors;
+use super::errors::{EventErrors, TOLERANCE};
 use crate::numbers::missing;
 use crate::paper::listing::{Defects, END, Params, Run, Setup, run};
 use crate::report::ReportError;

@@ -5,6 +5,7 @@ use crate::report::convergence::PRINTED_STEP;
 use stickslip::Side;
 use stickslip::statistics::PowerLaw;
 
+pub(super) const TOLERANCE: f64 = 1e-14;
 /// Steps (s) at which orders are measured: their errors are well above rounding.
 pub(super) const STEPS: [f64; 5] = [1.6e-2, 1.13e-2, 8e-3, 5.7e-3, 4e-3];
 /// Parts of a step after which the event comes; the worst of them counts.

@@ -18,8 +18,6 @@ use crate::paper::reading::Reading;
 use stickslip::Side;
 use stickslip::models::ForcedOscillator;
 
-const TOLERANCE: f64 = 1e-14;
-
 /// Errors of event times on the stated models' own orbits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Accuracy {

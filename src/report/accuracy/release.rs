@@ -1,7 +1,6 @@
 //! Release from stick, Eq. (15): the step as printed, corrected, and the listing's.
 
-use super::TOLERANCE;
-use super::errors::{EventErrors, STEPS};
+use super::errors::{EventErrors, STEPS, TOLERANCE};
 use crate::numbers::missing;
 use crate::paper::listing::{Defect, Defects, Setup, run};
 use crate::report::{ReportError, stick_exits, until_escape};

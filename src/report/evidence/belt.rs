@@ -1,10 +1,10 @@
 //! `s2.inner_points`: at the critical friction ±1/√3 are tangent points inside the stick zone of
 //! model 1.
 
-use super::{small, statement};
 use crate::figures::fig04::kind;
 use crate::paper::reading::Reading::Exact;
-use crate::report::finding::Finding;
+use crate::report::digits::small;
+use crate::report::finding::{Finding, statement};
 use crate::report::tangent_at;
 use stickslip::models::BeltOscillator;
 use stickslip::{Error, Mode, Options, State, solve};

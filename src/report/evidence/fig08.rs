@@ -2,7 +2,6 @@
 //! finds it.
 
 use super::stick_phases::TOLERANCE;
-use super::{as_printed, statement};
 use crate::figures::rows::Value;
 use crate::paper::bounded;
 use crate::paper::claim_id::ClaimId;
@@ -13,7 +12,7 @@ use crate::paper::reading::Reading::{AsPrinted, Exact};
 use crate::report::ReportError;
 use crate::report::digits::decimals;
 use crate::report::errata::{Proof, proof};
-use crate::report::finding::Finding;
+use crate::report::finding::{Finding, as_printed, statement};
 use stickslip::analysis::{Destination, destination};
 use stickslip::models::ForcedOscillator;
 use stickslip::{Error, Filippov, Mode, Side, State, solve};

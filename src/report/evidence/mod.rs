@@ -17,10 +17,8 @@ use super::ReportError;
 use super::errata::Proof;
 use super::figures::Computed;
 use super::finding::Finding;
-use crate::figures::rows::Part;
 use crate::paper::claim_id::ClaimId;
 use crate::paper::listing::Defects;
-use crate::paper::reading::Reading;
 use stickslip::models::ForcedOscillator;
 
 /// The evidence for all such statements.
@@ -92,24 +90,5 @@ impl Statements {
     pub fn of(&self, id: ClaimId) -> &[Finding] {
         let known = self.findings.iter().find(|(known, _)| *known == id);
         known.map_or(&[], |(_, findings)| findings)
-    }
-}
-
-/// A statement judged by its parts, with the numbers in one sentence.
-fn statement(reading: Reading, parts: impl IntoIterator<Item = Part>, line: String) -> Finding {
-    Finding::statement(reading, parts).noted(line)
-}
-
-/// What the listing as printed makes of the statement; decides nothing of the model.
-fn as_printed(parts: impl IntoIterator<Item = Part>) -> Finding {
-    Finding::statement(Reading::AsPrinted, parts)
-}
-
-/// A small number for a line: its size, or that it is none.
-fn small(value: f64) -> String {
-    if value == 0.0 {
-        "0".to_owned()
-    } else {
-        format!("{value:.0e}")
     }
 }

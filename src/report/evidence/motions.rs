@@ -10,12 +10,11 @@
 
 use rayon::prelude::*;
 
-use super::{as_printed, statement};
 use crate::figures::block_and_bracket::{Data, SETS, by_rk4_and_henon};
 use crate::paper::reading::Reading::{Corrected, CorrectedEquations};
 use crate::readings::Verdict;
 use crate::report::ReportError;
-use crate::report::finding::Finding;
+use crate::report::finding::{Finding, as_printed, statement};
 use crate::text::joined;
 use stickslip::analysis::motion::Class;
 use stickslip::models::Reading;

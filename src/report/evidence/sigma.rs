@@ -2,10 +2,10 @@
 //! body.
 
 use super::zones::critical;
-use super::{small, statement};
 use crate::figures::normals;
 use crate::paper::reading::Reading::Exact;
-use crate::report::finding::Finding;
+use crate::report::digits::small;
+use crate::report::finding::{Finding, statement};
 use stickslip::models::{BeltOscillator, ForcedOscillator};
 use stickslip::scalar::Dual;
 use stickslip::{Fate, Filippov, State, fate};

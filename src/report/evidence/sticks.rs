@@ -4,7 +4,6 @@
 use rayon::prelude::*;
 
 use super::stick_phases::{At, Followed, Stick, TangentSet, ends, follow, starts};
-use super::{as_printed, small, statement};
 use crate::figures::normals;
 use crate::figures::rows::Value;
 use crate::numbers::{extent, largest};
@@ -12,8 +11,9 @@ use crate::paper::listing::{End, StickPhase};
 use crate::paper::published::{Claims, PublishedError};
 use crate::paper::reading::Reading::Exact;
 use crate::paper::slip_times_three::{Injected, settled};
+use crate::report::digits::small;
 use crate::report::errata::{Proof, proof};
-use crate::report::finding::Finding;
+use crate::report::finding::{Finding, as_printed, statement};
 use stickslip::models::ForcedOscillator;
 use stickslip::{Error, Mode, State, TransitionKind};
 

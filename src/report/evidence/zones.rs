@@ -4,13 +4,13 @@
 use rayon::prelude::*;
 
 use super::stick_phases::TangentSet;
-use super::{small, statement};
 use crate::figures::fig07::Oscillation as Drawn;
 use crate::figures::rows::Value;
 use crate::numbers::{bisect, changes, extent, largest, missing};
 use crate::paper::reading::Reading::Exact;
+use crate::report::digits::small;
 use crate::report::errata::{Proof, proof};
-use crate::report::finding::Finding;
+use crate::report::finding::{Finding, statement};
 use crate::report::places;
 use crate::report::scan::{Class, PARAMETERS, Point, StickSlip, starts};
 use crate::text::joined;

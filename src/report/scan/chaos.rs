@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use super::{double_well, starts};
+use super::point::{double_well, starts};
 use crate::numbers::extent;
 use stickslip::analysis::{SpectrumOptions, lyapunov_spectrum_watched};
 use stickslip::models::ForcedOscillator;

@@ -10,6 +10,7 @@ pub use point::{Class, Point, StickSlip};
 
 use crate::numbers::extent;
 use crate::text::joined;
+use point::double_well;
 pub(in crate::report) use point::starts;
 use stickslip::Error;
 use stickslip::math;
@@ -187,14 +188,4 @@ fn variants() -> Result<Vec<(&'static str, Point)>, Error> {
         ("+T as Eq. (17) prints it", of(&reversed, reversed.mu0)?),
         ("spring of Eq. (4)", of(&double_well, double_well.k1)?),
     ])
-}
-
-/// The printed model with the spring of Eq. (4), the opposite of Eq. (17)'s.
-fn double_well() -> ForcedOscillator {
-    let printed = ForcedOscillator::default();
-    ForcedOscillator {
-        k1: -printed.k1,
-        k2: -printed.k2,
-        ..printed
-    }
 }

@@ -58,6 +58,16 @@ pub(in crate::report) fn starts(model: &ForcedOscillator) -> Result<Vec<State<2>
     Ok(all)
 }
 
+/// The printed model with the spring of Eq. (4), the opposite of Eq. (17)'s.
+pub(super) fn double_well() -> ForcedOscillator {
+    let printed = ForcedOscillator::default();
+    ForcedOscillator {
+        k1: -printed.k1,
+        k2: -printed.k2,
+        ..printed
+    }
+}
+
 /// Stick phases whose lengths differ by no more are the same (m).
 const SAME_LENGTH: f64 = 1e-4;
 
