@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 
 use rayon::prelude::*;
 
-use super::{Proof, Shown, proof, shown, told};
+use super::proof::{Proof, Shown, proof, shown, told};
 use crate::figures::rows::Value;
 use crate::report::ReportError;
 use crate::report::spread::mended_captions;

@@ -1,7 +1,7 @@
 //! The defects of the Appendix's listing, each mended alone, and the shifts of Eq. (25), by which
 //! it is to be evaluated.
 
-use super::{Proof, Shown, proof, shown, told};
+use super::proof::{Proof, Shown, proof, shown, told};
 use crate::paper::listing::{Defect, Defects, ListingError, Params, Setup, run};
 use crate::report::ReportError;
 use crate::report::matrix::{Cell, Matrix};

@@ -3,6 +3,7 @@
 
 mod bracket;
 mod listing;
+mod proof;
 mod sections_two_to_four;
 
 use std::collections::BTreeMap;
@@ -10,20 +11,10 @@ use std::collections::BTreeMap;
 use super::ReportError;
 use super::accuracy::Accuracy;
 use super::matrix::Matrix;
-use crate::figures::rows::Value;
 use crate::paper::listing::Defect;
 use crate::paper::published::PublishedError;
-
-/// What a computation shows of a misprint.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Shown {
-    /// What it is.
-    pub what: String,
-    /// A number, a count or a word.
-    pub value: Value,
-    /// Its unit: `1` for a pure number, empty for a word.
-    pub unit: String,
-}
+pub(super) use proof::proof;
+pub use proof::{Proof, Shown};
 
 /// A misprint or defect.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,17 +27,6 @@ pub struct Erratum {
     pub printed: String,
     /// What should.
     pub correct: String,
-    /// The computation's results.
-    pub shown: Vec<Shown>,
-    /// Whether they bear it out.
-    pub holds: bool,
-}
-
-/// What a computation shows of a misprint in `data/errata.csv`.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Proof {
-    /// Its name there.
-    pub misprint: &'static str,
     /// The computation's results.
     pub shown: Vec<Shown>,
     /// Whether they bear it out.
@@ -137,45 +117,10 @@ fn proven(table: &str, proofs: Vec<Proof>) -> Result<Vec<Erratum>, PublishedErro
     }
 }
 
-/// A misprint's proof by values, whose words are in the table.
-pub(super) fn proof<V: Into<Value>>(
-    misprint: &'static str,
-    values: impl IntoIterator<Item = V>,
-    holds: bool,
-) -> Proof {
-    let shown = values.into_iter().map(|value| Shown {
-        what: String::new(),
-        value: value.into(),
-        unit: String::new(),
-    });
-    Proof {
-        misprint,
-        shown: shown.collect(),
-        holds,
-    }
-}
-
-/// A misprint's proof by what brings its own words.
-fn told(misprint: &'static str, shown: Vec<Shown>, holds: bool) -> Proof {
-    Proof {
-        misprint,
-        shown,
-        holds,
-    }
-}
-
-/// What brings its own words.
-fn shown(what: impl Into<String>, value: impl Into<Value>, unit: &str) -> Shown {
-    Shown {
-        what: what.into(),
-        value: value.into(),
-        unit: unit.to_owned(),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proof::shown;
 
     #[test]
     fn every_misprint_has_a_proof_and_every_proof_a_misprint() {

@@ -3,7 +3,7 @@
 
 use rayon::prelude::*;
 
-use super::{Proof, proof};
+use super::proof::{Proof, proof};
 use crate::figures::normals;
 use crate::figures::rows::Value;
 use crate::numbers::{bisect, extent};

@@ -8,7 +8,7 @@ use super::super::ledger::{Entry, Ledger};
 use super::super::readme::shown;
 use super::super::remark::Remark;
 use super::super::verdict::{Correction, Verdict};
-use super::{columns, heading};
+use super::parts::{columns, heading};
 use crate::paper::published::Kind;
 use crate::paper::reading::{Reading, Role};
 use crate::text::joined;

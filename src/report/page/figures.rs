@@ -2,8 +2,7 @@
 
 use maud::{Markup, PreEscaped, html};
 
-use super::Report;
-use super::heading;
+use super::parts::{Report, heading};
 
 /// Figures that hold nothing to compute, and why.
 const DRAWINGS: &str = include_str!("../../../assets/report/drawings.html");

@@ -7,7 +7,7 @@ use super::super::ledger::Ledger;
 use super::super::matrix::Cell;
 use super::super::scan::{Class, Point};
 use super::figures::figure;
-use super::{Report, columns, heading};
+use super::parts::{Report, columns, heading};
 use crate::paper::claim_id::ClaimId;
 use crate::text::joined;
 

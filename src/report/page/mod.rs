@@ -3,49 +3,17 @@
 mod claims;
 mod figures;
 mod injection;
+mod parts;
 mod text;
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use super::ledger::Ledger;
 use super::sentences::{figs_10_to_12, resting, sentences};
-
-/// A picture of the report's own.
-#[derive(Clone, Debug)]
-pub struct Picture {
-    /// Heading.
-    pub title: &'static str,
-    /// What it shows.
-    pub about: &'static str,
-    /// The drawing.
-    pub svg: String,
-}
-
-/// Everything on the page.
-pub struct Report<'a> {
-    /// Claims, figures, matrix, convergence, scan, errata.
-    pub ledger: &'a Ledger,
-    /// The convergence of the listing for small steps.
-    pub convergence: Picture,
-    /// What becomes of the stated model as each parameter changes.
-    pub scan: Picture,
-}
+pub use parts::{Picture, Report};
+use parts::{SECTIONS, heading};
 
 const STYLE: &str = include_str!("../../../assets/report/style.css");
 const SORT: &str = include_str!("../../../assets/report/sort.js");
-
-/// Sections in order: anchor and heading.
-const SECTIONS: [(&str, &str); 9] = [
-    ("claims", "Claims"),
-    ("cause", "What makes Fig. 8"),
-    ("existence", "Does the stated model stick and slip?"),
-    ("readings", "How Figs. 10–12 can be read"),
-    ("errata", "Errata"),
-    ("figures", "Other figures"),
-    ("methods", "Methods"),
-    ("cite", "How to cite"),
-    ("remake", "How this page was made"),
-];
 
 /// The page. Everything that is text is escaped; drawings, style and script are the project's own.
 pub fn page(report: &Report) -> String {
@@ -99,15 +67,4 @@ fn document(report: &Report) -> Markup {
             }
         }
     }
-}
-
-/// A section's heading.
-fn heading(anchor: &str) -> Markup {
-    let known = SECTIONS.iter().find(|(known, _)| *known == anchor);
-    html! { h2 id=(anchor) { (known.map_or(anchor, |(_, heading)| heading)) } }
-}
-
-/// The head of a table.
-fn columns(names: &[&str]) -> Markup {
-    html! { thead { tr { @for name in names { th scope="col" { (name) } } } } }
 }

@@ -4,7 +4,7 @@ use maud::{Markup, PreEscaped, html};
 
 use super::super::errata::Shown;
 use super::super::ledger::Ledger;
-use super::{columns, heading};
+use super::parts::{columns, heading};
 use crate::figures::rows::Value;
 use stickslip::math;
 

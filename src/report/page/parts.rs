@@ -1,0 +1,50 @@
+//! What the sections of the page share.
+
+use maud::{Markup, html};
+
+use super::super::ledger::Ledger;
+
+/// A picture of the report's own.
+#[derive(Clone, Debug)]
+pub struct Picture {
+    /// Heading.
+    pub title: &'static str,
+    /// What it shows.
+    pub about: &'static str,
+    /// The drawing.
+    pub svg: String,
+}
+
+/// Everything on the page.
+pub struct Report<'a> {
+    /// Claims, figures, matrix, convergence, scan, errata.
+    pub ledger: &'a Ledger,
+    /// The convergence of the listing for small steps.
+    pub convergence: Picture,
+    /// What becomes of the stated model as each parameter changes.
+    pub scan: Picture,
+}
+
+/// Sections in order: anchor and heading.
+pub(super) const SECTIONS: [(&str, &str); 9] = [
+    ("claims", "Claims"),
+    ("cause", "What makes Fig. 8"),
+    ("existence", "Does the stated model stick and slip?"),
+    ("readings", "How Figs. 10–12 can be read"),
+    ("errata", "Errata"),
+    ("figures", "Other figures"),
+    ("methods", "Methods"),
+    ("cite", "How to cite"),
+    ("remake", "How this page was made"),
+];
+
+/// A section's heading.
+pub(super) fn heading(anchor: &str) -> Markup {
+    let known = SECTIONS.iter().find(|(known, _)| *known == anchor);
+    html! { h2 id=(anchor) { (known.map_or(anchor, |(_, heading)| heading)) } }
+}
+
+/// The head of a table.
+pub(super) fn columns(names: &[&str]) -> Markup {
+    html! { thead { tr { @for name in names { th scope="col" { (name) } } } } }
+}
