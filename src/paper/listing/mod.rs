@@ -43,11 +43,11 @@ mod step;
 pub use defects::{Defect, Defects};
 pub use error::ListingError;
 pub use params::{END, Params, Setup};
-pub use record::{Crossing, Direction, End, Instant, Run, Sample, Stick, StickPhase, Zone};
-pub use regime::Motion;
+pub use record::{Crossing, Direction, End, Instant, Motion, Run, Sample, Stick, StickPhase, Zone};
 
-use record::Recorder;
-use step::Machine;
+use regime::Strobe;
+use step::{Event, Machine};
+use stickslip::Mode;
 
 /// Runs the listing and keeps phases, crossings and the class of motion, but no trajectory.
 ///
@@ -85,4 +85,60 @@ pub fn run_with(setup: &Setup, mut observe: impl FnMut(&Sample)) -> Result<Run, 
         observe(&sample);
     }
     Ok(recorder.finish(None))
+}
+
+/// Builds a [`Run`] from the passes of the loop, keeping events and one sample per forcing period.
+struct Recorder {
+    run: Run,
+    strobe: Strobe,
+    after_exit: bool,
+}
+
+impl Recorder {
+    fn new(setup: &Setup, machine: &Machine) -> Self {
+        let sticks = machine.mode == Mode::Stick;
+        let run = Run {
+            phases: Vec::new(),
+            unfinished: sticks.then(|| (machine.instant(), machine.zone)),
+            crossings: Vec::new(),
+            motion: Motion::NotSettled,
+            forcing_period: setup.params.period(),
+        };
+        Recorder {
+            run,
+            strobe: Strobe::new(setup),
+            after_exit: false,
+        }
+    }
+
+    fn take(&mut self, sample: &Sample, event: Option<Event>) {
+        let at = Instant {
+            t: sample.t,
+            x1: sample.x1,
+        };
+        match event {
+            Some(Event::Entry(zone)) => self.run.unfinished = Some((at, zone)),
+            Some(Event::Exit(end)) => {
+                if let Some((entry, zone)) = self.run.unfinished.take() {
+                    let stick = Stick { entry, exit: at };
+                    self.run.phases.push(StickPhase { stick, zone, end });
+                }
+            }
+            Some(Event::Crossing(direction)) => self.run.crossings.push(Crossing {
+                at,
+                direction,
+                after_exit: self.after_exit,
+            }),
+            None => {}
+        }
+        self.after_exit = matches!(event, Some(Event::Exit(_)));
+        self.strobe.take(sample);
+    }
+
+    /// The outcome; `end` is how the run broke off, if it did.
+    fn finish(mut self, end: Option<Motion>) -> Run {
+        let motion = end.unwrap_or_else(|| regime::classify(&self.run, &self.strobe));
+        self.run.motion = motion;
+        self.run
+    }
 }

@@ -2,7 +2,8 @@
 
 use std::f64::consts::PI;
 
-use super::{Defects, ListingError};
+use super::defects::Defects;
+use super::error::ListingError;
 use stickslip::math;
 
 /// Length of the listing's run (s), line 3: N·h. Its motion has settled then.

@@ -1,8 +1,7 @@
 //! What a run leaves behind.
 
-use super::regime::{self, Strobe};
-use super::step::{Event, Machine};
-use super::{Motion, Setup};
+use std::fmt;
+
 use stickslip::Mode;
 
 /// How much a pattern is shortened, in forcing periods, so as not to count its first phase twice.
@@ -146,6 +145,80 @@ pub struct Crossing {
     pub after_exit: bool,
 }
 
+/// The motion a run settled on, decided from the run itself.
+///
+/// The states at whole multiples of the forcing period are compared: a pattern of `p` periods has
+/// repeated when, over the last `max(2p, 6)` of them, each is within twenty steps' way (`20·h`, in
+/// metres and metres per second) of the one `p` periods earlier. The steps do not fit the forcing
+/// period, so a periodic motion is met with an error of some steps' way and no closer.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum Motion {
+    /// Periodic with stick phases.
+    StickSlip {
+        /// Stick phases in one pattern.
+        sticks: usize,
+        /// Length of the pattern in forcing periods, the smallest that repeats.
+        period: usize,
+    },
+    /// Periodic, without stick.
+    SlipOnly {
+        /// Length of the pattern in forcing periods, the smallest that repeats.
+        period: usize,
+    },
+    /// The clock stands: over the second half of the passes it gained less than a tenth of what its
+    /// steps give, because the corrections at the ends of stick and slip phases take back what the
+    /// steps add.
+    Stalled {
+        /// Where it stands, in seconds.
+        t: f64,
+    },
+    /// The body went so far out that the softening spring drives it away for good.
+    Escaped {
+        /// When, in seconds.
+        t: f64,
+    },
+    /// The state stopped being a number: a Hénon step divided by an acceleration of zero.
+    BrokenDown {
+        /// The last time with a state, in seconds.
+        t: f64,
+    },
+    /// No pattern of up to [`Motion::LONGEST_PATTERN`] forcing periods repeats at the end of the
+    /// run.
+    NotSettled,
+}
+
+impl fmt::Display for Motion {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Motion::StickSlip { sticks, period } => {
+                let plural = if *period == 1 { "" } else { "s" };
+                write!(
+                    f,
+                    "stick–slip, {sticks} stick phases in {period} forcing period{plural}"
+                )
+            }
+            Motion::SlipOnly { period } => write!(f, "slip only, period {period}"),
+            Motion::Stalled { t } => write!(f, "hangs: the clock stands at {t:.4} s"),
+            Motion::Escaped { t } => write!(f, "escapes at {t:.4} s"),
+            Motion::BrokenDown { t } => write!(f, "breaks down at {t:.4} s"),
+            Motion::NotSettled => f.write_str("no pattern repeats"),
+        }
+    }
+}
+
+impl Motion {
+    /// Patterns longer than this many forcing periods are not looked for: the paper's run has 38
+    /// periods.
+    pub const LONGEST_PATTERN: usize = 8;
+
+    /// What Sect. 4.2 says of Fig. 8: two stick phases in two forcing periods.
+    pub const PUBLISHED: Motion = Motion::StickSlip {
+        sticks: 2,
+        period: 2,
+    };
+}
+
 /// The outcome of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Run {
@@ -186,61 +259,5 @@ impl Run {
         self.phases
             .get(before.map_or(0, |index| index + 1)..)
             .unwrap_or_default()
-    }
-}
-
-/// Builds a [`Run`] from the passes of the loop, keeping events and one sample per forcing period.
-pub(super) struct Recorder {
-    run: Run,
-    strobe: Strobe,
-    after_exit: bool,
-}
-
-impl Recorder {
-    pub(super) fn new(setup: &Setup, machine: &Machine) -> Self {
-        let sticks = machine.mode == Mode::Stick;
-        let run = Run {
-            phases: Vec::new(),
-            unfinished: sticks.then(|| (machine.instant(), machine.zone)),
-            crossings: Vec::new(),
-            motion: Motion::NotSettled,
-            forcing_period: setup.params.period(),
-        };
-        Recorder {
-            run,
-            strobe: Strobe::new(setup),
-            after_exit: false,
-        }
-    }
-
-    pub(super) fn take(&mut self, sample: &Sample, event: Option<Event>) {
-        let at = Instant {
-            t: sample.t,
-            x1: sample.x1,
-        };
-        match event {
-            Some(Event::Entry(zone)) => self.run.unfinished = Some((at, zone)),
-            Some(Event::Exit(end)) => {
-                if let Some((entry, zone)) = self.run.unfinished.take() {
-                    let stick = Stick { entry, exit: at };
-                    self.run.phases.push(StickPhase { stick, zone, end });
-                }
-            }
-            Some(Event::Crossing(direction)) => self.run.crossings.push(Crossing {
-                at,
-                direction,
-                after_exit: self.after_exit,
-            }),
-            None => {}
-        }
-        self.after_exit = matches!(event, Some(Event::Exit(_)));
-        self.strobe.take(sample);
-    }
-
-    /// The outcome; `end` is how the run broke off, if it did.
-    pub(super) fn finish(mut self, end: Option<Motion>) -> Run {
-        let motion = end.unwrap_or_else(|| regime::classify(&self.run, &self.strobe));
-        self.run.motion = motion;
-        self.run
     }
 }

@@ -1,7 +1,8 @@
 //! One pass of the listing's loop (lines 28–79).
 
-use super::record::ends;
-use super::{Defect, Direction, End, Instant, Motion, Sample, Setup, Zone};
+use super::defects::Defect;
+use super::params::Setup;
+use super::record::{Direction, End, Instant, Motion, Sample, Zone, ends};
 use crate::paper::stages::{in_time, in_velocity};
 use stickslip::{Mode, Side, State};
 
