@@ -1,13 +1,53 @@
 //! The orbit, its spectra and what becomes of the equations as printed.
 
-use super::Set;
 use super::watch::{DT, END, START, Watch};
 use crate::figures::Failure;
+use crate::paper::claim_id::SpectrumFigure;
 use stickslip::analysis::motion::{Class, Criterion, Evidence, Of};
 use stickslip::analysis::{Spectrum, SpectrumOptions, lyapunov_spectrum_watched};
-use stickslip::models::{BlockAndBracket, Reading};
+use stickslip::models::{BlockAndBracket, Caption, Reading};
 use stickslip::{Error, Locator, Method, Options, State, run};
 use stickslip_series::{DataSettings, DataSpectrum, Neighbourhood, Series, data_spectrum};
+
+/// What one of the three figures differs in.
+#[derive(Clone, Copy, Debug)]
+pub struct Set {
+    /// Which of the three.
+    pub figure: SpectrumFigure,
+    /// Its parameters.
+    pub caption: Caption,
+    /// Length of the orbit drawn, at the end of the run.
+    pub shown: f64,
+    /// Title for readers who cannot see the picture.
+    pub title: &'static str,
+    /// What the picture shows, for them.
+    pub description: &'static str,
+}
+
+/// Figs. 10, 11 and 12.
+pub const SETS: [Set; 3] = [
+    Set {
+        figure: SpectrumFigure::Fig10,
+        caption: Caption::FIG10,
+        shown: 40.0,
+        title: "Fig. 10: periodic motion of the block and the bracket",
+        description: "The block's and the bracket's phase planes with the line of belt speed, and below them the running exponents beside the published ones.",
+    },
+    Set {
+        figure: SpectrumFigure::Fig11,
+        caption: Caption::FIG11,
+        shown: 300.0,
+        title: "Fig. 11: quasi-periodic motion of the block and the bracket",
+        description: "The block's and the bracket's phase planes with the line of belt speed, and below them the running exponents beside the published ones.",
+    },
+    Set {
+        figure: SpectrumFigure::Fig12,
+        caption: Caption::FIG12,
+        shown: 300.0,
+        title: "Fig. 12: chaotic motion of the block and the bracket",
+        description: "The block's and the bracket's phase planes with the line of belt speed and the region without contact, and below them the running exponents beside the published ones.",
+    },
+];
 
 /// Tolerance of the solver.
 pub const TOLERANCE: f64 = 1e-10;

@@ -8,55 +8,13 @@ mod watch;
 
 #[cfg(all(test, feature = "report"))]
 pub(crate) use compute::best_common;
-pub use compute::{Data, Literal, Measured, TOLERANCE, by_rk4_and_henon, class};
+pub use compute::{Data, Literal, Measured, SETS, Set, TOLERANCE, by_rk4_and_henon, class};
 
 use super::FigureSpec;
-use crate::paper::claim_id::SpectrumFigure;
 use compute::compute;
 use draw::draw;
 use numbers::numbers;
 pub use numbers::{Comparison, DIVERGES, compare};
-use stickslip::models::Caption;
-
-/// What one of the three figures differs in.
-#[derive(Clone, Copy, Debug)]
-pub struct Set {
-    /// Which of the three.
-    pub figure: SpectrumFigure,
-    /// Its parameters.
-    pub caption: Caption,
-    /// Length of the orbit drawn, at the end of the run.
-    pub shown: f64,
-    /// Title for readers who cannot see the picture.
-    pub title: &'static str,
-    /// What the picture shows, for them.
-    pub description: &'static str,
-}
-
-/// Figs. 10, 11 and 12.
-pub const SETS: [Set; 3] = [
-    Set {
-        figure: SpectrumFigure::Fig10,
-        caption: Caption::FIG10,
-        shown: 40.0,
-        title: "Fig. 10: periodic motion of the block and the bracket",
-        description: "The block's and the bracket's phase planes with the line of belt speed, and below them the running exponents beside the published ones.",
-    },
-    Set {
-        figure: SpectrumFigure::Fig11,
-        caption: Caption::FIG11,
-        shown: 300.0,
-        title: "Fig. 11: quasi-periodic motion of the block and the bracket",
-        description: "The block's and the bracket's phase planes with the line of belt speed, and below them the running exponents beside the published ones.",
-    },
-    Set {
-        figure: SpectrumFigure::Fig12,
-        caption: Caption::FIG12,
-        shown: 300.0,
-        title: "Fig. 12: chaotic motion of the block and the bracket",
-        description: "The block's and the bracket's phase planes with the line of belt speed and the region without contact, and below them the running exponents beside the published ones.",
-    },
-];
 
 /// A figure with what is computed in words: which set of parameters, and what the paper publishes
 /// it as.

@@ -1,6 +1,6 @@
 //! The picture of Fig. 4.
 
-use super::Data;
+use super::compute::Data;
 use crate::figures::{FigureError, belt_line};
 use plot::*;
 use stickslip::analysis::Visibility;

@@ -1,6 +1,6 @@
 //! The rows of Fig. 4.
 
-use super::Data;
+use super::compute::Data;
 use crate::figures::rows::{Quantity, Row};
 use crate::paper::claim_id::ClaimId;
 use crate::paper::reading::Reading::Exact;

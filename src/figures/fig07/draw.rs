@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::{Branches, Data, Oscillation, Transition, Z_MAX};
+use super::compute::{Branches, Data, Oscillation, Transition, Z_MAX};
 use crate::figures::{FigureError, pair};
 use plot::{
     Axis, BLACK, BLUE, Band, Color, Curve, Dash, Figure, GREY, Guide, LIGHT_GREY, Legend, MID_GREY,

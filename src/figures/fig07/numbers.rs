@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::{Data, Transition};
+use super::compute::{Data, Transition};
 use crate::figures::rows::{Quantity, Row};
 use crate::paper::claim_id::ClaimId;
 use crate::paper::reading::Reading::Exact;

@@ -1,6 +1,6 @@
 //! The picture of Fig. 8.
 
-use super::Data;
+use super::compute::Data;
 use crate::figures::{FigureError, belt_line, pair, with_ticks};
 use crate::numbers::extent;
 use crate::paper::listing::Crossing;

@@ -1,6 +1,6 @@
 //! The rows of Fig. 8.
 
-use super::Data;
+use super::compute::Data;
 use crate::figures::rows::Row;
 use crate::paper::claim_id::ClaimId;
 use crate::paper::pattern::Pattern;

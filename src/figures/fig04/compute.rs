@@ -1,0 +1,136 @@
+//! The orbits, the tangent points and the cycle.
+
+use crate::figures::{Failure, crossing, normals, phase_plane};
+use crate::numbers::{changes, missing};
+use stickslip::analysis::{multipliers, periodic_orbit};
+use stickslip::models::{BeltOscillator, BeltTangency};
+use stickslip::scalar::Dual;
+use stickslip::{Error, Filippov, Mode, Options, Scalar, Side, State, Transition, solve};
+
+/// The limit cycle.
+#[derive(Clone, Debug)]
+pub struct Cycle {
+    /// Period (s).
+    pub period: f64,
+    /// Nontrivial Floquet multiplier.
+    pub multiplier: f64,
+    /// Position of the upward crossing of Σ (m).
+    pub left: f64,
+    /// Position of the downward crossing of Σ (m).
+    pub right: f64,
+    /// Accelerations on either side of Σ at the upward crossing: below, above (m/s²).
+    pub kink: [f64; 2],
+    /// Stick phases in one period.
+    pub sticks: usize,
+    /// The cycle as a curve `(x1, x2)`.
+    pub curve: Vec<(f64, f64)>,
+}
+
+/// What the figure shows.
+#[derive(Clone, Debug)]
+pub struct Data {
+    /// The model.
+    pub model: BeltOscillator,
+    /// Where σ, the product of the two fields' normal components on Σ, is stationary (m), largest
+    /// first.
+    pub stationary: Vec<f64>,
+    /// The friction amplitudes at which σ vanishes there (N): the accelerations of the spring.
+    pub critical_mu0: Vec<f64>,
+    /// Six tangent points, largest first.
+    pub tangents: Vec<BeltTangency>,
+    /// Stick zones as intervals of x1.
+    pub zones: Vec<(f64, f64)>,
+    /// Starts of the orbits: the tangent points, then the further ones.
+    pub starts: Vec<(f64, f64)>,
+    /// Their orbits as curves.
+    pub orbits: Vec<Vec<(f64, f64)>>,
+    /// How many of them stick.
+    pub sticking: usize,
+    /// The cycle.
+    pub cycle: Cycle,
+}
+
+const TOLERANCE: f64 = 1e-13;
+/// Length of the drawn orbits (s): about two turns, after which they cannot be told from the cycle.
+const DRAWN: f64 = 16.0;
+/// Time after which an orbit is near enough to the cycle for Newton's iteration (s).
+const SETTLED: f64 = 60.0;
+/// Starts besides the tangent points: inside the cycle below the belt's speed, and outside it
+/// above.
+const FURTHER: [(f64, f64); 2] = [(-0.4, 0.4), (-0.6, 1.5)];
+
+pub(super) fn compute() -> Result<Data, Failure> {
+    let model = BeltOscillator::default();
+    let options = Options::tol(TOLERANCE);
+    let tangents = model.tangent_points()?;
+    let on_belt = tangents.iter().map(|at| (at.position, model.belt_speed));
+    let starts: Vec<(f64, f64)> = on_belt.chain(FURTHER).collect();
+    let (mut orbits, mut sticking) = (Vec::new(), 0);
+    for &(x1, x2) in &starts {
+        let orbit = solve(&model, 0.0, State::from([x1, x2]), DRAWN, &options)?;
+        sticking += usize::from(orbit.sticks().next().is_some());
+        orbits.push(phase_plane(&orbit));
+    }
+    let stationary = stationary(&model);
+    // At rest friction adds the same to either side, so the mean of the two normal components is
+    // the spring's.
+    let spring = |x1: f64| {
+        let [below, above] = normals(&model, 0.0, &[x1, model.belt_speed]);
+        0.5 * (below + above)
+    };
+    Ok(Data {
+        critical_mu0: stationary.iter().map(|&x1| spring(x1)).collect(),
+        stationary,
+        model,
+        tangents,
+        zones: model.stick_zones()?,
+        starts,
+        sticking,
+        orbits,
+        cycle: cycle(&model, &options)?,
+    })
+}
+
+/// The zeros of ∂σ/∂x₁ (Eq. 11) on Σ: bracketed on a grid that holds none of them, then bisected to
+/// the last bit.
+fn stationary(model: &BeltOscillator) -> Vec<f64> {
+    let slope = |x1: f64| {
+        let x = [Dual::new(x1, 1.0), Dual::new(model.belt_speed, 0.0)];
+        let [below, above] = normals(model, Dual::constant(0.0), &x);
+        (below * above).eps
+    };
+    let grid = (0..=300).rev().map(|k| 1.507 - 0.01 * f64::from(k));
+    let mut zeros = changes(grid, |x1| slope(x1) < 0.0);
+    zeros.reverse();
+    zeros
+}
+
+fn cycle(model: &BeltOscillator, options: &Options) -> Result<Cycle, Error> {
+    let start = State::from([0.0, model.belt_speed]);
+    let settled = solve(model, 0.0, start, SETTLED, options)?;
+    let upward = |at: &&Transition<2>| at.to == Mode::Slip(Side::Above);
+    let crossings: Vec<f64> = settled
+        .transitions
+        .iter()
+        .filter(upward)
+        .map(|at| at.t)
+        .collect();
+    let [.., before, last] = crossings[..] else {
+        return Err(missing("two upward crossings of Σ", 0.0, SETTLED));
+    };
+    // Off Σ, a tenth of a turn before the crossing.
+    let guess = settled.at(last - 0.1 * (last - before))?;
+    let found = periodic_orbit(model, guess, last - before, options)?;
+    let turn = solve(model, 0.0, &found.x, found.period, options)?;
+    let (up, down) = (crossing(&turn, Side::Above)?, crossing(&turn, Side::Below)?);
+    let acceleration = |side| model.field(side, up.t, up.x.as_ref())[1];
+    Ok(Cycle {
+        period: found.period,
+        multiplier: multipliers(&found.monodromy)[1].re,
+        left: up.x[0],
+        right: down.x[0],
+        kink: [Side::Below, Side::Above].map(acceleration),
+        sticks: turn.sticks().count(),
+        curve: phase_plane(&turn),
+    })
+}

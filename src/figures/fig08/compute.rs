@@ -1,0 +1,217 @@
+//! The listing's run, its limit, the exact orbit and the fate of a grid of starts.
+
+use rayon::prelude::*;
+
+use crate::figures::{Failure, crossing, curve3};
+use crate::numbers::missing;
+use crate::paper::bounded;
+use crate::paper::listing::{self, END, Params, Sample, Setup};
+use crate::paper::pattern::{Pattern, two_periodic};
+use crate::paper::slip_times_three::{self, Injected};
+use stickslip::analysis::{Destination, destination, multipliers, periodic_orbit_forced};
+use stickslip::models::ForcedOscillator;
+use stickslip::{Error, Mode, Options, Side, State, solve};
+
+/// The listing's settled motion.
+#[derive(Clone, Debug)]
+pub struct AsPrinted {
+    /// What it settles on.
+    pub pattern: Pattern,
+    /// Where the body sticks in the plotted window: time and position at the start and at the end
+    /// of each stretch.
+    pub stuck: Vec<[(f64, f64); 2]>,
+    /// Part of the time in stick phases, in the plotted window, in which the body is in no stick
+    /// zone.
+    pub outside_zones: f64,
+    /// The plotted window: time, position, velocity.
+    pub trajectory: Vec<(f64, f64, f64)>,
+}
+
+/// The stated model's attractor.
+#[derive(Clone, Debug)]
+pub struct Exact {
+    /// What it settles on.
+    pub pattern: Pattern,
+    /// Position of the upward crossing (m).
+    pub left: f64,
+    /// Position of the downward crossing (m).
+    pub right: f64,
+    /// Time spent below the belt's speed in one period (s).
+    pub below: f64,
+    /// Time spent above it (s).
+    pub above: f64,
+    /// Moduli of the Floquet multipliers, the larger first.
+    pub multipliers: [f64; 2],
+    /// Two periods of it: time, position, velocity.
+    pub trajectory: Vec<(f64, f64, f64)>,
+}
+
+/// Where a grid of starts ends up, in parts of all.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Shares {
+    /// Starts in the grid.
+    pub starts: usize,
+    /// The slip-only orbit of one period.
+    pub slip_only: f64,
+    /// Any periodic motion with stick.
+    pub stick_slip: f64,
+    /// Of these the motions of the caption's kind, [`two_periodic`].
+    pub stick_slip_two: f64,
+    /// Any other periodic motion without stick.
+    pub other: f64,
+    /// Escape.
+    pub escapes: f64,
+    /// No periodic motion found.
+    pub unsettled: f64,
+}
+
+/// What the figure shows.
+#[derive(Clone, Debug)]
+pub struct Data {
+    /// The model.
+    pub model: ForcedOscillator,
+    /// Stick zones (lower end, upper end) in z (m).
+    pub zones: Vec<(f64, f64)>,
+    /// The listing's step (s).
+    pub step: f64,
+    /// The listing.
+    pub as_printed: AsPrinted,
+    /// The listing's limit.
+    pub slip_times_three: Pattern,
+    /// The stated model.
+    pub exact: Exact,
+    /// Where its starts end up.
+    pub shares: Shares,
+}
+
+const TOLERANCE: f64 = 1e-13;
+/// Forcing periods in the picture.
+const SHOWN: f64 = 2.0;
+/// Forcing periods in which a pattern of any length shows itself.
+const REPEATED: f64 = 24.0;
+
+pub(super) fn compute() -> Result<Data, Failure> {
+    let model = ForcedOscillator::default();
+    let zones = model.stick_zones()?;
+    let options = Options::tol(TOLERANCE);
+    Ok(Data {
+        step: Setup::default().h,
+        as_printed: as_printed(&model, &zones)?,
+        slip_times_three: slip_times_three::settled(Injected::BOTH)?,
+        exact: exact(&model, &options)?,
+        shares: shares(&model)?,
+        model,
+        zones,
+    })
+}
+
+fn as_printed(model: &ForcedOscillator, zones: &[(f64, f64)]) -> Result<AsPrinted, Failure> {
+    let mut trajectory = Vec::new();
+    let mut stuck: Vec<[(f64, f64); 2]> = Vec::new();
+    let mut sticking = false;
+    let (mut steps_stuck, mut steps_outside) = (0_u32, 0_u32);
+    let keep = |sample: &Sample| {
+        if !sample.in_window {
+            return;
+        }
+        trajectory.push((sample.t, sample.x1, sample.x2));
+        let here = (sample.t, sample.x1);
+        let sticks = sample.mode == Mode::Stick;
+        if sticks {
+            let z = sample.x1 - model.support(sample.t);
+            steps_stuck += 1;
+            steps_outside +=
+                u32::from(!zones.iter().any(|&(lower, upper)| lower <= z && z <= upper));
+        }
+        match stuck.last_mut() {
+            Some(stretch) if sticking => stretch[1] = here,
+            _ if sticks => stuck.push([here, here]),
+            _ => {}
+        }
+        sticking = sticks;
+    };
+    let run = listing::run_with(&Setup::default(), keep)?;
+    let what = "a motion of the listing that repeats";
+    let pattern = Pattern::of_listing(&run).ok_or_else(|| missing(what, 0.0, END))?;
+    Ok(AsPrinted {
+        pattern,
+        stuck,
+        outside_zones: f64::from(steps_outside) / f64::from(steps_stuck.max(1)),
+        trajectory,
+    })
+}
+
+fn exact(model: &ForcedOscillator, options: &Options) -> Result<Exact, Error> {
+    let period = model.period();
+    let start = State::from([Params::default().x1, model.belt_speed]);
+    let whole = (END / period).floor() * period;
+    let settled = solve(model, 0.0, start, whole, options)?;
+    let orbit = periodic_orbit_forced(model, 0.0, settled.x_end, period, options)?;
+    let turns = solve(model, 0.0, &orbit.x, SHOWN * period, options)?;
+    let many = solve(model, 0.0, &orbit.x, REPEATED * period, options)?;
+    let pattern = Pattern::of_phases(&many.phases, many.t_end, period);
+    let pattern =
+        pattern.ok_or_else(|| missing("a motion that repeats", 0.0, REPEATED * period))?;
+    let (up, down) = (
+        crossing(&turns, Side::Above)?,
+        crossing(&turns, Side::Below)?,
+    );
+    let sizes = multipliers(&orbit.monodromy);
+    let mut multipliers = [0, 1].map(|k| stickslip::math::hypot(sizes[k].re, sizes[k].im));
+    multipliers.sort_by(|one, other| other.total_cmp(one));
+    let above = (down.t - up.t).rem_euclid(period);
+    Ok(Exact {
+        pattern,
+        left: up.x[0],
+        right: down.x[0],
+        below: period - above,
+        above,
+        multipliers,
+        trajectory: curve3(&turns),
+    })
+}
+
+/// Starts in position and in velocity.
+const GRID: (u32, u32) = (61, 41);
+/// Outermost of them on either side (m, m/s).
+pub const REACH: [f64; 2] = [1.2, 2.0];
+/// Forcing periods that a start is followed over.
+pub const FOLLOWED: usize = 40;
+/// States a pattern apart that are this near count as equal.
+const CLOSENESS: f64 = 1e-4;
+
+/// A grid of starts with its corners at [`REACH`].
+pub(crate) fn starts(columns: u32, rows: u32) -> Vec<State<2>> {
+    let part = |k: u32, of: u32| 2.0 * f64::from(k) / f64::from(of - 1) - 1.0;
+    let at = |i, j| State::from([REACH[0] * part(i, columns), REACH[1] * part(j, rows)]);
+    let all = (0..columns).flat_map(|i| (0..rows).map(move |j| at(i, j)));
+    all.collect()
+}
+
+fn shares(model: &ForcedOscillator) -> Result<Shares, Error> {
+    let options = bounded(1e-9);
+    let starts = starts(GRID.0, GRID.1);
+    let (period, periods) = (model.period(), FOLLOWED);
+    let end = |&x: &State<2>| destination(model, (0.0, x), period, periods, CLOSENESS, &options);
+    let ends = starts.par_iter().map(end);
+    let ends = ends.collect::<Result<Vec<_>, Error>>()?;
+    let each = 1.0 / starts.len() as f64;
+    let share = |is: &dyn Fn(&Destination) -> bool| {
+        let count = ends.iter().filter(|end| is(end)).count();
+        count as f64 * each
+    };
+    let periodic = |is: fn(usize, usize) -> bool| {
+        share(
+            &|end| matches!(end, Destination::Periodic { sticks, period, .. } if is(*sticks, *period)),
+        )
+    };
+    Ok(Shares {
+        starts: starts.len(),
+        slip_only: periodic(|sticks, period| sticks == 0 && period == 1),
+        other: periodic(|sticks, period| sticks == 0 && period > 1),
+        stick_slip: periodic(|sticks, _| sticks > 0),
+        stick_slip_two: periodic(two_periodic),
+        escapes: share(&|end| matches!(end, Destination::Escapes { .. })),
+        unsettled: share(&|end| matches!(end, Destination::Unsettled)),
+    })
+}
