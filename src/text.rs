@@ -2,10 +2,10 @@
 
 use std::fmt::Display;
 
-/// An enum with a row of a table for each variant: the variants in order are `ALL`, the row is
-/// `described()`.
+/// An enum with a row of a table for each variant: the variants in order are `ALL`, the method that
+/// is named gives the row.
 macro_rules! described {
-    ($(#[$of_enum:meta])* $name:ident: $row:ty {
+    ($(#[$of_enum:meta])* $name:ident: $row:ty as $vis:vis $method:ident {
         $($(#[$of_variant:meta])* $variant:ident = $described:expr,)*
     }) => {
         $(#[$of_enum])*
@@ -18,7 +18,8 @@ macro_rules! described {
             /// All of them, in order.
             pub const ALL: [$name; [$(stringify!($variant)),*].len()] = [$($name::$variant),*];
 
-            const fn described(self) -> $row {
+            /// What stands in the table for it.
+            $vis const fn $method(self) -> $row {
                 match self {
                     $($name::$variant => $described,)*
                 }

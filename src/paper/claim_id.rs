@@ -9,7 +9,7 @@ macro_rules! claim_ids {
     ($($variant:ident = $name:literal,)*) => {
         described! {
             /// A row of `data/claims.csv`. The variants stand in the order of its rows.
-            ClaimId: &'static str {
+            ClaimId: &'static str as pub name {
                 $(#[doc = concat!("`", $name, "`")] $variant = $name,)*
             }
         }
@@ -81,11 +81,6 @@ claim_ids! {
 }
 
 impl ClaimId {
-    /// Its name in every table.
-    pub const fn name(self) -> &'static str {
-        self.described()
-    }
-
     /// The claim of this name.
     pub fn named(name: &str) -> Option<ClaimId> {
         ClaimId::ALL.into_iter().find(|id| id.name() == name)
@@ -116,7 +111,7 @@ impl fmt::Display for ClaimId {
 
 described! {
     /// A figure that publishes a spectrum of Lyapunov exponents.
-    SpectrumFigure: (&'static str, [ClaimId; 4], ClaimId) {
+    SpectrumFigure: (&'static str, [ClaimId; 4], ClaimId) as described {
         /// Fig. 10.
         Fig10 = (
             "fig10",

@@ -16,7 +16,7 @@ const EXACT_TOLERANCE: f64 = 1e-12;
 
 described! {
     /// What a row of the table claims.
-    Kind: &'static str {
+    Kind: &'static str as pub name {
         /// One number.
         Value = "value",
         /// Several numbers, or a formula for them.
@@ -32,11 +32,6 @@ described! {
 }
 
 impl Kind {
-    /// Its name in the table.
-    pub fn name(self) -> &'static str {
-        self.described()
-    }
-
     fn named(name: &str) -> Option<Kind> {
         Kind::ALL.into_iter().find(|kind| kind.name() == name)
     }

@@ -6,7 +6,7 @@ use crate::text::described;
 
 described! {
     /// A reading of the paper, as it stands in the column `reading` of every table.
-    Reading: (&'static str, &'static str, Role) {
+    Reading: (&'static str, &'static str, Role) as described {
         /// The model as stated, solved accurately.
         Exact = (
             "exact",

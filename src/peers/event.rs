@@ -8,7 +8,7 @@ use crate::text::described;
 
 described! {
     /// What happened.
-    Kind: &'static str {
+    Kind: &'static str as name {
         /// From slip to slip through Σ.
         Crossing = "crossing",
         /// Stick begins.
@@ -23,7 +23,7 @@ impl FromStr for Kind {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let mut all = Kind::ALL.into_iter();
-        all.find(|kind| kind.described() == text).ok_or_else(|| {
+        all.find(|kind| kind.name() == text).ok_or_else(|| {
             format!("'{text}' is no kind of event; there are crossing, entry and exit")
         })
     }

@@ -68,7 +68,7 @@ impl Injection {
 
 described! {
     /// Whether a cause is shown.
-    Status: &'static str {
+    Status: &'static str as name {
         /// All three parts hold.
         Shown = "shown",
         /// One does not.
@@ -78,7 +78,7 @@ described! {
 
 impl std::fmt::Display for Status {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(self.described())
+        f.write_str(self.name())
     }
 }
 

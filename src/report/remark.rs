@@ -10,7 +10,7 @@ use crate::text::described;
 
 described! {
     /// Sign of a Lyapunov exponent, zero within its error.
-    Sign: &'static str {
+    Sign: &'static str as name {
         /// Nearby orbits separate.
         Positive = "positive",
         /// Neither.
@@ -35,7 +35,7 @@ impl Sign {
 
 impl fmt::Display for Sign {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.described())
+        f.write_str(self.name())
     }
 }
 

@@ -10,7 +10,7 @@ use crate::text::described;
 
 described! {
     /// What becomes of a claim.
-    Verdict: [&'static str; 3] {
+    Verdict: [&'static str; 3] as described {
         /// The model as stated gives it.
         Reproduced = [
             "reproduced",
@@ -115,7 +115,7 @@ impl fmt::Display for Verdict {
 
 described! {
     /// A correction. The errata show each by a computation.
-    Correction: &'static str {
+    Correction: &'static str as pub description {
         /// Signs of x3 and T in the second row of Eq. (27).
         BracketSigns = "Eq. (27): +x3 and +T(v) in the bracket of the second row (printed −x3, −T)",
         /// μ0 counted once in Eq. (28).
@@ -135,11 +135,6 @@ impl Correction {
     /// Its short name: C1, C2, …
     pub fn label(self) -> String {
         format!("C{}", self as usize + 1)
-    }
-
-    /// In words.
-    pub const fn description(self) -> &'static str {
-        self.described()
     }
 
     /// Those that the corrected readings of a claim carry.

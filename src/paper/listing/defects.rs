@@ -3,11 +3,12 @@
 use crate::text::described;
 
 described! {
-    /// One defect of Listing 1.
+    /// One defect of Listing 1. What it is, and what a mended run does instead, is in words in
+    /// `data/errata.csv`.
     ///
     /// Line numbers are the listing's own. "Printed" says what it does when run literally, "mended"
     /// what this project does instead when the switch is off.
-    Defect: &'static str {
+    Defect: &'static str as pub name {
         /// Lines 23, 79, 104 and 117: `xn = x` copies no state.
         ///
         /// Printed: each stage of the Runge–Kutta step overwrites the state the next one adds to
@@ -75,14 +76,6 @@ described! {
         ///
         /// Mended: 1/6.
         SixthRounded = "sixth_rounded",
-    }
-}
-
-impl Defect {
-    /// Its name in tables. What it is, and what a mended run does instead, is in words in
-    /// `data/errata.csv`.
-    pub fn name(self) -> &'static str {
-        self.described()
     }
 }
 

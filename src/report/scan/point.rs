@@ -12,7 +12,7 @@ use stickslip::{AtRepelling, Error, Mode, Options, State, TransitionKind, solve}
 
 described! {
     /// What a start leads to.
-    Class: &'static str {
+    Class: &'static str as pub name {
         /// Out of the spring's reach.
         Escape = "escapes",
         /// Periodic without stick.
@@ -24,13 +24,6 @@ described! {
         StickSlipTwo = "stick_slip_period_two",
         /// Nothing repeats within eight forcing periods.
         Unsettled = "unsettled",
-    }
-}
-
-impl Class {
-    /// Its name in tables.
-    pub fn name(self) -> &'static str {
-        self.described()
     }
 }
 
