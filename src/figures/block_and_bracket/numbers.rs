@@ -181,7 +181,8 @@ fn signs_in_data(spectrum: &DataSpectrum) -> (usize, bool) {
     (zeros, first.is_some_and(|one| one.value > error(one)))
 }
 
-/// Standard errors that two estimates of one number may differ by: three leave chance 0.3 % of each comparison.
+/// Standard errors that two estimates of one number may differ by: three leave chance 0.3 % of each
+/// comparison.
 const STANDARD_ERRORS: f64 = 3.0;
 
 /// An exponent that both ways give.
@@ -211,14 +212,16 @@ impl Comparison {
 
 /// Compares every exponent that is [`Status::Ok`] and finite by both.
 ///
-/// Two errors are known without the equations' answer. Statistical: three standard errors of the difference, both
-/// estimates' own in quadrature; where both come from one orbit they rise and fall together, and that is more than enough.
-/// Bias of the data: a linear map fitted to a ball of radius ε leaves out terms of second order in the distance, so that its
-/// slopes are off by `c εᵖ` with p ≥ 1, and so is an exponent. With twice the radius it is off by `2ᵖ c εᵖ`: the change
-/// is `(2ᵖ − 1) c εᵖ`, at least the bias itself. The estimator runs with twice the radius, too, and tells that change.
+/// Two errors are known without the equations' answer. Statistical: three standard errors of the
+/// difference, both estimates' own in quadrature; where both come from one orbit they rise and fall
+/// together, and that is more than enough. Bias of the data: a linear map fitted to a ball of
+/// radius ε leaves out terms of second order in the distance, so that its slopes are off by `c εᵖ`
+/// with p ≥ 1, and so is an exponent. With twice the radius it is off by `2ᵖ c εᵖ`: the change is
+/// `(2ᵖ − 1) c εᵖ`, at least the bias itself. The estimator runs with twice the radius, too, and
+/// tells that change.
 ///
-/// What differs by more has a bias that doubling the neighbourhoods does not show, as it may where no power of ε rules
-/// yet.
+/// What differs by more has a bias that doubling the neighbourhoods does not show, as it may where
+/// no power of ε rules yet.
 pub fn compare(data: &DataSpectrum, equations: &[Exponent]) -> Vec<Comparison> {
     let pairs = data.exponents.iter().zip(equations).enumerate();
     pairs
@@ -236,8 +239,8 @@ pub fn compare(data: &DataSpectrum, equations: &[Exponent]) -> Vec<Comparison> {
         .collect()
 }
 
-/// What an exponent from data is worth, in a word: the estimator's, or `biased` where it says `ok` and the equations say
-/// otherwise.
+/// What an exponent from data is worth, in a word: the estimator's, or `biased` where it says `ok`
+/// and the equations say otherwise.
 pub(super) fn worth(data: &DataSpectrum, place: usize, comparisons: &[Comparison]) -> &'static str {
     let off = |one: &Comparison| one.place == place && !one.agrees();
     if comparisons.iter().any(off) {
