@@ -9,30 +9,35 @@ use stickslip_series::{Neighbourhood, Series, data_spectrum};
 
 /// A series with its spread `√Σ var`, and the same with every column scaled by its range.
 struct Scaled {
-    plain: Series,
-    spread: f64,
-    by_range: Series,
+    plain: (Series, f64),
+    by_range: (Series, f64),
 }
 
 impl Scaled {
     fn of(rows: &[[f64; 4]]) -> Option<Scaled> {
-        let column = |c: usize| rows.iter().map(move |x| x[c]);
-        let n = rows.len() as f64;
-        let means = [0, 1, 2, 3].map(|c| column(c).sum::<f64>() / n);
-        let square =
-            |x: &[f64; 4]| -> f64 { (0..4).map(|c| (x[c] - means[c]) * (x[c] - means[c])).sum() };
-        let variance = rows.iter().map(square).sum::<f64>() / n;
         let ranges = [0, 1, 2, 3].map(|c| {
-            let (low, high) = extent(column(c));
+            let (low, high) = extent(rows.iter().map(|x| x[c]));
             high - low
         });
-        let scaled = rows.iter().map(|x| [0, 1, 2, 3].map(|c| x[c] / ranges[c]));
+        let scaled = |x: &[f64; 4]| [0, 1, 2, 3].map(|c| x[c] / ranges[c]);
+        let by_range: Vec<[f64; 4]> = rows.iter().map(scaled).collect();
         Some(Scaled {
-            plain: Series::from_rows(rows.iter().copied(), DT).ok()?,
-            spread: variance.sqrt(),
-            by_range: Series::from_rows(scaled, DT).ok()?,
+            plain: with_spread(rows)?,
+            by_range: with_spread(&by_range)?,
         })
     }
+}
+
+fn with_spread(rows: &[[f64; 4]]) -> Option<(Series, f64)> {
+    let n = rows.len() as f64;
+    let means = [0, 1, 2, 3].map(|c| rows.iter().map(|x| x[c]).sum::<f64>() / n);
+    let square =
+        |x: &[f64; 4]| -> f64 { (0..4).map(|c| (x[c] - means[c]) * (x[c] - means[c])).sum() };
+    let variance = rows.iter().map(square).sum::<f64>() / n;
+    Some((
+        Series::from_rows(rows.iter().copied(), DT).ok()?,
+        variance.sqrt(),
+    ))
 }
 
 /// All rows of a group. A figure's exponents are estimated where they can count: the reading keeps
@@ -96,9 +101,9 @@ fn none(why: &'static str) -> Four {
 /// Exponents in descending order, as the paper prints them, whatever their status.
 fn spectrum(scaled: &Scaled, (unit, settings): &Setting) -> Four {
     let (series, unit) = match unit {
-        Unit::Spread => (&scaled.plain, 1.0),
-        Unit::Absolute => (&scaled.plain, scaled.spread),
-        Unit::Ranges => (&scaled.by_range, 1.0),
+        Unit::Spread => (&scaled.plain.0, 1.0),
+        Unit::Absolute => (&scaled.plain.0, scaled.plain.1),
+        Unit::Ranges => (&scaled.by_range.0, scaled.by_range.1),
     };
     let mut settings = settings.clone();
     if let Neighbourhood::Ball { eps, .. } = &mut settings.neighbours {
@@ -109,13 +114,8 @@ fn spectrum(scaled: &Scaled, (unit, settings): &Setting) -> Four {
         return (values, statuses);
     };
     let mut exponents = spectrum.exponents;
-    let rank = |value: f64| {
-        if value.is_nan() {
-            f64::NEG_INFINITY
-        } else {
-            value
-        }
-    };
+    // One that is no number comes last.
+    let rank = |value: f64| value.max(f64::NEG_INFINITY);
     exponents.sort_by(|one, other| rank(other.value).total_cmp(&rank(one.value)));
     for (k, exponent) in exponents.iter().take(4).enumerate() {
         (values[k], statuses[k]) = (exponent.value, exponent.status.word());
@@ -167,6 +167,17 @@ mod tests {
         assert_eq!(
             found(&plain, Unit::Absolute, 0.3),
             found(&plain, Unit::Spread, 0.3 / root)
+        );
+        // So it is in ranges, of the columns that these have scaled.
+        let ranges = [0, 1, 2, 3].map(|c| {
+            let (low, high) = extent(plain.iter().map(|x| x[c]));
+            high - low
+        });
+        let scaled = plain.iter().map(|x| [0, 1, 2, 3].map(|c| x[c] / ranges[c]));
+        let scaled: Vec<[f64; 4]> = scaled.collect();
+        assert_eq!(
+            found(&plain, Unit::Ranges, 0.2),
+            found(&scaled, Unit::Absolute, 0.2)
         );
         // A column of another scale is the same in its range and nowhere else.
         for (unit, same) in [
