@@ -68,12 +68,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     for row in listing(&system, &line, &found) {
         report.note(row);
     }
-    if let Value::Object(fields) = json(&system, &line, &found) {
-        for (key, value) in fields {
-            report.field(&key, value);
-        }
-    }
     report
+        .fields(json(&system, &line, &found))
         .table(points(&system, &line).csv("tangents", numbered(&found, |on_it| &on_it.points))?)
         .table(zones(&system, &line).csv("zones", numbered(&found, |on_it| &on_it.zones))?)
         .figure("tangents", &figure(&system, &line, &found))?;

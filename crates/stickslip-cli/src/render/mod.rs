@@ -173,6 +173,14 @@ impl Report {
         self
     }
 
+    /// The members of an object, for programs.
+    pub(crate) fn fields(&mut self, object: Json) -> &mut Self {
+        if let Json::Object(members) = object {
+            self.json.extend(members);
+        }
+        self
+    }
+
     /// A table to write.
     pub(crate) fn table(&mut self, table: Artifact) -> &mut Self {
         self.tables.push(table);

@@ -4,7 +4,6 @@ use std::fs::File;
 use std::path::Path;
 
 use super::error::SweepError;
-use super::manifest::Manifest;
 use super::plan::Share;
 use super::store::{Store, Writer};
 
@@ -91,8 +90,7 @@ pub fn merge(out: &Path, folders: &[impl AsRef<Path>]) -> Result<Merged, SweepEr
 }
 
 fn same_sweep(first: &Store, second: &Store) -> Result<(), SweepError> {
-    let (one, two) = (Manifest::of(first.plan()), Manifest::of(second.plan()));
-    match one.difference(&two) {
+    match first.plan().difference(second.plan()) {
         None => Ok(()),
         Some((what, one, two)) => Err(SweepError::StrangeShare {
             first: first.folder().to_owned(),
