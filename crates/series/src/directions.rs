@@ -176,7 +176,6 @@ fn direction(votes: &[Vote], i: usize, unit: f64) -> Direction {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::tests::plain;
     use crate::series::{MAX_COLUMNS, Series};
 
     #[test]
@@ -197,11 +196,16 @@ mod tests {
         let finder = Finder::new(&cloud, 1, 0).unwrap();
         let (mut scratch, mut found) = (Scratch::default(), Vec::new());
         let counts = counts(20, 300);
+        // Nothing is cut off.
+        let settings = DataSettings {
+            rank_tolerance: 0.0,
+            ..DataSettings::default()
+        };
         let mut has_vote = |j| {
             vote(
                 &cloud,
                 &finder,
-                &plain(),
+                &settings,
                 &counts,
                 j,
                 &mut scratch,

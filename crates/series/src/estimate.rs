@@ -70,7 +70,16 @@ pub fn data_spectrum_with(
     let cloud = Cloud::new(series);
     let decorrelation = || cloud.as_ref().map_or(0, Cloud::decorrelation);
     let theiler = settings.theiler.unwrap_or_else(decorrelation);
-    enough(series.len(), settings, theiler)?;
+    let (rows, needed) = (series.len(), settings.fewest_points(theiler));
+    if rows < needed {
+        return Err(DataError::TooFew {
+            rows,
+            needed,
+            neighbours: settings.neighbours.fewest(),
+            theiler,
+            step,
+        });
+    }
     let cloud = cloud?;
     let finder = Finder::new(&cloud, step, theiler)?;
     let directions =
@@ -88,7 +97,7 @@ pub fn data_spectrum_with(
         Estimator::Extrapolated { degree } if dimension > 0 => {
             Some(Plan::new(&cloud, settings, degree, dimension))
         }
-        Estimator::Extrapolated { .. } | Estimator::SanoSawada => None,
+        _ => None,
     };
     let search = Search {
         finder: &finder,
@@ -194,13 +203,12 @@ pub fn data_spectrum_with(
             )
         })
         .collect();
-    let sum = match &corrected {
-        Some(corrected) => corrected.sum,
-        None => volume(&full.stretches, dimension, tau),
-    };
-    let running = match &corrected {
-        Some(corrected) => corrected.running.clone(),
-        None => running(&full.stretches, columns, tau),
+    let (sum, running) = match &corrected {
+        Some(corrected) => (corrected.sum, corrected.running.clone()),
+        None => (
+            volume(&full.stretches, dimension, tau),
+            running(&full.stretches, columns, tau),
+        ),
     };
     let time = |count: usize| settings.reference(count) as f64 * series.dt();
     let distances: f64 = points.iter().map(|point| point.radius).sum();
@@ -329,19 +337,3 @@ fn references(rows: usize, settings: &DataSettings) -> usize {
 /// The smallest neighbourhood in which directions are measured has so many points, or twice as many
 /// as there are columns.
 const SMALLEST_LEVEL: usize = 20;
-
-/// # Errors
-/// [`DataError::TooFew`] if there are fewer points than the search needs to be able to succeed.
-fn enough(rows: usize, settings: &DataSettings, theiler: usize) -> Result<(), DataError> {
-    let needed = settings.fewest_points(theiler);
-    if rows < needed {
-        return Err(DataError::TooFew {
-            rows,
-            needed,
-            neighbours: settings.neighbours.fewest(),
-            theiler,
-            step: settings.step,
-        });
-    }
-    Ok(())
-}

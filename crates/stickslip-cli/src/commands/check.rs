@@ -69,15 +69,13 @@ fn understood(system: &System) -> Report {
     });
     report.list("field", rates);
 
-    let period = built
-        .period
-        .map(|period| format!(", period {}", readable(period)));
-    let depends = if built.depends_on_time {
-        "depends"
-    } else {
-        "does not depend"
+    let period = built.period.map_or(String::new(), |period| {
+        format!(", period {}", readable(period))
+    });
+    let depends = match built.depends_on_time {
+        true => "depends",
+        false => "does not depend",
     };
-    let period = period.unwrap_or_default();
     report
         .line("time", format!("the system {depends} on time{period}"))
         .field(
@@ -93,15 +91,9 @@ fn understood(system: &System) -> Report {
     report.field("section", Value::Null);
     if let Some(section) = &file.section {
         let (function, direction) = (&section.function.text, direction_name(section.direction));
-        report
-            .line(
-                "section",
-                format!("where {function} = 0, passed {direction}"),
-            )
-            .field(
-                "section",
-                json!({ "function": function, "direction": direction }),
-            );
+        let line = format!("where {function} = 0, passed {direction}");
+        let object = json!({ "function": function, "direction": direction });
+        report.line("section", line).field("section", object);
     }
     if let Some(start) = start {
         let lines = file.contacts.iter().enumerate().map(|(k, contact)| {
