@@ -128,17 +128,11 @@ pub(super) fn known_period(motion: &Motion, uncertainty: f64) -> Option<f64> {
 
 /// Whether it is an attractor, and not an orbit that has come to none: that escapes, ends, fails, or is undecided.
 pub(super) fn is_attractor(motion: &Motion) -> bool {
-    match motion {
-        Motion::Equilibrium
-        | Motion::EquilibriumSet
-        | Motion::Periodic { .. }
-        | Motion::Recurrent => true,
-        Motion::Escape
-        | Motion::Repelling
-        | Motion::TwoFold
-        | Motion::Failure(_)
-        | Motion::Undecided => false,
-    }
+    use Motion::{Equilibrium, EquilibriumSet, Periodic, Recurrent};
+    matches!(
+        motion,
+        Equilibrium | EquilibriumSet | Periodic { .. } | Recurrent
+    )
 }
 
 /// The state at which an orbit rests, if it does.

@@ -152,16 +152,20 @@ impl Watcher for Recording {
     }
 }
 
+/// Kinds of transitions in the order in which they are counted, and what tables call them.
+pub(super) const KINDS: [(TransitionKind, &str); 6] = [
+    (TransitionKind::StickEntry, "stick entry"),
+    (TransitionKind::StickExit, "stick exit"),
+    (TransitionKind::Crossing, "crossing"),
+    (TransitionKind::Touch, "touch"),
+    (TransitionKind::ContactLoss, "contact loss"),
+    (TransitionKind::ContactGain, "contact gain"),
+];
+
 /// A kind of transition in a table.
 pub(super) fn kind_name(kind: TransitionKind) -> &'static str {
-    match kind {
-        TransitionKind::Crossing => "crossing",
-        TransitionKind::StickEntry => "stick entry",
-        TransitionKind::StickExit => "stick exit",
-        TransitionKind::Touch => "touch",
-        TransitionKind::ContactLoss => "contact loss",
-        TransitionKind::ContactGain => "contact gain",
-    }
+    let named = KINDS.iter().find(|(one, _)| *one == kind);
+    named.map_or("", |(_, name)| name)
 }
 
 /// A direction in a table.

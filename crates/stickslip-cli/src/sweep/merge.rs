@@ -1,6 +1,5 @@
 //! Joins the shares of a sweep that were computed in folders of their own.
 
-use std::fs::File;
 use std::path::Path;
 
 use super::error::SweepError;
@@ -17,8 +16,6 @@ pub struct Merged {
     pub store: Store,
     /// Blocks that more than one folder had, all with the same bytes.
     pub repeated: usize,
-    // Nobody else computes or merges the sweep in this folder until its tables are written.
-    _lock: File,
 }
 
 /// Joins the blocks of the sweep whose shares are in `folders`, in the folder `out`, which may be one of them. Everything is checked
@@ -82,11 +79,8 @@ pub fn merge(out: &Path, folders: &[impl AsRef<Path>]) -> Result<Merged, SweepEr
             Some(Err(_)) | None => writer.put(block, &content)?,
         }
     }
-    Ok(Merged {
-        store: writer.store,
-        repeated,
-        _lock: writer.lock,
-    })
+    let store = writer.store;
+    Ok(Merged { store, repeated })
 }
 
 fn same_sweep(first: &Store, second: &Store) -> Result<(), SweepError> {

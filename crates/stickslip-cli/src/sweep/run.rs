@@ -1,6 +1,5 @@
 //! Computes the blocks of a share that are not on disk yet.
 
-use std::fs::File;
 use std::num::NonZeroUsize;
 use std::ops::Range;
 use std::path::Path;
@@ -36,8 +35,6 @@ pub struct Computed {
     pub old: usize,
     /// Blocks that were on disk and damaged, and were computed anew, each with what was wrong.
     pub repaired: Vec<(usize, &'static str)>,
-    // Held until all is written that is made of the blocks.
-    _lock: File,
 }
 
 /// Whether a block is there, and whole.
@@ -113,7 +110,6 @@ where
     let repaired = blocks.filter_map(damaged).collect();
     Ok(Computed {
         store: writer.store,
-        _lock: writer.lock,
         new: all - old,
         old,
         repaired,

@@ -25,6 +25,9 @@ pub struct Store {
     folder: PathBuf,
     plan: Plan,
     fingerprint: String,
+    // Of a folder that blocks are written into. It is held until all is written that is made of
+    // them; the system gives it back however the process ends.
+    _lock: Option<File>,
 }
 
 /// A folder that a share's blocks are written into.
@@ -32,8 +35,6 @@ pub struct Store {
 pub(super) struct Writer {
     pub(super) store: Store,
     staging: PathBuf,
-    // Held for as long as the writer is there; the system gives it back however the process ends.
-    pub(super) lock: File,
 }
 
 impl Store {
@@ -47,14 +48,15 @@ impl Store {
                 folder: folder.to_owned(),
             });
         };
-        Self::of(folder, plan)
+        Self::of(folder, plan, None)
     }
 
-    fn of(folder: &Path, plan: Plan) -> Result<Self, SweepError> {
+    fn of(folder: &Path, plan: Plan, lock: Option<File>) -> Result<Self, SweepError> {
         Ok(Self {
             folder: folder.to_owned(),
             fingerprint: plan.fingerprint(folder)?,
             plan,
+            _lock: lock,
         })
     }
 
@@ -169,9 +171,8 @@ impl Writer {
             is_free(folder, plan)?;
         }
         Ok(Self {
-            store: Store::of(folder, plan.clone())?,
+            store: Store::of(folder, plan.clone(), Some(lock))?,
             staging,
-            lock,
         })
     }
 
