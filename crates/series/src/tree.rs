@@ -5,7 +5,7 @@
 //! inside the search, this costs nothing; from outside of it more points had to be asked for, often
 //! several times, and half of the time of a spectrum went there.
 
-use pulp::{Arch, NullaryFnOnce};
+use pulp::Arch;
 
 use super::matrix::Matrix;
 use super::neighbours::Neighbour;
@@ -198,43 +198,24 @@ impl Tree {
         if wanted == 0 {
             return;
         }
-        Arch::new().dispatch(Search {
-            tree: self,
-            centre,
-            wanted,
-            between,
-            admissible,
-            found,
-        });
+        // With the machine's vectors, which change no bit: a distance is a lane.
+        Arch::new().dispatch(
+            #[inline(always)]
+            || self.collect(centre, wanted, between, admissible, found),
+        );
         sort(found, wanted);
     }
-}
 
-/// A search of [`Tree::nearest`], which leaves those found unsorted, and some beyond the wanted
-/// ones.
-struct Search<'a, A> {
-    tree: &'a Tree,
-    centre: &'a [f64],
-    wanted: usize,
-    between: (f64, f64),
-    admissible: A,
-    found: &'a mut Vec<Neighbour>,
-}
-
-/// With the machine's vectors, which change no bit: a distance is a lane.
-impl<A: Fn(u32) -> bool> NullaryFnOnce for Search<'_, A> {
-    type Output = ();
-
+    /// What [`Tree::nearest`] looks for, unsorted, and some beyond the wanted ones.
     #[inline(always)]
-    fn call(self) {
-        let Self {
-            tree,
-            centre,
-            wanted,
-            between: (repeat2, radius2),
-            admissible,
-            found,
-        } = self;
+    fn collect(
+        &self,
+        centre: &[f64],
+        wanted: usize,
+        (repeat2, radius2): (f64, f64),
+        admissible: impl Fn(u32) -> bool,
+        found: &mut Vec<Neighbour>,
+    ) {
         let mut furthest = (radius2, u32::MAX);
         // Candidates are collected until they are twice as many, and those that are too far then go
         // together; the first time as soon as they tell a distance, where none is known.
@@ -243,15 +224,15 @@ impl<A: Fn(u32) -> bool> NullaryFnOnce for Search<'_, A> {
         } else {
             wanted
         };
-        let child = |node: usize| (node, tree.bounds(node).distance2(centre));
+        let child = |node: usize| (node, self.bounds(node).distance2(centre));
         // One of each level and the root's other child: no more levels are needed for all indices.
         let mut open = Vec::with_capacity(u32::BITS as usize);
         open.push((0, 0.0));
         while let Some((node, least)) = open.pop() {
-            if tree.bounds(node).has_none(centre, least, repeat2, furthest) {
+            if self.bounds(node).has_none(centre, least, repeat2, furthest) {
                 continue;
             }
-            if node < tree.first_leaf {
+            if node < self.first_leaf {
                 let (left, right) = (child(2 * node + 1), child(2 * node + 2));
                 // The nearer one is looked at first.
                 open.extend(if left.1 <= right.1 {
@@ -261,9 +242,9 @@ impl<A: Fn(u32) -> bool> NullaryFnOnce for Search<'_, A> {
                 });
                 continue;
             }
-            let leaf = (node - tree.first_leaf) * BLOCKS;
+            let leaf = (node - self.first_leaf) * BLOCKS;
             for block in leaf..leaf + BLOCKS {
-                let squares = tree.distances2(block, centre);
+                let squares = self.distances2(block, centre);
                 // Most blocks hold none that is near enough: these are passed over.
                 let is_any = squares
                     .iter()
@@ -278,7 +259,7 @@ impl<A: Fn(u32) -> bool> NullaryFnOnce for Search<'_, A> {
                 while near != 0 {
                     let lane = near.trailing_zeros() as usize;
                     near &= near - 1;
-                    let (square, index) = (squares[lane], tree.indices[block][lane]);
+                    let (square, index) = (squares[lane], self.indices[block][lane]);
                     let is_near = square < furthest.0 || index <= furthest.1;
                     if is_near && admissible(index) {
                         found.push((square, index));
