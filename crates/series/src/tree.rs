@@ -5,6 +5,8 @@
 //! inside the search, this costs nothing; from outside of it more points had to be asked for, often
 //! several times, and half of the time of a spectrum went there.
 
+use std::cmp::Ordering;
+
 use pulp::Arch;
 
 use super::matrix::Matrix;
@@ -267,7 +269,7 @@ impl Tree {
                 }
             }
             if found.len() >= full {
-                furthest = *found.select_nth_unstable_by_key(wanted - 1, order).1;
+                furthest = *found.select_nth_unstable_by(wanted - 1, order).1;
                 found.truncate(wanted);
                 full = wanted.saturating_mul(2);
             }
@@ -275,41 +277,15 @@ impl Tree {
     }
 }
 
-/// Bits of a distance that a position takes while neighbours are sorted: 40 bits of it are left,
-/// and 4096 neighbours have place.
-const POSITION_BITS: u32 = 12;
-
-/// Sorts by [`order`] and keeps the first so many. Numbers are sorted in half of the time that
-/// pairs take: the last bits of the distances make place for where the pair stands, and those that
-/// differ in these bits only, which are few, are sorted once more.
+/// Sorts by distance and then by index, and keeps the first so many.
 fn sort(found: &mut Vec<Neighbour>, wanted: usize) {
-    const POSITION: u64 = (1 << POSITION_BITS) - 1;
-    if found.len() > 1 << POSITION_BITS {
-        found.sort_unstable_by_key(order);
-        found.truncate(wanted);
-        return;
-    }
-    let pairs = found.iter().zip(0..);
-    let mut keys: Vec<u64> = pairs
-        .map(|(neighbour, position)| neighbour.0.to_bits() & !POSITION | position)
-        .collect();
-    keys.sort_unstable();
-    let pair = |key: &u64| found[(key & POSITION) as usize];
-    let mut sorted: Vec<Neighbour> = keys.iter().map(pair).collect();
-    let is_same = |a: &Neighbour, b: &Neighbour| (a.0.to_bits() ^ b.0.to_bits()) & !POSITION == 0;
-    for same in sorted.chunk_by_mut(is_same) {
-        if same.len() > 1 {
-            same.sort_unstable_by_key(order);
-        }
-    }
-    found.clear();
-    found.extend(sorted.into_iter().take(wanted));
+    found.sort_unstable_by(order);
+    found.truncate(wanted);
 }
 
-/// By distance and then by index, as one number: the bits of positive numbers are in the order of
-/// the numbers.
-fn order(neighbour: &Neighbour) -> u128 {
-    u128::from(neighbour.0.to_bits()) << u32::BITS | u128::from(neighbour.1)
+/// By distance and then by index.
+fn order(a: &Neighbour, b: &Neighbour) -> Ordering {
+    a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))
 }
 
 #[cfg(test)]
@@ -362,7 +338,7 @@ mod tests {
         agrees_with_brute_force(10);
     }
 
-    /// In few places, a few units in the last place apart, and more than there are positions for.
+    /// In few places, a few units in the last place apart.
     #[test]
     fn neighbours_are_sorted_by_distance_and_then_by_index() {
         let mut draw = SplitMix::new(7);
