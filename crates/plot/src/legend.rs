@@ -53,12 +53,6 @@ const COLUMN_GAP: f64 = 18.0;
 const PADDING: f64 = 5.0;
 const INSET: f64 = 7.0;
 
-/// A legend below a panel, laid out for its width.
-struct Columns {
-    count: usize,
-    width: f64,
-}
-
 /// Width of the widest entry, px.
 fn widest(entries: &[Entry]) -> Result<f64, PlotError> {
     let widths = entries
@@ -68,16 +62,14 @@ fn widest(entries: &[Entry]) -> Result<f64, PlotError> {
     Ok(KEY + KEY_GAP + widths.into_iter().fold(0.0, f64::max))
 }
 
-fn columns(entries: &[Entry], available: f64) -> Result<Columns, PlotError> {
+/// Number and width of the columns of a legend below a panel.
+fn columns(entries: &[Entry], available: f64) -> Result<(usize, f64), PlotError> {
     let widest = widest(entries)?;
     let fit = ((available + COLUMN_GAP) / (widest + COLUMN_GAP)).floor() as usize;
     let fit = fit.clamp(1, entries.len().max(1));
     // As many lines as that takes, but spread evenly over them: 4 entries make 2 + 2, not 3 + 1.
     let lines = entries.len().div_ceil(fit);
-    Ok(Columns {
-        count: entries.len().div_ceil(lines.max(1)).max(1),
-        width: widest,
-    })
+    Ok((entries.len().div_ceil(lines.max(1)).max(1), widest))
 }
 
 /// Height a legend below a panel takes, px.
@@ -85,8 +77,8 @@ pub(super) fn height_below(entries: &[Entry], available: f64) -> Result<f64, Plo
     if entries.is_empty() {
         return Ok(0.0);
     }
-    let columns = columns(entries, available)?;
-    Ok(entries.len().div_ceil(columns.count) as f64 * LINE + PADDING)
+    let (count, _) = columns(entries, available)?;
+    Ok(entries.len().div_ceil(count) as f64 * LINE + PADDING)
 }
 
 /// Draws the legend under a panel: centred between `left` and `right`, from `top` down.
@@ -99,7 +91,7 @@ pub(super) fn draw_below(
     if entries.is_empty() {
         return Ok(());
     }
-    let Columns { count, width } = columns(entries, right - left)?;
+    let (count, width) = columns(entries, right - left)?;
     let total = count as f64 * (width + COLUMN_GAP) - COLUMN_GAP;
     let start = left + ((right - left) - total) / 2.0;
     for (i, entry) in entries.iter().enumerate() {

@@ -10,6 +10,10 @@ use super::tree::Tree;
 /// rounding or the tolerance of an integrator, and tells nothing of the dynamics.
 const REPEAT: f64 = 1e-9;
 
+/// One over the part of the points that a neighbourhood holds at most: a larger one is no small part
+/// of the attractor.
+pub(crate) const LARGEST_PART: usize = 20;
+
 /// A neighbour: squared distance and index.
 pub(crate) type Neighbour = (f64, u32);
 

@@ -24,8 +24,9 @@ use straight::straight_part;
 /// Points that are followed, spread evenly over the series: a mean logarithm of so many is known to
 /// some hundredths.
 const SAMPLES: usize = 1000;
-/// With fewer points there is nothing to follow: eight blocks would hold fewer than seven each.
-const FEWEST: usize = 50;
+/// With fewer points there is nothing to follow, as eight blocks would hold fewer than seven each,
+/// and nothing is embedded unasked.
+pub(crate) const FEWEST: usize = 50;
 /// Points of time they are followed over, at most,
 const LONGEST: usize = 2048;
 /// and as a part of the series.

@@ -5,7 +5,8 @@ mod delay;
 mod false_neighbours;
 mod information;
 
-use crate::cloud::Cloud;
+use crate::cloud::{Cloud, longest_lag};
+use crate::divergence::FEWEST;
 use crate::error::DataError;
 use crate::series::Series;
 pub use delay::Embedding;
@@ -13,9 +14,6 @@ use delay::most_dimensions;
 use false_neighbours::{Level, level};
 use information::Classes;
 
-/// Longest delay that is looked at, as a part of the series: ten vectors of two values then follow
-/// one another.
-const LONGEST_PART: usize = 10;
 /// Lags that are looked at, at most: a bound on the time that it takes.
 const MOST_LAGS: usize = 2000;
 /// A minimum is one if the information rises behind it by this part of what it is at the first lag.
@@ -148,9 +146,6 @@ pub struct EmbeddingChoice {
     pub is_noise: bool,
 }
 
-/// With fewer points nothing is embedded unasked.
-const FEWEST_POINTS: usize = 50;
-
 /// The embedding that the settings ask for or the data need; `None` if the columns are the state as
 /// they are.
 ///
@@ -166,7 +161,7 @@ pub fn needed_embedding(
     progress: &dyn Fn(usize, usize),
 ) -> Result<Option<EmbeddingChoice>, DataError> {
     let asked = settings.delay.is_some() || settings.dimension.is_some();
-    let is_short = series.len() < FEWEST_POINTS;
+    let is_short = series.len() < FEWEST;
     if !asked && (is_short || series.columns() > 1 && !lacks_columns(series, settings.theiler)?) {
         return Ok(None);
     }
@@ -194,7 +189,7 @@ pub fn choose_embedding(
         dimension: settings.dimension.unwrap_or(1),
     }
     .of(series)?;
-    let longest = longest_delay(series.len());
+    let longest = longest_lag(series.len());
     if let (Some(delay), None) = (settings.delay, settings.dimension)
         && delay > longest
     {
@@ -262,11 +257,6 @@ pub fn lacks_columns(series: &Series, theiler: Option<usize>) -> Result<bool, Da
     }
 }
 
-/// The longest delay that leaves something to choose a dimension by.
-fn longest_delay(rows: usize) -> usize {
-    (rows / LONGEST_PART).max(1)
-}
-
 /// Mutual information over the lag.
 type Information = Vec<(usize, f64)>;
 
@@ -277,7 +267,7 @@ fn delay(
     given: Option<usize>,
 ) -> Result<(Information, (usize, DelayReason)), DataError> {
     let classes = Classes::new(series);
-    let longest = longest_delay(series.len()).min(MOST_LAGS);
+    let longest = longest_lag(series.len()).min(MOST_LAGS);
     let mut curve = Information::new();
     let mut found = given.map(|delay| (delay, DelayReason::Given));
     if found.is_none() && decorrelation <= 1 {
