@@ -116,13 +116,11 @@ impl Watcher for Recording {
             Moment { t, x }
         };
         let mut from = at(0);
-        for k in 1..=PER_STEP {
-            let to = if k == PER_STEP {
-                let (t, x) = (step.t_end, step.x_end.clone());
-                Moment { t, x }
-            } else {
-                at(k)
-            };
+        let end = Moment {
+            t: step.t_end,
+            x: step.x_end.clone(),
+        };
+        for to in (1..PER_STEP).map(at).chain([end]) {
             self.part(solution, &from, to.clone(), MOST_HALVINGS);
             from = to;
         }
