@@ -90,11 +90,10 @@ impl<'a> Canvas<'a> {
         if points.len() < 2 {
             return Ok(());
         }
-        self.out.push_str("<path d=\"");
-        self.trace(points)?;
+        self.path(points, "")?;
         write!(
             self.out,
-            "\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" stroke-linejoin=\"round\"",
+            " fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" stroke-linejoin=\"round\"",
             pen.color.hex(),
             units(pen.width)
         )?;
@@ -149,9 +148,7 @@ impl<'a> Canvas<'a> {
         };
         if !corners.is_empty() {
             let corners: Vec<_> = corners.iter().map(|(dx, dy)| (x + dx, y + dy)).collect();
-            self.out.push_str("<path d=\"");
-            self.trace(&corners)?;
-            self.out.push_str("z\"");
+            self.path(&corners, "z")?;
         }
         writeln!(
             self.out,
@@ -272,9 +269,8 @@ impl<'a> Canvas<'a> {
         if corners.len() < 3 {
             return Ok(());
         }
-        self.out.push_str("<path d=\"");
-        self.trace(corners)?;
-        writeln!(self.out, "z\" fill=\"{}\"/>", color.hex())
+        self.path(corners, "z")?;
+        writeln!(self.out, " fill=\"{}\"/>", color.hex())
     }
 
     /// A rectangle: filled, or with an edge of this many backend units. The corners come in any order, because
@@ -301,8 +297,9 @@ impl<'a> Canvas<'a> {
         )
     }
 
-    /// Path data: one absolute point, then differences, which are shorter.
-    fn trace(&mut self, points: &[BackendCoord]) -> fmt::Result {
+    /// Begins a path: one absolute point, then differences, which are shorter.
+    fn path(&mut self, points: &[BackendCoord], end: &str) -> fmt::Result {
+        self.out.push_str("<path d=\"");
         let mut before: Option<BackendCoord> = None;
         for &(x, y) in points {
             match before {
@@ -324,7 +321,7 @@ impl<'a> Canvas<'a> {
         if self.out.ends_with('l') {
             self.out.push_str("0 0");
         }
-        Ok(())
+        write!(self.out, "{end}\"")
     }
 }
 
