@@ -99,12 +99,17 @@ pub fn data_spectrum_with(
         }
         _ => None,
     };
-    let search = Search {
-        finder: &finder,
-        settings,
-        spread: cloud.spread,
-        times: if sensitivity { 2 } else { 1 },
-        furthest: plan.as_ref().map(Plan::furthest),
+    let times = if sensitivity { 2 } else { 1 };
+    let furthest = plan.as_ref().map_or(0, Plan::furthest);
+    // The neighbourhood of Eq. (25), among so many of the nearest as are extrapolated from.
+    let around = |j: usize, found: &mut Found| {
+        let (from, neighbours) = ((found.of.replace(j), j), &settings.neighbours);
+        let (found, spread) = (&mut found.neighbours, cloud.spread);
+        if furthest < neighbours.most() {
+            return finder.select(from, neighbours, (times, furthest), spread, found);
+        }
+        finder.follow(from, furthest, f64::INFINITY, found);
+        Selection::of(found, neighbours, spread)
     };
     let count = settings.chains();
     let images = Images::of(&cloud.points, step);
@@ -124,7 +129,7 @@ pub fn data_spectrum_with(
                 },
                 |(scratch, fitter, found), i| {
                     let j = settings.reference(i);
-                    let selection = search.around(j, found);
+                    let selection = around(j, found);
                     let neighbours = &found.neighbours[..selection.count];
                     let (wide, decomposed) = if sensitivity {
                         let both = [found.neighbours.as_slice(), neighbours];
@@ -145,7 +150,7 @@ pub fn data_spectrum_with(
                     let fixed = decomposed.map(fixed_rank, settings);
                     let directions = decomposed.into_directions();
                     let maps = plan.as_ref().map(|plan| {
-                        let nearest = search.furthest(j, found);
+                        let nearest = &found.neighbours;
                         let maps = plan.fit(fitter, j, nearest, &directions);
                         // Judged by what the exponents come from.
                         if let Neighbourhood::Ball { eps, .. } = settings.neighbours {
@@ -253,60 +258,7 @@ pub fn data_spectrum_with(
 #[derive(Default)]
 struct Found {
     neighbours: Vec<Neighbour>,
-    /// None where nothing can be told from them.
     of: Option<usize>,
-}
-
-/// Looks for what the maps around a point are fitted to.
-struct Search<'a> {
-    finder: &'a Finder<'a>,
-    settings: &'a DataSettings,
-    spread: f64,
-    times: usize,
-    /// Neighbours of the largest neighbourhood that is extrapolated from.
-    furthest: Option<usize>,
-}
-
-impl Search<'_> {
-    /// The neighbourhood of Eq. (25), among others of the nearest where these are looked for
-    /// anyway.
-    fn around(&self, j: usize, found: &mut Found) -> Selection {
-        let neighbours = &self.settings.neighbours;
-        let from = (found.of, j);
-        match self.furthest {
-            Some(wanted) if neighbours.most() <= wanted => {
-                self.finder
-                    .follow(from, wanted, f64::INFINITY, &mut found.neighbours);
-                found.of = Some(j);
-                Selection::of(&found.neighbours, neighbours, self.spread)
-            }
-            Some(_) => {
-                // Other points are looked for in between.
-                found.of = None;
-                self.select((None, j), found)
-            }
-            None => {
-                found.of = Some(j);
-                self.select(from, found)
-            }
-        }
-    }
-
-    fn select(&self, from: (Option<usize>, usize), found: &mut Found) -> Selection {
-        let (neighbours, times) = (&self.settings.neighbours, self.times);
-        self.finder
-            .select(from, neighbours, times, self.spread, &mut found.neighbours)
-    }
-
-    /// The nearest points, after [`Search::around`].
-    fn furthest<'f>(&self, j: usize, found: &'f mut Found) -> &'f [Neighbour] {
-        if found.of != Some(j) {
-            let wanted = self.furthest.unwrap_or(0);
-            self.finder
-                .nearest(j, wanted, f64::INFINITY, &mut found.neighbours);
-        }
-        &found.neighbours
-    }
 }
 
 /// What is kept of a reference point.
